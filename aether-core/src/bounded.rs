@@ -1,0 +1,227 @@
+//! A real number together with a bound on its rounding error.
+
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::real::{Real, Scalar};
+
+/// A value and a first-order bound on its absolute error (running error analysis).
+///
+/// A derived inverse runs on `Bounded` where a recovered uniform falls outside [0, 1) or where a
+/// point may lie off the manifold: the bound says whether rounding alone explains it, so tolerances
+/// follow the coordinates and the anchors instead of being absolute.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounded<R> {
+    /// The value, computed as it would be without the bound.
+    pub value: R,
+    /// Bound on the absolute error of `value`.
+    pub error: R,
+}
+
+impl<R: Scalar> Bounded<R> {
+    /// A number that was rounded once: its error is one unit in the last place.
+    #[inline]
+    pub fn rounded(value: R) -> Self {
+        Bounded { value, error: value.abs() * R::EPSILON }
+    }
+
+    /// A number that is exact.
+    #[inline]
+    pub fn exact(value: R) -> Self {
+        Bounded { value, error: R::ZERO }
+    }
+
+    /// A result with the error carried over from the operands, plus its own rounding.
+    #[inline]
+    fn result(value: R, carried: R) -> Self {
+        let error = carried + value.abs() * R::EPSILON;
+        // A NaN bound (0 times infinity) tells nothing: take it as no knowledge at all.
+        Bounded { value, error: if error == error { error } else { R::INFINITY } }
+    }
+
+    /// Applies a function with the given derivative at the value.
+    #[inline]
+    fn function(self, value: R, derivative: R) -> Self {
+        // An exact operand stays exact even at a pole of the derivative.
+        let carried = if self.error == R::ZERO { R::ZERO } else { derivative.abs() * self.error };
+        Self::result(value, carried)
+    }
+
+    /// A function whose derivative blows up at an end of its domain (a square root at zero, an
+    /// inverse cosine at one): the error is the secant over the interval of uncertainty.
+    #[inline]
+    fn steep(self, value: R, f: impl Fn(R) -> R) -> Self {
+        let up = (f(self.value + self.error) - value).abs();
+        let down = (value - f(self.value - self.error)).abs();
+        let known = |d: R| if d == d { d } else { R::ZERO };
+        Self::result(value, known(up).max(known(down)))
+    }
+}
+
+impl<R: Scalar> Neg for Bounded<R> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Bounded { value: -self.value, error: self.error }
+    }
+}
+impl<R: Scalar> Add for Bounded<R> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self::result(self.value + other.value, self.error + other.error)
+    }
+}
+impl<R: Scalar> Sub for Bounded<R> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self::result(self.value - other.value, self.error + other.error)
+    }
+}
+impl<R: Scalar> Mul for Bounded<R> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let carried = self.value.abs() * other.error
+            + other.value.abs() * self.error
+            + self.error * other.error;
+        Self::result(self.value * other.value, carried)
+    }
+}
+impl<R: Scalar> Div for Bounded<R> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let quotient = self.value / other.value;
+        let nearest = other.value.abs() - other.error;
+        let carried = if nearest > R::ZERO {
+            (self.error + quotient.abs() * other.error) / nearest
+        } else {
+            R::INFINITY
+        };
+        Self::result(quotient, carried)
+    }
+}
+
+macro_rules! assign {
+    ($($trait:ident $name:ident $op:tt;)*) => {
+        $(impl<R: Scalar> $trait for Bounded<R> {
+            #[inline]
+            fn $name(&mut self, other: Self) { *self = *self $op other; }
+        })*
+    };
+}
+assign! { AddAssign add_assign +; SubAssign sub_assign -; MulAssign mul_assign *; DivAssign div_assign /; }
+
+macro_rules! smooth {
+    ($($name:ident: $derivative:expr;)*) => {
+        $(#[inline]
+        fn $name(self) -> Self {
+            let derivative: fn(R) -> R = $derivative;
+            self.function(self.value.$name(), derivative(self.value))
+        })*
+    };
+}
+
+macro_rules! steep {
+    ($($name:ident)*) => {
+        $(#[inline]
+        fn $name(self) -> Self { self.steep(self.value.$name(), R::$name) })*
+    };
+}
+
+/// Clears the sign of a zero bound: comparisons look at values alone.
+impl<R: Scalar> Real for Bounded<R> {
+    type Mask = bool;
+    const ZERO: Self = Bounded { value: R::ZERO, error: R::ZERO };
+    const ONE: Self = Bounded { value: R::ONE, error: R::ZERO };
+    const EPSILON: Self = Bounded { value: R::EPSILON, error: R::ZERO };
+    const INFINITY: Self = Bounded { value: R::INFINITY, error: R::ZERO };
+
+    #[inline]
+    fn of(x: f64) -> Self {
+        let value = R::of(x);
+        if value.to_f64() == x { Self::exact(value) } else { Self::rounded(value) }
+    }
+    #[inline]
+    fn to_f64(self) -> f64 {
+        self.value.to_f64()
+    }
+    #[inline]
+    fn lt(self, other: Self) -> bool {
+        self.value < other.value
+    }
+    #[inline]
+    fn le(self, other: Self) -> bool {
+        self.value <= other.value
+    }
+    #[inline]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+    #[inline]
+    fn finite(self) -> bool {
+        self.value.finite()
+    }
+    #[inline]
+    fn abs(self) -> Self {
+        Bounded { value: self.value.abs(), error: self.error }
+    }
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        let error = self.error.max(other.error);
+        Bounded { value: self.value.min(other.value), error }
+    }
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        let error = self.error.max(other.error);
+        Bounded { value: self.value.max(other.value), error }
+    }
+    #[inline]
+    fn floor(self) -> Self {
+        Self::exact(self.value.floor())
+    }
+    #[inline]
+    fn copysign(self, sign: Self) -> Self {
+        Bounded { value: self.value.copysign(sign.value), error: self.error }
+    }
+    #[inline]
+    fn powf(self, exponent: Self) -> Self {
+        let value = self.value.powf(exponent.value);
+        let base = self.steep(value, |x| x.powf(exponent.value)).error;
+        let power = if exponent.error == R::ZERO {
+            R::ZERO
+        } else {
+            (value * self.value.ln()).abs() * exponent.error
+        };
+        Self::result(value, base + power)
+    }
+    #[inline]
+    fn powi(self, exponent: i32) -> Self {
+        let slope = R::of(f64::from(exponent)) * self.value.powi(exponent - 1);
+        self.function(self.value.powi(exponent), slope)
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        let radius2 = self.value * self.value + x.value * x.value;
+        let carried = (x.value.abs() * self.error + self.value.abs() * x.error) / radius2;
+        Self::result(self.value.atan2(x.value), carried)
+    }
+    #[inline]
+    fn hypot(self, other: Self) -> Self {
+        Self::result(self.value.hypot(other.value), self.error + other.error)
+    }
+    smooth! {
+        exp: |x| x.exp();
+        exp_m1: |x| x.exp();
+        sin: |x| x.cos();
+        cos: |x| x.sin();
+        tan: |x| R::ONE + x.tan() * x.tan();
+        atan: |x| R::ONE / (R::ONE + x * x);
+        sinh: |x| x.cosh();
+        cosh: |x| x.sinh();
+        tanh: |x| R::ONE - x.tanh() * x.tanh();
+        asinh: |x| R::ONE / (x * x + R::ONE).sqrt();
+    }
+    steep! { sqrt cbrt ln ln_1p asin acos acosh atanh }
+}

@@ -1,0 +1,117 @@
+//! Maps between spaces, and their composition with samplers: what `#[map]` derives.
+
+use crate::density::Density;
+use crate::point::Point;
+use crate::real::{Mask, Real};
+use crate::sampler::{PdfOf, Sampler};
+
+/// A differentiable map from one space to another, with its inverse and its change of measure
+/// derived by the compiler. Made by `#[map]`.
+pub trait Map<R: Real>: Copy {
+    /// The space that it maps from.
+    type Source: Point<R>;
+    /// The space that it maps to.
+    type Target: Point<R>;
+
+    /// The image of `x`, and whether there is one.
+    fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask);
+
+    /// Calls `visit` with every preimage of `y` (where the mask holds).
+    fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask));
+
+    /// The change of measure at `x`: how much the map stretches the measure of the source space to
+    /// that of the target (units of the target's measure over units of the source's), the
+    /// derivative restricted to the tangent space of the source.
+    fn jacobian(&self, x: &Self::Source) -> R;
+
+    /// The image of `x`; meaningful where [`Map::forward`] says that there is one.
+    #[inline(always)]
+    fn apply(&self, x: &Self::Source) -> Self::Target {
+        self.forward(x).0
+    }
+
+    /// This map, then another.
+    #[inline(always)]
+    fn then<M: Map<R, Source = Self::Target>>(self, next: M) -> Then<Self, M> {
+        Then::new(self, next)
+    }
+}
+
+/// One thing after another: a sampler and a map, or two maps. Densities divide by the change of
+/// measure at each step, summed over the preimages of each.
+#[derive(Clone, Copy, Debug)]
+pub struct Then<A, B> {
+    first: A,
+    second: B,
+}
+
+impl<A, B> Then<A, B> {
+    /// `second` after `first`.
+    #[inline(always)]
+    pub fn new(first: A, second: B) -> Self {
+        Then { first, second }
+    }
+}
+
+impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S, M> {
+    type Uniforms = S::Uniforms;
+    type Point = M::Target;
+
+    #[inline(always)]
+    fn forward(&self, u: S::Uniforms) -> (M::Target, R::Mask) {
+        let (x, sampled) = self.first.forward(u);
+        let (y, mapped) = self.second.forward(&x);
+        (y, sampled.and(mapped))
+    }
+
+    #[inline(always)]
+    fn pdf(&self, y: &M::Target) -> PdfOf<Self, R> {
+        let mut sum = R::ZERO;
+        self.second.preimages(y, |x, valid| {
+            if valid.any() {
+                let p = self.first.pdf(&x).value();
+                // Where the sampler has no density the map need not have a derivative.
+                let q = p / self.second.jacobian(&x);
+                sum += R::select(valid.and(p.gt(R::ZERO)), q, R::ZERO);
+            }
+        });
+        Density::new(sum)
+    }
+
+    #[inline(always)]
+    fn pdf_of_uniforms(&self, u: S::Uniforms) -> PdfOf<Self, R> {
+        self.pdf(&self.forward(u).0)
+    }
+
+    #[inline(always)]
+    fn preimages(&self, y: &M::Target, mut visit: impl FnMut(S::Uniforms, R::Mask)) {
+        self.second.preimages(y, |x, outer| {
+            self.first.preimages(&x, |u, inner| visit(u, outer.and(inner)));
+        });
+    }
+}
+
+impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
+    type Source = A::Source;
+    type Target = B::Target;
+
+    #[inline(always)]
+    fn forward(&self, x: &A::Source) -> (B::Target, R::Mask) {
+        let (y, first) = self.first.forward(x);
+        let (z, second) = self.second.forward(&y);
+        (z, first.and(second))
+    }
+
+    #[inline(always)]
+    fn preimages(&self, z: &B::Target, mut visit: impl FnMut(A::Source, R::Mask)) {
+        self.second.preimages(z, |y, outer| {
+            self.first.preimages(&y, |x, inner| visit(x, outer.and(inner)));
+        });
+    }
+
+    #[inline(always)]
+    fn jacobian(&self, x: &A::Source) -> R {
+        let y = self.first.forward(x).0;
+        self.first.jacobian(x) * self.second.jacobian(&y)
+    }
+}

@@ -1,0 +1,219 @@
+//! The scalar that emitted code is generic over.
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+/// The result of comparing two [`Real`]s: `bool` for scalars, one truth value a lane for lanes.
+pub trait Mask: Copy + Debug {
+    /// All lanes true.
+    const TRUE: Self;
+    /// All lanes false.
+    const FALSE: Self;
+    /// Lane-wise conjunction.
+    fn and(self, other: Self) -> Self;
+    /// Lane-wise disjunction.
+    fn or(self, other: Self) -> Self;
+    /// Lane-wise negation.
+    fn not(self) -> Self;
+    /// Whether any lane is true.
+    fn any(self) -> bool;
+}
+
+impl Mask for bool {
+    const TRUE: bool = true;
+    const FALSE: bool = false;
+    #[inline(always)]
+    fn and(self, other: bool) -> bool {
+        self & other
+    }
+    #[inline(always)]
+    fn or(self, other: bool) -> bool {
+        self | other
+    }
+    #[inline(always)]
+    fn not(self) -> bool {
+        !self
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+}
+
+/// A real number as the language sees it.
+///
+/// Implemented by `f32`, `f64` and [`Bounded`](crate::bounded::Bounded) (a value with a running
+/// error bound). Comparisons return a [`Mask`] and branches are [`Real::select`], so that the same
+/// emitted code can run on lanes.
+pub trait Real:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+{
+    /// What comparisons return.
+    type Mask: Mask;
+    /// Zero.
+    const ZERO: Self;
+    /// One.
+    const ONE: Self;
+    /// Distance from one to the next larger number (2^-52 for `f64`, 2^-23 for `f32`).
+    const EPSILON: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+
+    /// The number nearest to `x`.
+    fn of(x: f64) -> Self;
+    /// The value as `f64` (of the first lane, for lanes).
+    fn to_f64(self) -> f64;
+    /// `self < other`; false for NaN, like all comparisons here.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
+    /// `self > other`.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+    /// `self >= other`.
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        other.le(self)
+    }
+    /// `yes` where `mask` is true, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Neither NaN nor infinite.
+    fn finite(self) -> Self::Mask;
+
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// The smaller of two numbers; the other one if one is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two numbers; the other one if one is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Largest integer not above `self`.
+    fn floor(self) -> Self;
+    /// Magnitude of `self` with the sign of `sign`.
+    fn copysign(self, sign: Self) -> Self;
+    /// Square root.
+    fn sqrt(self) -> Self;
+    /// Cube root.
+    fn cbrt(self) -> Self;
+    /// e^self.
+    fn exp(self) -> Self;
+    /// e^self - 1, accurate near zero.
+    fn exp_m1(self) -> Self;
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+    /// ln(1 + self), accurate near zero.
+    fn ln_1p(self) -> Self;
+    /// self^exponent.
+    fn powf(self, exponent: Self) -> Self;
+    /// self^exponent for an integer known when the code was emitted.
+    fn powi(self, exponent: i32) -> Self;
+    /// Sine of an angle in radians.
+    fn sin(self) -> Self;
+    /// Cosine of an angle in radians.
+    fn cos(self) -> Self;
+    /// Tangent of an angle in radians.
+    fn tan(self) -> Self;
+    /// Inverse sine, in [-π/2, π/2].
+    fn asin(self) -> Self;
+    /// Inverse cosine, in [0, π].
+    fn acos(self) -> Self;
+    /// Inverse tangent, in [-π/2, π/2].
+    fn atan(self) -> Self;
+    /// Angle of the point (x, self) from the x axis, in [-π, π].
+    fn atan2(self, x: Self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(self) -> Self;
+    /// Inverse hyperbolic sine.
+    fn asinh(self) -> Self;
+    /// Inverse hyperbolic cosine.
+    fn acosh(self) -> Self;
+    /// Inverse hyperbolic tangent.
+    fn atanh(self) -> Self;
+    /// √(self² + other²) without overflow.
+    fn hypot(self, other: Self) -> Self;
+    /// 1 / self.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::ONE / self
+    }
+}
+
+/// A [`Real`] that is one number, so that it can be compared with `<` and used in plain Rust code.
+pub trait Scalar: Real<Mask = bool> + PartialOrd + core::iter::Sum {}
+impl Scalar for f32 {}
+impl Scalar for f64 {}
+
+macro_rules! forward {
+    ($t:ident: $($name:ident($($arg:ident),*));* $(;)?) => {
+        $(#[inline(always)]
+        fn $name(self $(, $arg: $t)*) -> $t { <$t>::$name(self $(, $arg)*) })*
+    };
+}
+
+macro_rules! impl_real {
+    ($t:ident) => {
+        impl Real for $t {
+            type Mask = bool;
+            const ZERO: $t = 0.0;
+            const ONE: $t = 1.0;
+            const EPSILON: $t = $t::EPSILON;
+            const INFINITY: $t = $t::INFINITY;
+            #[inline(always)]
+            fn of(x: f64) -> $t {
+                x as $t
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn lt(self, other: $t) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn le(self, other: $t) -> bool {
+                self <= other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: $t, no: $t) -> $t {
+                if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn finite(self) -> bool {
+                self.is_finite()
+            }
+            #[inline(always)]
+            fn powi(self, exponent: i32) -> $t {
+                <$t>::powi(self, exponent)
+            }
+            forward! { $t:
+                abs(); min(other); max(other); floor(); copysign(sign); sqrt(); cbrt(); exp();
+                exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin(); acos();
+                atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
+            }
+        }
+    };
+}
+
+impl_real!(f32);
+impl_real!(f64);

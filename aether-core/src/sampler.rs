@@ -1,0 +1,187 @@
+//! Random variables: what `#[sampler]` derives from a function of uniforms.
+
+use core::fmt;
+use core::ops::Deref;
+
+use crate::density::Density;
+use crate::map::{Map, Then};
+use crate::point::Point;
+use crate::preimages::Preimages;
+use crate::real::{Mask, Real};
+
+/// A uniform random number in [0, 1) as the body of a sampler sees it.
+pub type Uniform = f64;
+
+/// An array of uniforms, `[R; N]`.
+pub trait Uniforms<R>: Copy + fmt::Debug + AsRef<[R]> {
+    /// How many.
+    const COUNT: usize;
+    /// An array from its elements.
+    fn from_fn(element: impl FnMut(usize) -> R) -> Self;
+}
+
+impl<R: Real, const N: usize> Uniforms<R> for [R; N] {
+    const COUNT: usize = N;
+    #[inline(always)]
+    fn from_fn(element: impl FnMut(usize) -> R) -> Self {
+        core::array::from_fn(element)
+    }
+}
+
+/// What the compiler derived for a sampler or a map, as text.
+#[derive(Clone, Copy, Debug)]
+pub struct Derivation {
+    /// Name of the function that was written.
+    pub name: &'static str,
+    /// The map as written, with intermediate names resolved.
+    pub forward: &'static str,
+    /// The derived inverse, one line an unknown and preimage.
+    pub inverse: &'static str,
+    /// The derived Jacobian factor √det(JᵀJ).
+    pub jacobian: &'static str,
+    /// The derived density.
+    pub pdf: &'static str,
+    /// Name of the reference measure.
+    pub measure: &'static str,
+    /// How many preimages a point has at most.
+    pub preimages: usize,
+    /// Worst relative error of the density in `f64` over the points tried while compiling.
+    pub worst_error: f64,
+}
+
+/// The density of a sampler's points.
+pub type PdfOf<S, R> = Density<<<S as Sampler<R>>::Point as Point<R>>::Measure, R>;
+
+/// A continuous random variable: a map from uniforms to points of a space, with its inverse and
+/// density derived by the compiler. Made by `#[sampler]`, or from others by [`Sampler::then`].
+///
+/// ```
+/// use aether_core::prelude::*;
+///
+/// /// Directions about +z, distributed as cos(theta) / pi.
+/// #[sampler]
+/// fn cosine_hemisphere(u: [Uniform; 2]) -> Direction {
+///     let r = u[0].sqrt();
+///     let phi = TAU * u[1];
+///     Direction::new(r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt())
+/// }
+///
+/// let w = cosine_hemisphere().sample([0.3, 0.7]);
+/// let p = cosine_hemisphere().pdf(&w).value();
+/// assert!((p - w.z / PI).abs() < 1e-15);
+/// ```
+pub trait Sampler<R: Real>: Copy {
+    /// The uniforms that a sample consumes, `[R; N]`.
+    type Uniforms: Uniforms<R>;
+    /// The space of the samples.
+    type Point: Point<R>;
+
+    /// The map from uniforms in [0, 1) to a point, and whether there is one (a defective map has no
+    /// sample for some uniforms; its density then integrates to less than one).
+    fn forward(&self, u: Self::Uniforms) -> (Self::Point, R::Mask);
+
+    /// The density at any point of the space: the sum over all preimages u of x of
+    /// 1 / √det(J(u)ᵀJ(u)), zero outside the support and for NaN or infinite coordinates (Aether
+    /// 2017, Eq. 5, with the authors' erratum).
+    fn pdf(&self, x: &Self::Point) -> PdfOf<Self, R>;
+
+    /// The density of the sample that `u` maps to. Needs no inversion if the map is injective.
+    fn pdf_of_uniforms(&self, u: Self::Uniforms) -> PdfOf<Self, R>;
+
+    /// Calls `visit` with every preimage of `x` (where the mask holds).
+    fn preimages(&self, x: &Self::Point, visit: impl FnMut(Self::Uniforms, R::Mask));
+
+    /// Draws the sample of the uniforms `u`.
+    #[inline(always)]
+    fn sample(&self, u: Self::Uniforms) -> Sample<Self, R> {
+        let (value, valid) = self.forward(u);
+        Sample { sampler: *self, uniforms: u, value, valid }
+    }
+
+    /// The uniforms that map to `x`: every preimage, none outside the support.
+    fn invert(&self, x: &Self::Point) -> Preimages<Self::Uniforms> {
+        let mut found = Preimages::new();
+        self.preimages(x, |u, valid| {
+            if valid.any() {
+                found.push(u);
+            }
+        });
+        found
+    }
+
+    /// The random variable `map(self)`.
+    #[inline(always)]
+    fn then<M: Map<R, Source = Self::Point>>(self, map: M) -> Then<Self, M> {
+        Then::new(self, map)
+    }
+}
+
+/// A sample: the value, and how it came about. Dereferences to the value.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<S: Sampler<R>, R: Real> {
+    sampler: S,
+    uniforms: S::Uniforms,
+    value: S::Point,
+    valid: R::Mask,
+}
+
+impl<S: Sampler<R>, R: Real> Sample<S, R> {
+    /// The sampled point.
+    #[inline(always)]
+    pub fn value(&self) -> S::Point {
+        self.value
+    }
+
+    /// The random variable that it was drawn from.
+    #[inline(always)]
+    pub fn sampler(&self) -> &S {
+        &self.sampler
+    }
+
+    /// The uniforms that it was drawn with.
+    #[inline(always)]
+    pub fn uniforms(&self) -> S::Uniforms {
+        self.uniforms
+    }
+
+    /// Whether there is a sample: a defective map has none for some uniforms.
+    #[inline(always)]
+    pub fn is_valid(&self) -> R::Mask {
+        self.valid
+    }
+
+    /// The density of this sample under its own random variable; zero if there is no sample.
+    #[inline(always)]
+    pub fn pdf(&self) -> PdfOf<S, R> {
+        let p = self.sampler.pdf_of_uniforms(self.uniforms).value();
+        Density::new(R::select(self.valid, p, R::ZERO))
+    }
+}
+
+impl<S: Sampler<R>, R: Real> Deref for Sample<S, R> {
+    type Target = S::Point;
+    #[inline(always)]
+    fn deref(&self) -> &S::Point {
+        &self.value
+    }
+}
+
+/// A parameter outside its declared domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DomainError {
+    /// The sampler or map.
+    pub item: &'static str,
+    /// The parameter or relation that failed, as declared.
+    pub requirement: &'static str,
+    /// The offending value.
+    pub value: f64,
+}
+
+impl fmt::Display for DomainError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let DomainError { item, requirement, value } = self;
+        write!(f, "{item}: parameter value {value} violates the declared domain `{requirement}`")
+    }
+}
+
+impl std::error::Error for DomainError {}
