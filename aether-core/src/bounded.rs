@@ -35,7 +35,7 @@ impl<R: Scalar> Bounded<R> {
     fn result(value: R, carried: R) -> Self {
         let error = carried + value.abs() * R::EPSILON;
         // A NaN bound (0 times infinity) tells nothing: take it as no knowledge at all.
-        Bounded { value, error: if error == error { error } else { R::INFINITY } }
+        Bounded { value, error: if error.ge(R::ZERO) { error } else { R::INFINITY } }
     }
 
     /// Applies a function with the given derivative at the value.
@@ -52,7 +52,7 @@ impl<R: Scalar> Bounded<R> {
     fn steep(self, value: R, f: impl Fn(R) -> R) -> Self {
         let up = (f(self.value + self.error) - value).abs();
         let down = (value - f(self.value - self.error)).abs();
-        let known = |d: R| if d == d { d } else { R::ZERO };
+        let known = |d: R| if d.ge(R::ZERO) { d } else { R::ZERO };
         Self::result(value, known(up).max(known(down)))
     }
 }
@@ -130,14 +130,23 @@ macro_rules! steep {
     };
 }
 
-/// Clears the sign of a zero bound: comparisons look at values alone.
+/// Comparisons look at values alone.
 impl<R: Scalar> Real for Bounded<R> {
     type Mask = bool;
+    type Tracked = Self;
     const ZERO: Self = Bounded { value: R::ZERO, error: R::ZERO };
     const ONE: Self = Bounded { value: R::ONE, error: R::ZERO };
     const EPSILON: Self = Bounded { value: R::EPSILON, error: R::ZERO };
     const INFINITY: Self = Bounded { value: R::INFINITY, error: R::ZERO };
 
+    #[inline]
+    fn track(self) -> Self {
+        self
+    }
+    #[inline]
+    fn value_and_error(tracked: Self) -> (Self, Self) {
+        (Self::exact(tracked.value), Self::exact(tracked.error))
+    }
     #[inline]
     fn of(x: f64) -> Self {
         let value = R::of(x);

@@ -20,7 +20,7 @@ pub trait Point<R: Real>: Copy + core::fmt::Debug {
     fn finite(&self) -> R::Mask {
         let mut all = R::Mask::TRUE;
         for c in self.coordinates().as_ref() {
-            all = all.and(c.finite());
+            all = all.and(Real::finite(*c));
         }
         all
     }

@@ -1,6 +1,7 @@
 //! The scalar that emitted code is generic over.
 
 use core::fmt::Debug;
+use crate::bounded::Bounded;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// The result of comparing two [`Real`]s: `bool` for scalars, one truth value a lane for lanes.
@@ -65,6 +66,8 @@ pub trait Real:
 {
     /// What comparisons return.
     type Mask: Mask;
+    /// This number with a bound on its error, for the rare points where rounding decides.
+    type Tracked: Real<Mask = bool>;
     /// Zero.
     const ZERO: Self;
     /// One.
@@ -74,6 +77,10 @@ pub trait Real:
     /// Positive infinity.
     const INFINITY: Self;
 
+    /// The number with an error bound of one rounding.
+    fn track(self) -> Self::Tracked;
+    /// Value and error bound of a tracked number.
+    fn value_and_error(tracked: Self::Tracked) -> (Self, Self);
     /// The number nearest to `x`.
     fn of(x: f64) -> Self;
     /// The value as `f64` (of the first lane, for lanes).
@@ -174,10 +181,19 @@ macro_rules! impl_real {
     ($t:ident) => {
         impl Real for $t {
             type Mask = bool;
+            type Tracked = Bounded<$t>;
             const ZERO: $t = 0.0;
             const ONE: $t = 1.0;
             const EPSILON: $t = $t::EPSILON;
             const INFINITY: $t = $t::INFINITY;
+            #[inline(always)]
+            fn track(self) -> Bounded<$t> {
+                Bounded::rounded(self)
+            }
+            #[inline(always)]
+            fn value_and_error(tracked: Bounded<$t>) -> ($t, $t) {
+                (tracked.value, tracked.error)
+            }
             #[inline(always)]
             fn of(x: f64) -> $t {
                 x as $t

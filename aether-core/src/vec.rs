@@ -2,7 +2,8 @@
 
 use core::ops::{Add, Div, Index, Mul, Neg, Sub};
 
-use crate::real::Real;
+use crate::point::Direction;
+use crate::real::{Real, Scalar};
 
 macro_rules! vector {
     ($(#[$doc:meta])* $name:ident, $n:literal, $($field:ident $i:literal),*) => {
@@ -141,18 +142,105 @@ impl<R: Real> Mat3<R> {
         )
     }
 
-    /// An orthonormal frame whose third axis is the unit vector `n`, continuous except at
-    /// n = (0, 0, -1) (Duff et al. 2017, "Building an Orthonormal Basis, Revisited").
+}
+
+/// An orthonormal matrix: its columns are the axes of a local frame, its transpose its inverse.
+///
+/// Orthonormality is guaranteed by the type, and the compiler of maps makes use of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame<R = f64>(Mat3<R>);
+
+impl<R: Real> Frame<R> {
+    /// A frame whose third axis is the direction `n`, continuous except at n = (0, 0, -1) (Duff et
+    /// al. 2017, "Building an Orthonormal Basis, Revisited").
     #[inline(always)]
-    pub fn frame(n: Vec3<R>) -> Self {
+    pub fn around(n: Direction<R>) -> Self {
+        let n = n.vec();
         let sign = R::ONE.copysign(n.z);
         let a = -R::ONE / (sign + n.z);
         let b = n.x * n.y * a;
-        Mat3::from_cols(
+        Frame(Mat3::from_cols(
             Vec3::new(R::ONE + sign * n.x * n.x * a, sign * b, -sign * n.x),
             Vec3::new(b, sign + n.y * n.y * a, -n.y),
             n,
-        )
+        ))
+    }
+
+    /// The matrix.
+    #[inline(always)]
+    pub fn mat(self) -> Mat3<R> {
+        self.0
+    }
+
+    /// A vector given in the frame, in world coordinates.
+    #[inline(always)]
+    pub fn to_world(self, v: Vec3<R>) -> Vec3<R> {
+        self.0 * v
+    }
+
+    /// A vector given in world coordinates, in the frame.
+    #[inline(always)]
+    pub fn to_local(self, v: Vec3<R>) -> Vec3<R> {
+        self.0.transpose() * v
+    }
+}
+
+impl<R: Scalar> Frame<R> {
+    /// A frame from its axes, if they are orthonormal to within rounding.
+    pub fn try_from_axes(x: Vec3<R>, y: Vec3<R>, z: Vec3<R>) -> Option<Self> {
+        let near = |a: R, b: R| (a - b).abs() <= R::of(32.0) * R::EPSILON;
+        let unit = [x, y, z].iter().all(|v| near(v.length_squared(), R::ONE));
+        let right = near(x.dot(y), R::ZERO) && near(y.dot(z), R::ZERO) && near(z.dot(x), R::ZERO);
+        (unit && right).then_some(Frame(Mat3::from_cols(x, y, z)))
+    }
+}
+
+impl<R> core::ops::Deref for Frame<R> {
+    type Target = Mat3<R>;
+    #[inline(always)]
+    fn deref(&self) -> &Mat3<R> {
+        &self.0
+    }
+}
+
+impl<R: Real> Mul<Vec3<R>> for Frame<R> {
+    type Output = Vec3<R>;
+    #[inline(always)]
+    fn mul(self, v: Vec3<R>) -> Vec3<R> {
+        self.0 * v
+    }
+}
+
+macro_rules! times_direction {
+    ($($left:ty),*) => {
+        $(impl<R: Real> Mul<Direction<R>> for $left {
+            type Output = Vec3<R>;
+            #[inline(always)]
+            fn mul(self, w: Direction<R>) -> Vec3<R> { self * w.vec() }
+        })*
+    };
+}
+times_direction! { Mat3<R>, Frame<R> }
+
+impl Mul<Direction<f64>> for f64 {
+    type Output = Vec3<f64>;
+    #[inline(always)]
+    fn mul(self, w: Direction<f64>) -> Vec3<f64> {
+        w.vec() * self
+    }
+}
+impl Mul<Direction<f32>> for f32 {
+    type Output = Vec3<f32>;
+    #[inline(always)]
+    fn mul(self, w: Direction<f32>) -> Vec3<f32> {
+        w.vec() * self
+    }
+}
+impl<R: Real> Mul<R> for Direction<R> {
+    type Output = Vec3<R>;
+    #[inline(always)]
+    fn mul(self, k: R) -> Vec3<R> {
+        self.vec() * k
     }
 }
 

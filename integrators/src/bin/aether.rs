@@ -1,2 +1,7 @@
-//! The renderer.
-fn main() {}
+//! The `aether` renderer; see [`integrators::cli`].
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    integrators::cli::main()
+}

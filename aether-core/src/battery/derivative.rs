@@ -1,0 +1,143 @@
+//! Derivatives by differences, and the volume that they span.
+
+/// The derivative of a map of uniforms at a point.
+pub(super) struct Derivative {
+    /// Orthonormal basis of the tangent space.
+    pub(super) tangents: Vec<Vec<f64>>,
+    /// How far each further column of the derivative reaches out of the span of those before it:
+    /// the diagonal of R in the factorisation J = QR.
+    pub(super) extents: Vec<f64>,
+    /// Estimated relative error of the volume.
+    pub(super) error: f64,
+}
+
+impl Derivative {
+    /// Differentiates `f` at an interior point `u` of the unit cube; `None` where `f` is not
+    /// defined, or its derivative too small or too rough to tell.
+    pub(super) fn of(f: &dyn Fn(&[f64]) -> Option<Vec<f64>>, u: &[f64]) -> Option<Self> {
+        let mut result = Derivative { tangents: Vec::new(), extents: Vec::new(), error: 0.0 };
+        for axis in 0..u.len() {
+            let (mut column, error) = ridders(f, u, axis)?;
+            // Twice, so that the columns are orthogonal to the last digit.
+            for tangent in result.tangents.iter().chain(&result.tangents) {
+                let along = dot(&column, tangent);
+                column.iter_mut().zip(tangent).for_each(|(c, t)| *c -= along * t);
+            }
+            let extent = norm(&column);
+            if !(extent > 0.0 && extent.is_finite()) {
+                return None;
+            }
+            result.error += error / extent;
+            column.iter_mut().for_each(|c| *c /= extent);
+            result.tangents.push(column);
+            result.extents.push(extent);
+        }
+        Some(result)
+    }
+
+    /// √det(JᵀJ), without forming JᵀJ.
+    pub(super) fn volume(&self) -> f64 {
+        self.extents.iter().product()
+    }
+
+    /// The smallest extent: how little the image may move as a uniform does.
+    pub(super) fn least(&self) -> f64 {
+        self.extents.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Orthonormal basis of the normal space in n dimensions.
+    pub(super) fn normals(&self, n: usize) -> Vec<Vec<f64>> {
+        let mut basis = self.tangents.clone();
+        while basis.len() < n {
+            // Of the axes left over, the one that sticks out most.
+            let candidates = (0..n).map(|axis| {
+                let mut v = vec![0.0; n];
+                v[axis] = 1.0;
+                for b in basis.iter().chain(&basis) {
+                    let along = dot(&v, b);
+                    v.iter_mut().zip(b).for_each(|(v, b)| *v -= along * b);
+                }
+                v
+            });
+            let Some(mut next) = candidates.max_by(|a, b| norm(a).total_cmp(&norm(b))) else {
+                break;
+            };
+            let length = norm(&next);
+            next.iter_mut().for_each(|x| *x /= length);
+            basis.push(next);
+        }
+        basis.split_off(self.tangents.len())
+    }
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+pub(super) fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
+
+/// Central differences with shrinking steps, extrapolated to step zero (Ridders 1982), and the
+/// estimated error of the column that they give.
+fn ridders(
+    f: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
+    u: &[f64],
+    axis: usize,
+) -> Option<(Vec<f64>, f64)> {
+    const SHRINK: f64 = 1.6;
+    let mut step = 0.5 * u[axis].min(1.0 - u[axis]).min(0.05);
+    let mut previous: Vec<Vec<f64>> = Vec::new();
+    let mut best: Option<(Vec<f64>, f64)> = None;
+    for level in 0..10 {
+        let at = |x: f64| {
+            let mut v = u.to_vec();
+            v[axis] = x;
+            f(&v)
+        };
+        let (up, down) = (at(u[axis] + step)?, at(u[axis] - step)?);
+        let mut row = vec![scaled_difference(&up, &down, 0.5 / step)];
+        let mut factor = 1.0;
+        for k in 0..level {
+            factor *= SHRINK * SHRINK;
+            let (new, old) = (&row[k], &previous[k]);
+            let better: Vec<f64> =
+                new.iter().zip(old).map(|(a, b)| (a * factor - b) / (factor - 1.0)).collect();
+            let error = distance(&better, new).max(distance(&better, old));
+            if best.as_ref().is_none_or(|(_, least)| error < *least) {
+                best = Some((better.clone(), error));
+            }
+            row.push(better);
+        }
+        previous = row;
+        step /= SHRINK;
+    }
+    best
+}
+
+fn scaled_difference(a: &[f64], b: &[f64], scale: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| (a - b) * scale).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn volume_and_normal_of_a_sphere() {
+        let sphere = |u: &[f64]| {
+            let (r, phi) = ((u[0] * (1.0 - u[0])).sqrt() * 2.0, core::f64::consts::TAU * u[1]);
+            Some(vec![r * phi.cos(), r * phi.sin(), 1.0 - 2.0 * u[0]])
+        };
+        let d = Derivative::of(&sphere, &[0.3, 0.8]).unwrap();
+        assert!((d.volume() / (4.0 * core::f64::consts::PI) - 1.0).abs() < 1e-9);
+        assert!(d.error < 1e-8);
+        let normals = d.normals(3);
+        let x = sphere(&[0.3, 0.8]).unwrap();
+        assert!(normals.len() == 1 && (dot(&normals[0], &x).abs() - 1.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,186 @@
+//! Mass of the density over the whole space, and samples against it.
+
+use super::cubature::{Bounds, Integral, integrate};
+use super::derivative::Derivative;
+use super::gamma::chi_square_tail;
+use super::partition::Tree;
+use super::probe::{Probe, coordinates};
+use super::report::{Report, Verdict};
+use super::space::{Chart, Space};
+use crate::point::Point;
+use crate::real::Scalar;
+use crate::sampler::Sampler;
+use crate::uniform::Pcg32;
+
+/// Levels of the partition: 2^8 bins.
+const LEVELS: usize = 8;
+const CUBE: Bounds = [(-1.0, 1.0); 3];
+/// Cells are refined down to this error.
+const PRECISE: f64 = 1e-6;
+/// Cells where the density fills a small corner may hide this much from the standard error.
+const BIAS: f64 = 1e-3;
+/// An integral coarser than this decides nothing.
+const COARSE: f64 = 1.5e-3;
+
+/// Fresh samples: their coordinates, and how many uniforms gave none.
+pub(super) struct Draws {
+    points: Vec<Vec<f64>>,
+    missing: usize,
+}
+
+impl Draws {
+    /// Draws `count` times.
+    pub(super) fn new<S: Sampler<R>, R: Scalar>(
+        probe: &Probe<S, R>,
+        seed: u64,
+        count: usize,
+    ) -> Self
+    where
+        S::Point: Space<R>,
+    {
+        let mut source = Pcg32::new(seed, 3, 0);
+        let points: Vec<_> = (0..count)
+            .filter_map(|_| probe.forward(&Probe::<S, R>::draw(&mut source)))
+            .map(|(_, x)| x)
+            .collect();
+        Draws { missing: count - points.len(), points }
+    }
+
+    fn count(&self) -> f64 {
+        (self.points.len() + self.missing) as f64
+    }
+
+    /// The share of uniforms that give a sample, and five standard errors of it.
+    fn mass(&self) -> (f64, f64) {
+        let mass = self.points.len() as f64 / self.count();
+        (mass, 5.0 * (mass * (1.0 - mass) / self.count()).sqrt())
+    }
+}
+
+/// Checks the density over a space that has a chart.
+pub(super) fn check<S: Sampler<R>, R: Scalar>(
+    probe: &Probe<S, R>,
+    draws: &Draws,
+    evaluations: usize,
+    false_alarm_rate: f64,
+    report: &mut Report,
+) where
+    S::Point: Space<R>,
+{
+    let Some(chart) = Chart::new(<S::Point as Space<R>>::KIND, &probe.pilot) else {
+        let detail = "only the sampler knows the manifold: give `.parametrised(…)`".to_owned();
+        report.add("mass", Verdict::NotApplicable, detail);
+        let detail = "only the sampler knows the manifold".to_owned();
+        return report.add("chi-square", Verdict::NotApplicable, detail);
+    };
+    let dimension = chart.dimension();
+    let mut pilot: Vec<_> = probe.pilot.iter().map(|x| chart.cube(x)).collect();
+    let mut parts = Vec::new();
+    let tree = Tree::grow(&mut pilot, CUBE, dimension, LEVELS, &mut parts);
+    let integral = integrate(&parts, dimension, PRECISE, evaluations, |t| {
+        let (x, factor) = chart.point(t);
+        let density = probe.pdf(&probe.model.moved_to(&x));
+        // The factor is infinite where the cube's face stands for infinity.
+        if density == 0.0 { 0.0 } else { density * factor }
+    });
+    report_mass(draws, &integral, report);
+
+    let mut counts = vec![0.0; integral.bins.len()];
+    draws.points.iter().for_each(|x| counts[tree.leaf(&chart.cube(x))] += 1.0);
+    chi_square(draws, &counts, &integral, false_alarm_rate, report);
+}
+
+/// Checks the mass of the density over a manifold that the user has parametrised.
+pub(super) fn check_over<S: Sampler<R>, R: Scalar>(
+    probe: &Probe<S, R>,
+    draws: &Draws,
+    evaluations: usize,
+    cover: &dyn Fn(&[f64]) -> S::Point,
+    report: &mut Report,
+) where
+    S::Point: Space<R>,
+{
+    let dimension = <S::Point as Point<R>>::DIMENSION;
+    if dimension > 3 {
+        let detail = "cubature goes up to three dimensions".to_owned();
+        return report.add("mass", Verdict::NotApplicable, detail);
+    }
+    let map = |t: &[f64]| Some(coordinates(&cover(t)));
+    // Each evaluation differentiates the parametrisation too.
+    let integral = integrate(&[(0, CUBE)], dimension, PRECISE, evaluations / 10, |t| {
+        let t: Vec<f64> = t[..dimension].iter().map(|t| 0.5 + 0.5 * t).collect();
+        let density = probe.pdf(&cover(&t));
+        if density == 0.0 {
+            return 0.0;
+        }
+        let stretch = Derivative::of(&map, &t).map_or(0.0, |d| d.volume());
+        density * stretch * 0.5_f64.powi(dimension as i32)
+    });
+    report_mass(draws, &integral, report);
+    let detail = "only the sampler knows where on the manifold a sample lies".to_owned();
+    report.add("chi-square", Verdict::NotApplicable, detail);
+}
+
+fn report_mass(draws: &Draws, integral: &Integral, report: &mut Report) {
+    let (expected, noise) = draws.mass();
+    let (total, error) = (integral.total(), integral.error());
+    let figures = format!(
+        "the density integrates to {total:.5} (standard error {error:.0e}), {expected:.5} expected"
+    );
+    let right = (total - expected).abs() <= BIAS + 5.0 * error + noise;
+    let failure = if error > COARSE {
+        Some(format!("{figures}: not resolved, allow more `.evaluations(…)`"))
+    } else {
+        // A NaN is not right.
+        (!right).then(|| figures.clone())
+    };
+    report.conclude("mass", failure, figures);
+}
+
+/// Pearson's test of the counts in each bin against the mass of the density there, whose own
+/// variance adds to that of the count. Bins with fewer than five expected are pooled with the
+/// uniforms that give no sample.
+fn chi_square(
+    draws: &Draws,
+    counts: &[f64],
+    integral: &Integral,
+    false_alarm_rate: f64,
+    report: &mut Report,
+) {
+    let n = draws.count();
+    let (mut statistic, mut bins) = (0.0, 0);
+    let (mut pooled_count, mut pooled_mass) = (draws.missing as f64, 1.0);
+    let mut worst = 0.0_f64;
+    let mut add = |count: f64, expected: f64, variance: f64| {
+        let deviation = (count - expected) / (expected + variance).sqrt();
+        worst = worst.max(deviation.abs());
+        statistic += deviation * deviation;
+        bins += 1;
+    };
+    for (count, (mass, variance)) in
+        counts.iter().zip(integral.bins.iter().zip(&integral.variances))
+    {
+        if mass * n < 5.0 {
+            pooled_count += count;
+        } else {
+            pooled_mass -= mass;
+            add(*count, mass * n, variance * n * n);
+        }
+    }
+    // Less than one sample expected: whatever is there must be noise of the cubature.
+    let impossible = pooled_mass * n < 5.0 && pooled_count > 30.0;
+    if pooled_mass * n >= 5.0 {
+        add(pooled_count, pooled_mass * n, integral.error().powi(2) * n * n);
+    }
+    let p = chi_square_tail(statistic, f64::from((bins - 1).max(1)));
+    let figures = format!(
+        "{n} samples in {bins} bins: statistic {statistic:.1}, p = {p:.1e} (limit \
+         {false_alarm_rate:e}), worst bin {worst:.1} standard deviations off"
+    );
+    let failure = if impossible {
+        Some(format!("{pooled_count} samples where the density has no mass; {figures}"))
+    } else {
+        (p.is_nan() || p < false_alarm_rate).then(|| figures.clone())
+    };
+    report.conclude("chi-square", failure, figures);
+}

@@ -1,0 +1,165 @@
+//! Density where there should be none, and none where there should be some.
+
+use super::derivative::{distance, dot};
+use super::probe::{Probe, coordinates};
+use super::report::Report;
+use super::space::{Chart, Kind, Space};
+use crate::point::Point;
+use crate::real::Scalar;
+use crate::sampler::Sampler;
+use crate::uniform::{Pcg32, UniformSource};
+
+/// How many samples are the origin of points to try.
+const ORIGINS: usize = 64;
+/// How many points of a charted space are tried.
+const SPREAD: usize = 2000;
+/// A point has a preimage if it maps forward to within this many times the usual rounding.
+const SLACK: f64 = 16.0;
+
+/// Tries points all over the space and off the manifold.
+pub(super) fn check<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64, report: &mut Report)
+where
+    S::Point: Space<R>,
+{
+    let mut source = Pcg32::new(seed, 4, 0);
+    let origins: Vec<_> = (0..ORIGINS)
+        .filter_map(|_| {
+            let u = Probe::<S, R>::draw(&mut source);
+            probe.forward(&u).map(|(x, _)| (u, x))
+        })
+        .collect();
+    let (mut candidates, mut forbidden) = (Vec::new(), Vec::new());
+    for (u, x) in &origins {
+        forbidden.extend(not_points(x));
+        candidates.extend(beside(probe, u, x));
+    }
+    if let (Some(chart), Some((_, x))) =
+        (Chart::new(<S::Point as Space<R>>::KIND, &probe.pilot), origins.first())
+    {
+        let mut anywhere = || -1.0 + 2.0 * UniformSource::<f64>::next(&mut source);
+        candidates.extend((0..SPREAD).map(|_| {
+            let (y, _) = chart.point(&[anywhere(), anywhere(), anywhere()]);
+            x.moved_to(&y)
+        }));
+    }
+    let failure = forbidden
+        .iter()
+        .find_map(|y| {
+            let p = probe.pdf(y);
+            let found = probe.preimages(y);
+            let wrong = p != 0.0 || !found.is_empty();
+            wrong.then(|| format!("{y:?} has density {p:e} and preimages {found:?}"))
+        })
+        .or_else(|| candidates.iter().find_map(|y| contradiction(probe, y)));
+    report.conclude(
+        "outside",
+        failure,
+        format!("{} points and {} that are none", candidates.len(), forbidden.len()),
+    );
+}
+
+/// NaN, infinity, and the same place on another manifold: never in the support.
+fn not_points<R: Scalar, P: Space<R>>(x: &P) -> Vec<P> {
+    let at = coordinates(x);
+    let mut all: Vec<P> = x.elsewhere().into_iter().collect();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        all.push(x.moved_to(&vec![bad; at.len()]));
+        for axis in 0..at.len() {
+            let mut y = at.clone();
+            y[axis] = bad;
+            all.push(x.moved_to(&y));
+        }
+    }
+    all
+}
+
+/// Points in special position to a sample: mirrored, scaled, off along the normals, and beyond the
+/// rim along the tangents.
+fn beside<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64], x: &S::Point) -> Vec<S::Point>
+where
+    S::Point: Space<R>,
+{
+    let kind = <S::Point as Space<R>>::KIND;
+    let at = coordinates(x);
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    if kind != Kind::Identified {
+        all.push(at.iter().map(|x| -x).collect());
+        for axis in 0..at.len() {
+            let mut y = at.clone();
+            y[axis] = -y[axis];
+            all.push(y);
+        }
+    }
+    if kind == Kind::Flat || kind == Kind::Embedded {
+        all.extend([1e-3, 10.0, 1e4].map(|k| at.iter().map(|x| x * k).collect()));
+    }
+    let size = probe.magnitude(&at);
+    let square = Probe::<S, R>::is_square();
+    if let (Kind::Embedded | Kind::Identified, true, Some(d)) = (kind, square, probe.derivative(u))
+    {
+        let moved = |along: &[f64], step: f64| -> Vec<f64> {
+            at.iter().zip(along).map(|(x, a)| x + step * a).collect()
+        };
+        let normals = d.normals(at.len());
+        if kind == Kind::Embedded {
+            for normal in &normals {
+                for step in [probe.epsilon.powf(0.45), 1e-3, 0.3] {
+                    all.extend([1.0, -1.0].map(|side| moved(normal, side * step * size)));
+                }
+            }
+        }
+        if kind == Kind::Embedded || is_flat(probe, &at, &normals) {
+            for tangent in &d.tangents {
+                all.extend([0.1, -0.1, 1.0, -1.0, 100.0].map(|k| moved(tangent, k * size)));
+            }
+        }
+    }
+    all.iter().map(|y| x.moved_to(y)).collect()
+}
+
+/// Whether all samples lie in the plane through `at` across the normals.
+fn is_flat<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, at: &[f64], normals: &[Vec<f64>]) -> bool
+where
+    S::Point: Space<R>,
+{
+    probe.pilot.iter().all(|x| {
+        let offset: Vec<f64> = x.iter().zip(at).map(|(x, a)| x - a).collect();
+        let limit = probe.epsilon.sqrt() * probe.magnitude(at).max(distance(x, at));
+        normals.iter().all(|n| dot(n, &offset).abs() <= limit)
+    })
+}
+
+/// What is contradictory about a point: a density without a preimage, or the other way round.
+fn contradiction<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, y: &S::Point) -> Option<String>
+where
+    S::Point: Space<R>,
+{
+    let (at, p, found) = (coordinates(y), probe.pdf(y), probe.preimages(y));
+    if p.is_nan() || p < 0.0 {
+        return Some(format!("density {p} at {at:?}"));
+    }
+    let mut reaching = found.iter().filter(|v| probe.maps_to(v, &at, SLACK));
+    if p > 0.0 {
+        let explained =
+            reaching.next().is_some() || found.iter().any(|v| in_tail(probe, v, &at, p));
+        return (!explained).then(|| {
+            format!("density {p:e} at {at:?}, which no uniforms map to (preimages {found:?})")
+        });
+    }
+    let inside = |v: &&Vec<f64>| v.iter().all(|v| (1e-6..1.0 - 1e-6).contains(v));
+    reaching
+        .find(inside)
+        .filter(|v| probe.derivative(v).is_some())
+        .map(|v| format!("no density at {at:?}, which the uniforms {v:?} map to"))
+}
+
+/// Whether `v` is next to one and what lies between its image and `at` has no mass to speak of: the
+/// uniforms that map to a long tail are closer to one than any number is.
+fn in_tail<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, v: &[f64], at: &[f64], p: f64) -> bool
+where
+    S::Point: Space<R>,
+{
+    let last = v.iter().any(|v| *v >= 1.0 - 4.0 * probe.epsilon);
+    let gap = probe.forward(v).map_or(f64::INFINITY, |(_, y)| distance(&y, at));
+    last && p * gap.powi(<S::Point as Point<R>>::DIMENSION as i32) <= 64.0 * probe.epsilon
+}

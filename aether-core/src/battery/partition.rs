@@ -1,0 +1,103 @@
+//! A partition of a cube that follows a cloud of points.
+
+use super::cubature::{Bounds, Part};
+
+/// A partition of the cube [-1, 1]^dimension into boxes that hold about as many of the given points
+/// each: a k-d tree with its leaves numbered.
+pub(super) enum Tree {
+    /// A box and its number.
+    Leaf(usize),
+    /// Axis, where it is cut, and the parts below and above.
+    Cut(usize, f64, Box<[Tree; 2]>),
+}
+
+impl Tree {
+    /// Cuts the box at the median of the points along its widest spread, `levels` times over;
+    /// appends the leaves to `leaves`, cut into parts as [`surround`] does.
+    pub(super) fn grow(
+        points: &mut [[f64; 3]],
+        bounds: Bounds,
+        dimension: usize,
+        levels: usize,
+        leaves: &mut Vec<Part>,
+    ) -> Tree {
+        let hull = hull(points);
+        let spread = |axis: usize| hull[axis].1 - hull[axis].0;
+        let axis = (0..dimension).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
+        if levels == 0 || points.len() < 2 || spread(axis) <= 0.0 {
+            let number = leaves.last().map_or(0, |(owner, _)| owner + 1);
+            surround(&hull, bounds, dimension, |part| leaves.push((number, part)));
+            return Tree::Leaf(number);
+        }
+        let middle = points.len() / 2;
+        points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
+        let at = points[middle][axis];
+        let (below, above) = points.split_at_mut(middle);
+        let (mut low, mut high) = (bounds, bounds);
+        (low[axis].1, high[axis].0) = (at, at);
+        let low = Tree::grow(below, low, dimension, levels - 1, leaves);
+        let high = Tree::grow(above, high, dimension, levels - 1, leaves);
+        Tree::Cut(axis, at, Box::new([low, high]))
+    }
+
+    /// The number of the leaf that a point lies in.
+    pub(super) fn leaf(&self, point: &[f64; 3]) -> usize {
+        match self {
+            Tree::Leaf(number) => *number,
+            Tree::Cut(axis, at, parts) => parts[usize::from(point[*axis] >= *at)].leaf(point),
+        }
+    }
+}
+
+/// The smallest box around the points.
+fn hull(points: &[[f64; 3]]) -> Bounds {
+    core::array::from_fn(|axis| {
+        let all = points.iter().map(|p| p[axis]);
+        (all.clone().fold(1.0, f64::min), all.fold(-1.0, f64::max))
+    })
+}
+
+/// Cuts `bounds` into the hull and slabs around it, which get wider the farther out they are. The
+/// density at the edge of its support may fill but a sliver of a wide box, where no rule sees it.
+fn surround(hull: &Bounds, mut bounds: Bounds, dimension: usize, mut visit: impl FnMut(Bounds)) {
+    for axis in 0..dimension {
+        let (low, high) = hull[axis];
+        let first = ((high - low) / 8.0).max(1e-9);
+        for side in [-1.0, 1.0] {
+            let (mut from, end) =
+                if side < 0.0 { (low, bounds[axis].0) } else { (high, bounds[axis].1) };
+            let mut width = first;
+            while side * (end - from) > 0.0 {
+                // The rest, if it is not much wider than the next slab.
+                let to = if side * (end - from) < 2.0 * width { end } else { from + side * width };
+                let mut slab = bounds;
+                slab[axis] = (f64::min(from, to), f64::max(from, to));
+                visit(slab);
+                (from, width) = (to, 4.0 * width);
+            }
+        }
+        bounds[axis] = (low, high);
+    }
+    visit(bounds);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CUBE: Bounds = [(-1.0, 1.0); 3];
+
+    #[test]
+    fn leaves_hold_equally_many_points_and_tile_the_cube() {
+        let mut points: Vec<[f64; 3]> = (0..1024)
+            .map(|k| [(f64::from(k) * 0.618_034).fract(), (f64::from(k) * 0.414_214).fract(), 0.0])
+            .collect();
+        let mut leaves = Vec::new();
+        let tree = Tree::grow(&mut points, CUBE, 2, 5, &mut leaves);
+        let mut counts = [0; 32];
+        points.iter().for_each(|p| counts[tree.leaf(p)] += 1);
+        assert_eq!(counts, [32; 32]);
+        let area: f64 = leaves.iter().map(|(_, b)| (b[0].1 - b[0].0) * (b[1].1 - b[1].0)).sum();
+        assert!((area - 4.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,206 @@
+//! The checks at single points of the support: round trip, own density, Jacobian.
+
+use super::probe::Probe;
+use super::report::{Report, Verdict};
+use super::space::Space;
+use crate::real::Scalar;
+use crate::sampler::{Sampler, Uniforms};
+use crate::uniform::{Pcg32, Sobol, draw_uniforms};
+
+/// How many interior points are tried, half of them stratified.
+const INTERIOR: u32 = 400;
+/// How many combinations of extreme uniforms are tried at most.
+const EXTREME: usize = 125;
+/// Interior uniforms keep this distance from zero and one, so that differences have room.
+const MARGIN: f64 = 1e-4;
+
+/// Runs the three checks.
+pub(super) fn check<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64, report: &mut Report)
+where
+    S::Point: Space<R>,
+{
+    let interior = interior::<S, R>(probe, seed);
+    let extreme = extreme(S::Uniforms::COUNT);
+    let everywhere = || interior.iter().chain(&extreme);
+
+    let failure = everywhere().find_map(|u| round_trip(probe, u));
+    let lost = || interior.iter().find_map(|u| lost_preimage(probe, u));
+    report.conclude(
+        "round trip",
+        failure.or_else(lost),
+        format!("{} points, {} of them extreme", interior.len() + extreme.len(), extreme.len()),
+    );
+
+    let mut worst = 0.0;
+    let failure = everywhere().find_map(|u| own_density(probe, u, &mut worst));
+    let success = format!("worst relative difference {worst:.1e} beyond the condition");
+    report.conclude("own density", failure, success);
+
+    jacobian(probe, &interior, report);
+}
+
+/// Stratified and random points, as `R` represents them.
+fn interior<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64) -> Vec<Vec<f64>>
+where
+    S::Point: Space<R>,
+{
+    let inside = |u: S::Uniforms| -> Vec<f64> {
+        let u: Vec<f64> =
+            u.as_ref().iter().map(|u| MARGIN + (1.0 - 2.0 * MARGIN) * u.to_f64()).collect();
+        probe.uniforms(&u).as_ref().iter().map(|u| u.to_f64()).collect()
+    };
+    let mut source = Pcg32::new(seed, 2, 0);
+    let random = (0..INTERIOR / 2).map(|_| inside(draw_uniforms::<R, _>(&mut source)));
+    let stratified =
+        (0..INTERIOR / 2).map(|k| inside(draw_uniforms::<R, _>(&mut Sobol::new(seed, 2, k))));
+    random.chain(stratified).collect()
+}
+
+/// Combinations of uniforms at and next to the ends.
+fn extreme(count: usize) -> Vec<Vec<f64>> {
+    const VALUES: [f64; 5] =
+        [0.0, 1e-300, 1.0 / (1_u64 << 60) as f64, 0.5, 1.0 - 0.5 * f64::EPSILON];
+    (0..VALUES.len().pow(count.min(3) as u32).min(EXTREME))
+        .map(|k| (0..count).map(|i| VALUES[(k / VALUES.len().pow(i as u32 % 3)) % 5]).collect())
+        .collect()
+}
+
+/// What is wrong with the preimages of the sample of `u`, if anything.
+fn round_trip<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64]) -> Option<String>
+where
+    S::Point: Space<R>,
+{
+    let (x, at) = probe.forward(u)?;
+    let found = probe.preimages(&x);
+    if found.is_empty() {
+        return Some(format!("the sample {at:?} of the uniforms {u:?} has no preimage"));
+    }
+    let astray = found.iter().find(|v| !probe.maps_to(v, &at, 1.0))?;
+    let image = probe.forward(astray).map(|(_, y)| y);
+    Some(format!("preimage {astray:?} of {at:?} (uniforms {u:?}) maps forward to {image:?}"))
+}
+
+/// Whether `u` itself is missing among the preimages of its sample, or there twice. Says nothing
+/// where the map is too flat to tell its uniforms apart.
+fn lost_preimage<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64]) -> Option<String>
+where
+    S::Point: Space<R>,
+{
+    if !Probe::<S, R>::is_square() {
+        return None;
+    }
+    let (x, at) = probe.forward(u)?;
+    let derivative = probe.derivative(u)?;
+    let condition = probe.magnitude(&at) / derivative.least();
+    let tolerance = 1e3 * probe.epsilon * (1.0 + condition);
+    if tolerance > 0.01 || derivative.error > 0.01 {
+        return None;
+    }
+    let near = |v: &&Vec<f64>| v.iter().zip(u).all(|(v, u)| (v - u).abs() <= tolerance);
+    let found = probe.preimages(&x);
+    match found.iter().filter(near).count() {
+        1 => None,
+        0 => Some(format!("the uniforms {u:?} of {at:?} are not among its preimages {found:?}")),
+        n => Some(format!("the uniforms {u:?} of {at:?} are found {n} times: {found:?}")),
+    }
+}
+
+/// How `sample.pdf()` differs from `sampler.pdf(&sample)`, if it does; records the difference
+/// relative to the density, less what the condition explains.
+fn own_density<S: Sampler<R>, R: Scalar>(
+    probe: &Probe<S, R>,
+    u: &[f64],
+    worst: &mut f64,
+) -> Option<String>
+where
+    S::Point: Space<R>,
+{
+    let (x, at) = probe.forward(u)?;
+    let own = |u: &[f64]| probe.sampler.sample(probe.uniforms(u)).pdf().value().to_f64();
+    let (own_here, general) = (own(u), probe.pdf(&x));
+    let text = || {
+        format!("at {at:?} (uniforms {u:?}): sample.pdf() is {own_here:e}, sampler.pdf {general:e}")
+    };
+    if !(own_here >= 0.0 && general >= 0.0) {
+        return Some(text());
+    }
+    if own_here == general {
+        return None;
+    }
+    // How much the density moves as the coordinates do by rounding, seen through the uniforms.
+    let extents = probe.derivative(u).map(|d| d.extents).unwrap_or_default();
+    let magnitude = probe.magnitude(&at);
+    let step = |axis: usize| {
+        let stretch = extents.get(axis).map_or(1.0, |extent| (magnitude / extent).max(1.0));
+        16.0 * probe.epsilon * stretch
+    };
+    let moved = probe
+        .neighbours(u, step)
+        .iter()
+        .map(|v| (own(v) - own_here).abs())
+        .filter(|change| !change.is_nan())
+        .fold(0.0, f64::max);
+    let excess = ((own_here - general).abs() - 10.0 * moved) / own_here.max(general);
+    *worst = worst.max(excess);
+    (excess > tolerance(probe.epsilon)).then(text)
+}
+
+/// Relative tolerance of a density: 1e-9 in `f64`, 1e-4 in `f32`.
+fn tolerance(epsilon: f64) -> f64 {
+    epsilon.powf(0.575)
+}
+
+/// Compares the density of a sample with the Jacobians at all of its preimages.
+fn jacobian<S: Sampler<R>, R: Scalar>(
+    probe: &Probe<S, R>,
+    interior: &[Vec<f64>],
+    report: &mut Report,
+) where
+    S::Point: Space<R>,
+{
+    if !Probe::<S, R>::is_square() {
+        let detail = "uniforms and dimensions differ in number: no determinant".to_owned();
+        return report.add("jacobian", Verdict::NotApplicable, detail);
+    }
+    let (mut resolved, mut worst, mut failure) = (0, 0.0_f64, None);
+    for u in interior {
+        let Some((expected, error)) = density_by_differences(probe, u) else { continue };
+        resolved += 1;
+        let density = probe.sampler.sample(probe.uniforms(u)).pdf().value().to_f64();
+        let difference = (density / expected - 1.0).abs();
+        worst = worst.max(difference);
+        let right = difference <= 10.0 * error + 10.0 * probe.epsilon.sqrt();
+        if !right && failure.is_none() {
+            let at = probe.forward(u).map(|(_, x)| x);
+            failure = Some(format!(
+                "at {at:?} (uniforms {u:?}): density {density:e}, by differences {expected:e}"
+            ));
+        }
+    }
+    let figures = format!("{resolved} points, worst relative difference {worst:.1e}");
+    if failure.is_none() && resolved * 10 < interior.len() {
+        failure = Some(format!("differences resolve the derivative at too few points: {figures}"));
+    }
+    report.conclude("jacobian", failure, figures);
+}
+
+/// The density of the sample of `u` from derivatives by differences at all of its preimages, and
+/// its relative error; `None` where they do not resolve it.
+fn density_by_differences<S: Sampler<R>, R: Scalar>(
+    probe: &Probe<S, R>,
+    u: &[f64],
+) -> Option<(f64, f64)>
+where
+    S::Point: Space<R>,
+{
+    let (x, _) = probe.forward(u)?;
+    let (mut density, mut error) = (0.0, 0.0_f64);
+    for v in probe.preimages(&x) {
+        let inside = v.iter().all(|v| (0.5 * MARGIN..1.0 - 0.5 * MARGIN).contains(v));
+        let derivative = if inside { probe.derivative(&v)? } else { return None };
+        density += derivative.volume().recip();
+        error = error.max(derivative.error);
+    }
+    // Coarser estimates would not see an error of one part in a hundred.
+    (density > 0.0 && error < 5e-4).then_some((density, error))
+}

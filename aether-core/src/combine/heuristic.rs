@@ -1,0 +1,57 @@
+//! How weights follow from densities.
+
+use crate::real::Scalar;
+
+/// A rule for the weights of multiple importance sampling. The weights of one point over all
+/// techniques that can make it must sum to one.
+pub trait Heuristic<R> {
+    /// The weight of a sample that technique `own` made. `ratios[j]` is n_j p_j / (n_own p_own), how
+    /// much likelier technique j with its n_j samples makes that point: 0 if it cannot, infinite at a
+    /// pole, 1 for `own` itself.
+    fn weight(&self, ratios: &[R], own: usize) -> R;
+}
+
+impl<R, F: Fn(&[R], usize) -> R> Heuristic<R> for F {
+    fn weight(&self, ratios: &[R], own: usize) -> R {
+        self(ratios, own)
+    }
+}
+
+/// Weights proportional to n_j p_j (Veach and Guibas 1995, balance heuristic).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BalanceHeuristic;
+
+impl<R: Scalar> Heuristic<R> for BalanceHeuristic {
+    fn weight(&self, ratios: &[R], _own: usize) -> R {
+        R::ONE / ratios.iter().copied().sum()
+    }
+}
+
+/// Weights proportional to (n_j p_j)² (Veach and Guibas 1995, power heuristic with β = 2).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PowerHeuristic;
+
+impl<R: Scalar> Heuristic<R> for PowerHeuristic {
+    fn weight(&self, ratios: &[R], _own: usize) -> R {
+        R::ONE / ratios.iter().map(|ratio| *ratio * *ratio).sum()
+    }
+}
+
+/// All weight to the technique with the largest n_j p_j (Veach and Guibas 1995, maximum heuristic);
+/// techniques that tie share it.
+///
+/// Densities that agree to half the digits of `R` tie, so that rounding cannot make each of two
+/// equal techniques believe that the other one is likelier.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MaximumHeuristic;
+
+impl<R: Scalar> Heuristic<R> for MaximumHeuristic {
+    fn weight(&self, ratios: &[R], _own: usize) -> R {
+        let tolerance = R::EPSILON.sqrt();
+        if ratios.iter().any(|ratio| *ratio > R::ONE + tolerance) {
+            return R::ZERO;
+        }
+        let tied = ratios.iter().filter(|ratio| **ratio >= R::ONE - tolerance).count();
+        R::ONE / R::of(tied as f64)
+    }
+}

@@ -1,0 +1,282 @@
+//! Discrete random variables: a choice among items, uniform or weighted, and a coin.
+
+mod alias;
+#[cfg(test)]
+mod tests;
+
+use core::fmt;
+use core::marker::PhantomData;
+
+use crate::density::{Counting, Density};
+use crate::real::Scalar;
+use alias::{AliasTable, below_one, cell};
+
+/// An outcome of a discrete random variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice<T, R> {
+    /// Which outcome, counted from zero.
+    pub index: usize,
+    /// The item chosen.
+    pub item: T,
+    /// Probability of this index; an equal item at another index has a probability of its own.
+    pub probability: R,
+}
+
+/// A random variable with finitely many outcomes, numbered from zero.
+pub trait Discrete<R: Scalar> {
+    /// What is chosen: a reference to an item, or a value.
+    type Item<'a>
+    where
+        Self: 'a;
+
+    /// How many outcomes there are, those of probability zero included.
+    fn len(&self) -> usize;
+
+    /// Whether there is nothing to choose from.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The outcome that the uniform `u` in [0, 1) selects, and what is left of `u`: again a uniform
+    /// in [0, 1), independent of the choice, with correspondingly fewer significant bits. Outcomes
+    /// of probability zero are never selected.
+    fn sample_reuse(&self, u: R) -> (Choice<Self::Item<'_>, R>, R);
+
+    /// The outcome that the uniform `u` in [0, 1) selects.
+    fn sample(&self, u: R) -> Choice<Self::Item<'_>, R> {
+        self.sample_reuse(u).0
+    }
+
+    /// The outcome with this index, for one who can tell the index from elsewhere; `None` if there
+    /// is no such index.
+    fn get(&self, index: usize) -> Option<Choice<Self::Item<'_>, R>>;
+
+    /// Calls `visit` with each outcome of positive probability, once an index, and its probability.
+    fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
+        for choice in (0..self.len()).filter_map(|i| self.get(i)) {
+            if choice.probability > R::ZERO {
+                visit(choice.item, choice.probability);
+            }
+        }
+    }
+}
+
+/// A distribution that lives elsewhere, in a scene say; its items live as long as it does.
+impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
+    type Item<'a>
+        = D::Item<'b>
+    where
+        Self: 'a;
+
+    fn len(&self) -> usize {
+        D::len(self)
+    }
+
+    #[inline]
+    fn sample_reuse(&self, u: R) -> (Choice<D::Item<'b>, R>, R) {
+        D::sample_reuse(*self, u)
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> Option<Choice<D::Item<'b>, R>> {
+        D::get(*self, index)
+    }
+}
+
+/// Why something cannot be chosen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WeightError {
+    /// There are no items.
+    Empty,
+    /// There are not as many weights as items.
+    Length {
+        /// How many items.
+        items: usize,
+        /// How many weights.
+        weights: usize,
+    },
+    /// A weight is negative, NaN or infinite.
+    Invalid {
+        /// Which weight, counted from zero.
+        index: usize,
+        /// The weight.
+        weight: f64,
+    },
+    /// All weights are zero.
+    AllZero,
+}
+
+impl fmt::Display for WeightError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WeightError::Empty => {
+                write!(f, "there is nothing to choose from: pass one item or more")
+            }
+            WeightError::Length { items, weights } => {
+                write!(f, "{items} items but {weights} weights: pass one weight an item")
+            }
+            WeightError::Invalid { index, weight } => {
+                write!(f, "weight {index} is {weight}: weights are finite and not negative")
+            }
+            WeightError::AllZero => {
+                write!(f, "all weights are zero: at least one must be positive")
+            }
+        }
+    }
+}
+
+impl std::error::Error for WeightError {}
+
+/// A choice among the items of a container `C`: made by [`discrete`] or [`discrete_weighted`].
+#[derive(Clone, Debug)]
+pub struct Choices<C, T, R = f64> {
+    items: C,
+    /// `None` if all items are equally likely.
+    table: Option<AliasTable<R>>,
+    item: PhantomData<fn() -> T>,
+}
+
+/// A choice among the items of a slice, array or vector (owned or borrowed), all equally likely.
+///
+/// # Errors
+/// [`WeightError::Empty`] if there are no items.
+///
+/// ```
+/// use aether_core::discrete::{Discrete, discrete};
+/// let suits = discrete(["clubs", "diamonds", "hearts", "spades"])?;
+/// assert_eq!(*suits.sample(0.6).item, "hearts");
+/// assert_eq!(suits.pdf(&"hearts").value(), 0.25);
+/// # Ok::<(), aether_core::discrete::WeightError>(())
+/// ```
+pub fn discrete<C: AsRef<[T]>, T, R: Scalar>(items: C) -> Result<Choices<C, T, R>, WeightError> {
+    if items.as_ref().is_empty() {
+        return Err(WeightError::Empty);
+    }
+    Ok(Choices { items, table: None, item: PhantomData })
+}
+
+/// A choice among the items of a container, with probabilities proportional to `weights`.
+///
+/// Sampling takes constant time. A weight so small that its probability rounds to zero in `R`
+/// counts as zero.
+///
+/// # Errors
+/// No items, not one weight an item, a weight that is negative, NaN or infinite, no positive weight.
+pub fn discrete_weighted<C: AsRef<[T]>, T, R: Scalar>(
+    items: C,
+    weights: impl AsRef<[R]>,
+) -> Result<Choices<C, T, R>, WeightError> {
+    let (count, weights) = (items.as_ref().len(), weights.as_ref());
+    if count != weights.len() {
+        return Err(WeightError::Length { items: count, weights: weights.len() });
+    }
+    let table = Some(AliasTable::new(weights)?);
+    Ok(Choices { items, table, item: PhantomData })
+}
+
+impl<C: AsRef<[T]>, T, R: Scalar> Choices<C, T, R> {
+    /// The items.
+    pub fn items(&self) -> &[T] {
+        self.items.as_ref()
+    }
+
+    /// Probability of an index; zero if there is no such index.
+    #[inline]
+    pub fn probability(&self, index: usize) -> R {
+        let count = self.items().len();
+        match &self.table {
+            _ if index >= count => R::ZERO,
+            None => R::of(1.0 / count as f64),
+            Some(table) => table.probability(index),
+        }
+    }
+
+    /// Probability that the item chosen equals `item`: the sum over all equal items, zero if there
+    /// is none. Takes time proportional to the number of items.
+    pub fn pdf(&self, item: &T) -> Density<Counting, R>
+    where
+        T: PartialEq,
+    {
+        let equal = self.items().iter().enumerate().filter(|(_, other)| *other == item);
+        Density::new(equal.map(|(index, _)| self.probability(index)).sum())
+    }
+
+    /// All choices of positive probability, each index once.
+    pub fn choices(&self) -> impl Iterator<Item = Choice<&T, R>> {
+        (0..self.items().len())
+            .map(|index| self.at(index))
+            .filter(|choice| choice.probability > R::ZERO)
+    }
+
+    #[inline]
+    fn at(&self, index: usize) -> Choice<&T, R> {
+        let item = &self.items()[index];
+        Choice { index, item, probability: self.probability(index) }
+    }
+}
+
+impl<C: AsRef<[T]>, T, R: Scalar> Discrete<R> for Choices<C, T, R> {
+    type Item<'a>
+        = &'a T
+    where
+        Self: 'a;
+
+    fn len(&self) -> usize {
+        self.items().len()
+    }
+
+    #[inline]
+    fn sample_reuse(&self, u: R) -> (Choice<&T, R>, R) {
+        let (index, rest) = match &self.table {
+            None => cell(u, self.items().len()),
+            Some(table) => table.sample(u),
+        };
+        (self.at(index), R::of(rest).min(below_one()))
+    }
+
+    fn get(&self, index: usize) -> Option<Choice<&T, R>> {
+        (index < self.items().len()).then(|| self.at(index))
+    }
+}
+
+/// A coin: true with probability p.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bernoulli<R = f64> {
+    p: R,
+}
+
+/// A coin that shows true with probability `p`, as Russian roulette tosses it. A probability
+/// above one counts as one, below zero or NaN as zero.
+pub fn coin<R: Scalar>(p: R) -> Bernoulli<R> {
+    Bernoulli { p: if p > R::ZERO { p.min(R::ONE) } else { R::ZERO } }
+}
+
+impl<R: Scalar> Bernoulli<R> {
+    /// The probability of an outcome.
+    #[inline]
+    pub fn pdf(&self, outcome: &bool) -> Density<Counting, R> {
+        Density::new(if *outcome { self.p } else { R::ONE - self.p })
+    }
+}
+
+/// Index 0 is false, index 1 is true.
+impl<R: Scalar> Discrete<R> for Bernoulli<R> {
+    type Item<'a> = bool;
+
+    fn len(&self) -> usize {
+        2
+    }
+
+    #[inline]
+    fn sample_reuse(&self, u: R) -> (Choice<bool, R>, R) {
+        let item = u < self.p;
+        let probability = self.pdf(&item).value();
+        let rest = if item { u / probability } else { (u - self.p) / probability };
+        (Choice { index: usize::from(item), item, probability }, rest.min(below_one()))
+    }
+
+    fn get(&self, index: usize) -> Option<Choice<bool, R>> {
+        let item = index == 1;
+        (index < 2).then(|| Choice { index, item, probability: self.pdf(&item).value() })
+    }
+}

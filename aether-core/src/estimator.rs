@@ -1,0 +1,269 @@
+//! Estimates of integrals: the integrand over the density (Aether 2017, section 5.1).
+
+use core::cell::RefCell;
+use core::fmt;
+
+use crate::combine::{Combined, Heuristic, WeightedSample};
+use crate::point::Point;
+use crate::real::Scalar;
+use crate::sampler::{Sample, Sampler};
+use crate::sequence::{Key, Memo, NONE, PathView, Place, RandomSequence};
+use crate::strategy::{Reads, Strategy, Vertex};
+
+mod value;
+
+pub use value::Value;
+
+/// An integrand over paths as a product of factors, one a vertex, so that an estimator can divide
+/// factor by factor: the integrand and the density of a long path may each leave the range of a
+/// float, their quotients do not.
+///
+/// All visibility and all scattering is the user's. Where a vertex was found by a ray cast, the view
+/// says so ([`PathView::visible`]) and no shadow ray is needed.
+pub trait PathIntegrand {
+    /// The vertices of the paths.
+    type Vertex: Vertex;
+    /// What is integrated: a number, a spectrum.
+    type Value: Value<<Self::Vertex as Vertex>::Real>;
+
+    /// Everything that the integrand gains when the last vertex of `path` is added to the ones
+    /// before: the emission or importance or scattering at the vertex before (towards the new one),
+    /// and the geometry term and visibility of the edge between them. At a Dirac factor
+    /// ([`PathView::carries`]) its coefficient, stated as the strategies state its probability.
+    ///
+    /// The path shows the last [`PathIntegrand::reads`] vertices.
+    fn extend(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
+
+    /// The factor that closes the path: emission (or importance) of the last vertex towards the one
+    /// before.
+    fn end(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
+
+    /// How many vertices, the new one included, [`PathIntegrand::extend`] depends on; three for
+    /// scattering. Factors are remembered by them.
+    fn reads(&self) -> usize {
+        3
+    }
+}
+
+/// Something with a point and a density: what a loose estimate is made of.
+pub trait Drawing {
+    /// The precision.
+    type Real: Scalar;
+    /// The space.
+    type Point: Point<Self::Real>;
+    /// The point.
+    fn drawn_point(&self) -> Self::Point;
+    /// Its density; zero if there is no point.
+    fn drawn_density(&self) -> Self::Real;
+}
+
+impl<S: Sampler<R>, R: Scalar> Drawing for Sample<S, R> {
+    type Real = R;
+    type Point = S::Point;
+    fn drawn_point(&self) -> S::Point {
+        self.value()
+    }
+    fn drawn_density(&self) -> R {
+        self.pdf().value()
+    }
+}
+
+impl<P: Point<R>, R: Scalar> Drawing for WeightedSample<P, R> {
+    type Real = R;
+    type Point = P;
+    fn drawn_point(&self) -> P {
+        self.value
+    }
+    fn drawn_density(&self) -> R {
+        self.pdf
+    }
+}
+
+/// A Monte Carlo estimator of the integral of an integrand.
+///
+/// `Estimator::new(|x: &Direction| ...)` estimates from samples, `Estimator::paths(integrand)` from
+/// paths. Where the density is zero (no sample) or infinite (a pole, which has no mass), the estimate
+/// is zero.
+pub struct Estimator<I, F = ()> {
+    integrand: I,
+    factors: RefCell<F>,
+}
+
+impl<I: fmt::Debug, F> fmt::Debug for Estimator<I, F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Estimator").field(&self.integrand).finish()
+    }
+}
+
+impl<I, F> Estimator<I, F> {
+    /// The integrand.
+    pub fn integrand(&self) -> &I {
+        &self.integrand
+    }
+}
+
+fn is_regular<R: Scalar>(p: R) -> bool {
+    p > R::ZERO && p < R::INFINITY
+}
+
+impl<I> Estimator<I> {
+    /// An estimator from samples of a function of a point.
+    pub fn new(integrand: I) -> Self {
+        Estimator { integrand, factors: RefCell::new(()) }
+    }
+
+    /// f / p of one sample, not weighted.
+    pub fn of<D: Drawing, T: Value<D::Real>>(&self, sample: &D) -> T
+    where
+        I: Fn(&D::Point) -> T,
+    {
+        let p = sample.drawn_density();
+        if is_regular(p) { (self.integrand)(&sample.drawn_point()).over(p) } else { T::zero() }
+    }
+
+    /// The combined estimate of several techniques: the sum of weight × f / p.
+    pub fn sum<P: Point<R>, R: Scalar, T: Value<R>>(
+        &self,
+        samples: impl IntoIterator<Item = WeightedSample<P, R>>,
+    ) -> T
+    where
+        I: Fn(&P) -> T,
+    {
+        let estimates = samples.into_iter().map(|sample| self.of(&sample).times(sample.weight));
+        estimates.fold(T::zero(), |sum, estimate| sum.plus(estimate))
+    }
+}
+
+/// What an [`Estimator`] of paths remembers about the contents of one arena.
+#[derive(Clone, Debug)]
+pub struct Factors<T> {
+    contents: Option<(u64, u64)>,
+    /// f / p of the steps up to the end of a run, by its name.
+    runs: Vec<Option<T>>,
+    /// Factors of the integrand, by the vertices that they depend on.
+    memo: Memo<T>,
+}
+
+impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
+    /// An estimator from paths. It remembers factors of the integrand until the arena is cleared.
+    pub fn paths(integrand: I) -> Self {
+        let factors = Factors { contents: None, runs: Vec::new(), memo: Memo::new() };
+        Estimator { integrand, factors: RefCell::new(factors) }
+    }
+
+    /// f / p of one path, not weighted; zero if the path is not complete. Costs one factor if the
+    /// path extends one that has been estimated.
+    pub fn of<S: Strategy<I::Vertex>>(&self, path: &RandomSequence<'_, I::Vertex, S>) -> I::Value {
+        if !path.is_complete() || path.is_empty() {
+            return I::Value::zero();
+        }
+        self.remember(path.arena.contents());
+        let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        let ahead = arena.steps_ahead(place);
+        let run = |k: usize| arena.run_name(place, k);
+        let known = |k: usize| run(k).and_then(|name| self.run(name));
+        let found = (0..ahead).rev().find_map(|k| known(k).map(|value| (k + 1, value)));
+        let (start, mut value) = found.unwrap_or((0, I::Value::one()));
+        // Step k divides by the density of vertex k, and multiplies with the factor of the edge that
+        // it was sampled along: to vertex k + 1 if it came from there.
+        let mut extended = start;
+        for k in start..n {
+            let backward = k >= ahead && arena.tape.step(place, k).backward;
+            let edges = if backward { (k + 2).min(n) } else { k + 1 };
+            while extended < edges {
+                value = value.multiply(self.factor(path, extended));
+                extended += 1;
+            }
+            let p = arena.factor(place, k, place);
+            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            if k < ahead
+                && let Some(name) = run(k)
+            {
+                self.set_run(name, value);
+            }
+            if value.is_zero() {
+                return value;
+            }
+        }
+        value.multiply(self.integrand.end(path.view()))
+    }
+
+    /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing
+    /// are left out, and their weights are not computed.
+    pub fn each<'a, S, H>(
+        &self,
+        mut combined: Combined<'a, I::Vertex, S, H>,
+    ) -> impl Iterator<Item = (RandomSequence<'a, I::Vertex, S>, I::Value)>
+    where
+        I::Vertex: 'a,
+        S: Strategy<I::Vertex> + 'a,
+        H: Heuristic<<I::Vertex as Vertex>::Real>,
+    {
+        core::iter::from_fn(move || {
+            while let Some((i, path)) = combined.next_sample() {
+                let estimate = self.of(&path);
+                if !estimate.is_zero() {
+                    return Some((path, estimate.times(combined.weight_of(i))));
+                }
+            }
+            None
+        })
+    }
+
+    /// The combined estimate of several techniques: the sum of weight × f / p.
+    pub fn sum<'a, S, H>(&self, combined: Combined<'a, I::Vertex, S, H>) -> I::Value
+    where
+        I::Vertex: 'a,
+        S: Strategy<I::Vertex> + 'a,
+        H: Heuristic<<I::Vertex as Vertex>::Real>,
+    {
+        self.each(combined).fold(I::Value::zero(), |sum, (_, estimate)| sum.plus(estimate))
+    }
+
+    /// Forgets everything if it is about other contents.
+    fn remember(&self, contents: (u64, u64)) {
+        let mut factors = self.factors.borrow_mut();
+        if factors.contents != Some(contents) {
+            factors.contents = Some(contents);
+            factors.runs.clear();
+            factors.memo.clear();
+        }
+    }
+
+    fn run(&self, name: u32) -> Option<I::Value> {
+        self.factors.borrow().runs.get(name as usize).copied().flatten()
+    }
+
+    fn set_run(&self, name: u32, value: I::Value) {
+        let runs = &mut self.factors.borrow_mut().runs;
+        if runs.len() <= name as usize {
+            runs.resize(name as usize + 1, None);
+        }
+        runs[name as usize] = Some(value);
+    }
+
+    /// The factor that vertex `k` brings.
+    fn factor<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        k: usize,
+    ) -> I::Value {
+        let (tape, reads) = (&path.arena.tape, self.integrand.reads().max(1));
+        let place: Place = path.handle.place.range(0, k + 1);
+        let mut key: Option<Key> = (reads <= 6).then_some([NONE; 6]);
+        if let Some(key) = &mut key {
+            for (back, part) in key.iter_mut().enumerate().take(reads.min(k + 1)) {
+                *part = tape.entry(place.at(k - back)).vertex;
+            }
+        }
+        if let Some(known) = key.and_then(|key| self.factors.borrow().memo.get(&key)) {
+            return known;
+        }
+        let reads = Reads { vertices: reads, length: false };
+        let value = self.integrand.extend(PathView::of_tape(tape, place).limited(reads));
+        if let Some(key) = key {
+            self.factors.borrow_mut().memo.insert(key, value);
+        }
+        value
+    }
+}

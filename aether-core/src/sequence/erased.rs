@@ -1,0 +1,85 @@
+//! Strategies behind a pointer, where their set is not known when the program is compiled.
+
+use core::fmt;
+
+use crate::sequence::PathView;
+use crate::strategy::{Conditional, Drawn, Reads, Strategy, Vertex};
+use crate::uniform::UniformSource;
+
+/// [`Strategy`] as a trait object. Every strategy implements it.
+pub trait DynStrategy<V: Vertex> {
+    /// [`Strategy::sample`].
+    fn sample_dyn(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut dyn UniformSource<V::Real>,
+    ) -> Option<Drawn<V>>;
+    /// [`Strategy::pdf`].
+    fn pdf_dyn(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real>;
+    /// [`Strategy::reads`].
+    fn reads_dyn(&self) -> Reads;
+}
+
+impl<V: Vertex, S: Strategy<V>> DynStrategy<V> for S {
+    fn sample_dyn(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut dyn UniformSource<V::Real>,
+    ) -> Option<Drawn<V>> {
+        self.sample(path, uniforms)
+    }
+    fn pdf_dyn(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real> {
+        self.pdf(path, target)
+    }
+    fn reads_dyn(&self) -> Reads {
+        self.reads()
+    }
+}
+
+/// A reference to any strategy: `Arena<V, Erased<V>>` holds paths of strategies that are chosen
+/// while the program runs. Two of them are the same if they refer to the same object.
+pub struct Erased<'s, V>(pub &'s dyn DynStrategy<V>);
+
+impl<V> Clone for Erased<'_, V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<V> Copy for Erased<'_, V> {}
+
+impl<V> fmt::Debug for Erased<'_, V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Erased(..)")
+    }
+}
+
+impl<V: Vertex> Strategy<V> for Erased<'_, V> {
+    fn sample<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>> {
+        self.0.sample_dyn(path, &mut Borrowed(uniforms))
+    }
+    fn pdf(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real> {
+        self.0.pdf_dyn(path, target)
+    }
+    fn reads(&self) -> Reads {
+        self.0.reads_dyn()
+    }
+    fn same(&self, other: &Self) -> bool {
+        core::ptr::eq(self.0, other.0)
+    }
+}
+
+/// Makes a sized source of one that may not be.
+struct Borrowed<'u, U: ?Sized>(&'u mut U);
+
+impl<R: crate::real::Real, U: UniformSource<R> + ?Sized> UniformSource<R> for Borrowed<'_, U> {
+    fn next(&mut self) -> R {
+        self.0.next()
+    }
+    fn start(&mut self, block: u32) {
+        self.0.start(block);
+    }
+}

@@ -1,0 +1,211 @@
+//! Drawing vertices, and the densities of paths under their own and other strategies.
+
+use crate::path_density::PathDensity;
+use crate::real::Real;
+use crate::sequence::{Arena, Key, NONE, PathView, Place};
+use crate::strategy::{Dirac, Reads, Strategy, Vertex};
+use crate::uniform::UniformSource;
+
+/// Most preceding vertices that a remembered density may depend on.
+const REMEMBERED: usize = 3;
+
+impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
+    /// Draws the vertex of step `i`; returns whether there is one.
+    pub(crate) fn draw<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        place: Place,
+        i: usize,
+        uniforms: &mut U,
+    ) -> bool {
+        let id = self.tape.step(place, i).strategy;
+        // A copy, so that nothing of the arena is borrowed while user code runs.
+        let strategy = self.strategies.borrow()[id as usize].clone();
+        let reads = strategy.reads();
+        let before = place.range(0, i);
+        let view = PathView::of_tape(&self.tape, before).limited(reads);
+        let Some(drawn) = strategy.sample(view, uniforms) else { return false };
+        self.tape.take(place, i, &drawn);
+        if let Some(value) = drawn.value {
+            let vertex = self.tape.step(place, i).vertex;
+            if let Some(key) = self.key(id, drawn.dirac, before, reads, vertex) {
+                self.memo.borrow_mut().insert(key, value);
+            }
+        }
+        true
+    }
+
+    /// What the density of a vertex depends on; `None` if that is too much to be remembered.
+    fn key(
+        &self,
+        strategy: u32,
+        dirac: Option<Dirac>,
+        before: Place,
+        reads: Reads,
+        vertex: u32,
+    ) -> Option<Key> {
+        if reads.vertices > REMEMBERED {
+            return None;
+        }
+        let kind = match dirac {
+            None => 0,
+            Some(Dirac::Position) => 1,
+            Some(Dirac::Direction) => 2,
+        };
+        let len = before.len as usize;
+        let mut key = [strategy * 4 + kind, vertex, NONE, NONE, NONE, 0];
+        for k in 0..reads.vertices.min(len) {
+            key[2 + k] = self.tape.entry(before.at(len - 1 - k)).vertex;
+        }
+        if reads.length {
+            key[5] = before.len;
+        }
+        Some(key)
+    }
+
+    /// The conditional density of vertex `k` of `path` under step `k` of `technique`, given the
+    /// vertices of `path` that the step comes from.
+    pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
+        let step = self.tape.step(technique, k);
+        let n = path.len as usize;
+        let before = if step.backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
+        let dirac = self.tape.kind(path, k, step.backward);
+        let vertex = self.tape.entry(path.at(k)).vertex;
+        let reads = self.strategies.borrow()[step.strategy as usize].reads();
+        let key = self.key(step.strategy, dirac, before, reads, vertex);
+        if let Some(known) = key.and_then(|key| self.memo.borrow().get(&key)) {
+            return known;
+        }
+        let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
+        let strategy = self.strategies.borrow()[step.strategy as usize].clone();
+        let view = PathView::of_tape(&self.tape, before).asking(dirac).limited(reads);
+        let value = strategy.pdf(view, &target).of_kind(dirac);
+        if let Some(key) = key {
+            self.memo.borrow_mut().insert(key, value);
+        }
+        value
+    }
+
+    /// Whether `technique` can produce every Dirac factor of `path`: each belongs to a vertex, and
+    /// some step must come from there.
+    fn covers(&self, technique: Place, path: Place) -> bool {
+        let n = path.len as usize;
+        (0..n).all(|i| {
+            let forward = i + 1 < n && !self.tape.step(technique, i + 1).backward;
+            let backward = i > 0 && self.tape.step(technique, i - 1).backward;
+            forward || backward || !self.tape.carries(path, i, Dirac::Direction)
+        })
+    }
+
+    /// Whether `technique` might produce `path` at all.
+    fn comparable(&self, technique: Place, path: Place) -> bool {
+        technique.len == path.len && (technique == path || self.covers(technique, path))
+    }
+
+    /// The density of `path` under `technique`.
+    pub(crate) fn density(&self, technique: Place, path: Place) -> PathDensity<V::Real> {
+        if !self.comparable(technique, path) {
+            return PathDensity::ZERO;
+        }
+        (0..path.len as usize)
+            .map(|k| self.factor(technique, k, path))
+            .fold(PathDensity::ONE, |product, factor| product * factor)
+    }
+
+    /// The density of a path under its own strategies, from what is known about the run of steps
+    /// from either end.
+    pub(crate) fn own_density(&self, place: Place) -> PathDensity<V::Real> {
+        let n = place.len as usize;
+        let ahead = self.steps_ahead(place);
+        if ahead < n && self.is_run(place.reverse(), n - ahead) {
+            return self.run_density(place.range(0, ahead))
+                * self.run_density(place.range(ahead, n).reverse());
+        }
+        if ahead == n { self.run_density(place) } else { self.density(place, place) }
+    }
+
+    /// How many steps at the beginning of a path are taken forwards.
+    pub(crate) fn steps_ahead(&self, place: Place) -> usize {
+        let n = place.len as usize;
+        if self.is_run(place, n) {
+            return n;
+        }
+        (0..n).position(|k| self.tape.step(place, k).backward).unwrap_or(n)
+    }
+
+    /// Whether the first `len` steps are known to be an unbroken run.
+    fn is_run(&self, place: Place, len: usize) -> bool {
+        len == 0 || {
+            let last = self.tape.step(place, len - 1);
+            !last.backward && last.run as usize == len
+        }
+    }
+
+    /// The name of the run that ends at step `k`, if it begins where the path does.
+    pub(crate) fn run_name(&self, place: Place, k: usize) -> Option<u32> {
+        let step = self.tape.step(place, k);
+        (!step.backward && step.run as usize == k + 1).then_some(step.prefix)
+    }
+
+    /// The density of a path all of whose steps are taken forwards.
+    fn run_density(&self, place: Place) -> PathDensity<V::Real> {
+        let n = place.len as usize;
+        let known = |k: usize| self.run_name(place, k).and_then(|run| self.tape.prefix(run));
+        let found = (0..n).rev().find_map(|k| known(k).map(|density| (k + 1, density)));
+        let (start, mut density) = found.unwrap_or((0, PathDensity::ONE));
+        for k in start..n {
+            density = density * self.factor(place, k, place);
+            if let Some(run) = self.run_name(place, k) {
+                self.tape.set_prefix(run, density);
+            }
+        }
+        density
+    }
+
+    /// The densities of `path` under two techniques without the factors that they share.
+    fn quotient(&self, a: Place, b: Place, path: Place) -> [PathDensity<V::Real>; 2] {
+        let mut densities = [PathDensity::ONE; 2];
+        for k in 0..path.len as usize {
+            let (step, other) = (self.tape.step(a, k), self.tape.step(b, k));
+            if step.strategy != other.strategy || step.backward != other.backward {
+                densities[0] = densities[0] * self.factor(a, k, path);
+                densities[1] = densities[1] * self.factor(b, k, path);
+            }
+        }
+        densities
+    }
+
+    /// How much likelier each technique makes `path` than technique `own`, which made it: calls
+    /// `visit` with each other technique and the ratio of densities.
+    ///
+    /// Neighbouring techniques share most factors, so each is compared with the one before, going
+    /// outwards from `own`, and directly with `own` where zeros or poles get in the way.
+    pub(crate) fn density_ratios(
+        &self,
+        count: usize,
+        own: usize,
+        technique: impl Fn(usize) -> Place,
+        mut visit: impl FnMut(usize, V::Real),
+    ) {
+        let path = technique(own);
+        let walks: [&mut dyn Iterator<Item = usize>; 2] =
+            [&mut (own + 1..count), &mut (0..own).rev()];
+        for walk in walks {
+            let (mut from, mut ratio) = (path, PathDensity::ONE);
+            for j in walk {
+                let place = technique(j);
+                if !self.comparable(place, path) {
+                    visit(j, V::Real::ZERO);
+                    continue;
+                }
+                let [new, old] = self.quotient(place, from, path);
+                if new.is_regular() && old.is_regular() {
+                    (from, ratio) = (place, ratio * (new / old));
+                    visit(j, ratio.value());
+                } else {
+                    let [new, old] = self.quotient(place, path, path);
+                    visit(j, new.ratio(old));
+                }
+            }
+        }
+    }
+}

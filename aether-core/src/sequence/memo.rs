@@ -1,0 +1,100 @@
+//! A table that forgets everything at once and then needs no heap.
+
+/// What a remembered value depends on.
+pub(crate) type Key = [u32; 6];
+
+#[derive(Clone, Copy, Debug)]
+struct Slot<T> {
+    /// The round that the slot was filled in; others are empty.
+    round: u32,
+    key: Key,
+    value: T,
+}
+
+/// An open-addressing hash table with constant-time [`Memo::clear`].
+#[derive(Clone, Debug)]
+pub(crate) struct Memo<T> {
+    slots: Vec<Slot<T>>,
+    count: usize,
+    round: u32,
+}
+
+impl<T: Copy> Memo<T> {
+    pub fn new() -> Self {
+        Memo { slots: Vec::new(), count: 0, round: 1 }
+    }
+
+    /// Forgets everything; the capacity stays.
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.round = self.round.wrapping_add(1);
+        if self.round == 0 {
+            // After 2^32 rounds the marks repeat: start afresh.
+            self.slots.clear();
+            self.round = 1;
+        }
+    }
+
+    /// The slot of a key, or the empty one where it belongs.
+    fn find(&self, key: &Key) -> usize {
+        let mut hash = 0_u64;
+        for part in key {
+            hash = (hash.rotate_left(5) ^ u64::from(*part)).wrapping_mul(0x517c_c1b7_2722_0a95);
+        }
+        let mask = self.slots.len() - 1;
+        let mut i = (hash >> 32) as usize & mask;
+        while self.slots[i].round == self.round && self.slots[i].key != *key {
+            i = (i + 1) & mask;
+        }
+        i
+    }
+
+    pub fn get(&self, key: &Key) -> Option<T> {
+        if self.slots.is_empty() {
+            return None;
+        }
+        let slot = &self.slots[self.find(key)];
+        (slot.round == self.round).then_some(slot.value)
+    }
+
+    pub fn insert(&mut self, key: Key, value: T) {
+        if self.count * 2 >= self.slots.len() {
+            self.grow(value);
+        }
+        let i = self.find(&key);
+        if self.slots[i].round != self.round {
+            self.count += 1;
+        }
+        self.slots[i] = Slot { round: self.round, key, value };
+    }
+
+    fn grow(&mut self, filler: T) {
+        let size = (self.slots.len() * 2).max(64);
+        let empty = Slot { round: 0, key: Key::default(), value: filler };
+        let old = core::mem::replace(&mut self.slots, vec![empty; size]);
+        for slot in old.into_iter().filter(|slot| slot.round == self.round) {
+            let i = self.find(&slot.key);
+            self.slots[i] = slot;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn remembers_until_cleared() {
+        let mut memo = Memo::new();
+        let key = |i: u32| [i, i * i, 7, 0, u32::MAX, i % 3];
+        for i in 0..1000 {
+            memo.insert(key(i), i);
+        }
+        assert!((0..1000).all(|i| memo.get(&key(i)) == Some(i)));
+        assert_eq!(memo.get(&key(1000)), None);
+        memo.clear();
+        assert!((0..1000).all(|i| memo.get(&key(i)).is_none()));
+        memo.insert(key(3), 9);
+        assert_eq!(memo.get(&key(3)), Some(9));
+    }
+}

@@ -1,0 +1,111 @@
+//! Random sequences: paths whose vertices are drawn one after the other (Aether 2017, section 5.6).
+//!
+//! Vertices and the steps that made them live once, in an [`Arena`]; a [`RandomSequence`] is a
+//! small handle to a range of them. Conditional densities are remembered, so that weighing all
+//! techniques of a bidirectional path evaluates each of them once. Once the arena has grown to what
+//! a sample needs, nothing here allocates.
+
+mod erased;
+mod evaluate;
+mod memo;
+mod random_sequence;
+mod strategies;
+mod tape;
+mod view;
+
+use core::cell::{Cell, RefCell};
+use core::sync::atomic::{AtomicU64, Ordering};
+
+pub use erased::{DynStrategy, Erased};
+pub(crate) use memo::{Key, Memo};
+pub(crate) use random_sequence::Handle;
+pub use random_sequence::RandomSequence;
+pub(crate) use tape::{NONE, Place};
+pub use view::PathView;
+
+use crate::strategy::{Strategy, Vertex};
+use tape::Tape;
+
+/// The home of all paths of one sample: their vertices, strategies and densities.
+///
+/// Make one a thread, [`Arena::clear`] it for each sample; the memory is kept.
+#[derive(Debug)]
+pub struct Arena<V: Vertex, S> {
+    pub(crate) tape: Tape<V>,
+    strategies: RefCell<Vec<S>>,
+    memo: RefCell<Memo<V::Real>>,
+    /// Lists of paths, each with the number of samples that its technique takes.
+    pub(crate) lists: RefCell<Vec<(Handle, V::Real)>>,
+    pub(crate) gathering: RefCell<Vec<(Handle, V::Real)>>,
+    pub(crate) ratios: RefCell<Vec<V::Real>>,
+    sequences: Cell<u8>,
+    /// Which arena this is, and how often it has been cleared: no two contents share it.
+    contents: (u64, u64),
+}
+
+/// How many strategies back a strategy is compared with those that are known already.
+const COMPARED: usize = 16;
+
+impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
+    /// An arena without any path.
+    pub fn new() -> Self {
+        static ARENAS: AtomicU64 = AtomicU64::new(0);
+        Arena {
+            tape: Tape::new(),
+            strategies: RefCell::new(Vec::new()),
+            memo: RefCell::new(Memo::new()),
+            lists: RefCell::new(Vec::new()),
+            gathering: RefCell::new(Vec::new()),
+            ratios: RefCell::new(Vec::new()),
+            sequences: Cell::new(0),
+            contents: (ARENAS.fetch_add(1, Ordering::Relaxed), 0),
+        }
+    }
+
+    /// Forgets all paths and keeps the memory. The borrow checker makes sure that no handle to a
+    /// path is left.
+    pub fn clear(&mut self) {
+        self.tape.clear();
+        self.strategies.get_mut().clear();
+        self.memo.get_mut().clear();
+        self.lists.get_mut().clear();
+        self.sequences.set(0);
+        self.contents.1 += 1;
+    }
+
+    /// An empty path.
+    ///
+    /// The first, second, ... path that is asked for since [`Arena::clear`] draw from blocks of
+    /// sampling dimensions of their own.
+    pub fn sequence(&self) -> RandomSequence<'_, V, S> {
+        let number = self.sequences.get();
+        self.sequences.set(number.saturating_add(1));
+        RandomSequence::empty(self, number)
+    }
+
+    /// How many vertices live here.
+    pub fn vertex_count(&self) -> usize {
+        self.tape.vertex_count()
+    }
+
+    pub(crate) fn contents(&self) -> (u64, u64) {
+        self.contents
+    }
+
+    /// The id of a strategy; that of a known one if it is the same.
+    fn intern(&self, strategy: S) -> u32 {
+        let mut strategies = self.strategies.borrow_mut();
+        let recent = strategies.iter().enumerate().rev().take(COMPARED);
+        if let Some((id, _)) = recent.into_iter().find(|(_, known)| known.same(&strategy)) {
+            return id as u32;
+        }
+        strategies.push(strategy);
+        strategies.len() as u32 - 1
+    }
+}
+
+impl<V: Vertex, S: Strategy<V>> Default for Arena<V, S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,266 @@
+//! The handle to a path.
+
+use core::fmt;
+use core::ops::{Bound, RangeBounds};
+
+use crate::path_density::PathDensity;
+use crate::sequence::{Arena, PathView, Place};
+use crate::strategy::{Strategy, Vertex};
+use crate::uniform::UniformSource;
+
+/// Which steps of the arena make up a path, and what may still become of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Handle {
+    pub place: Place,
+    /// How many steps, from the first on, have vertices.
+    pub len: u32,
+    /// No more vertices will be sampled.
+    pub ended: bool,
+    /// A slice out of range: there is no such technique.
+    pub absent: bool,
+    /// Numbers the blocks of sampling dimensions.
+    lane: u8,
+}
+
+impl Handle {
+    /// Whether every step has its vertex.
+    #[inline]
+    pub fn complete(&self) -> bool {
+        self.len == self.place.len && !self.absent
+    }
+}
+
+/// Lanes of blocks: two for each of the first four sequences, one for the sequence itself and one
+/// for what is appended to slices of it.
+const LANES: u32 = 8;
+
+/// A path: strategies, and the vertices that they made (Aether 2017, section 5.6).
+///
+/// It is a handle that is cheap to copy; copies are independent values. A path knows the strategies
+/// of all its steps, also of those that yielded no vertex (the ray left the scene): it is then a
+/// technique without a sample, which [`combine`](crate::combine::combine) still needs to weigh what
+/// the other techniques sampled.
+///
+/// [`RandomSequence::slice`], [`RandomSequence::reverse`] and [`RandomSequence::concat`] work on
+/// steps. A strategy sees the vertices of the path that it is evaluated in, in its direction of
+/// travel: after [`RandomSequence::reverse`], the vertices that come later in the path.
+pub struct RandomSequence<'a, V: Vertex, S> {
+    pub(crate) arena: &'a Arena<V, S>,
+    pub(crate) handle: Handle,
+}
+
+impl<V: Vertex, S> Clone for RandomSequence<'_, V, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<V: Vertex, S> Copy for RandomSequence<'_, V, S> {}
+
+impl<V: Vertex, S> fmt::Debug for RandomSequence<'_, V, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let len = self.handle.len as usize;
+        let vertices = (0..len).map(|i| self.arena.tape.vertex(self.handle.place.at(i)));
+        f.debug_list().entries(vertices.flatten()).finish()
+    }
+}
+
+impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
+    pub(crate) fn empty(arena: &'a Arena<V, S>, number: u8) -> Self {
+        let lane = number.min(LANES as u8 / 2 - 1) * 2;
+        let place = Place::new(0, 0);
+        RandomSequence {
+            arena,
+            handle: Handle { place, len: 0, ended: false, absent: false, lane },
+        }
+    }
+
+    fn with(&self, handle: Handle) -> Self {
+        RandomSequence { arena: self.arena, handle }
+    }
+
+    /// How many vertices the path has.
+    pub fn len(&self) -> usize {
+        self.handle.len as usize
+    }
+
+    /// Whether the path has no vertex.
+    pub fn is_empty(&self) -> bool {
+        self.handle.len == 0
+    }
+
+    /// How many strategies the path has: the vertices that it has or would have.
+    pub fn size(&self) -> usize {
+        self.handle.place.len as usize
+    }
+
+    /// Whether every strategy has yielded its vertex. If not, the path is no sample, only a
+    /// technique.
+    pub fn is_complete(&self) -> bool {
+        self.handle.complete()
+    }
+
+    /// Vertex `i`, if the path has it.
+    pub fn vertex(&self, i: usize) -> Option<V> {
+        (i < self.len()).then(|| self.arena.tape.vertex(self.handle.place.at(i))).flatten()
+    }
+
+    /// The last vertex.
+    pub fn last(&self) -> Option<V> {
+        self.vertex(self.len().checked_sub(1)?)
+    }
+
+    /// The vertices in order.
+    pub fn vertices(&self) -> impl Iterator<Item = V> + use<'a, V, S> {
+        let path = *self;
+        (0..path.len()).filter_map(move |i| path.vertex(i))
+    }
+
+    /// The vertices as integrands see them.
+    pub fn view(&self) -> PathView<'a, V> {
+        PathView::of_tape(&self.arena.tape, self.handle.place.range(0, self.len()))
+    }
+
+    /// Adds a strategy for one more vertex. Nothing is sampled before [`RandomSequence::sample`].
+    ///
+    /// The vertex will draw from a block of sampling dimensions that its position in the path and
+    /// the kind of the path (which [`Arena::sequence`], a slice or not) determine.
+    pub fn append(&mut self, strategy: impl Into<S>) -> &mut Self {
+        let block = self.handle.place.len * LANES + u32::from(self.handle.lane);
+        self.append_in(block, strategy)
+    }
+
+    /// [`RandomSequence::append`] with a block of sampling dimensions of the caller's choice.
+    pub fn append_in(&mut self, block: u32, strategy: impl Into<S>) -> &mut Self {
+        if !self.handle.absent {
+            let strategy = self.arena.intern(strategy.into());
+            self.own(self.size());
+            self.arena.tape.push(strategy, block);
+            self.handle.place.len += 1;
+        }
+        self
+    }
+
+    /// Makes sure that the first `size` steps are at the end of the tape, where this path alone can
+    /// go on.
+    fn own(&mut self, size: usize) {
+        let (tape, place) = (&self.arena.tape, self.handle.place);
+        if place.reversed || place.len == 0 || place.at(size) != tape.len() {
+            let start = tape.len();
+            tape.copy(place, self.len());
+            self.handle.place = Place::new(start, size);
+        }
+    }
+
+    /// Samples what has been appended, one strategy after the other. If one yields no vertex the
+    /// path ends there, for good.
+    pub fn sample<U: UniformSource<V::Real> + ?Sized>(&mut self, uniforms: &mut U) -> &mut Self {
+        while !self.handle.ended && self.handle.len < self.handle.place.len {
+            self.handle.ended = !self.sample_next(uniforms);
+        }
+        self
+    }
+
+    /// Samples one vertex; returns whether there is one.
+    fn sample_next<U: UniformSource<V::Real> + ?Sized>(&mut self, uniforms: &mut U) -> bool {
+        let i = self.len();
+        let step = self.arena.tape.step(self.handle.place, i);
+        if step.backward || self.handle.place.reversed {
+            return false;
+        }
+        if step.vertex != super::NONE {
+            // A copy of this handle has sampled this step for itself.
+            let start = self.arena.tape.len();
+            self.arena.tape.copy(self.handle.place, i);
+            self.handle.place = Place::new(start, self.size());
+        }
+        uniforms.start(step.block);
+        let drawn = self.arena.draw(self.handle.place, i, uniforms);
+        self.handle.len += u32::from(drawn);
+        drawn
+    }
+
+    /// The steps of a range, `slice(a..b)`. Strategies that lie before the range are forgotten, and
+    /// the others no longer see their vertices. A range beyond [`RandomSequence::size`] yields a path
+    /// that does not exist: it has no sample and is no technique to be weighed.
+    pub fn slice(&self, range: impl RangeBounds<usize>) -> Self {
+        let from = match range.start_bound() {
+            Bound::Included(&from) => from,
+            Bound::Excluded(&before) => before.saturating_add(1),
+            Bound::Unbounded => 0,
+        };
+        let to = match range.end_bound() {
+            Bound::Included(&last) => last.saturating_add(1),
+            Bound::Excluded(&to) => to,
+            Bound::Unbounded => self.size(),
+        };
+        let h = self.handle;
+        if h.absent || from > to || to > self.size() {
+            return self.absent();
+        }
+        let len = h.len.min(to as u32).saturating_sub(from as u32);
+        // Pending strategies without the vertices before them cannot be sampled.
+        let cut = from > 0 && to as u32 > h.len;
+        let ended = cut || (h.ended && to as u32 > h.len);
+        self.with(Handle { place: h.place.range(from, to), len, ended, lane: h.lane | 1, ..h })
+    }
+
+    fn absent(&self) -> Self {
+        let place = Place::new(0, 0);
+        self.with(Handle { place, len: 0, ended: true, absent: true, ..self.handle })
+    }
+
+    /// The path in opposite order; its strategies go on to travel as they did. What is pending can
+    /// no longer be sampled.
+    pub fn reverse(&self) -> Self {
+        let h = self.handle;
+        let (len, ended) = if h.complete() { (h.len, h.ended) } else { (0, true) };
+        self.with(Handle { place: h.place.reverse(), len, ended, ..h })
+    }
+
+    /// This path, then `other`. What is pending in the middle can no longer be sampled. Paths of
+    /// different arenas have no concatenation: the result does not exist.
+    pub fn concat(&self, other: &Self) -> Self {
+        let (h, o) = (self.handle, other.handle);
+        if h.absent || o.absent || !core::ptr::eq(self.arena, other.arena) {
+            return self.absent();
+        }
+        let tape = &self.arena.tape;
+        let start = tape.len();
+        tape.copy(h.place, h.len as usize);
+        tape.copy(o.place, o.len as usize);
+        let place = Place::new(start, (h.place.len + o.place.len) as usize);
+        let (len, ended) = if h.complete() { (h.len + o.len, o.ended) } else { (h.len, true) };
+        self.with(Handle { place, len, ended, lane: h.lane | 1, ..h })
+    }
+
+    /// The density of this path under its own strategies: the product of the conditional densities
+    /// of its vertices (Aether 2017, Eq. 4), times the probabilities of its Dirac factors. Zero if
+    /// it is not complete. Costs one step if the path extends one whose density is known.
+    pub fn pdf(&self) -> PathDensity<V::Real> {
+        if self.is_complete() {
+            self.arena.own_density(self.handle.place)
+        } else {
+            PathDensity::ZERO
+        }
+    }
+
+    /// The density of the vertices of `other` under the strategies of this path: how likely this
+    /// technique makes that path. Zero if it cannot: if the lengths differ, or if `other` carries
+    /// Dirac factors that no strategy here can produce.
+    ///
+    /// It compares with `other.pdf()`, since both are taken for the Dirac factors of `other`.
+    pub fn pdf_of(&self, other: &Self) -> PathDensity<V::Real> {
+        let same_arena = core::ptr::eq(self.arena, other.arena);
+        if self.handle.absent || !other.is_complete() || !same_arena {
+            return PathDensity::ZERO;
+        }
+        self.arena.density(self.handle.place, other.handle.place)
+    }
+
+    /// The conditional density (or probability) of vertex `i` under its strategy; `None` if the path
+    /// does not have it.
+    pub fn conditional(&self, i: usize) -> Option<V::Real> {
+        (self.is_complete() && i < self.len())
+            .then(|| self.arena.factor(self.handle.place, i, self.handle.place))
+    }
+}

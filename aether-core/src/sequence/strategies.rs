@@ -1,0 +1,113 @@
+//! A set of strategies as one type.
+
+/// Declares the set of strategies that the paths of a program are made of, as an enum that is a
+/// strategy itself: calls are dispatched statically, and what a program does not name costs it
+/// nothing.
+///
+/// ```
+/// # use aether_core::sequence::PathView;
+/// # use aether_core::strategy::{Conditional, Drawn, Strategy, Vertex};
+/// # use aether_core::{UniformSource, strategies};
+/// # #[derive(Clone, Copy, Debug)] struct Hit(f64);
+/// # impl Vertex for Hit {
+/// #     type Real = f64; type Point = f64;
+/// #     fn point(&self) -> f64 { self.0 }
+/// # }
+/// # #[derive(Clone, Copy)] struct Start;
+/// # #[derive(Clone, Copy)] struct Walk<'a>(&'a f64);
+/// # macro_rules! toy { ($($name:ty)*) => { $(impl Strategy<Hit> for $name {
+/// #     fn sample<U: UniformSource<f64> + ?Sized>(&self, _: PathView<'_, Hit>, u: &mut U)
+/// #         -> Option<Drawn<Hit>> { Some(Drawn::new(Hit(u.next()))) }
+/// #     fn pdf(&self, _: PathView<'_, Hit>, _: &Hit) -> Conditional<f64> {
+/// #         Conditional::density(1.0) }
+/// # })* } }
+/// # toy! { Start Walk<'_> }
+/// strategies! {
+///     /// How this program makes its paths.
+///     #[derive(Clone, Copy)]
+///     pub enum Strategies<'a> for Hit { Start(Start), Walk(Walk<'a>) }
+/// }
+/// let arena = aether_core::sequence::Arena::<Hit, Strategies<'_>>::new();
+/// let mut path = arena.sequence();
+/// path.append(Start).append(Walk(&1.0)).sample(&mut || 0.5);
+/// assert_eq!(path.len(), 2);
+/// ```
+#[macro_export]
+macro_rules! strategies {
+    (@conversions $generics:tt $name:ident $($variant:ident($strategy:ty))+) => {
+        $($crate::strategies! { @conversion $generics $name $variant($strategy) })+
+    };
+    (@conversion [$($generics:tt)*] $name:ident $variant:ident($strategy:ty)) => {
+        impl $($generics)* From<$strategy> for $name $($generics)* {
+            fn from(strategy: $strategy) -> Self { $name::$variant(strategy) }
+        }
+    };
+    (
+        $(#[$meta:meta])*
+        $visibility:vis enum $name:ident $(<$($lifetime:lifetime),+>)? for $vertex:ty {
+            $($(#[$variant_meta:meta])* $variant:ident($strategy:ty)),+ $(,)?
+        }
+    ) => {
+        $(#[$meta])*
+        $visibility enum $name $(<$($lifetime),+>)? {
+            $($(#[$variant_meta])* #[allow(missing_docs)] $variant($strategy),)+
+        }
+
+        $crate::strategies! {
+            @conversions [$(<$($lifetime),+>)?] $name $($variant($strategy))+
+        }
+
+        impl $(<$($lifetime),+>)? $crate::strategy::Strategy<$vertex>
+            for $name $(<$($lifetime),+>)?
+        {
+            #[inline]
+            fn sample<U>(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                uniforms: &mut U,
+            ) -> Option<$crate::strategy::Drawn<$vertex>>
+            where
+                U: $crate::uniform::UniformSource<
+                        <$vertex as $crate::strategy::Vertex>::Real,
+                    > + ?Sized,
+            {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::sample(s, path, uniforms)
+                    })+
+                }
+            }
+
+            #[inline]
+            fn pdf(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                target: &$vertex,
+            ) -> $crate::strategy::Conditional<<$vertex as $crate::strategy::Vertex>::Real> {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::pdf(s, path, target)
+                    })+
+                }
+            }
+
+            #[inline]
+            fn reads(&self) -> $crate::strategy::Reads {
+                match self {
+                    $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::reads(s),)+
+                }
+            }
+
+            #[inline]
+            fn same(&self, other: &Self) -> bool {
+                match (self, other) {
+                    $(($name::$variant(a), $name::$variant(b)) => {
+                        $crate::strategy::Strategy::<$vertex>::same(a, b)
+                    })+
+                    #[allow(unreachable_patterns)]
+                    _ => false,
+                }
+            }
+        }
+    };
+}

@@ -1,0 +1,216 @@
+//! Where vertices and the steps that made them live: one growing tape, shared by all paths.
+
+use core::cell::RefCell;
+
+use crate::path_density::PathDensity;
+use crate::strategy::{Dirac, Drawn, Vertex};
+
+/// Marks a step that has no vertex (yet).
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// One step of a path: a strategy, and the vertex that it made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// Id of the vertex, or [`NONE`].
+    pub vertex: u32,
+    /// Id of the strategy.
+    pub strategy: u32,
+    /// Block of sampling dimensions.
+    pub block: u32,
+    /// How many steps, this one included, have been taken since the path's origin, all of them in
+    /// the direction of this one and neighbours on the tape; zero if that is not so.
+    pub run: u32,
+    /// Names the run, so that copies of it share what is known about it.
+    pub prefix: u32,
+    /// Whether the step was taken against the order of the tape.
+    pub backward: bool,
+    /// Whether the vertex is known to see the one that it was made from.
+    pub visible: bool,
+    /// The Dirac factor that the vertex was drawn with.
+    pub dirac: Option<Dirac>,
+}
+
+/// A range of the tape, read in one direction or the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    start: u32,
+    pub reversed: bool,
+    pub len: u32,
+}
+
+impl Place {
+    pub fn new(start: usize, len: usize) -> Self {
+        Place { start: start as u32, reversed: false, len: len as u32 }
+    }
+
+    /// Position on the tape of step `i`.
+    #[inline]
+    pub fn at(self, i: usize) -> usize {
+        let i = i as u32;
+        (if self.reversed { self.start.wrapping_sub(i) } else { self.start + i }) as usize
+    }
+
+    /// Steps `from..to`.
+    #[inline]
+    pub fn range(self, from: usize, to: usize) -> Self {
+        let start = if from < to { self.at(from) } else { 0 };
+        Place { start: start as u32, reversed: self.reversed, len: to.saturating_sub(from) as u32 }
+    }
+
+    /// The same steps in opposite order.
+    #[inline]
+    pub fn reverse(self) -> Self {
+        let start = if self.len == 0 { 0 } else { self.at(self.len as usize - 1) };
+        Place { start: start as u32, reversed: !self.reversed, len: self.len }
+    }
+}
+
+/// Vertices, steps, and the densities of runs.
+#[derive(Debug)]
+pub(crate) struct Tape<V: Vertex> {
+    vertices: RefCell<Vec<V>>,
+    entries: RefCell<Vec<Entry>>,
+    /// Density of the run that ends at a step, indexed by [`Entry::prefix`].
+    prefixes: RefCell<Vec<Option<PathDensity<V::Real>>>>,
+}
+
+impl<V: Vertex> Tape<V> {
+    pub fn new() -> Self {
+        Tape {
+            vertices: RefCell::new(Vec::new()),
+            entries: RefCell::new(Vec::new()),
+            prefixes: RefCell::new(Vec::new()),
+        }
+    }
+
+    pub fn clear(&mut self) {
+        self.vertices.get_mut().clear();
+        self.entries.get_mut().clear();
+        self.prefixes.get_mut().clear();
+    }
+
+    /// Number of steps on the tape.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.entries.borrow().len()
+    }
+
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.borrow().len()
+    }
+
+    #[inline]
+    pub fn entry(&self, at: usize) -> Entry {
+        self.entries.borrow()[at]
+    }
+
+    /// Step `i` of a place, its direction as seen from there.
+    #[inline]
+    pub fn step(&self, place: Place, i: usize) -> Entry {
+        let entry = self.entry(place.at(i));
+        Entry { backward: entry.backward != place.reversed, ..entry }
+    }
+
+    /// Adds a step that is not taken yet.
+    pub fn push(&self, strategy: u32, block: u32) {
+        let prefix = self.len() as u32;
+        self.push_entry(Entry {
+            vertex: NONE,
+            strategy,
+            block,
+            run: 0,
+            prefix,
+            backward: false,
+            visible: false,
+            dirac: None,
+        });
+    }
+
+    fn push_entry(&self, entry: Entry) {
+        self.entries.borrow_mut().push(entry);
+        self.prefixes.borrow_mut().push(None);
+    }
+
+    /// Copies a place, of which the first `taken` steps have vertices, to the end of the tape.
+    pub fn copy(&self, place: Place, taken: usize) {
+        for i in 0..place.len as usize {
+            let mut entry = self.step(place, i);
+            if i >= taken {
+                entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..entry };
+            }
+            // The vertex that an outermost step was made from may have been cut off.
+            let outermost = if entry.backward { i + 1 == place.len as usize } else { i == 0 };
+            if outermost {
+                let dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
+                entry = Entry { visible: false, dirac, ..entry };
+            }
+            // What is known about a run holds only if this place sees all of it.
+            let seen = if entry.backward { place.len as usize - i } else { i + 1 };
+            if entry.run as usize != seen {
+                entry = Entry { run: 0, prefix: self.len() as u32, ..entry };
+            }
+            self.push_entry(entry);
+        }
+    }
+
+    /// Takes step `i` of a place that is read forwards.
+    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>) {
+        let mut vertices = self.vertices.borrow_mut();
+        let vertex = vertices.len() as u32;
+        vertices.push(drawn.vertex);
+        let before = i.checked_sub(1).map(|before| self.step(place, before));
+        let run = match before {
+            None => 1,
+            Some(before) if !before.backward && before.run as usize == i => before.run + 1,
+            Some(_) => 0,
+        };
+        let entry = &mut self.entries.borrow_mut()[place.at(i)];
+        *entry = Entry { vertex, run, visible: drawn.visible, dirac: drawn.dirac, ..*entry };
+    }
+
+    #[inline]
+    pub fn vertex(&self, at: usize) -> Option<V> {
+        let id = self.entry(at).vertex;
+        self.vertices.borrow().get(id as usize).copied()
+    }
+
+    pub fn prefix(&self, id: u32) -> Option<PathDensity<V::Real>> {
+        self.prefixes.borrow()[id as usize]
+    }
+
+    pub fn set_prefix(&self, id: u32, density: PathDensity<V::Real>) {
+        self.prefixes.borrow_mut()[id as usize] = Some(density);
+    }
+
+    /// Whether step `i` of a place is known to see step `i - 1`.
+    pub fn visible(&self, place: Place, i: usize) -> bool {
+        let (step, before) = (self.step(place, i), self.step(place, i - 1));
+        (!step.backward && step.visible) || (before.backward && before.visible)
+    }
+
+    /// Whether vertex `i` of a place carries a Dirac factor.
+    #[inline]
+    pub fn carries(&self, place: Place, i: usize, dirac: Dirac) -> bool {
+        let made = |i: usize, backward: bool| {
+            let step = self.step(place, i);
+            step.backward == backward && step.dirac == Some(Dirac::Direction)
+        };
+        match dirac {
+            Dirac::Position => self.step(place, i).dirac == Some(Dirac::Position),
+            Dirac::Direction => {
+                (i + 1 < place.len as usize && made(i + 1, false)) || (i > 0 && made(i - 1, true))
+            }
+        }
+    }
+
+    /// Which kind of factor vertex `i` of a place has for a step in the given direction.
+    #[inline]
+    pub fn kind(&self, place: Place, i: usize, backward: bool) -> Option<Dirac> {
+        if self.carries(place, i, Dirac::Position) {
+            return Some(Dirac::Position);
+        }
+        let before = if backward { i + 1 } else { i.wrapping_sub(1) };
+        let fixed = before < place.len as usize && self.carries(place, before, Dirac::Direction);
+        fixed.then_some(Dirac::Direction)
+    }
+}

@@ -1,0 +1,118 @@
+//! What strategies and integrands see of a path.
+
+use crate::sequence::tape::{Place, Tape};
+use crate::strategy::{Dirac, Reads, Vertex};
+
+/// The vertices before the one in question, in the direction of travel: for a path that was sampled
+/// from a light and then reversed, a strategy still sees the light's vertex first.
+#[derive(Clone, Copy, Debug)]
+pub struct PathView<'p, V: Vertex> {
+    source: Source<'p, V>,
+    /// How many of the first vertices are not shown.
+    hidden: usize,
+    dirac: Option<Dirac>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Source<'p, V: Vertex> {
+    Slice(&'p [V]),
+    Tape(&'p Tape<V>, Place),
+}
+
+impl<'p, V: Vertex> PathView<'p, V> {
+    /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.
+    pub fn from_slice(vertices: &'p [V]) -> Self {
+        PathView { source: Source::Slice(vertices), hidden: 0, dirac: None }
+    }
+
+    pub(crate) fn of_tape(tape: &'p Tape<V>, place: Place) -> Self {
+        PathView { source: Source::Tape(tape, place), hidden: 0, dirac: None }
+    }
+
+    /// The same path, asking for another kind of density; see [`PathView::dirac`].
+    pub fn asking(self, dirac: Option<Dirac>) -> Self {
+        PathView { dirac, ..self }
+    }
+
+    /// The same path with only what is declared to be read: older vertices are hidden and, if the
+    /// length is not declared, cut off.
+    pub fn limited(self, reads: Reads) -> Self {
+        let excess = self.len().saturating_sub(reads.vertices);
+        if reads.length {
+            PathView { hidden: self.hidden.max(excess), ..self }
+        } else {
+            let source = match self.source {
+                Source::Slice(vertices) => Source::Slice(&vertices[excess..]),
+                Source::Tape(tape, place) => {
+                    Source::Tape(tape, place.range(excess, place.len as usize))
+                }
+            };
+            PathView { source, hidden: self.hidden.saturating_sub(excess), ..self }
+        }
+    }
+
+    /// How many vertices there are. Meaningful to a strategy only if it declares to read the length.
+    #[inline]
+    pub fn len(&self) -> usize {
+        match self.source {
+            Source::Slice(vertices) => vertices.len(),
+            Source::Tape(_, place) => place.len as usize,
+        }
+    }
+
+    /// Whether there is no vertex yet.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Vertex `i`, counted from the first; `None` if there is none or if reading it is not declared.
+    #[inline]
+    pub fn vertex(&self, i: usize) -> Option<V> {
+        if i < self.hidden || i >= self.len() {
+            return None;
+        }
+        match self.source {
+            Source::Slice(vertices) => Some(vertices[i]),
+            Source::Tape(tape, place) => tape.vertex(place.at(i)),
+        }
+    }
+
+    /// The vertex `k` places before the last one: `back(0)` is the last vertex.
+    #[inline]
+    pub fn back(&self, k: usize) -> Option<V> {
+        self.vertex(self.len().checked_sub(k + 1)?)
+    }
+
+    /// The last vertex: the one that the path continues from.
+    #[inline]
+    pub fn last(&self) -> Option<V> {
+        self.back(0)
+    }
+
+    /// Which kind of value a density is asked for: `None` for a density, else the probability of a
+    /// discrete mass of this kind. It is the record of how the path was made.
+    #[inline]
+    pub fn dirac(&self) -> Option<Dirac> {
+        self.dirac
+    }
+
+    /// Whether vertex `i` is known to see vertex `i - 1`, because one was found from the other by a
+    /// ray cast.
+    pub fn visible(&self, i: usize) -> bool {
+        match self.source {
+            Source::Tape(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
+            _ => false,
+        }
+    }
+
+    /// Whether vertex `i` carries this Dirac factor: it lies at a fixed position, or it scatters (or
+    /// emits) in a single direction. In an integrand this tells the mirror of a layered material
+    /// from its diffuse base.
+    pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
+        match self.source {
+            Source::Tape(tape, place) if i < self.len() => tape.carries(place, i, dirac),
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! How a path grows by one vertex: the traits that a strategy and a user's vertex implement.
+
+use core::fmt::Debug;
+
+use crate::point::Point;
+use crate::real::{Real, Scalar};
+use crate::sequence::PathView;
+use crate::uniform::UniformSource;
+
+/// A vertex of a path: the user's own type, small and `Copy` (a surface hit, a point of a medium, a
+/// lens).
+pub trait Vertex: Copy + Debug {
+    /// The precision that densities of this vertex have.
+    type Real: Scalar;
+    /// The space that the vertex lives in; conditional densities are with respect to its measure.
+    type Point: Point<Self::Real>;
+    /// Where the vertex is.
+    fn point(&self) -> Self::Point;
+}
+
+/// Reads a locally constant value (what a ray cast returned, say) back from a vertex, so that a
+/// density can be evaluated at the vertex without repeating the external call.
+///
+/// A user's vertex implements it for each type that the locally constant calls of its strategies
+/// return.
+pub trait Recall<T> {
+    /// The value that the call returned; `None` if this vertex cannot have come from such a call.
+    fn recall(&self) -> Option<T>;
+}
+
+/// What is discrete about a vertex that was found with a probability instead of a density.
+///
+/// A factor belongs to the vertex where it arises, so that techniques that travel in opposite
+/// directions agree on it: a mirror's factor belongs to the vertex on the mirror, whether the path
+/// continues from it towards the light or towards the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Dirac {
+    /// The vertex itself can be nowhere else: a pinhole, a point light. Belongs to the new vertex.
+    Position,
+    /// The vertex before scatters or emits in this single direction: a mirror, a laser. Belongs to
+    /// the vertex before.
+    Direction,
+}
+
+/// How a vertex is distributed given the path before it: a density, or the probability of a
+/// discrete mass, never a mixture of both. Only values with the same Dirac factor are comparable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditional<R> {
+    /// The density with respect to the measure of the vertex's space, or the probability.
+    pub value: R,
+    /// The Dirac factor; `None` for a density.
+    pub dirac: Option<Dirac>,
+}
+
+impl<R: Real> Conditional<R> {
+    /// The vertex cannot arise.
+    pub const ZERO: Self = Conditional { value: R::ZERO, dirac: None };
+
+    /// A density with respect to the measure of the vertex's space.
+    pub fn density(value: R) -> Self {
+        Conditional { value, dirac: None }
+    }
+
+    /// The probability of a discrete mass.
+    pub fn atom(dirac: Dirac, probability: R) -> Self {
+        Conditional { value: probability, dirac: Some(dirac) }
+    }
+
+    /// The value if it is of the kind asked for, else zero.
+    pub fn of_kind(self, dirac: Option<Dirac>) -> R {
+        if self.dirac == dirac { self.value } else { R::ZERO }
+    }
+}
+
+/// A vertex that a strategy drew, and what is known about how it was drawn.
+///
+/// Most strategies return `Some(Drawn::new(vertex))`, those that cast a ray
+/// `Some(Drawn::new(vertex).visible())`.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<V: Vertex> {
+    /// The vertex.
+    pub vertex: V,
+    /// The Dirac factor that it was drawn with; `None` if it has a density.
+    pub dirac: Option<Dirac>,
+    /// Whether the vertex was found from the one before by a ray cast, so that nothing lies between
+    /// them: no shadow ray is needed.
+    pub visible: bool,
+    /// The conditional density or probability, if sampling happened to compute it (the value that
+    /// [`Strategy::pdf`] returns for this vertex, marginalised over all choices).
+    pub value: Option<V::Real>,
+}
+
+impl<V: Vertex> Drawn<V> {
+    /// A vertex that has a density.
+    pub fn new(vertex: V) -> Self {
+        Drawn { vertex, dirac: None, visible: false, value: None }
+    }
+
+    /// A vertex that was drawn with a Dirac factor.
+    pub fn atom(vertex: V, dirac: Dirac) -> Self {
+        Drawn { vertex, dirac: Some(dirac), visible: false, value: None }
+    }
+
+    /// Records that the vertex and the one before see each other.
+    pub fn visible(self) -> Self {
+        Drawn { visible: true, ..self }
+    }
+
+    /// Records the conditional density (or probability), so that it need not be evaluated.
+    pub fn with_value(self, value: V::Real) -> Self {
+        Drawn { value: Some(value), ..self }
+    }
+}
+
+impl<V: Vertex> From<V> for Drawn<V> {
+    fn from(vertex: V) -> Self {
+        Drawn::new(vertex)
+    }
+}
+
+/// What a strategy reads of the path before the vertex; densities are remembered by it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reads {
+    /// How many of the preceding vertices. The view that the strategy is given shows no more.
+    pub vertices: usize,
+    /// Whether the number of preceding vertices ([`PathView::len`]) matters.
+    pub length: bool,
+}
+
+impl Reads {
+    /// The two vertices before, whatever the length of the path: scattering.
+    pub const TWO: Reads = Reads { vertices: 2, length: false };
+    /// Nothing of the path: a camera, a light picked without regard to where it will shine.
+    pub const NOTHING: Reads = Reads { vertices: 0, length: false };
+}
+
+impl Default for Reads {
+    /// The two vertices before and the length.
+    fn default() -> Self {
+        Reads { vertices: 2, length: true }
+    }
+}
+
+/// A way to choose the next vertex of a path (Aether 2017, sections 5.3 and 5.6): a mixture of
+/// continuous samplers, discrete choices, plain code and locally constant calls.
+///
+/// A strategy is a pure function of its fields, the part of the path that it declares in
+/// [`Strategy::reads`], and the uniforms.
+pub trait Strategy<V: Vertex>: Clone {
+    /// Draws the next vertex, given the path so far; `None` if there is none (the ray left the
+    /// scene, Russian roulette ended the path).
+    fn sample<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>>;
+
+    /// How `target` is distributed as the vertex after `path`, marginalised over all discrete
+    /// choices, the probability of yielding a vertex at all included.
+    ///
+    /// [`PathView::dirac`] says which kind of value is asked for, as recorded when the path was
+    /// made: a mixture of a mirror and a diffuse lobe sums up only the choices of that kind. A value
+    /// of another kind counts as zero.
+    fn pdf(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real>;
+
+    /// What the strategy reads of the path before the vertex.
+    fn reads(&self) -> Reads {
+        Reads::default()
+    }
+
+    /// Whether `other` is the same strategy with the same arguments, so that densities can be shared
+    /// between them. `false` is always safe. Compare references by address.
+    fn same(&self, other: &Self) -> bool {
+        let _ = other;
+        false
+    }
+}

@@ -1,0 +1,90 @@
+//! What emitted code calls. Not part of the public interface.
+
+use crate::real::{Mask, Real};
+
+/// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
+/// a point may have rounded a few times more than the map that is asked about it.
+const SLACK: f64 = 8.0;
+
+/// An angle brought into [0, 2π) by adding or subtracting whole turns.
+#[inline(always)]
+pub fn turn<R: Real>(angle: R) -> R {
+    let tau = R::of(core::f64::consts::TAU);
+    let wrapped = angle - tau * (angle / tau).floor();
+    let out = angle.lt(R::ZERO).or(angle.ge(tau));
+    R::select(out, wrapped, angle)
+}
+
+/// Whether every number is in [0, 1).
+#[inline(always)]
+pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
+    u.iter().fold(R::Mask::TRUE, |m, u| m.and(u.ge(R::ZERO)).and(u.lt(R::ONE)))
+}
+
+/// Whether every number is finite.
+#[inline(always)]
+pub fn finite<R: Real>(x: &[R]) -> R::Mask {
+    x.iter().fold(R::Mask::TRUE, |m, x| m.and(Real::finite(*x)))
+}
+
+/// A mask with all lanes alike.
+#[inline(always)]
+pub fn mask<M: Mask>(all: bool) -> M {
+    if all { M::TRUE } else { M::FALSE }
+}
+
+/// Numbers with error bounds of one rounding.
+#[inline]
+pub fn track<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
+    x.map(R::track)
+}
+
+/// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
+/// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map
+/// leads back to the point whatever its value.
+#[cold]
+pub fn recover<R: Real, const N: usize, const M: usize>(
+    u: [R::Tracked; N],
+    x: &[R; M],
+    forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
+) -> Option<[R; N]> {
+    let mut undetermined = false;
+    let mut tracked = u;
+    let mut clamped = [R::ZERO; N];
+    for i in 0..N {
+        let (value, error) = R::value_and_error(u[i]);
+        let (v, e) = (value.to_f64(), error.to_f64());
+        if v.is_nan() {
+            undetermined = true;
+            tracked[i] = R::Tracked::ZERO;
+            continue;
+        }
+        if v < -SLACK * e || v > 1.0 + SLACK * e {
+            return None;
+        }
+        clamped[i] = value.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5));
+    }
+    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some(clamped)
+}
+
+/// Whether mapping `u` forward gives `x`, to within the error bounds of both.
+pub fn leads_back<R: Real, const N: usize, const M: usize>(
+    u: [R::Tracked; N],
+    x: &[R; M],
+    forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
+) -> bool {
+    let y = forward(&u);
+    y.iter().zip(x).all(|(y, x)| {
+        let (value, error) = R::value_and_error(*y);
+        let x = x.to_f64();
+        let tolerance = SLACK * (error.to_f64() + x.abs() * R::EPSILON.to_f64());
+        // An unbounded error tells nothing about the point: that is no membership.
+        tolerance.is_finite() && (value.to_f64() - x).abs() <= tolerance
+    })
+}
+
+/// Two recovered preimages that are one: equal to within rounding in every uniform.
+pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> bool {
+    let near = |x: &R, y: &R| (x.to_f64() - y.to_f64()).abs() <= 64.0 * R::EPSILON.to_f64();
+    a.iter().zip(b).all(|(x, y)| near(x, y))
+}

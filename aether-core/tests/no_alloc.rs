@@ -1,0 +1,104 @@
+//! No heap allocation once the arena is warm.
+
+mod world;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use aether_core::{Arena, Estimator, Pcg32, PowerHeuristic, combine};
+use world::{Camera, Light, Seen, Step, Walks, World};
+
+/// The system's allocator, counting what this thread asks for.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on unchanged to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promises are those that the system asks for.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+fn sample<'w>(world: &'w World, arena: &Walks<'w>, seed: u64) -> (usize, f64) {
+    let estimator = Estimator::paths(Seen(world));
+    let mut uniforms = Pcg32::new(seed, 0, 0);
+    let (mut cam, mut emt) = (arena.sequence(), arena.sequence());
+    cam.append(Camera);
+    emt.append(Light(world));
+    for _ in 0..6 {
+        cam.append(Step(world));
+        emt.append(Step(world));
+    }
+    let before = ALLOCATIONS.with(Cell::get);
+    cam.sample(&mut uniforms);
+    emt.sample(&mut uniforms);
+    let mut total = 0.0;
+    for length in 2..7 {
+        let mut direct = cam.slice(0..length);
+        direct.append(Light(world)).sample(&mut uniforms);
+        for path in combine::<PowerHeuristic, _>([cam.slice(0..length + 1), direct]) {
+            total += path.weight;
+        }
+        let paths = arena.collect(
+            (0..length)
+                .map(|size| cam.slice(0..size).concat(&emt.slice(0..length - size).reverse())),
+        );
+        for path in combine::<PowerHeuristic, _>(paths) {
+            total += path.weight * path.pdf().ln();
+        }
+    }
+    let allocations = ALLOCATIONS.with(Cell::get) - before;
+    (allocations, total + estimator.of(&cam))
+}
+
+#[test]
+fn a_warm_arena_allocates_nothing() {
+    let world = World::with_mirror(0.4);
+    let mut arena = Arena::new();
+    assert!(sample(&world, &arena, 0).0 > 0);
+    for seed in 0..200 {
+        arena.clear();
+        sample(&world, &arena, seed);
+    }
+    for seed in 0..200 {
+        arena.clear();
+        let (allocations, total) = sample(&world, &arena, seed);
+        assert_eq!(allocations, 0, "seed {seed}");
+        assert!(total.is_finite());
+    }
+}
+
+#[test]
+fn a_warm_estimator_allocates_nothing() {
+    let world = World::with_mirror(0.4);
+    let estimator = Estimator::paths(Seen(&world));
+    let mut arena: Walks<'_> = Arena::new();
+    let mut run = |seed: u64| {
+        arena.clear();
+        let before = ALLOCATIONS.with(Cell::get);
+        let mut uniforms = Pcg32::new(seed, 0, 0);
+        let mut path = arena.sequence();
+        path.append(Camera);
+        for _ in 0..10 {
+            path.append(Step(&world));
+        }
+        path.sample(&mut uniforms);
+        let sum: f64 = (1..=path.len()).map(|len| estimator.of(&path.slice(0..len))).sum();
+        assert!(sum.is_finite());
+        ALLOCATIONS.with(Cell::get) - before
+    };
+    assert!((0..100).map(&mut run).sum::<usize>() > 0);
+    assert_eq!((0..100).map(run).sum::<usize>(), 0);
+}

@@ -1,0 +1,226 @@
+//! The integrators of the paper's Figures 5 and 6 in a world with an exact answer.
+//!
+//! Each test compares one mean with the exact value; |z| > 5 is a false alarm with probability
+//! 6e-7, and the seeds are fixed.
+
+mod world;
+
+use aether_core::estimator::Factors;
+use aether_core::{
+    Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
+    combine, combine_with,
+};
+use world::{Camera, Light, Mean, Seen, Step, Walks, World};
+
+const SAMPLES: u64 = 100_000;
+const LIMIT: f64 = 5.0;
+
+type Seer<'w> = Estimator<Seen<'w>, Factors<f64>>;
+
+fn exact(world: &World, edges: std::ops::RangeInclusive<usize>) -> f64 {
+    edges.map(|edges| world.exact(edges)).sum()
+}
+
+/// Figure 5, for paths of 2 to `max_depth` edges.
+fn path_tracer<'w, H: Heuristic<f64> + Default>(
+    world: &'w World,
+    arena: &Walks<'w>,
+    estimator: &Seer<'w>,
+    max_depth: usize,
+    uniforms: &mut Pcg32,
+) -> f64 {
+    let mut cam = arena.sequence();
+    cam.append(Camera);
+    while cam.size() <= max_depth {
+        cam.append(Step(world));
+    }
+    cam.sample(uniforms);
+
+    let mut seen = 0.0;
+    for length in 2..cam.size() {
+        let bsdf = cam.slice(0..length + 1);
+        let mut direct = cam.slice(0..length);
+        direct.append(Light(world)).sample(uniforms);
+        for path in combine::<H, _>(&[bsdf, direct]) {
+            seen += path.weight * estimator.of(&path);
+        }
+    }
+    seen
+}
+
+/// Runs an estimate many times and returns its distance from the exact value.
+fn z(
+    mirror: f64,
+    exact: impl Fn(&World) -> f64,
+    estimate: impl for<'w> Fn(&'w World, &Walks<'w>, &Seer<'w>, &mut Pcg32) -> f64,
+) -> f64 {
+    let world = World::with_mirror(mirror);
+    let estimator = Estimator::paths(Seen(&world));
+    let mut arena = Arena::new();
+    let mut mean = Mean::default();
+    for sample in 0..SAMPLES {
+        arena.clear();
+        mean.add(estimate(&world, &arena, &estimator, &mut Pcg32::new(1, 0, sample)));
+    }
+    mean.z(exact(&world))
+}
+
+#[test]
+fn path_tracer_finds_the_exact_value() {
+    for mirror in [0.0, 0.4] {
+        let z = [
+            z(
+                mirror,
+                |w| exact(w, 2..=5),
+                |w, a, e, u| path_tracer::<PowerHeuristic>(w, a, e, 5, u),
+            ),
+            z(
+                mirror,
+                |w| exact(w, 2..=5),
+                |w, a, e, u| path_tracer::<BalanceHeuristic>(w, a, e, 5, u),
+            ),
+            z(
+                mirror,
+                |w| exact(w, 2..=5),
+                |w, a, e, u| path_tracer::<MaximumHeuristic>(w, a, e, 5, u),
+            ),
+        ];
+        assert!(z.iter().all(|z| z.abs() < LIMIT), "mirror {mirror}: {z:?}");
+    }
+}
+
+#[test]
+fn an_error_of_five_percent_would_be_found() {
+    let z = z(
+        0.4,
+        |w| 1.05 * exact(w, 2..=5),
+        |w, a, e, u| path_tracer::<PowerHeuristic>(w, a, e, 5, u),
+    );
+    assert!(z.abs() > LIMIT, "{z}");
+}
+
+#[test]
+fn several_light_samples_with_their_count() {
+    let z = z(
+        0.4,
+        |w| w.exact(2),
+        |world, arena, estimator, uniforms| {
+            let mut cam = arena.sequence();
+            cam.append(Camera).append(Step(world)).append(Step(world)).sample(uniforms);
+            let mut seen = 0.0;
+            let mut bsdf = Some(cam);
+            for block in 0..4 {
+                let mut direct = cam.slice(0..2);
+                direct.append_in(1000 + block, Light(world)).sample(uniforms);
+                let combined = combine::<PowerHeuristic, _>([(cam, 1), (direct, 4)]);
+                for path in combined {
+                    // The path that the four lists share counts once.
+                    if path.last() != cam.last() || bsdf.take().is_some() {
+                        seen += path.weight * estimator.of(&path);
+                    }
+                }
+            }
+            seen
+        },
+    );
+    assert!(z.abs() < LIMIT, "{z}");
+}
+
+/// Figure 6, for paths of 1 to `max_depth` edges.
+fn bidirectional<'w>(
+    world: &'w World,
+    arena: &Walks<'w>,
+    estimator: &Seer<'w>,
+    max_depth: usize,
+    uniforms: &mut Pcg32,
+) -> f64 {
+    let (mut cam, mut emt) = (arena.sequence(), arena.sequence());
+    cam.append(Camera);
+    emt.append(Light(world));
+    while cam.size() <= max_depth {
+        cam.append(Step(world));
+        emt.append(Step(world));
+    }
+    cam.sample(uniforms);
+    emt.sample(uniforms);
+
+    let mut seen = 0.0;
+    for length in 2..=max_depth + 1 {
+        let paths = arena.collect(
+            (0..=length)
+                .map(|size| cam.slice(0..size).concat(&emt.slice(0..length - size).reverse())),
+        );
+        seen += estimator.sum(combine::<PowerHeuristic, _>(paths));
+    }
+    seen
+}
+
+#[test]
+fn bidirectional_finds_the_exact_value() {
+    for mirror in [0.0, 0.4] {
+        let z = z(mirror, |w| exact(w, 1..=4), |w, a, e, u| bidirectional(w, a, e, 4, u));
+        assert!(z.abs() < LIMIT, "mirror {mirror}: {z}");
+    }
+}
+
+#[test]
+fn weights_agree_with_densities_and_sum_to_one() {
+    let world = World::with_mirror(0.4);
+    let mut arena = Arena::new();
+    let mut checked = [0; 2];
+    for sample in 0..300 {
+        arena.clear();
+        let arena: &Walks<'_> = &arena;
+        let mut uniforms = Pcg32::new(2, 0, sample);
+        let (mut cam, mut emt) = (arena.sequence(), arena.sequence());
+        cam.append(Camera);
+        emt.append(Light(&world));
+        for _ in 0..4 {
+            cam.append(Step(&world));
+            emt.append(Step(&world));
+        }
+        cam.sample(&mut uniforms);
+        emt.sample(&mut uniforms);
+        for length in 2..=5 {
+            let paths: Vec<_> = (0..=length)
+                .map(|s| cam.slice(0..s).concat(&emt.slice(0..length - s).reverse()))
+                .collect();
+            for path in combine::<PowerHeuristic, _>(&paths) {
+                let own = path.pdf();
+                assert!(own.is_regular());
+                let p: Vec<f64> = paths.iter().map(|t| t.pdf_of(&path).ratio(own)).collect();
+                let expected = 1.0 / p.iter().map(|p| p * p).sum::<f64>();
+                assert!((path.weight - expected).abs() < 1e-12, "{} {expected}", path.weight);
+                checked[usize::from(expected < 1.0)] += 1;
+            }
+            // The same with equal weights to all techniques that can make the path: each path's
+            // weights sum to one by counting.
+            let count =
+                |ratios: &[f64], _: usize| ratios.iter().filter(|r| **r > 0.0).count() as f64;
+            for path in combine_with(count, &paths) {
+                let able = paths.iter().filter(|t| !t.pdf_of(&path).is_zero()).count();
+                assert_eq!(path.weight, able as f64);
+            }
+        }
+    }
+    assert!(checked.iter().all(|n| *n > 100), "{checked:?}");
+}
+
+#[test]
+fn only_connections_need_shadow_rays() {
+    let world = World::default();
+    let estimator = Estimator::paths(Seen(&world));
+    let arena: Walks<'_> = Arena::new();
+    // Always survives.
+    let mut uniforms = || 0.25;
+    let (mut cam, mut emt) = (arena.sequence(), arena.sequence());
+    cam.append(Camera).append(Step(&world)).append(Step(&world)).sample(&mut uniforms);
+    emt.append(Light(&world)).append(Step(&world)).sample(&mut uniforms);
+    assert!(estimator.of(&cam) > 0.0);
+    assert_eq!(world.shadow_rays.get(), 0);
+    let path = cam.concat(&emt.reverse());
+    assert!(estimator.of(&path) > 0.0);
+    assert_eq!(world.shadow_rays.get(), 1);
+    assert!(estimator.of(&cam.slice(0..2).concat(&emt.reverse())) > 0.0);
+    assert_eq!(world.shadow_rays.get(), 2);
+}

@@ -1,0 +1,154 @@
+//! Symbolic derivatives.
+
+use std::collections::HashMap;
+
+use crate::expr::{Fun, Graph, Id, Leaf, Node, leaf_bit};
+use crate::rational::Q;
+
+/// ∂ id / ∂ x.
+pub fn derivative(g: &mut Graph, id: Id, x: Leaf) -> Id {
+    derive(g, id, x, &mut HashMap::new())
+}
+
+fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut HashMap<Id, Id>) -> Id {
+    if !g.has(id, leaf_bit(x)) {
+        return g.int(0);
+    }
+    if let Some(&d) = memo.get(&id) {
+        return d;
+    }
+    let d = match g.node(id).clone() {
+        Node::Leaf(_) => g.int(1),
+        Node::Sum(_, terms) => {
+            let t: Vec<_> = terms.iter().map(|&(q, t)| (q, derive(g, t, x, memo))).collect();
+            g.sum(Q::ZERO, &t)
+        }
+        Node::Product(factors) => {
+            let mut terms = Vec::new();
+            for (b, e) in factors {
+                let db = derive(g, b, x, memo);
+                let slope = g.div(db, b);
+                let part = g.mul(e, slope);
+                let whole = g.mul(id, part);
+                terms.push((Q::ONE, whole));
+                let de = derive(g, e, x, memo);
+                let log = g.call(Fun::Ln, &[b]);
+                let part = g.mul(de, log);
+                let whole = g.mul(id, part);
+                terms.push((Q::ONE, whole));
+            }
+            g.sum(Q::ZERO, &terms)
+        }
+        Node::Call(Fun::Atan2, args) => {
+            let dy = derive(g, args[0], x, memo);
+            let dx = derive(g, args[1], x, memo);
+            let a = g.mul(args[1], dy);
+            let b = g.mul(args[0], dx);
+            let top = g.sub(a, b);
+            let y2 = g.powi(args[0], 2);
+            let x2 = g.powi(args[1], 2);
+            let r2 = g.add(x2, y2);
+            g.div(top, r2)
+        }
+        Node::Call(f, args) => {
+            let inner = derive(g, args[0], x, memo);
+            let slope = slope(g, f, args[0], id);
+            g.mul(slope, inner)
+        }
+        Node::Number(_) | Node::Float(_) | Node::Pi => g.int(0),
+    };
+    memo.insert(id, d);
+    d
+}
+
+/// f'(a), given the node `y` = f(a).
+fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
+    let one = g.int(1);
+    match f {
+        Fun::Exp => y,
+        Fun::ExpM1 => g.call(Fun::Exp, &[a]),
+        Fun::Ln => g.powi(a, -1),
+        Fun::Ln1p => {
+            let s = g.add(one, a);
+            g.powi(s, -1)
+        }
+        Fun::Sin => g.call(Fun::Cos, &[a]),
+        Fun::Cos => {
+            let s = g.call(Fun::Sin, &[a]);
+            g.neg(s)
+        }
+        Fun::Tan => {
+            let c = g.call(Fun::Cos, &[a]);
+            g.powi(c, -2)
+        }
+        Fun::Asin | Fun::Acos => {
+            let m = g.sub(one, a);
+            let p = g.add(one, a);
+            let s = g.mul(m, p);
+            let e = g.number(Q::HALF.neg());
+            let d = g.pow(s, e);
+            if f == Fun::Asin { d } else { g.neg(d) }
+        }
+        Fun::Atan => {
+            let s = g.powi(a, 2);
+            let s = g.add(one, s);
+            g.powi(s, -1)
+        }
+        Fun::Sinh => g.call(Fun::Cosh, &[a]),
+        Fun::Cosh => g.call(Fun::Sinh, &[a]),
+        Fun::Tanh => {
+            let c = g.call(Fun::Cosh, &[a]);
+            g.powi(c, -2)
+        }
+        Fun::Asinh | Fun::Acosh => {
+            let s = g.powi(a, 2);
+            let k = if f == Fun::Asinh { one } else { g.int(-1) };
+            let s = g.add(k, s);
+            let e = g.number(Q::HALF.neg());
+            g.pow(s, e)
+        }
+        Fun::Atanh => {
+            let m = g.sub(one, a);
+            let p = g.add(one, a);
+            let s = g.mul(m, p);
+            g.powi(s, -1)
+        }
+        Fun::Abs => g.call(Fun::Sign, &[a]),
+        Fun::Sign => g.int(0),
+        Fun::Turn | Fun::Atan2 => one,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::evaluate;
+    use crate::interval::Interval;
+
+    #[test]
+    fn every_function_matches_a_difference_quotient() {
+        let mut g = Graph::new();
+        let leaf = Leaf::Unknown(0);
+        let x = g.leaf(leaf, "x", Interval::new(0.0, 1.0));
+        let half = g.number(Q::HALF);
+        let shifted = g.add(x, half);
+        let funs = [
+            Fun::Exp, Fun::ExpM1, Fun::Ln, Fun::Ln1p, Fun::Sin, Fun::Cos, Fun::Tan, Fun::Asin, Fun::Acos,
+            Fun::Atan, Fun::Sinh, Fun::Cosh, Fun::Tanh, Fun::Asinh, Fun::Atanh,
+        ];
+        for f in funs {
+            let y = g.call(f, &[x]);
+            let y = g.mul(y, shifted);
+            let y = g.pow(y, shifted);
+            let d = derivative(&mut g, y, leaf);
+            let at = |id, t: f64| evaluate::<f64>(&g, id, &|_| t);
+            let (h, t) = (1e-6, 0.37);
+            let quotient = (at(y, t + h) - at(y, t - h)) / (2.0 * h);
+            if quotient.is_nan() {
+                assert_eq!(f, Fun::Ln, "{f:?}: only the logarithm is negative here");
+                continue;
+            }
+            assert!((at(d, t) / quotient - 1.0).abs() < 1e-8, "{f:?}");
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The oracle of verification: derivatives of the forward map by differences in double-double.
+
+use crate::derive::Problem;
+use crate::eval::Evaluator;
+use crate::expr::Leaf;
+use crate::number::{Dd, Number};
+use crate::points::{Kind, Point};
+
+/// √det(JᵀJ) at a point, by central differences and orthogonalisation; `None` if not finite.
+pub fn volume(problem: &Problem, point: &Point) -> Option<f64> {
+    let columns: Vec<Vec<Dd>> = match problem.argument {
+        Some(Kind::Direction) => {
+            let w: [Dd; 3] = [0, 1, 2].map(|i| Dd::from_f64(point.unknowns[i]));
+            tangents(w).into_iter().map(|t| along_circle(problem, point, w, t)).collect()
+        }
+        _ => (0..problem.unknowns.len()).map(|j| along_axis(problem, point, j)).collect(),
+    };
+    let v = span(columns).to_f64();
+    v.is_finite().then_some(v)
+}
+
+fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
+    let at = |l: Leaf| match l {
+        Leaf::Unknown(i) => unknowns[i as usize],
+        _ => Dd::from_f64(point.input(l, &[])),
+    };
+    let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    problem.outputs.iter().map(|f| e.value(*f)).collect()
+}
+
+const STEP: f64 = 1.0 / (1u64 << 32) as f64;
+
+fn along_axis(problem: &Problem, point: &Point, j: usize) -> Vec<Dd> {
+    let h = Dd::from_f64(STEP);
+    let at = |sign: f64| {
+        let mut u: Vec<Dd> = point.unknowns.iter().map(|x| Dd::from_f64(*x)).collect();
+        u[j] = u[j] + h * Dd::from_f64(sign);
+        evaluate(problem, point, &u)
+    };
+    quotient(at(1.0), at(-1.0), h)
+}
+
+/// The derivative along the great circle through w with unit tangent t.
+fn along_circle(problem: &Problem, point: &Point, w: [Dd; 3], t: [Dd; 3]) -> Vec<Dd> {
+    let h = Dd::from_f64(STEP);
+    let at = |sign: f64| {
+        let a = h * Dd::from_f64(sign);
+        let moved: Vec<Dd> = (0..3).map(|i| w[i] * a.cos() + t[i] * a.sin()).collect();
+        evaluate(problem, point, &moved)
+    };
+    quotient(at(1.0), at(-1.0), h)
+}
+
+fn quotient(up: Vec<Dd>, down: Vec<Dd>, h: Dd) -> Vec<Dd> {
+    up.into_iter().zip(down).map(|(a, b)| (a - b) / (h + h)).collect()
+}
+
+fn dot(a: &[Dd], b: &[Dd]) -> Dd {
+    a.iter().zip(b).fold(Dd::from_f64(0.0), |s, (x, y)| s + *x * *y)
+}
+
+/// The volume that the columns span, by Gram–Schmidt: never through the normal equations.
+fn span(columns: Vec<Vec<Dd>>) -> Dd {
+    let mut volume = Dd::from_f64(1.0);
+    let mut basis: Vec<Vec<Dd>> = Vec::new();
+    for mut c in columns {
+        for q in &basis {
+            let k = dot(&c, q);
+            c = c.iter().zip(q).map(|(x, y)| *x - k * *y).collect();
+        }
+        let n = dot(&c, &c).sqrt();
+        volume = volume * n;
+        if n.to_f64() == 0.0 {
+            return n;
+        }
+        basis.push(c.iter().map(|x| *x / n).collect());
+    }
+    volume
+}
+
+fn tangents(w: [Dd; 3]) -> [[Dd; 3]; 2] {
+    let axis = if w[0].to_f64().abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }.map(Dd::from_f64);
+    let k = dot(&axis, &w);
+    let t: [Dd; 3] = std::array::from_fn(|i| axis[i] - k * w[i]);
+    let n = dot(&t, &t).sqrt();
+    let t = t.map(|x| x / n);
+    let s = std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        w[j] * t[k] - w[k] * t[j]
+    });
+    [t, s]
+}

@@ -1,0 +1,252 @@
+//! Samplers and maps that are compositions of others: `map(…).apply(&other(…).sample(u))`.
+//!
+//! The called item is opaque here; its space is known by its type, and the composition is resolved
+//! through the traits when the code is monomorphised.
+
+use std::collections::HashMap;
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{ToTokens, quote};
+use syn::visit_mut::VisitMut;
+use syn::{Expr, ItemFn, Lit, Pat, Stmt};
+
+use super::item::{hidden_body, interface, point_type, type_name};
+use crate::diagnostics::Diagnostics;
+use crate::parse::{Options, Param, ParamKind, Signature, Source};
+
+/// Whether a body calls other samplers or maps.
+pub fn is_composition(item: &ItemFn) -> bool {
+    let mut calls = Calls(false);
+    calls.visit_block_mut(&mut item.block.as_ref().clone());
+    calls.0
+}
+
+struct Calls(bool);
+impl VisitMut for Calls {
+    fn visit_expr_method_call_mut(&mut self, m: &mut syn::ExprMethodCall) {
+        self.0 |= m.method == "sample" || m.method == "apply";
+        syn::visit_mut::visit_expr_method_call_mut(self, m);
+    }
+}
+
+/// Number literals become numbers of the generic type.
+struct Literals;
+impl VisitMut for Literals {
+    fn visit_expr_mut(&mut self, e: &mut Expr) {
+        if let Expr::Lit(l) = e
+            && matches!(l.lit, Lit::Float(_))
+        {
+            let tokens = quote!(<R as ::aether_core::Real>::of(#l));
+            if let Ok(new) = syn::parse2(tokens) {
+                *e = new;
+            }
+            return;
+        }
+        syn::visit_mut::visit_expr_mut(self, e);
+    }
+}
+
+/// The chain of a composition: how a name or the result is built from the first parameter.
+struct Chain<'a> {
+    argument: String,
+    links: HashMap<String, TokenStream>,
+    plain: TokenStream,
+    errors: &'a mut Diagnostics,
+    sampler: bool,
+}
+
+impl Chain<'_> {
+    /// The sampler (or map) that an expression stands for.
+    fn link(&mut self, e: &Expr) -> Option<TokenStream> {
+        match e {
+            Expr::Paren(p) => self.link(&p.expr),
+            Expr::Reference(r) => self.link(&r.expr),
+            Expr::Group(p) => self.link(&p.expr),
+            Expr::Path(p) => {
+                let name = p.path.get_ident()?.to_string();
+                self.links.get(&name).cloned()
+            }
+            Expr::MethodCall(m) if m.method == "sample" && m.args.len() == 1 && self.is_argument(&m.args[0]) => {
+                Some(generic(&m.receiver))
+            }
+            Expr::MethodCall(m) if m.method == "apply" && m.args.len() == 1 => {
+                let map = generic(&m.receiver);
+                if self.is_argument(&m.args[0]) && !self.sampler {
+                    return Some(map);
+                }
+                let inner = self.link(&m.args[0])?;
+                Some(quote!((#inner).then(#map)))
+            }
+            _ => None,
+        }
+    }
+
+    fn is_argument(&self, e: &Expr) -> bool {
+        match e {
+            Expr::Reference(r) => self.is_argument(&r.expr),
+            Expr::Path(p) => p.path.get_ident().is_some_and(|i| *i == self.argument),
+            _ => false,
+        }
+    }
+
+    fn statement(&mut self, s: &Stmt) {
+        let Stmt::Local(local) = s else {
+            self.errors.error(s, "a composition is a chain of `let`s and a result: samplers' `.sample(u)` and maps' `.apply(&x)`");
+            return;
+        };
+        let Some(init) = &local.init else {
+            self.errors.error(local, "give this name its value at once");
+            return;
+        };
+        match (&local.pat, self.link(&init.expr)) {
+            (Pat::Ident(name), Some(link)) => {
+                self.links.insert(name.ident.to_string(), link);
+            }
+            (pat, Some(_)) => self.errors.error(pat, "give the sampled point a plain name"),
+            (pat, None) => {
+                if mentions(&init.expr, &self.links, &self.argument) {
+                    self.errors.error(&init.expr, "a sampled point can only be passed on to maps: write this computation as a `#[map]` of its own and `.apply` it");
+                    return;
+                }
+                let value = generic(&init.expr);
+                self.plain.extend(quote!(let #pat = #value;));
+            }
+        }
+    }
+}
+
+fn generic(e: &Expr) -> TokenStream {
+    let mut e = e.clone();
+    Literals.visit_expr_mut(&mut e);
+    e.to_token_stream()
+}
+
+fn mentions(e: &Expr, links: &HashMap<String, TokenStream>, argument: &str) -> bool {
+    struct Names<'a>(&'a HashMap<String, TokenStream>, &'a str, bool);
+    impl VisitMut for Names<'_> {
+        fn visit_ident_mut(&mut self, i: &mut Ident) {
+            let name = i.to_string();
+            self.2 |= self.0.contains_key(&name) || name == self.1;
+        }
+    }
+    let mut names = Names(links, argument, false);
+    names.visit_expr_mut(&mut e.clone());
+    names.2
+}
+
+/// Emits a composition. `None` if there were errors.
+pub fn emit(item: &ItemFn, signature: &Signature, options: &Options, errors: &mut Diagnostics) -> Option<TokenStream> {
+    let (sampler, argument) = match &signature.source {
+        Source::Uniforms { name, .. } => (true, name.clone()),
+        Source::Point { name, .. } => (false, name.clone()),
+    };
+    let before = errors.len();
+    let mut chain = Chain { argument, links: HashMap::new(), plain: TokenStream::new(), errors, sampler };
+    let (last, statements) = item.block.stmts.split_last()?;
+    for s in statements {
+        chain.statement(s);
+    }
+    let result = match last {
+        Stmt::Expr(e, None) => chain.link(e),
+        _ => None,
+    };
+    let (plain, failed) = (chain.plain.clone(), chain.errors.len() > before);
+    let Some(result) = result else {
+        if !failed {
+            errors.error(last, "the result of a composition is a chain of samplers and maps, such as `rotate(frame).apply(&lobe(n).sample(u))`; write any other computation with the point as a `#[map]` and apply it");
+        }
+        return None;
+    };
+    if failed {
+        return None;
+    }
+    let names: Vec<&Ident> = signature.params.iter().map(|p: &Param| &p.name).collect();
+    let ty = type_name(&signature.name);
+    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
+    let args = if generic { quote!(<R>) } else { quote!() };
+    let docs = quote!(#[doc = "\nA composition: densities divide by the change of measure of each map, over all preimages."]);
+    let interface = interface(item, signature, options, &[], &docs);
+    let hidden = hidden_body(item);
+    let point = point_type(&signature.space);
+    let unpack = quote!(#(let #names = self.#names;)* #plain);
+    let implementation = match &signature.source {
+        Source::Uniforms { count, .. } => quote! {
+            #[automatically_derived]
+            impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
+                type Uniforms = [R; #count];
+                type Point = #point;
+                #[inline(always)]
+                fn forward(&self, u: [R; #count]) -> (Self::Point, R::Mask) { let s = { #unpack #result }; Sampler::<R>::forward(&s, u) }
+                #[inline(always)]
+                fn pdf(&self, x: &Self::Point) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf(&s, x) }
+                #[inline(always)]
+                fn pdf_of_uniforms(&self, u: [R; #count]) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_of_uniforms(&s, u) }
+                fn preimages(&self, x: &Self::Point, visit: impl FnMut([R; #count], R::Mask)) { let s = { #unpack #result }; Sampler::<R>::preimages(&s, x, visit) }
+            }
+        },
+        Source::Point { space, .. } => {
+            let source = point_type(space);
+            quote! {
+                #[automatically_derived]
+                impl<R: Real> ::aether_core::Map<R> for #ty #args {
+                    type Source = #source;
+                    type Target = #point;
+                    #[inline(always)]
+                    fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask) { let m = { #unpack #result }; Map::<R>::forward(&m, x) }
+                    #[inline(always)]
+                    fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask)) { let m = { #unpack #result }; Map::<R>::preimages(&m, y, visit) }
+                    #[inline(always)]
+                    fn jacobian(&self, x: &Self::Source) -> R { let m = { #unpack #result }; Map::<R>::jacobian(&m, x) }
+                }
+            }
+        }
+    };
+    Some(quote! {
+        #interface
+        #[allow(clippy::all, clippy::pedantic, unused)]
+        const _: () = {
+            use ::aether_core::{Map, Real, Sampler};
+            #hidden
+            #implementation
+        };
+    })
+}
+
+/// What stands in for an item with errors: the body for the editor, and a constructor and impl that
+/// keep rustc from reporting the same error again at every use.
+pub fn fallback(item: &ItemFn, sampler: bool) -> TokenStream {
+    let hidden = hidden_body(item);
+    let hidden = quote!(#[allow(unused, clippy::all)] const _: () = { #hidden };);
+    let mut silent = Diagnostics::new();
+    let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else { return hidden };
+    let interface = interface(item, &signature, &Options::default(), &[], &quote!());
+    let ty = type_name(&signature.name);
+    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
+    let args = if generic { quote!(<R>) } else { quote!() };
+    let point = point_type(&signature.space);
+    let implementation = match &signature.source {
+        Source::Uniforms { count, .. } => quote! {
+            impl<R: ::aether_core::Real> ::aether_core::Sampler<R> for #ty #args {
+                type Uniforms = [R; #count];
+                type Point = #point;
+                fn forward(&self, _: [R; #count]) -> (Self::Point, R::Mask) { unimplemented!() }
+                fn pdf(&self, _: &Self::Point) -> ::aether_core::PdfOf<Self, R> { unimplemented!() }
+                fn pdf_of_uniforms(&self, _: [R; #count]) -> ::aether_core::PdfOf<Self, R> { unimplemented!() }
+                fn preimages(&self, _: &Self::Point, _: impl FnMut([R; #count], R::Mask)) { unimplemented!() }
+            }
+        },
+        Source::Point { space, .. } => {
+            let source = point_type(space);
+            quote! {
+                impl<R: ::aether_core::Real> ::aether_core::Map<R> for #ty #args {
+                    type Source = #source;
+                    type Target = #point;
+                    fn forward(&self, _: &Self::Source) -> (Self::Target, R::Mask) { unimplemented!() }
+                    fn preimages(&self, _: &Self::Target, _: impl FnMut(Self::Source, R::Mask)) { unimplemented!() }
+                    fn jacobian(&self, _: &Self::Source) -> R { unimplemented!() }
+                }
+            }
+        }
+    };
+    quote!(#hidden #interface #implementation)
+}

@@ -1,0 +1,53 @@
+//! The derivation as a block of the item's documentation.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use crate::derive::{Derived, Problem, texts};
+use crate::parse::Signature;
+
+/// The texts that are shown and kept with an item.
+pub struct Texts {
+    /// The map.
+    pub forward: String,
+    /// Its inverse.
+    pub inverse: String,
+    /// √det(JᵀJ).
+    pub jacobian: String,
+    /// The density.
+    pub pdf: String,
+}
+
+impl Texts {
+    /// The texts of a derivation.
+    pub fn new(problem: &Problem, derived: &Derived) -> Texts {
+        let [forward, inverse, jacobian, pdf] = texts(problem, derived);
+        Texts { forward, inverse, jacobian, pdf }
+    }
+
+    /// `#[doc]` attributes with the derivation.
+    pub fn attributes(&self, signature: &Signature, derived: &Derived, sampler: bool) -> TokenStream {
+        let mut lines = vec![String::new(), "# Derived".to_owned(), String::new(), "```text".to_owned()];
+        lines.push(format!("map      ({})", self.forward));
+        for (i, line) in self.inverse.lines().enumerate() {
+            lines.push(format!("{} {line}", if i == 0 { "inverse " } else { "or      " }));
+        }
+        lines.push(format!("√det JᵀJ {}", self.jacobian));
+        if sampler {
+            lines.push(format!("pdf      {}", self.pdf));
+            lines.push(format!("measure  {}", signature.space.measure()));
+        }
+        lines.push("```".to_owned());
+        if sampler {
+            lines.push(format!(
+                "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {:.1e}. {}",
+                derived.worst_error,
+                match derived.preimages.len() {
+                    1 => "Every point has one preimage.".to_owned(),
+                    n => format!("A point has up to {n} preimages, whose densities add up."),
+                }
+            ));
+        }
+        lines.iter().map(|l| quote!(#[doc = #l])).collect()
+    }
+}

@@ -1,0 +1,390 @@
+//! The parts that samplers and maps share: the struct, its constructor, the hidden body.
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+use syn::{Attribute, ItemFn};
+
+use super::code::Code;
+use super::documentation::Texts;
+use crate::derive::{Derived, Preimage, Problem};
+use crate::expr::{Id, Leaf};
+use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
+
+/// Writes the code of one item.
+pub struct Emitter<'a> {
+    /// The user's function.
+    pub item: &'a ItemFn,
+    /// What was parsed.
+    pub parsed: &'a Parsed,
+    /// What was derived.
+    pub derived: &'a Derived,
+    /// The attribute's arguments.
+    pub options: &'a Options,
+}
+
+impl Emitter<'_> {
+    pub(super) fn signature(&self) -> &Signature {
+        &self.parsed.signature
+    }
+    pub(super) fn problem(&self) -> &Problem {
+        &self.parsed.problem
+    }
+
+    /// `R`, or nothing for an item without parameters.
+    pub(super) fn generics(&self) -> TokenStream {
+        if self.is_generic() { quote!(<R>) } else { quote!() }
+    }
+    fn is_generic(&self) -> bool {
+        self.signature().params.iter().any(|p| p.kind != ParamKind::Identity) || !self.parsed.constants.is_empty()
+    }
+
+    /// Name of the struct: the function's name in camel case.
+    pub(super) fn type_name(&self) -> Ident {
+        type_name(&self.signature().name)
+    }
+
+    /// How many scalar parameters there are.
+    pub(super) fn scalars(&self) -> usize {
+        self.problem().kinds.iter().map(crate::points::Kind::scalars).sum()
+    }
+
+    /// Everything.
+    pub fn emit(&self, sampler: bool) -> TokenStream {
+        let texts = Texts::new(self.problem(), self.derived);
+        let docs = texts.attributes(self.signature(), self.derived, sampler);
+        let interface = interface(self.item, self.signature(), self.options, &self.parsed.constants, &docs);
+        let implementation = if sampler { super::sampler::implementation(self) } else { super::map::implementation(self) };
+        let derivation = self.derivation(&texts);
+        let hidden = hidden_body(self.item);
+        let functions = self.functions();
+        quote! {
+            #interface
+            #[allow(clippy::all, clippy::pedantic, unused, non_snake_case)]
+            const _: () = {
+                use ::aether_core::{Real as _, Mask as _, Point as _};
+                use ::aether_core::real::{Mask, Real};
+                #hidden
+                #functions
+                #derivation
+                #implementation
+            };
+        }
+    }
+
+    /// Prints the derivation to the build's output.
+    pub fn explain(&self) {
+        let texts = Texts::new(self.problem(), self.derived);
+        eprintln!("{}:", self.signature().name);
+        eprintln!("  map      ({})", texts.forward);
+        for step in &self.derived.steps {
+            eprintln!("  step     {step}");
+        }
+        for line in texts.inverse.lines() {
+            eprintln!("  inverse  {line}");
+        }
+        eprintln!("  √det JᵀJ {}", texts.jacobian);
+        eprintln!("  pdf      {}", texts.pdf);
+        eprintln!("  worst relative error in f64: {:.1e}", self.derived.worst_error);
+    }
+
+    fn derivation(&self, texts: &Texts) -> TokenStream {
+        let Texts { forward, inverse, jacobian, pdf } = texts;
+        let name = self.signature().name.to_string();
+        let measure = self.signature().space.measure();
+        let preimages = Literal::usize_unsuffixed(self.derived.preimages.len());
+        let worst = bound(self.derived.worst_error);
+        let ty = self.type_name();
+        let (bounds, args) = if self.is_generic() { (quote!(<R: Real>), quote!(<R>)) } else { (quote!(), quote!()) };
+        quote! {
+            #[automatically_derived]
+            impl #bounds #ty #args {
+                /// What the compiler derived, as text.
+                pub const DERIVATION: ::aether_core::Derivation = ::aether_core::Derivation {
+                    name: #name,
+                    forward: #forward,
+                    inverse: #inverse,
+                    jacobian: #jacobian,
+                    pdf: #pdf,
+                    measure: #measure,
+                    preimages: #preimages,
+                    worst_error: #worst,
+                };
+            }
+        }
+    }
+
+    /// The map, the volume, and for each preimage its inverse, tests and density, as free functions.
+    fn functions(&self) -> TokenStream {
+        let g = &self.problem().graph;
+        let (n, m, p) = (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
+        let forward_input = |l: Leaf| input(l, "u");
+        let mut code = Code::new(g, &forward_input);
+        let outputs: Vec<TokenStream> = self.derived.forward.iter().map(|&f| code.value(f)).collect();
+        let lets = code.statements();
+        let mut functions = quote! {
+            #[inline(always)]
+            fn forward<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #m] { #lets [#(#outputs),*] }
+        };
+        let mut code = Code::new(g, &forward_input);
+        let required: Vec<TokenStream> = self.problem().requirements.iter().map(|&r| code.value(r)).collect();
+        let lets = code.statements();
+        functions.extend(quote! {
+            #[inline(always)]
+            fn exists<R: Real>(p: &[R; #p], u: &[R; #n]) -> R::Mask {
+                #lets
+                <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))*
+            }
+        });
+        let mut code = Code::new(g, &forward_input);
+        let volume = code.value(self.derived.volume);
+        let lets = code.statements();
+        functions.extend(quote! {
+            #[inline(always)]
+            fn volume<R: Real>(p: &[R; #p], u: &[R; #n]) -> R { #lets #volume }
+        });
+        for (k, preimage) in self.derived.preimages.iter().enumerate() {
+            functions.extend(self.preimage(k, preimage));
+        }
+        functions
+    }
+
+    fn preimage(&self, k: usize, preimage: &Preimage) -> TokenStream {
+        let g = &self.problem().graph;
+        let (n, m, p) = (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
+        let at = |l: Leaf| input(l, "x");
+        let (inverse, support, density) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"), format_ident!("density_{k}"));
+        let mut code = Code::new(g, &at);
+        let unknowns: Vec<TokenStream> = preimage.unknowns.iter().map(|&u| code.value(u)).collect();
+        let inverse_lets = code.statements();
+        let checked = self.checked(preimage);
+        let c = checked.len();
+        let mut code = Code::new(g, &at);
+        let conditions: Vec<TokenStream> = preimage.conditions.iter().map(|&c| code.value(c)).collect();
+        let requirements: Vec<TokenStream> = preimage.requirements.iter().map(|&c| code.value(c)).collect();
+        let uniforms: Vec<TokenStream> = checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
+        let support_lets = code.statements();
+        let mut code = Code::new(g, &at);
+        let value = code.value(preimage.density);
+        let density_lets = code.statements();
+        quote! {
+            #[inline(always)]
+            fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
+            #[inline(always)]
+            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask) {
+                #support_lets
+                ([#(#uniforms),*], <R::Mask as Mask>::TRUE #(.and(#conditions.ge(R::ZERO)))* #(.and(#requirements.gt(R::ZERO)))*)
+            }
+            #[inline(always)]
+            fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
+        }
+    }
+
+    /// The unknowns whose range is not settled by interval arithmetic and has to be tested.
+    pub(super) fn checked(&self, preimage: &Preimage) -> Vec<usize> {
+        let g = &self.problem().graph;
+        let settled = |id: Id| {
+            let r = g.range(id);
+            r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
+        };
+        (0..preimage.unknowns.len()).filter(|&i| !settled(preimage.unknowns[i])).collect()
+    }
+
+    /// `let p = [...]`: the scalar parameters in order.
+    pub(super) fn parameters(&self) -> TokenStream {
+        let mut list = Vec::new();
+        for param in &self.signature().params {
+            let name = &param.name;
+            match param.kind {
+                ParamKind::Scalar => list.push(quote!(self.#name)),
+                ParamKind::Vec2 => list.extend([quote!(self.#name.x), quote!(self.#name.y)]),
+                ParamKind::Vec3 | ParamKind::Direction => {
+                    list.extend([quote!(self.#name.x), quote!(self.#name.y), quote!(self.#name.z)]);
+                }
+                ParamKind::Mat3 | ParamKind::Frame => {
+                    for c in ["x", "y", "z"].map(|c| Ident::new(c, Span::call_site())) {
+                        list.extend([quote!(self.#name.#c.x), quote!(self.#name.#c.y), quote!(self.#name.#c.z)]);
+                    }
+                }
+                ParamKind::Identity => {}
+            }
+        }
+        for (name, _) in &self.parsed.constants {
+            let name = Ident::new(name, Span::mixed_site());
+            list.push(quote!(self.#name));
+        }
+        let p = self.scalars();
+        quote!(let p: [R; #p] = [#(#list),*];)
+    }
+}
+
+fn input(l: Leaf, unknown: &str) -> TokenStream {
+    match l {
+        Leaf::Unknown(i) | Leaf::Out(i) => {
+            let name = Ident::new(unknown, Span::mixed_site());
+            let i = Literal::usize_unsuffixed(i as usize);
+            quote!(#name[#i])
+        }
+        Leaf::Param(i) => {
+            let i = Literal::usize_unsuffixed(i as usize);
+            quote!(p[#i])
+        }
+    }
+}
+
+/// cosine_hemisphere to CosineHemisphere.
+pub fn type_name(name: &Ident) -> Ident {
+    let text: String = name
+        .to_string()
+        .trim_start_matches("r#")
+        .split('_')
+        .map(|w| {
+            let mut c = w.chars();
+            c.next().map_or(String::new(), |f| f.to_uppercase().chain(c).collect())
+        })
+        .collect();
+    Ident::new(&text, name.span())
+}
+
+/// The struct and its constructor.
+pub fn interface(
+    item: &ItemFn,
+    signature: &Signature,
+    options: &Options,
+    constants: &[(String, TokenStream)],
+    docs: &TokenStream,
+) -> TokenStream {
+    let vis = &item.vis;
+    let name = &signature.name;
+    let ty = type_name(name);
+    let user_docs: Vec<&Attribute> = item.attrs.iter().filter(|a| a.path().is_ident("doc")).collect();
+    let other: Vec<&Attribute> = item.attrs.iter().filter(|a| !a.path().is_ident("doc")).collect();
+    let names: Vec<&Ident> = signature.params.iter().map(|p| &p.name).collect();
+    let types: Vec<TokenStream> = signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
+    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.is_empty();
+    let (bounds, default, args) = if generic {
+        (quote!(<R: ::aether_core::Real>), quote!(<R: ::aether_core::Real = f64>), quote!(<R>))
+    } else {
+        (quote!(), quote!(), quote!())
+    };
+    let hidden: Vec<Ident> = constants.iter().map(|(n, _)| Ident::new(n, Span::mixed_site())).collect();
+    let values: Vec<TokenStream> = constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
+    let plain: Vec<TokenStream> =
+        signature.params.iter().filter(|p| p.kind == ParamKind::Scalar).map(|p| { let n = &p.name; quote!(let #n: f64 = #n.to_f64();) }).collect();
+    let compute = if constants.is_empty() {
+        quote!()
+    } else {
+        let plain = quote!(#(#plain)*);
+        let lets = hidden.iter().zip(&values).map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
+        quote!(#(#lets)*)
+    };
+    let checks: Vec<TokenStream> = options
+        .domains
+        .iter()
+        .map(|d| {
+            let (field, text, item_name) = (&d.name, &d.text, name.to_string());
+            let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
+            let upper = if d.closed { quote!(<=) } else { quote!(<) };
+            quote! {
+                {
+                    let value = ::aether_core::Real::to_f64(#field);
+                    if !(value >= #lo && value #upper #hi) {
+                        return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
+                    }
+                }
+            }
+        })
+        .collect();
+    let make = quote!(#ty { #(#names,)* #(#hidden),* });
+    let (returns, result) = if checks.is_empty() {
+        (quote!(#ty #args), make)
+    } else {
+        (quote!(::core::result::Result<#ty #args, ::aether_core::DomainError>), quote!(::core::result::Result::Ok(#make)))
+    };
+    let errors = if checks.is_empty() { quote!() } else { quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."]) };
+    let struct_doc = format!("The random variable or map that [`{name}`] constructs.");
+    quote! {
+        #[doc = #struct_doc]
+        #[derive(Clone, Copy, Debug)]
+        #vis struct #ty #default { #(#names: #types,)* #(#hidden: R),* }
+
+        #(#user_docs)*
+        #docs
+        #errors
+        #(#other)*
+        #[allow(clippy::too_many_arguments)]
+        #vis fn #name #bounds (#(#names: #types),*) -> #returns {
+            #(#checks)*
+            #compute
+            #result
+        }
+    }
+}
+
+fn bound(x: f64) -> TokenStream {
+    if x == f64::INFINITY {
+        quote!(f64::INFINITY)
+    } else if x == f64::NEG_INFINITY {
+        quote!(f64::NEG_INFINITY)
+    } else if x < 0.0 {
+        let l = Literal::f64_suffixed(-x);
+        quote!(-#l)
+    } else {
+        let l = Literal::f64_suffixed(x);
+        quote!(#l)
+    }
+}
+
+fn param_type(kind: ParamKind) -> TokenStream {
+    match kind {
+        ParamKind::Scalar => quote!(R),
+        ParamKind::Vec2 => quote!(::aether_core::Vec2<R>),
+        ParamKind::Vec3 => quote!(::aether_core::Vec3<R>),
+        ParamKind::Mat3 => quote!(::aether_core::Mat3<R>),
+        ParamKind::Frame => quote!(::aether_core::Frame<R>),
+        ParamKind::Direction => quote!(::aether_core::Direction<R>),
+        ParamKind::Identity => quote!(::aether_core::SurfaceId),
+    }
+}
+
+/// The user's function under another name: rustc checks its types, and editors complete in it.
+pub fn hidden_body(item: &ItemFn) -> TokenStream {
+    let inputs = &item.sig.inputs;
+    let output = &item.sig.output;
+    let block = &item.block;
+    quote! {
+        #[allow(unused, clippy::all)]
+        fn body(#inputs) #output {
+            #[allow(unused_imports)]
+            use ::aether_core::prelude::*;
+            #[allow(unused_imports)]
+            use ::aether_core::forms::{precomputed, require};
+            #block
+        }
+    }
+}
+
+/// A point of the space from its coordinates.
+pub(super) fn point(space: &Space, coordinates: &TokenStream, identity: Option<&TokenStream>) -> TokenStream {
+    match space {
+        Space::Line => quote!(#coordinates[0]),
+        Space::Plane => quote!(::aether_core::Vec2::from_array(#coordinates)),
+        Space::Volume => quote!(::aether_core::Vec3::from_array(#coordinates)),
+        Space::Direction => quote!(::aether_core::Direction::from_unit(::aether_core::Vec3::from_array(#coordinates))),
+        Space::SurfacePoint => {
+            quote!(::aether_core::SurfacePoint::new(::aether_core::Vec3::from_array(#coordinates), #identity))
+        }
+        Space::Embedded { .. } => quote!(::aether_core::Embedded(#coordinates)),
+    }
+}
+
+/// The point type of a space.
+pub(super) fn point_type(space: &Space) -> TokenStream {
+    match space {
+        Space::Line => quote!(R),
+        Space::Plane => quote!(::aether_core::Vec2<R>),
+        Space::Volume => quote!(::aether_core::Vec3<R>),
+        Space::Direction => quote!(::aether_core::Direction<R>),
+        Space::SurfacePoint => quote!(::aether_core::SurfacePoint<R>),
+        Space::Embedded { k, n } => quote!(::aether_core::Embedded<#k, #n, R>),
+    }
+}

@@ -1,0 +1,98 @@
+//! Numerical evaluation of expressions at any precision.
+
+use std::collections::HashMap;
+
+use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::number::Number;
+
+/// Evaluates several expressions that share their subexpressions.
+pub struct Evaluator<'a, T> {
+    graph: &'a Graph,
+    inputs: &'a dyn Fn(Leaf) -> T,
+    memo: HashMap<Id, T>,
+}
+
+impl<'a, T: Number> Evaluator<'a, T> {
+    /// An evaluator at the point given by `inputs`.
+    pub fn new(graph: &'a Graph, inputs: &'a dyn Fn(Leaf) -> T) -> Self {
+        Evaluator { graph, inputs, memo: HashMap::new() }
+    }
+
+    /// The value of an expression.
+    pub fn value(&mut self, id: Id) -> T {
+        if let Some(&v) = self.memo.get(&id) {
+            return v;
+        }
+        let graph = self.graph;
+        let v = match graph.node(id) {
+            Node::Number(q) => T::from_ratio(q.num(), q.den()),
+            Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
+            Node::Pi => T::pi(),
+            Node::Leaf(l) => (self.inputs)(*l),
+            Node::Sum(c, terms) => {
+                let mut s = T::from_ratio(c.num(), c.den());
+                for (q, t) in terms {
+                    let v = self.value(*t);
+                    s = s + if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v };
+                }
+                s
+            }
+            Node::Product(factors) => {
+                let mut p = T::from_f64(1.0);
+                for (b, e) in factors {
+                    let b = self.value(*b);
+                    p = p * match graph.as_number(*e) {
+                        Some(q) if q.is_int() => b.powi(q.to_i32().unwrap_or(i32::MAX)),
+                        Some(q) if q.den() == 2 && q.num().abs() < 64 => b.sqrt().powi(q.num() as i32),
+                        Some(q) if q.den() == 3 && q.num().abs() < 64 => b.cbrt().powi(q.num() as i32),
+                        _ => {
+                            let e = self.value(*e);
+                            b.powf(e)
+                        }
+                    };
+                }
+                p
+            }
+            Node::Call(f, args) => {
+                let a = self.value(args[0]);
+                let b = args.get(1).map(|b| self.value(*b));
+                call(*f, a, b)
+            }
+        };
+        self.memo.insert(id, v);
+        v
+    }
+}
+
+/// One expression at one point.
+pub fn evaluate<T: Number>(graph: &Graph, id: Id, inputs: &dyn Fn(Leaf) -> T) -> T {
+    Evaluator::new(graph, inputs).value(id)
+}
+
+fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
+    match f {
+        Fun::Exp => a.exp(),
+        Fun::ExpM1 => a.exp_m1(),
+        Fun::Ln => a.ln(),
+        Fun::Ln1p => a.ln_1p(),
+        Fun::Sin => a.sin(),
+        Fun::Cos => a.cos(),
+        Fun::Tan => a.tan(),
+        Fun::Asin => a.asin(),
+        Fun::Acos => a.acos(),
+        Fun::Atan => a.atan(),
+        Fun::Sinh => a.sinh(),
+        Fun::Cosh => a.cosh(),
+        Fun::Tanh => a.tanh(),
+        Fun::Asinh => a.asinh(),
+        Fun::Acosh => a.acosh(),
+        Fun::Atanh => a.atanh(),
+        Fun::Abs => a.abs(),
+        Fun::Sign => T::from_f64(if a.to_f64() < 0.0 { -1.0 } else { 1.0 }),
+        Fun::Atan2 => a.atan2(b.unwrap_or(a)),
+        Fun::Turn => {
+            let turn = T::pi() + T::pi();
+            if a.to_f64() < 0.0 || a.to_f64() >= turn.to_f64() { a - turn * (a / turn).floor() } else { a }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Intervals: what the domains of uniforms and parameters say about the sign of an expression.
+
+use crate::expr::Fun;
+
+/// A closed interval of the extended real line that contains every value of an expression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// Lower end.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// The whole line: nothing is known.
+    pub const ALL: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    /// All numbers from zero up.
+    pub const POSITIVE: Interval = Interval { lo: 0.0, hi: f64::INFINITY };
+
+    /// The interval from `lo` to `hi`; the whole line if an end is NaN.
+    pub fn new(lo: f64, hi: f64) -> Interval {
+        if lo.is_nan() || hi.is_nan() { Interval::ALL } else { Interval { lo, hi } }
+    }
+    /// A single number.
+    pub fn point(x: f64) -> Interval {
+        Interval::new(x, x)
+    }
+    /// Whether no value is negative.
+    pub fn nonnegative(self) -> bool {
+        self.lo >= 0.0
+    }
+    /// Whether no value is positive.
+    pub fn nonpositive(self) -> bool {
+        self.hi <= 0.0
+    }
+    /// Distance between the ends.
+    pub fn width(self) -> f64 {
+        self.hi - self.lo
+    }
+    /// Sums.
+    pub fn add(self, o: Interval) -> Interval {
+        Interval::new(self.lo + o.lo, self.hi + o.hi)
+    }
+    /// Multiples.
+    pub fn scale(self, k: f64) -> Interval {
+        self.mul(Interval::point(k))
+    }
+    /// Products, with zero times infinity taken as zero (a bound that is not attained).
+    pub fn mul(self, o: Interval) -> Interval {
+        let times = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
+        let ends = [
+            times(self.lo, o.lo),
+            times(self.lo, o.hi),
+            times(self.hi, o.lo),
+            times(self.hi, o.hi),
+        ];
+        hull(&ends)
+    }
+    /// Powers with a fixed exponent; the base is taken as nonnegative unless the exponent is an integer.
+    pub fn pow(self, e: f64) -> Interval {
+        let even = e.fract() == 0.0 && e % 2.0 == 0.0;
+        if e.fract() == 0.0 && !even {
+            if e < 0.0 && self.lo < 0.0 && self.hi > 0.0 {
+                return Interval::ALL;
+            }
+            let f = |x: f64, side: f64| if x == 0.0 && e < 0.0 { side } else { libm::pow(x, e) };
+            return hull(&[f(self.lo, f64::INFINITY), f(self.hi, f64::NEG_INFINITY)]);
+        }
+        let (mut lo, mut hi) = (self.lo.max(0.0), self.hi.max(0.0));
+        if even {
+            hi = self.lo.abs().max(self.hi.abs());
+            lo = if self.lo <= 0.0 && self.hi >= 0.0 { 0.0 } else { self.lo.abs().min(self.hi.abs()) };
+        }
+        hull(&[libm::pow(lo, e), libm::pow(hi, e)])
+    }
+    /// The image under a function of one argument.
+    pub fn call(self, f: Fun) -> Interval {
+        let monotone = |g: fn(f64) -> f64| Interval::new(g(self.lo), g(self.hi));
+        match f {
+            Fun::Exp => monotone(libm::exp),
+            Fun::ExpM1 => monotone(libm::expm1),
+            Fun::Ln if self.lo >= 0.0 => monotone(|x| if x == 0.0 { f64::NEG_INFINITY } else { libm::log(x) }),
+            Fun::Ln1p if self.lo >= -1.0 => {
+                monotone(|x| if x == -1.0 { f64::NEG_INFINITY } else { libm::log1p(x) })
+            }
+            Fun::Sinh => monotone(libm::sinh),
+            Fun::Tanh => monotone(libm::tanh),
+            Fun::Asinh => monotone(libm::asinh),
+            Fun::Atan => monotone(libm::atan),
+            Fun::Cosh => Interval::new(1.0, f64::INFINITY),
+            Fun::Acosh => Interval::POSITIVE,
+            Fun::Acos => Interval::new(0.0, std::f64::consts::PI),
+            Fun::Asin => Interval::new(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
+            Fun::Sin if self.lo >= 0.0 && self.hi <= std::f64::consts::PI => Interval::new(0.0, 1.0),
+            Fun::Cos if self.lo >= -std::f64::consts::FRAC_PI_2 && self.hi <= std::f64::consts::FRAC_PI_2 => {
+                Interval::new(0.0, 1.0)
+            }
+            Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
+            Fun::Tan if self.lo >= 0.0 && self.hi <= std::f64::consts::FRAC_PI_2 => Interval::POSITIVE,
+            Fun::Abs => {
+                let hi = self.lo.abs().max(self.hi.abs());
+                let lo = if self.lo <= 0.0 && self.hi >= 0.0 { 0.0 } else { self.lo.abs().min(self.hi.abs()) };
+                Interval::new(lo, hi)
+            }
+            Fun::Turn => Interval::new(0.0, std::f64::consts::TAU),
+            _ => Interval::ALL,
+        }
+    }
+}
+
+fn hull(ends: &[f64]) -> Interval {
+    let lo = ends.iter().copied().fold(f64::INFINITY, f64::min);
+    let hi = ends.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if ends.iter().any(|x| x.is_nan()) { Interval::ALL } else { Interval::new(lo, hi) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs() {
+        let u = Interval::new(0.0, 1.0);
+        assert!(Interval::point(1.0).add(u.scale(-1.0)).nonnegative());
+        assert!(u.call(Fun::Ln).nonpositive());
+        assert!(u.scale(-1.0).call(Fun::Ln1p).nonpositive());
+        assert!(Interval::new(-1.0, 1.0).pow(2.0).nonnegative());
+        assert!(!Interval::new(-1.0, 1.0).pow(3.0).nonnegative());
+        assert_eq!(Interval::new(-1.0, 2.0).pow(-1.0), Interval::ALL);
+    }
+}

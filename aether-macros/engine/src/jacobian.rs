@@ -1,0 +1,163 @@
+//! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
+
+use crate::derivative::derivative;
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
+use crate::poly::Expander;
+use crate::rational::Q;
+use crate::solve::linear::{cross, determinant, dot};
+
+/// What the unknowns are: free coordinates, or the coordinates of a direction, whose tangent space
+/// is a plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Source {
+    /// Uniforms, or the coordinates of a point of a line, a plane or space.
+    Free,
+    /// The three coordinates of a unit vector.
+    Direction([Id; 3]),
+}
+
+/// Equal expressions for the volume that the map spans, the first as derived.
+pub fn volume(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) -> Result<Vec<Id>, String> {
+    let columns: Vec<Vec<Id>> =
+        unknowns.iter().map(|&u| outputs.iter().map(|&f| derivative(g, f, u)).collect()).collect();
+    let (m, n) = (outputs.len(), unknowns.len());
+    match source {
+        Source::Direction(w) => {
+            let w_form = |g: &mut Graph, id| simplify(g, id, Some(w));
+            let parts = [(1, 2), (2, 0), (0, 1)];
+            let crosses: Vec<Vec<Id>> =
+                parts.iter().map(|&(i, j)| cross(g, &columns[i], &columns[j])).collect();
+            let normal: Vec<Id> = (0..3)
+                .map(|i| {
+                    let along: Vec<Id> = (0..3).map(|k| crosses[k][i]).collect();
+                    dot(g, &w, &along)
+                })
+                .collect();
+            let raw = norm(g, &normal);
+            let tidy: Vec<Id> = normal.iter().map(|&c| w_form(g, c)).collect();
+            let tidy = norm(g, &tidy);
+            let tidier = w_form(g, tidy);
+            Ok(distinct(vec![raw, tidy, tidier]))
+        }
+        Source::Free if m == n => {
+            let d = determinant(g, &columns);
+            let tidy = simplify(g, d, None);
+            let candidates = [d, tidy].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            Ok(distinct(candidates.to_vec()))
+        }
+        Source::Free if n < m => embedded(g, &columns),
+        Source::Free => Err(format!(
+            "{n} uniforms for a point with {m} coordinates: more uniforms than dimensions give a marginal density, which is an integral and no formula"
+        )),
+    }
+}
+
+/// Fewer unknowns than outputs: Gram's determinant where it simplifies, the vector product else.
+fn embedded(g: &mut Graph, columns: &[Vec<Id>]) -> Result<Vec<Id>, String> {
+    let n = columns.len();
+    let gram: Vec<Vec<Id>> = (0..n)
+        .map(|i| {
+            (0..n)
+                .map(|j| {
+                    let d = dot(g, &columns[i], &columns[j]);
+                    simplify(g, d, None)
+                })
+                .collect()
+        })
+        .collect();
+    let det = determinant(g, &gram);
+    let tidy = simplify(g, det, None);
+    let mut candidates: Vec<Id> = [tidy, det].map(|d| g.sqrt(d)).to_vec();
+    if n == 2 && columns[0].len() == 3 {
+        let c = cross(g, &columns[0], &columns[1]);
+        let direct = norm(g, &c);
+        let tidy: Vec<Id> = c.iter().map(|&c| simplify(g, c, None)).collect();
+        let tidy = norm(g, &tidy);
+        let tidier = simplify(g, tidy, None);
+        candidates.extend([tidier, tidy, direct]);
+    }
+    Ok(distinct(candidates))
+}
+
+fn norm(g: &mut Graph, v: &[Id]) -> Id {
+    let s = dot(g, v, v);
+    // A common factor of all squares comes out of the root.
+    let s = factor_out(g, s);
+    g.sqrt(s)
+}
+
+/// a·s² + b·s² … as (a + b …)·s², for factors common to all terms of a sum.
+pub fn factor_out(g: &mut Graph, id: Id) -> Id {
+    let Node::Sum(c, terms) = g.node(id).clone() else { return id };
+    if !c.is_zero() || terms.len() < 2 {
+        return id;
+    }
+    let mut common = g.factors(terms[0].1);
+    for (_, t) in &terms[1..] {
+        let f = g.factors(*t);
+        common.retain(|x| f.contains(x));
+    }
+    if common.is_empty() {
+        return id;
+    }
+    let outside = g.product(&common);
+    let rest: Vec<(Q, Id)> = terms.iter().map(|&(q, t)| (q, g.div(t, outside))).collect();
+    let inside = g.sum(Q::ZERO, &rest);
+    let inside = factor_out(g, inside);
+    g.mul(outside, inside)
+}
+
+/// The cheapest of an expression and its normal forms.
+pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
+    let mut best = id;
+    for open in [UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
+        let mut e = Expander::new(g).only(open);
+        if let Some(w) = unit {
+            e = e.unit(w);
+        }
+        if let Some(n) = e.normal_form(id)
+            && cost(g, n) < cost(g, best)
+        {
+            best = n;
+        }
+    }
+    best
+}
+
+/// A rough count of the work to evaluate an expression, shared parts counted once.
+pub fn cost(g: &Graph, id: Id) -> usize {
+    let mut seen = std::collections::HashSet::new();
+    let mut open = vec![id];
+    let mut total = 0;
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        total += match g.node(id) {
+            Node::Call(..) => 12,
+            Node::Product(f) => f
+                .iter()
+                .map(|(_, e)| match g.as_number(*e) {
+                    Some(q) if q.is_int() && !q.is_negative() => q.num().unsigned_abs() as usize,
+                    Some(q) if q.is_int() => 3 + q.num().unsigned_abs() as usize,
+                    Some(q) if q.den() == 2 => 5,
+                    _ => 20,
+                })
+                .sum(),
+            Node::Sum(_, t) => t.len(),
+            _ => 0,
+        };
+        open.extend(children(g.node(id)));
+    }
+    total
+}
+
+fn distinct(mut ids: Vec<Id>) -> Vec<Id> {
+    let mut seen = Vec::new();
+    ids.retain(|i| {
+        let new = !seen.contains(i);
+        seen.push(*i);
+        new
+    });
+    ids
+}

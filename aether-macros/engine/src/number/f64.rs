@@ -1,0 +1,133 @@
+//! The precision of the programs that are generated: `f64` on the functions of `libm`.
+
+use super::{Number, ratio};
+
+impl Number for f64 {
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+
+    fn from_ratio(numerator: i128, denominator: i128) -> Self {
+        ratio::quotient(numerator, denominator).0
+    }
+
+    fn to_f64(self) -> f64 {
+        self
+    }
+
+    fn pi() -> Self {
+        std::f64::consts::PI
+    }
+
+    fn powi(self, exponent: i32) -> Self {
+        libm::pow(self, f64::from(exponent))
+    }
+
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+
+    fn is_nan(self) -> bool {
+        f64::is_nan(self)
+    }
+
+    fn abs(self) -> Self {
+        libm::fabs(self)
+    }
+
+    fn floor(self) -> Self {
+        libm::floor(self)
+    }
+
+    fn sqrt(self) -> Self {
+        libm::sqrt(self)
+    }
+
+    fn cbrt(self) -> Self {
+        libm::cbrt(self)
+    }
+
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+
+    fn exp_m1(self) -> Self {
+        libm::expm1(self)
+    }
+
+    fn ln(self) -> Self {
+        libm::log(self)
+    }
+
+    fn ln_1p(self) -> Self {
+        libm::log1p(self)
+    }
+
+    fn sin(self) -> Self {
+        libm::sin(self)
+    }
+
+    fn cos(self) -> Self {
+        libm::cos(self)
+    }
+
+    fn tan(self) -> Self {
+        libm::tan(self)
+    }
+
+    fn asin(self) -> Self {
+        libm::asin(self)
+    }
+
+    fn acos(self) -> Self {
+        libm::acos(self)
+    }
+
+    fn atan(self) -> Self {
+        libm::atan(self)
+    }
+
+    fn sinh(self) -> Self {
+        libm::sinh(self)
+    }
+
+    fn cosh(self) -> Self {
+        libm::cosh(self)
+    }
+
+    fn tanh(self) -> Self {
+        libm::tanh(self)
+    }
+
+    fn asinh(self) -> Self {
+        libm::asinh(self)
+    }
+
+    fn acosh(self) -> Self {
+        libm::acosh(self)
+    }
+
+    fn atanh(self) -> Self {
+        libm::atanh(self)
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        libm::atan2(self, x)
+    }
+
+    fn powf(self, exponent: Self) -> Self {
+        libm::pow(self, exponent)
+    }
+
+    fn hypot(self, other: Self) -> Self {
+        libm::hypot(self, other)
+    }
+
+    fn min(self, other: Self) -> Self {
+        libm::fmin(self, other)
+    }
+
+    fn max(self, other: Self) -> Self {
+        libm::fmax(self, other)
+    }
+}

@@ -1,0 +1,88 @@
+//! The arguments of the attribute: `explain`, and domains of parameters.
+
+use syn::parse::{Parse, ParseStream};
+use syn::{Expr, ExprRange, Ident, RangeLimits, Token, UnOp};
+
+use crate::interval::Interval;
+
+/// The declared domain of one parameter.
+#[derive(Clone, Debug)]
+pub struct Domain {
+    /// The parameter.
+    pub name: Ident,
+    /// Its interval.
+    pub interval: Interval,
+    /// Whether the upper end belongs to the domain.
+    pub closed: bool,
+    /// The declaration as written, for error texts.
+    pub text: String,
+}
+
+/// The options of an item.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Print the derivation while compiling.
+    pub explain: bool,
+    /// Declared domains.
+    pub domains: Vec<Domain>,
+}
+
+impl Options {
+    /// The domain of a parameter.
+    pub fn domain(&self, name: &str) -> Option<&Domain> {
+        self.domains.iter().find(|d| d.name == name)
+    }
+}
+
+impl Parse for Options {
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let mut options = Options::default();
+        while !input.is_empty() {
+            let name: Ident = input.parse()?;
+            if name == "explain" && !input.peek(Token![in]) {
+                options.explain = true;
+            } else if input.peek(Token![in]) {
+                input.parse::<Token![in]>()?;
+                let range: Expr = input.parse()?;
+                options.domains.push(domain(name, &range)?);
+            } else {
+                return Err(syn::Error::new(
+                    name.span(),
+                    "unknown option: write `explain`, or a parameter's domain such as `alpha in 1e-4..=1.0`",
+                ));
+            }
+            if !input.is_empty() {
+                input.parse::<Token![,]>()?;
+            }
+        }
+        Ok(options)
+    }
+}
+
+fn domain(name: Ident, range: &Expr) -> syn::Result<Domain> {
+    let Expr::Range(ExprRange { start, end, limits, .. }) = range else {
+        return Err(syn::Error::new_spanned(range, "a domain is a range of numbers, such as `0.0..=1.0` or `0.0..`"));
+    };
+    let end_of = |e: &Option<Box<Expr>>, open: f64| e.as_ref().map_or(Ok(open), |e| number(e));
+    let (lo, hi) = (end_of(start, f64::NEG_INFINITY)?, end_of(end, f64::INFINITY)?);
+    if lo.is_nan() || lo >= hi {
+        return Err(syn::Error::new_spanned(range, "this domain is empty: the first end must be below the second"));
+    }
+    let closed = matches!(limits, RangeLimits::Closed(_));
+    let mark = if closed { "..=" } else { ".." };
+    let show = |x: f64| if x.is_finite() { format!("{x:?}") } else { String::new() };
+    let text = format!("{name} in {}{mark}{}", show(lo), show(hi));
+    Ok(Domain { name, interval: Interval::new(lo, hi), closed, text })
+}
+
+fn number(e: &Expr) -> syn::Result<f64> {
+    match e {
+        Expr::Lit(l) => match &l.lit {
+            syn::Lit::Float(f) => f.base10_parse(),
+            syn::Lit::Int(i) => i.base10_parse(),
+            other => Err(syn::Error::new_spanned(other, "an end of a domain is a number")),
+        },
+        Expr::Unary(u) if matches!(u.op, UnOp::Neg(_)) => Ok(-number(&u.expr)?),
+        other => Err(syn::Error::new_spanned(other, "an end of a domain is a literal number")),
+    }
+}

@@ -1,0 +1,380 @@
+//! The statements and expressions of a body.
+
+use std::collections::HashMap;
+
+use proc_macro2::TokenStream;
+use quote::{ToTokens, quote};
+use syn::{BinOp, Block, Expr, Lit, Member, Pat, Stmt, UnOp};
+
+use super::methods;
+use super::{Options, Param, ParamKind, Space, Value};
+use crate::diagnostics::Diagnostics;
+use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
+use crate::interval::Interval;
+use crate::points::Kind;
+use crate::rational::Q;
+
+/// Reads a body into a graph.
+pub struct Body<'a> {
+    /// The expressions.
+    pub graph: Graph,
+    /// Conditions `require(…)`: expressions that must be positive.
+    pub requirements: Vec<Id>,
+    /// Values of `precomputed(…)`: name and code.
+    pub constants: Vec<(String, TokenStream)>,
+    names: HashMap<String, Value>,
+    next_param: u8,
+    errors: &'a mut Diagnostics,
+}
+
+impl<'a> Body<'a> {
+    /// A reader that knows the first parameter.
+    pub fn new(graph: Graph, names: HashMap<String, Value>, errors: &'a mut Diagnostics) -> Self {
+        Body { graph, requirements: vec![], constants: vec![], names, next_param: 0, errors }
+    }
+
+    /// Reports an error on tokens.
+    pub fn error<T>(&mut self, tokens: impl ToTokens, message: impl core::fmt::Display) -> Option<T> {
+        self.errors.error(tokens, message);
+        None
+    }
+
+    fn scalar_param(&mut self, name: &str, range: Interval) -> Id {
+        let leaf = Leaf::Param(self.next_param);
+        self.next_param += 1;
+        self.graph.leaf(leaf, name, range)
+    }
+
+    /// Makes a parameter known under its name.
+    pub fn declare_param(&mut self, p: &Param, options: &Options, kinds: &mut Vec<Kind>, frames: &mut Vec<[[Id; 3]; 3]>) {
+        let name = p.name.to_string();
+        let coordinates = |body: &mut Self, n: usize, range| -> Vec<Id> {
+            (0..n).map(|i| body.scalar_param(&format!("{name}.{}", ["x", "y", "z"][i]), range)).collect()
+        };
+        let value = match p.kind {
+            ParamKind::Scalar => {
+                let domain = options.domain(&name).map(|d| d.interval);
+                kinds.push(Kind::Scalar(domain));
+                Value::Scalar(self.scalar_param(&name, domain.unwrap_or(Interval::ALL)))
+            }
+            ParamKind::Vec2 | ParamKind::Vec3 => {
+                let n = if p.kind == ParamKind::Vec2 { 2 } else { 3 };
+                kinds.push(Kind::Vector(n));
+                Value::Vector(coordinates(self, n, Interval::ALL))
+            }
+            ParamKind::Direction => {
+                kinds.push(Kind::Direction);
+                let v = coordinates(self, 3, Interval::new(-1.0, 1.0));
+                self.graph.declare_unit([v[0], v[1], v[2]]);
+                Value::Vector(v)
+            }
+            ParamKind::Mat3 | ParamKind::Frame => {
+                let columns: [Vec<Id>; 3] = ["x", "y", "z"].map(|c| {
+                    (0..3).map(|i| self.scalar_param(&format!("{name}.{c}{}", ["x", "y", "z"][i]), Interval::ALL)).collect()
+                });
+                if p.kind == ParamKind::Frame {
+                    kinds.push(Kind::Frame);
+                    frames.push([0, 1, 2].map(|c| [columns[c][0], columns[c][1], columns[c][2]]));
+                } else {
+                    kinds.push(Kind::Matrix);
+                }
+                Value::Matrix(columns)
+            }
+            ParamKind::Identity => {
+                let ident = &p.name;
+                Value::Opaque(quote!(self.#ident))
+            }
+        };
+        self.names.insert(name, value);
+    }
+
+    /// The value of a block.
+    pub fn block(&mut self, block: &Block) -> Option<Value> {
+        let saved = self.names.clone();
+        let mut result = None;
+        let mut failed = false;
+        let last = block.stmts.len().saturating_sub(1);
+        for (i, stmt) in block.stmts.iter().enumerate() {
+            match stmt {
+                Stmt::Local(local) => failed |= self.local(local).is_none(),
+                Stmt::Expr(Expr::Call(call), Some(_)) if is_call(call, "require") => {
+                    failed |= self.require(call).is_none();
+                }
+                Stmt::Expr(e, None) if i == last => result = self.expr(e),
+                Stmt::Expr(Expr::Return(r), _) if i == last => {
+                    result = r.expr.as_ref().and_then(|e| self.expr(e));
+                }
+                Stmt::Item(syn::Item::Use(_)) => {}
+                other => {
+                    failed = true;
+                    self.errors.error(other, "a sampler's body is a chain of `let`s and a result; this statement has no place in it");
+                }
+            }
+        }
+        self.names = saved;
+        if failed {
+            return None;
+        }
+        if result.is_none() && self.errors.is_empty() {
+            self.errors.error(block, "this block has no result: end it with the point, without a semicolon");
+        }
+        result
+    }
+
+    fn local(&mut self, local: &syn::Local) -> Option<()> {
+        let Some(init) = &local.init else {
+            return self.error(local, "give this name its value at once: `let r = …;`");
+        };
+        if init.diverge.is_some() {
+            return self.error(local, "`let … else` has no meaning here: every value exists");
+        }
+        let value = self.expr(&init.expr)?;
+        self.bind(&local.pat, value)
+    }
+
+    fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
+        match (pat, value) {
+            (Pat::Ident(p), value) => {
+                if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
+                    return self.error(p, "values do not change here: use a new `let` with a new name");
+                }
+                self.names.insert(p.ident.to_string(), value);
+                Some(())
+            }
+            (Pat::Type(p), value) => self.bind(&p.pat, value),
+            (Pat::Paren(p), value) => self.bind(&p.pat, value),
+            (Pat::Wild(_), _) => Some(()),
+            (Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
+                p.elems.iter().zip(values).try_for_each(|(p, v)| self.bind(p, v))
+            }
+            (Pat::Slice(p), Value::Uniforms(ids)) if p.elems.len() == ids.len() => {
+                p.elems.iter().zip(ids).try_for_each(|(p, v)| self.bind(p, Value::Scalar(v)))
+            }
+            (pat, value) => {
+                let what = value.describe();
+                self.error(pat, format!("{what} does not fit this pattern"))
+            }
+        }
+    }
+
+    /// `require(a > b)`: the point exists only where it holds.
+    fn require(&mut self, call: &syn::ExprCall) -> Option<()> {
+        let [Expr::Binary(b)] = &call.args.iter().collect::<Vec<_>>()[..] else {
+            return self.error(call, "`require` takes one comparison of numbers: `require(t > 0.0)`");
+        };
+        let (left, right) = (self.scalar(&b.left)?, self.scalar(&b.right)?);
+        let difference = match b.op {
+            BinOp::Gt(_) => self.graph.sub(left, right),
+            BinOp::Lt(_) => self.graph.sub(right, left),
+            _ => return self.error(b.op, "`require` takes `>` or `<`"),
+        };
+        self.requirements.push(difference);
+        Some(())
+    }
+
+    /// The value of an expression that must be a number.
+    pub fn scalar(&mut self, e: &Expr) -> Option<Id> {
+        match self.expr(e)? {
+            Value::Scalar(id) => Some(id),
+            Value::Uniforms(_) => self.error(e, "this is the array of all uniforms; take one of them: `u[0]`"),
+            other => {
+                let what = other.describe();
+                self.error(e, format!("a number is needed here, and this is {what}"))
+            }
+        }
+    }
+
+    /// The value of an expression.
+    pub fn expr(&mut self, e: &Expr) -> Option<Value> {
+        match e {
+            Expr::Lit(l) => self.literal(&l.lit),
+            Expr::Paren(p) => self.expr(&p.expr),
+            Expr::Group(p) => self.expr(&p.expr),
+            Expr::Reference(r) => self.expr(&r.expr),
+            Expr::Block(b) if b.label.is_none() => self.block(&b.block),
+            Expr::Path(p) => self.path(p),
+            Expr::Unary(u) => self.unary(u),
+            Expr::Binary(b) => self.binary(b),
+            Expr::Index(i) => self.index(i),
+            Expr::Field(f) => self.field(f),
+            Expr::Tuple(t) => Some(Value::Tuple(t.elems.iter().map(|e| self.expr(e)).collect::<Option<_>>()?)),
+            Expr::Array(a) => Some(Value::Vector(a.elems.iter().map(|e| self.scalar(e)).collect::<Option<_>>()?)),
+            Expr::MethodCall(m) => methods::method(self, m),
+            Expr::Call(c) => methods::call(self, c),
+            Expr::Cast(c) => self.error(c, "numbers are real here; leave the cast away"),
+            Expr::If(_) | Expr::Match(_) => self.error(
+                e,
+                "branches are not supported in samplers and maps yet: write one sampler a branch and choose between them in a `#[strategy]`",
+            ),
+            Expr::Closure(_) | Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => {
+                self.error(e, "loops and closures cannot be inverted: write the formula out")
+            }
+            Expr::Macro(m) => self.error(m, "macros cannot be read by the compiler of samplers: write the formula out"),
+            other => self.error(other, "this expression has no meaning in a sampler or map; use numbers, vectors, `let` and the functions of the language"),
+        }
+    }
+
+    fn literal(&mut self, lit: &Lit) -> Option<Value> {
+        let text = match lit {
+            Lit::Float(f) => f.base10_digits().to_owned(),
+            Lit::Int(i) => i.base10_digits().to_owned(),
+            other => return self.error(other, "only numbers can be used here"),
+        };
+        let id = match Q::decimal(&text) {
+            Some(q) => self.graph.number(q),
+            None => match text.parse::<f64>() {
+                Ok(x) if x.is_finite() => self.graph.float(x),
+                _ => return self.error(lit, "this number is out of range"),
+            },
+        };
+        Some(Value::Scalar(id))
+    }
+
+    fn path(&mut self, p: &syn::ExprPath) -> Option<Value> {
+        let name = p.path.segments.last().map(|s| s.ident.to_string())?;
+        if p.path.segments.len() == 1
+            && let Some(v) = self.names.get(&name)
+        {
+            return Some(v.clone());
+        }
+        let g = &mut self.graph;
+        let pi = g.pi();
+        let scaled = |g: &mut Graph, q: Q, t: Id| g.sum(Q::ZERO, &[(q, t)]);
+        let ratio = |n: i64, d: i64| Q::new(i128::from(n), i128::from(d)).unwrap_or(Q::ONE);
+        let id = match name.as_str() {
+            "PI" => pi,
+            "TAU" => scaled(g, Q::int(2), pi),
+            "FRAC_PI_2" => scaled(g, ratio(1, 2), pi),
+            "FRAC_PI_3" => scaled(g, ratio(1, 3), pi),
+            "FRAC_PI_4" => scaled(g, ratio(1, 4), pi),
+            "FRAC_PI_6" => scaled(g, ratio(1, 6), pi),
+            "FRAC_PI_8" => scaled(g, ratio(1, 8), pi),
+            "FRAC_1_PI" => g.powi(pi, -1),
+            "FRAC_2_PI" => {
+                let r = g.powi(pi, -1);
+                scaled(g, Q::int(2), r)
+            }
+            "SQRT_2" => {
+                let two = g.int(2);
+                g.sqrt(two)
+            }
+            "FRAC_1_SQRT_2" => {
+                let half = g.number(Q::HALF);
+                g.sqrt(half)
+            }
+            "E" => {
+                let one = g.int(1);
+                g.call(crate::expr::Fun::Exp, &[one])
+            }
+            "LN_2" => {
+                let two = g.int(2);
+                g.call(crate::expr::Fun::Ln, &[two])
+            }
+            _ => {
+                return self.error(
+                    p,
+                    format!("`{name}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
+                );
+            }
+        };
+        Some(Value::Scalar(id))
+    }
+
+    fn unary(&mut self, u: &syn::ExprUnary) -> Option<Value> {
+        match u.op {
+            UnOp::Neg(_) => {
+                let minus = self.graph.int(-1);
+                let v = self.expr(&u.expr)?;
+                methods::scale(self, &u.expr, v, minus)
+            }
+            UnOp::Deref(_) => self.expr(&u.expr),
+            _ => self.error(u, "`!` has no meaning for numbers"),
+        }
+    }
+
+    fn binary(&mut self, b: &syn::ExprBinary) -> Option<Value> {
+        let left = self.expr(&b.left);
+        let right = self.expr(&b.right);
+        let (left, right) = (left?, right?);
+        methods::binary(self, b, left, right)
+    }
+
+    fn index(&mut self, i: &syn::ExprIndex) -> Option<Value> {
+        let base = self.expr(&i.expr)?;
+        let Expr::Lit(syn::ExprLit { lit: Lit::Int(n), .. }) = &*i.index else {
+            return self.error(&i.index, "an index is a number that is known while compiling: `u[0]`");
+        };
+        let n: usize = n.base10_parse().ok()?;
+        let list = match &base {
+            Value::Uniforms(v) | Value::Vector(v) => v,
+            other => {
+                let what = other.describe();
+                return self.error(i, format!("{what} cannot be indexed"));
+            }
+        };
+        match list.get(n) {
+            Some(id) => Some(Value::Scalar(*id)),
+            None => {
+                let len = list.len();
+                self.error(&i.index, format!("there are only {len} of these, counted from 0"))
+            }
+        }
+    }
+
+    fn field(&mut self, f: &syn::ExprField) -> Option<Value> {
+        let base = self.expr(&f.base)?;
+        let name = match &f.member {
+            Member::Named(n) => n.to_string(),
+            Member::Unnamed(n) => n.index.to_string(),
+        };
+        let place = ["x", "y", "z"].iter().position(|c| *c == name);
+        match (&base, place) {
+            (Value::Matrix(columns), Some(i)) => Some(Value::Vector(columns[i].clone())),
+            (Value::Tuple(v), None) if name.parse::<usize>().is_ok_and(|i| i < v.len()) => {
+                Some(v[name.parse::<usize>().ok()?].clone())
+            }
+            (base, Some(i)) if base.vector().is_some_and(|v| i < v.len()) => {
+                base.vector().map(|v| Value::Scalar(v[i]))
+            }
+            (base, _) => {
+                let what = base.describe();
+                self.error(&f.member, format!("{what} has no `{name}`"))
+            }
+        }
+    }
+
+    /// A value computed once by plain Rust code from the parameters.
+    pub fn precomputed(&mut self, code: &Expr) -> Option<Value> {
+        let name = format!("constant{}", self.constants.len());
+        self.constants.push((name.clone(), code.to_token_stream()));
+        Some(Value::Scalar(self.scalar_param(&name, Interval::ALL)))
+    }
+
+    /// The coordinates of the result, for the space that the signature promises.
+    pub fn outputs(&mut self, value: &Value, space: &Space, block: &Block) -> Option<(Vec<Id>, Option<TokenStream>)> {
+        let at = block.stmts.last().map(ToTokens::to_token_stream).unwrap_or_default();
+        let found = match (space, value) {
+            (Space::Line, Value::Scalar(id)) => Some((vec![*id], None)),
+            (Space::Plane, Value::Vector(v)) if v.len() == 2 => Some((v.clone(), None)),
+            (Space::Volume, Value::Vector(v)) if v.len() == 3 => Some((v.clone(), None)),
+            (s, Value::Point(t, v, identity)) if s == t => Some((v.clone(), identity.clone())),
+            (Space::Embedded { n, .. }, Value::Point(Space::Embedded { .. }, v, _)) if v.len() == *n => {
+                Some((v.clone(), None))
+            }
+            _ => None,
+        };
+        let Some((outputs, identity)) = found else {
+            let what = value.describe();
+            return self.error(at, format!("the result is {what}, and the signature promises a different space; construct it, as in `Direction::new(x, y, z)`"));
+        };
+        if outputs.iter().all(|o| !self.graph.has(*o, UNKNOWNS)) {
+            return self.error(at, "the result does not depend on the first parameter at all: it is a constant (an atom), and has no density");
+        }
+        Some((outputs, identity))
+    }
+}
+
+/// Whether a call is to a function of this name.
+pub fn is_call(call: &syn::ExprCall, name: &str) -> bool {
+    matches!(&*call.func, Expr::Path(p) if p.path.segments.last().is_some_and(|s| s.ident == name))
+}

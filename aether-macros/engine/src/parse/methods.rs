@@ -1,0 +1,296 @@
+//! Operators, methods and constructors of the language.
+
+use quote::ToTokens;
+use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
+
+use super::body::Body;
+use super::{Space, Value};
+use crate::expr::{Fun, Id};
+use crate::rational::Q;
+use crate::solve::linear::{cross, dot};
+
+/// value · k.
+pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
+    let g = &mut body.graph;
+    match value {
+        Value::Scalar(x) => Some(Value::Scalar(g.mul(x, k))),
+        Value::Vector(v) | Value::Point(_, v, _) => Some(Value::Vector(v.iter().map(|&c| g.mul(c, k)).collect())),
+        Value::Matrix(m) => Some(Value::Matrix(m.map(|c| c.iter().map(|&x| g.mul(x, k)).collect()))),
+        other => {
+            let what = other.describe();
+            body.error(at, format!("{what} cannot be multiplied"))
+        }
+    }
+}
+
+/// left op right.
+pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Option<Value> {
+    use Value::{Matrix, Scalar};
+    let g = &mut body.graph;
+    match (&b.op, &left, &right) {
+        (BinOp::Add(_), Scalar(x), Scalar(y)) => Some(Scalar(g.add(*x, *y))),
+        (BinOp::Sub(_), Scalar(x), Scalar(y)) => Some(Scalar(g.sub(*x, *y))),
+        (BinOp::Mul(_), Scalar(x), Scalar(y)) => Some(Scalar(g.mul(*x, *y))),
+        (BinOp::Div(_), Scalar(x), Scalar(y)) => Some(Scalar(g.div(*x, *y))),
+        (BinOp::Add(_) | BinOp::Sub(_), x, y) if same_length(x, y) => {
+            let sign = if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 };
+            let (x, y) = (x.vector()?.to_vec(), y.vector()?.to_vec());
+            Some(Value::Vector(
+                x.iter().zip(&y).map(|(&x, &y)| g.sum(Q::ZERO, &[(Q::ONE, x), (Q::int(sign), y)])).collect(),
+            ))
+        }
+        (BinOp::Mul(_), Matrix(m), v) if v.vector().is_some_and(|v| v.len() == 3) => {
+            let v = v.vector()?.to_vec();
+            let rows = (0..3).map(|i| dot(g, &[m[0][i], m[1][i], m[2][i]], &v)).collect();
+            Some(Value::Vector(rows))
+        }
+        (BinOp::Mul(_), Scalar(k), _) => scale(body, &b.right, right.clone(), *k),
+        (BinOp::Mul(_), _, Scalar(k)) => scale(body, &b.left, left.clone(), *k),
+        (BinOp::Div(_), _, Scalar(k)) => {
+            let r = g.powi(*k, -1);
+            scale(body, &b.left, left.clone(), r)
+        }
+        (BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::Div(_), ..) => {
+            let (x, y) = (left.describe(), right.describe());
+            body.error(b, format!("{x} and {y} do not go together here"))
+        }
+        _ => body.error(b.op, "of the operators only + - * / are functions of numbers that can be inverted"),
+    }
+}
+
+fn same_length(a: &Value, b: &Value) -> bool {
+    matches!((a.vector(), b.vector()), (Some(a), Some(b)) if a.len() == b.len())
+}
+
+/// receiver.method(args).
+pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
+    let name = m.method.to_string();
+    let receiver = body.expr(&m.receiver)?;
+    let args: Vec<&Expr> = m.args.iter().collect();
+    match (&receiver, &args[..]) {
+        (Value::Scalar(x), []) => scalar_function(body, m, &name, *x),
+        (Value::Scalar(x), [a]) => scalar_with_argument(body, m, &name, *x, a),
+        (Value::Matrix(_), _) => matrix_method(body, m, &name, receiver, &args),
+        (v, _) if v.vector().is_some() => {
+            let v = v.vector()?.to_vec();
+            vector_method(body, m, &name, v, &args)
+        }
+        (other, _) => {
+            let what = other.describe();
+            body.error(&m.method, format!("{what} has no method `{name}` in the language"))
+        }
+    }
+}
+
+fn function_named(name: &str) -> Option<Fun> {
+    Some(match name {
+        "exp" => Fun::Exp,
+        "exp_m1" => Fun::ExpM1,
+        "ln" => Fun::Ln,
+        "ln_1p" => Fun::Ln1p,
+        "sin" => Fun::Sin,
+        "cos" => Fun::Cos,
+        "tan" => Fun::Tan,
+        "asin" => Fun::Asin,
+        "acos" => Fun::Acos,
+        "atan" => Fun::Atan,
+        "sinh" => Fun::Sinh,
+        "cosh" => Fun::Cosh,
+        "tanh" => Fun::Tanh,
+        "asinh" => Fun::Asinh,
+        "acosh" => Fun::Acosh,
+        "atanh" => Fun::Atanh,
+        "abs" => Fun::Abs,
+        _ => return None,
+    })
+}
+
+fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Option<Value> {
+    let g = &mut body.graph;
+    if let Some(f) = function_named(name) {
+        return Some(Value::Scalar(g.call(f, &[x])));
+    }
+    let id = match name {
+        "sqrt" => g.sqrt(x),
+        "cbrt" => {
+            let third = g.number(Q::new(1, 3)?);
+            g.pow(x, third)
+        }
+        "recip" => g.powi(x, -1),
+        "exp2" => {
+            let two = g.int(2);
+            g.pow(two, x)
+        }
+        "sin_cos" => {
+            let (s, c) = (g.call(Fun::Sin, &[x]), g.call(Fun::Cos, &[x]));
+            return Some(Value::Tuple(vec![Value::Scalar(s), Value::Scalar(c)]));
+        }
+        "clone" | "to_owned" => x,
+        "floor" | "fract" | "ceil" | "round" | "trunc" | "signum" => {
+            return body.error(&m.method, format!("`{name}` jumps and has no single inverse: split the map at its jumps and choose between the parts in a `#[strategy]`"));
+        }
+        _ => {
+            return body.error(
+                &m.method,
+                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp_m1 ln ln_1p sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh abs powi powf hypot sin_cos"),
+            );
+        }
+    };
+    Some(Value::Scalar(id))
+}
+
+fn scalar_with_argument(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id, a: &Expr) -> Option<Value> {
+    match name {
+        "powi" => {
+            let n = body.scalar(a)?;
+            if body.graph.as_number(n).is_none_or(|q| !q.is_int()) {
+                return body.error(a, "the exponent of `powi` is an integer that is known while compiling; use `powf` for a parameter");
+            }
+            Some(Value::Scalar(body.graph.pow(x, n)))
+        }
+        "powf" => {
+            let e = body.scalar(a)?;
+            Some(Value::Scalar(body.graph.pow(x, e)))
+        }
+        "hypot" => {
+            let y = body.scalar(a)?;
+            let g = &mut body.graph;
+            let s = dot(g, &[x, y], &[x, y]);
+            Some(Value::Scalar(g.sqrt(s)))
+        }
+        "atan2" => {
+            let y = body.scalar(a)?;
+            Some(Value::Scalar(body.graph.call(Fun::Atan2, &[x, y])))
+        }
+        "mul" | "max" | "min" | "clamp" | "rem_euclid" | "copysign" => body.error(
+            &m.method,
+            format!("`{name}` has a kink or a jump: split the map there and choose between the parts in a `#[strategy]`"),
+        ),
+        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, hypot and atan2")),
+    }
+}
+
+fn vector_method(body: &mut Body, m: &ExprMethodCall, name: &str, v: Vec<Id>, args: &[&Expr]) -> Option<Value> {
+    match (name, args) {
+        ("length" | "length_squared" | "normalize", []) => {
+            let g = &mut body.graph;
+            let squared = dot(g, &v, &v);
+            match name {
+                "length_squared" => Some(Value::Scalar(squared)),
+                "length" => Some(Value::Scalar(g.sqrt(squared))),
+                _ => {
+                    let e = g.number(Q::HALF.neg());
+                    let r = g.pow(squared, e);
+                    Some(Value::Vector(v.iter().map(|&c| g.mul(c, r)).collect()))
+                }
+            }
+        }
+        ("dot" | "cross", [a]) => {
+            let other = body.expr(a)?;
+            let Some(w) = other.vector().filter(|w| w.len() == v.len()).map(<[Id]>::to_vec) else {
+                return body.error(a, format!("`{name}` needs another vector with as many coordinates"));
+            };
+            let g = &mut body.graph;
+            if name == "dot" {
+                return Some(Value::Scalar(dot(g, &v, &w)));
+            }
+            if v.len() != 3 {
+                return body.error(m, "the vector product is one of vectors of space");
+            }
+            Some(Value::Vector(cross(&mut body.graph, &v, &w)))
+        }
+        ("vec" | "clone", []) => Some(Value::Vector(v)),
+        _ => body.error(&m.method, format!("`{name}` is not a method of vectors in the language: there are dot, cross, length, length_squared and normalize")),
+    }
+}
+
+fn matrix_method(body: &mut Body, m: &ExprMethodCall, name: &str, matrix: Value, args: &[&Expr]) -> Option<Value> {
+    let Value::Matrix(columns) = matrix else { return None };
+    let transposed: [Vec<Id>; 3] = [0, 1, 2].map(|i| columns.iter().map(|c| c[i]).collect());
+    match (name, args) {
+        ("transpose", []) => Some(Value::Matrix(transposed)),
+        ("to_world" | "to_local", [a]) => {
+            let v = body.expr(a)?;
+            let Some(v) = v.vector().filter(|v| v.len() == 3).map(<[Id]>::to_vec) else {
+                return body.error(a, format!("`{name}` needs a vector of space"));
+            };
+            let rows = if name == "to_world" { transposed } else { columns };
+            Some(Value::Vector(rows.iter().map(|r| dot(&mut body.graph, r, &v)).collect()))
+        }
+        _ => body.error(&m.method, format!("`{name}` is not a method of matrices in the language: there are transpose, and to_world and to_local of frames")),
+    }
+}
+
+/// Type::constructor(args) and functions.
+pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
+    let Expr::Path(p) = &*c.func else {
+        return body.error(c, "only named functions can be called here");
+    };
+    let names: Vec<String> = p.path.segments.iter().map(|s| s.ident.to_string()).collect();
+    let name = names.last().cloned().unwrap_or_default();
+    let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
+    let args: Vec<&Expr> = c.args.iter().collect();
+    match (owner.as_str(), name.as_str(), &args[..]) {
+        (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
+        ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
+        ("Vec3", "new", [x, y, z]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?])),
+        ("Vec2" | "Vec3", "splat", [x]) => {
+            let x = body.scalar(x)?;
+            Some(Value::Vector(vec![x; if owner == "Vec2" { 2 } else { 3 }]))
+        }
+        ("Direction" | "Surface" | "Curve", "new", [x, y, z]) => {
+            let v = vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?];
+            Some(Value::Point(space_named(&owner)?, v, None))
+        }
+        ("Direction" | "Surface" | "Curve", "from_vec", [v]) => {
+            let v = vector(body, v)?;
+            Some(Value::Point(space_named(&owner)?, v, None))
+        }
+        ("", "Embedded", [a]) => {
+            let v = vector(body, a)?;
+            let n = v.len();
+            Some(Value::Point(Space::Embedded { k: 0, n }, v, None))
+        }
+        ("SurfacePoint", "new", [v, id]) => {
+            let v = vector(body, v)?;
+            match body.expr(id)? {
+                Value::Opaque(tokens) => Some(Value::Point(Space::SurfacePoint, v, Some(tokens))),
+                _ => body.error(id, "the identity of a surface is a parameter of type `SurfaceId`"),
+            }
+        }
+        ("Mat3", "from_cols", [x, y, z]) => Some(Value::Matrix([vector(body, x)?, vector(body, y)?, vector(body, z)?])),
+        ("f64", f, [x]) if function_named(f).is_some() => {
+            let x = body.scalar(x)?;
+            let f = function_named(f)?;
+            Some(Value::Scalar(body.graph.call(f, &[x])))
+        }
+        ("f64", "sqrt", [x]) => {
+            let x = body.scalar(x)?;
+            Some(Value::Scalar(body.graph.sqrt(x)))
+        }
+        _ => body.error(
+            &c.func,
+            format!("`{}` is not known to the language. If it does not depend on the first parameter, wrap it: `precomputed({})`; if it is a sampler or a map, compose: `other(…).sample(u)`, `map(…).apply(&x)`", names.join("::"), c.to_token_stream()),
+        ),
+    }
+}
+
+fn space_named(name: &str) -> Option<Space> {
+    Some(match name {
+        "Direction" => Space::Direction,
+        "Surface" => Space::Embedded { k: 2, n: 3 },
+        "Curve" => Space::Embedded { k: 1, n: 3 },
+        _ => return None,
+    })
+}
+
+fn vector(body: &mut Body, e: &Expr) -> Option<Vec<Id>> {
+    let value = body.expr(e)?;
+    match value.vector() {
+        Some(v) => Some(v.to_vec()),
+        None => {
+            let what = value.describe();
+            body.error(e, format!("a vector is needed here, and this is {what}"))
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! The signature of a sampler or a map: names, parameters, spaces.
+
+use proc_macro2::Ident;
+use syn::{FnArg, GenericArgument, ItemFn, Pat, PathArguments, ReturnType, Type};
+
+use crate::diagnostics::Diagnostics;
+use crate::points::Kind;
+
+/// The space of a result or of a map's argument.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// The real line.
+    Line,
+    /// The plane.
+    Plane,
+    /// Space, with volume.
+    Volume,
+    /// The unit sphere.
+    Direction,
+    /// A surface that the type identifies.
+    SurfacePoint,
+    /// A manifold of dimension `k` in R^`n` known only through the map.
+    Embedded {
+        /// Dimension of the manifold.
+        k: usize,
+        /// Dimension of the space around it.
+        n: usize,
+    },
+}
+
+impl Space {
+    /// Dimension and number of coordinates.
+    pub fn dimensions(&self) -> (usize, usize) {
+        match self {
+            Space::Line => (1, 1),
+            Space::Plane => (2, 2),
+            Space::Volume => (3, 3),
+            Space::Direction | Space::SurfacePoint => (2, 3),
+            Space::Embedded { k, n } => (*k, *n),
+        }
+    }
+
+    /// Coordinates and kind of a map's argument.
+    pub fn argument(&self) -> (usize, Kind) {
+        match self {
+            Space::Line => (1, Kind::Vector(1)),
+            Space::Plane => (2, Kind::Vector(2)),
+            Space::Direction => (3, Kind::Direction),
+            _ => (3, Kind::Vector(3)),
+        }
+    }
+
+    /// The name of its measure.
+    pub fn measure(&self) -> &'static str {
+        match self {
+            Space::Line | Space::Embedded { k: 1, .. } => "length",
+            Space::Plane | Space::SurfacePoint | Space::Embedded { k: 2, .. } => "area",
+            Space::Volume => "volume",
+            Space::Direction => "solid angle",
+            Space::Embedded { .. } => "Hausdorff measure",
+        }
+    }
+}
+
+/// What a parameter is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ParamKind {
+    /// `f64`
+    Scalar,
+    /// `Vec2`
+    Vec2,
+    /// `Vec3`
+    Vec3,
+    /// `Mat3`
+    Mat3,
+    /// `Frame`
+    Frame,
+    /// `Direction`
+    Direction,
+    /// `SurfaceId`
+    Identity,
+}
+
+/// A parameter.
+#[derive(Clone, Debug)]
+pub struct Param {
+    /// Its name.
+    pub name: Ident,
+    /// Its type.
+    pub kind: ParamKind,
+}
+
+/// Where a point comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A sampler: this many uniforms.
+    Uniforms {
+        /// Name of the array.
+        name: String,
+        /// Its length.
+        count: usize,
+    },
+    /// A map: a point of a space.
+    Point {
+        /// Name of the argument.
+        name: String,
+        /// Its space.
+        space: Space,
+    },
+}
+
+/// The signature.
+#[derive(Clone, Debug)]
+pub struct Signature {
+    /// The function's name.
+    pub name: Ident,
+    /// Uniforms or argument.
+    pub source: Source,
+    /// Everything else.
+    pub params: Vec<Param>,
+    /// Where the result lives.
+    pub space: Space,
+}
+
+/// Reads the signature; `sampler` tells which attribute it is. `None` if there were errors.
+pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Option<Signature> {
+    let before = errors.len();
+    let sig = &item.sig;
+    if !sig.generics.params.is_empty() {
+        errors.error(&sig.generics, "a sampler or map is generic over its number type by itself: write `f64` and leave the generics away");
+    }
+    for (present, token, word) in [
+        (sig.asyncness.is_some(), quote::quote!(#sig), "async"),
+        (matches!(sig.safety, syn::Safety::Unsafe(_)), quote::quote!(#sig), "unsafe"),
+    ] {
+        if present {
+            errors.error(token, format!("a sampler or map is a plain function of numbers and cannot be `{word}`"));
+        }
+    }
+    let mut inputs = sig.inputs.iter();
+    let source = first_input(item, inputs.next(), sampler, errors);
+    let mut params = Vec::new();
+    for input in inputs {
+        params.extend(param(input, errors));
+    }
+    let space = match &sig.output {
+        ReturnType::Type(_, ty) => space(ty, errors),
+        ReturnType::Default => {
+            errors.error(&sig.ident, "the return type names the space of the result: add one of `-> f64`, `-> Vec2`, `-> Vec3`, `-> Direction`, `-> Surface`, `-> Curve`, `-> SurfacePoint`");
+            None
+        }
+    };
+    let (Some(source), Some(space)) = (source, space) else { return None };
+    if let Source::Uniforms { count, .. } = &source {
+        check_dimensions(item, *count, &space, errors);
+    }
+    (errors.len() == before).then(|| Signature { name: sig.ident.clone(), source, params, space })
+}
+
+fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Diagnostics) {
+    let (k, n) = space.dimensions();
+    let output = &item.sig.output;
+    if count > k {
+        errors.error(output, format!("{count} uniforms for a space of dimension {k}: with more uniforms than dimensions the density is a marginal, an integral over the surplus ones, and has no formula. Use {k}, or return a space of higher dimension"));
+    }
+    if count < k {
+        let way = if n == 3 && count == 2 {
+            "return `Surface` (a surface in space) or `Direction`"
+        } else if count == 1 {
+            "return `Curve` (a curve in space)"
+        } else {
+            "return a space of lower dimension"
+        };
+        errors.error(output, format!("{count} uniforms cannot fill a space of dimension {k}: the rank of the Jacobian is below it and there is no density. To sample a lower-dimensional set, {way}"));
+    }
+}
+
+fn first_input(item: &ItemFn, input: Option<&FnArg>, sampler: bool, errors: &mut Diagnostics) -> Option<Source> {
+    let expected = if sampler {
+        "the first parameter of a sampler is its uniforms: `u: [Uniform; 2]`"
+    } else {
+        "the first parameter of a map is the point that it is applied to, such as `w: Direction`"
+    };
+    let Some(FnArg::Typed(p)) = input else {
+        match input {
+            Some(i) => errors.error(i, expected),
+            None => errors.error(&item.sig.ident, expected),
+        }
+        return None;
+    };
+    let Pat::Ident(name) = &*p.pat else {
+        errors.error(&p.pat, "give this parameter a plain name");
+        return None;
+    };
+    let name = name.ident.to_string();
+    if !sampler {
+        let space = space(&p.ty, errors)?;
+        if matches!(space, Space::SurfacePoint | Space::Embedded { .. }) {
+            errors.error(&p.ty, "maps of surface points are not supported: a surface's tangent plane is not known from the point alone. Map from a `Direction`, `f64`, `Vec2` or `Vec3`");
+            return None;
+        }
+        return Some(Source::Point { name, space });
+    }
+    match uniforms(&p.ty) {
+        Some(count @ 1..=8) => Some(Source::Uniforms { name, count }),
+        Some(_) => {
+            errors.error(&p.ty, "a sampler takes one to eight uniforms");
+            None
+        }
+        None => {
+            errors.error(&p.ty, expected);
+            None
+        }
+    }
+}
+
+fn uniforms(ty: &Type) -> Option<usize> {
+    match ty {
+        Type::Array(a) if last_segment(&a.elem).is_some_and(|s| s == "Uniform") => match &a.len {
+            syn::Expr::Lit(l) => match &l.lit {
+                syn::Lit::Int(i) => i.base10_parse().ok(),
+                _ => None,
+            },
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
+    let FnArg::Typed(p) = input else {
+        errors.error(input, "a sampler or map is a free function: it has no `self`");
+        return None;
+    };
+    let Pat::Ident(name) = &*p.pat else {
+        errors.error(&p.pat, "give this parameter a plain name");
+        return None;
+    };
+    let kind = match last_segment(&p.ty).as_deref() {
+        Some("f64") => ParamKind::Scalar,
+        Some("Vec2") => ParamKind::Vec2,
+        Some("Vec3") => ParamKind::Vec3,
+        Some("Mat3") => ParamKind::Mat3,
+        Some("Frame") => ParamKind::Frame,
+        Some("Direction") => ParamKind::Direction,
+        Some("SurfaceId") => ParamKind::Identity,
+        Some("f32") => {
+            errors.error(&p.ty, "write `f64`: the emitted code is generic and runs in `f32` as well");
+            return None;
+        }
+        Some("Uniform") => {
+            errors.error(&p.ty, "uniforms come first and in one array: `u: [Uniform; 2]`");
+            return None;
+        }
+        _ => {
+            errors.error(&p.ty, "a parameter is one of `f64`, `Vec2`, `Vec3`, `Mat3`, `Frame`, `Direction`, `SurfaceId`; compute what you need from other types before, and pass the numbers");
+            return None;
+        }
+    };
+    Some(Param { name: name.ident.clone(), kind })
+}
+
+fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
+    let found = match last_segment(ty).as_deref() {
+        Some("f64") => Some(Space::Line),
+        Some("Vec2") => Some(Space::Plane),
+        Some("Vec3") => Some(Space::Volume),
+        Some("Direction") => Some(Space::Direction),
+        Some("SurfacePoint") => Some(Space::SurfacePoint),
+        Some("Surface") => Some(Space::Embedded { k: 2, n: 3 }),
+        Some("Curve") => Some(Space::Embedded { k: 1, n: 3 }),
+        Some("Embedded") => embedded(ty),
+        _ => None,
+    };
+    if found.is_none() {
+        errors.error(ty, "this type names no space: use one of `f64` (length), `Vec2` (area), `Vec3` (volume), `Direction` (solid angle), `Surface` and `SurfacePoint` (area), `Curve` (length), `Embedded<K, N>`");
+    }
+    found
+}
+
+fn embedded(ty: &Type) -> Option<Space> {
+    let Type::Path(p) = ty else { return None };
+    let PathArguments::AngleBracketed(a) = &p.path.segments.last()?.arguments else { return None };
+    let numbers: Vec<usize> = a
+        .args
+        .iter()
+        .filter_map(|a| match a {
+            GenericArgument::Const(syn::Expr::Lit(l)) => match &l.lit {
+                syn::Lit::Int(i) => i.base10_parse().ok(),
+                _ => None,
+            },
+            _ => None,
+        })
+        .collect();
+    match numbers[..] {
+        [k, n] if k >= 1 && k <= n && n <= 8 => Some(Space::Embedded { k, n }),
+        _ => None,
+    }
+}
+
+fn last_segment(ty: &Type) -> Option<String> {
+    match ty {
+        Type::Path(p) => p.path.segments.last().map(|s| s.ident.to_string()),
+        Type::Paren(p) => last_segment(&p.elem),
+        Type::Group(p) => last_segment(&p.elem),
+        _ => None,
+    }
+}

@@ -1,0 +1,171 @@
+//! Points to try an item on while it is compiled: uniforms with their extremes, parameters over
+//! their domains.
+
+use crate::expr::Leaf;
+use crate::interval::Interval;
+
+/// What a group of scalar parameters is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// A number with the interval that it is declared (or taken) to lie in.
+    Scalar(Option<Interval>),
+    /// A vector with this many coordinates.
+    Vector(usize),
+    /// A unit vector.
+    Direction,
+    /// A matrix, nine numbers by columns.
+    Matrix,
+    /// An orthonormal matrix, nine numbers by columns.
+    Frame,
+}
+
+impl Kind {
+    /// How many scalars it takes.
+    pub fn scalars(&self) -> usize {
+        match self {
+            Kind::Scalar(_) => 1,
+            Kind::Vector(n) => *n,
+            Kind::Direction => 3,
+            Kind::Matrix | Kind::Frame => 9,
+        }
+    }
+}
+
+/// One point: values of the unknowns and of the scalar parameters.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// Unknowns in order.
+    pub unknowns: Vec<f64>,
+    /// Scalar parameters in order.
+    pub params: Vec<f64>,
+    /// Whether no unknown is close to an end of its range.
+    pub interior: bool,
+}
+
+impl Point {
+    /// The value of an input; outputs come from `outs`.
+    pub fn input(&self, leaf: Leaf, outs: &[f64]) -> f64 {
+        match leaf {
+            Leaf::Unknown(i) => self.unknowns.get(i as usize).copied().unwrap_or(f64::NAN),
+            Leaf::Param(i) => self.params.get(i as usize).copied().unwrap_or(f64::NAN),
+            Leaf::Out(i) => outs.get(i as usize).copied().unwrap_or(f64::NAN),
+        }
+    }
+}
+
+/// A small deterministic generator (splitmix64), the same on every machine.
+pub struct Rng(u64);
+
+impl Rng {
+    /// A generator with a seed.
+    pub fn new(seed: u64) -> Rng {
+        Rng(seed)
+    }
+    /// A number in (0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + 0.5 / (1u64 << 53) as f64
+    }
+}
+
+/// Uniforms that are tried in every position: both ends approached, and the middle.
+const EXTREMES: [f64; 6] =
+    [8.673617379884035e-19, 1e-9, 0.5, 0.999, 1.0 - 1e-9, 1.0 - 1.1102230246251565e-16];
+
+/// The points for an item with `unknowns` uniforms and these parameters.
+pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
+    let mut rng = Rng::new(0xae7e);
+    let mut points = Vec::new();
+    for round in 0..8 {
+        let params = parameters(&mut rng, kinds, round);
+        for _ in 0..4 {
+            let unknowns = (0..unknowns).map(|_| 0.02 + 0.96 * rng.uniform()).collect();
+            points.push(Point { unknowns, params: params.clone(), interior: true });
+        }
+        for (k, e) in EXTREMES.iter().enumerate() {
+            let position = k % unknowns.max(1);
+            let interior = *e == 0.5;
+            let mut u: Vec<f64> = (0..unknowns).map(|_| 0.05 + 0.9 * rng.uniform()).collect();
+            if let Some(x) = u.get_mut(position) {
+                *x = *e;
+            }
+            if round % 2 == 1 && unknowns > 1 {
+                u.rotate_right(1);
+            }
+            points.push(Point { unknowns: u, params: params.clone(), interior });
+        }
+    }
+    points
+}
+
+/// The points for a map whose argument has these coordinates.
+pub fn map_points(argument: &Kind, kinds: &[Kind]) -> Vec<Point> {
+    let mut rng = Rng::new(0x3a9);
+    (0..40)
+        .map(|round| {
+            let params = parameters(&mut rng, kinds, round % 8);
+            let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
+            Point { unknowns, params, interior: true }
+        })
+        .collect()
+}
+
+fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<f64> {
+    let mut out = Vec::new();
+    for kind in kinds {
+        match kind {
+            Kind::Scalar(domain) => out.push(scalar(rng, *domain, round)),
+            Kind::Vector(n) => out.extend((0..*n).map(|_| 4.0 * rng.uniform() - 2.0)),
+            Kind::Matrix => {
+                // Well conditioned: a random matrix with a strong diagonal.
+                out.extend((0..9).map(|i| rng.uniform() - 0.5 + if i % 4 == 0 { 1.6 } else { 0.0 }));
+            }
+            Kind::Direction => out.extend(unit(rng)),
+            Kind::Frame => {
+                let z = unit(rng);
+                let a = unit(rng);
+                let x = normalise(cross(a, z));
+                let y = cross(z, x);
+                out.extend(x.into_iter().chain(y).chain(z));
+            }
+        }
+    }
+    out
+}
+
+fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
+    let Some(d) = domain else { return 0.3 + 3.0 * rng.uniform() };
+    let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };
+    let hi = if d.hi.is_finite() { d.hi } else { 10.0f64.max(2.0 * lo) };
+    match round {
+        0 if d.lo.is_finite() && d.lo != 0.0 => lo,
+        1 if d.hi.is_finite() && d.hi != 0.0 => hi,
+        _ if lo > 0.0 => lo * libm::pow(hi / lo, rng.uniform()),
+        _ => lo + (hi - lo) * rng.uniform(),
+    }
+}
+
+fn unit(rng: &mut Rng) -> [f64; 3] {
+    loop {
+        let v: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.uniform() - 1.0);
+        let n = v.iter().map(|x| x * x).sum::<f64>();
+        if n > 0.05 && n < 1.0 {
+            return normalise(v);
+        }
+    }
+}
+
+fn normalise(v: [f64; 3]) -> [f64; 3] {
+    let n = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / n)
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j] * b[k] - a[k] * b[j]
+    })
+}

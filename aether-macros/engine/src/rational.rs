@@ -1,0 +1,170 @@
+//! Exact rational numbers with checked arithmetic.
+
+use std::cmp::Ordering;
+use std::fmt;
+
+/// A rational number in lowest terms with a positive denominator.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Q {
+    num: i128,
+    den: i128,
+}
+
+/// Numerators and denominators stay below this, so that products never overflow an `i128`.
+const LIMIT: i128 = 1 << 62;
+
+fn gcd(a: i128, b: i128) -> i128 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+impl Q {
+    /// Zero.
+    pub const ZERO: Q = Q { num: 0, den: 1 };
+    /// One.
+    pub const ONE: Q = Q { num: 1, den: 1 };
+    /// One half.
+    pub const HALF: Q = Q { num: 1, den: 2 };
+
+    /// The integer `n`.
+    pub const fn int(n: i64) -> Q {
+        Q { num: n as i128, den: 1 }
+    }
+
+    /// `num / den`, or `None` if `den` is zero or the result does not fit.
+    pub fn new(num: i128, den: i128) -> Option<Q> {
+        if den == 0 {
+            return None;
+        }
+        let g = gcd(num, den).max(1);
+        let sign = if den < 0 { -1 } else { 1 };
+        let (num, den) = (sign * num / g, sign * den / g);
+        (num.abs() < LIMIT && den < LIMIT).then_some(Q { num, den })
+    }
+
+    /// The exact value of a decimal literal such as `0.25` or `1e-3`, if it fits.
+    pub fn decimal(text: &str) -> Option<Q> {
+        let text = text.replace('_', "");
+        let (mantissa, exponent) = match text.split_once(['e', 'E']) {
+            Some((m, e)) => (m.to_owned(), e.parse::<i32>().ok()?),
+            None => (text, 0),
+        };
+        let (whole, fraction) = mantissa.split_once('.').unwrap_or((&mantissa, ""));
+        let digits: i128 = format!("{whole}{fraction}").parse().ok()?;
+        let exponent = exponent - i32::try_from(fraction.len()).ok()?;
+        let power = 10i128.checked_pow(exponent.unsigned_abs().min(40))?;
+        if exponent >= 0 {
+            Q::new(digits.checked_mul(power)?, 1)
+        } else {
+            Q::new(digits, power)
+        }
+    }
+
+    /// Numerator.
+    pub fn num(self) -> i128 {
+        self.num
+    }
+    /// Denominator, positive.
+    pub fn den(self) -> i128 {
+        self.den
+    }
+    /// Sum, if it fits.
+    pub fn add(self, o: Q) -> Option<Q> {
+        Q::new(self.num * o.den + o.num * self.den, self.den * o.den)
+    }
+    /// Product, if it fits.
+    pub fn mul(self, o: Q) -> Option<Q> {
+        Q::new(self.num * o.num, self.den * o.den)
+    }
+    /// The negative.
+    pub fn neg(self) -> Q {
+        Q { num: -self.num, den: self.den }
+    }
+    /// The reciprocal; `None` for zero.
+    pub fn recip(self) -> Option<Q> {
+        Q::new(self.den, self.num)
+    }
+    /// Integer power, if it fits.
+    pub fn powi(self, n: i64) -> Option<Q> {
+        let base = if n < 0 { self.recip()? } else { self };
+        (0..n.unsigned_abs().min(200)).try_fold(Q::ONE, |p, _| p.mul(base))
+    }
+    /// The rational square root, if there is one.
+    pub fn sqrt(self) -> Option<Q> {
+        let root = |n: i128| {
+            let r = (n as f64).sqrt().round() as i128;
+            (r * r == n).then_some(r)
+        };
+        if self.num < 0 {
+            return None;
+        }
+        Q::new(root(self.num)?, root(self.den)?)
+    }
+    /// Whether this is an integer.
+    pub fn is_int(self) -> bool {
+        self.den == 1
+    }
+    /// The value as a machine integer, if it is a small one.
+    pub fn to_i32(self) -> Option<i32> {
+        if self.den == 1 { i32::try_from(self.num).ok() } else { None }
+    }
+    /// Whether this is an even integer.
+    pub fn is_even(self) -> bool {
+        self.den == 1 && self.num % 2 == 0
+    }
+    /// Nearest double.
+    pub fn to_f64(self) -> f64 {
+        self.num as f64 / self.den as f64
+    }
+    /// Whether this is less than zero.
+    pub fn is_negative(self) -> bool {
+        self.num < 0
+    }
+    /// Whether this is zero.
+    pub fn is_zero(self) -> bool {
+        self.num == 0
+    }
+    /// Absolute value.
+    pub fn abs(self) -> Q {
+        Q { num: self.num.abs(), den: self.den }
+    }
+}
+
+impl PartialOrd for Q {
+    fn partial_cmp(&self, o: &Q) -> Option<Ordering> {
+        Some(self.cmp(o))
+    }
+}
+impl Ord for Q {
+    fn cmp(&self, o: &Q) -> Ordering {
+        (self.num * o.den).cmp(&(o.num * self.den))
+    }
+}
+impl fmt::Display for Q {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.den == 1 { write!(f, "{}", self.num) } else { write!(f, "{}/{}", self.num, self.den) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_exact() {
+        assert_eq!(Q::decimal("0.25"), Q::new(1, 4));
+        assert_eq!(Q::decimal("1e-3"), Q::new(1, 1000));
+        assert_eq!(Q::decimal("2.5e2"), Q::new(250, 1));
+        assert_eq!(Q::decimal("1e300"), None);
+    }
+
+    #[test]
+    fn roots_and_powers() {
+        assert_eq!(Q::new(9, 4).unwrap().sqrt(), Q::new(3, 2));
+        assert_eq!(Q::int(2).sqrt(), None);
+        assert_eq!(Q::new(2, 3).unwrap().powi(-2), Q::new(9, 4));
+    }
+}

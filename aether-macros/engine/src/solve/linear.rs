@@ -1,0 +1,278 @@
+//! Linear systems whose unknowns are whole subexpressions (atoms).
+
+use super::{Equation, State};
+use crate::display::show;
+use crate::expr::{Graph, Id, Node, UNKNOWNS};
+use crate::poly::Expander;
+use crate::rational::Q;
+
+/// A linear equation: Σ coefficient · atom, coefficients known.
+type Row = Vec<(Id, Id)>;
+
+/// Finds equations that form a linear system in at most as many atoms, and solves it.
+pub(crate) fn linear_system(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<State>> {
+    for expand in [false, true] {
+        let rows: Vec<Option<Row>> =
+            state.equations.iter().map(|e| if e.modulo_turn { None } else { row(g, e.rhs, expand) }).collect();
+        for start in 0..rows.len() {
+            let Some((members, atoms)) = component(&rows, start) else { continue };
+            if atoms.len() > members.len() || members.iter().all(|&i| rows[i].as_ref().is_some_and(|r| r.len() < 2)) {
+                continue;
+            }
+            let matrix: Vec<Vec<Id>> = members
+                .iter()
+                .map(|&i| atoms.iter().map(|a| coefficient(g, rows[i].as_deref().unwrap_or(&[]), *a)).collect())
+                .collect();
+            let known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
+            let Some((values, unused)) = solve_matrix(g, &matrix, &known, frames) else { continue };
+            return Some(vec![replace(g, state, &members, &atoms, &values, &unused)]);
+        }
+    }
+    None
+}
+
+fn replace(g: &mut Graph, state: &State, members: &[usize], atoms: &[Id], values: &[Id], unused: &[usize]) -> State {
+    let mut s = state.clone();
+    for (i, e) in state.equations.iter().enumerate() {
+        if members.contains(&i) && (unused.is_empty() || unused.contains(&i)) && members.len() > atoms.len() {
+            s.solution.unused.push((e.known, e.rhs));
+        }
+    }
+    let mut k = 0;
+    s.equations.retain(|_| {
+        k += 1;
+        !members.contains(&(k - 1))
+    });
+    for (&atom, &value) in atoms.iter().zip(values) {
+        s.solution.steps.push(format!("linear system: {} = {}", show(g, atom), show(g, value)));
+        s.solution.known.entry(atom).or_insert(value);
+        s.equations.push(Equation { known: value, rhs: atom, modulo_turn: false });
+    }
+    s
+}
+
+/// Writes an expression as a linear combination of atoms, multiplied out if asked.
+fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
+    let terms: Vec<(Q, Id)> = match g.node(id).clone() {
+        Node::Sum(c, terms) if c.is_zero() => terms,
+        Node::Sum(..) => return None,
+        _ => vec![(Q::ONE, id)],
+    };
+    let mut out: Row = Vec::new();
+    for (q, t) in terms {
+        let (known, open): (Vec<_>, Vec<_>) =
+            g.factors(t).into_iter().partition(|(b, e)| !g.has(*b, UNKNOWNS) && !g.has(*e, UNKNOWNS));
+        let factor = g.product(&known);
+        let k = g.number(q);
+        let factor = g.mul(k, factor);
+        let atom = g.product(&open);
+        let multiplied = if expand { multiply_out(g, atom)? } else { vec![(Q::ONE, atom)] };
+        for (p, a) in multiplied {
+            let k = g.number(p);
+            let c = g.mul(k, factor);
+            match out.iter_mut().find(|(_, b)| *b == a) {
+                Some((have, _)) => *have = g.add(*have, c),
+                None => out.push((c, a)),
+            }
+        }
+    }
+    let zero = g.int(0);
+    out.retain(|(c, _)| *c != zero);
+    Some(out)
+}
+
+fn multiply_out(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
+    let r = Expander::new(g).expand(atom)?;
+    if !r.den.is_empty() {
+        return Some(vec![(Q::ONE, atom)]);
+    }
+    let terms = r.num.terms(g);
+    // A constant among the atoms would have to be known: leave such products alone.
+    if terms.iter().any(|(_, t)| !g.has(*t, UNKNOWNS)) { Some(vec![(Q::ONE, atom)]) } else { Some(terms) }
+}
+
+fn coefficient(g: &mut Graph, row: &[(Id, Id)], atom: Id) -> Id {
+    row.iter().find(|(_, a)| *a == atom).map_or_else(|| g.int(0), |(c, _)| *c)
+}
+
+/// The equations that share atoms with equation `start`, directly or through others.
+fn component(rows: &[Option<Row>], start: usize) -> Option<(Vec<usize>, Vec<Id>)> {
+    let mut members = vec![start];
+    let mut atoms: Vec<Id> = rows[start].as_ref()?.iter().map(|(_, a)| *a).collect();
+    loop {
+        let before = members.len();
+        for (i, r) in rows.iter().enumerate() {
+            let Some(r) = r else { continue };
+            if !members.contains(&i) && r.iter().any(|(_, a)| atoms.contains(a)) {
+                members.push(i);
+                for (_, a) in r {
+                    if !atoms.contains(a) {
+                        atoms.push(*a);
+                    }
+                }
+            }
+        }
+        if members.len() == before {
+            members.sort_unstable();
+            return Some((members, atoms));
+        }
+    }
+}
+
+/// Solves matrix · atoms = known; also tells which rows were not needed.
+fn solve_matrix(
+    g: &mut Graph,
+    matrix: &[Vec<Id>],
+    known: &[Id],
+    frames: &[[[Id; 3]; 3]],
+) -> Option<(Vec<Id>, Vec<usize>)> {
+    let (m, k) = (matrix.len(), matrix[0].len());
+    if let Some(values) = orthonormal(g, matrix, known, frames) {
+        return Some((values, vec![]));
+    }
+    if m > k
+        && let Some(rows) = independent_rows(g, matrix)
+    {
+        let square: Vec<Vec<Id>> = rows.iter().map(|&r| matrix[r].clone()).collect();
+        let right: Vec<Id> = rows.iter().map(|&r| known[r]).collect();
+        let unused = (0..m).filter(|r| !rows.contains(r)).collect();
+        return Some((cramer(g, &square, &right)?, unused));
+    }
+    match (m, k) {
+        _ if m == k => Some((cramer(g, matrix, known)?, vec![])),
+        (_, 1) => {
+            // The least squares solution along one column.
+            let column: Vec<Id> = matrix.iter().map(|r| r[0]).collect();
+            let top = dot(g, &column, known);
+            let bottom = dot(g, &column, &column);
+            Some((vec![g.div(top, bottom)], vec![]))
+        }
+        (3, 2) => {
+            // Two columns a, b with normal n = a × b: coordinates by triple products.
+            let a: Vec<Id> = matrix.iter().map(|r| r[0]).collect();
+            let b: Vec<Id> = matrix.iter().map(|r| r[1]).collect();
+            let n = cross(g, &a, &b);
+            let nn = dot(g, &n, &n);
+            let xb = cross(g, known, &b);
+            let ax = cross(g, &a, known);
+            let s = dot(g, &xb, &n);
+            let t = dot(g, &ax, &n);
+            Some((vec![g.div(s, nn), g.div(t, nn)], vec![]))
+        }
+        _ => None,
+    }
+}
+
+/// A matrix that is a frame by its type has its transpose as its inverse.
+fn orthonormal(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id], frames: &[[[Id; 3]; 3]]) -> Option<Vec<Id>> {
+    if matrix.len() != 3 || matrix[0].len() != 3 {
+        return None;
+    }
+    let is = |f: &[[Id; 3]; 3], columns: bool| {
+        // The atoms may come in any order: every column of the system must be some column of the frame.
+        (0..3).all(|j| {
+            (0..3).any(|c| (0..3).all(|i| matrix[i][j] == if columns { f[c][i] } else { f[i][c] }))
+        })
+    };
+    if !frames.iter().any(|f| is(f, true) || is(f, false)) {
+        return None;
+    }
+    Some(
+        (0..3)
+            .map(|j| {
+                let column: Vec<Id> = (0..3).map(|i| matrix[i][j]).collect();
+                dot(g, &column, known)
+            })
+            .collect(),
+    )
+}
+
+/// Rows that determine all atoms, if the coefficients are plain numbers.
+fn independent_rows(g: &Graph, matrix: &[Vec<Id>]) -> Option<Vec<usize>> {
+    let k = matrix[0].len();
+    let numbers: Option<Vec<Vec<Q>>> =
+        matrix.iter().map(|r| r.iter().map(|c| g.as_number(*c)).collect()).collect();
+    let numbers = numbers?;
+    let mut chosen: Vec<usize> = Vec::new();
+    let mut reduced: Vec<Vec<Q>> = Vec::new();
+    for (i, r) in numbers.iter().enumerate() {
+        let mut r = r.clone();
+        for b in &reduced {
+            let p = b.iter().position(|x| !x.is_zero())?;
+            let f = r[p].mul(b[p].recip()?)?;
+            for (x, y) in r.iter_mut().zip(b) {
+                *x = x.add(f.mul(*y)?.neg())?;
+            }
+        }
+        if r.iter().any(|x| !x.is_zero()) && chosen.len() < k {
+            chosen.push(i);
+            reduced.push(r);
+        }
+    }
+    (chosen.len() == k).then_some(chosen)
+}
+
+/// Cramer's rule for up to three unknowns.
+fn cramer(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
+    let k = known.len();
+    if k > 3 {
+        return None;
+    }
+    let bottom = determinant(g, matrix);
+    if g.as_number(bottom).is_some_and(Q::is_zero) {
+        return None;
+    }
+    Some(
+        (0..k)
+            .map(|j| {
+                let replaced: Vec<Vec<Id>> = matrix
+                    .iter()
+                    .zip(known)
+                    .map(|(row, &x)| {
+                        let mut row = row.clone();
+                        row[j] = x;
+                        row
+                    })
+                    .collect();
+                let top = determinant(g, &replaced);
+                g.div(top, bottom)
+            })
+            .collect(),
+    )
+}
+
+/// The determinant, by expansion along the first row.
+pub fn determinant(g: &mut Graph, m: &[Vec<Id>]) -> Id {
+    if m.len() == 1 {
+        return m[0][0];
+    }
+    let mut terms = Vec::new();
+    for j in 0..m.len() {
+        let minor: Vec<Vec<Id>> = m[1..]
+            .iter()
+            .map(|r| r.iter().enumerate().filter(|(c, _)| *c != j).map(|(_, x)| *x).collect())
+            .collect();
+        let d = determinant(g, &minor);
+        let t = g.mul(m[0][j], d);
+        terms.push((if j % 2 == 0 { Q::ONE } else { Q::int(-1) }, t));
+    }
+    g.sum(Q::ZERO, &terms)
+}
+
+/// Scalar product.
+pub fn dot(g: &mut Graph, a: &[Id], b: &[Id]) -> Id {
+    let terms: Vec<_> = a.iter().zip(b).map(|(&x, &y)| (Q::ONE, g.mul(x, y))).collect();
+    g.sum(Q::ZERO, &terms)
+}
+
+/// Vector product.
+pub fn cross(g: &mut Graph, a: &[Id], b: &[Id]) -> Vec<Id> {
+    (0..3)
+        .map(|i| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let p = g.mul(a[j], b[k]);
+            let q = g.mul(a[k], b[j]);
+            g.sub(p, q)
+        })
+        .collect()
+}

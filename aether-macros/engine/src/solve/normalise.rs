@@ -1,0 +1,66 @@
+//! Normalised vectors: every output is T_i / |T|, and only the direction of T is known.
+
+use super::{Condition, Equation, State};
+use crate::display::show;
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::interval::Interval;
+
+/// Gives the common factor of all open equations a name of its own.
+///
+/// X_i = T_i · F with the same F everywhere becomes X_i · λ = T_i with the new unknown λ = 1 / F:
+/// linear in λ and in the atoms of T. F = 1 / |T| is the normalised vector, F = t(w) the ray w · t(w).
+pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let shared: Vec<usize> = (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
+    let (common, exponent, members) = common_factor(g, state, &shared)?;
+    let mut s = state.clone();
+    let leaf = Leaf::Unknown(s.next_unknown);
+    s.next_unknown += 1;
+    let factor = g.pow(common, exponent);
+    let positive = g.range(factor).nonnegative();
+    let lambda = g.leaf(leaf, "λ", if positive { Interval::POSITIVE } else { Interval::ALL });
+    for &i in &members {
+        let e = &mut s.equations[i];
+        let t = g.div(e.rhs, factor);
+        let scaled = g.mul(lambda, e.known);
+        let (constant, _, _) = super::affine_parts(g, t);
+        let zero = g.int(0);
+        let constant = match constant {
+            Some(c) => c,
+            None if g.has(t, UNKNOWNS) => zero,
+            None => t,
+        };
+        let open = g.sub(t, constant);
+        // λ X_i - (T_i - constant) = constant
+        let rhs = g.sub(scaled, open);
+        *e = Equation { known: constant, rhs, modulo_turn: false };
+    }
+    if positive {
+        s.solution.conditions.push(Condition(lambda));
+    }
+    let inverse = g.powi(lambda, -1);
+    s.solution.known.insert(factor, inverse);
+    s.solution.steps.push(format!("common factor: 1/λ = {}", show(g, factor)));
+    Some(vec![s])
+}
+
+/// A factor that at least two equations share, with the equations that have it.
+fn common_factor(g: &mut Graph, state: &State, among: &[usize]) -> Option<(Id, Id, Vec<usize>)> {
+    let mut best: Option<(Id, Id, Vec<usize>)> = None;
+    for &i in among {
+        for (b, e) in g.factors(state.equations[i].rhs) {
+            // A lone unknown is an atom of its own, not a factor to take out.
+            if !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {
+                continue;
+            }
+            let members: Vec<usize> = among
+                .iter()
+                .copied()
+                .filter(|&j| g.factors(state.equations[j].rhs).contains(&(b, e)))
+                .collect();
+            if members.len() >= 2 && best.as_ref().is_none_or(|(_, _, m)| members.len() > m.len()) {
+                best = Some((b, e, members));
+            }
+        }
+    }
+    best
+}

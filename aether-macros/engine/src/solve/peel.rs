@@ -1,0 +1,224 @@
+//! Undoing the outermost function of an equation.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::{Condition, State};
+use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
+use crate::rational::Q;
+
+/// One way to undo a function: the new known side, and tests that it must pass.
+struct Inverse {
+    known: Id,
+    conditions: Vec<Condition>,
+}
+
+/// Undoes the outermost function of some equation, if that has a single answer.
+pub(super) fn unique(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    peel(g, state, 1)
+}
+
+/// Undoes the outermost function of some equation, with as many branches as it has answers.
+pub(super) fn branching(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    peel(g, state, 16)
+}
+
+fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
+    // Prefer equations in a single unknown: those are tests or answers, never a loss.
+    let mut order: Vec<usize> = (0..state.equations.len()).collect();
+    order.sort_by_key(|&i| (g.deps(state.equations[i].rhs) & UNKNOWNS).count_ones());
+    for i in order {
+        let eq = state.equations[i].clone();
+        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else { continue };
+        if inverses.len() > most {
+            continue;
+        }
+        let next = inverses.into_iter().map(|inverse| {
+            let mut s = state.clone();
+            s.equations[i].known = inverse.known;
+            s.equations[i].rhs = argument;
+            s.equations[i].modulo_turn = false;
+            for c in inverse.conditions {
+                if !g.range(c.0).nonnegative() && !s.solution.conditions.contains(&c) {
+                    s.solution.conditions.push(c);
+                }
+            }
+            s.solution.known.entry(argument).or_insert(inverse.known);
+            s
+        });
+        return Some(next.collect());
+    }
+    None
+}
+
+/// All solutions y of known = f(y), where rhs = f(y) and y is the only part with unknowns.
+fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec<Inverse>)> {
+    if modulo_turn {
+        return unwind_turns(g, known, rhs);
+    }
+    match g.node(rhs).clone() {
+        Node::Product(f) if f.len() == 1 => {
+            let (base, exp) = f[0];
+            match (g.has(base, UNKNOWNS), g.has(exp, UNKNOWNS)) {
+                (true, false) => Some((base, undo_power(g, known, base, exp))),
+                (false, true) => {
+                    let top = g.call(Fun::Ln, &[known]);
+                    let bottom = g.call(Fun::Ln, &[base]);
+                    let known = g.div(top, bottom);
+                    Some((exp, vec![Inverse { known, conditions: vec![] }]))
+                }
+                _ => None,
+            }
+        }
+        Node::Call(f, args) if args.len() == 1 => Some((args[0], undo_call(g, f, known, args[0])?)),
+        _ => None,
+    }
+}
+
+/// An angle that is known up to whole turns, brought into the range that its expression can have.
+fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
+    let range = g.range(rhs);
+    let single = |known| vec![Inverse { known, conditions: vec![] }];
+    if range.lo >= -PI && range.hi <= PI + 1e-12 {
+        return Some((rhs, single(known)));
+    }
+    if range.width().is_finite() && range.width() <= 64.0 * TAU {
+        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo) };
+        let offset = g.sub(known, shift);
+        let turned = g.call(Fun::Turn, &[offset]);
+        let base = g.add(turned, shift);
+        let turns = ((range.width() / TAU) - 1e-12).ceil().max(1.0) as i64;
+        let pi = g.pi();
+        let inverses = (0..turns).map(|k| {
+            let turn = g.sum(Q::ZERO, &[(Q::int(2 * k), pi)]);
+            Inverse { known: g.add(base, turn), conditions: vec![] }
+        });
+        return Some((rhs, inverses.collect()));
+    }
+    // The window is a parameter: factor · rest with rest in [0, 1] and a factor of known sign.
+    let (constant, factor, rest) = super::affine_parts(g, rhs);
+    let (f, r) = (g.range(factor), g.range(rest));
+    if constant.is_none() && r.nonnegative() && f.nonnegative() && r.hi * f.hi <= TAU + 1e-9 {
+        let turned = g.call(Fun::Turn, &[known]);
+        return Some((rhs, single(turned)));
+    }
+    None
+}
+
+fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {
+    let one = g.int(1);
+    let inverse_exponent = g.div(one, exp);
+    let range = g.range(base);
+    let Some(e) = g.as_number(exp) else {
+        // A symbolic power has a nonnegative base and value.
+        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+    };
+    if !e.is_int() {
+        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+    }
+    if e == Q::int(-1) {
+        return vec![Inverse { known: g.powi(known, -1), conditions: vec![] }];
+    }
+    if e.is_even() {
+        let root = g.pow(known, inverse_exponent);
+        let minus = g.neg(root);
+        let mut answers = Vec::new();
+        if !range.nonpositive() {
+            answers.push(Inverse { known: root, conditions: vec![Condition(known)] });
+        }
+        if !range.nonnegative() {
+            answers.push(Inverse { known: minus, conditions: vec![Condition(known)] });
+        }
+        return answers;
+    }
+    if range.nonnegative() {
+        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+    }
+    let size = g.call(Fun::Abs, &[known]);
+    let root = g.pow(size, inverse_exponent);
+    let sign = g.call(Fun::Sign, &[known]);
+    vec![Inverse { known: g.mul(sign, root), conditions: vec![] }]
+}
+
+fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inverse>> {
+    let plain = |known| Some(vec![Inverse { known, conditions: vec![] }]);
+    let back = |g: &mut Graph, h: Fun| g.call(h, &[known]);
+    match f {
+        Fun::Exp => plain(back(g, Fun::Ln)),
+        Fun::ExpM1 => plain(back(g, Fun::Ln1p)),
+        Fun::Ln => plain(back(g, Fun::Exp)),
+        Fun::Ln1p => plain(back(g, Fun::ExpM1)),
+        Fun::Sinh => plain(back(g, Fun::Asinh)),
+        Fun::Asinh => plain(back(g, Fun::Sinh)),
+        Fun::Tanh => plain(back(g, Fun::Atanh)),
+        Fun::Atanh => plain(back(g, Fun::Tanh)),
+        Fun::Asin => bounded(g, Fun::Sin, known, -FRAC_PI_2, FRAC_PI_2),
+        Fun::Acos => bounded(g, Fun::Cos, known, 0.0, PI),
+        Fun::Atan => bounded(g, Fun::Tan, known, -FRAC_PI_2, FRAC_PI_2),
+        Fun::Acosh => {
+            let y = back(g, Fun::Cosh);
+            Some(vec![Inverse { known: y, conditions: vec![Condition(known)] }])
+        }
+        Fun::Cosh => {
+            let y = back(g, Fun::Acosh);
+            Some(both_signs(g, y, argument, vec![]))
+        }
+        Fun::Abs => Some(both_signs(g, known, argument, vec![Condition(known)])),
+        Fun::Sin => periodic(g, Fun::Asin, known, argument),
+        Fun::Cos => periodic(g, Fun::Acos, known, argument),
+        Fun::Tan => periodic(g, Fun::Atan, known, argument),
+        Fun::Sign | Fun::Turn | Fun::Atan2 => None,
+    }
+}
+
+/// y = h(known) for an inverse function with a bounded image: known must lie in [lo, hi].
+fn bounded(g: &mut Graph, h: Fun, known: Id, lo: f64, hi: f64) -> Option<Vec<Inverse>> {
+    let y = g.call(h, &[known]);
+    let (lo, hi) = (g.float(lo), g.float(hi));
+    let above = g.sub(known, lo);
+    let below = g.sub(hi, known);
+    Some(vec![Inverse { known: y, conditions: vec![Condition(above), Condition(below)] }])
+}
+
+fn both_signs(g: &mut Graph, y: Id, argument: Id, conditions: Vec<Condition>) -> Vec<Inverse> {
+    let range = g.range(argument);
+    let minus = g.neg(y);
+    let mut answers = Vec::new();
+    if !range.nonpositive() {
+        answers.push(Inverse { known: y, conditions: conditions.clone() });
+    }
+    if !range.nonnegative() {
+        answers.push(Inverse { known: minus, conditions });
+    }
+    answers
+}
+
+/// Every angle of a known sine, cosine or tangent that the argument's range admits.
+fn periodic(g: &mut Graph, inverse: Fun, known: Id, argument: Id) -> Option<Vec<Inverse>> {
+    let range = g.range(argument);
+    if !range.width().is_finite() || range.width() > 32.0 * TAU {
+        return None;
+    }
+    let principal = g.call(inverse, &[known]);
+    let pi = g.pi();
+    let mut answers = Vec::new();
+    // Each family: sign · principal + (start + step · k) · π, with its image for k = 0.
+    let families: &[(i64, i64, i64, f64, f64)] = match inverse {
+        Fun::Asin => &[(1, 0, 2, -FRAC_PI_2, FRAC_PI_2), (-1, 1, 2, FRAC_PI_2, 3.0 * FRAC_PI_2)],
+        Fun::Acos => &[(1, 0, 2, 0.0, PI), (-1, 0, 2, -PI, 0.0)],
+        _ => &[(1, 0, 1, -FRAC_PI_2, FRAC_PI_2)],
+    };
+    for &(sign, start, step, lo, hi) in families {
+        let period = step as f64 * PI;
+        let first = ((range.lo - hi) / period - 1e-9).floor() as i64;
+        let last = ((range.hi - lo) / period + 1e-9).ceil() as i64;
+        for k in first..=last {
+            let offset = k as f64 * period;
+            // Images that only touch the range in a point add nothing but a doubled border.
+            if lo + offset < range.hi - 1e-12 && hi + offset > range.lo + 1e-12 {
+                let y = g.sum(Q::ZERO, &[(Q::int(sign), principal), (Q::int(start + step * k), pi)]);
+                answers.push(Inverse { known: y, conditions: vec![] });
+            }
+        }
+    }
+    (!answers.is_empty()).then_some(answers)
+}

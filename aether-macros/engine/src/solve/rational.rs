@@ -1,0 +1,211 @@
+//! Equations that are rational in one unknown or in one root of it.
+
+use std::collections::HashMap;
+
+use super::{Condition, Equation, State};
+use crate::display::show;
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::interval::Interval;
+use crate::poly::{Expander, Poly, RatFun};
+use crate::rational::Q;
+
+/// Solves an equation with a single unknown that occurs several times, if it is rational of degree
+/// one or two in some subexpression.
+pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    for i in 0..state.equations.len() {
+        let eq = state.equations[i].clone();
+        let deps = g.deps(eq.rhs) & UNKNOWNS;
+        if deps.count_ones() != 1 || eq.modulo_turn {
+            continue;
+        }
+        let Some(roots) = roots(g, eq.known, eq.rhs) else { continue };
+        let next = roots.into_iter().map(|Root { atom, value, also }| {
+            let mut s = state.clone();
+            s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
+            s.solution.known.entry(atom).or_insert(value);
+            if let Some((radical, value)) = also {
+                s.solution.known.entry(radical).or_insert(value);
+                if !g.range(value).nonnegative() {
+                    s.solution.conditions.push(Condition(value));
+                }
+            }
+            s.solution.steps.push(format!("rational equation: {} = {}", show(g, atom), show(g, value)));
+            if g.range(atom).nonnegative() && !g.range(value).nonnegative() {
+                s.solution.conditions.push(Condition(value));
+            }
+            s
+        });
+        return Some(next.collect());
+    }
+    None
+}
+
+/// One way to satisfy an equation: atom = value, and the radical that was solved for on the way.
+struct Root {
+    atom: Id,
+    value: Id,
+    also: Option<(Id, Id)>,
+}
+
+/// All ways to satisfy known = rhs.
+fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    let polynomial = clear(g, known, rhs)?;
+    let open: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
+    match open[..] {
+        [atom] => {
+            let values = polynomial_roots(g, &polynomial, atom)?;
+            Some(values.into_iter().map(|value| Root { atom, value, also: None }).collect())
+        }
+        [a, b] => radical(g, known, rhs, a, b).or_else(|| radical(g, known, rhs, b, a)),
+        _ => None,
+    }
+}
+
+/// The numerator of rhs - known, as a polynomial.
+fn clear(g: &mut Graph, known: Id, rhs: Id) -> Option<Poly> {
+    let difference = g.sub(rhs, known);
+    Some(Expander::new(g).expand(difference)?.num)
+}
+
+/// Atoms u and t = √(α + β u): substitutes u = (t² - α) / β and solves for t.
+fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>> {
+    let Node::Product(f) = g.node(t).clone() else { return None };
+    if f.len() != 1 || g.as_number(f[0].1) != Some(Q::HALF) {
+        return None;
+    }
+    let radicand = Expander::new(g).expand(f[0].0)?;
+    if !radicand.den.is_empty() {
+        return None;
+    }
+    let c = radicand.num.by_powers_of(u)?;
+    let [alpha, beta] = &c[..] else { return None };
+    let (alpha, beta) = (alpha.to_expr(g), beta.to_expr(g));
+    if g.has(alpha, UNKNOWNS) || g.has(beta, UNKNOWNS) {
+        return None;
+    }
+    let fresh = g.leaf(Leaf::Unknown(23), "t", Interval::POSITIVE);
+    let t2 = g.powi(fresh, 2);
+    let top = g.sub(t2, alpha);
+    let inner = g.div(top, beta);
+    let substituted = g.substitute(rhs, &HashMap::from([(t, fresh), (u, inner)]));
+    let polynomial = clear(g, known, substituted)?;
+    let values = polynomial_roots(g, &polynomial, fresh)?;
+    Some(
+        values
+            .into_iter()
+            .map(|v| {
+                let exact = g.substitute(inner, &HashMap::from([(fresh, v)]));
+                let simple = Expander::new(g).normal_form(exact).unwrap_or(exact);
+                Root { atom: u, value: simple, also: Some((t, v)) }
+            })
+            .collect(),
+    )
+}
+
+/// The roots of a polynomial of degree one or two in `atom`.
+fn polynomial_roots(g: &mut Graph, p: &Poly, atom: Id) -> Option<Vec<Id>> {
+    let c = p.by_powers_of(atom)?;
+    let mut quotient = |num: &Poly, den: &Poly| {
+        let mut e = Expander::new(g);
+        let inverse = {
+            let d = RatFun { num: den.clone(), den: vec![] };
+            e.recip(&d)?
+        };
+        let r = e.mul(&RatFun { num: num.clone(), den: vec![] }, &inverse)?;
+        Some(e.to_expr(&r))
+    };
+    match &c[..] {
+        [c0, c1] => Some(vec![quotient(&c0.scale(Q::int(-1))?, c1)?]),
+        [c0, c1, c2] => {
+            let discriminant = c1.mul(c1)?.sub(&c0.mul(c2)?.scale(Q::int(4))?)?;
+            if let Some(root) = discriminant.sqrt() {
+                let minus = c1.scale(Q::int(-1))?;
+                let twice = c2.scale(Q::int(2))?;
+                let a = quotient(&minus.add(&root)?, &twice)?;
+                let b = quotient(&minus.sub(&root)?, &twice)?;
+                return Some(vec![a, b]);
+            }
+            Some(quadratic(g, c0, c1, c2, &discriminant))
+        }
+        _ => None,
+    }
+}
+
+/// Both roots in the form 2c₀ / (-c₁ ∓ √D): the sum below does not cancel for one of the signs.
+fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, _c2: &Poly, discriminant: &Poly) -> Vec<Id> {
+    let (c0, c1, d) = (c0.to_expr(g), c1.to_expr(g), discriminant.to_expr(g));
+    let root = g.sqrt(d);
+    let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
+    [Q::ONE, Q::int(-1)]
+        .into_iter()
+        .map(|sign| {
+            let bottom = g.sum(Q::ZERO, &[(Q::int(-1), c1), (sign, root)]);
+            g.div(top, bottom)
+        })
+        .collect()
+}
+
+/// Isolates one unknown of an equation with several and substitutes it into the others.
+pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    for i in 0..state.equations.len() {
+        let eq = state.equations[i].clone();
+        if eq.modulo_turn {
+            continue;
+        }
+        for (leaf, atom) in isolatable(g, eq.known, eq.rhs) {
+            let used = state
+                .equations
+                .iter()
+                .enumerate()
+                .any(|(j, e)| j != i && !e.modulo_turn && g.has(e.rhs, leaf_bit(leaf)));
+            if !used {
+                continue;
+            }
+            let Some(polynomial) = clear(g, eq.known, eq.rhs) else { continue };
+            let Some(c) = polynomial.by_powers_of(atom) else { continue };
+            let [c0, c1] = &c[..] else { continue };
+            let (c0, c1) = (c0.to_expr(g), c1.to_expr(g));
+            if g.has(c1, leaf_bit(leaf)) || g.has(c0, leaf_bit(leaf)) {
+                continue;
+            }
+            let value = g.div(c0, c1);
+            let value = g.neg(value);
+            let mut s = state.clone();
+            let map = HashMap::from([(atom, value)]);
+            let mut gone = true;
+            for (j, e) in s.equations.iter_mut().enumerate() {
+                if j != i {
+                    e.rhs = g.substitute(e.rhs, &map);
+                    gone &= !g.has(e.rhs, leaf_bit(leaf));
+                    // Unknowns may have moved to both sides of nothing: bring the equation up to date.
+                    if let Some(n) = Expander::new(g).normal_form(e.rhs) {
+                        e.rhs = n;
+                    }
+                }
+            }
+            if !gone {
+                continue;
+            }
+            s.solution.steps.push(format!("elimination: {} = {}", show(g, atom), show(g, value)));
+            // The eliminated equation comes last: it is solved once the others are.
+            let last = s.equations.remove(i);
+            s.equations.push(last);
+            return Some(vec![s]);
+        }
+    }
+    None
+}
+
+/// (unknown, atom) pairs such that the equation is linear in the atom and the atom holds only that unknown.
+fn isolatable(g: &mut Graph, known: Id, rhs: Id) -> Vec<(Leaf, Id)> {
+    let Some(p) = clear(g, known, rhs) else { return vec![] };
+    let mut found = Vec::new();
+    for atom in p.atoms() {
+        for i in 0..24 {
+            if g.deps(atom) & UNKNOWNS == leaf_bit(Leaf::Unknown(i)) {
+                found.push((Leaf::Unknown(i), atom));
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,543 @@
+//! What depends on what: which statements wait for inversion, which random point each vertex is
+//! made from, which vertices are atoms and of which kind.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use proc_macro2::Span;
+use quote::{ToTokens, format_ident};
+use syn::visit_mut::{self, VisitMut};
+use syn::{Expr, Ident, Pat, Stmt, parse_quote};
+
+use super::names::{bare, bound, mentioned, mentioned_by, mentioned_in_guard, pattern, referenced};
+use super::tree::{Action, Block, Body, End, Form, Kind, Leaf, Plan, Step};
+use crate::diagnostics::Diagnostics;
+
+/// Analyses a body. `connected` is what the attribute says of every vertex: whether the one before
+/// sees it.
+pub fn plan(
+    body: Body,
+    path: &Ident,
+    connected: Option<bool>,
+    diagnostics: &mut Diagnostics,
+) -> Plan {
+    let mut analysis =
+        Analysis { diagnostics, connected, hoisted: 0, branches: 0, atoms: Vec::new() };
+    let mut scope = Scope::default();
+    scope.facts.insert(path.to_string(), Facts { path: true, ..Facts::default() });
+    analysis.block(body, scope)
+}
+
+/// What is known of a value.
+#[derive(Clone, Copy, Debug, Default)]
+struct Facts {
+    /// It depends on what was drawn, and cannot be read from the vertex.
+    random: bool,
+    /// It depends on the path before.
+    path: bool,
+    /// It depends on the outcome of a choice that is not identified from the vertex.
+    choice: bool,
+    /// It is read from the vertex.
+    constant: bool,
+    /// It came from a ray that starts at the path.
+    ray: bool,
+}
+
+impl Facts {
+    fn and(self, other: Facts) -> Facts {
+        Facts {
+            random: self.random || other.random,
+            path: self.path || other.path,
+            choice: self.choice || other.choice,
+            constant: self.constant || other.constant,
+            ray: self.ray || other.ray,
+        }
+    }
+}
+
+/// A decision on the way to a leaf.
+#[derive(Clone, Copy, PartialEq)]
+struct Turn {
+    branch: usize,
+    arm: usize,
+    /// Whether it depends on a choice that is not identified.
+    choice: bool,
+}
+
+#[derive(Clone, Default)]
+struct Scope {
+    facts: BTreeMap<String, Facts>,
+    /// Random points, each with the points that it is mapped from.
+    points: BTreeMap<String, BTreeSet<String>>,
+    /// The draw on the way to here.
+    drawn: Option<Ident>,
+    /// Names that code evaluated after inversion will look up.
+    needed: BTreeSet<String>,
+    turns: Vec<Turn>,
+}
+
+impl Scope {
+    fn of(&self, names: &BTreeSet<String>) -> Facts {
+        let known = names.iter().filter_map(|name| self.facts.get(name));
+        known.fold(Facts::default(), |all, facts| all.and(*facts))
+    }
+
+    fn of_expr(&self, expr: &Expr) -> Facts {
+        self.of(&mentioned(expr))
+    }
+}
+
+struct Analysis<'d> {
+    diagnostics: &'d mut Diagnostics,
+    connected: Option<bool>,
+    hoisted: usize,
+    branches: usize,
+    atoms: Vec<(Vec<Turn>, bool)>,
+}
+
+impl Analysis<'_> {
+    fn block(&mut self, body: Body, mut scope: Scope) -> Plan {
+        let mut steps = Vec::new();
+        for step in body.steps {
+            match step {
+                Step::Plain(statement) => self.plain(statement, &mut scope, &mut steps),
+                Step::LetElse { pat, value } => {
+                    let facts = scope.of_expr(&value);
+                    self.refuse_random(facts, &value, "`let .. else`");
+                    self.bind(&pat, facts, &mut scope);
+                    steps.push(Action::LetElse { pat, value });
+                }
+                Step::Bind { pat, form } => {
+                    steps.extend(self.form(pat, form, &mut scope));
+                }
+            }
+        }
+        let end = self.end(body.end, scope, &mut steps);
+        Block { steps, end }
+    }
+
+    fn end(
+        &mut self,
+        end: End<Step, Expr>,
+        scope: Scope,
+        steps: &mut Vec<Action>,
+    ) -> End<Action, Leaf> {
+        match end {
+            End::Stop => End::Stop,
+            End::Vertex(vertex) => self.leaf(vertex, scope, steps),
+            End::If { condition, then, otherwise, .. } => {
+                let facts = scope.of_expr(&condition);
+                let mut positive = self.turn(&scope, facts, 0);
+                if facts.random
+                    && bindings(&condition, &mut |pat| {
+                        self.bind(pat, facts, &mut positive);
+                    })
+                {
+                    self.refuse_random(facts, &condition, "`if let`");
+                } else {
+                    bindings(&condition, &mut |pat| self.bind(pat, facts, &mut positive));
+                }
+                let mut negative = self.turn(&scope, facts, 1);
+                if facts.random {
+                    positive.needed.extend(mentioned(&condition));
+                    negative.needed.extend(mentioned(&condition));
+                }
+                self.branches += 1;
+                End::If {
+                    condition,
+                    late: facts.random,
+                    then: Box::new(self.block(*then, positive)),
+                    otherwise: Box::new(self.block(*otherwise, negative)),
+                }
+            }
+            End::Match { value, arms } => {
+                let mut facts = scope.of_expr(&value);
+                for (pat, _) in &arms {
+                    facts = facts.and(scope.of(&mentioned_in_guard(pat)));
+                }
+                self.refuse_random(facts, &value, "`match`");
+                let branch = self.branches;
+                self.branches += 1;
+                let mut planned = Vec::new();
+                for (arm, (pat, body)) in arms.into_iter().enumerate() {
+                    let mut inner = scope.clone();
+                    inner.turns.push(Turn { branch, arm, choice: facts.choice });
+                    self.bind(&pat, scope.of_expr(&value), &mut inner);
+                    planned.push((pat, self.block(body, inner)));
+                }
+                End::Match { value, arms: planned }
+            }
+        }
+    }
+
+    fn turn(&self, scope: &Scope, facts: Facts, arm: usize) -> Scope {
+        let mut inner = scope.clone();
+        inner.turns.push(Turn { branch: self.branches, arm, choice: facts.choice });
+        inner
+    }
+
+    fn refuse_random(&mut self, facts: Facts, tokens: &impl ToTokens, what: &str) {
+        if facts.random {
+            self.diagnostics.error(
+                tokens,
+                format!(
+                    "{what} on a value that depends on what was drawn: a density knows the value \
+                     only after inversion. Use `if` with a plain condition or \
+                     `choose(coin(..))`, or read the value from the vertex, `constant(..)`"
+                ),
+            );
+        }
+    }
+
+    /// Binds the names of a pattern, none of which may hide what is still needed.
+    fn bind(&mut self, pat: &Pat, facts: Facts, scope: &mut Scope) {
+        super::misuse::check_pattern(pat, self.diagnostics);
+        for name in bound(pat) {
+            let text = name.to_string();
+            if scope.needed.contains(&text) || scope.points.contains_key(&text) {
+                self.diagnostics.error(
+                    &name,
+                    format!(
+                        "`{name}` hides a value that the density needs later: give this another \
+                         name"
+                    ),
+                );
+            }
+            scope.facts.insert(text, facts);
+        }
+    }
+
+    fn plain(&mut self, statement: Stmt, scope: &mut Scope, steps: &mut Vec<Action>) {
+        if let Stmt::Local(local) = &statement
+            && let Some(init) = &local.init
+            && let Some((map, of)) = self.map_of(&init.expr, scope, steps)
+            && let Some(name) = plain_name(&local.pat)
+        {
+            self.mapped(name, map, of, scope, steps);
+            return;
+        }
+        let names = mentioned_by(&statement);
+        let facts = scope.of(&names);
+        match &statement {
+            Stmt::Local(local) => self.bind(&local.pat, facts, scope),
+            // It may change what it mentions.
+            _ => {
+                for name in &names {
+                    if let Some(known) = scope.facts.get_mut(name) {
+                        *known = known.and(facts);
+                    }
+                }
+            }
+        }
+        if !facts.random {
+            steps.push(Action::Plain(statement));
+            return;
+        }
+        scope.needed.extend(names);
+        if let Stmt::Local(local) = &statement {
+            scope.needed.extend(bound(&local.pat).iter().map(Ident::to_string));
+        } else if !matches!(statement, Stmt::Macro(_)) {
+            self.diagnostics.error(
+                &statement,
+                "this statement depends on what was drawn, which a density knows only after \
+                 inversion: write it as a `let` without changing other variables",
+            );
+        }
+        steps.push(Action::Late(statement));
+    }
+
+    /// If `expr` is a map applied to a random point: the map, and the point's name, after binding
+    /// the points within it.
+    fn map_of(
+        &mut self,
+        expr: &Expr,
+        scope: &mut Scope,
+        steps: &mut Vec<Action>,
+    ) -> Option<(Expr, Ident)> {
+        let Expr::MethodCall(call) = bare(expr) else { return None };
+        if call.method != "apply" || call.args.len() != 1 {
+            return None;
+        }
+        let argument = &call.args[0];
+        if let Some(name) = referenced(argument) {
+            let known = scope.points.contains_key(&name.to_string());
+            return known.then(|| ((*call.receiver).clone(), name.clone()));
+        }
+        let inner = match bare(argument) {
+            Expr::Reference(reference) => &reference.expr,
+            other => other,
+        };
+        let (map, of) = self.map_of(inner, scope, steps)?;
+        self.hoisted += 1;
+        let name = format_ident!("__point_{}", self.hoisted, span = Span::mixed_site());
+        self.mapped(name.clone(), map, of, scope, steps);
+        Some(((*call.receiver).clone(), name))
+    }
+
+    /// `let name = map.apply(&of);`
+    fn mapped(
+        &mut self,
+        name: Ident,
+        map: Expr,
+        of: Ident,
+        scope: &mut Scope,
+        steps: &mut Vec<Action>,
+    ) {
+        let facts = scope.of_expr(&map);
+        if facts.random {
+            self.diagnostics.error(
+                &map,
+                "this map depends on the drawn point that it is applied to, in more ways than \
+                 through its argument: make one #[map] of both",
+            );
+        }
+        let origin = of.to_string();
+        let facts = facts.and(scope.facts.get(&origin).copied().unwrap_or_default());
+        let mut ancestors = scope.points.get(&origin).cloned().unwrap_or_default();
+        ancestors.insert(origin);
+        self.bind(&pattern(&name), Facts { random: true, path: false, ..facts }, scope);
+        scope.points.insert(name.to_string(), ancestors);
+        steps.push(Action::Map { name, map, of });
+    }
+
+    fn form(&mut self, pat: Pat, form: Form, scope: &mut Scope) -> Option<Action> {
+        match form {
+            Form::Given(value) => {
+                let facts = scope.of_expr(&value);
+                if facts.random {
+                    self.diagnostics.error(
+                        &value,
+                        "this depends on what was drawn: use `constant(..)`, and implement `Recall` \
+                         for the vertex, so that the density can read it back",
+                    );
+                }
+                self.bind(&pat, facts, scope);
+                Some(Action::Given { pat, value })
+            }
+            Form::Constant(call) => {
+                let facts = scope.of_expr(&call);
+                let ray = facts.path && (facts.random || scope.drawn.is_none());
+                let facts = Facts {
+                    random: false,
+                    path: false,
+                    constant: true,
+                    ray: facts.ray || ray,
+                    ..facts
+                };
+                self.bind(&pat, facts, scope);
+                Some(Action::Constant { pat, call })
+            }
+            Form::Draw(sampler) => self.draw(&pat, sampler, scope),
+            Form::Choose { distribution, rule } => self.choose(pat, distribution, rule, scope),
+        }
+    }
+
+    fn draw(&mut self, pat: &Pat, sampler: Expr, scope: &mut Scope) -> Option<Action> {
+        let (inner, ty) = match pat {
+            Pat::Type(typed) => (&*typed.pat, Some((*typed.ty).clone())),
+            other => (other, None),
+        };
+        let Some(name) = plain_name(inner) else {
+            self.diagnostics.error(pat, "what is drawn needs a plain name: `let w = draw(..);`");
+            // Goes on as if every name were the point, so as not to report what follows from this.
+            for name in bound(pat) {
+                scope.points.insert(name.to_string(), BTreeSet::new());
+                scope.drawn = Some(name);
+            }
+            return None;
+        };
+        if let Some(before) = &scope.drawn {
+            self.diagnostics.error(
+                &sampler,
+                format!(
+                    "a second draw: this vertex is already made from `{before}`. Use one sampler of \
+                     both, or maps of `{before}`"
+                ),
+            );
+        }
+        // What only shapes the distribution does not make a later call a ray from the path.
+        self.bind(pat, Facts { random: true, ..Facts::default() }, scope);
+        scope.drawn = Some(name.clone());
+        scope.points.insert(name.to_string(), BTreeSet::new());
+        Some(Action::Draw { name, ty, sampler })
+    }
+
+    fn choose(
+        &mut self,
+        pat: Pat,
+        distribution: Expr,
+        rule: Option<Expr>,
+        scope: &mut Scope,
+    ) -> Option<Action> {
+        let random = scope.of_expr(&distribution).random;
+        if let Some(rule) = &rule
+            && scope.of_expr(rule).random
+        {
+            self.diagnostics.error(
+                rule,
+                "the rule tells the outcome from the vertex alone: it cannot use what was drawn",
+            );
+        }
+        let facts = Facts { choice: rule.is_none(), ..Facts::default() };
+        self.bind(&pat, facts, scope);
+        if !random {
+            return Some(Action::Choose { pat, distribution, rule });
+        }
+        let is_coin = matches!(bare(&distribution), Expr::Call(call)
+            if matches!(&*call.func, Expr::Path(path)
+                if path.path.segments.last().is_some_and(|last| last.ident == "coin")));
+        match plain_name(&pat) {
+            Some(name) if is_coin && rule.is_none() => {
+                scope.needed.extend(mentioned(&distribution));
+                scope.needed.insert(name.to_string());
+                Some(Action::LateCoin { name, coin: distribution })
+            }
+            _ => {
+                self.diagnostics.error(
+                    &distribution,
+                    "the probabilities of this choice depend on what was drawn, which a density \
+                     knows only after inversion: that is possible for a coin, `let heads = \
+                     choose(coin(..));`, without `identified_by`",
+                );
+                None
+            }
+        }
+    }
+
+    fn leaf(
+        &mut self,
+        mut vertex: Expr,
+        mut scope: Scope,
+        steps: &mut Vec<Action>,
+    ) -> End<Action, Leaf> {
+        Applications { analysis: self, scope: &mut scope, steps }.visit_expr_mut(&mut vertex);
+        let names = mentioned(&vertex);
+        let facts = scope.of(&names);
+        let visible = self.connected.unwrap_or(facts.ray);
+        let kind = match scope.drawn.clone() {
+            Some(drawn) => self.point(&vertex, &drawn, &names, &scope).map(Kind::Density),
+            None => self.atom(&vertex, facts, &scope),
+        };
+        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible }))
+    }
+
+    /// The random point that a vertex is made from.
+    fn point(
+        &mut self,
+        vertex: &Expr,
+        drawn: &Ident,
+        names: &BTreeSet<String>,
+        scope: &Scope,
+    ) -> Option<Ident> {
+        let used: Vec<_> = scope.points.iter().filter(|(name, _)| names.contains(*name)).collect();
+        let furthest = used.iter().max_by_key(|(_, ancestors)| ancestors.len());
+        let Some((point, ancestors)) = furthest else {
+            self.diagnostics.error(
+                vertex,
+                format!(
+                    "`{drawn}` is drawn but this vertex is not made from it, so its probability \
+                     would have to be integrated: use `{drawn}` or a map of it, \
+                     `map.apply(&{drawn})`, in the vertex, or draw only in the branches that use \
+                     it"
+                ),
+            );
+            return None;
+        };
+        if let Some((other, _)) = used.iter().find(|(n, _)| n != point && !ancestors.contains(*n)) {
+            self.diagnostics.error(
+                vertex,
+                format!(
+                    "this vertex is made from two points, `{point}` and `{other}`, neither a map \
+                     of the other: a vertex has one random point"
+                ),
+            );
+        }
+        // The name as it is written in the source, or as hoisted: both resolve by their text.
+        find_ident(vertex.to_token_stream(), point)
+    }
+
+    fn atom(&mut self, vertex: &Expr, facts: Facts, scope: &Scope) -> Option<Kind> {
+        if !facts.constant {
+            self.diagnostics.error(
+                vertex,
+                "nothing is drawn for this vertex: it is an atom, and whether another vertex is the \
+                 same atom is never found by comparing coordinates. Bind what identifies it with \
+                 `constant(Some(..))`, and implement `Recall` for the vertex type",
+            );
+            return None;
+        }
+        let direction = facts.ray && self.connected != Some(false);
+        let confused = self.atoms.iter().any(|(turns, other)| {
+            let parting = turns.iter().zip(&scope.turns).find(|(a, b)| a != b);
+            *other == direction && parting.is_some_and(|(a, _)| a.choice)
+        });
+        if facts.choice || confused {
+            self.diagnostics.error(
+                vertex,
+                "several outcomes of a choice lead to atoms, and which of them it was cannot be \
+                 told by comparing coordinates: add `.identified_by(|vertex| ..)` to the \
+                 `choose(..)`",
+            );
+        }
+        self.atoms.push((scope.turns.clone(), direction));
+        Some(if direction { Kind::AtomDirection } else { Kind::AtomPosition })
+    }
+}
+
+/// Binds the maps of random points within a vertex expression to names.
+struct Applications<'a, 'd> {
+    analysis: &'a mut Analysis<'d>,
+    scope: &'a mut Scope,
+    steps: &'a mut Vec<Action>,
+}
+
+impl VisitMut for Applications<'_, '_> {
+    fn visit_expr_mut(&mut self, expr: &mut Expr) {
+        match expr {
+            // What is evaluated conditionally or later stays where it is.
+            Expr::Closure(_) | Expr::If(_) | Expr::Match(_) | Expr::Block(_) => return,
+            _ => {}
+        }
+        if let Some((map, of)) = self.analysis.map_of(expr, self.scope, self.steps) {
+            self.analysis.hoisted += 1;
+            let count = self.analysis.hoisted;
+            let name = format_ident!("__point_{}", count, span = Span::mixed_site());
+            self.analysis.mapped(name.clone(), map, of, self.scope, self.steps);
+            *expr = parse_quote!(#name);
+        } else {
+            visit_mut::visit_expr_mut(self, expr);
+        }
+    }
+}
+
+/// Calls `visit` with the patterns of the `let`s of a condition; whether there are any.
+fn bindings(condition: &Expr, visit: &mut impl FnMut(&Pat)) -> bool {
+    match bare(condition) {
+        Expr::Let(binding) => {
+            visit(&binding.pat);
+            true
+        }
+        Expr::Binary(both) => {
+            let left = bindings(&both.left, visit);
+            bindings(&both.right, visit) || left
+        }
+        _ => false,
+    }
+}
+
+fn plain_name(pat: &Pat) -> Option<Ident> {
+    match pat {
+        Pat::Ident(pat) if pat.by_ref.is_none() && pat.subpat.is_none() => Some(pat.ident.clone()),
+        Pat::Type(typed) => plain_name(&typed.pat),
+        _ => None,
+    }
+}
+
+fn find_ident(tokens: proc_macro2::TokenStream, text: &str) -> Option<Ident> {
+    let mut found = None;
+    super::names::each_ident(tokens, &mut |name| {
+        if name == text {
+            found = Some(name.clone());
+        }
+    });
+    found
+}

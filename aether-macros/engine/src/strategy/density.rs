@@ -1,0 +1,267 @@
+//! Emits the density: choices are enumerated in place, draws bind random variables instead of
+//! values, locally constant calls are read back from the vertex.
+
+use proc_macro2::{Span, TokenStream};
+use quote::{ToTokens, format_ident, quote_spanned};
+use syn::spanned::Spanned;
+use syn::{Expr, Ident, Stmt, Type};
+
+use super::tree::{Action, End, Kind, Leaf, Plan};
+
+/// The body of `pdf`, which adds up the terms of the kind that is asked for.
+pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
+    let terms = Emitter { vertex, real }.rest(&plan.steps, &plan.end, &Pending::default());
+    quote_spanned! {Span::mixed_site()=>
+        let kind = ::aether_core::sequence::PathView::dirac(&view);
+        let mut sum = <#real as ::aether_core::Real>::ZERO;
+        let probability = <#real as ::aether_core::Real>::ONE;
+        #terms
+        ::aether_core::strategy::Conditional { value: sum, dirac: kind }
+    }
+}
+
+struct Emitter<'a> {
+    vertex: &'a Type,
+    real: &'a TokenStream,
+}
+
+/// What waits for the drawn point.
+#[derive(Clone, Default)]
+struct Pending {
+    /// The point that was drawn.
+    root: Option<Ident>,
+    /// Statements to evaluate once the drawn point is recovered.
+    statements: Vec<TokenStream>,
+    /// Whether these statements change the probability.
+    weighs: bool,
+    /// Statements that give the names in a locally constant call their types.
+    typed: Vec<TokenStream>,
+}
+
+impl Pending {
+    fn factor(&self, statement: TokenStream) -> Pending {
+        let mut pending = self.clone();
+        pending.statements.push(statement);
+        pending.weighs = true;
+        pending
+    }
+}
+
+/// The name of something that belongs to a random point.
+fn part(point: &Ident, what: &str) -> Ident {
+    format_ident!("__{}_{}", point, what, span = Span::mixed_site())
+}
+
+impl Emitter<'_> {
+    fn rest(&self, steps: &[Action], end: &End<Action, Leaf>, pending: &Pending) -> TokenStream {
+        let Some((action, steps)) = steps.split_first() else { return self.end(end, pending) };
+        let site = Span::mixed_site();
+        let some = quote_spanned!(site=> ::core::option::Option::Some);
+        let same = || self.rest(steps, end, pending);
+        match action {
+            Action::Plain(statement) => {
+                let rest = same();
+                quote_spanned!(site=> #statement #rest)
+            }
+            Action::LetElse { pat, value } => {
+                let rest = same();
+                quote_spanned!(site=> if let #pat = #value { #rest })
+            }
+            Action::Given { pat, value } => {
+                let rest = same();
+                quote_spanned!(site=> if let #some(value) = #value { let #pat = value; #rest })
+            }
+            Action::Constant { pat, call } => {
+                let (rest, typed) = (same(), &pending.typed);
+                quote_spanned! {site=>
+                    if let #some(value) =
+                        ::aether_core::forms::emitted::recall(target, || { #(#typed)* #call })
+                    {
+                        let #pat = value;
+                        #rest
+                    }
+                }
+            }
+            Action::Choose { pat, distribution, rule } => {
+                let rest = same();
+                self.choice(&pat.to_token_stream(), distribution, rule.as_ref(), &rest)
+            }
+            Action::LateCoin { name, coin } => {
+                let real = self.real;
+                let pending = pending.factor(quote_spanned! {site=>
+                    factor = factor * ::aether_core::forms::emitted::probability::<#real, _>(
+                        &#coin,
+                        ::core::convert::From::from(#name),
+                    );
+                });
+                let rest = self.rest(steps, end, &pending);
+                quote_spanned!(site=> for #name in [false, true] { #rest })
+            }
+            Action::Late(statement) => {
+                let mut pending = pending.clone();
+                pending.statements.push(statement.to_token_stream());
+                if matches!(statement, Stmt::Local(_)) {
+                    pending.typed.push(statement.to_token_stream());
+                }
+                self.rest(steps, end, &pending)
+            }
+            Action::Draw { name, ty, sampler } => {
+                let mut pending = pending.clone();
+                pending.root = Some(name.clone());
+                let ty = ty.as_ref().map(|ty| quote_spanned!(site=> : #ty));
+                pending.typed.push(self.typed(name, ty));
+                let variable = part(name, "sampler");
+                let rest = self.rest(steps, end, &pending);
+                quote_spanned!(site=> let #variable = #sampler; #rest)
+            }
+            Action::Map { name, map, of } => {
+                let (binding, pending) = self.map(name, map, of, pending);
+                let rest = self.rest(steps, end, &pending);
+                quote_spanned!(site=> #binding #rest)
+            }
+        }
+    }
+
+    fn choice(
+        &self,
+        pat: &TokenStream,
+        distribution: &Expr,
+        rule: Option<&Expr>,
+        rest: &TokenStream,
+    ) -> TokenStream {
+        let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
+        let some = quote_spanned!(site=> ::core::option::Option::Some);
+        match rule {
+            None => quote_spanned! {site=>
+                let distribution = #distribution;
+                ::aether_core::Discrete::<#real>::for_each(&distribution, |item, p| {
+                    let probability = probability * p;
+                    let #pat = item;
+                    #rest
+                });
+            },
+            Some(rule) => quote_spanned! {site=>
+                let distribution = #distribution;
+                let index = ::aether_core::forms::emitted::identify::<#vertex>(target, #rule);
+                if let #some(index) = index
+                    && let #some(choice) =
+                        ::aether_core::Discrete::<#real>::get(&distribution, index)
+                    && choice.probability > <#real as ::aether_core::Real>::ZERO
+                {
+                    let probability = probability * choice.probability;
+                    let #pat = choice.item;
+                    #rest
+                }
+            },
+        }
+    }
+
+    /// `let name = map.apply(&of);` as a random variable.
+    fn map(
+        &self,
+        name: &Ident,
+        map: &Expr,
+        of: &Ident,
+        pending: &Pending,
+    ) -> (TokenStream, Pending) {
+        let (real, site) = (self.real, Span::mixed_site());
+        let (this, sampler, maps) = (part(name, "map"), part(name, "sampler"), part(name, "maps"));
+        let before = part(of, "sampler");
+        let composed = if pending.root.as_ref() == Some(of) {
+            quote_spanned!(site=> #this)
+        } else {
+            let maps_before = part(of, "maps");
+            quote_spanned!(site=> ::aether_core::Then::new(#maps_before, #this))
+        };
+        let mut pending = pending.clone();
+        pending.statements.push(quote_spanned! {site=>
+            let #name = ::aether_core::Map::<#real>::apply(&#this, &#of);
+        });
+        pending.typed.push(self.typed(name, None));
+        let binding = quote_spanned! {site=>
+            let #this = #map;
+            let #sampler = ::aether_core::Then::new(#before, #this);
+            let #maps = #composed;
+        };
+        (binding, pending)
+    }
+
+    fn typed(&self, name: &Ident, ty: Option<TokenStream>) -> TokenStream {
+        let (real, sampler) = (self.real, part(name, "sampler"));
+        quote_spanned! {Span::mixed_site()=>
+            let #name #ty = ::aether_core::forms::emitted::point_of::<#real, _>(&#sampler);
+        }
+    }
+
+    fn end(&self, end: &End<Action, Leaf>, pending: &Pending) -> TokenStream {
+        let (real, site) = (self.real, Span::mixed_site());
+        let block = |plan: &Plan, pending: &Pending| self.rest(&plan.steps, &plan.end, pending);
+        match end {
+            End::Stop => TokenStream::new(),
+            End::Vertex(leaf) => self.leaf(leaf, pending),
+            End::If { condition, late: true, then, otherwise } => {
+                let zero = quote_spanned!(site=> <#real as ::aether_core::Real>::ZERO);
+                let holds = quote_spanned!(site=> if !(#condition) { return #zero; });
+                let fails = quote_spanned!(site=> if #condition { return #zero; });
+                let then = block(then, &pending.factor(holds));
+                let otherwise = block(otherwise, &pending.factor(fails));
+                quote_spanned!(site=> { #then } { #otherwise })
+            }
+            End::If { condition, then, otherwise, .. } => {
+                let (then, otherwise) = (block(then, pending), block(otherwise, pending));
+                quote_spanned!(site=> if #condition { #then } else { #otherwise })
+            }
+            End::Match { value, arms } => {
+                let arms = arms.iter().map(|(pat, arm)| {
+                    let arm = block(arm, pending);
+                    quote_spanned!(site=> #pat => { #arm })
+                });
+                quote_spanned!(site=> match #value { #(#arms)* })
+            }
+        }
+    }
+
+    fn leaf(&self, leaf: &Leaf, pending: &Pending) -> TokenStream {
+        // A space that does not fit the vertex is reported at the vertex expression.
+        let site = leaf.vertex.span().resolved_at(Span::mixed_site());
+        let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
+        let atom = |kind: TokenStream| {
+            quote_spanned! {site=>
+                if kind == ::core::option::Option::Some(#dirac::#kind) { sum += probability; }
+            }
+        };
+        match &leaf.kind {
+            Kind::AtomPosition => atom(quote_spanned!(site=> Position)),
+            Kind::AtomDirection => atom(quote_spanned!(site=> Direction)),
+            Kind::Density(point) => {
+                let value = self.value(point, pending, site);
+                quote_spanned!(site=> if kind.is_none() { sum += probability * #value; })
+            }
+        }
+    }
+
+    fn value(&self, point: &Ident, pending: &Pending, site: Span) -> TokenStream {
+        let (real, vertex) = (self.real, self.vertex);
+        let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+        let sampler = part(point, "sampler");
+        let Some(root) = pending.root.as_ref().filter(|_| pending.weighs) else {
+            return quote_spanned!(site=> #emitted::density::<#vertex, _>(&#sampler, target));
+        };
+        let statements = &pending.statements;
+        let factor = quote_spanned! {site=>
+            |#root| {
+                let mut factor = <#real as ::aether_core::Real>::ONE;
+                #(#statements)*
+                factor
+            }
+        };
+        if root == point {
+            quote_spanned!(site=>
+                #emitted::density_times::<#vertex, _>(&#sampler, target, #factor))
+        } else {
+            let (origin, maps) = (part(root, "sampler"), part(point, "maps"));
+            quote_spanned!(site=>
+                #emitted::density_through::<#vertex, _, _>(&#origin, &#maps, target, #factor))
+        }
+    }
+}

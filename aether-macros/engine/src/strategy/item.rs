@@ -1,0 +1,334 @@
+//! Emits the items of a strategy: the hidden function, the struct, its constructor, the trait.
+
+use proc_macro2::{Span, TokenStream};
+use quote::{ToTokens, quote, quote_spanned};
+use syn::visit_mut::{self, VisitMut};
+use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
+
+use super::names::{FORMS, form, is_stop};
+use super::reads::Reads;
+use super::signature::{Field, Signature};
+use super::tree::{Body, Form, Plan, Step};
+use super::{density, sample};
+
+/// Everything that the attribute emits; without a plan the methods are left unimplemented.
+pub fn item(
+    function: &ItemFn,
+    signature: &Signature,
+    documentation: &str,
+    reads: Reads,
+    plan: Option<&Plan>,
+) -> TokenStream {
+    let hidden = hidden(function, Some(signature));
+    let structure = structure(function, signature);
+    let constructor = constructor(function, signature, documentation);
+    let strategy = strategy(signature, reads, plan);
+    quote!(#structure #constructor #hidden #strategy)
+}
+
+/// The function as it was written, for type checking and editors; nobody can call it.
+pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
+    let mut copy = function.clone();
+    copy.vis = syn::Visibility::Inherited;
+    copy.attrs.retain(is_lint);
+    if let Some(Signature { vertex, path, .. }) = signature {
+        let real = real(vertex);
+        Qualify { real: &real, vertex }.visit_block_mut(&mut copy.block);
+        // A strategy that does not look at the path has the parameter all the same.
+        copy.block.stmts.insert(0, parse_quote!(let _ = &#path;));
+    }
+    quote! {
+        const _: () = {
+            #[allow(dead_code, clippy::needless_pass_by_value, clippy::trivially_copy_pass_by_ref)]
+            #copy
+        };
+    }
+}
+
+fn real(vertex: &Type) -> TokenStream {
+    quote!(<#vertex as ::aether_core::strategy::Vertex>::Real)
+}
+
+fn is_lint(attribute: &Attribute) -> bool {
+    ["allow", "expect", "warn", "deny", "forbid"].iter().any(|l| attribute.path().is_ident(l))
+}
+
+/// Makes the special forms name functions of the runtime.
+struct Qualify<'a> {
+    real: &'a TokenStream,
+    vertex: &'a Type,
+}
+
+impl VisitMut for Qualify<'_> {
+    fn visit_expr_mut(&mut self, expr: &mut Expr) {
+        if let Expr::Return(_) = expr
+            && is_stop(expr)
+            && let Expr::Return(ret) = expr
+            && let Some(stop) = ret.expr.take()
+        {
+            *expr = *stop;
+        }
+        if let Expr::MethodCall(call) = expr
+            && call.method == "identified_by"
+            && let Some((name, choice)) = form(&call.receiver)
+            && name == "choose"
+        {
+            let (real, vertex) = (self.real, self.vertex);
+            let (distribution, rule) = (&choice.args, &call.args);
+            let function = Ident::new("choose_identified", name.span());
+            *expr = parse_quote! {
+                ::aether_core::forms::#function::<#vertex, #real, _>(#distribution, #rule)
+            };
+        } else if let Some((name, call)) = form(expr) {
+            let real = self.real;
+            let generics = match FORMS.iter().position(|form| name == form) {
+                Some(0 | 1) => quote!(::<#real, _>),
+                _ => TokenStream::new(),
+            };
+            let arguments = &call.args;
+            *expr = parse_quote!(::aether_core::forms::#name #generics (#arguments));
+        }
+        visit_mut::visit_expr_mut(self, expr);
+    }
+    fn visit_item_mut(&mut self, _: &mut syn::Item) {}
+}
+
+fn names(fields: &[Field]) -> Vec<&Ident> {
+    fields.iter().map(|field| &field.name).collect()
+}
+
+/// The struct, and `Clone` for it.
+fn structure(function: &ItemFn, signature: &Signature) -> TokenStream {
+    let Signature { name, generics, fields, .. } = signature;
+    let visibility = &function.vis;
+    let (implementation, arguments, conditions) = generics.split_for_impl();
+    let names = names(fields);
+    let types: Vec<_> = fields.iter().map(|field| &field.ty).collect();
+    let (marker, marker_type) = marker(signature);
+    let marker_field = marker_type.map(|ty| quote!(#marker: #ty,));
+    let marker_value = marker_field.as_ref().map(|_| quote!(#marker: ::core::marker::PhantomData,));
+    let documentation = format!("The strategy that [`{}`](fn@{0}) returns.", function.sig.ident);
+    let cloned = cloneable(signature);
+    let conditions_and = and(conditions, &cloned);
+    quote! {
+        #[doc = #documentation]
+        #visibility struct #name #generics #conditions { #(#names: #types,)* #marker_field }
+
+        #[automatically_derived]
+        #[allow(clippy::all, clippy::pedantic)]
+        impl #implementation ::core::clone::Clone for #name #arguments #conditions_and {
+            #[inline]
+            fn clone(&self) -> Self {
+                Self { #(#names: ::core::clone::Clone::clone(&self.#names),)* #marker_value }
+            }
+        }
+    }
+}
+
+/// What cloning asks of the parameters: nothing of references.
+fn cloneable(signature: &Signature) -> Vec<TokenStream> {
+    let owned = signature.fields.iter().map(|field| &field.ty).filter(|ty| !is_reference(ty));
+    owned.map(|ty| quote!(#ty: ::core::clone::Clone)).collect()
+}
+
+fn is_reference(ty: &Type) -> bool {
+    matches!(ty, Type::Reference(reference) if reference.mutability.is_none())
+}
+
+fn and(conditions: Option<&syn::WhereClause>, more: &[TokenStream]) -> TokenStream {
+    let given = conditions.map(|clause| {
+        let predicates = clause.predicates.iter();
+        quote!(#(#predicates,)*)
+    });
+    quote!(where #given #(#more,)*)
+}
+
+/// The field that stands for generics which no parameter mentions.
+fn marker(signature: &Signature) -> (Ident, Option<TokenStream>) {
+    let mut name = "marker".to_owned();
+    while signature.fields.iter().any(|field| field.name == name) {
+        name.push('_');
+    }
+    let unused = signature.unused.iter().map(|parameter| match parameter {
+        GenericParam::Lifetime(parameter) => {
+            let lifetime = &parameter.lifetime;
+            quote!(&#lifetime ())
+        }
+        GenericParam::Type(parameter) => parameter.ident.to_token_stream(),
+        GenericParam::Const(_) => TokenStream::new(),
+    });
+    let unused: Vec<_> = unused.collect();
+    let ty =
+        (!unused.is_empty()).then(|| quote!(::core::marker::PhantomData<fn() -> (#(#unused,)*)>));
+    (Ident::new(&name, Span::mixed_site()), ty)
+}
+
+fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) -> TokenStream {
+    let Signature { name, generics, fields, .. } = signature;
+    let (visibility, ident) = (&function.vis, &function.sig.ident);
+    let (_, arguments, conditions) = generics.split_for_impl();
+    let attributes = function.attrs.iter().filter(|attribute| !is_lint(attribute));
+    let names = names(fields);
+    let types = fields.iter().map(|field| &field.ty);
+    let (marker, marker_type) = marker(signature);
+    let marker = marker_type.map(|_| quote!(#marker: ::core::marker::PhantomData));
+    quote! {
+        #(#attributes)*
+        #[doc = #documentation]
+        #[must_use]
+        #[allow(clippy::all, clippy::pedantic)]
+        #visibility fn #ident #generics (#(#names: #types),*) -> #name #arguments #conditions {
+            #name { #(#names,)* #marker }
+        }
+    }
+}
+
+fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
+    let Signature { name, vertex, generics, .. } = signature;
+    let (implementation, arguments, conditions) = generics.split_for_impl();
+    let conditions = and(conditions, &cloneable(signature));
+    let real = real(vertex);
+    let site = Span::mixed_site();
+    let prelude = prelude(signature);
+    let (sample, pdf) = match plan {
+        Some(plan) => {
+            let sample = sample::sample(plan, &real);
+            let pdf = density::density(plan, vertex, &real);
+            (quote!(#prelude #sample), quote!(#prelude #pdf))
+        }
+        None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
+    };
+    let Reads { vertices, length } = reads;
+    let vertices =
+        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
+    let same = same(&signature.fields);
+    let module = quote!(::aether_core::strategy);
+    quote_spanned! {site=>
+        #[automatically_derived]
+        #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
+        impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
+            fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+                &self,
+                view: ::aether_core::sequence::PathView<'_, #vertex>,
+                uniforms: &mut U,
+            ) -> ::core::option::Option<#module::Drawn<#vertex>> {
+                #sample
+            }
+
+            fn pdf(
+                &self,
+                view: ::aether_core::sequence::PathView<'_, #vertex>,
+                target: &#vertex,
+            ) -> #module::Conditional<#real> {
+                #pdf
+            }
+
+            fn reads(&self) -> #module::Reads {
+                #module::Reads { vertices: #vertices, length: #length }
+            }
+
+            fn same(&self, other: &Self) -> bool {
+                #same
+            }
+        }
+    }
+}
+
+/// Binds the parameters to their names.
+fn prelude(signature: &Signature) -> TokenStream {
+    let site = Span::mixed_site();
+    let path = &signature.path;
+    let reference = signature.path_by_reference.then(|| quote!(&));
+    let fields = signature.fields.iter().map(|field| {
+        let Field { name, mutable, ty } = field;
+        let mutable = mutable.then(|| quote!(mut));
+        if is_reference(ty) {
+            quote_spanned!(site=> let #mutable #name = self.#name;)
+        } else {
+            quote_spanned!(site=> let #mutable #name = ::core::clone::Clone::clone(&self.#name);)
+        }
+    });
+    quote_spanned!(site=> let #path = #reference view; #(#fields)*)
+}
+
+/// Whether two strategies have the same arguments, as far as that can be told: references by
+/// address, numbers by value.
+fn same(fields: &[Field]) -> TokenStream {
+    let site = Span::mixed_site();
+    let equal = fields.iter().map(|Field { name, ty, .. }| {
+        if is_reference(ty) {
+            quote_spanned!(site=> ::core::ptr::eq(self.#name, other.#name))
+        } else if is_number(ty) {
+            quote_spanned!(site=> self.#name == other.#name)
+        } else {
+            quote_spanned!(site=> false)
+        }
+    });
+    quote_spanned!(site=> true #(&& #equal)*)
+}
+
+fn is_number(ty: &Type) -> bool {
+    const NUMBERS: [&str; 15] = [
+        "bool", "char", "f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16",
+        "u32", "u64", "usize",
+    ];
+    matches!(ty, Type::Path(path) if NUMBERS.iter().any(|number| path.path.is_ident(number)))
+}
+
+/// What the density sums over, as Markdown.
+pub fn documentation(body: &Body) -> String {
+    let mut lines = Vec::new();
+    let mut add = |line: String| {
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    };
+    let mut ends = 0;
+    body.walk(
+        &mut |step| {
+            if let Step::Bind { pat, form } = step {
+                add(describe(&source(pat), form));
+            }
+        },
+        &mut |_| ends += 1,
+    );
+    let lines: String = lines.iter().map(|line| format!("\n- {line}")).collect();
+    let ways = if ends == 1 { "one way".to_owned() } else { format!("{ends} ways") };
+    format!(
+        "\n\n# Distribution\n\nDerived: the density sums over all outcomes of the discrete choices, \
+         and {ways} to make the vertex.\n{lines}"
+    )
+}
+
+fn describe(name: &str, form: &Form) -> String {
+    match form {
+        Form::Choose { distribution, rule: None } => {
+            format!("choice `{name}` of `{}`, enumerated", source(distribution))
+        }
+        Form::Choose { distribution, rule: Some(_) } => {
+            format!("choice `{name}` of `{}`, identified from the vertex", source(distribution))
+        }
+        Form::Draw(sampler) => format!("random variable `{name}` of `{}`", source(sampler)),
+        Form::Constant(call) => {
+            format!("locally constant `{name}` of `{}`, read from the vertex", source(call))
+        }
+        Form::Given(value) => format!("given `{name}`, `{}`", source(value)),
+    }
+}
+
+/// Tokens as they are usually written.
+fn source(tokens: &impl ToTokens) -> String {
+    const TIGHT: [(&str, &str); 9] = [
+        (" . ", "."),
+        (" (", "("),
+        ("( ", "("),
+        (" )", ")"),
+        (" ,", ","),
+        (" :: ", "::"),
+        ("& ", "&"),
+        (":: ", "::"),
+        (" ::", "::"),
+    ];
+    let text = tokens.to_token_stream().to_string().replace(['\n', '`'], " ");
+    TIGHT.iter().fold(text, |text, (loose, tight)| text.replace(loose, tight))
+}

@@ -1,0 +1,187 @@
+//! The body of a strategy as a tree in which every path of execution ends in a leaf.
+
+use syn::{Expr, Ident, Pat, Stmt, Type};
+
+/// Statements, and how they end. What follows a branch is part of each of its arms.
+#[derive(Debug)]
+pub struct Block<S, L> {
+    /// In order of execution.
+    pub steps: Vec<S>,
+    /// What comes after them.
+    pub end: End<S, L>,
+}
+
+/// The end of a [`Block`]: a leaf, or a branch.
+#[derive(Debug)]
+pub enum End<S, L> {
+    /// No next vertex.
+    Stop,
+    /// A next vertex.
+    Vertex(L),
+    /// `if`, also `if let`.
+    If {
+        /// The condition.
+        condition: Expr,
+        /// Whether the condition depends on what was drawn.
+        late: bool,
+        /// Where it holds.
+        then: Box<Block<S, L>>,
+        /// Where it does not.
+        otherwise: Box<Block<S, L>>,
+    },
+    /// `match`.
+    Match {
+        /// What is matched.
+        value: Expr,
+        /// Patterns (with their guards) and what they lead to.
+        arms: Vec<(Pat, Block<S, L>)>,
+    },
+}
+
+/// The body as it is written.
+pub type Body = Block<Step, Expr>;
+
+/// A statement as it is written.
+#[derive(Debug)]
+pub enum Step {
+    /// A statement without special forms.
+    Plain(Stmt),
+    /// `let pat = value else { return stop(); };`
+    LetElse {
+        /// What is bound.
+        pat: Pat,
+        /// The value.
+        value: Expr,
+    },
+    /// `let pat = form(..);`
+    Bind {
+        /// What is bound.
+        pat: Pat,
+        /// The special form.
+        form: Form,
+    },
+}
+
+/// A special form and its argument.
+#[derive(Debug)]
+pub enum Form {
+    /// `choose(distribution)`, `choose(distribution).identified_by(rule)`.
+    Choose {
+        /// The distribution.
+        distribution: Expr,
+        /// How to tell the outcome from the vertex.
+        rule: Option<Expr>,
+    },
+    /// `draw(sampler)`.
+    Draw(Expr),
+    /// `constant(call)`.
+    Constant(Expr),
+    /// `given(option)`.
+    Given(Expr),
+}
+
+/// The body after analysis.
+pub type Plan = Block<Action, Leaf>;
+
+/// A statement after analysis.
+#[derive(Debug)]
+pub enum Action {
+    /// The same in sampling and density.
+    Plain(Stmt),
+    /// Depends on what was drawn: in a density it is evaluated after inversion.
+    Late(Stmt),
+    /// The same in sampling and density; no vertex if the pattern does not match.
+    LetElse {
+        /// What is bound.
+        pat: Pat,
+        /// The value.
+        value: Expr,
+    },
+    /// A choice that is enumerated, or identified by a rule.
+    Choose {
+        /// What is bound to the item.
+        pat: Pat,
+        /// The distribution.
+        distribution: Expr,
+        /// How to tell the outcome from the vertex.
+        rule: Option<Expr>,
+    },
+    /// A coin whose probability depends on what was drawn: enumerated before inversion, weighed
+    /// after it.
+    LateCoin {
+        /// The outcome.
+        name: Ident,
+        /// The coin.
+        coin: Expr,
+    },
+    /// A continuous random variable.
+    Draw {
+        /// Its value.
+        name: Ident,
+        /// Annotated type.
+        ty: Option<Type>,
+        /// The random variable.
+        sampler: Expr,
+    },
+    /// A map of a random point.
+    Map {
+        /// The image.
+        name: Ident,
+        /// The map.
+        map: Expr,
+        /// The point that it is applied to.
+        of: Ident,
+    },
+    /// A locally constant call.
+    Constant {
+        /// What is bound to its value.
+        pat: Pat,
+        /// The call.
+        call: Expr,
+    },
+    /// A deterministic value that may be missing.
+    Given {
+        /// What is bound to it.
+        pat: Pat,
+        /// The value.
+        value: Expr,
+    },
+}
+
+/// A next vertex.
+#[derive(Debug)]
+pub struct Leaf {
+    /// The expression that makes it.
+    pub vertex: Expr,
+    /// How it is distributed.
+    pub kind: Kind,
+    /// Whether it was found from the vertex before by a ray cast.
+    pub visible: bool,
+}
+
+/// How a vertex is distributed once the choices are made.
+#[derive(Debug)]
+pub enum Kind {
+    /// With the density of this random point.
+    Density(Ident),
+    /// It is at a fixed position.
+    AtomPosition,
+    /// It lies in a fixed direction from the vertex before.
+    AtomDirection,
+}
+
+impl<S, L> Block<S, L> {
+    /// Calls `visit` with each statement of the tree, and then `leaf` with each vertex.
+    pub fn walk(&self, visit: &mut impl FnMut(&S), leaf: &mut impl FnMut(&L)) {
+        self.steps.iter().for_each(&mut *visit);
+        match &self.end {
+            End::Stop => {}
+            End::Vertex(vertex) => leaf(vertex),
+            End::If { then, otherwise, .. } => {
+                then.walk(visit, leaf);
+                otherwise.walk(visit, leaf);
+            }
+            End::Match { arms, .. } => arms.iter().for_each(|(_, arm)| arm.walk(visit, leaf)),
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! From a scene file and the command line to something that can be rendered.
+
+use super::Failure;
+use super::arguments::{RenderArguments, check_size};
+use crate::render::AnyKernel;
+use crate::scene::Scene;
+
+/// What an integrator is asked for: the scene's settings, overridden by the command line.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Plan {
+    /// The name of the integrator.
+    pub integrator: String,
+    /// Columns and rows of the image.
+    pub size: (u32, u32),
+    /// Samples per pixel, unless a time is given.
+    pub samples: u32,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// The longest path in edges as Mitsuba counts them, or `None` for any length.
+    pub max_depth: Option<u32>,
+    /// The path length from which Russian roulette may end a path.
+    pub rr_depth: u32,
+}
+
+impl Plan {
+    /// The settings of a scene with those of the command line in their place.
+    pub fn new(scene: &Scene, arguments: &RenderArguments) -> Self {
+        let requested = &scene.integrator;
+        Self {
+            integrator: arguments.integrator.clone().unwrap_or_else(|| requested.name.clone()),
+            size: (scene.film.width, scene.film.height),
+            samples: arguments.spp.unwrap_or(scene.sampler.sample_count),
+            seed: arguments.seed.unwrap_or(scene.sampler.seed),
+            // -1 has no counterpart in u32: no limit.
+            max_depth: arguments.max_depth.map_or(requested.max_depth, |d| u32::try_from(d).ok()),
+            rr_depth: requested.rr_depth,
+        }
+    }
+}
+
+/// Reads the scene file that the command line names, with the size that it asks for.
+pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
+    let mut scene = Scene::load(&arguments.scene, &arguments.defines)?;
+    if let Some(size) = arguments.size {
+        resize(&mut scene, size)?;
+    }
+    check_size((scene.film.width, scene.film.height))
+        .map_err(|error| Failure::new(format!("image size {error}")))?;
+    Ok(scene)
+}
+
+/// Changes the resolution. The field of view belongs to an axis that depends on the proportions,
+/// so these must stay.
+fn resize(scene: &mut Scene, (width, height): (u32, u32)) -> Result<(), Failure> {
+    let film = &mut scene.film;
+    if u64::from(width) * u64::from(film.height) != u64::from(height) * u64::from(film.width) {
+        return Err(Failure::new(format!(
+            "--size {width}x{height} changes the proportions of the scene's {}x{} pixels; \
+             change its film instead",
+            film.width, film.height
+        )));
+    }
+    (film.width, film.height) = (width, height);
+    (scene.camera.width, scene.camera.height) = (width, height);
+    Ok(())
+}
+
+/// The integrator called `plan.integrator` with the settings of `plan`.
+pub(super) fn kernel_for<'a>(
+    _scene: &'a Scene,
+    plan: &Plan,
+) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
+    let name = &plan.integrator;
+    Err(Failure::new(format!("integrator `{name}` is not available; this build has none")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    const SCENE: &str = r#"<scene version="3.0.0">
+        <integrator type="path"><integer name="max_depth" value="7"/></integrator>
+        <sensor type="perspective">
+            <float name="fov" value="40"/>
+            <film type="hdrfilm">
+                <integer name="width" value="80"/><integer name="height" value="60"/>
+            </film>
+            <sampler type="independent"><integer name="sample_count" value="9"/></sampler>
+        </sensor>
+        <shape type="sphere"><bsdf type="diffuse"/></shape>
+    </scene>"#;
+
+    fn arguments(line: &[&str]) -> RenderArguments {
+        let line = ["aether", "render", "scene.xml"].iter().chain(line);
+        match super::super::Arguments::parse_from(line).command {
+            super::super::Command::Render(arguments) => arguments,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn scene() -> Scene {
+        Scene::from_str(SCENE, std::path::Path::new("."), &[]).unwrap()
+    }
+
+    #[test]
+    fn the_scene_decides_what_the_command_line_leaves_open() {
+        let plan = Plan::new(&scene(), &arguments(&[]));
+        assert_eq!((plan.integrator.as_str(), plan.size), ("path", (80, 60)));
+        assert_eq!((plan.samples, plan.seed, plan.max_depth), (9, 0, Some(7)));
+    }
+
+    #[test]
+    fn the_command_line_wins() {
+        let line = ["--integrator", "bdpt", "--spp", "3", "--seed", "5", "--max-depth", "-1"];
+        let plan = Plan::new(&scene(), &arguments(&line));
+        assert_eq!((plan.integrator.as_str(), plan.samples), ("bdpt", 3));
+        assert_eq!((plan.seed, plan.max_depth), (5, None));
+        let plan = Plan::new(&scene(), &arguments(&["--max-depth", "0"]));
+        assert_eq!(plan.max_depth, Some(0));
+    }
+
+    #[test]
+    fn the_size_keeps_the_proportions() {
+        let mut scene = scene();
+        resize(&mut scene, (8, 6)).unwrap();
+        assert_eq!((scene.film.width, scene.camera.height), (8, 6));
+        assert!(resize(&mut scene, (8, 8)).unwrap_err().to_string().contains("proportions"));
+    }
+}

@@ -1,0 +1,222 @@
+//! `aether render`: from a scene file to an EXR and a PNG.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::arguments::RenderArguments;
+use super::kernel::{Plan, kernel_for, load};
+use super::terminal::{Terminal, duration, percent};
+use super::{Failure, INTERRUPTED, print, warn};
+use crate::image::exr::{Attribute, Exr};
+use crate::image::{check_writable, png};
+use crate::render::film::relative_error;
+use crate::render::{Budget, RenderSettings, Rendered, render};
+
+/// Loads the scene, renders it and writes both files. After Ctrl-C, what has been rendered.
+pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
+    let output = output_path(arguments)?;
+    check_writable(&output)?;
+    let scene = load(arguments)?;
+    let plan = Plan::new(&scene, arguments);
+    let kernel = kernel_for(&scene, &plan)?;
+
+    let terminal = Terminal::new();
+    let settings = RenderSettings {
+        size: plan.size,
+        budget: arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds),
+        threads: arguments.threads,
+    };
+    let rendered = render(kernel.as_ref(), &settings, &terminal);
+    terminal.finish();
+    if rendered.film.samples().1 == 0 {
+        warn("interrupted before the first sample; no file is written");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    warn_about(&rendered);
+    let picture = write_files(&output, &plan, arguments, &rendered)?;
+    print(&summary(&output, picture.as_deref(), &rendered))?;
+    Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// The EXR file to write: by default, the name of the scene in the current directory.
+fn output_path(arguments: &RenderArguments) -> Result<PathBuf, Failure> {
+    let Some(output) = &arguments.output else {
+        let Some(stem) = arguments.scene.file_stem() else {
+            let scene = arguments.scene.display();
+            return Err(Failure::new(format!("`{scene}` is not the name of a scene file")));
+        };
+        let mut name = stem.to_owned();
+        name.push(".exr");
+        return Ok(name.into());
+    };
+    let is_exr = |extension: &OsStr| extension.eq_ignore_ascii_case("exr");
+    if output.extension().is_none_or(is_exr) {
+        return Ok(output.clone());
+    }
+    let output = output.display();
+    Err(Failure::new(format!("the output `{output}` must end in .exr; a PNG is written beside it")))
+}
+
+/// Writes the EXR and, unless the output is a device, the PNG, whose path is returned.
+fn write_files(
+    output: &Path,
+    plan: &Plan,
+    arguments: &RenderArguments,
+    rendered: &Rendered,
+) -> Result<Option<PathBuf>, Failure> {
+    let rgb = rendered.film.image();
+    let variance = rendered.film.variance();
+    let exr = Exr { rgb, variance, attributes: attributes(plan, arguments, rendered) };
+    exr.write(output)?;
+    if !output.is_file() {
+        return Ok(None);
+    }
+    let picture = output.with_extension("png");
+    png::write(&exr.rgb, &picture)?;
+    Ok(Some(picture))
+}
+
+/// How the image was made, for the header of the file.
+fn attributes(
+    plan: &Plan,
+    arguments: &RenderArguments,
+    rendered: &Rendered,
+) -> BTreeMap<String, Attribute> {
+    let max_depth = plan.max_depth.map_or("-1".to_owned(), |depth| depth.to_string());
+    let mut settings = format!("max_depth={max_depth} rr_depth={}", plan.rr_depth);
+    for (name, value) in &arguments.defines {
+        settings += &format!(" -D {name}={value}");
+    }
+    let text = |text: &str| Attribute::Text(text.to_owned());
+    let count = |samples: u32| Attribute::Integer(i32::try_from(samples).unwrap_or(i32::MAX));
+    let (fewest, most) = rendered.film.samples();
+    let mut attributes = BTreeMap::from([
+        ("scene", text(&arguments.scene.to_string_lossy())),
+        ("integrator", text(&plan.integrator)),
+        ("settings", text(&settings)),
+        // As text, for a seed has 64 bits and an integer attribute 32.
+        ("seed", text(&plan.seed.to_string())),
+        ("samples", count(fewest)),
+        ("seconds", Attribute::Number(rendered.seconds)),
+        ("program", text(concat!("aether ", env!("CARGO_PKG_VERSION")))),
+    ]);
+    if most != fewest {
+        attributes.insert("samplesMost", count(most));
+    }
+    attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+fn warn_about(rendered: &Rendered) {
+    if rendered.invalid_samples > 0 {
+        warn(&format!(
+            "warning: {} samples were NaN or infinite and count as black; \
+             the image is too dark there",
+            rendered.invalid_samples
+        ));
+    }
+    if rendered.film.samples().0 < 2 {
+        warn("warning: a pixel has fewer than two samples, so no variance is written");
+    }
+    if rendered.cancelled {
+        warn("interrupted; the image so far is kept");
+    }
+}
+
+/// One line about the files written and the quality reached.
+fn summary(output: &Path, picture: Option<&Path>, rendered: &Rendered) -> String {
+    let samples = match rendered.film.samples() {
+        (fewest, most) if fewest == most => format!("{most}"),
+        (fewest, most) => format!("{fewest} to {most}"),
+    };
+    let files = [Some(output), picture].into_iter().flatten();
+    let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
+    let mut line = format!(
+        "{}: {samples} samples per pixel in {}",
+        files.join(", "),
+        duration(rendered.seconds)
+    );
+    if let Some(error) = relative_error(rendered.film.pixels().iter()) {
+        line += &format!(", error {}", percent(error));
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::PixelKernel;
+    use clap::Parser;
+
+    /// Two values in turn: mean 2, variance of the mean of four samples 1/3.
+    struct Alternating;
+
+    impl PixelKernel for Alternating {
+        type Scratch = ();
+
+        fn scratch(&self) {}
+
+        fn sample(&self, _: &mut (), _: (u32, u32), sample: u32) -> [f32; 3] {
+            [1.0 + 2.0 * (sample % 2) as f32; 3]
+        }
+    }
+
+    fn arguments(line: &[&str]) -> RenderArguments {
+        let line = ["aether", "render"].iter().chain(line);
+        match super::super::Arguments::parse_from(line).command {
+            super::super::Command::Render(arguments) => arguments,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn output_names() {
+        let name = |line: &[&str]| output_path(&arguments(line)).map_err(|e| e.to_string());
+        assert_eq!(name(&["scenes/a.b.xml"]), Ok("a.b.exr".into()));
+        assert_eq!(name(&["a.xml", "-o", "x/y.EXR"]), Ok("x/y.EXR".into()));
+        assert!(name(&["a.xml", "-o", "y.png"]).unwrap_err().contains("must end in .exr"));
+        assert!(name(&[".."]).is_err());
+    }
+
+    #[test]
+    fn files_carry_pixels_variance_and_history() {
+        let plan = Plan {
+            integrator: "path".to_owned(),
+            size: (7, 5),
+            samples: 4,
+            seed: u64::MAX,
+            max_depth: None,
+            rr_depth: 5,
+        };
+        let settings =
+            RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };
+        let rendered = render(&Alternating, &settings, &());
+        let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
+        let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);
+        let picture = write_files(&output, &plan, &arguments, &rendered).unwrap().unwrap();
+        assert_eq!(picture, output.with_extension("png"));
+        let exr = Exr::read(&output).unwrap();
+        std::fs::remove_file(&output).unwrap();
+        std::fs::remove_file(&picture).unwrap();
+
+        assert_eq!(exr.rgb.pixel(6, 4), [2.0; 3]);
+        assert_eq!(exr.variance.unwrap().pixel(0, 0), [1.0 / 3.0; 3]);
+        let text = |text: &str| Attribute::Text(text.to_owned());
+        assert_eq!(exr.attributes["scene"], text("box.xml"));
+        assert_eq!(exr.attributes["integrator"], text("path"));
+        assert_eq!(exr.attributes["settings"], text("max_depth=-1 rr_depth=5 -D a=1 -D b=2"));
+        assert_eq!(exr.attributes["seed"], text("18446744073709551615"));
+        assert_eq!(exr.attributes["samples"], Attribute::Integer(4));
+        assert!(matches!(exr.attributes["seconds"], Attribute::Number(s) if s > 0.0));
+        assert!(
+            matches!(&exr.attributes["program"], Attribute::Text(v) if v.starts_with("aether"))
+        );
+
+        let line = summary(&output, Some(&picture), &rendered);
+        assert!(
+            line.contains("4 samples per pixel in") && line.ends_with("error 28.9 %"),
+            "{line}"
+        );
+    }
+}

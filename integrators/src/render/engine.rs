@@ -1,0 +1,338 @@
+//! Passes over tiles by all cores.
+
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use super::film::{Film, PixelEstimate, relative_error};
+use super::passes::next_pass;
+use super::progress::{Observer, Progress};
+use super::{AnyKernel, Budget, RenderSettings, Worker};
+
+/// The side of a tile in pixels.
+const TILE: u32 = 16;
+
+/// The outcome of [`render`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// The pixels. All have the same number of samples, unless the render was cancelled.
+    pub film: Film,
+    /// Seconds from start to end.
+    pub seconds: f64,
+    /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
+    /// kernel.
+    pub invalid_samples: u64,
+    /// Whether the observer ended the render before the budget was used.
+    pub cancelled: bool,
+}
+
+/// Renders an image: evaluates the kernel for each pixel until the budget is used or the observer
+/// cancels. See the [module](super) for how work is distributed.
+pub fn render(
+    kernel: &dyn AnyKernel,
+    settings: &RenderSettings,
+    observer: &dyn Observer,
+) -> Rendered {
+    let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
+    let mut job = Job {
+        kernel,
+        observer,
+        budget: settings.budget,
+        tiles: tiles(settings.size),
+        threads: settings.threads.unwrap_or_else(cores).max(1),
+        start: Instant::now(),
+        done: 0,
+        error: None,
+        invalid: AtomicU64::new(0),
+    };
+    let mut cancelled = observer.cancelled();
+    while !cancelled && let Some(samples) = next_pass(job.budget, job.done, job.seconds()) {
+        job.run_pass(samples);
+        cancelled = observer.cancelled() && !job.complete(job.done + samples);
+        job.end_pass(samples);
+    }
+    let seconds = job.seconds();
+    let invalid_samples = job.invalid.load(Ordering::Relaxed);
+    Rendered { film: assemble(settings.size, job.tiles), seconds, invalid_samples, cancelled }
+}
+
+/// A render in progress.
+struct Job<'a> {
+    kernel: &'a dyn AnyKernel,
+    observer: &'a dyn Observer,
+    budget: Budget,
+    /// Each is locked once for each pass, by the one thread that drew it.
+    tiles: Vec<Mutex<Tile>>,
+    threads: usize,
+    start: Instant,
+    /// Samples of each pixel after the last complete pass, and the relative error then.
+    done: u32,
+    error: Option<f64>,
+    invalid: AtomicU64,
+}
+
+impl Job<'_> {
+    fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Adds `samples` to each pixel, or fewer if the observer cancels.
+    fn run_pass(&self, samples: u32) {
+        let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let work = || {
+            let mut worker = self.kernel.worker();
+            while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+                self.run_tile(&mut lock(tile), samples, &mut worker);
+                if self.observer.cancelled() {
+                    return;
+                }
+                let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                self.observer.progress(&self.progress(samples, finished));
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..self.threads.min(self.tiles.len()) {
+                scope.spawn(work);
+            }
+        });
+    }
+
+    fn run_tile(&self, tile: &mut Tile, samples: u32, worker: &mut Worker<'_>) {
+        let mut invalid = 0;
+        for (index, pixel) in tile.pixels.iter_mut().enumerate() {
+            if self.observer.cancelled() {
+                break;
+            }
+            let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
+            let position = (tile.origin.0 + dx, tile.origin.1 + dy);
+            for number in self.done..self.done + samples {
+                let value = worker(position, number);
+                let valid = value.iter().all(|v| v.is_finite());
+                pixel.add(if valid { value } else { [0.0; 3] });
+                invalid += u64::from(!valid);
+            }
+        }
+        self.invalid.fetch_add(invalid, Ordering::Relaxed);
+    }
+
+    /// The state when `finished` tiles of a pass of `samples` are done.
+    fn progress(&self, samples: u32, finished: usize) -> Progress {
+        let seconds = self.seconds();
+        let part = finished as f64 / self.tiles.len() as f64;
+        let fraction = match self.budget {
+            Budget::Samples(total) => {
+                (f64::from(self.done) + part * f64::from(samples)) / f64::from(total)
+            }
+            Budget::Seconds(limit) => seconds / limit,
+        };
+        let fraction = fraction.clamp(0.0, 1.0);
+        Progress { fraction, seconds, samples: self.done, relative_error: self.error }
+    }
+
+    /// Whether each pixel has `samples` samples.
+    fn complete(&self, samples: u32) -> bool {
+        let all = |tile: &Mutex<Tile>| lock(tile).pixels.iter().all(|p| p.count() == samples);
+        self.tiles.iter().all(all) && next_pass(self.budget, samples, self.seconds()).is_none()
+    }
+
+    fn end_pass(&mut self, samples: u32) {
+        self.done += samples;
+        let tiles: Vec<_> = self.tiles.iter().map(lock).collect();
+        self.error = relative_error(tiles.iter().flat_map(|tile| &tile.pixels));
+    }
+}
+
+/// A square part of the image (smaller at the right and lower border).
+struct Tile {
+    origin: (u32, u32),
+    width: u32,
+    pixels: Vec<PixelEstimate>,
+}
+
+/// Cuts an image into tiles, row by row from the top left.
+fn tiles((width, height): (u32, u32)) -> Vec<Mutex<Tile>> {
+    let mut tiles = Vec::new();
+    for y in (0..height).step_by(TILE as usize) {
+        for x in (0..width).step_by(TILE as usize) {
+            let (columns, rows) = (TILE.min(width - x), TILE.min(height - y));
+            let pixels = vec![PixelEstimate::default(); (columns * rows) as usize];
+            tiles.push(Mutex::new(Tile { origin: (x, y), width: columns, pixels }));
+        }
+    }
+    tiles
+}
+
+fn assemble(size: (u32, u32), tiles: Vec<Mutex<Tile>>) -> Film {
+    let mut film = Film::new(size);
+    for tile in tiles {
+        let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for (index, pixel) in tile.pixels.into_iter().enumerate() {
+            let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
+            *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = pixel;
+        }
+    }
+    film
+}
+
+/// Locks a tile. A thread that panicked ends the render anyway, so its poison does not matter.
+fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
+    tile.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::PixelKernel;
+    use std::sync::atomic::AtomicU32;
+
+    /// Noise whose mean is known: a hash of pixel and sample number, scaled to [0, 2 mean).
+    struct Noise;
+
+    impl PixelKernel for Noise {
+        type Scratch = Vec<u8>;
+
+        fn scratch(&self) -> Vec<u8> {
+            Vec::new()
+        }
+
+        fn sample(&self, _: &mut Vec<u8>, pixel: (u32, u32), sample: u32) -> [f32; 3] {
+            let seed = u64::from(pixel.0) << 42 | u64::from(pixel.1) << 21 | u64::from(sample);
+            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            [1.0, 2.0, 0.0].map(|mean| {
+                state = (state ^ (state >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+                2.0 * mean * (state >> 40) as f32 / (1u32 << 24) as f32
+            })
+        }
+    }
+
+    fn settings(samples: u32, threads: usize) -> RenderSettings {
+        let budget = Budget::Samples(samples);
+        RenderSettings { size: (37, 21), budget, threads: Some(threads) }
+    }
+
+    #[test]
+    fn the_image_does_not_depend_on_threads() {
+        let one = render(&Noise, &settings(150, 1), &());
+        for threads in [2, 3, 16, 100] {
+            let many = render(&Noise, &settings(150, threads), &());
+            assert!(one.film == many.film, "{threads} threads");
+        }
+        assert_eq!((one.film.samples(), one.cancelled), ((150, 150), false));
+    }
+
+    #[test]
+    fn mean_and_variance_are_right() {
+        let film = render(&Noise, &settings(1000, 2), &()).film;
+        let (image, variance) = (film.image(), film.variance().unwrap());
+        let pixels = image.pixels().len() as f64;
+        for (channel, mean) in [(0, 1.0), (1, 2.0)] {
+            let average = |i: &crate::image::RgbImage| {
+                i.pixels().iter().map(|p| f64::from(p[channel])).sum::<f64>() / pixels
+            };
+            // The variance of a uniform number in [0, 2m) is m² / 3.
+            let expected = mean * mean / 3.0 / 1000.0;
+            approx::assert_relative_eq!(average(&variance), expected, max_relative = 0.01);
+            let error = (expected / pixels).sqrt();
+            assert!((average(&image) - mean).abs() < 4.0 * error, "{}", average(&image));
+        }
+        assert!(variance.pixels().iter().all(|p| p[2] == 0.0));
+    }
+
+    #[test]
+    fn a_short_time_gives_one_sample_each() {
+        let budget = Budget::Seconds(1e-9);
+        let rendered = render(&Noise, &RenderSettings { budget, ..settings(1, 2) }, &());
+        assert_eq!((rendered.film.samples(), rendered.cancelled), ((1, 1), false));
+        assert_eq!(rendered.film.variance(), None);
+    }
+
+    #[test]
+    fn time_ends_with_equal_sample_numbers() {
+        let budget = Budget::Seconds(0.02);
+        let film = render(&Noise, &RenderSettings { budget, ..settings(1, 2) }, &()).film;
+        let (fewest, most) = film.samples();
+        assert_eq!(fewest, most);
+        let same = render(&Noise, &settings(most, 1), &()).film;
+        assert!(film == same, "the same number of samples gives the same image");
+    }
+
+    /// NaN in one sample of each pixel, negative infinity in another.
+    struct Broken;
+
+    impl PixelKernel for Broken {
+        type Scratch = ();
+
+        fn scratch(&self) {}
+
+        fn sample(&self, _: &mut (), _: (u32, u32), sample: u32) -> [f32; 3] {
+            match sample {
+                1 => [f32::NAN, 1.0, 1.0],
+                3 => [1.0, 1.0, f32::NEG_INFINITY],
+                _ => [1.0; 3],
+            }
+        }
+    }
+
+    #[test]
+    fn invalid_samples_are_black_and_counted() {
+        let rendered = render(&Broken, &settings(4, 2), &());
+        assert_eq!(rendered.invalid_samples, 2 * 37 * 21);
+        assert!(rendered.film.image().pixels().iter().all(|p| *p == [0.5; 3]));
+    }
+
+    /// Cancels after a number of work units, and checks what is reported.
+    struct Watch {
+        cancel_after: u32,
+        units: AtomicU32,
+        last: Mutex<Option<Progress>>,
+    }
+
+    impl Watch {
+        fn new(cancel_after: u32) -> Self {
+            Self { cancel_after, units: AtomicU32::new(0), last: Mutex::new(None) }
+        }
+    }
+
+    impl Observer for Watch {
+        fn progress(&self, progress: &Progress) {
+            assert!((0.0..=1.0).contains(&progress.fraction));
+            self.units.fetch_add(1, Ordering::Relaxed);
+            *self.last.lock().unwrap() = Some(*progress);
+        }
+
+        fn cancelled(&self) -> bool {
+            self.units.load(Ordering::Relaxed) >= self.cancel_after
+        }
+    }
+
+    #[test]
+    fn cancelling_keeps_what_was_rendered() {
+        // Six tiles a pass: the third pass (samples 2 and 3) is cut short.
+        let rendered = render(&Noise, &settings(100, 1), &Watch::new(15));
+        assert!(rendered.cancelled);
+        assert_eq!(rendered.film.samples(), (2, 4));
+        let full = render(&Noise, &settings(4, 1), &()).film;
+        assert_eq!(rendered.film.pixels()[0], full.pixels()[0]);
+        assert!(rendered.film.variance().is_some());
+
+        let nothing = render(&Noise, &settings(100, 1), &Watch::new(0));
+        assert_eq!((nothing.film.samples(), nothing.cancelled), ((0, 0), true));
+    }
+
+    #[test]
+    fn a_cancel_that_comes_too_late_changes_nothing() {
+        let rendered = render(&Noise, &settings(2, 1), &Watch::new(12));
+        assert_eq!((rendered.film.samples(), rendered.cancelled), ((2, 2), false));
+    }
+
+    #[test]
+    fn progress_ends_at_one() {
+        let watch = Watch::new(u32::MAX);
+        render(&Noise, &settings(8, 1), &watch);
+        let last = watch.last.lock().unwrap().unwrap();
+        assert_eq!((last.fraction, last.samples), (1.0, 4));
+        // The relative error of four uniform samples of mean 1, 2 and 0.
+        let expected = (5.0f64 / 3.0 / 4.0 / 3.0).sqrt();
+        approx::assert_relative_eq!(last.relative_error.unwrap(), expected, max_relative = 0.05);
+    }
+}

@@ -1,0 +1,158 @@
+//! What is known of each pixel: the number of samples, their mean and their spread.
+
+use crate::image::RgbImage;
+
+/// The running mean and variance of the samples of one pixel (Welford's algorithm, in f64).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelEstimate {
+    count: u32,
+    mean: [f64; 3],
+    /// Sum of squared distances from the mean.
+    spread: [f64; 3],
+}
+
+impl PixelEstimate {
+    /// Adds a sample.
+    pub fn add(&mut self, sample: [f32; 3]) {
+        self.count += 1;
+        let n = f64::from(self.count);
+        for (c, value) in sample.into_iter().enumerate() {
+            let before = f64::from(value) - self.mean[c];
+            self.mean[c] += before / n;
+            self.spread[c] += before * (f64::from(value) - self.mean[c]);
+        }
+    }
+
+    /// The number of samples.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The mean of the samples; 0 if there are none.
+    pub fn mean(&self) -> [f64; 3] {
+        self.mean
+    }
+
+    /// The estimated variance of the mean, if there are two samples at least.
+    ///
+    /// It takes samples as independent, so it overstates the variance of stratified ones.
+    pub fn variance_of_mean(&self) -> Option<[f64; 3]> {
+        let n = f64::from(self.count);
+        (self.count >= 2).then(|| self.spread.map(|s| s / (n * (n - 1.0))))
+    }
+}
+
+/// The pixels of an image as far as they have been rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    pixels: Vec<PixelEstimate>,
+}
+
+impl Film {
+    /// A film of `size` (columns, rows) without samples.
+    pub fn new(size: (u32, u32)) -> Self {
+        let pixels = vec![PixelEstimate::default(); size.0 as usize * size.1 as usize];
+        Self { width: size.0, height: size.1, pixels }
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[PixelEstimate] {
+        &self.pixels
+    }
+
+    /// The pixel in column `x` and row `y`.
+    ///
+    /// # Panics
+    /// If the position is outside the film.
+    pub fn pixel_mut(&mut self, x: u32, y: u32) -> &mut PixelEstimate {
+        assert!(x < self.width, "column {x} of a film {} pixels wide", self.width);
+        &mut self.pixels[y as usize * self.width as usize + x as usize]
+    }
+
+    /// The smallest and the largest number of samples of a pixel.
+    pub fn samples(&self) -> (u32, u32) {
+        let counts = || self.pixels.iter().map(PixelEstimate::count);
+        (counts().min().unwrap_or(0), counts().max().unwrap_or(0))
+    }
+
+    /// The mean of each pixel; black where there is no sample yet.
+    pub fn image(&self) -> RgbImage {
+        self.map(|pixel| pixel.mean)
+    }
+
+    /// The variance of the mean of each pixel, or `None` while a pixel has fewer than two samples.
+    pub fn variance(&self) -> Option<RgbImage> {
+        let known = self.samples().0 >= 2;
+        known.then(|| self.map(|pixel| pixel.variance_of_mean().unwrap_or_default()))
+    }
+
+    fn map(&self, value: impl Fn(&PixelEstimate) -> [f64; 3]) -> RgbImage {
+        let mut image = RgbImage::filled(self.width as usize, self.height as usize, [0.0; 3]);
+        for (target, pixel) in image.pixels_mut().iter_mut().zip(&self.pixels) {
+            // A square may exceed the range of f32 although the sample did not.
+            *target = value(pixel).map(|v| v.min(f64::from(f32::MAX)) as f32);
+        }
+        image
+    }
+}
+
+/// The relative error of an image: root mean square of the standard errors of its pixels over the
+/// mean of its pixels. `None` while it is unknown or the image is black.
+pub fn relative_error<'a>(pixels: impl Iterator<Item = &'a PixelEstimate>) -> Option<f64> {
+    let (mut variance, mut mean, mut count) = (0.0, 0.0, 0.0);
+    for pixel in pixels {
+        variance += pixel.variance_of_mean()?.iter().sum::<f64>();
+        mean += pixel.mean.iter().sum::<f64>();
+        count += 3.0;
+    }
+    (mean > 0.0).then(|| (variance / count).sqrt() / (mean / count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_variance_of_known_samples() {
+        let mut pixel = PixelEstimate::default();
+        assert_eq!((pixel.mean(), pixel.variance_of_mean()), ([0.0; 3], None));
+        for value in [2.0, 4.0, 4.0, 6.0] {
+            pixel.add([value, -value, 1e7]);
+        }
+        assert_eq!((pixel.count(), pixel.mean()), (4, [4.0, -4.0, 1e7]));
+        // The sample variance is 8 / 3, that of the mean a quarter of it.
+        let variance = pixel.variance_of_mean().unwrap();
+        approx::assert_relative_eq!(variance[0], 2.0 / 3.0, max_relative = 1e-15);
+        assert_eq!((variance[1], variance[2]), (variance[0], 0.0));
+    }
+
+    #[test]
+    fn variance_needs_two_samples_everywhere() {
+        let mut film = Film::new((2, 1));
+        film.pixel_mut(0, 0).add([f32::MAX; 3]);
+        film.pixel_mut(0, 0).add([-f32::MAX; 3]);
+        film.pixel_mut(1, 0).add([1.0; 3]);
+        assert_eq!((film.samples(), film.variance()), ((1, 2), None));
+        film.pixel_mut(1, 0).add([3.0; 3]);
+        let variance = film.variance().unwrap();
+        assert_eq!((variance.pixel(0, 0), variance.pixel(1, 0)), ([f32::MAX; 3], [1.0; 3]));
+        assert_eq!(film.image().pixel(1, 0), [2.0; 3]);
+    }
+
+    #[test]
+    fn relative_error_of_known_pixels() {
+        let mut film = Film::new((1, 1));
+        assert_eq!(relative_error(film.pixels().iter()), None);
+        film.pixel_mut(0, 0).add([1.0; 3]);
+        film.pixel_mut(0, 0).add([3.0; 3]);
+        // Mean 2, standard error of the mean 1.
+        assert_eq!(relative_error(film.pixels().iter()), Some(0.5));
+    }
+}

@@ -1,0 +1,78 @@
+//! From a function that estimates one pixel to an image: distribution of work, progress,
+//! cancellation. Nothing here knows how light is computed.
+//!
+//! The image is cut into square tiles. A *pass* adds the same number of samples to each pixel; its
+//! work units are the tiles, which threads draw from an atomic counter. A pixel's samples are
+//! numbered and accumulated in order, whoever computes them, so that the image depends on the
+//! kernel alone and not on threads, tiles, passes or time.
+//!
+//! A work unit is known by its pass and tile. Contributions to other pixels (light tracing) would
+//! be collected in one buffer for each work unit and merged in this order between passes.
+//!
+//! - [`render`]: the engine; [`PixelKernel`]: what it evaluates.
+//! - [`film`]: what is known of each pixel.
+//! - [`progress`]: what is reported while it runs.
+
+pub mod film;
+pub mod progress;
+
+mod engine;
+mod passes;
+
+pub use engine::{Rendered, render};
+pub use film::Film;
+pub use progress::{Observer, Progress};
+
+/// An estimator of the pixels of an image.
+///
+/// The result of [`sample`](Self::sample) may depend on nothing but the kernel, the pixel and the
+/// sample number; the scratch object is memory to reuse. Then the same image is rendered whatever
+/// the number of threads.
+pub trait PixelKernel: Sync {
+    /// What one thread reuses from sample to sample: arenas, buffers, random number generators.
+    type Scratch;
+
+    /// A new scratch object; called once for each thread and pass.
+    fn scratch(&self) -> Self::Scratch;
+
+    /// One estimate of the linear Rec. 709 value of `pixel` (column, row; the origin is the top
+    /// left). Samples of a pixel are numbered from 0 and are averaged with equal weights.
+    fn sample(&self, scratch: &mut Self::Scratch, pixel: (u32, u32), sample: u32) -> [f32; 3];
+}
+
+/// A kernel with the scratch object of one thread: the value for a pixel and a sample number.
+pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32) -> [f32; 3] + 'a>;
+
+/// A [`PixelKernel`] whose scratch type is hidden, so that kernels can be chosen at run time.
+/// Implemented for every kernel.
+pub trait AnyKernel: Sync {
+    /// The kernel with a scratch object of its own, for the use of one thread.
+    fn worker(&self) -> Worker<'_>;
+}
+
+impl<K: PixelKernel> AnyKernel for K {
+    fn worker(&self) -> Worker<'_> {
+        let mut scratch = self.scratch();
+        Box::new(move |pixel, sample| self.sample(&mut scratch, pixel, sample))
+    }
+}
+
+/// How long to render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// So many samples for each pixel.
+    Samples(u32),
+    /// About so many seconds: as many equal passes as fit, and at least one sample per pixel.
+    Seconds(f64),
+}
+
+/// The size of the image, the effort and the number of threads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// Columns and rows of the image.
+    pub size: (u32, u32),
+    /// When to stop.
+    pub budget: Budget,
+    /// The number of threads, or `None` for one on each core.
+    pub threads: Option<usize>,
+}

@@ -1,0 +1,54 @@
+//! What a render reports while it runs.
+
+/// The state of a render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The part of the budget that is used, in [0, 1].
+    pub fraction: f64,
+    /// Seconds since the start.
+    pub seconds: f64,
+    /// Samples that every pixel has.
+    pub samples: u32,
+    /// Root mean square of the standard errors of the pixels over the mean of the image, after
+    /// the last pass; `None` until each pixel has two samples.
+    pub relative_error: Option<f64>,
+}
+
+impl Progress {
+    /// Seconds that remain at the speed so far; `None` before anything is done.
+    pub fn seconds_left(&self) -> Option<f64> {
+        (self.fraction > 0.0).then(|| self.seconds * (1.0 - self.fraction) / self.fraction)
+    }
+}
+
+/// Watches a render and may end it. Called from all threads.
+pub trait Observer: Sync {
+    /// Called after each work unit.
+    fn progress(&self, progress: &Progress);
+
+    /// Whether to stop at the next pixel and keep what has been rendered.
+    fn cancelled(&self) -> bool;
+}
+
+/// The observer that neither looks nor stops.
+impl Observer for () {
+    fn progress(&self, _: &Progress) {}
+
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_left_extrapolates() {
+        let mut progress =
+            Progress { fraction: 0.25, seconds: 10.0, samples: 1, relative_error: None };
+        assert_eq!(progress.seconds_left(), Some(30.0));
+        progress.fraction = 0.0;
+        assert_eq!(progress.seconds_left(), None);
+    }
+}

@@ -1,0 +1,162 @@
+//! Intersection of one ray with one primitive.
+
+use glam::{DVec3, Vec3};
+
+/// A ray prepared for the watertight triangle test.
+///
+/// After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so
+/// that the ray runs along an axis; the three edge functions of a triangle then depend only on the
+/// sheared corners, so that triangles agree exactly about their shared edges.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// A unit vector.
+    pub direction: Vec3,
+    axes: [usize; 3],
+    shear: Vec3,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct TriangleHit {
+    /// Distance along the ray.
+    pub t: f32,
+    /// Bound of the rounding error of `t`.
+    pub t_error: f32,
+    /// Weights of the corners; their sum is 1.
+    pub weights: Vec3,
+}
+
+impl Ray {
+    /// A ray from `origin` along the unit vector `direction`.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        let size = direction.abs();
+        let z = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if direction[z] < 0.0 {
+            std::mem::swap(&mut x, &mut y);
+        }
+        Self {
+            origin,
+            direction,
+            axes: [x, y, z],
+            shear: Vec3::new(direction[x], direction[y], 1.0) / direction[z],
+        }
+    }
+
+    /// Where the line along the ray meets the triangle, from either side; `t` may be negative.
+    #[inline]
+    pub fn triangle(&self, [v0, v1, v2]: &[Vec3; 3]) -> Option<TriangleHit> {
+        let [x, y, z] = self.axes;
+        let sheared = |v: &Vec3| {
+            let p = *v - self.origin;
+            Vec3::new(
+                p[x] - self.shear.x * p[z],
+                p[y] - self.shear.y * p[z],
+                p[z],
+            )
+        };
+        let (a, b, c) = (sheared(v0), sheared(v1), sheared(v2));
+        let mut u = c.x * b.y - c.y * b.x;
+        let mut v = a.x * c.y - a.y * c.x;
+        let mut w = b.x * a.y - b.y * a.x;
+        if u == 0.0 || v == 0.0 || w == 0.0 {
+            let edge = |p: Vec3, q: Vec3| {
+                (f64::from(p.x) * f64::from(q.y) - f64::from(p.y) * f64::from(q.x)) as f32
+            };
+            (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
+        }
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let det = u + v + w;
+        if det == 0.0 {
+            return None;
+        }
+        let inverse = 1.0 / det;
+        let depth = Vec3::new(a.z, b.z, c.z) * self.shear.z;
+        let weights = Vec3::new(u, v, w) * inverse;
+        let t = weights.dot(depth);
+        t.is_finite().then(|| TriangleHit {
+            t,
+            t_error: t_error(a, b, c, depth, inverse.abs()),
+            weights,
+        })
+    }
+}
+
+/// Bound of the error of `t` (Pharr, Jakob and Humphreys, "Physically Based Rendering", 3rd
+/// edition, section 3.9.6).
+fn t_error(a: Vec3, b: Vec3, c: Vec3, depth: Vec3, inverse_det: f32) -> f32 {
+    let gamma = |n: f32| n * 0.5 * f32::EPSILON / (1.0 - n * 0.5 * f32::EPSILON);
+    let max_z = depth.abs().max_element();
+    let max_x = a.x.abs().max(b.x.abs()).max(c.x.abs());
+    let max_y = a.y.abs().max(b.y.abs()).max(c.y.abs());
+    let error_z = gamma(3.0) * max_z;
+    let error_x = gamma(5.0) * (max_x + max_z);
+    let error_y = gamma(5.0) * (max_y + max_z);
+    let error_e = 2.0 * (gamma(2.0) * max_x * max_y + error_y * max_x + error_x * max_y);
+    let max_e = 2.0 * max_x * max_y;
+    3.0 * (gamma(3.0) * max_e * max_z + error_e * max_z + error_z * max_e) * inverse_det
+}
+
+/// The first hit of a sphere with `0 < t`, for a ray with a unit direction. In f64, because f32
+/// loses the small differences of large squares.
+pub fn sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32) -> Option<f32> {
+    let o = origin.as_dvec3() - center.as_dvec3();
+    let d = direction.as_dvec3().normalize();
+    let radius = f64::from(radius);
+    let middle = -o.dot(d);
+    // The distance of the line from the centre, without cancellation.
+    let off = (o + middle * d).length();
+    if off > radius {
+        return None;
+    }
+    let half_chord = ((radius - off) * (radius + off)).sqrt();
+    let far = middle + if middle >= 0.0 { half_chord } else { -half_chord };
+    // The product of both roots is |o|² - r²; this is their stable form.
+    let product = (o.length() - radius) * (o.length() + radius);
+    let other = if far == 0.0 { 0.0 } else { product / far };
+    let (near, far) = (far.min(other), far.max(other));
+    let t = if near > 0.0 { near } else { far };
+    (t > 0.0).then_some(t as f32)
+}
+
+/// How far a ray that starts *on* a sphere runs inside it before it leaves; none if it does not
+/// enter it. No test against an epsilon is needed.
+pub fn chord(point: Vec3, direction: Vec3, center: Vec3) -> Option<f32> {
+    let inwards = -2.0 * (point.as_dvec3() - center.as_dvec3()).dot(direction.as_dvec3());
+    (inwards > 0.0).then_some(inwards as f32)
+}
+
+/// Where the line along the ray meets an ellipse, and the coordinates along its two axes; `t` may
+/// be negative.
+pub fn disk(
+    origin: Vec3,
+    direction: Vec3,
+    center: Vec3,
+    u_axis: Vec3,
+    v_axis: Vec3,
+) -> Option<(f32, [f64; 2])> {
+    let (u, v, d) = (u_axis.as_dvec3(), v_axis.as_dvec3(), direction.as_dvec3());
+    let normal = u.cross(v);
+    let o: DVec3 = origin.as_dvec3() - center.as_dvec3();
+    let cosine = normal.dot(d);
+    if cosine == 0.0 {
+        return None;
+    }
+    let t = -normal.dot(o) / cosine;
+    let p = o + t * d;
+    let area2 = normal.length_squared();
+    let a = p.cross(v).dot(normal) / area2;
+    let b = u.cross(p).dot(normal) / area2;
+    (t.is_finite() && a * a + b * b <= 1.0).then_some((t as f32, [a, b]))
+}

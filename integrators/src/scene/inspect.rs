@@ -1,0 +1,182 @@
+//! What is in a scene, for people and for programs.
+
+use std::fmt::Write;
+
+use glam::Vec3;
+use serde_json::{Value, json};
+
+use super::{Filter, Scene, ShapeKind};
+
+const KINDS: [ShapeKind; 6] = [
+    ShapeKind::Rectangle,
+    ShapeKind::Cube,
+    ShapeKind::Sphere,
+    ShapeKind::Disk,
+    ShapeKind::Obj,
+    ShapeKind::Ply,
+];
+
+/// The scene in JSON. Vectors are arrays, power is π · area · radiance summed over the primitives
+/// of a shape, `max_depth` is null if unlimited, `bounds` is null if there are no primitives.
+pub fn json(scene: &Scene) -> Value {
+    let kinds = KINDS.iter().map(|kind| {
+        let count = scene.shapes.iter().filter(|s| s.kind == *kind).count();
+        (kind.name().to_owned(), json!(count))
+    });
+    let kinds = kinds.filter(|(_, count)| *count != json!(0));
+    let bounds = (!scene.primitives.is_empty()).then(|| {
+        json!({"min": vector(scene.bounds.min), "max": vector(scene.bounds.max)})
+    });
+    let camera = &scene.camera;
+    json!({
+        "shapes": kinds.collect::<serde_json::Map<_, _>>(),
+        "primitives": scene.primitives.len(),
+        "smooth_triangles": scene.normals.len(),
+        "degenerate_triangles": scene.degenerate_triangles,
+        "bsdfs": {
+            "diffuse": scene.bsdfs.iter().filter(|b| !b.two_sided).count(),
+            "twosided": scene.bsdfs.iter().filter(|b| b.two_sided).count(),
+        },
+        "emitters": emitters(scene),
+        "camera": {
+            "type": "perspective",
+            "origin": vector(camera.origin),
+            "forward": vector(camera.forward),
+            "up": vector(camera.up),
+            "right": vector(camera.right),
+            "fov_x": 2.0 * f64::from(camera.tan_x).atan().to_degrees(),
+        },
+        "film": {
+            "width": scene.film.width,
+            "height": scene.film.height,
+            "filter": scene.film.filter.name(),
+            "filter_radius": number(scene.film.filter.radius()),
+        },
+        "sampler": {
+            "type": scene.sampler.kind.name(),
+            "sample_count": scene.sampler.sample_count,
+            "seed": scene.sampler.seed,
+        },
+        "integrator": {
+            "type": scene.integrator.name,
+            "max_depth": scene.integrator.max_depth,
+            "rr_depth": scene.integrator.rr_depth,
+            "hide_emitters": scene.integrator.hide_emitters,
+        },
+        "bounds": bounds,
+    })
+}
+
+/// The scene in a few lines of text.
+pub fn summary(scene: &Scene) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<12}{value}");
+    };
+    let kinds = KINDS.iter().filter_map(|kind| {
+        let count = scene.shapes.iter().filter(|s| s.kind == *kind).count();
+        (count > 0).then(|| format!("{count} {}", kind.name()))
+    });
+    let kinds: Vec<String> = kinds.collect();
+    line("shapes", format!("{} ({})", scene.shapes.len(), kinds.join(", ")));
+    let smooth = scene.normals.len();
+    let dropped = scene.degenerate_triangles;
+    line(
+        "primitives",
+        format!(
+            "{} ({smooth} smooth, {dropped} degenerate left out)",
+            scene.primitives.len()
+        ),
+    );
+    let two_sided = scene.bsdfs.iter().filter(|b| b.two_sided).count();
+    line("materials", format!("{} diffuse ({two_sided} two-sided)", scene.bsdfs.len()));
+    for shape in emissive_shapes(scene) {
+        let [r, g, b] = shape.power;
+        let power = format!("power {r:.4} {g:.4} {b:.4} over {} primitives", shape.primitives);
+        line("emitter", format!("{}: {power}", shape.name));
+    }
+    let camera = &scene.camera;
+    let fov = 2.0 * camera.tan_x.atan().to_degrees();
+    line(
+        "camera",
+        format!("at {} towards {}, {fov:.2}° wide", camera.origin, camera.forward),
+    );
+    line(
+        "film",
+        format!("{} x {}, {}", scene.film.width, scene.film.height, filter(scene.film.filter)),
+    );
+    let sampler = &scene.sampler;
+    line(
+        "sampler",
+        format!("{}, {} per pixel, seed {}", sampler.kind.name(), sampler.sample_count, sampler.seed),
+    );
+    let integrator = &scene.integrator;
+    let depth = integrator.max_depth.map_or("unlimited".to_owned(), |d| d.to_string());
+    line(
+        "integrator",
+        format!("{}, max depth {depth}, roulette from {}", integrator.name, integrator.rr_depth),
+    );
+    if !scene.primitives.is_empty() {
+        line("bounds", format!("{} to {}", scene.bounds.min, scene.bounds.max));
+    }
+    text
+}
+
+fn filter(filter: Filter) -> String {
+    match filter {
+        Filter::Box => "box filter".to_owned(),
+        Filter::Tent { radius } => format!("tent filter, radius {radius}"),
+        Filter::Gaussian { stddev } => format!("gaussian filter, stddev {stddev}"),
+    }
+}
+
+struct EmissiveShape<'a> {
+    name: &'a str,
+    kind: ShapeKind,
+    radiance: Vec3,
+    primitives: u32,
+    area: f64,
+    power: [f64; 3],
+}
+
+fn emissive_shapes(scene: &Scene) -> impl Iterator<Item = EmissiveShape<'_>> {
+    scene.shapes.iter().filter_map(|shape| {
+        let radiance = shape.emission?;
+        let first = shape.first_primitive as usize;
+        let primitives = &scene.primitives[first..first + shape.primitive_count as usize];
+        let area: f64 = primitives.iter().map(|p| f64::from(p.area())).sum();
+        let power = radiance.to_array();
+        Some(EmissiveShape {
+            name: &shape.name,
+            kind: shape.kind,
+            radiance,
+            primitives: shape.primitive_count,
+            area,
+            power: power.map(|channel| std::f64::consts::PI * area * f64::from(channel)),
+        })
+    })
+}
+
+fn emitters(scene: &Scene) -> Vec<Value> {
+    let shapes = emissive_shapes(scene).map(|shape| {
+        json!({
+            "shape": shape.name,
+            "kind": shape.kind.name(),
+            "primitives": shape.primitives,
+            "area": shape.area,
+            "radiance": vector(shape.radiance),
+            "power": shape.power,
+        })
+    });
+    shapes.collect()
+}
+
+fn vector(v: Vec3) -> Value {
+    Value::Array(v.to_array().map(number).to_vec())
+}
+
+/// The shortest decimal that reads back as the same f32, rather than its digits in f64.
+fn number(x: f32) -> Value {
+    json!(x.to_string().parse::<f64>().unwrap_or(f64::from(x)))
+}

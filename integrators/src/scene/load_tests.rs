@@ -1,0 +1,276 @@
+//! Whole scene files, good and bad.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Vec3, vec2, vec3};
+
+use super::*;
+
+fn load(body: &str) -> Result<Scene, String> {
+    load_with(body, &[])
+}
+
+fn load_with(body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
+    let xml = format!("<scene version=\"3.0.0\">\n{body}\n</scene>");
+    let defines: Vec<(String, String)> = defines
+        .iter()
+        .map(|(name, value)| ((*name).to_owned(), (*value).to_owned()))
+        .collect();
+    Scene::from_str(&xml, Path::new("."), &defines).map_err(|e| e.to_string())
+}
+
+const SENSOR: &str = "<sensor type=\"perspective\"/>";
+
+fn cornell_box() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/scenes/cornell-box.xml")
+}
+
+/// A folder for this test alone.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("aether-scene-{}-{name}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+#[test]
+fn cornell_box_is_as_mitsuba_has_it() {
+    let define = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    let scene = Scene::load(&cornell_box(), &[define("spp", "7"), define("width", "128")]).unwrap();
+    assert_eq!(scene.shapes.len(), 8);
+    assert_eq!(scene.primitives.len(), 6 * 2 + 2 * 12);
+    assert_eq!((scene.film.width, scene.film.height), (128, 256));
+    assert_eq!(scene.film.filter, Filter::Box);
+    assert_eq!((scene.sampler.sample_count, scene.sampler.kind.name()), (7, "independent"));
+    assert_eq!((scene.integrator.max_depth, scene.integrator.rr_depth), (Some(8), 5));
+    assert_eq!(scene.emitters.len(), 2);
+    let area: f32 = scene.emitters.iter().map(|e| e.area).sum();
+    assert!((area - 4.0 * 0.23 * 0.19).abs() < 1e-6);
+    for emitter in &scene.emitters {
+        assert_eq!(emitter.radiance, vec3(18.387, 13.9873, 6.75357));
+        let normal = scene.primitives[emitter.primitive as usize].normal(Vec3::ZERO);
+        assert!((normal + Vec3::Y).length() < 1e-6);
+    }
+    // All walls face the middle of the room.
+    for axis in [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, -Vec3::Z] {
+        let hit = scene.intersect(vec3(0.0, 0.2, 0.0), axis, None).unwrap();
+        assert!(hit.geometric_normal.dot(axis) < -0.3, "{axis}: {hit:?}");
+    }
+    let red = scene.intersect(vec3(0.0, 0.9, 0.9), -Vec3::X, None).unwrap();
+    assert_eq!(scene.bsdf(red.primitive).reflectance, vec3(0.570068, 0.0430135, 0.0443706));
+    let summary = inspect::summary(&scene);
+    assert!(summary.contains("6 rectangle, 2 cube"), "{summary}");
+    let json = inspect::json(&scene);
+    assert_eq!(json["shapes"]["cube"], 2);
+    assert_eq!(json["film"]["width"], 128);
+    assert_eq!(json["emitters"][0]["shape"], "light");
+}
+
+#[test]
+fn camera_rays_are_mitsubas() {
+    // `sensor.sample_ray(0, 0, [x / 320, y / 200], [0, 0]).d` with Mitsuba 3.9.1.
+    let scene = load(
+        "<sensor type=\"perspective\"><float name=\"fov\" value=\"50\"/>
+         <string name=\"fov_axis\" value=\"smaller\"/>
+         <transform name=\"to_world\"><lookat origin=\"1 2 3\" target=\"-2 0.5 1\" up=\"0.1 1 0\"/>
+         </transform><film type=\"hdrfilm\"><integer name=\"width\" value=\"320\"/>
+         <integer name=\"height\" value=\"200\"/></film></sensor>",
+    )
+    .unwrap();
+    assert_eq!(scene.camera.origin, vec3(1.0, 2.0, 3.0));
+    for (film, direction) in [
+        (vec2(0.0, 0.0), MITSUBA_DIRECTIONS[0]),
+        (vec2(250.5, 30.25), MITSUBA_DIRECTIONS[1]),
+        (vec2(320.0, 200.0), MITSUBA_DIRECTIONS[2]),
+    ] {
+        let found = scene.camera.direction(film);
+        assert!((found - Vec3::from_array(direction)).length() < 2e-6, "{film}: {found}");
+    }
+}
+
+const MITSUBA_DIRECTIONS: [[f32; 3]; 3] = [
+    [-0.997_609_56, 0.066_354_39, -0.019_291_76],
+    [-0.546_076_7, -0.095_838_53, -0.832_235_16],
+    [-0.155_917_32, -0.643_117_79, -0.749_726_24],
+];
+
+#[test]
+fn defaults_are_mitsubas() {
+    let scene = load(&format!(
+        "{SENSOR}<shape type=\"disk\"/>
+         <shape type=\"sphere\"><emitter type=\"area\"/></shape>"
+    ))
+    .unwrap();
+    assert_eq!((scene.film.width, scene.film.height), (768, 576));
+    assert_eq!(scene.film.filter, Filter::Gaussian { stddev: 0.5 });
+    assert_eq!(scene.sampler.sample_count, 4);
+    assert_eq!(scene.integrator, Integrator::default());
+    let black = |x| Bsdf {
+        reflectance: Vec3::splat(x),
+        two_sided: false,
+    };
+    assert_eq!(scene.bsdfs, [black(0.5), black(0.0)]);
+    assert_eq!(scene.emitters[0].radiance, Vec3::ONE);
+    assert!((scene.camera.tan_x - (38.1848_f32 / 2.0).to_radians().tan()).abs() < 1e-6);
+}
+
+#[test]
+fn transforms_compose_in_file_order() {
+    let scene = load(&format!(
+        "{SENSOR}<shape type=\"sphere\"><transform name=\"to_world\">
+         <scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/><translate x=\"10\"/></transform>
+         <point name=\"center\" x=\"1\" y=\"0\" z=\"0\"/><float name=\"radius\" value=\"0.5\"/>
+         </shape>"
+    ))
+    .unwrap();
+    let Primitive::Sphere { center, radius, flipped } = scene.primitives[0] else {
+        panic!("not a sphere");
+    };
+    assert!((center - vec3(10.0, 2.0, 0.0)).length() < 1e-6);
+    assert_eq!((radius, flipped), (1.0, false));
+}
+
+#[test]
+fn materials_are_shared_and_two_sided() {
+    let scene = load(&format!(
+        "{SENSOR}<bsdf type=\"twosided\" id=\"t\"><ref id=\"d\"/></bsdf>
+         <bsdf type=\"diffuse\" id=\"d\"><rgb name=\"reflectance\" value=\"#ff0000\"/></bsdf>
+         <alias id=\"d\" as=\"e\"/>
+         <shape type=\"cube\"><ref id=\"t\"/></shape><shape type=\"cube\"><ref id=\"e\"/></shape>
+         <shape type=\"cube\"><ref id=\"d\"/></shape>"
+    ))
+    .unwrap();
+    assert_eq!(scene.bsdfs.len(), 2);
+    assert_eq!([0, 1, 2].map(|i| scene.shapes[i].bsdf), [0, 1, 1]);
+    assert_eq!(scene.bsdfs[0].reflectance, Vec3::X);
+    assert!(scene.bsdfs[0].two_sided && !scene.bsdfs[1].two_sided);
+}
+
+#[test]
+fn includes_and_paths_are_followed() {
+    let root = folder("includes");
+    std::fs::create_dir_all(root.join("parts/meshes")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(root.join(name), text).unwrap();
+    write(
+        "main.xml",
+        "<scene version=\"3.0.0\"><default name=\"r\" value=\"0.25\"/>
+         <sensor type=\"perspective\"/><path value=\"parts\"/><include filename=\"more.xml\"/></scene>",
+    );
+    write(
+        "parts/more.xml",
+        "<scene version=\"3.0.0\"><shape type=\"obj\"><string name=\"filename\"
+         value=\"meshes/m.obj\"/><bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"$r\"/>
+         </bsdf></shape></scene>",
+    );
+    write("parts/meshes/m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 2\nf 2 3 4\n");
+    let scene = Scene::load(&root.join("main.xml"), &[]).unwrap();
+    assert_eq!(scene.primitives.len(), 2);
+    assert_eq!(scene.degenerate_triangles, 1);
+    assert_eq!(scene.normals.len(), 2);
+    assert_eq!(scene.bsdfs[0].reflectance, Vec3::splat(0.25));
+    let hit = scene.intersect(vec3(0.2, 0.2, -1.0), Vec3::Z, None).unwrap();
+    assert_eq!(hit.geometric_normal, Vec3::Z);
+    assert!(hit.shading_normal != hit.geometric_normal);
+
+    write("loop.xml", "<scene version=\"3.0.0\">\n<include filename=\"loop.xml\"/></scene>");
+    let error = Scene::load(&root.join("loop.xml"), &[]).map(|_| ()).unwrap_err();
+    assert!(error.message.contains("does a file include itself?"), "{error}");
+    assert_eq!(error.line, Some(2));
+
+    write("parts/meshes/m.obj", "v 0 0 0\nf 1 2 3\n");
+    let error = Scene::load(&root.join("main.xml"), &[]).map(|_| ()).unwrap_err().to_string();
+    assert!(error.ends_with("m.obj:2: vertex 2 does not exist; there are 1 so far"), "{error}");
+    std::fs::remove_dir_all(&root).unwrap();
+}
+
+#[test]
+fn errors_say_where_and_what() {
+    let with = |body: &str| load(&format!("{SENSOR}\n{body}")).map(|_| ()).unwrap_err();
+    for (body, expected) in [
+        ("<bsdf type=\"foo\"/>",
+         "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, twosided"),
+        ("  <shape type=\"cylinder\"/>",
+         "scene.xml:3:3: <shape type=\"cylinder\">: not supported; supported: rectangle, cube, \
+          sphere, disk, obj, ply"),
+        ("<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",
+         "scene.xml:3:20: <float name=\"size\">: unreferenced property \"size\" in \
+          <shape type=\"cube\">; supported: to_world, flip_normals, silhouette_sampling_weight"),
+        ("<shape type=\"cube\"><medium type=\"homogeneous\"/></shape>",
+         "scene.xml:3:20: <medium type=\"homogeneous\">: <medium> is not supported inside \
+          <shape type=\"cube\">; supported: <bsdf>, <emitter>"),
+        ("<emitter type=\"point\"/>",
+         "scene.xml:3:1: <emitter type=\"point\">: not supported; supported: area, inside a <shape>"),
+        ("<emitter type=\"area\"/>",
+         "scene.xml:3:1: <emitter type=\"area\">: an area emitter must stand inside a <shape>"),
+        ("<shape type=\"cube\"><ref id=\"x\"/></shape>",
+         "scene.xml:3:20: <ref id=\"x\">: no object has the id \"x\""),
+        ("<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>",
+         "scene.xml:3:30: <ref id=\"a\">: this reference closes a circle"),
+        ("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>",
+         "scene.xml:3:31: <bsdf type=\"diffuse\">: the id \"a\" is already in use"),
+        ("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>",
+         "scene.xml:3:22: <rgb name=\"reflectance\">: one or three numbers are needed, found 2"),
+        ("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2 0\"/></bsdf>",
+         "scene.xml:3:22: <rgb name=\"reflectance\">: the reflectance [1, 2, 0] must lie in [0, 1]"),
+        ("<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"/></bsdf>",
+         "scene.xml:3:22: <texture type=\"bitmap\">: textures are not supported; supported for \
+          \"reflectance\": rgb, spectrum, float"),
+        ("<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"1\"/></bsdf>",
+         "scene.xml:3:22: <string name=\"reflectance\">: \"reflectance\" is a <string>, but must be \
+          a <rgb>"),
+        ("<shape type=\"sphere\"><float name=\"radius\" value=\"nan\"/></shape>",
+         "scene.xml:3:22: <float name=\"radius\">: \"nan\" is not a finite number"),
+        ("<shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>",
+         "scene.xml:3:22: <float name=\"radius\">: undefined parameter $r; add <default \
+          name=\"r\" value=\"…\"/> before its use, or pass -D r=…"),
+        ("<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"2\"/></transform></shape>",
+         "scene.xml:3:22: <transform name=\"to_world\">: a sphere must be scaled evenly; \
+          ellipsoids are not supported (nearest: ply, obj)"),
+        ("<shape type=\"disk\"><transform name=\"to_world\"><scale x=\"0\"/></transform></shape>",
+         "scene.xml:3:20: <transform name=\"to_world\">: the transform flattens space"),
+        ("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e30\"/></transform>\
+          </shape>",
+         "scene.xml:3:1: <shape type=\"cube\">: too small or too large: coordinates must be at most \
+          1e15 and areas representable; scale the scene"),
+        ("<shape type=\"ply\"/>",
+         "scene.xml:3:1: <shape type=\"ply\">: the string \"filename\" is missing"),
+        ("<shape type=\"ply\"><string name=\"filename\" value=\"no.ply\"/></shape>",
+         "scene.xml:3:19: <string name=\"filename\">: file \"no.ply\" not found; tried ./no.ply"),
+        ("<foo/>",
+         "scene.xml:3:1: <foo>: not supported; supported: sensor, film, rfilter, sampler, \
+          integrator, shape, bsdf, emitter, default, include, path, alias, ref, transform, float, \
+          integer, boolean, string, rgb, spectrum, point, vector"),
+        ("<shape/>", "scene.xml:3:1: <shape>: the attribute \"type\" is missing"),
+        ("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-2\"/></integrator>",
+         "scene.xml:3:26: <integer name=\"max_depth\">: \"max_depth\" is -2, but must be in \
+          -1..=4294967295"),
+    ] {
+        assert_eq!(with(body), expected);
+    }
+    let error = load("").map(|_| ()).unwrap_err();
+    assert!(error.contains("the scene has no <sensor>"), "{error}");
+    let error = load("<shape").map(|_| ()).unwrap_err();
+    assert!(error.starts_with("scene.xml:3:1: not well-formed XML"), "{error}");
+    let error = load_with(SENSOR, &[("x", "1")]).map(|_| ()).unwrap_err();
+    assert_eq!(error, "scene.xml: -D x=…: the scene has no parameter $x");
+    let error = Scene::load(Path::new("no.xml"), &[]).map(|_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("no.xml: cannot be read"), "{error}");
+}
+
+#[test]
+fn other_integrators_are_left_to_the_renderer() {
+    let scene = load(&format!(
+        "{SENSOR}<integrator type=\"bdpt\"><integer name=\"max_depth\" value=\"3\"/>
+         <float name=\"whatever\" value=\"1\"/></integrator>"
+    ))
+    .unwrap();
+    assert_eq!((scene.integrator.name.as_str(), scene.integrator.max_depth), ("bdpt", Some(3)));
+    let place = scene.integrator.place.unwrap();
+    assert!(place.error("x").to_string().starts_with("scene.xml:2:"));
+}
+
+#[test]
+fn deep_nesting_is_refused() {
+    let depth = 20_000;
+    let body = "<bsdf type=\"twosided\">".repeat(depth) + &"</bsdf>".repeat(depth);
+    assert!(load(&body).is_err());
+}

@@ -1,0 +1,208 @@
+//! Triangle meshes between their file and the scene.
+
+use glam::{DMat3, DMat4, DVec3, Vec3};
+
+use super::values::relative_determinant;
+
+/// Marks a corner without a normal in [`Mesh::normal_triangles`].
+pub const NO_NORMAL: u32 = u32::MAX;
+
+/// A mesh as its file describes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<DVec3>,
+    /// Vertex normals, of any length.
+    pub normals: Vec<DVec3>,
+    /// Indices into `positions`.
+    pub triangles: Vec<[u32; 3]>,
+    /// Indices into `normals` or [`NO_NORMAL`]; empty if the file has no normals.
+    pub normal_triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Adds a polygon as a fan around its first corner. Corners are a vertex and a normal.
+    pub fn push_polygon(&mut self, corners: &[(u32, u32)]) {
+        for i in 1..corners.len().saturating_sub(1) {
+            let fan = [corners[0], corners[i], corners[i + 1]];
+            self.triangles.push(fan.map(|corner| corner.0));
+            self.normal_triangles.push(fan.map(|corner| corner.1));
+        }
+    }
+}
+
+/// How a shape is placed in the world.
+#[derive(Clone, Copy, Debug)]
+pub struct Placement {
+    /// From the shape's own coordinates to the world.
+    pub to_world: DMat4,
+    /// Turn the surface inside out.
+    pub flip_normals: bool,
+}
+
+impl Placement {
+    /// Maps normals: the inverse transpose, up to a positive factor, negated by `flip_normals`.
+    ///
+    /// So a mirror image keeps its outside outside, as in Mitsuba after 3.9 (3.9 itself then
+    /// contradicts itself: geometric and shading normal differ in sign).
+    pub fn normal_matrix(&self) -> DMat3 {
+        let [x, y, z] = [
+            self.to_world.x_axis,
+            self.to_world.y_axis,
+            self.to_world.z_axis,
+        ]
+        .map(|column| column.truncate());
+        let sign = relative_determinant(&self.to_world).signum();
+        let sign = if self.flip_normals { -sign } else { sign };
+        DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
+    }
+
+    /// Whether the winding of triangles has to be reversed for their normals to come out as
+    /// [`Placement::normal_matrix`] says.
+    pub fn reverses_winding(&self) -> bool {
+        (relative_determinant(&self.to_world) < 0.0) != self.flip_normals
+    }
+}
+
+/// The triangles of a mesh in the world.
+#[derive(Debug, Default)]
+pub struct Triangles {
+    /// The corners; counter-clockwise seen from the outside.
+    pub vertices: Vec<[Vec3; 3]>,
+    /// Unit shading normals at the corners; empty if the mesh is flat.
+    pub normals: Vec<[Vec3; 3]>,
+    /// Number of triangles left out because they have no area.
+    pub degenerate: usize,
+}
+
+/// Places a mesh in the world. Unless `face_normals` is set, a mesh that brings no normals gets
+/// smooth ones, as in Mitsuba.
+pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangles {
+    let to_world = |p: &DVec3| placement.to_world.transform_point3(*p);
+    let positions: Vec<DVec3> = mesh.positions.iter().map(to_world).collect();
+    let reverse = placement.reverses_winding();
+    let orient = |t: [u32; 3]| if reverse { [t[0], t[2], t[1]] } else { t };
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().copied().map(orient).collect();
+
+    let (normals, indices) = if face_normals {
+        (Vec::new(), Vec::new())
+    } else if mesh.normals.is_empty() {
+        (smooth_normals(&positions, &triangles), triangles.clone())
+    } else {
+        let matrix = placement.normal_matrix();
+        let normals = mesh.normals.iter();
+        let normals = normals.map(|n| (matrix * *n).normalize_or_zero()).collect();
+        let indices = mesh.normal_triangles.iter().copied().map(orient);
+        (normals, indices.collect())
+    };
+
+    let mut result = Triangles::default();
+    for (index, triangle) in triangles.iter().enumerate() {
+        let vertices = triangle.map(|v| positions[v as usize].as_vec3());
+        let Some(flat) = unit_normal(&vertices) else {
+            result.degenerate += 1;
+            continue;
+        };
+        result.vertices.push(vertices);
+        if let Some(corners) = indices.get(index) {
+            let normal = |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
+            let usable = |n: Vec3| if n == Vec3::ZERO { flat } else { n };
+            result.normals.push(corners.map(|corner| usable(normal(corner))));
+        }
+    }
+    result
+}
+
+/// The unit normal of a triangle whose corners run counter-clockwise; none if it has no area in
+/// f32.
+pub fn unit_normal(vertices: &[Vec3; 3]) -> Option<Vec3> {
+    let normal = double_area_normal(vertices);
+    ((0.5 * normal.length()) as f32 >= f32::MIN_POSITIVE).then(|| normal.normalize().as_vec3())
+}
+
+/// The normal of a triangle with the length of twice its area.
+pub fn double_area_normal(vertices: &[Vec3; 3]) -> DVec3 {
+    let [a, b, c] = vertices.map(Vec3::as_dvec3);
+    (b - a).cross(c - a)
+}
+
+/// Vertex normals as sums of the face normals around, weighted by the angle at the vertex
+/// (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998).
+fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for triangle in triangles {
+        let p = triangle.map(|v| positions[v as usize]);
+        let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else {
+            continue;
+        };
+        for corner in 0..3 {
+            let a = p[(corner + 1) % 3] - p[corner];
+            let b = p[(corner + 2) % 3] - p[corner];
+            let angle = a.cross(b).length().atan2(a.dot(b));
+            sums[triangle[corner] as usize] += normal * angle;
+        }
+    }
+    sums.into_iter().map(DVec3::normalize_or_zero).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quad() -> Mesh {
+        let mut mesh = Mesh {
+            positions: [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 1.]]
+                .map(DVec3::from_array)
+                .to_vec(),
+            ..Mesh::default()
+        };
+        mesh.push_polygon(&[0, 1, 2, 3].map(|v| (v, NO_NORMAL)));
+        mesh
+    }
+
+    fn placement(to_world: DMat4, flip_normals: bool) -> Placement {
+        Placement {
+            to_world,
+            flip_normals,
+        }
+    }
+
+    #[test]
+    fn smooth_normals_agree_with_mitsuba() {
+        // From `mi.load_dict({'type': 'obj', ...})` on the same bent quad.
+        let t = place(&quad(), &placement(DMat4::IDENTITY, false), false);
+        assert_eq!(t.vertices.len(), 2);
+        let expected = Vec3::new(0.370_483, -0.370_483, 0.851_754);
+        assert!((t.normals[0][0] - expected).length() < 1e-6);
+        assert!((t.normals[0][1] - Vec3::Z).length() < 1e-6);
+        assert!((t.normals[1][2] - Vec3::new(1., -1., 1.).normalize()).length() < 1e-6);
+    }
+
+    #[test]
+    fn mirrors_keep_the_outside_and_flips_turn_it() {
+        let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        let mesh = quad();
+        for (to_world, flip, sign) in [
+            (DMat4::IDENTITY, false, 1.0),
+            (DMat4::IDENTITY, true, -1.0),
+            (mirror, false, 1.0),
+            (mirror, true, -1.0),
+        ] {
+            let p = placement(to_world, flip);
+            let t = place(&mesh, &p, true);
+            assert!(t.normals.is_empty());
+            let n = unit_normal(&t.vertices[0]).unwrap();
+            assert_eq!(n, Vec3::Z * sign);
+            assert_eq!((p.normal_matrix() * DVec3::Z).as_vec3(), n);
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_are_counted() {
+        let mut mesh = quad();
+        mesh.push_polygon(&[0, 1, 1].map(|v| (v, NO_NORMAL)));
+        mesh.push_polygon(&[0, 1].map(|v| (v, NO_NORMAL)));
+        let t = place(&mesh, &placement(DMat4::IDENTITY, false), true);
+        assert_eq!((t.vertices.len(), t.degenerate), (2, 1));
+    }
+}

@@ -1,0 +1,178 @@
+//! Scenes: Mitsuba 3 XML files turned into flat lists that rays can be traced against.
+//!
+//! A file becomes a generic tree ([`document`], read by [`xml`]), and the tree a [`Scene`]
+//! ([`Scene::load`]). What is not supported is an error that names file, line, column, element and
+//! what is supported instead. Conventions are Mitsuba's: see [`Primitive`], [`ShapeKind`],
+//! [`Camera`] and [`Filter`].
+
+pub mod camera;
+pub mod document;
+pub mod error;
+mod hit;
+pub mod inspect;
+mod load;
+mod mesh;
+pub mod model;
+mod obj;
+mod params;
+mod ply;
+pub mod settings;
+mod shapes;
+mod trace;
+mod tree;
+mod values;
+pub mod xml;
+
+#[cfg(test)]
+mod load_tests;
+#[cfg(test)]
+mod trace_tests;
+
+use glam::Vec3;
+
+pub use camera::Camera;
+pub use error::SceneError;
+pub use model::{Bounds, Bsdf, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
+pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
+
+use trace::{End, RawHit, Tracer};
+
+/// A scene ready to be rendered. It does not change any more, and threads share it.
+pub struct Scene {
+    /// The surfaces; those of a shape lie next to each other.
+    pub primitives: Vec<Primitive>,
+    /// The index in `shapes` of each primitive.
+    pub primitive_shapes: Vec<u32>,
+    /// The shapes in file order.
+    pub shapes: Vec<Shape>,
+    /// Unit shading normals at the corners of the triangles of smooth shapes; see
+    /// [`Scene::corner_normals`].
+    pub normals: Vec<[Vec3; 3]>,
+    /// The materials.
+    pub bsdfs: Vec<Bsdf>,
+    /// The emissive primitives, one entry for each.
+    pub emitters: Vec<Emitter>,
+    /// The camera.
+    pub camera: Camera,
+    /// The image.
+    pub film: Film,
+    /// Where the uniforms come from.
+    pub sampler: Sampler,
+    /// What the file wants to render with.
+    pub integrator: Integrator,
+    /// The box around all primitives; [`Bounds::EMPTY`] if there are none.
+    pub bounds: Bounds,
+    /// How many triangles were left out because they have no area.
+    pub degenerate_triangles: usize,
+    tracer: Tracer,
+}
+
+/// Where a ray meets the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// What was hit.
+    pub primitive: PrimitiveId,
+    /// Distance from the origin of the ray.
+    pub t: f32,
+    /// The point, computed on the primitive rather than along the ray.
+    pub position: Vec3,
+    /// Unit normal of the surface: outwards, unless the shape is flipped.
+    pub geometric_normal: Vec3,
+    /// Interpolated unit normal of smooth meshes, otherwise the geometric one.
+    pub shading_normal: Vec3,
+}
+
+impl Scene {
+    /// A primitive.
+    pub fn primitive(&self, id: PrimitiveId) -> &Primitive {
+        &self.primitives[id.0 as usize]
+    }
+
+    /// The shape that a primitive belongs to.
+    pub fn shape(&self, id: PrimitiveId) -> &Shape {
+        &self.shapes[self.primitive_shapes[id.0 as usize] as usize]
+    }
+
+    /// The material of a primitive.
+    pub fn bsdf(&self, id: PrimitiveId) -> &Bsdf {
+        &self.bsdfs[self.shape(id).bsdf as usize]
+    }
+
+    /// The shading normals at the corners of a triangle, if its shape is smooth.
+    pub fn corner_normals(&self, id: PrimitiveId) -> Option<&[Vec3; 3]> {
+        let shape = self.shape(id);
+        let index = shape.first_normals? + (id.0 - shape.first_primitive);
+        self.normals.get(index as usize)
+    }
+
+    /// The nearest surface that a ray hits. `direction` need not have unit length, distances are
+    /// in the scene's unit. `skip` is the primitive that `origin` lies on: the ray leaves it
+    /// without hitting it again, except through the inside of a sphere.
+    ///
+    /// No hit is reported for an origin or direction that is not finite or for a direction of 0.
+    pub fn intersect(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        skip: Option<PrimitiveId>,
+    ) -> Option<Hit> {
+        let from = End {
+            point: origin,
+            on: skip,
+        };
+        let start = skip.map(|id| self.primitive(id));
+        let raw = self.tracer.nearest(from, start, direction)?;
+        Some(self.hit(origin, direction, &raw))
+    }
+
+    /// Whether the open segment between two points is free. Each point may lie on a primitive,
+    /// which then does not stand in the way, except a sphere whose inside the segment crosses.
+    pub fn visible(
+        &self,
+        a: Vec3,
+        a_primitive: Option<PrimitiveId>,
+        b: Vec3,
+        b_primitive: Option<PrimitiveId>,
+    ) -> bool {
+        if !(a.is_finite() && b.is_finite()) {
+            return false;
+        }
+        let end = |point, on: Option<PrimitiveId>| {
+            (End { point, on }, on.map(|id| self.primitive(id)))
+        };
+        self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
+    }
+
+    fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
+        let direction = direction.normalize();
+        let primitive = self.primitive(raw.primitive);
+        let w = raw.weights;
+        let position = match *primitive {
+            Primitive::Triangle { v0, v1, v2 } => w.x * v0 + w.y * v1 + w.z * v2,
+            Primitive::Sphere { center, radius, .. } => {
+                let c = center.as_dvec3();
+                let outwards = (origin + raw.t * direction).as_dvec3() - c;
+                (c + f64::from(radius) * outwards.normalize_or_zero()).as_vec3()
+            }
+            Primitive::Disk {
+                center,
+                u_axis,
+                v_axis,
+                ..
+            } => center + w.x * u_axis + w.y * v_axis,
+        };
+        let geometric_normal = primitive.normal(position);
+        let shading_normal = self.corner_normals(raw.primitive).map(|[n0, n1, n2]| {
+            (w.x * *n0 + w.y * *n1 + w.z * *n2)
+                .try_normalize()
+                .unwrap_or(geometric_normal)
+        });
+        Hit {
+            primitive: raw.primitive,
+            t: raw.t,
+            position,
+            geometric_normal,
+            shading_normal: shading_normal.unwrap_or(geometric_normal),
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! What a scene is made of once it is loaded: flat lists of primitives, materials and emitters.
+
+use std::f32::consts::PI;
+
+use glam::{Vec3, vec3};
+
+use super::mesh::{double_area_normal, unit_normal};
+
+/// Index of a primitive in [`super::Scene::primitives`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PrimitiveId(pub u32);
+
+/// A piece of surface that rays can hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Primitive {
+    /// A triangle. Its normal points to the side from which the corners run counter-clockwise.
+    Triangle {
+        /// First corner.
+        v0: Vec3,
+        /// Second corner.
+        v1: Vec3,
+        /// Third corner.
+        v2: Vec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// The centre.
+        center: Vec3,
+        /// The radius, positive.
+        radius: f32,
+        /// Whether the normals point to the centre.
+        flipped: bool,
+    },
+    /// An ellipse in a plane: all `center + a * u_axis + b * v_axis` with `a² + b² <= 1`.
+    Disk {
+        /// The centre.
+        center: Vec3,
+        /// The unit normal.
+        normal: Vec3,
+        /// Where the unit disk's x axis went; neither of unit length nor orthogonal to `v_axis`.
+        u_axis: Vec3,
+        /// Where the unit disk's y axis went.
+        v_axis: Vec3,
+    },
+}
+
+impl Primitive {
+    /// Surface area.
+    pub fn area(&self) -> f32 {
+        match *self {
+            Self::Triangle { v0, v1, v2 } => {
+                (0.5 * double_area_normal(&[v0, v1, v2]).length()) as f32
+            }
+            Self::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            Self::Disk { u_axis, v_axis, .. } => {
+                (u_axis.as_dvec3().cross(v_axis.as_dvec3()).length()) as f32 * PI
+            }
+        }
+    }
+
+    /// The unit normal at a point of the surface: outwards, or inwards if the shape is flipped.
+    pub fn normal(&self, point: Vec3) -> Vec3 {
+        match *self {
+            // Triangles of no area are left out when the scene is loaded.
+            Self::Triangle { v0, v1, v2 } => unit_normal(&[v0, v1, v2]).unwrap_or(Vec3::Z),
+            Self::Sphere {
+                center, flipped, ..
+            } => {
+                let outwards = (point.as_dvec3() - center.as_dvec3()).normalize_or_zero();
+                let outwards = outwards.as_vec3();
+                if flipped { -outwards } else { outwards }
+            }
+            Self::Disk { normal, .. } => normal,
+        }
+    }
+
+    /// The axis-parallel box around it.
+    pub fn bounds(&self) -> Bounds {
+        match *self {
+            Self::Triangle { v0, v1, v2 } => Bounds {
+                min: v0.min(v1).min(v2),
+                max: v0.max(v1).max(v2),
+            },
+            Self::Sphere { center, radius, .. } => Bounds {
+                min: center - radius,
+                max: center + radius,
+            },
+            Self::Disk {
+                center,
+                u_axis,
+                v_axis,
+                ..
+            } => {
+                let [x, y, z] = [0, 1, 2].map(|i| u_axis[i].hypot(v_axis[i]));
+                Bounds {
+                    min: center - vec3(x, y, z),
+                    max: center + vec3(x, y, z),
+                }
+            }
+        }
+    }
+}
+
+/// An axis-parallel box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The lower corner.
+    pub min: Vec3,
+    /// The upper corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The box around nothing.
+    pub const EMPTY: Self = Self {
+        min: Vec3::INFINITY,
+        max: Vec3::NEG_INFINITY,
+    };
+
+    /// The box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+}
+
+/// What a shape was in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ShapeKind {
+    /// The square `[-1, 1]²` in the plane z = 0, facing +z.
+    Rectangle,
+    /// The cube `[-1, 1]³`.
+    Cube,
+    /// A sphere.
+    Sphere,
+    /// The unit disk in the plane z = 0, facing +z.
+    Disk,
+    /// A Wavefront OBJ mesh.
+    Obj,
+    /// A Stanford PLY mesh.
+    Ply,
+}
+
+impl ShapeKind {
+    /// The plugin type.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rectangle => "rectangle",
+            Self::Cube => "cube",
+            Self::Sphere => "sphere",
+            Self::Disk => "disk",
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+        }
+    }
+}
+
+/// A shape of the file; its primitives lie next to each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
+    /// The id in the file, or one made up from the kind and the position in the file.
+    pub name: String,
+    /// What it was in the file.
+    pub kind: ShapeKind,
+    /// Index in [`super::Scene::bsdfs`].
+    pub bsdf: u32,
+    /// The radiance that it emits from the side that the normal points to.
+    pub emission: Option<Vec3>,
+    /// Its first primitive.
+    pub first_primitive: u32,
+    /// How many primitives it has.
+    pub primitive_count: u32,
+    /// Where its shading normals begin in [`super::Scene::normals`], if it has any.
+    pub first_normals: Option<u32>,
+}
+
+/// A Lambertian reflector: `reflectance / π` on the side of the normal, on both sides if
+/// `two_sided`, otherwise black from behind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bsdf {
+    /// Albedo in linear Rec. 709, each channel in [0, 1].
+    pub reflectance: Vec3,
+    /// Whether the back reflects too.
+    pub two_sided: bool,
+}
+
+/// An emissive primitive. It emits from the side that its normal points to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter {
+    /// Index in [`super::Scene::primitives`].
+    pub primitive: u32,
+    /// Emitted radiance in linear Rec. 709, the same everywhere and in all directions.
+    pub radiance: Vec3,
+    /// Surface area of the primitive.
+    pub area: f32,
+}
+
+impl Emitter {
+    /// Emitted power: `π · area · radiance`.
+    pub fn power(&self) -> Vec3 {
+        self.radiance * (PI * self.area)
+    }
+}

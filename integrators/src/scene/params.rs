@@ -1,0 +1,93 @@
+//! Named parameters: `-D name=value`, `<default>`, and `$name` in attribute values.
+
+/// The parameters known so far. What the command line defines is never overwritten.
+#[derive(Debug, Default)]
+pub struct Parameters {
+    list: Vec<Parameter>,
+}
+
+#[derive(Debug)]
+struct Parameter {
+    name: String,
+    value: String,
+    used: bool,
+}
+
+impl Parameters {
+    /// Parameters from outside the file; the last definition of a name wins.
+    pub fn new(defines: &[(String, String)]) -> Self {
+        let mut list: Vec<Parameter> = Vec::new();
+        for (name, value) in defines {
+            list.retain(|p| p.name != *name);
+            list.push(Parameter {
+                name: name.clone(),
+                value: value.clone(),
+                used: false,
+            });
+        }
+        Self { list }
+    }
+
+    /// A `<default>`: takes effect if nothing defined the name before.
+    pub fn set_default(&mut self, name: &str, value: &str) {
+        if let Some(known) = self.list.iter_mut().find(|p| p.name == name) {
+            known.used = true;
+            return;
+        }
+        self.list.push(Parameter {
+            name: name.to_owned(),
+            value: value.to_owned(),
+            used: true,
+        });
+    }
+
+    /// Replaces each `$name` by its value; of several names that fit the longest wins, as in
+    /// Mitsuba. What is inserted is not searched again.
+    pub fn substitute(&mut self, text: &str) -> Result<String, String> {
+        let mut result = String::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(dollar) = rest.find('$') {
+            result.push_str(&rest[..dollar]);
+            rest = &rest[dollar + 1..];
+            let fits = self.list.iter_mut().filter(|p| rest.starts_with(&p.name));
+            let Some(parameter) = fits.max_by_key(|p| p.name.len()) else {
+                let end = rest
+                    .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+                    .unwrap_or(rest.len());
+                return Err(format!(
+                    "undefined parameter ${0}; add <default name=\"{0}\" value=\"…\"/> before \
+                     its use, or pass -D {0}=…",
+                    &rest[..end]
+                ));
+            };
+            parameter.used = true;
+            result.push_str(&parameter.value);
+            rest = &rest[parameter.name.len()..];
+        }
+        result.push_str(rest);
+        Ok(result)
+    }
+
+    /// A parameter that was defined from outside but that no file mentions.
+    pub fn unused(&self) -> Option<&str> {
+        let unused = self.list.iter().find(|p| !p.used);
+        unused.map(|p| p.name.as_str())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_name_wins_and_defines_beat_defaults() {
+        let mut p = Parameters::new(&[("spp".into(), "4".into()), ("x".into(), "$spp".into())]);
+        p.set_default("spp", "64");
+        p.set_default("spp_max", "128");
+        assert_eq!(p.substitute("a $spp_max,$spp."), Ok("a 128,4.".to_owned()));
+        assert_eq!(p.unused(), Some("x"));
+        assert_eq!(p.substitute("$x"), Ok("$spp".to_owned()));
+        assert_eq!(p.unused(), None);
+        assert!(p.substitute("$nope/a").unwrap_err().contains("$nope;"));
+    }
+}

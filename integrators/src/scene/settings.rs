@@ -1,0 +1,159 @@
+//! How the scene wants to be rendered: film, filter, sampler and integrator.
+
+use super::error::Place;
+
+/// A reconstruction filter, as in Mitsuba 3.9.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Filter {
+    /// 1 within half a pixel.
+    Box,
+    /// Falls linearly to 0 at `radius` pixels.
+    Tent {
+        /// Where it becomes 0, in pixels.
+        radius: f32,
+    },
+    /// `max(0, exp(-x²/2σ²) - exp(-r²/2σ²))` with the radius `r = 4σ`.
+    Gaussian {
+        /// The standard deviation σ in pixels.
+        stddev: f32,
+    },
+}
+
+impl Filter {
+    /// Where the filter becomes 0, in pixels along each axis.
+    pub fn radius(self) -> f32 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent { radius } => radius,
+            Self::Gaussian { stddev } => 4.0 * stddev,
+        }
+    }
+
+    /// The profile along one axis at a distance of `x` pixels from the centre, not normalised. The
+    /// filter is the product of the profiles along both axes.
+    pub fn profile(self, x: f32) -> f32 {
+        let x = x.abs();
+        if x > self.radius() {
+            return 0.0;
+        }
+        match self {
+            Self::Box => 1.0,
+            Self::Tent { radius } => 1.0 - x / radius,
+            Self::Gaussian { stddev } => {
+                let bell = |x: f32| (-0.5 * (x / stddev) * (x / stddev)).exp();
+                (bell(x) - bell(4.0 * stddev)).max(0.0)
+            }
+        }
+    }
+
+    /// The plugin type.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Tent { .. } => "tent",
+            Self::Gaussian { .. } => "gaussian",
+        }
+    }
+}
+
+/// The image to render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The reconstruction filter.
+    pub filter: Filter,
+}
+
+/// Where the uniforms come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    /// Independent uniforms.
+    Independent,
+    /// Stratified in each pair of dimensions.
+    Stratified,
+    /// Correlated multi-jittered.
+    Multijitter,
+    /// Orthogonal arrays.
+    Orthogonal,
+    /// Low discrepancy.
+    LowDiscrepancy,
+}
+
+impl SamplerKind {
+    /// The plugin type.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Stratified => "stratified",
+            Self::Multijitter => "multijitter",
+            Self::Orthogonal => "orthogonal",
+            Self::LowDiscrepancy => "ldsampler",
+        }
+    }
+}
+
+/// The sampler of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampler {
+    /// Where the uniforms come from.
+    pub kind: SamplerKind,
+    /// Samples per pixel.
+    pub sample_count: u32,
+    /// The seed.
+    pub seed: u64,
+}
+
+/// The integrator of the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrator {
+    /// The plugin type, for example `path`. Whether it exists is for the renderer to decide.
+    pub name: String,
+    /// The longest path in edges, none for any length: 1 shows emitters only, 2 adds direct
+    /// illumination, and so on, as in Mitsuba.
+    pub max_depth: Option<u32>,
+    /// The path length from which Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Whether emitters that the camera sees directly are invisible.
+    pub hide_emitters: bool,
+    /// Where it is written; none if the file has no integrator.
+    pub place: Option<Place>,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self {
+            name: "path".to_owned(),
+            max_depth: None,
+            rr_depth: 5,
+            hide_emitters: false,
+            place: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_vanish_at_their_radius() {
+        for filter in [
+            Filter::Tent { radius: 1.5 },
+            Filter::Gaussian { stddev: 0.5 },
+        ] {
+            let r = filter.radius();
+            assert!(filter.profile(0.0) > 0.99);
+            assert!(filter.profile(0.99 * r) > 0.0);
+            assert!(filter.profile(-r) < 1e-7);
+            assert_eq!(filter.profile(1.01 * r), 0.0);
+        }
+        assert_eq!(Filter::Box.profile(0.49), 1.0);
+        assert_eq!(Filter::Box.profile(-0.51), 0.0);
+        assert_eq!(Filter::Gaussian { stddev: 0.5 }.radius(), 2.0);
+        let half = Filter::Gaussian { stddev: 0.5 }.profile(0.5);
+        assert!((half - 0.606_195_2).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,213 @@
+//! From a `<shape>` to primitives.
+
+use std::path::Path;
+
+use glam::{DMat4, DVec3};
+
+use super::document::Query;
+use super::error::SceneError;
+use super::mesh::{self, Mesh, NO_NORMAL, Placement, Triangles};
+use super::model::{Primitive, ShapeKind};
+use super::values::relative_determinant;
+use super::xml::find_file;
+use super::{obj, ply};
+
+/// Coordinates beyond this have areas that overflow f32.
+const MAX_COORDINATE: f64 = 1e15;
+
+/// The primitives of a shape.
+#[derive(Debug, Default)]
+pub struct Geometry {
+    /// The primitives.
+    pub primitives: Vec<Primitive>,
+    /// Shading normals at the corners of each triangle; empty if the shape is flat or round.
+    pub normals: Vec<[glam::Vec3; 3]>,
+    /// Triangles left out because they have no area.
+    pub degenerate: usize,
+}
+
+/// The kind that a plugin type names.
+pub fn kind(query: &Query) -> Result<ShapeKind, SceneError> {
+    Ok(match query.object.plugin.as_str() {
+        "rectangle" => ShapeKind::Rectangle,
+        "cube" => ShapeKind::Cube,
+        "sphere" => ShapeKind::Sphere,
+        "disk" => ShapeKind::Disk,
+        "obj" => ShapeKind::Obj,
+        "ply" => ShapeKind::Ply,
+        _ => return Err(query.unsupported("rectangle, cube, sphere, disk, obj, ply")),
+    })
+}
+
+/// Builds a shape in the world.
+pub fn build(kind: ShapeKind, query: &Query) -> Result<Geometry, SceneError> {
+    let placement = Placement {
+        to_world: query.transform("to_world")?.unwrap_or(DMat4::IDENTITY),
+        flip_normals: query.boolean("flip_normals")?.unwrap_or(false),
+    };
+    if relative_determinant(&placement.to_world).abs() < 1e-12 {
+        return Err(query.error_at("to_world", "the transform flattens space"));
+    }
+    // These concern only features that do not exist here.
+    query.ignore(&["silhouette_sampling_weight"]);
+    let geometry = match kind {
+        ShapeKind::Rectangle => triangles(mesh::place(&rectangle(), &placement, true)),
+        ShapeKind::Cube => triangles(mesh::place(&cube(), &placement, true)),
+        ShapeKind::Sphere => sphere(query, &placement)?,
+        ShapeKind::Disk => disk(&placement),
+        ShapeKind::Obj | ShapeKind::Ply => {
+            let face_normals = query.boolean("face_normals")?.unwrap_or(false);
+            query.ignore(&["flip_tex_coords"]);
+            triangles(mesh::place(&read(kind, query)?, &placement, face_normals))
+        }
+    };
+    let representable = |p: &Primitive| {
+        let bounds = p.bounds();
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        // Written so that NaN is refused.
+        f64::from(largest) <= MAX_COORDINATE && p.area() >= f32::MIN_POSITIVE
+    };
+    if !geometry.primitives.iter().all(representable) {
+        return Err(query.object.place.error(format!(
+            "too small or too large: coordinates must be at most {MAX_COORDINATE:e} and areas \
+             representable; scale the scene"
+        )));
+    }
+    Ok(geometry)
+}
+
+fn triangles(placed: Triangles) -> Geometry {
+    let triangle = |[v0, v1, v2]: [glam::Vec3; 3]| Primitive::Triangle { v0, v1, v2 };
+    Geometry {
+        primitives: placed.vertices.into_iter().map(triangle).collect(),
+        normals: placed.normals,
+        degenerate: placed.degenerate,
+    }
+}
+
+fn read(kind: ShapeKind, query: &Query) -> Result<Mesh, SceneError> {
+    let name = query.string("filename")?;
+    let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
+    let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
+    let bytes = std::fs::read(&path)
+        .map_err(|e| query.error_at("filename", format!("{}: {e}", path.display())))?;
+    let read: fn(&[u8], &Path) -> Result<Mesh, SceneError> = match kind {
+        ShapeKind::Obj => obj::read,
+        _ => ply::read,
+    };
+    read(&bytes, &path)
+}
+
+/// The square `[-1, 1]²` in the plane z = 0, facing +z.
+fn rectangle() -> Mesh {
+    let mut mesh = Mesh {
+        positions: [[-1., -1.], [1., -1.], [1., 1.], [-1., 1.]]
+            .map(|[x, y]| DVec3::new(x, y, 0.0))
+            .to_vec(),
+        ..Mesh::default()
+    };
+    mesh.push_polygon(&[0, 1, 2, 3].map(|v| (v, NO_NORMAL)));
+    mesh
+}
+
+/// The cube `[-1, 1]³` with outward normals. Bit k of a corner's index is the sign of axis k.
+fn cube() -> Mesh {
+    let sign = |corner: u32, axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+    let corner = |i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2));
+    let mut mesh = Mesh {
+        positions: (0..8).map(corner).collect(),
+        ..Mesh::default()
+    };
+    for face in [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ] {
+        mesh.push_polygon(&face.map(|v| (v, NO_NORMAL)));
+    }
+    mesh
+}
+
+fn sphere(query: &Query, placement: &Placement) -> Result<Geometry, SceneError> {
+    let center = query.vector("center")?.unwrap_or(DVec3::ZERO);
+    let radius = query.float("radius")?.unwrap_or(1.0);
+    if radius <= 0.0 {
+        return Err(query.error_at("radius", "the radius must be positive"));
+    }
+    let m = placement.to_world;
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.truncate());
+    let scale = x.length();
+    let uneven = [y.length() - scale, z.length() - scale];
+    let skewed = [x.dot(y), y.dot(z), z.dot(x)].map(|dot| dot / scale);
+    if uneven.iter().chain(&skewed).any(|e| e.abs() > 1e-3 * scale) {
+        return Err(query.error_at(
+            "to_world",
+            "a sphere must be scaled evenly; ellipsoids are not supported (nearest: ply, obj)",
+        ));
+    }
+    // As in Mitsuba, a mirror image of a sphere is turned inside out.
+    let mirrored = relative_determinant(&m) < 0.0;
+    Ok(Geometry {
+        primitives: vec![Primitive::Sphere {
+            center: m.transform_point3(center).as_vec3(),
+            radius: (radius * scale) as f32,
+            flipped: placement.flip_normals != mirrored,
+        }],
+        ..Geometry::default()
+    })
+}
+
+fn disk(placement: &Placement) -> Geometry {
+    let m = placement.to_world;
+    let normal = (placement.normal_matrix() * DVec3::Z).normalize();
+    Geometry {
+        primitives: vec![Primitive::Disk {
+            center: m.w_axis.truncate().as_vec3(),
+            normal: normal.as_vec3(),
+            u_axis: m.x_axis.truncate().as_vec3(),
+            v_axis: m.y_axis.truncate().as_vec3(),
+        }],
+        ..Geometry::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::mesh::unit_normal;
+
+    const IDENTITY: Placement = Placement {
+        to_world: DMat4::IDENTITY,
+        flip_normals: false,
+    };
+
+    #[test]
+    fn cubes_face_outwards() {
+        let cube = mesh::place(&cube(), &IDENTITY, true);
+        assert_eq!(cube.vertices.len(), 12);
+        for triangle in &cube.vertices {
+            let normal = unit_normal(triangle).unwrap();
+            assert!(triangle.iter().all(|v| v.dot(normal) == 1.0), "{triangle:?}");
+        }
+        let area: f64 = cube.vertices.iter().map(|t| mesh::double_area_normal(t).length()).sum();
+        assert_eq!(area, 48.0);
+    }
+
+    #[test]
+    fn rectangles_and_disks_face_up_even_mirrored() {
+        let rectangle = mesh::place(&rectangle(), &IDENTITY, true);
+        assert!(rectangle.vertices.iter().all(|t| unit_normal(t) == Some(glam::Vec3::Z)));
+        let mirrored = Placement {
+            to_world: DMat4::from_scale(DVec3::new(-1.0, 2.0, 1.0)),
+            ..IDENTITY
+        };
+        let Primitive::Disk { normal, .. } = disk(&mirrored).primitives[0] else {
+            panic!("a disk is a disk");
+        };
+        assert_eq!(normal, glam::Vec3::Z);
+        assert!((disk(&mirrored).primitives[0].area() - 2.0 * std::f32::consts::PI).abs() < 1e-6);
+    }
+}

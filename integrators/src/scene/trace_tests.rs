@@ -1,0 +1,386 @@
+//! Rays against brute force, at all scales, and at the places where they leak.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+
+use super::trace::{End, Tracer};
+use super::{Hit, Primitive, PrimitiveId, Scene};
+
+/// A reproducible stream of uniforms (SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn in_cube(&mut self) -> Vec3 {
+        Vec3::new(self.uniform(), self.uniform(), self.uniform()) * 2.0 - 1.0
+    }
+
+    fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.in_cube();
+            if v.length() > 0.1 && v.length() < 1.0 {
+                return v.normalize();
+            }
+        }
+    }
+}
+
+fn icosphere(subdivisions: u32) -> Vec<[Vec3; 3]> {
+    let g = 0.5 * (1.0 + 5f32.sqrt());
+    let mut corners = Vec::new();
+    for (a, b) in [(1.0, g), (1.0, -g), (-1.0, g), (-1.0, -g)] {
+        corners.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]].map(Vec3::from_array));
+    }
+    // The faces of an icosahedron are the triples of corners at distance 2.
+    let near = |a: Vec3, b: Vec3| (a.distance(b) - 2.0).abs() < 1e-3;
+    let mut triangles = Vec::new();
+    for i in 0..12 {
+        for j in 0..i {
+            for k in 0..j {
+                let [a, b, c] = [corners[i], corners[j], corners[k]];
+                if near(a, b) && near(b, c) && near(c, a) {
+                    let outside = (b - a).cross(c - a).dot(a) > 0.0;
+                    let [b, c] = if outside { [b, c] } else { [c, b] };
+                    triangles.push([a, b, c].map(Vec3::normalize));
+                }
+            }
+        }
+    }
+    for _ in 0..subdivisions {
+        let split = |[a, b, c]: &[Vec3; 3]| {
+            // Sums commute, so both neighbours of an edge find the same middle.
+            let (ab, bc, ca) = (a + b, b + c, c + a);
+            let [ab, bc, ca] = [ab, bc, ca].map(Vec3::normalize);
+            [[*a, ab, ca], [ab, *b, bc], [ca, bc, *c], [ab, bc, ca]]
+        };
+        triangles = triangles.iter().flat_map(split).collect();
+    }
+    triangles
+}
+
+fn primitives(triangles: &[[Vec3; 3]]) -> Vec<Primitive> {
+    let triangle = |[v0, v1, v2]: &[Vec3; 3]| Primitive::Triangle {
+        v0: *v0,
+        v1: *v1,
+        v2: *v2,
+    };
+    triangles.iter().map(triangle).collect()
+}
+
+fn free(point: Vec3) -> End {
+    End { point, on: None }
+}
+
+#[test]
+fn no_ray_leaks_through_edges_or_corners() {
+    let triangles = icosphere(4);
+    assert_eq!(triangles.len(), 5120);
+    let mut random = Random(1);
+    for (scale, offset) in [(1.0, Vec3::ZERO), (1e-3, Vec3::new(5.0, -3.0, 0.1))] {
+        let moved: Vec<[Vec3; 3]> = triangles
+            .iter()
+            .map(|t| t.map(|v| v * scale + offset))
+            .collect();
+        let primitives = primitives(&moved);
+        let tracer = Tracer::new(&primitives, offset);
+        let mut leaks = 0;
+        for round in 0..12 {
+            for [a, b, c] in &moved {
+                let s = random.uniform();
+                let targets = [*a, a.lerp(*b, s), b.lerp(*c, s), c.lerp(*a, 0.5)];
+                let inside = offset + random.in_cube() * (0.5 * scale);
+                let outside = offset + random.direction() * (3.0 * scale);
+                for target in targets {
+                    // From inside every ray must hit. From outside only those that do not aim at
+                    // the silhouette: the centre is on the line, nearly.
+                    let from = if round % 4 == 0 { offset } else { inside };
+                    leaks += u32::from(tracer.nearest(free(from), None, target - from).is_none());
+                    let through = 0.5 * (target + offset);
+                    let hit = tracer.nearest(free(outside), None, through - outside);
+                    leaks += u32::from(hit.is_none());
+                }
+            }
+        }
+        assert_eq!(leaks, 0, "scale {scale}");
+    }
+}
+
+fn mixed_primitives(random: &mut Random) -> Vec<Primitive> {
+    let mut list = Vec::new();
+    for _ in 0..60 {
+        let c = random.in_cube();
+        let (a, b) = (0.3 * random.in_cube(), 0.3 * random.in_cube());
+        list.push(Primitive::Triangle {
+            v0: c,
+            v1: c + a,
+            v2: c + b,
+        });
+        let center = random.in_cube();
+        list.push(Primitive::Sphere {
+            center,
+            radius: 0.01 + 0.1 * random.uniform(),
+            flipped: false,
+        });
+        let [u_axis, v_axis] = [0.15 * random.in_cube(), 0.15 * random.in_cube()];
+        list.push(Primitive::Disk {
+            center: random.in_cube(),
+            normal: u_axis.cross(v_axis).normalize(),
+            u_axis,
+            v_axis,
+        });
+    }
+    list
+}
+
+/// The distance of the nearest hit in plain f64, and how far from the edge of its primitive it is.
+fn brute_force(primitives: &[Primitive], o: Vec3, d: Vec3) -> Option<(usize, f64)> {
+    let (o, d) = (o.as_dvec3(), d.as_dvec3().normalize());
+    let distance = |primitive: &Primitive| match *primitive {
+        Primitive::Triangle { v0, v1, v2 } => {
+            let [a, b, c] = [v0, v1, v2].map(Vec3::as_dvec3);
+            let (e1, e2) = (b - a, c - a);
+            let p = d.cross(e2);
+            let u = (o - a).dot(p) / e1.dot(p);
+            let v = d.dot((o - a).cross(e1)) / e1.dot(p);
+            let t = e2.dot((o - a).cross(e1)) / e1.dot(p);
+            (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then_some(t)
+        }
+        Primitive::Sphere { center, radius, .. } => {
+            let oc = o - center.as_dvec3();
+            let b = oc.dot(d);
+            let root = (b * b - oc.length_squared() + f64::from(radius).powi(2)).sqrt();
+            [-b - root, -b + root].into_iter().find(|t| *t > 0.0)
+        }
+        Primitive::Disk {
+            center,
+            u_axis,
+            v_axis,
+            ..
+        } => {
+            let [u, v] = [u_axis.as_dvec3(), v_axis.as_dvec3()];
+            let m = glam::DMat3::from_cols(u, v, -d).inverse();
+            let local = m * (o - center.as_dvec3());
+            (local.truncate().length() <= 1.0).then_some(local.z)
+        }
+    };
+    let hits = primitives.iter().enumerate();
+    let hits = hits.filter_map(|(i, p)| distance(p).map(|t| (i, t)));
+    hits.filter(|(_, t)| *t > 0.0).min_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+#[test]
+fn nearest_hits_agree_with_brute_force() {
+    let mut random = Random(2);
+    let primitives = mixed_primitives(&mut random);
+    let tracer = Tracer::new(&primitives, Vec3::ZERO);
+    let (mut hits, mut differences) = (0, 0);
+    for _ in 0..20_000 {
+        let (o, d) = (1.5 * random.in_cube(), random.direction());
+        let found = tracer.nearest(free(o), None, d);
+        match (found, brute_force(&primitives, o, d)) {
+            (None, None) => {}
+            (Some(hit), Some((index, t))) if hit.primitive.0 as usize == index => {
+                hits += 1;
+                let error = (f64::from(hit.t) - t).abs();
+                let Primitive::Sphere { radius, .. } = primitives[index] else {
+                    // Grazing hits amplify rounding.
+                    assert!(error < 1e-4, "{error}");
+                    continue;
+                };
+                assert!(error < 1e-5 * (1.0 + t / f64::from(radius)), "{error}");
+            }
+            _ => differences += 1,
+        }
+    }
+    assert!(hits > 2_500, "{hits}");
+    // Only rays within rounding of an edge may differ.
+    assert!(differences <= 3, "{differences}");
+}
+
+#[test]
+fn occlusion_agrees_with_the_nearest_hit() {
+    let mut random = Random(3);
+    let primitives = mixed_primitives(&mut random);
+    let tracer = Tracer::new(&primitives, Vec3::ZERO);
+    let (mut blocked, mut differences) = (0, 0);
+    for _ in 0..20_000 {
+        let (a, b) = (random.in_cube(), random.in_cube());
+        let nearest = tracer.nearest(free(a), None, b - a);
+        let expected = nearest.is_none_or(|hit| hit.t >= a.distance(b));
+        let found = tracer.unoccluded((free(a), None), (free(b), None));
+        blocked += u32::from(!found);
+        differences += u32::from(found != expected);
+    }
+    assert!(blocked > 2_000, "{blocked}");
+    assert!(differences <= 2, "{differences}");
+}
+
+#[test]
+fn hits_do_not_depend_on_the_unit_of_length() {
+    let mut random = Random(4);
+    let primitives = mixed_primitives(&mut random);
+    let reference = Tracer::new(&primitives, Vec3::ZERO);
+    for scale in [1e-6, 1e-3, 0.25, 3.0, 1e3, 1e6] {
+        let enlarged: Vec<Primitive> = primitives.iter().map(|p| enlarge(p, scale)).collect();
+        let tracer = Tracer::new(&enlarged, Vec3::ZERO);
+        let mut differences = 0;
+        for _ in 0..5_000 {
+            let (o, d) = (1.5 * random.in_cube(), random.direction());
+            let expected = reference.nearest(free(o), None, d);
+            let found = tracer.nearest(free(o * scale), None, d);
+            match (expected, found) {
+                (None, None) => {}
+                (Some(a), Some(b)) if a.primitive == b.primitive => {
+                    assert!((a.t * scale - b.t).abs() < 2e-4 * scale, "{scale}: {a:?} {b:?}");
+                }
+                _ => differences += 1,
+            }
+        }
+        // Scaling by 0.25 is exact; else rays within rounding of an edge may differ.
+        assert!(differences <= if scale == 0.25 { 0 } else { 3 }, "{scale}: {differences}");
+    }
+}
+
+fn enlarge(primitive: &Primitive, scale: f32) -> Primitive {
+    let mut result = *primitive;
+    match &mut result {
+        Primitive::Triangle { v0, v1, v2 } => [v0, v1, v2].into_iter().for_each(|v| *v *= scale),
+        Primitive::Sphere { center, radius, .. } => {
+            *center *= scale;
+            *radius *= scale;
+        }
+        Primitive::Disk {
+            center,
+            u_axis,
+            v_axis,
+            ..
+        } => [center, u_axis, v_axis].into_iter().for_each(|v| *v *= scale),
+    }
+    result
+}
+
+fn scene(shapes: &str) -> Scene {
+    let xml = format!(
+        "<scene version=\"3.0.0\"><sensor type=\"perspective\"/>{shapes}</scene>"
+    );
+    Scene::from_str(&xml, Path::new(""), &[]).unwrap()
+}
+
+/// A closed room of two-triangle walls with a sphere in it, far from the origin.
+fn room(scale: f32) -> Scene {
+    scene(&format!(
+        "<shape type=\"cube\"><boolean name=\"flip_normals\" value=\"true\"/>
+         <transform name=\"to_world\"><rotate x=\"1\" y=\"2\" angle=\"33\"/>
+         <translate x=\"5\" y=\"-7\" z=\"3\"/><scale value=\"{scale}\"/></transform></shape>
+         <shape type=\"sphere\"><transform name=\"to_world\"><scale value=\"0.3\"/>
+         <translate x=\"5\" y=\"-7\" z=\"3\"/><scale value=\"{scale}\"/></transform></shape>"
+    ))
+}
+
+/// A direction above the surface, often grazing.
+fn leaving(random: &mut Random, normal: Vec3) -> Vec3 {
+    let mut d = random.direction();
+    if random.uniform() < 0.5 {
+        d -= normal * d.dot(normal) * 0.999;
+    }
+    let d = d.normalize();
+    if d.dot(normal) < 0.0 { d - 2.0 * d.dot(normal) * normal } else { d }
+}
+
+#[test]
+fn surfaces_do_not_hit_themselves() {
+    for scale in [1e-6, 1.0, 1e6] {
+        let scene = room(scale);
+        let mut random = Random(5);
+        let center = scale * Vec3::new(5.0, -7.0, 3.0);
+        let mut last: Option<Hit> = None;
+        let (mut escaped, mut near, mut hidden) = (0, 0, 0);
+        for _ in 0..100_000 {
+            let hit = match last {
+                Some(from) => {
+                    let d = leaving(&mut random, from.geometric_normal);
+                    scene.intersect(from.position, d, Some(from.primitive))
+                }
+                None => scene.intersect(center, random.direction(), None),
+            };
+            let Some(hit) = hit else {
+                escaped += 1;
+                last = None;
+                continue;
+            };
+            if let Some(from) = last {
+                // In this convex room a hit on the same wall is a false one; neighbours in a
+                // corner are met at any distance, but not along the same normal.
+                near += u32::from(from.geometric_normal.dot(hit.geometric_normal) > 0.9999);
+                let (a, b) = (from.position, hit.position);
+                let (p, q) = (Some(from.primitive), Some(hit.primitive));
+                // Rounded off to grazing, either answer is right.
+                let steep = |h: &Hit| {
+                    let d = (b - a).normalize_or_zero();
+                    d.dot(h.geometric_normal).abs() > 1e-2
+                };
+                if a.distance(b) > 1e-3 * scale && steep(&from) && steep(&hit) {
+                    hidden += u32::from(!scene.visible(a, p, b, q));
+                    hidden += u32::from(!scene.visible(b, q, a, p));
+                }
+            }
+            last = Some(hit);
+        }
+        assert_eq!((escaped, near, hidden), (0, 0, 0), "scale {scale}");
+    }
+}
+
+#[test]
+fn spheres_are_left_through_the_other_side() {
+    let scene = scene("<shape type=\"sphere\"/>");
+    let id = Some(PrimitiveId(0));
+    let top = Vec3::Z;
+    let hit = scene.intersect(top, -Vec3::Z, id).unwrap();
+    assert_eq!((hit.t, hit.position, hit.geometric_normal), (2.0, -Vec3::Z, -Vec3::Z));
+    assert_eq!(scene.intersect(top, Vec3::Z, id), None);
+    assert_eq!(scene.intersect(top, Vec3::X, id), None);
+    let inside = scene.intersect(Vec3::ZERO, Vec3::new(0.0, 3.0, 0.0), None).unwrap();
+    assert_eq!((inside.t, inside.position), (1.0, Vec3::Y));
+    // A chord is free, the way through the sphere to something beyond it is not.
+    assert!(scene.visible(top, id, Vec3::X, id));
+    assert!(scene.visible(top, id, Vec3::new(0.0, 0.0, 0.5), None));
+    assert!(!scene.visible(top, id, Vec3::new(0.0, 0.0, -2.0), None));
+    assert!(!scene.visible(Vec3::new(0.0, 0.0, -2.0), None, top, id));
+    assert!(scene.visible(Vec3::new(0.0, 0.0, 2.0), None, top, id));
+    assert!(scene.visible(Vec3::ZERO, None, top, id));
+    assert!(!scene.visible(2.0 * Vec3::X, None, -2.0 * Vec3::X, None));
+}
+
+#[test]
+fn bad_rays_hit_nothing() {
+    let scene = scene("<shape type=\"sphere\"/><shape type=\"cube\"/>");
+    for bad in [Vec3::NAN, Vec3::INFINITY, Vec3::new(0.0, f32::NAN, 1.0)] {
+        assert_eq!(scene.intersect(bad, Vec3::X, None), None);
+        assert_eq!(scene.intersect(Vec3::ZERO, bad, None), None);
+        assert!(!scene.visible(bad, None, Vec3::ZERO, None));
+    }
+    assert_eq!(scene.intersect(Vec3::ZERO, Vec3::ZERO, None), None);
+    assert!(scene.visible(Vec3::ZERO, None, Vec3::ZERO, None));
+    let empty = super::trace_tests::scene("");
+    assert_eq!(empty.intersect(Vec3::ZERO, Vec3::X, None), None);
+    assert!(empty.visible(Vec3::ZERO, None, Vec3::X, None));
+}
+
+#[test]
+fn many_coincident_primitives_are_no_trouble() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let primitives = primitives(&[triangle; 20_000]);
+    let tracer = Tracer::new(&primitives, Vec3::ZERO);
+    let hit = tracer.nearest(free(Vec3::new(0.2, 0.2, 1.0)), None, -Vec3::Z).unwrap();
+    assert_eq!(hit.t, 1.0);
+    let weights = DVec3::new(0.6, 0.2, 0.2);
+    assert!((hit.weights.as_dvec3() - weights).length() < 1e-6);
+}

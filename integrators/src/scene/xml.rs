@@ -1,0 +1,505 @@
+//! Reads Mitsuba 3 XML into a [`Document`].
+//!
+//! Includes are followed, parameters substituted, transforms composed and references resolved.
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+use roxmltree::Node;
+
+use super::document::{Document, Object, ObjectId, Property, Value};
+use super::error::{Place, SceneError, Source};
+use super::params::Parameters;
+use super::values;
+
+/// Tags that make an object.
+const OBJECTS: [&str; 13] = [
+    "scene", "sensor", "film", "rfilter", "sampler", "integrator", "shape", "bsdf", "emitter",
+    "texture", "medium", "phase", "volume",
+];
+const MAX_INCLUDE_DEPTH: usize = 16;
+const MAX_INCLUDES: usize = 1024;
+const MAX_NESTING: usize = 32;
+
+/// Reads a scene file. `defines` override the file's `<default>`s.
+pub fn read_file(path: &Path, defines: &[(String, String)]) -> Result<Document, SceneError> {
+    let text = read_text(path).map_err(|message| SceneError::in_file(path, message))?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    read_str(&text, path, folder, defines)
+}
+
+/// Reads a scene from a string; `path` names it in errors, files are looked up in `folder`.
+pub fn read_str(
+    text: &str,
+    path: &Path,
+    folder: PathBuf,
+    defines: &[(String, String)],
+) -> Result<Document, SceneError> {
+    let mut reader = Reader {
+        document: Document::default(),
+        parameters: Parameters::new(defines),
+        references: Vec::new(),
+        includes: 0,
+    };
+    let source = Arc::new(Source {
+        path: path.to_path_buf(),
+        text: text.to_owned(),
+    });
+    reader.read(source, Rc::new(vec![folder]), None, 0)?;
+    if let Some(name) = reader.parameters.unused() {
+        return Err(SceneError::in_file(
+            path,
+            format!("-D {name}=…: the scene has no parameter ${name}"),
+        ));
+    }
+    reader.resolve_references()?;
+    reject_cycles(&reader.document)?;
+    Ok(reader.document)
+}
+
+/// The whole of a text file, or why it cannot be had.
+pub fn read_text(path: &Path) -> Result<String, String> {
+    let bytes = std::fs::read(path).map_err(|e| format!("cannot be read: {e}"))?;
+    String::from_utf8(bytes).map_err(|_| "is not UTF-8 text".to_owned())
+}
+
+/// Finds a file: absolute as it is, else in the first of the folders that has it.
+pub fn find_file(name: &str, folders: &[PathBuf]) -> Result<PathBuf, String> {
+    let found = folders.iter().map(|folder| folder.join(name));
+    found
+        .clone()
+        .find(|path| path.exists())
+        .ok_or_else(|| {
+            let tried: Vec<String> = found.map(|path| path.display().to_string()).collect();
+            format!("file \"{name}\" not found; tried {}", tried.join(", "))
+        })
+}
+
+struct Reader {
+    document: Document,
+    parameters: Parameters,
+    /// Object, index of its property, the id that it names.
+    references: Vec<(ObjectId, usize, String)>,
+    includes: usize,
+}
+
+/// The file being read.
+struct Context {
+    source: Arc<Source>,
+    folders: Rc<Vec<PathBuf>>,
+    /// How many includes deep.
+    depth: usize,
+}
+
+type Attributes<'a> = Vec<(&'a str, String)>;
+
+fn attribute<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
+    let found = attributes.iter().find(|(key, _)| *key == name);
+    found.map(|(_, value)| value.as_str())
+}
+
+impl Reader {
+    fn read(
+        &mut self,
+        source: Arc<Source>,
+        folders: Rc<Vec<PathBuf>>,
+        parent: Option<ObjectId>,
+        depth: usize,
+    ) -> Result<(), SceneError> {
+        let xml = roxmltree::Document::parse(&source.text).map_err(|e| {
+            let position = e.pos();
+            let mut error = SceneError::in_file(&source.path, format!("not well-formed XML: {e}"));
+            (error.line, error.column) = (Some(position.row), Some(position.col));
+            error
+        })?;
+        let mut context = Context {
+            source: source.clone(),
+            folders,
+            depth,
+        };
+        let root = xml.root_element();
+        let place = context.place(root);
+        if root.attribute("version").is_none() {
+            return Err(place.error("the root element needs version=\"3.0.0\""));
+        }
+        match parent {
+            None if root.tag_name().name() != "scene" => {
+                Err(place.error("the root element must be <scene>"))
+            }
+            // An included <scene> only brings its contents.
+            Some(parent) if root.tag_name().name() == "scene" => {
+                self.contents(&mut context, root, parent, 0)
+            }
+            _ => self.object(&mut context, root, parent, 0),
+        }
+    }
+
+    fn contents(
+        &mut self,
+        context: &mut Context,
+        node: Node,
+        object: ObjectId,
+        nesting: usize,
+    ) -> Result<(), SceneError> {
+        for child in node.children().filter(Node::is_element) {
+            self.element(context, child, object, nesting)?;
+        }
+        Ok(())
+    }
+
+    fn element(
+        &mut self,
+        context: &mut Context,
+        node: Node,
+        parent: ObjectId,
+        nesting: usize,
+    ) -> Result<(), SceneError> {
+        let tag = node.tag_name().name();
+        if OBJECTS.contains(&tag) || (tag == "spectrum" && node.has_attribute("type")) {
+            return self.object(context, node, Some(parent), nesting + 1);
+        }
+        let place = context.place(node);
+        if tag != "transform" && node.children().any(|child| child.is_element()) {
+            return Err(place.error("this element cannot have children"));
+        }
+        match tag {
+            "default" => {
+                let a = self.attributes(&place, node, &["name", "value"], &[])?;
+                self.parameters.set_default(&a[0].1, &a[1].1);
+                Ok(())
+            }
+            "include" => self.include(context, node, &place, parent),
+            "path" => self.path(context, node, &place, parent),
+            "alias" => self.alias(node, &place),
+            "ref" => {
+                let a = self.attributes(&place, node, &["id"], &["name"])?;
+                let name = attribute(&a, "name").unwrap_or("").to_owned();
+                let index = self.document.objects[parent].properties.len();
+                self.references.push((parent, index, a[0].1.clone()));
+                self.add(parent, name, Value::Object(parent), place)
+            }
+            "transform" => {
+                let a = self.attributes(&place, node, &["name"], &[])?;
+                let transform = self.transform(context, node)?;
+                self.add(parent, a[0].1.clone(), Value::Transform(transform), place)
+            }
+            _ => {
+                let (name, value) = self.value(node, &place)?;
+                self.add(parent, name, value, place)
+            }
+        }
+    }
+
+    fn object(
+        &mut self,
+        context: &mut Context,
+        node: Node,
+        parent: Option<ObjectId>,
+        nesting: usize,
+    ) -> Result<(), SceneError> {
+        let place = context.place(node);
+        if nesting > MAX_NESTING {
+            return Err(place.error("elements are nested too deeply"));
+        }
+        let tag = node.tag_name().name();
+        let required: &[&str] = if tag == "scene" { &[] } else { &["type"] };
+        let optional = ["id", "name", "version"];
+        let a = self.attributes(&place, node, required, &optional)?;
+        let id = self.document.objects.len();
+        if let Some(name) = attribute(&a, "id") {
+            self.name_object(name, id, &place)?;
+        }
+        self.document.objects.push(Object {
+            tag: tag.to_owned(),
+            plugin: attribute(&a, "type").unwrap_or("").to_owned(),
+            id: attribute(&a, "id").map(str::to_owned),
+            properties: Vec::new(),
+            place: place.clone(),
+            folders: context.folders.clone(),
+        });
+        if let Some(parent) = parent {
+            let name = attribute(&a, "name").unwrap_or("").to_owned();
+            self.add(parent, name, Value::Object(id), place)?;
+        }
+        self.contents(context, node, id, nesting)
+    }
+
+    fn name_object(&mut self, name: &str, id: ObjectId, place: &Place) -> Result<(), SceneError> {
+        match self.document.ids.insert(name.to_owned(), id) {
+            None => Ok(()),
+            Some(_) => Err(place.error(format!("the id \"{name}\" is already in use"))),
+        }
+    }
+
+    fn add(
+        &mut self,
+        object: ObjectId,
+        name: String,
+        value: Value,
+        place: Place,
+    ) -> Result<(), SceneError> {
+        let properties = &mut self.document.objects[object].properties;
+        if !name.is_empty() && properties.iter().any(|p| p.name == name) {
+            return Err(place.error(format!("a second property named \"{name}\"")));
+        }
+        properties.push(Property { name, value, place });
+        Ok(())
+    }
+
+    /// The attributes after substitution, the required ones first and in order.
+    fn attributes<'n>(
+        &mut self,
+        place: &Place,
+        node: Node<'n, '_>,
+        required: &[&str],
+        optional: &[&str],
+    ) -> Result<Attributes<'n>, SceneError> {
+        let mut result = Attributes::new();
+        for attribute in node.attributes() {
+            let name = attribute.name();
+            if !required.contains(&name) && !optional.contains(&name) {
+                let known = [required, optional].concat().join(", ");
+                return Err(place.error(format!(
+                    "unknown attribute \"{name}\"; supported: {known}"
+                )));
+            }
+            let value = self.parameters.substitute(attribute.value());
+            result.push((name, value.map_err(|e| place.error(e))?));
+        }
+        for (index, name) in required.iter().enumerate() {
+            let Some(at) = result.iter().position(|(key, _)| key == name) else {
+                return Err(place.error(format!("the attribute \"{name}\" is missing")));
+            };
+            result.swap(index, at);
+        }
+        Ok(result)
+    }
+
+    fn include(
+        &mut self,
+        context: &Context,
+        node: Node,
+        place: &Place,
+        parent: ObjectId,
+    ) -> Result<(), SceneError> {
+        let a = self.attributes(place, node, &["filename"], &[])?;
+        self.includes += 1;
+        if context.depth + 1 > MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
+            return Err(place.error(format!(
+                "more than {MAX_INCLUDE_DEPTH} nested or {MAX_INCLUDES} includes; \
+                 does a file include itself?"
+            )));
+        }
+        let path = find_file(&a[0].1, &context.folders).map_err(|e| place.error(e))?;
+        let text = read_text(&path).map_err(|e| place.error(format!("{}: {e}", path.display())))?;
+        let mut folders = vec![path.parent().unwrap_or(Path::new("")).to_path_buf()];
+        folders.extend(context.folders.iter().cloned());
+        let source = Arc::new(Source { path, text });
+        self.read(source, Rc::new(folders), Some(parent), context.depth + 1)
+    }
+
+    fn path(
+        &mut self,
+        context: &mut Context,
+        node: Node,
+        place: &Place,
+        parent: ObjectId,
+    ) -> Result<(), SceneError> {
+        let a = self.attributes(place, node, &["value"], &[])?;
+        if parent != 0 {
+            return Err(place.error("only allowed directly inside <scene>"));
+        }
+        let folder = find_file(&a[0].1, &context.folders).map_err(|e| place.error(e))?;
+        if !folder.is_dir() {
+            return Err(place.error(format!("{} is not a folder", folder.display())));
+        }
+        let mut folders = vec![folder];
+        folders.extend(context.folders.iter().cloned());
+        context.folders = Rc::new(folders);
+        Ok(())
+    }
+
+    fn alias(&mut self, node: Node, place: &Place) -> Result<(), SceneError> {
+        let a = self.attributes(place, node, &["id", "as"], &[])?;
+        let Some(&object) = self.document.ids.get(&a[0].1) else {
+            return Err(place.error(format!("no object has the id \"{}\" so far", a[0].1)));
+        };
+        self.name_object(&a[1].1, object, place)
+    }
+
+    fn value(&mut self, node: Node, place: &Place) -> Result<(String, Value), SceneError> {
+        let tag = node.tag_name().name();
+        let parsed = match tag {
+            "point" | "vector" => {
+                let a = self.attributes(place, node, &["name"], &["value", "x", "y", "z"])?;
+                let value = axes(&a, None).map(Value::Vector);
+                return match value {
+                    Ok(value) => Ok((a[0].1.clone(), value)),
+                    Err(e) => Err(place.error(e)),
+                };
+            }
+            "float" | "integer" | "boolean" | "string" | "rgb" | "spectrum" => {
+                self.attributes(place, node, &["name", "value"], &[])?
+            }
+            _ => {
+                return Err(place.error(format!(
+                    "not supported; supported: {}, default, include, path, alias, ref, \
+                     transform, float, integer, boolean, string, rgb, spectrum, point, vector",
+                    OBJECTS[1..9].join(", ")
+                )));
+            }
+        };
+        let text = parsed[1].1.as_str();
+        let value = match tag {
+            "float" => values::number(text).map(Value::Float),
+            "integer" => values::integer(text).map(Value::Integer),
+            "boolean" => values::boolean(text).map(Value::Boolean),
+            "string" => Ok(Value::String(text.to_owned())),
+            "rgb" => values::rgb(text).map(Value::Rgb),
+            _ => values::number(text).map(Value::Spectrum).map_err(|e| {
+                format!("{e}; only spectra with one value for all wavelengths are supported")
+            }),
+        };
+        match value {
+            Ok(value) => Ok((parsed[0].1.clone(), value)),
+            Err(e) => Err(place.error(e)),
+        }
+    }
+
+    /// The operations composed: the first is applied first.
+    fn transform(&mut self, context: &Context, node: Node) -> Result<DMat4, SceneError> {
+        let mut total = DMat4::IDENTITY;
+        for child in node.children().filter(Node::is_element) {
+            let place = context.place(child);
+            if child.children().any(|c| c.is_element()) {
+                return Err(place.error("this element cannot have children"));
+            }
+            let step = self.transform_step(child, &place)?;
+            total = step * total;
+            if !total.is_finite() {
+                return Err(place.error("the transform overflows"));
+            }
+        }
+        Ok(total)
+    }
+
+    fn transform_step(&mut self, node: Node, place: &Place) -> Result<DMat4, SceneError> {
+        const AXES: [&str; 4] = ["value", "x", "y", "z"];
+        let step = match node.tag_name().name() {
+            "translate" => {
+                let a = self.attributes(place, node, &[], &AXES)?;
+                axes(&a, Some(0.0)).map(DMat4::from_translation)
+            }
+            "scale" => {
+                let a = self.attributes(place, node, &[], &AXES)?;
+                axes(&a, Some(1.0)).map(DMat4::from_scale)
+            }
+            "rotate" => {
+                let a = self.attributes(place, node, &["angle"], &AXES)?;
+                let axis = axes(&a, Some(0.0));
+                axis.and_then(|axis| values::rotate(axis, values::number(&a[0].1)?))
+            }
+            "matrix" => {
+                let a = self.attributes(place, node, &["value"], &[])?;
+                values::matrix(&a[0].1)
+            }
+            "lookat" => {
+                let a = self.attributes(place, node, &["origin", "target"], &["up"])?;
+                look_at(&a)
+            }
+            _ => Err("not supported inside <transform>; supported: translate, rotate, scale, \
+                      matrix, lookat"
+                .to_owned()),
+        };
+        step.map_err(|e| place.error(e))
+    }
+
+    fn resolve_references(&mut self) -> Result<(), SceneError> {
+        for (object, index, id) in &self.references {
+            let property = &mut self.document.objects[*object].properties[*index];
+            let Some(&target) = self.document.ids.get(id) else {
+                return Err(property.place.error(format!("no object has the id \"{id}\"")));
+            };
+            property.value = Value::Object(target);
+        }
+        Ok(())
+    }
+}
+
+/// A vector from `value` or from `x`, `y`, `z`; absent components take the default, if any.
+fn axes(attributes: &Attributes, default: Option<f64>) -> Result<DVec3, String> {
+    let parts = ["x", "y", "z"].map(|axis| attribute(attributes, axis));
+    if let Some(value) = attribute(attributes, "value") {
+        if parts.iter().any(Option::is_some) {
+            return Err("\"value\" and \"x\", \"y\", \"z\" exclude each other".to_owned());
+        }
+        return values::vector(value);
+    }
+    let component = |part: Option<&str>| match part {
+        Some(text) => values::number(text),
+        None => default.ok_or_else(|| "\"x\", \"y\" and \"z\", or \"value\", are needed".to_owned()),
+    };
+    Ok(DVec3::new(
+        component(parts[0])?,
+        component(parts[1])?,
+        component(parts[2])?,
+    ))
+}
+
+fn look_at(attributes: &Attributes) -> Result<DMat4, String> {
+    let point = |name: &str| attribute(attributes, name).map(values::vector).transpose();
+    let origin = point("origin")?.unwrap_or_default();
+    let target = point("target")?.unwrap_or_default();
+    let up = point("up")?.filter(|up| *up != DVec3::ZERO);
+    // Without an up vector any perpendicular one will do; this is the one that Mitsuba takes.
+    let up = up.unwrap_or_else(|| (target - origin).normalize_or_zero().any_orthonormal_pair().0);
+    values::look_at(origin, target, up)
+}
+
+/// References may form no circle, so that whoever follows them comes to an end.
+fn reject_cycles(document: &Document) -> Result<(), SceneError> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        New,
+        Open,
+        Done,
+    }
+    let mut states = vec![State::New; document.objects.len()];
+    let mut stack = vec![(0, 0)];
+    while let Some((object, next)) = stack.pop() {
+        states[object] = State::Open;
+        let Some(property) = document.objects[object].properties.get(next) else {
+            states[object] = State::Done;
+            continue;
+        };
+        stack.push((object, next + 1));
+        if let Value::Object(child) = property.value {
+            match states[child] {
+                State::New => stack.push((child, 0)),
+                State::Open => return Err(property.place.error("this reference closes a circle")),
+                State::Done => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+impl Context {
+    fn place(&self, node: Node) -> Place {
+        let tag = node.tag_name().name();
+        let key = ["type", "name", "id", "filename"]
+            .into_iter()
+            .find_map(|key| node.attribute(key).map(|value| (key, value)));
+        let element = match key {
+            Some((key, value)) => format!("<{tag} {key}=\"{value}\">"),
+            None => format!("<{tag}>"),
+        };
+        Place {
+            source: self.source.clone(),
+            offset: node.range().start,
+            element: element.into(),
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! The `aether` program as a user meets it: output, messages and exit codes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use integrators::image::RgbImage;
+use integrators::image::exr::Exr;
+
+/// A directory that is removed at the end of a test.
+struct Directory(PathBuf);
+
+impl Directory {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("aether-cli-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    /// Writes an image with unit-free noise variance beside it, if given.
+    fn exr(&self, name: &str, rgb: RgbImage, variance: Option<f32>) -> PathBuf {
+        let path = self.0.join(name);
+        let variance = variance.map(|v| RgbImage::filled(rgb.width(), rgb.height(), [v; 3]));
+        Exr { rgb, variance, attributes: Default::default() }.write(&path).unwrap();
+        path
+    }
+}
+
+impl Drop for Directory {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn aether(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_aether")).args(arguments).output().unwrap()
+}
+
+fn compare(image: &Path, reference: &Path, options: &[&str]) -> Output {
+    let paths = [image.to_str().unwrap(), reference.to_str().unwrap()];
+    aether(&[&["compare"], &paths[..], options].concat())
+}
+
+fn stdout(output: &Output) -> String {
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// The message of a run that must fail with exit code 2 and say nothing on stdout.
+fn failure(output: Output) -> String {
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(output.stdout.is_empty());
+    assert!(message.starts_with("error: "), "{message}");
+    assert!(!message.contains("panicked"), "{message}");
+    message
+}
+
+#[test]
+fn compare_prints_all_measures() {
+    let directory = Directory::new("measures");
+    let image = directory.exr("a.exr", RgbImage::filled(16, 24, [0.75; 3]), Some(1e-4));
+    let reference = directory.exr("b.exr", RgbImage::filled(16, 24, [0.5; 3]), Some(1e-4));
+    let text = stdout(&compare(&image, &reference, &[]));
+    for line in [
+        "size          16x24",
+        "RMSE          2.500000e-1",
+        "relMSE        2.403846e-1",
+        "PSNR          12.04 dB",
+        "mean ratio    1.500000",
+        "block z-test  6 of 6 blocks differ, max |z| 141.42",
+    ] {
+        assert!(text.contains(line), "`{line}` in\n{text}");
+    }
+    assert!(text.contains("FLIP          0."), "{text}");
+}
+
+#[test]
+fn compare_prints_json() {
+    let directory = Directory::new("json");
+    let image = directory.exr("a.exr", RgbImage::filled(16, 16, [0.75; 3]), Some(1e-4));
+    let plain = directory.exr("b.exr", RgbImage::filled(16, 16, [0.75; 3]), None);
+    let parse = |text: String| serde_json::from_str::<serde_json::Value>(&text).unwrap();
+
+    let same = parse(stdout(&compare(&image, &image, &["--json"])));
+    assert_eq!(same["rmse"], 0.0);
+    assert_eq!(same["flip"], 0.0);
+    assert_eq!(same["mean_ratio"], 1.0);
+    assert_eq!(same["psnr_db"], serde_json::Value::Null);
+    assert_eq!(same["block_test"]["blocks"], 4);
+    assert_eq!(same["block_test"]["failing_blocks"], 0);
+
+    let untested = parse(stdout(&compare(&image, &plain, &["--json"])));
+    assert_eq!(untested["block_test"], serde_json::Value::Null);
+    assert!(stdout(&compare(&image, &plain, &[])).contains("needs variance.R"));
+}
+
+#[test]
+fn compare_warns_of_broken_pixels() {
+    let directory = Directory::new("broken");
+    let mut broken = RgbImage::filled(8, 8, [0.5; 3]);
+    broken.pixels_mut()[5][2] = f32::NAN;
+    let image = directory.exr("a.exr", broken, None);
+    let reference = directory.exr("b.exr", RgbImage::filled(8, 8, [0.5; 3]), None);
+    let output = compare(&image, &reference, &[]);
+    assert!(stdout(&output).contains("RMSE          0.000000e0"));
+    let warning = String::from_utf8(output.stderr).unwrap();
+    assert!(warning.contains("a.exr` has 1 NaN or infinite pixels"), "{warning}");
+}
+
+#[test]
+fn compare_rejects_what_it_cannot_compare() {
+    let directory = Directory::new("reject");
+    let image = directory.exr("a.exr", RgbImage::filled(8, 8, [0.5; 3]), None);
+    let wide = directory.exr("b.exr", RgbImage::filled(9, 8, [0.5; 3]), None);
+    let text = directory.0.join("c.exr");
+    std::fs::write(&text, "<scene/>").unwrap();
+
+    assert!(failure(compare(&image, &wide, &[])).contains("8x8 against 9x8"));
+    assert!(failure(compare(&image, &text, &[])).contains("c.exr` is not an EXR file"));
+    let missing = failure(compare(&image, &directory.0.join("d.exr"), &[]));
+    assert!(missing.contains("cannot read") && missing.contains("d.exr"), "{missing}");
+    assert!(failure(compare(&image, &directory.0, &[])).contains("is a directory"));
+    assert!(failure(aether(&["compare", "a.exr"])).contains("REFERENCE.exr"));
+}
+
+#[test]
+fn render_rejects_impossible_values() {
+    for (options, expected) in [
+        (&["--spp", "0"][..], "whole number from 1"),
+        (&["--spp", "-4"], "whole number from 1"),
+        (&["--spp", "99999999999"], "whole number from 1"),
+        (&["--time", "-1"], "seconds above 0"),
+        (&["--time", "0"], "seconds above 0"),
+        (&["--time", "NaN"], "seconds above 0"),
+        (&["--spp", "4", "--time", "1"], "cannot be used with"),
+        (&["--size", "0x0"], "width and height must be from 1"),
+        (&["--size", "99999x99999"], "width and height must be from 1"),
+        (&["--size", "640"], "expected WIDTHxHEIGHT"),
+        (&["--threads", "0"], "whole number from 1"),
+        (&["--max-depth", "-2"], "-1 for no limit"),
+        (&["--seed", "-1"], "invalid"),
+        (&["-D", "x"], "expected NAME=VALUE"),
+        (&["-o", "out.png"], "must end in .exr"),
+        (&["-o", "/nowhere/at/all/out.exr"], "cannot write"),
+    ] {
+        let message = failure(aether(&[&["render", "scene.xml"], options].concat()));
+        assert!(message.contains(expected), "{options:?}: {message}");
+    }
+}
+
+#[test]
+fn a_missing_scene_is_named() {
+    let directory = Directory::new("missing");
+    let output = directory.0.join("out.exr");
+    let options = ["render", "no-such-scene.xml", "-o", output.to_str().unwrap()];
+    assert!(failure(aether(&options)).contains("no-such-scene.xml"));
+    assert!(!output.exists());
+    assert!(failure(aether(&["inspect", "no-such-scene.xml"])).contains("no-such-scene.xml"));
+}
+
+#[test]
+fn inspect_lists_the_scene() {
+    let directory = Directory::new("inspect");
+    let scene = directory.0.join("ball.xml");
+    let text = r#"<scene version="3.0.0">
+        <default name="resx" value="64"/>
+        <sensor type="perspective">
+            <float name="fov" value="40"/>
+            <film type="hdrfilm">
+                <integer name="width" value="$resx"/><integer name="height" value="32"/>
+            </film>
+        </sensor>
+        <shape type="sphere"><bsdf type="diffuse"/></shape>
+    </scene>"#;
+    std::fs::write(&scene, text).unwrap();
+    let path = scene.to_str().unwrap();
+    assert!(stdout(&aether(&["inspect", path])).contains("64 x 32"));
+    let json = stdout(&aether(&["inspect", path, "--json", "-D", "resx=128"]));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["film"]["width"], 128);
+    assert_eq!(json["shapes"]["sphere"], 1);
+
+    std::fs::write(&scene, text.replace("sphere", "teapot")).unwrap();
+    let message = failure(aether(&["inspect", path]));
+    assert!(message.contains("ball.xml:9") && message.contains("teapot"), "{message}");
+}
+
+#[test]
+fn help_and_version_succeed() {
+    assert!(stdout(&aether(&["--help"])).contains("render"));
+    assert!(stdout(&aether(&["render", "--help"])).contains("--max-depth"));
+    assert!(stdout(&aether(&["--version"])).starts_with("aether "));
+    assert_eq!(aether(&[]).status.code(), Some(2));
+    assert_eq!(aether(&["paint"]).status.code(), Some(2));
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let directory = Directory::new("pipe");
+    let image = directory.exr("a.exr", RgbImage::filled(64, 64, [0.5; 3]), None);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_aether"))
+        .args(["compare", image.to_str().unwrap(), image.to_str().unwrap()])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The reader is gone before the program prints anything that fills a pipe.
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty());
+}
