@@ -133,8 +133,21 @@ mod tests {
         let half = g.number(Q::HALF);
         let shifted = g.add(x, half);
         let funs = [
-            Fun::Exp, Fun::ExpM1, Fun::Ln, Fun::Ln1p, Fun::Sin, Fun::Cos, Fun::Tan, Fun::Asin, Fun::Acos,
-            Fun::Atan, Fun::Sinh, Fun::Cosh, Fun::Tanh, Fun::Asinh, Fun::Atanh,
+            Fun::Exp,
+            Fun::ExpM1,
+            Fun::Ln,
+            Fun::Ln1p,
+            Fun::Sin,
+            Fun::Cos,
+            Fun::Tan,
+            Fun::Asin,
+            Fun::Acos,
+            Fun::Atan,
+            Fun::Sinh,
+            Fun::Cosh,
+            Fun::Tanh,
+            Fun::Asinh,
+            Fun::Atanh,
         ];
         for f in funs {
             let y = g.call(f, &[x]);

@@ -92,15 +92,20 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
 
     let unknown_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, true)).collect();
     let out_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, false)).collect();
-    let forward: Vec<Id> =
-        problem.outputs.clone().iter().map(|&f| stabilise(&mut problem.graph, f, &unknown_points)).collect();
+    let forward: Vec<Id> = problem
+        .outputs
+        .clone()
+        .iter()
+        .map(|&f| stabilise(&mut problem.graph, f, &unknown_points))
+        .collect();
     let own = pick_volume(problem, &volumes, &unknown_points);
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;
     let mut steps = Vec::new();
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
-        let (density, error) = density(problem, s, &volumes, &cases, &out_points, solutions.len() == 1);
+        let (density, error) =
+            density(problem, s, &volumes, &cases, &out_points, solutions.len() == 1);
         worst = worst.max(error);
         preimages.push(finish(problem, s, density, &out_points));
     }
@@ -109,7 +114,11 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
 
 fn declare_outputs(problem: &mut Problem) -> Vec<Id> {
     let unit = problem.target == Target::Direction;
-    let range = if unit { crate::interval::Interval::new(-1.0, 1.0) } else { crate::interval::Interval::ALL };
+    let range = if unit {
+        crate::interval::Interval::new(-1.0, 1.0)
+    } else {
+        crate::interval::Interval::ALL
+    };
     let names = ["x", "y", "z", "w", "v"];
     let n = problem.outputs.len();
     let outs: Vec<Id> = (0..n)
@@ -227,7 +236,11 @@ fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>
         _ => Dd::from_f64(case.point.input(l, &[])),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
-    let u: Vec<Dd> = problem.unknowns.iter().map(|l| s.unknowns.get(l).map_or(Dd::from_f64(f64::NAN), |v| e.value(*v))).collect();
+    let u: Vec<Dd> = problem
+        .unknowns
+        .iter()
+        .map(|l| s.unknowns.get(l).map_or(Dd::from_f64(f64::NAN), |v| e.value(*v)))
+        .collect();
     let inside = problem.argument.is_some()
         || u.iter().all(|u| u.is_finite() && u.to_f64() > -1e-12 && u.to_f64() < 1.0 + 1e-12);
     let conditions = s.conditions.iter().all(|c| e.value(c.0).to_f64() >= -1e-20);
@@ -241,16 +254,24 @@ fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>
 }
 
 /// Keeps the solutions that occur, in a form without duplicates; every point must be recovered.
-fn prune(problem: &Problem, solutions: Vec<Solution>, cases: &[Case]) -> Result<(Vec<Solution>, bool), String> {
-    let mut table: Vec<Vec<Option<Vec<f64>>>> =
-        solutions.iter().map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect()).collect();
+fn prune(
+    problem: &Problem,
+    solutions: Vec<Solution>,
+    cases: &[Case],
+) -> Result<(Vec<Solution>, bool), String> {
+    let mut table: Vec<Vec<Option<Vec<f64>>>> = solutions
+        .iter()
+        .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
+        .collect();
     let mut check_forward = problem.target == Target::Embedded;
     let mut kept: Vec<usize> = Vec::new();
     for k in 0..solutions.len() {
         let occurs = table[k].iter().any(Option::is_some);
         let duplicate = kept.iter().any(|&j| {
             table[j].iter().zip(&table[k]).all(|(a, b)| match (a, b) {
-                (Some(a), Some(b)) => a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * (1.0 + x.abs())),
+                (Some(a), Some(b)) => {
+                    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * (1.0 + x.abs()))
+                }
                 (None, None) => true,
                 _ => false,
             })
@@ -378,8 +399,10 @@ fn density(
 
 fn finish(problem: &mut Problem, s: &Solution, density: Id, points: &[Inputs]) -> Preimage {
     let g = &mut problem.graph;
-    let values: Vec<Id> = problem.unknowns.iter().map(|l| stabilise(g, s.unknowns[l], points)).collect();
-    let map: HashMap<Id, Id> = problem.unknowns.iter().zip(&values).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    let values: Vec<Id> =
+        problem.unknowns.iter().map(|l| stabilise(g, s.unknowns[l], points)).collect();
+    let map: HashMap<Id, Id> =
+        problem.unknowns.iter().zip(&values).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
         .requirements
         .iter()
@@ -388,7 +411,12 @@ fn finish(problem: &mut Problem, s: &Solution, density: Id, points: &[Inputs]) -
             g.substitute(known, &map)
         })
         .collect();
-    Preimage { unknowns: values, conditions: s.conditions.iter().map(|c| c.0).collect(), requirements, density }
+    Preimage {
+        unknowns: values,
+        conditions: s.conditions.iter().map(|c| c.0).collect(),
+        requirements,
+        density,
+    }
 }
 
 /// The texts of the documentation: (forward, inverse, jacobian, density).
@@ -401,7 +429,12 @@ pub fn texts(problem: &Problem, derived: &Derived) -> [String; 4] {
         .iter()
         .map(|p| {
             let names: Vec<&str> = problem.unknowns.iter().map(|l| g.name(*l)).collect();
-            names.iter().zip(&p.unknowns).map(|(n, v)| format!("{n} = {}", show(g, *v))).collect::<Vec<_>>().join(",  ")
+            names
+                .iter()
+                .zip(&p.unknowns)
+                .map(|(n, v)| format!("{n} = {}", show(g, *v)))
+                .collect::<Vec<_>>()
+                .join(",  ")
         })
         .collect();
     let densities: Vec<String> = derived.preimages.iter().map(|p| show(g, p.density)).collect();

@@ -79,7 +79,8 @@ fn span(columns: Vec<Vec<Dd>>) -> Dd {
 }
 
 fn tangents(w: [Dd; 3]) -> [[Dd; 3]; 2] {
-    let axis = if w[0].to_f64().abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }.map(Dd::from_f64);
+    let axis =
+        if w[0].to_f64().abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }.map(Dd::from_f64);
     let k = dot(&axis, &w);
     let t: [Dd; 3] = std::array::from_fn(|i| axis[i] - k * w[i]);
     let n = dot(&t, &t).sqrt();

@@ -16,13 +16,26 @@ pub fn show(g: &Graph, id: Id) -> String {
 /// Precedences: 0 sum, 1 product, 2 power or call.
 fn print(g: &Graph, id: Id, outer: u8) -> String {
     let (text, own) = match g.node(id) {
-        Node::Number(q) => (q.to_string(), if q.is_negative() { 0 } else if q.is_int() { 3 } else { 1 }),
+        Node::Number(q) => (
+            q.to_string(),
+            if q.is_negative() {
+                0
+            } else if q.is_int() {
+                3
+            } else {
+                1
+            },
+        ),
         Node::Float(bits) => (format!("{}", f64::from_bits(*bits)), 3),
         Node::Pi => ("π".to_owned(), 3),
         Node::Leaf(l) => (g.name(*l).to_owned(), 3),
-        Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => (scaled(g, terms[0].0, terms[0].1), 1),
+        Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => {
+            (scaled(g, terms[0].0, terms[0].1), 1)
+        }
         Node::Sum(c, terms) => (sum(g, *c, terms), 0),
-        Node::Product(factors) => (product(g, Q::ONE, factors), if factors.len() == 1 { 2 } else { 1 }),
+        Node::Product(factors) => {
+            (product(g, Q::ONE, factors), if factors.len() == 1 { 2 } else { 1 })
+        }
         Node::Call(f, args) => {
             let args: Vec<String> = args.iter().map(|a| print(g, *a, 0)).collect();
             (format!("{}({})", name(*f), args.join(", ")), 3)
@@ -44,7 +57,9 @@ fn sum(g: &Graph, c: Q, terms: &[(Q, Id)]) -> String {
         match (out.is_empty(), q.is_negative()) {
             (true, false) => out.push_str(&text),
             (true, true) => out.push_str(&format!("-{text}")),
-            (false, negative) => out.push_str(&format!(" {} {text}", if negative { '-' } else { '+' })),
+            (false, negative) => {
+                out.push_str(&format!(" {} {text}", if negative { '-' } else { '+' }))
+            }
         }
     }
     out
@@ -56,7 +71,11 @@ fn scaled(g: &Graph, q: Q, t: Id) -> String {
         Node::Product(f) => f,
         _ => &one,
     };
-    if q.is_negative() { format!("-{}", product(g, q.neg(), factors)) } else { product(g, q, factors) }
+    if q.is_negative() {
+        format!("-{}", product(g, q.neg(), factors))
+    } else {
+        product(g, q, factors)
+    }
 }
 
 fn product(g: &Graph, q: Q, factors: &[(Id, Id)]) -> String {

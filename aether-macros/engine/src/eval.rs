@@ -33,7 +33,11 @@ impl<'a, T: Number> Evaluator<'a, T> {
                 let mut s = T::from_ratio(c.num(), c.den());
                 for (q, t) in terms {
                     let v = self.value(*t);
-                    s = s + if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v };
+                    s = s + if q.num() == 1 && q.den() == 1 {
+                        v
+                    } else {
+                        T::from_ratio(q.num(), q.den()) * v
+                    };
                 }
                 s
             }
@@ -43,8 +47,12 @@ impl<'a, T: Number> Evaluator<'a, T> {
                     let b = self.value(*b);
                     p = p * match graph.as_number(*e) {
                         Some(q) if q.is_int() => b.powi(q.to_i32().unwrap_or(i32::MAX)),
-                        Some(q) if q.den() == 2 && q.num().abs() < 64 => b.sqrt().powi(q.num() as i32),
-                        Some(q) if q.den() == 3 && q.num().abs() < 64 => b.cbrt().powi(q.num() as i32),
+                        Some(q) if q.den() == 2 && q.num().abs() < 64 => {
+                            b.sqrt().powi(q.num() as i32)
+                        }
+                        Some(q) if q.den() == 3 && q.num().abs() < 64 => {
+                            b.cbrt().powi(q.num() as i32)
+                        }
                         _ => {
                             let e = self.value(*e);
                             b.powf(e)
@@ -92,7 +100,11 @@ fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
         Fun::Atan2 => a.atan2(b.unwrap_or(a)),
         Fun::Turn => {
             let turn = T::pi() + T::pi();
-            if a.to_f64() < 0.0 || a.to_f64() >= turn.to_f64() { a - turn * (a / turn).floor() } else { a }
+            if a.to_f64() < 0.0 || a.to_f64() >= turn.to_f64() {
+                a - turn * (a / turn).floor()
+            } else {
+                a
+            }
         }
     }
 }

@@ -38,7 +38,12 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         let mut parsed = parse(&function, signature, &options, &mut errors)?;
         match derive(&mut parsed.problem) {
             Ok(derived) => {
-                let emitter = Emitter { item: &function, parsed: &parsed, derived: &derived, options: &options };
+                let emitter = Emitter {
+                    item: &function,
+                    parsed: &parsed,
+                    derived: &derived,
+                    options: &options,
+                };
                 if options.explain || explained(&parsed.signature.name.to_string()) {
                     emitter.explain();
                 }

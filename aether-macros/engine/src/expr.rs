@@ -179,11 +179,16 @@ impl Graph {
             return None;
         }
         let base = |id: Id| match self.node(id) {
-            Node::Product(f) if f.len() == 1 && self.as_number(f[0].1) == Some(Q::int(2)) => Some(f[0].0),
+            Node::Product(f) if f.len() == 1 && self.as_number(f[0].1) == Some(Q::int(2)) => {
+                Some(f[0].0)
+            }
             _ => None,
         };
         let (a, b) = (base(terms[0].1)?, base(terms[1].1)?);
-        self.units.iter().any(|u| u.contains(&a) && u.contains(&b)).then_some(Interval::new(0.0, 1.0))
+        self.units
+            .iter()
+            .any(|u| u.contains(&a) && u.contains(&b))
+            .then_some(Interval::new(0.0, 1.0))
     }
 
     fn deps_of(&self, node: &Node) -> Deps {
@@ -199,9 +204,9 @@ impl Graph {
             Node::Float(bits) => Interval::point(f64::from_bits(*bits)),
             Node::Pi => Interval::point(std::f64::consts::PI),
             Node::Leaf(l) => self.leaf_ranges.get(l).copied().unwrap_or(Interval::ALL),
-            Node::Sum(c, terms) => terms
-                .iter()
-                .fold(Interval::point(c.to_f64()), |s, (q, t)| s.add(self.range(*t).scale(q.to_f64()))),
+            Node::Sum(c, terms) => terms.iter().fold(Interval::point(c.to_f64()), |s, (q, t)| {
+                s.add(self.range(*t).scale(q.to_f64()))
+            }),
             Node::Product(factors) => factors.iter().fold(Interval::point(1.0), |p, (b, e)| {
                 p.mul(match self.as_number(*e) {
                     Some(q) => self.range(*b).pow(q.to_f64()),
@@ -303,7 +308,11 @@ impl Graph {
         for t in ids {
             let Some(&q) = terms.get(&t) else { continue };
             for (other, merged, sign) in self.partners(t) {
-                let found = if other == one { total } else { terms.get(&other).copied().unwrap_or(Q::ZERO) };
+                let found = if other == one {
+                    total
+                } else {
+                    terms.get(&other).copied().unwrap_or(Q::ZERO)
+                };
                 if found.is_zero() || found != if sign { q } else { q.neg() } {
                     continue;
                 }
@@ -420,7 +429,11 @@ impl Graph {
             [(b, e)] if e == one => b,
             _ => self.intern(Node::Product(list)),
         };
-        if collect.coefficient == Q::ONE { body } else { self.sum(Q::ZERO, &[(collect.coefficient, body)]) }
+        if collect.coefficient == Q::ONE {
+            body
+        } else {
+            self.sum(Q::ZERO, &[(collect.coefficient, body)])
+        }
     }
 
     /// Whether base^q would be taken apart by [`Graph::collect_factor`].
@@ -439,14 +452,21 @@ impl Graph {
         match self.node(base).clone() {
             Node::Number(q) => self.collect_number(out, q, exp, number),
             Node::Product(inner) => {
+                let mut together = Vec::new();
                 for (b, e) in inner {
                     match self.power_of_power(b, e, exp) {
                         Some((b, e)) => self.collect_factor(out, b, e),
-                        None => {
-                            let one = self.int(1);
-                            let keep = if e == one { b } else { self.intern(Node::Product(vec![(b, e)])) };
-                            out.push(keep, exp);
-                        }
+                        None => together.push((b, e)),
+                    }
+                }
+                // Factors of unknown sign may only be positive as a whole.
+                let one = self.int(1);
+                match together[..] {
+                    [] => {}
+                    [(b, e)] if e == one => out.push(b, exp),
+                    _ => {
+                        let whole = self.intern(Node::Product(together));
+                        out.push(whole, exp);
                     }
                 }
             }
@@ -562,7 +582,8 @@ impl Graph {
     }
     /// A function of its arguments, in canonical form.
     pub fn call(&mut self, f: Fun, args: &[Id]) -> Id {
-        crate::functions::simplify_call(self, f, args).unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
+        crate::functions::simplify_call(self, f, args)
+            .unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
     }
 
     /// Rebuilds an expression with some subexpressions replaced (the largest match wins).
@@ -594,9 +615,10 @@ impl Graph {
                             Some(&r) => (r, one),
                             None => match self.inverse_power(b, e, map) {
                                 Some(r) => r,
-                                None => {
-                                    (self.substitute_memo(b, map, memo), self.substitute_memo(e, map, memo))
-                                }
+                                None => (
+                                    self.substitute_memo(b, map, memo),
+                                    self.substitute_memo(e, map, memo),
+                                ),
                             },
                         }
                     })

@@ -20,8 +20,16 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
     let zero = q.is_some_and(Q::is_zero);
     match f {
         Fun::Exp | Fun::Cos | Fun::Cosh if zero => Some(g.int(1)),
-        Fun::ExpM1 | Fun::Ln1p | Fun::Sin | Fun::Tan | Fun::Asin | Fun::Atan | Fun::Sinh | Fun::Tanh
-        | Fun::Asinh | Fun::Atanh
+        Fun::ExpM1
+        | Fun::Ln1p
+        | Fun::Sin
+        | Fun::Tan
+        | Fun::Asin
+        | Fun::Atan
+        | Fun::Sinh
+        | Fun::Tanh
+        | Fun::Asinh
+        | Fun::Atanh
             if zero =>
         {
             Some(g.int(0))
@@ -35,7 +43,9 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
         Fun::Abs if g.range(x).nonpositive() => Some(g.neg(x)),
         Fun::Sign if g.range(x).lo > 0.0 => Some(g.int(1)),
         Fun::Sign if g.range(x).hi < 0.0 => Some(g.int(-1)),
-        Fun::Atan2 if g.as_number(args[0]).is_some_and(Q::is_zero) && g.range(args[1]).nonnegative() => {
+        Fun::Atan2
+            if g.as_number(args[0]).is_some_and(Q::is_zero) && g.range(args[1]).nonnegative() =>
+        {
             Some(g.int(0))
         }
         Fun::Turn if matches!(g.node(x), Node::Call(Fun::Turn, _)) => Some(x),
@@ -61,7 +71,14 @@ fn leads_negative(g: &Graph, x: Id) -> bool {
 fn symmetry(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
     let odd = matches!(
         f,
-        Fun::Sin | Fun::Tan | Fun::Asin | Fun::Atan | Fun::Sinh | Fun::Tanh | Fun::Asinh | Fun::Atanh
+        Fun::Sin
+            | Fun::Tan
+            | Fun::Asin
+            | Fun::Atan
+            | Fun::Sinh
+            | Fun::Tanh
+            | Fun::Asinh
+            | Fun::Atanh
     );
     let even = matches!(f, Fun::Cos | Fun::Cosh | Fun::Abs);
     if (odd || even) && leads_negative(g, x) {
@@ -88,16 +105,24 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             let l = g.call(Fun::Ln, &[b]);
             Some(g.mul(e, l))
         }
-        (Fun::Sin, Node::Call(Fun::Asin, a)) | (Fun::Cos, Node::Call(Fun::Acos, a)) if q == Q::ONE => {
+        (Fun::Sin, Node::Call(Fun::Asin, a)) | (Fun::Cos, Node::Call(Fun::Acos, a))
+            if q == Q::ONE =>
+        {
             Some(a[0])
         }
-        (Fun::Sin, Node::Call(Fun::Acos, a)) | (Fun::Cos, Node::Call(Fun::Asin, a)) if q == Q::ONE => {
+        (Fun::Sin, Node::Call(Fun::Acos, a)) | (Fun::Cos, Node::Call(Fun::Asin, a))
+            if q == Q::ONE =>
+        {
             Some(one_minus_square(g, a[0]))
         }
-        (Fun::Tan, Node::Call(Fun::Atan, a)) | (Fun::Sinh, Node::Call(Fun::Asinh, a)) if q == Q::ONE => {
+        (Fun::Tan, Node::Call(Fun::Atan, a)) | (Fun::Sinh, Node::Call(Fun::Asinh, a))
+            if q == Q::ONE =>
+        {
             Some(a[0])
         }
-        (Fun::Tanh, Node::Call(Fun::Atanh, a)) | (Fun::Asinh, Node::Call(Fun::Sinh, a)) if q == Q::ONE => {
+        (Fun::Tanh, Node::Call(Fun::Atanh, a)) | (Fun::Asinh, Node::Call(Fun::Sinh, a))
+            if q == Q::ONE =>
+        {
             Some(a[0])
         }
         (Fun::Atanh, Node::Call(Fun::Tanh, a)) if q == Q::ONE => Some(a[0]),

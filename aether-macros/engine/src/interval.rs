@@ -69,7 +69,11 @@ impl Interval {
         let (mut lo, mut hi) = (self.lo.max(0.0), self.hi.max(0.0));
         if even {
             hi = self.lo.abs().max(self.hi.abs());
-            lo = if self.lo <= 0.0 && self.hi >= 0.0 { 0.0 } else { self.lo.abs().min(self.hi.abs()) };
+            lo = if self.lo <= 0.0 && self.hi >= 0.0 {
+                0.0
+            } else {
+                self.lo.abs().min(self.hi.abs())
+            };
         }
         hull(&[libm::pow(lo, e), libm::pow(hi, e)])
     }
@@ -79,7 +83,9 @@ impl Interval {
         match f {
             Fun::Exp => monotone(libm::exp),
             Fun::ExpM1 => monotone(libm::expm1),
-            Fun::Ln if self.lo >= 0.0 => monotone(|x| if x == 0.0 { f64::NEG_INFINITY } else { libm::log(x) }),
+            Fun::Ln if self.lo >= 0.0 => {
+                monotone(|x| if x == 0.0 { f64::NEG_INFINITY } else { libm::log(x) })
+            }
             Fun::Ln1p if self.lo >= -1.0 => {
                 monotone(|x| if x == -1.0 { f64::NEG_INFINITY } else { libm::log1p(x) })
             }
@@ -91,15 +97,26 @@ impl Interval {
             Fun::Acosh => Interval::POSITIVE,
             Fun::Acos => Interval::new(0.0, std::f64::consts::PI),
             Fun::Asin => Interval::new(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
-            Fun::Sin if self.lo >= 0.0 && self.hi <= std::f64::consts::PI => Interval::new(0.0, 1.0),
-            Fun::Cos if self.lo >= -std::f64::consts::FRAC_PI_2 && self.hi <= std::f64::consts::FRAC_PI_2 => {
+            Fun::Sin if self.lo >= 0.0 && self.hi <= std::f64::consts::PI => {
+                Interval::new(0.0, 1.0)
+            }
+            Fun::Cos
+                if self.lo >= -std::f64::consts::FRAC_PI_2
+                    && self.hi <= std::f64::consts::FRAC_PI_2 =>
+            {
                 Interval::new(0.0, 1.0)
             }
             Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
-            Fun::Tan if self.lo >= 0.0 && self.hi <= std::f64::consts::FRAC_PI_2 => Interval::POSITIVE,
+            Fun::Tan if self.lo >= 0.0 && self.hi <= std::f64::consts::FRAC_PI_2 => {
+                Interval::POSITIVE
+            }
             Fun::Abs => {
                 let hi = self.lo.abs().max(self.hi.abs());
-                let lo = if self.lo <= 0.0 && self.hi >= 0.0 { 0.0 } else { self.lo.abs().min(self.hi.abs()) };
+                let lo = if self.lo <= 0.0 && self.hi >= 0.0 {
+                    0.0
+                } else {
+                    self.lo.abs().min(self.hi.abs())
+                };
                 Interval::new(lo, hi)
             }
             Fun::Turn => Interval::new(0.0, std::f64::consts::TAU),

@@ -17,7 +17,12 @@ pub enum Source {
 }
 
 /// Equal expressions for the volume that the map spans, the first as derived.
-pub fn volume(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) -> Result<Vec<Id>, String> {
+pub fn volume(
+    g: &mut Graph,
+    outputs: &[Id],
+    unknowns: &[Leaf],
+    source: Source,
+) -> Result<Vec<Id>, String> {
     let columns: Vec<Vec<Id>> =
         unknowns.iter().map(|&u| outputs.iter().map(|&f| derivative(g, f, u)).collect()).collect();
     let (m, n) = (outputs.len(), unknowns.len());
@@ -144,7 +149,13 @@ pub fn cost(g: &Graph, id: Id) -> usize {
                     _ => 20,
                 })
                 .sum(),
-            Node::Sum(_, t) => t.len(),
+            // Three or more terms of both signs may cancel: better avoided.
+            Node::Sum(c, t) => {
+                let negative = t.iter().filter(|(q, _)| q.is_negative()).count()
+                    + usize::from(c.is_negative());
+                let all = t.len() + usize::from(!c.is_zero());
+                t.len() + if all > 2 && negative > 0 && negative < all { 30 } else { 0 }
+            }
             _ => 0,
         };
         open.extend(children(g.node(id)));

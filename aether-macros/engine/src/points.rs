@@ -121,7 +121,9 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<f64> {
             Kind::Vector(n) => out.extend((0..*n).map(|_| 4.0 * rng.uniform() - 2.0)),
             Kind::Matrix => {
                 // Well conditioned: a random matrix with a strong diagonal.
-                out.extend((0..9).map(|i| rng.uniform() - 0.5 + if i % 4 == 0 { 1.6 } else { 0.0 }));
+                out.extend(
+                    (0..9).map(|i| rng.uniform() - 0.5 + if i % 4 == 0 { 1.6 } else { 0.0 }),
+                );
             }
             Kind::Direction => out.extend(unit(rng)),
             Kind::Frame => {

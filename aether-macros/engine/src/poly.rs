@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::expr::{Deps, Fun, Graph, Id, Node};
+use crate::jacobian::cost;
 use crate::rational::Q;
 
 /// A monomial: (atom, exponent) pairs, largest atom first; exponents positive.
@@ -158,7 +159,11 @@ impl Poly {
                 })
                 .collect();
         }
-        let k = if self.0.values().all(|q| q.abs() == k.abs()) || self.0.len() == 1 { *k } else { Q::ONE };
+        let k = if self.0.values().all(|q| q.abs() == k.abs()) || self.0.len() == 1 {
+            *k
+        } else {
+            Q::ONE
+        };
         let rest = self
             .0
             .iter()
@@ -289,7 +294,10 @@ impl<'a> Expander<'a> {
 
     /// Numerator and factored denominator.
     pub fn expand(&mut self, id: Id) -> Option<RatFun> {
-        if self.open != Deps::MAX && !self.graph.has(id, self.open) && matches!(self.graph.node(id), Node::Sum(..)) {
+        if self.open != Deps::MAX
+            && !self.graph.has(id, self.open)
+            && matches!(self.graph.node(id), Node::Sum(..))
+        {
             let (q, t) = self.graph.split(id);
             return Some(RatFun { num: Poly::atom(t).scale(q)?, den: vec![] });
         }
@@ -319,7 +327,24 @@ impl<'a> Expander<'a> {
                 self.expand(d)
             }
             Node::Call(Fun::Exp, args) => self.exponential(args[0]),
+            Node::Call(f, args) => {
+                // Arguments in normal form, so that equal calls are one atom.
+                let tidy: Vec<Id> = args.iter().map(|&a| self.cheaper(a)).collect();
+                let call = self.graph.call(f, &tidy);
+                match self.graph.node(call) {
+                    Node::Call(..) => Some(RatFun { num: Poly::atom(call), den: vec![] }),
+                    _ => self.expand(call),
+                }
+            }
             _ => Some(RatFun { num: Poly::atom(id), den: vec![] }),
+        }
+    }
+
+    /// The normal form of a part, if that is simpler.
+    fn cheaper(&mut self, id: Id) -> Id {
+        match self.normal_form(id) {
+            Some(n) if cost(self.graph, n) < cost(self.graph, id) => n,
+            _ => id,
         }
     }
 
@@ -331,7 +356,11 @@ impl<'a> Expander<'a> {
         match q.to_i32() {
             Some(n) if n.unsigned_abs() < 9 => {
                 let p = Poly::atom(atom).powi(n.unsigned_abs())?;
-                Some(if n > 0 { RatFun { num: p, ..one } } else { RatFun { den: vec![(Poly::atom(atom), n.unsigned_abs())], ..one } })
+                Some(if n > 0 {
+                    RatFun { num: p, ..one }
+                } else {
+                    RatFun { den: vec![(Poly::atom(atom), n.unsigned_abs())], ..one }
+                })
             }
             _ => {
                 let whole = self.graph.call(Fun::Exp, &[a]);
@@ -342,6 +371,7 @@ impl<'a> Expander<'a> {
 
     fn power(&mut self, b: Id, e: Id) -> Option<RatFun> {
         let Some(q) = self.graph.as_number(e) else {
+            let (b, e) = (self.cheaper(b), self.cheaper(e));
             let whole = self.graph.pow(b, e);
             return Some(RatFun { num: Poly::atom(whole), den: vec![] });
         };
@@ -371,7 +401,10 @@ impl<'a> Expander<'a> {
         let k = n.unsigned_abs();
         if n > 0 {
             let num = self.reduce(r.num.powi(k)?)?;
-            return Some(RatFun { num, den: r.den.iter().map(|(d, e)| (d.clone(), e * k)).collect() });
+            return Some(RatFun {
+                num,
+                den: r.den.iter().map(|(d, e)| (d.clone(), e * k)).collect(),
+            });
         }
         if r.num.is_zero() {
             return None;
@@ -499,7 +532,8 @@ fn difference_of_squares(p: &Poly) -> Vec<Poly> {
     let terms: Vec<_> = p.0.iter().collect();
     if let [(m, q), (n, r)] = terms[..] {
         let root = |m: &Mono, q: Q| {
-            let half: Option<Mono> = m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect();
+            let half: Option<Mono> =
+                m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect();
             Some(Poly(BTreeMap::from([(half?, q.sqrt()?)])))
         };
         let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };

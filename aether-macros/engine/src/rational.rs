@@ -56,11 +56,7 @@ impl Q {
         let digits: i128 = format!("{whole}{fraction}").parse().ok()?;
         let exponent = exponent - i32::try_from(fraction.len()).ok()?;
         let power = 10i128.checked_pow(exponent.unsigned_abs().min(40))?;
-        if exponent >= 0 {
-            Q::new(digits.checked_mul(power)?, 1)
-        } else {
-            Q::new(digits, power)
-        }
+        if exponent >= 0 { Q::new(digits.checked_mul(power)?, 1) } else { Q::new(digits, power) }
     }
 
     /// Numerator.
@@ -145,7 +141,11 @@ impl Ord for Q {
 }
 impl fmt::Display for Q {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.den == 1 { write!(f, "{}", self.num) } else { write!(f, "{}/{}", self.num, self.den) }
+        if self.den == 1 {
+            write!(f, "{}", self.num)
+        } else {
+            write!(f, "{}/{}", self.num, self.den)
+        }
     }
 }
 

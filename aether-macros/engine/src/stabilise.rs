@@ -63,11 +63,13 @@ fn rebuild(g: &mut Graph, id: Id, points: &[Inputs], memo: &mut HashMap<Id, Id>,
     }
     let rebuilt = match g.node(id).clone() {
         Node::Sum(c, terms) => {
-            let t: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuild(g, t, points, memo, depth))).collect();
+            let t: Vec<_> =
+                terms.iter().map(|&(q, t)| (q, rebuild(g, t, points, memo, depth))).collect();
             g.sum(c, &t)
         }
         Node::Product(f) => {
-            let f: Vec<_> = f.iter().map(|&(b, e)| (rebuild(g, b, points, memo, depth), e)).collect();
+            let f: Vec<_> =
+                f.iter().map(|&(b, e)| (rebuild(g, b, points, memo, depth), e)).collect();
             g.product(&f)
         }
         Node::Call(f, args) => {
@@ -112,7 +114,8 @@ fn rebuild_children(g: &mut Graph, form: Id, points: &[Inputs], depth: u8) -> Id
     let mut memo = HashMap::new();
     match g.node(form).clone() {
         Node::Product(f) => {
-            let f: Vec<_> = f.iter().map(|&(b, e)| (rebuild(g, b, points, &mut memo, depth), e)).collect();
+            let f: Vec<_> =
+                f.iter().map(|&(b, e)| (rebuild(g, b, points, &mut memo, depth), e)).collect();
             g.product(&f)
         }
         Node::Call(f, args) => {

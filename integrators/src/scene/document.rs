@@ -1,6 +1,6 @@
 //! A scene file as a generic tree: objects with a plugin type, an id and named properties.
 //!
-//! Nothing here knows what a plugin means; that is the business of [`super::load`].
+//! Nothing here knows what a plugin means; that is the business of [`super::Scene::load`].
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -92,13 +92,39 @@ pub struct Document {
 }
 
 impl Document {
+    /// References may form no circle, so that whoever follows them comes to an end.
+    pub fn reject_cycles(&self) -> Result<(), SceneError> {
+        #[derive(Clone, Copy, PartialEq)]
+        enum State {
+            New,
+            Open,
+            Done,
+        }
+        let mut states = vec![State::New; self.objects.len()];
+        let mut stack = vec![(0, 0)];
+        while let Some((object, next)) = stack.pop() {
+            states[object] = State::Open;
+            let Some(property) = self.objects[object].properties.get(next) else {
+                states[object] = State::Done;
+                continue;
+            };
+            stack.push((object, next + 1));
+            if let Value::Object(child) = property.value {
+                match states[child] {
+                    State::New => stack.push((child, 0)),
+                    State::Open => {
+                        return Err(property.place.error("this reference closes a circle"));
+                    }
+                    State::Done => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Reads the properties of an object, keeping track of which were asked for.
     pub fn query(&self, id: ObjectId) -> Query<'_> {
-        Query {
-            document: self,
-            object: &self.objects[id],
-            known: RefCell::default(),
-        }
+        Query { document: self, object: &self.objects[id], known: RefCell::default() }
     }
 }
 
@@ -156,10 +182,9 @@ impl<'a> Query<'a> {
             _ => None,
         })?;
         match found {
-            Some(x) if x < min || x > max => Err(self.error_at(
-                name,
-                format!("\"{name}\" is {x}, but must be in {min}..={max}"),
-            )),
+            Some(x) if x < min || x > max => {
+                Err(self.error_at(name, format!("\"{name}\" is {x}, but must be in {min}..={max}")))
+            }
             other => Ok(other),
         }
     }
@@ -179,10 +204,9 @@ impl<'a> Query<'a> {
         };
         match &property.value {
             Value::String(text) => Ok(Some(text)),
-            other => Err(property.place.error(format!(
-                "\"{name}\" is a <{}>, but must be a <string>",
-                other.tag()
-            ))),
+            other => Err(property
+                .place
+                .error(format!("\"{name}\" is a <{}>, but must be a <string>", other.tag()))),
         }
     }
 
@@ -204,11 +228,7 @@ impl<'a> Query<'a> {
 
     /// A colour: `<rgb>`, or a `<float>` or constant `<spectrum>`; the latter is multiplied by
     /// `white`, the colour of a constant spectrum.
-    pub fn color(
-        &self,
-        name: &'static str,
-        white: DVec3,
-    ) -> Result<Option<DVec3>, SceneError> {
+    pub fn color(&self, name: &'static str, white: DVec3) -> Result<Option<DVec3>, SceneError> {
         self.typed(name, "rgb", |value| match value {
             Value::Rgb(x) => Some(*x),
             Value::Spectrum(x) => Some(*x * white),
@@ -277,11 +297,9 @@ impl<'a> Query<'a> {
     /// An error at a property, or at the object if it has no such property.
     pub fn error_at(&self, name: &str, message: impl Into<String>) -> SceneError {
         let property = self.object.properties.iter().find(|p| p.name == name);
-        property.map_or_else(
-            || self.object.place.error(""),
-            |property| property.place.error(""),
-        )
-        .with_message(message)
+        property
+            .map_or_else(|| self.object.place.error(""), |property| property.place.error(""))
+            .with_message(message)
     }
 
     /// The error for a plugin that does not exist here.
@@ -300,9 +318,5 @@ impl SceneError {
 
 fn list(names: impl Iterator<Item = String>) -> String {
     let names: Vec<String> = names.collect();
-    if names.is_empty() {
-        "nothing".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
 }

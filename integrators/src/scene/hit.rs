@@ -58,11 +58,7 @@ impl Ray {
         let [x, y, z] = self.axes;
         let sheared = |v: &Vec3| {
             let p = *v - self.origin;
-            Vec3::new(
-                p[x] - self.shear.x * p[z],
-                p[y] - self.shear.y * p[z],
-                p[z],
-            )
+            Vec3::new(p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z], p[z])
         };
         let (a, b, c) = (sheared(v0), sheared(v1), sheared(v2));
         let mut u = c.x * b.y - c.y * b.x;

@@ -24,9 +24,8 @@ pub fn json(scene: &Scene) -> Value {
         (kind.name().to_owned(), json!(count))
     });
     let kinds = kinds.filter(|(_, count)| *count != json!(0));
-    let bounds = (!scene.primitives.is_empty()).then(|| {
-        json!({"min": vector(scene.bounds.min), "max": vector(scene.bounds.max)})
-    });
+    let bounds = (!scene.primitives.is_empty())
+        .then(|| json!({"min": vector(scene.bounds.min), "max": vector(scene.bounds.max)}));
     let camera = &scene.camera;
     json!({
         "shapes": kinds.collect::<serde_json::Map<_, _>>(),
@@ -84,10 +83,7 @@ pub fn summary(scene: &Scene) -> String {
     let dropped = scene.degenerate_triangles;
     line(
         "primitives",
-        format!(
-            "{} ({smooth} smooth, {dropped} degenerate left out)",
-            scene.primitives.len()
-        ),
+        format!("{} ({smooth} smooth, {dropped} degenerate left out)", scene.primitives.len()),
     );
     let two_sided = scene.bsdfs.iter().filter(|b| b.two_sided).count();
     line("materials", format!("{} diffuse ({two_sided} two-sided)", scene.bsdfs.len()));
@@ -98,10 +94,7 @@ pub fn summary(scene: &Scene) -> String {
     }
     let camera = &scene.camera;
     let fov = 2.0 * camera.tan_x.atan().to_degrees();
-    line(
-        "camera",
-        format!("at {} towards {}, {fov:.2}° wide", camera.origin, camera.forward),
-    );
+    line("camera", format!("at {} towards {}, {fov:.2}° wide", camera.origin, camera.forward));
     line(
         "film",
         format!("{} x {}, {}", scene.film.width, scene.film.height, filter(scene.film.filter)),
@@ -109,7 +102,12 @@ pub fn summary(scene: &Scene) -> String {
     let sampler = &scene.sampler;
     line(
         "sampler",
-        format!("{}, {} per pixel, seed {}", sampler.kind.name(), sampler.sample_count, sampler.seed),
+        format!(
+            "{}, {} per pixel, seed {}",
+            sampler.kind.name(),
+            sampler.sample_count,
+            sampler.seed
+        ),
     );
     let integrator = &scene.integrator;
     let depth = integrator.max_depth.map_or("unlimited".to_owned(), |d| d.to_string());

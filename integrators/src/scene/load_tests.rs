@@ -12,10 +12,8 @@ fn load(body: &str) -> Result<Scene, String> {
 
 fn load_with(body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
     let xml = format!("<scene version=\"3.0.0\">\n{body}\n</scene>");
-    let defines: Vec<(String, String)> = defines
-        .iter()
-        .map(|(name, value)| ((*name).to_owned(), (*value).to_owned()))
-        .collect();
+    let defines: Vec<(String, String)> =
+        defines.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
     Scene::from_str(&xml, Path::new("."), &defines).map_err(|e| e.to_string())
 }
 
@@ -90,7 +88,7 @@ fn camera_rays_are_mitsubas() {
 const MITSUBA_DIRECTIONS: [[f32; 3]; 3] = [
     [-0.997_609_56, 0.066_354_39, -0.019_291_76],
     [-0.546_076_7, -0.095_838_53, -0.832_235_16],
-    [-0.155_917_32, -0.643_117_79, -0.749_726_24],
+    [-0.155_917_32, -0.643_117_8, -0.749_726_24],
 ];
 
 #[test]
@@ -104,10 +102,7 @@ fn defaults_are_mitsubas() {
     assert_eq!(scene.film.filter, Filter::Gaussian { stddev: 0.5 });
     assert_eq!(scene.sampler.sample_count, 4);
     assert_eq!(scene.integrator, Integrator::default());
-    let black = |x| Bsdf {
-        reflectance: Vec3::splat(x),
-        two_sided: false,
-    };
+    let black = |x| Bsdf { reflectance: Vec3::splat(x), two_sided: false };
     assert_eq!(scene.bsdfs, [black(0.5), black(0.0)]);
     assert_eq!(scene.emitters[0].radiance, Vec3::ONE);
     assert!((scene.camera.tan_x - (38.1848_f32 / 2.0).to_radians().tan()).abs() < 1e-6);
@@ -186,63 +181,107 @@ fn includes_and_paths_are_followed() {
 fn errors_say_where_and_what() {
     let with = |body: &str| load(&format!("{SENSOR}\n{body}")).map(|_| ()).unwrap_err();
     for (body, expected) in [
-        ("<bsdf type=\"foo\"/>",
-         "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, twosided"),
-        ("  <shape type=\"cylinder\"/>",
-         "scene.xml:3:3: <shape type=\"cylinder\">: not supported; supported: rectangle, cube, \
-          sphere, disk, obj, ply"),
-        ("<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",
-         "scene.xml:3:20: <float name=\"size\">: unreferenced property \"size\" in \
-          <shape type=\"cube\">; supported: to_world, flip_normals, silhouette_sampling_weight"),
-        ("<shape type=\"cube\"><medium type=\"homogeneous\"/></shape>",
-         "scene.xml:3:20: <medium type=\"homogeneous\">: <medium> is not supported inside \
-          <shape type=\"cube\">; supported: <bsdf>, <emitter>"),
-        ("<emitter type=\"point\"/>",
-         "scene.xml:3:1: <emitter type=\"point\">: not supported; supported: area, inside a <shape>"),
-        ("<emitter type=\"area\"/>",
-         "scene.xml:3:1: <emitter type=\"area\">: an area emitter must stand inside a <shape>"),
-        ("<shape type=\"cube\"><ref id=\"x\"/></shape>",
-         "scene.xml:3:20: <ref id=\"x\">: no object has the id \"x\""),
-        ("<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>",
-         "scene.xml:3:30: <ref id=\"a\">: this reference closes a circle"),
-        ("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>",
-         "scene.xml:3:31: <bsdf type=\"diffuse\">: the id \"a\" is already in use"),
-        ("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>",
-         "scene.xml:3:22: <rgb name=\"reflectance\">: one or three numbers are needed, found 2"),
-        ("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2 0\"/></bsdf>",
-         "scene.xml:3:22: <rgb name=\"reflectance\">: the reflectance [1, 2, 0] must lie in [0, 1]"),
-        ("<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"/></bsdf>",
-         "scene.xml:3:22: <texture type=\"bitmap\">: textures are not supported; supported for \
-          \"reflectance\": rgb, spectrum, float"),
-        ("<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"1\"/></bsdf>",
-         "scene.xml:3:22: <string name=\"reflectance\">: \"reflectance\" is a <string>, but must be \
-          a <rgb>"),
-        ("<shape type=\"sphere\"><float name=\"radius\" value=\"nan\"/></shape>",
-         "scene.xml:3:22: <float name=\"radius\">: \"nan\" is not a finite number"),
-        ("<shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>",
-         "scene.xml:3:22: <float name=\"radius\">: undefined parameter $r; add <default \
-          name=\"r\" value=\"…\"/> before its use, or pass -D r=…"),
-        ("<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"2\"/></transform></shape>",
-         "scene.xml:3:22: <transform name=\"to_world\">: a sphere must be scaled evenly; \
-          ellipsoids are not supported (nearest: ply, obj)"),
-        ("<shape type=\"disk\"><transform name=\"to_world\"><scale x=\"0\"/></transform></shape>",
-         "scene.xml:3:20: <transform name=\"to_world\">: the transform flattens space"),
-        ("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e30\"/></transform>\
+        (
+            "<bsdf type=\"foo\"/>",
+            "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, twosided",
+        ),
+        (
+            "  <shape type=\"cylinder\"/>",
+            "scene.xml:3:3: <shape type=\"cylinder\">: not supported; supported: rectangle, cube, \
+          sphere, disk, obj, ply",
+        ),
+        (
+            "<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",
+            "scene.xml:3:20: <float name=\"size\">: unreferenced property \"size\" in \
+          <shape type=\"cube\">; supported: to_world, flip_normals, silhouette_sampling_weight",
+        ),
+        (
+            "<shape type=\"cube\"><medium type=\"homogeneous\"/></shape>",
+            "scene.xml:3:20: <medium type=\"homogeneous\">: <medium> is not supported inside \
+          <shape type=\"cube\">; supported: <bsdf>, <emitter>",
+        ),
+        (
+            "<emitter type=\"point\"/>",
+            "scene.xml:3:1: <emitter type=\"point\">: not supported; supported: area, inside a <shape>",
+        ),
+        (
+            "<emitter type=\"area\"/>",
+            "scene.xml:3:1: <emitter type=\"area\">: an area emitter must stand inside a <shape>",
+        ),
+        (
+            "<shape type=\"cube\"><ref id=\"x\"/></shape>",
+            "scene.xml:3:20: <ref id=\"x\">: no object has the id \"x\"",
+        ),
+        (
+            "<bsdf type=\"twosided\" id=\"a\"><ref id=\"a\"/></bsdf>",
+            "scene.xml:3:30: <ref id=\"a\">: this reference closes a circle",
+        ),
+        (
+            "<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>",
+            "scene.xml:3:30: <bsdf type=\"diffuse\">: the id \"a\" is already in use",
+        ),
+        (
+            "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>",
+            "scene.xml:3:22: <rgb name=\"reflectance\">: one or three numbers are needed, found 2",
+        ),
+        (
+            "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2 0\"/></bsdf>",
+            "scene.xml:3:22: <rgb name=\"reflectance\">: the reflectance [1, 2, 0] must lie in [0, 1]",
+        ),
+        (
+            "<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"/></bsdf>",
+            "scene.xml:3:22: <texture type=\"bitmap\">: textures are not supported; supported for \
+          \"reflectance\": rgb, spectrum, float",
+        ),
+        (
+            "<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"1\"/></bsdf>",
+            "scene.xml:3:22: <string name=\"reflectance\">: \"reflectance\" is a <string>, but must be \
+          a <rgb>",
+        ),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"nan\"/></shape>",
+            "scene.xml:3:22: <float name=\"radius\">: \"nan\" is not a finite number",
+        ),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"$r\"/></shape>",
+            "scene.xml:3:22: <float name=\"radius\">: undefined parameter $r; add <default \
+          name=\"r\" value=\"…\"/> before its use, or pass -D r=…",
+        ),
+        (
+            "<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"2\"/></transform></shape>",
+            "scene.xml:3:22: <transform name=\"to_world\">: a sphere must be scaled evenly; \
+          ellipsoids are not supported (nearest: ply, obj)",
+        ),
+        (
+            "<shape type=\"disk\"><transform name=\"to_world\"><scale x=\"0\"/></transform></shape>",
+            "scene.xml:3:20: <transform name=\"to_world\">: the transform flattens space",
+        ),
+        (
+            "<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"1e30\"/></transform>\
           </shape>",
-         "scene.xml:3:1: <shape type=\"cube\">: too small or too large: coordinates must be at most \
-          1e15 and areas representable; scale the scene"),
-        ("<shape type=\"ply\"/>",
-         "scene.xml:3:1: <shape type=\"ply\">: the string \"filename\" is missing"),
-        ("<shape type=\"ply\"><string name=\"filename\" value=\"no.ply\"/></shape>",
-         "scene.xml:3:19: <string name=\"filename\">: file \"no.ply\" not found; tried ./no.ply"),
-        ("<foo/>",
-         "scene.xml:3:1: <foo>: not supported; supported: sensor, film, rfilter, sampler, \
+            "scene.xml:3:1: <shape type=\"cube\">: too small or too large: coordinates must be at most \
+          1e15 and areas representable; scale the scene",
+        ),
+        (
+            "<shape type=\"ply\"/>",
+            "scene.xml:3:1: <shape type=\"ply\">: the string \"filename\" is missing",
+        ),
+        (
+            "<shape type=\"ply\"><string name=\"filename\" value=\"no.ply\"/></shape>",
+            "scene.xml:3:19: <string name=\"filename\">: file \"no.ply\" not found; tried ./no.ply",
+        ),
+        (
+            "<foo/>",
+            "scene.xml:3:1: <foo>: not supported; supported: sensor, film, rfilter, sampler, \
           integrator, shape, bsdf, emitter, default, include, path, alias, ref, transform, float, \
-          integer, boolean, string, rgb, spectrum, point, vector"),
+          integer, boolean, string, rgb, spectrum, point, vector",
+        ),
         ("<shape/>", "scene.xml:3:1: <shape>: the attribute \"type\" is missing"),
-        ("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-2\"/></integrator>",
-         "scene.xml:3:26: <integer name=\"max_depth\">: \"max_depth\" is -2, but must be in \
-          -1..=4294967295"),
+        (
+            "<integrator type=\"path\"><integer name=\"max_depth\" value=\"-2\"/></integrator>",
+            "scene.xml:3:25: <integer name=\"max_depth\">: \"max_depth\" is -2, but must be in \
+          -1..=4294967295",
+        ),
     ] {
         assert_eq!(with(body), expected);
     }
@@ -273,4 +312,11 @@ fn deep_nesting_is_refused() {
     let depth = 20_000;
     let body = "<bsdf type=\"twosided\">".repeat(depth) + &"</bsdf>".repeat(depth);
     assert!(load(&body).is_err());
+}
+
+#[test]
+fn threads_share_a_scene() {
+    fn shareable<T: Send + Sync>() {}
+    shareable::<Scene>();
+    shareable::<SceneError>();
 }

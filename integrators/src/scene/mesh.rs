@@ -46,12 +46,8 @@ impl Placement {
     /// So a mirror image keeps its outside outside, as in Mitsuba after 3.9 (3.9 itself then
     /// contradicts itself: geometric and shading normal differ in sign).
     pub fn normal_matrix(&self) -> DMat3 {
-        let [x, y, z] = [
-            self.to_world.x_axis,
-            self.to_world.y_axis,
-            self.to_world.z_axis,
-        ]
-        .map(|column| column.truncate());
+        let [x, y, z] = [self.to_world.x_axis, self.to_world.y_axis, self.to_world.z_axis]
+            .map(|column| column.truncate());
         let sign = relative_determinant(&self.to_world).signum();
         let sign = if self.flip_normals { -sign } else { sign };
         DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * sign
@@ -105,7 +101,8 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangle
         };
         result.vertices.push(vertices);
         if let Some(corners) = indices.get(index) {
-            let normal = |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
+            let normal =
+                |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
             let usable = |n: Vec3| if n == Vec3::ZERO { flat } else { n };
             result.normals.push(corners.map(|corner| usable(normal(corner))));
         }
@@ -161,10 +158,7 @@ mod tests {
     }
 
     fn placement(to_world: DMat4, flip_normals: bool) -> Placement {
-        Placement {
-            to_world,
-            flip_normals,
-        }
+        Placement { to_world, flip_normals }
     }
 
     #[test]

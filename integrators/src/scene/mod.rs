@@ -8,9 +8,11 @@
 pub mod camera;
 pub mod document;
 pub mod error;
+mod files;
 mod hit;
 pub mod inspect;
 mod load;
+mod load_settings;
 mod mesh;
 pub mod model;
 mod obj;
@@ -19,6 +21,7 @@ mod ply;
 pub mod settings;
 mod shapes;
 mod trace;
+mod transform;
 mod tree;
 mod values;
 pub mod xml;
@@ -116,10 +119,7 @@ impl Scene {
         direction: Vec3,
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
-        let from = End {
-            point: origin,
-            on: skip,
-        };
+        let from = End { point: origin, on: skip };
         let start = skip.map(|id| self.primitive(id));
         let raw = self.tracer.nearest(from, start, direction)?;
         Some(self.hit(origin, direction, &raw))
@@ -137,9 +137,8 @@ impl Scene {
         if !(a.is_finite() && b.is_finite()) {
             return false;
         }
-        let end = |point, on: Option<PrimitiveId>| {
-            (End { point, on }, on.map(|id| self.primitive(id)))
-        };
+        let end =
+            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.primitive(id)));
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
     }
 
@@ -154,22 +153,15 @@ impl Scene {
                 let outwards = (origin + raw.t * direction).as_dvec3() - c;
                 (c + f64::from(radius) * outwards.normalize_or_zero()).as_vec3()
             }
-            Primitive::Disk {
-                center,
-                u_axis,
-                v_axis,
-                ..
-            } => center + w.x * u_axis + w.y * v_axis,
+            Primitive::Disk { center, u_axis, v_axis, .. } => center + w.x * u_axis + w.y * v_axis,
         };
         let geometric_normal = primitive.normal(position);
         let shading_normal = self.corner_normals(raw.primitive).map(|[n0, n1, n2]| {
-            (w.x * *n0 + w.y * *n1 + w.z * *n2)
-                .try_normalize()
-                .unwrap_or(geometric_normal)
+            (w.x * *n0 + w.y * *n1 + w.z * *n2).try_normalize().unwrap_or(geometric_normal)
         });
         Hit {
             primitive: raw.primitive,
-            t: raw.t,
+            t: (position - origin).dot(direction).max(0.0),
             position,
             geometric_normal,
             shading_normal: shading_normal.unwrap_or(geometric_normal),

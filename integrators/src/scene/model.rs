@@ -63,9 +63,7 @@ impl Primitive {
         match *self {
             // Triangles of no area are left out when the scene is loaded.
             Self::Triangle { v0, v1, v2 } => unit_normal(&[v0, v1, v2]).unwrap_or(Vec3::Z),
-            Self::Sphere {
-                center, flipped, ..
-            } => {
+            Self::Sphere { center, flipped, .. } => {
                 let outwards = (point.as_dvec3() - center.as_dvec3()).normalize_or_zero();
                 let outwards = outwards.as_vec3();
                 if flipped { -outwards } else { outwards }
@@ -77,25 +75,15 @@ impl Primitive {
     /// The axis-parallel box around it.
     pub fn bounds(&self) -> Bounds {
         match *self {
-            Self::Triangle { v0, v1, v2 } => Bounds {
-                min: v0.min(v1).min(v2),
-                max: v0.max(v1).max(v2),
-            },
-            Self::Sphere { center, radius, .. } => Bounds {
-                min: center - radius,
-                max: center + radius,
-            },
-            Self::Disk {
-                center,
-                u_axis,
-                v_axis,
-                ..
-            } => {
+            Self::Triangle { v0, v1, v2 } => {
+                Bounds { min: v0.min(v1).min(v2), max: v0.max(v1).max(v2) }
+            }
+            Self::Sphere { center, radius, .. } => {
+                Bounds { min: center - radius, max: center + radius }
+            }
+            Self::Disk { center, u_axis, v_axis, .. } => {
                 let [x, y, z] = [0, 1, 2].map(|i| u_axis[i].hypot(v_axis[i]));
-                Bounds {
-                    min: center - vec3(x, y, z),
-                    max: center + vec3(x, y, z),
-                }
+                Bounds { min: center - vec3(x, y, z), max: center + vec3(x, y, z) }
             }
         }
     }
@@ -112,18 +100,12 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box around nothing.
-    pub const EMPTY: Self = Self {
-        min: Vec3::INFINITY,
-        max: Vec3::NEG_INFINITY,
-    };
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The box around both.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 }
 

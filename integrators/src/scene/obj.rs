@@ -58,9 +58,7 @@ fn corner(word: &str, mesh: &Mesh) -> Result<(u32, u32), String> {
 
 /// Indices count from 1; negative ones count back from the latest.
 fn index(text: &str, count: usize, what: &str) -> Result<u32, String> {
-    let value: i64 = text
-        .parse()
-        .map_err(|_| format!("\"{text}\" is not a {what} index"))?;
+    let value: i64 = text.parse().map_err(|_| format!("\"{text}\" is not a {what} index"))?;
     let at = if value < 0 { count as i64 + value } else { value - 1 };
     if at < 0 || at >= count as i64 || at >= i64::from(NO_NORMAL) {
         return Err(format!("{what} {value} does not exist; there are {count} so far"));

@@ -19,11 +19,7 @@ impl Parameters {
         let mut list: Vec<Parameter> = Vec::new();
         for (name, value) in defines {
             list.retain(|p| p.name != *name);
-            list.push(Parameter {
-                name: name.clone(),
-                value: value.clone(),
-                used: false,
-            });
+            list.push(Parameter { name: name.clone(), value: value.clone(), used: false });
         }
         Self { list }
     }
@@ -34,11 +30,7 @@ impl Parameters {
             known.used = true;
             return;
         }
-        self.list.push(Parameter {
-            name: name.to_owned(),
-            value: value.to_owned(),
-            used: true,
-        });
+        self.list.push(Parameter { name: name.to_owned(), value: value.to_owned(), used: true });
     }
 
     /// Replaces each `$name` by its value; of several names that fit the longest wins, as in
@@ -51,9 +43,8 @@ impl Parameters {
             rest = &rest[dollar + 1..];
             let fits = self.list.iter_mut().filter(|p| rest.starts_with(&p.name));
             let Some(parameter) = fits.max_by_key(|p| p.name.len()) else {
-                let end = rest
-                    .find(|c: char| !(c.is_alphanumeric() || c == '_'))
-                    .unwrap_or(rest.len());
+                let end =
+                    rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
                 return Err(format!(
                     "undefined parameter ${0}; add <default name=\"{0}\" value=\"…\"/> before \
                      its use, or pass -D {0}=…",

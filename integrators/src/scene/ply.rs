@@ -67,20 +67,15 @@ struct ElementHeader {
 
 /// Reads a mesh. `path` only names the file in errors.
 pub fn read(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
-    let mut cursor = Cursor {
-        bytes,
-        line: 1,
-        format: Format::Ascii,
-    };
+    let mut cursor = Cursor { bytes, line: 1, format: Format::Ascii };
     let elements = header(&mut cursor)
         .map_err(|e| SceneError::in_file(path, e).at_line(cursor.line.saturating_sub(1).max(1)))?;
     let mut mesh = Mesh::default();
     for element in &elements {
         let mut record = Record::default();
         for index in 0..element.count {
-            let result = record
-                .read(&mut cursor, element)
-                .and_then(|()| record.store(element, &mut mesh));
+            let result =
+                record.read(&mut cursor, element).and_then(|()| record.store(element, &mut mesh));
             if let Err(message) = result {
                 let error = SceneError::in_file(path, message);
                 let error = error.about(format!("{} {index}", element.name));
@@ -154,11 +149,9 @@ fn property_header(words: &[&str]) -> Result<PropertyHeader, String> {
             count: Some(scalar(count)?),
             scalar: scalar(item)?,
         }),
-        [item, name] => Ok(PropertyHeader {
-            name: name.to_owned(),
-            count: None,
-            scalar: scalar(item)?,
-        }),
+        [item, name] => {
+            Ok(PropertyHeader { name: name.to_owned(), count: None, scalar: scalar(item)? })
+        }
         _ => Err("a property needs a type and a name".to_owned()),
     }
 }
@@ -255,9 +248,7 @@ impl Record {
 }
 
 fn finite(v: DVec3, what: &str) -> Result<DVec3, String> {
-    v.is_finite()
-        .then_some(v)
-        .ok_or_else(|| format!("the {what} is not finite"))
+    v.is_finite().then_some(v).ok_or_else(|| format!("the {what} is not finite"))
 }
 
 /// What is left of the file.
@@ -357,10 +348,7 @@ mod tests {
     }
 
     fn ascii(faces: &str) -> Vec<u8> {
-        let rows: String = VERTICES
-            .iter()
-            .map(|[x, y, z]| format!("{x} {y} {z} 7\n"))
-            .collect();
+        let rows: String = VERTICES.iter().map(|[x, y, z]| format!("{x} {y} {z} 7\n")).collect();
         format!("ply\nformat ascii 1.0\n{HEADER}{rows}{faces}").into_bytes()
     }
 
@@ -393,21 +381,19 @@ mod tests {
         let bad = ascii("-2 4 0 1 2 9\n");
         assert_eq!(error(&bad), "m.ply: triangle 1: vertex 9 does not exist; there are 4");
         let bad = ascii("-2 3 0 1 -2\n");
-        assert_eq!(
-            error(&bad),
-            "m.ply:17: face 0: a vertex index is negative or not an integer"
-        );
+        assert_eq!(error(&bad), "m.ply:17: face 0: a vertex index is negative or not an integer");
         assert_eq!(error(&ascii("-2 4 0 1\n")), "m.ply:17: face 0: the file ends here");
         let mut cut = binary(false);
         cut.truncate(cut.len() - 30);
         assert_eq!(error(&cut), "m.ply: vertex 3: the file ends here");
         let mut nan = binary(true);
-        let at = nan.len() - 22 - 17;
+        // Before the end: the face, and of the last vertex its colour and z.
+        let at = nan.len() - 19 - 5;
         nan[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
         assert_eq!(error(&nan), "m.ply: vertex 3: the position is not finite");
         let huge = b"ply\nformat ascii 1.0\nelement face 99999999999999\n\
             property list uchar int vertex_indices\nend_header\n";
-        assert_eq!(error(huge), "m.ply:5: face 0: the file ends here");
+        assert_eq!(error(huge), "m.ply:6: face 0: the file ends here");
     }
 
     #[test]

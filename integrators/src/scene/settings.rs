@@ -140,10 +140,7 @@ mod tests {
 
     #[test]
     fn filters_vanish_at_their_radius() {
-        for filter in [
-            Filter::Tent { radius: 1.5 },
-            Filter::Gaussian { stddev: 0.5 },
-        ] {
+        for filter in [Filter::Tent { radius: 1.5 }, Filter::Gaussian { stddev: 0.5 }] {
             let r = filter.radius();
             assert!(filter.profile(0.0) > 0.99);
             assert!(filter.profile(0.99 * r) > 0.0);

@@ -6,10 +6,10 @@ use glam::{DMat4, DVec3};
 
 use super::document::Query;
 use super::error::SceneError;
+use super::files::find_file;
 use super::mesh::{self, Mesh, NO_NORMAL, Placement, Triangles};
 use super::model::{Primitive, ShapeKind};
 use super::values::relative_determinant;
-use super::xml::find_file;
 use super::{obj, ply};
 
 /// Coordinates beyond this have areas that overflow f32.
@@ -114,18 +114,9 @@ fn rectangle() -> Mesh {
 fn cube() -> Mesh {
     let sign = |corner: u32, axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
     let corner = |i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2));
-    let mut mesh = Mesh {
-        positions: (0..8).map(corner).collect(),
-        ..Mesh::default()
-    };
-    for face in [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ] {
+    let mut mesh = Mesh { positions: (0..8).map(corner).collect(), ..Mesh::default() };
+    for face in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
+    {
         mesh.push_polygon(&face.map(|v| (v, NO_NORMAL)));
     }
     mesh
@@ -179,10 +170,7 @@ mod tests {
     use super::*;
     use crate::scene::mesh::unit_normal;
 
-    const IDENTITY: Placement = Placement {
-        to_world: DMat4::IDENTITY,
-        flip_normals: false,
-    };
+    const IDENTITY: Placement = Placement { to_world: DMat4::IDENTITY, flip_normals: false };
 
     #[test]
     fn cubes_face_outwards() {
@@ -200,10 +188,8 @@ mod tests {
     fn rectangles_and_disks_face_up_even_mirrored() {
         let rectangle = mesh::place(&rectangle(), &IDENTITY, true);
         assert!(rectangle.vertices.iter().all(|t| unit_normal(t) == Some(glam::Vec3::Z)));
-        let mirrored = Placement {
-            to_world: DMat4::from_scale(DVec3::new(-1.0, 2.0, 1.0)),
-            ..IDENTITY
-        };
+        let mirrored =
+            Placement { to_world: DMat4::from_scale(DVec3::new(-1.0, 2.0, 1.0)), ..IDENTITY };
         let Primitive::Disk { normal, .. } = disk(&mirrored).primitives[0] else {
             panic!("a disk is a disk");
         };

@@ -25,6 +25,8 @@ use super::tree::Tree;
 const SCALED_EXPONENT: i32 = 14;
 /// Padding of boxes relative to the largest coordinate.
 const PADDING: f32 = 3e-7;
+/// Bound of the rounding error of surface points relative to the coordinates of their primitive.
+const LIFT: f32 = 4.0 * f32::EPSILON;
 /// The least limit on distances that the tree is shown; its own epsilon is 1e-4.
 const LEAST_LIMIT: f32 = 1e-3;
 
@@ -87,11 +89,7 @@ impl Tracer {
             primitive: scaled(&primitives[*index as usize], scale),
             id: PrimitiveId(*index),
         };
-        Self {
-            tree,
-            items: order.iter().map(item).collect(),
-            scale,
-        }
+        Self { tree, items: order.iter().map(item).collect(), scale }
     }
 
     /// The nearest hit of a ray. `start` is the primitive itself that the ray starts on, if any.
@@ -107,10 +105,7 @@ impl Tracer {
                 _ => f32::INFINITY,
             }
         });
-        best.map(|hit| RawHit {
-            t: hit.t / self.scale,
-            ..hit
-        })
+        best.map(|hit| RawHit { t: hit.t / self.scale, ..hit })
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
@@ -119,20 +114,21 @@ impl Tracer {
         from: (End, Option<&Primitive>),
         to: (End, Option<&Primitive>),
     ) -> bool {
-        let offset = to.0.point - from.0.point;
+        let towards = to.0.point - from.0.point;
+        let a = lifted(from.0.point, from.1, towards);
+        let offset = lifted(to.0.point, to.1, -towards) - a;
         let Some(direction) = offset.try_normalize() else {
             return true;
         };
         let query = Segment {
-            ray: Ray::new(from.0.point * self.scale, direction),
+            ray: Ray::new(a * self.scale, direction),
             start: Contact::new(from.0, from.1, direction),
             end: Contact::new(to.0, to.1, direction),
             end_point: to.0.point * self.scale,
             length: offset.length() * self.scale,
         };
         let ray = query.tree_ray(query.length.max(LEAST_LIMIT));
-        self.tree
-            .is_free(ray, |index| query.test(&self.items[index]).is_some())
+        self.tree.is_free(ray, |index| query.test(&self.items[index]).is_some())
     }
 }
 
@@ -147,12 +143,15 @@ struct Segment {
 
 /// A surface that an end of a segment lies on.
 ///
-/// The end is not exactly on the surface, but off it by its rounding error, and so it may lie on
-/// the wrong side of a neighbour in the same plane. If a hit is nearer to the end than that error,
-/// then only the side from which the neighbour is met tells whether the hit is a true one: a ray
-/// that leaves the front of a surface meets the front of a neighbour in a concave edge, and the
-/// back of one that it should have started in front of. So no ray is lost in a corner, as happens
-/// when its start is moved off the surface.
+/// The end is off the surface by its rounding error. First it is moved along the normal by a bound
+/// of that error ([`lifted`], in the manner of Wächter and Binder, "A Fast and Robust Method for
+/// Avoiding Self-Intersection", 2019): then the segment is on the right side of its own surface and
+/// passes no edge to the next one underneath. But it may still lie on the wrong side of a
+/// neighbour, be it one in the same plane or the other wall of a corner. If a hit is nearer to the
+/// end than the error, then the side from which the neighbour is met tells whether it is a true
+/// one: a ray that leaves the front of a surface meets the front of the other wall of a corner,
+/// perhaps a little before its start, and the back of a surface that it should have started in
+/// front of.
 struct Contact {
     on: PrimitiveId,
     /// Whether the segment runs along the normal of the surface rather than against it.
@@ -161,16 +160,13 @@ struct Contact {
 
 impl Contact {
     fn new(end: End, surface: Option<&Primitive>, direction: Vec3) -> Option<Self> {
-        Some(Self {
-            on: end.on?,
-            along_normal: surface?.normal(end.point).dot(direction) > 0.0,
-        })
+        Some(Self { on: end.on?, along_normal: surface?.normal(end.point).dot(direction) > 0.0 })
     }
 
     /// Whether a plane met at a distance of `t ± t_error` from this end stands in the way.
     /// `normal` has any length, `size` bounds the coordinates.
     fn is_met(&self, t: f32, t_error: f32, rise: f32, normal: Vec3, size: Vec3) -> bool {
-        let error = 8.0 * f32::EPSILON * normal.abs().dot(size) + t_error * rise.abs();
+        let error = 4.0 * LIFT * normal.abs().dot(size) + t_error * rise.abs();
         let height = t * rise.abs();
         let is_front = (rise > 0.0) != self.along_normal;
         height > if is_front { -error } else { error }
@@ -184,7 +180,7 @@ impl Segment {
             return None;
         }
         Some(Self {
-            ray: Ray::new(from.point * scale, direction),
+            ray: Ray::new(lifted(from.point, start, direction) * scale, direction),
             start: Contact::new(from, start, direction),
             end: None,
             end_point: Vec3::ZERO,
@@ -238,23 +234,14 @@ impl Segment {
                 self.plane(hit.t, hit.t_error, || (v1 - v0).cross(v2 - v0), size)?;
                 (hit.t, hit.weights)
             }
-            Primitive::Disk {
-                center,
-                normal,
-                u_axis,
-                v_axis,
-            } => {
+            Primitive::Disk { center, normal, u_axis, v_axis } => {
                 let (t, [a, b]) = hit::disk(ray.origin, d, center, u_axis, v_axis)?;
                 let size = center.abs() + u_axis.abs() + v_axis.abs();
                 self.plane(t, 0.0, || normal, size)?;
                 (t, Vec3::new(a as f32, b as f32, 0.0))
             }
         };
-        Some(RawHit {
-            primitive: item.id,
-            t: t.max(0.0),
-            weights,
-        })
+        Some(RawHit { primitive: item.id, t: t.max(0.0), weights })
     }
 
     /// Whether the meeting with a plane lies within the segment.
@@ -280,6 +267,18 @@ impl Segment {
     }
 }
 
+/// A point on a surface moved off it to the side of `direction` by a bound of its rounding error.
+fn lifted(point: Vec3, surface: Option<&Primitive>, direction: Vec3) -> Vec3 {
+    let Some(surface) = surface else {
+        return point;
+    };
+    let bounds = surface.bounds();
+    let size = bounds.min.abs().max(bounds.max.abs());
+    let normal = surface.normal(point);
+    let distance = LIFT * normal.abs().dot(size);
+    point + normal * distance.copysign(normal.dot(direction))
+}
+
 /// The power of two that brings `largest` just below 2^[`SCALED_EXPONENT`].
 fn power_of_two_scale(largest: f32) -> f32 {
     if !(largest > 0.0 && largest.is_finite()) {
@@ -291,26 +290,13 @@ fn power_of_two_scale(largest: f32) -> f32 {
 
 fn scaled(primitive: &Primitive, scale: f32) -> Primitive {
     match *primitive {
-        Primitive::Triangle { v0, v1, v2 } => Primitive::Triangle {
-            v0: v0 * scale,
-            v1: v1 * scale,
-            v2: v2 * scale,
-        },
-        Primitive::Sphere {
-            center,
-            radius,
-            flipped,
-        } => Primitive::Sphere {
-            center: center * scale,
-            radius: radius * scale,
-            flipped,
-        },
-        Primitive::Disk {
-            center,
-            normal,
-            u_axis,
-            v_axis,
-        } => Primitive::Disk {
+        Primitive::Triangle { v0, v1, v2 } => {
+            Primitive::Triangle { v0: v0 * scale, v1: v1 * scale, v2: v2 * scale }
+        }
+        Primitive::Sphere { center, radius, flipped } => {
+            Primitive::Sphere { center: center * scale, radius: radius * scale, flipped }
+        }
+        Primitive::Disk { center, normal, u_axis, v_axis } => Primitive::Disk {
             center: center * scale,
             normal,
             u_axis: u_axis * scale,

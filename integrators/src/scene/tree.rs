@@ -13,7 +13,7 @@ use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
 use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
 use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray, RayHit};
-use obvhs::{BvhBuildParams, Boundable};
+use obvhs::{Boundable, BvhBuildParams};
 
 /// The binary tree is converted by recursion, a few hundred bytes each.
 const MAX_BINARY_DEPTH: usize = 1000;
@@ -70,7 +70,8 @@ impl Tree {
     /// nothing matters any more, or infinity.
     #[inline]
     pub fn visit(&self, ray: Ray, mut test: impl FnMut(usize) -> f32) {
-        let mut leaf = |_: &Ray, index: usize| self.leaf(index).map(&mut test).fold(f32::INFINITY, f32::min);
+        let mut leaf =
+            |_: &Ray, index: usize| self.leaf(index).map(&mut test).fold(f32::INFINITY, f32::min);
         match &self.nodes {
             Nodes::Empty => {}
             Nodes::Wide(tree) => drop(tree.ray_traverse(ray, &mut RayHit::none(), &mut leaf)),

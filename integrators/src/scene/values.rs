@@ -6,16 +6,23 @@ use glam::{DMat4, DVec3};
 
 /// The separators of a list: commas and blanks.
 fn tokens(text: &str) -> impl Iterator<Item = &str> {
-    text.split(|c: char| c == ',' || c.is_whitespace())
-        .filter(|token| !token.is_empty())
+    text.split(|c: char| c == ',' || c.is_whitespace()).filter(|token| !token.is_empty())
+}
+
+/// A text between quotation marks, cut if it is long.
+fn quoted(text: &str) -> String {
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("\"{}…\"", &text[..end]),
+        None => format!("\"{text}\""),
+    }
 }
 
 /// A finite number.
 pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
-        Ok(_) => Err(format!("\"{text}\" is not a finite number")),
-        Err(_) => Err(format!("\"{text}\" is not a number")),
+        Ok(_) => Err(format!("{} is not a finite number", quoted(text))),
+        Err(_) => Err(format!("{} is not a number", quoted(text))),
     }
 }
 
@@ -30,9 +37,7 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 
 /// An integer.
 pub fn integer(text: &str) -> Result<i64, String> {
-    text.trim()
-        .parse()
-        .map_err(|_| format!("\"{text}\" is not an integer"))
+    text.trim().parse().map_err(|_| format!("{} is not an integer", quoted(text)))
 }
 
 /// `true` or `false`, in either case.
@@ -40,7 +45,7 @@ pub fn boolean(text: &str) -> Result<bool, String> {
     match text.trim().to_ascii_lowercase().as_str() {
         "true" => Ok(true),
         "false" => Ok(false),
-        _ => Err(format!("\"{text}\" is neither true nor false")),
+        _ => Err(format!("{} is neither true nor false", quoted(text))),
     }
 }
 
@@ -61,18 +66,14 @@ pub fn rgb(text: &str) -> Result<DVec3, String> {
     let digits = (hex.len() == 6 && hex.bytes().all(|b| b.is_ascii_hexdigit()))
         .then(|| u32::from_str_radix(hex, 16).ok())
         .flatten()
-        .ok_or_else(|| format!("\"{text}\" is not of the form #rrggbb"))?;
+        .ok_or_else(|| format!("{} is not of the form #rrggbb", quoted(text)))?;
     let channel = |shift: u32| srgb_to_linear(f64::from((digits >> shift) & 0xff) / 255.0);
     Ok(DVec3::new(channel(16), channel(8), channel(0)))
 }
 
 /// The transfer function of IEC 61966-2-1, inverted.
 fn srgb_to_linear(x: f64) -> f64 {
-    if x <= 0.04045 {
-        x / 12.92
-    } else {
-        ((x + 0.055) / 1.055).powf(2.4)
-    }
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A matrix of 16 numbers, or 9 for its linear part, row by row.
@@ -105,20 +106,11 @@ pub fn rotate(axis: DVec3, degrees: f64) -> Result<DMat4, String> {
 
 /// A camera's placement: z towards the target, x to the left, y upwards.
 pub fn look_at(origin: DVec3, target: DVec3, up: DVec3) -> Result<DMat4, String> {
-    let forward = (target - origin)
-        .try_normalize()
-        .ok_or("origin and target must differ")?;
-    let left = up
-        .cross(forward)
-        .try_normalize()
-        .ok_or("up must not be parallel to the view direction")?;
+    let forward = (target - origin).try_normalize().ok_or("origin and target must differ")?;
+    let left =
+        up.cross(forward).try_normalize().ok_or("up must not be parallel to the view direction")?;
     let up = forward.cross(left);
-    Ok(DMat4::from_cols(
-        left.extend(0.0),
-        up.extend(0.0),
-        forward.extend(0.0),
-        origin.extend(1.0),
-    ))
+    Ok(DMat4::from_cols(left.extend(0.0), up.extend(0.0), forward.extend(0.0), origin.extend(1.0)))
 }
 
 /// The determinant of the linear part relative to the lengths of its columns: 1 if they are

@@ -6,18 +6,30 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3};
 use roxmltree::Node;
 
 use super::document::{Document, Object, ObjectId, Property, Value};
 use super::error::{Place, SceneError, Source};
+use super::files::{find_file, read_text};
 use super::params::Parameters;
+use super::transform::axes;
 use super::values;
 
 /// Tags that make an object.
 const OBJECTS: [&str; 13] = [
-    "scene", "sensor", "film", "rfilter", "sampler", "integrator", "shape", "bsdf", "emitter",
-    "texture", "medium", "phase", "volume",
+    "scene",
+    "sensor",
+    "film",
+    "rfilter",
+    "sampler",
+    "integrator",
+    "shape",
+    "bsdf",
+    "emitter",
+    "texture",
+    "medium",
+    "phase",
+    "volume",
 ];
 const MAX_INCLUDE_DEPTH: usize = 16;
 const MAX_INCLUDES: usize = 1024;
@@ -43,10 +55,7 @@ pub fn read_str(
         references: Vec::new(),
         includes: 0,
     };
-    let source = Arc::new(Source {
-        path: path.to_path_buf(),
-        text: text.to_owned(),
-    });
+    let source = Arc::new(Source { path: path.to_path_buf(), text: text.to_owned() });
     reader.read(source, Rc::new(vec![folder]), None, 0)?;
     if let Some(name) = reader.parameters.unused() {
         return Err(SceneError::in_file(
@@ -55,29 +64,12 @@ pub fn read_str(
         ));
     }
     reader.resolve_references()?;
-    reject_cycles(&reader.document)?;
+    reader.document.reject_cycles()?;
     Ok(reader.document)
 }
 
-/// The whole of a text file, or why it cannot be had.
-pub fn read_text(path: &Path) -> Result<String, String> {
-    let bytes = std::fs::read(path).map_err(|e| format!("cannot be read: {e}"))?;
-    String::from_utf8(bytes).map_err(|_| "is not UTF-8 text".to_owned())
-}
-
-/// Finds a file: absolute as it is, else in the first of the folders that has it.
-pub fn find_file(name: &str, folders: &[PathBuf]) -> Result<PathBuf, String> {
-    let found = folders.iter().map(|folder| folder.join(name));
-    found
-        .clone()
-        .find(|path| path.exists())
-        .ok_or_else(|| {
-            let tried: Vec<String> = found.map(|path| path.display().to_string()).collect();
-            format!("file \"{name}\" not found; tried {}", tried.join(", "))
-        })
-}
-
-struct Reader {
+/// A document being read.
+pub(super) struct Reader {
     document: Document,
     parameters: Parameters,
     /// Object, index of its property, the id that it names.
@@ -86,16 +78,16 @@ struct Reader {
 }
 
 /// The file being read.
-struct Context {
+pub(super) struct Context {
     source: Arc<Source>,
     folders: Rc<Vec<PathBuf>>,
     /// How many includes deep.
     depth: usize,
 }
 
-type Attributes<'a> = Vec<(&'a str, String)>;
+pub(super) type Attributes<'a> = Vec<(&'a str, String)>;
 
-fn attribute<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
+pub(super) fn attribute<'a>(attributes: &'a Attributes, name: &str) -> Option<&'a str> {
     let found = attributes.iter().find(|(key, _)| *key == name);
     found.map(|(_, value)| value.as_str())
 }
@@ -114,11 +106,7 @@ impl Reader {
             (error.line, error.column) = (Some(position.row), Some(position.col));
             error
         })?;
-        let mut context = Context {
-            source: source.clone(),
-            folders,
-            depth,
-        };
+        let mut context = Context { source: source.clone(), folders, depth };
         let root = xml.root_element();
         let place = context.place(root);
         if root.attribute("version").is_none() {
@@ -249,7 +237,7 @@ impl Reader {
     }
 
     /// The attributes after substitution, the required ones first and in order.
-    fn attributes<'n>(
+    pub(super) fn attributes<'n>(
         &mut self,
         place: &Place,
         node: Node<'n, '_>,
@@ -261,9 +249,9 @@ impl Reader {
             let name = attribute.name();
             if !required.contains(&name) && !optional.contains(&name) {
                 let known = [required, optional].concat().join(", ");
-                return Err(place.error(format!(
-                    "unknown attribute \"{name}\"; supported: {known}"
-                )));
+                return Err(
+                    place.error(format!("unknown attribute \"{name}\"; supported: {known}"))
+                );
             }
             let value = self.parameters.substitute(attribute.value());
             result.push((name, value.map_err(|e| place.error(e))?));
@@ -368,54 +356,6 @@ impl Reader {
         }
     }
 
-    /// The operations composed: the first is applied first.
-    fn transform(&mut self, context: &Context, node: Node) -> Result<DMat4, SceneError> {
-        let mut total = DMat4::IDENTITY;
-        for child in node.children().filter(Node::is_element) {
-            let place = context.place(child);
-            if child.children().any(|c| c.is_element()) {
-                return Err(place.error("this element cannot have children"));
-            }
-            let step = self.transform_step(child, &place)?;
-            total = step * total;
-            if !total.is_finite() {
-                return Err(place.error("the transform overflows"));
-            }
-        }
-        Ok(total)
-    }
-
-    fn transform_step(&mut self, node: Node, place: &Place) -> Result<DMat4, SceneError> {
-        const AXES: [&str; 4] = ["value", "x", "y", "z"];
-        let step = match node.tag_name().name() {
-            "translate" => {
-                let a = self.attributes(place, node, &[], &AXES)?;
-                axes(&a, Some(0.0)).map(DMat4::from_translation)
-            }
-            "scale" => {
-                let a = self.attributes(place, node, &[], &AXES)?;
-                axes(&a, Some(1.0)).map(DMat4::from_scale)
-            }
-            "rotate" => {
-                let a = self.attributes(place, node, &["angle"], &AXES)?;
-                let axis = axes(&a, Some(0.0));
-                axis.and_then(|axis| values::rotate(axis, values::number(&a[0].1)?))
-            }
-            "matrix" => {
-                let a = self.attributes(place, node, &["value"], &[])?;
-                values::matrix(&a[0].1)
-            }
-            "lookat" => {
-                let a = self.attributes(place, node, &["origin", "target"], &["up"])?;
-                look_at(&a)
-            }
-            _ => Err("not supported inside <transform>; supported: translate, rotate, scale, \
-                      matrix, lookat"
-                .to_owned()),
-        };
-        step.map_err(|e| place.error(e))
-    }
-
     fn resolve_references(&mut self) -> Result<(), SceneError> {
         for (object, index, id) in &self.references {
             let property = &mut self.document.objects[*object].properties[*index];
@@ -428,66 +368,8 @@ impl Reader {
     }
 }
 
-/// A vector from `value` or from `x`, `y`, `z`; absent components take the default, if any.
-fn axes(attributes: &Attributes, default: Option<f64>) -> Result<DVec3, String> {
-    let parts = ["x", "y", "z"].map(|axis| attribute(attributes, axis));
-    if let Some(value) = attribute(attributes, "value") {
-        if parts.iter().any(Option::is_some) {
-            return Err("\"value\" and \"x\", \"y\", \"z\" exclude each other".to_owned());
-        }
-        return values::vector(value);
-    }
-    let component = |part: Option<&str>| match part {
-        Some(text) => values::number(text),
-        None => default.ok_or_else(|| "\"x\", \"y\" and \"z\", or \"value\", are needed".to_owned()),
-    };
-    Ok(DVec3::new(
-        component(parts[0])?,
-        component(parts[1])?,
-        component(parts[2])?,
-    ))
-}
-
-fn look_at(attributes: &Attributes) -> Result<DMat4, String> {
-    let point = |name: &str| attribute(attributes, name).map(values::vector).transpose();
-    let origin = point("origin")?.unwrap_or_default();
-    let target = point("target")?.unwrap_or_default();
-    let up = point("up")?.filter(|up| *up != DVec3::ZERO);
-    // Without an up vector any perpendicular one will do; this is the one that Mitsuba takes.
-    let up = up.unwrap_or_else(|| (target - origin).normalize_or_zero().any_orthonormal_pair().0);
-    values::look_at(origin, target, up)
-}
-
-/// References may form no circle, so that whoever follows them comes to an end.
-fn reject_cycles(document: &Document) -> Result<(), SceneError> {
-    #[derive(Clone, Copy, PartialEq)]
-    enum State {
-        New,
-        Open,
-        Done,
-    }
-    let mut states = vec![State::New; document.objects.len()];
-    let mut stack = vec![(0, 0)];
-    while let Some((object, next)) = stack.pop() {
-        states[object] = State::Open;
-        let Some(property) = document.objects[object].properties.get(next) else {
-            states[object] = State::Done;
-            continue;
-        };
-        stack.push((object, next + 1));
-        if let Value::Object(child) = property.value {
-            match states[child] {
-                State::New => stack.push((child, 0)),
-                State::Open => return Err(property.place.error("this reference closes a circle")),
-                State::Done => {}
-            }
-        }
-    }
-    Ok(())
-}
-
 impl Context {
-    fn place(&self, node: Node) -> Place {
+    pub(super) fn place(&self, node: Node) -> Place {
         let tag = node.tag_name().name();
         let key = ["type", "name", "id", "filename"]
             .into_iter()
@@ -496,10 +378,6 @@ impl Context {
             Some((key, value)) => format!("<{tag} {key}=\"{value}\">"),
             None => format!("<{tag}>"),
         };
-        Place {
-            source: self.source.clone(),
-            offset: node.range().start,
-            element: element.into(),
-        }
+        Place { source: self.source.clone(), offset: node.range().start, element: element.into() }
     }
 }

@@ -39,7 +39,7 @@ impl<'a> Code<'a> {
             }
             if ready {
                 let e = self.expression(id);
-                let name = format_ident!("t{}", self.names.len(), span = Span::mixed_site());
+                let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
                 self.lets.extend(quote!(let #name = #e;));
                 self.names.insert(id, name);
                 continue;
@@ -65,7 +65,8 @@ impl<'a> Code<'a> {
         if let Node::Leaf(l) = self.graph.node(id) {
             return Some((self.input)(*l));
         }
-        (self.graph.deps(id) == 0).then(|| number(evaluate::<Dd>(self.graph, id, &|_| Dd::from_f64(f64::NAN)).to_f64()))
+        (self.graph.deps(id) == 0)
+            .then(|| number(evaluate::<Dd>(self.graph, id, &|_| Dd::from_f64(f64::NAN)).to_f64()))
     }
 
     fn expression(&self, id: Id) -> TokenStream {
@@ -82,7 +83,7 @@ impl<'a> Code<'a> {
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::Sign => quote!(R::ONE.copysign(#a)),
                     _ => {
-                        let method = Ident::new(method(*f), Span::mixed_site());
+                        let method = Ident::new(method(*f), Span::call_site());
                         quote!(#a.#method())
                     }
                 }
@@ -136,8 +137,11 @@ struct Parts {
 
 impl Parts {
     fn push(&mut self, base: &TokenStream, q: Q) {
-        let (whole, rest, root) =
-            if q.is_negative() { (&mut self.bottom, q.neg(), &mut self.root_bottom) } else { (&mut self.top, q, &mut self.root_top) };
+        let (whole, rest, root) = if q.is_negative() {
+            (&mut self.bottom, q.neg(), &mut self.root_bottom)
+        } else {
+            (&mut self.top, q, &mut self.root_top)
+        };
         match (rest.num(), rest.den()) {
             (n, 1) => whole.push(integer_power(base, n)),
             (1, 2) => root.push(base.clone()),
@@ -154,21 +158,33 @@ impl Parts {
     }
 
     fn finish(mut self) -> TokenStream {
-        for (roots, whole) in [(self.root_top, &mut self.top), (self.root_bottom, &mut self.bottom)] {
+        for (roots, whole) in [(self.root_top, &mut self.top), (self.root_bottom, &mut self.bottom)]
+        {
             match &roots[..] {
                 [] => {}
                 [one] => whole.push(quote!(#one.sqrt())),
-                many => whole.push(quote!((#(#many)**).sqrt())),
+                many => {
+                    let product = joined(many);
+                    whole.push(quote!((#product).sqrt()));
+                }
             }
         }
         let (top, bottom) = (self.top, self.bottom);
-        let above = if top.is_empty() { quote!(R::ONE) } else { quote!(#(#top)**) };
+        let above = joined(&top);
+        let below = joined(&bottom);
         match bottom.len() {
             0 => above,
-            1 => quote!(#above / #(#bottom)*),
-            _ => quote!(#above / (#(#bottom)**)),
+            1 => quote!(#above / #below),
+            _ => quote!(#above / (#below)),
         }
     }
+}
+
+/// The factors with `*` between them.
+fn joined(factors: &[TokenStream]) -> TokenStream {
+    let mut factors = factors.iter();
+    let Some(first) = factors.next() else { return quote!(R::ONE) };
+    factors.fold(first.clone(), |product, f| quote!(#product * #f))
 }
 
 fn integer_power(base: &TokenStream, n: i128) -> TokenStream {

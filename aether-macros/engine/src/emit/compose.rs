@@ -66,7 +66,9 @@ impl Chain<'_> {
                 let name = p.path.get_ident()?.to_string();
                 self.links.get(&name).cloned()
             }
-            Expr::MethodCall(m) if m.method == "sample" && m.args.len() == 1 && self.is_argument(&m.args[0]) => {
+            Expr::MethodCall(m)
+                if m.method == "sample" && m.args.len() == 1 && self.is_argument(&m.args[0]) =>
+            {
                 Some(generic(&m.receiver))
             }
             Expr::MethodCall(m) if m.method == "apply" && m.args.len() == 1 => {
@@ -135,13 +137,19 @@ fn mentions(e: &Expr, links: &HashMap<String, TokenStream>, argument: &str) -> b
 }
 
 /// Emits a composition. `None` if there were errors.
-pub fn emit(item: &ItemFn, signature: &Signature, options: &Options, errors: &mut Diagnostics) -> Option<TokenStream> {
+pub fn emit(
+    item: &ItemFn,
+    signature: &Signature,
+    options: &Options,
+    errors: &mut Diagnostics,
+) -> Option<TokenStream> {
     let (sampler, argument) = match &signature.source {
         Source::Uniforms { name, .. } => (true, name.clone()),
         Source::Point { name, .. } => (false, name.clone()),
     };
     let before = errors.len();
-    let mut chain = Chain { argument, links: HashMap::new(), plain: TokenStream::new(), errors, sampler };
+    let mut chain =
+        Chain { argument, links: HashMap::new(), plain: TokenStream::new(), errors, sampler };
     let (last, statements) = item.block.stmts.split_last()?;
     for s in statements {
         chain.statement(s);
@@ -218,7 +226,9 @@ pub fn fallback(item: &ItemFn, sampler: bool) -> TokenStream {
     let hidden = hidden_body(item);
     let hidden = quote!(#[allow(unused, clippy::all)] const _: () = { #hidden };);
     let mut silent = Diagnostics::new();
-    let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else { return hidden };
+    let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else {
+        return hidden;
+    };
     let interface = interface(item, &signature, &Options::default(), &[], &quote!());
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);

@@ -26,8 +26,14 @@ impl Texts {
     }
 
     /// `#[doc]` attributes with the derivation.
-    pub fn attributes(&self, signature: &Signature, derived: &Derived, sampler: bool) -> TokenStream {
-        let mut lines = vec![String::new(), "# Derived".to_owned(), String::new(), "```text".to_owned()];
+    pub fn attributes(
+        &self,
+        signature: &Signature,
+        derived: &Derived,
+        sampler: bool,
+    ) -> TokenStream {
+        let mut lines =
+            vec![String::new(), "# Derived".to_owned(), String::new(), "```text".to_owned()];
         lines.push(format!("map      ({})", self.forward));
         for (i, line) in self.inverse.lines().enumerate() {
             lines.push(format!("{} {line}", if i == 0 { "inverse " } else { "or      " }));

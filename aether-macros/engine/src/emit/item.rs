@@ -35,7 +35,8 @@ impl Emitter<'_> {
         if self.is_generic() { quote!(<R>) } else { quote!() }
     }
     fn is_generic(&self) -> bool {
-        self.signature().params.iter().any(|p| p.kind != ParamKind::Identity) || !self.parsed.constants.is_empty()
+        self.signature().params.iter().any(|p| p.kind != ParamKind::Identity)
+            || !self.parsed.constants.is_empty()
     }
 
     /// Name of the struct: the function's name in camel case.
@@ -52,8 +53,13 @@ impl Emitter<'_> {
     pub fn emit(&self, sampler: bool) -> TokenStream {
         let texts = Texts::new(self.problem(), self.derived);
         let docs = texts.attributes(self.signature(), self.derived, sampler);
-        let interface = interface(self.item, self.signature(), self.options, &self.parsed.constants, &docs);
-        let implementation = if sampler { super::sampler::implementation(self) } else { super::map::implementation(self) };
+        let interface =
+            interface(self.item, self.signature(), self.options, &self.parsed.constants, &docs);
+        let implementation = if sampler {
+            super::sampler::implementation(self)
+        } else {
+            super::map::implementation(self)
+        };
         let derivation = self.derivation(&texts);
         let hidden = hidden_body(self.item);
         let functions = self.functions();
@@ -94,7 +100,8 @@ impl Emitter<'_> {
         let preimages = Literal::usize_unsuffixed(self.derived.preimages.len());
         let worst = bound(self.derived.worst_error);
         let ty = self.type_name();
-        let (bounds, args) = if self.is_generic() { (quote!(<R: Real>), quote!(<R>)) } else { (quote!(), quote!()) };
+        let (bounds, args) =
+            if self.is_generic() { (quote!(<R: Real>), quote!(<R>)) } else { (quote!(), quote!()) };
         quote! {
             #[automatically_derived]
             impl #bounds #ty #args {
@@ -116,17 +123,20 @@ impl Emitter<'_> {
     /// The map, the volume, and for each preimage its inverse, tests and density, as free functions.
     fn functions(&self) -> TokenStream {
         let g = &self.problem().graph;
-        let (n, m, p) = (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
+        let (n, m, p) =
+            (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
         let forward_input = |l: Leaf| input(l, "u");
         let mut code = Code::new(g, &forward_input);
-        let outputs: Vec<TokenStream> = self.derived.forward.iter().map(|&f| code.value(f)).collect();
+        let outputs: Vec<TokenStream> =
+            self.derived.forward.iter().map(|&f| code.value(f)).collect();
         let lets = code.statements();
         let mut functions = quote! {
             #[inline(always)]
             fn forward<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #m] { #lets [#(#outputs),*] }
         };
         let mut code = Code::new(g, &forward_input);
-        let required: Vec<TokenStream> = self.problem().requirements.iter().map(|&r| code.value(r)).collect();
+        let required: Vec<TokenStream> =
+            self.problem().requirements.iter().map(|&r| code.value(r)).collect();
         let lets = code.statements();
         functions.extend(quote! {
             #[inline(always)]
@@ -150,18 +160,26 @@ impl Emitter<'_> {
 
     fn preimage(&self, k: usize, preimage: &Preimage) -> TokenStream {
         let g = &self.problem().graph;
-        let (n, m, p) = (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
+        let (n, m, p) =
+            (self.problem().unknowns.len(), self.problem().outputs.len(), self.scalars());
         let at = |l: Leaf| input(l, "x");
-        let (inverse, support, density) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"), format_ident!("density_{k}"));
+        let (inverse, support, density) = (
+            format_ident!("inverse_{k}"),
+            format_ident!("support_{k}"),
+            format_ident!("density_{k}"),
+        );
         let mut code = Code::new(g, &at);
         let unknowns: Vec<TokenStream> = preimage.unknowns.iter().map(|&u| code.value(u)).collect();
         let inverse_lets = code.statements();
         let checked = self.checked(preimage);
         let c = checked.len();
         let mut code = Code::new(g, &at);
-        let conditions: Vec<TokenStream> = preimage.conditions.iter().map(|&c| code.value(c)).collect();
-        let requirements: Vec<TokenStream> = preimage.requirements.iter().map(|&c| code.value(c)).collect();
-        let uniforms: Vec<TokenStream> = checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
+        let conditions: Vec<TokenStream> =
+            preimage.conditions.iter().map(|&c| code.value(c)).collect();
+        let requirements: Vec<TokenStream> =
+            preimage.requirements.iter().map(|&c| code.value(c)).collect();
+        let uniforms: Vec<TokenStream> =
+            checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
         let support_lets = code.statements();
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
@@ -202,14 +220,18 @@ impl Emitter<'_> {
                 }
                 ParamKind::Mat3 | ParamKind::Frame => {
                     for c in ["x", "y", "z"].map(|c| Ident::new(c, Span::call_site())) {
-                        list.extend([quote!(self.#name.#c.x), quote!(self.#name.#c.y), quote!(self.#name.#c.z)]);
+                        list.extend([
+                            quote!(self.#name.#c.x),
+                            quote!(self.#name.#c.y),
+                            quote!(self.#name.#c.z),
+                        ]);
                     }
                 }
                 ParamKind::Identity => {}
             }
         }
         for (name, _) in &self.parsed.constants {
-            let name = Ident::new(name, Span::mixed_site());
+            let name = Ident::new(name, Span::call_site());
             list.push(quote!(self.#name));
         }
         let p = self.scalars();
@@ -220,7 +242,7 @@ impl Emitter<'_> {
 fn input(l: Leaf, unknown: &str) -> TokenStream {
     match l {
         Leaf::Unknown(i) | Leaf::Out(i) => {
-            let name = Ident::new(unknown, Span::mixed_site());
+            let name = Ident::new(unknown, Span::call_site());
             let i = Literal::usize_unsuffixed(i as usize);
             quote!(#name[#i])
         }
@@ -256,25 +278,40 @@ pub fn interface(
     let vis = &item.vis;
     let name = &signature.name;
     let ty = type_name(name);
-    let user_docs: Vec<&Attribute> = item.attrs.iter().filter(|a| a.path().is_ident("doc")).collect();
+    let user_docs: Vec<&Attribute> =
+        item.attrs.iter().filter(|a| a.path().is_ident("doc")).collect();
     let other: Vec<&Attribute> = item.attrs.iter().filter(|a| !a.path().is_ident("doc")).collect();
     let names: Vec<&Ident> = signature.params.iter().map(|p| &p.name).collect();
-    let types: Vec<TokenStream> = signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
-    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.is_empty();
+    let types: Vec<TokenStream> =
+        signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
+    let generic =
+        signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.is_empty();
     let (bounds, default, args) = if generic {
         (quote!(<R: ::aether_core::Real>), quote!(<R: ::aether_core::Real = f64>), quote!(<R>))
     } else {
         (quote!(), quote!(), quote!())
     };
-    let hidden: Vec<Ident> = constants.iter().map(|(n, _)| Ident::new(n, Span::mixed_site())).collect();
-    let values: Vec<TokenStream> = constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
-    let plain: Vec<TokenStream> =
-        signature.params.iter().filter(|p| p.kind == ParamKind::Scalar).map(|p| { let n = &p.name; quote!(let #n: f64 = #n.to_f64();) }).collect();
+    let hidden: Vec<Ident> =
+        constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
+    let values: Vec<TokenStream> =
+        constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
+    let plain: Vec<TokenStream> = signature
+        .params
+        .iter()
+        .filter(|p| p.kind == ParamKind::Scalar)
+        .map(|p| {
+            let n = &p.name;
+            quote!(let #n: f64 = #n.to_f64();)
+        })
+        .collect();
     let compute = if constants.is_empty() {
         quote!()
     } else {
         let plain = quote!(#(#plain)*);
-        let lets = hidden.iter().zip(&values).map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
+        let lets = hidden
+            .iter()
+            .zip(&values)
+            .map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
         quote!(#(#lets)*)
     };
     let checks: Vec<TokenStream> = options
@@ -298,9 +335,16 @@ pub fn interface(
     let (returns, result) = if checks.is_empty() {
         (quote!(#ty #args), make)
     } else {
-        (quote!(::core::result::Result<#ty #args, ::aether_core::DomainError>), quote!(::core::result::Result::Ok(#make)))
+        (
+            quote!(::core::result::Result<#ty #args, ::aether_core::DomainError>),
+            quote!(::core::result::Result::Ok(#make)),
+        )
     };
-    let errors = if checks.is_empty() { quote!() } else { quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."]) };
+    let errors = if checks.is_empty() {
+        quote!()
+    } else {
+        quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."])
+    };
     let struct_doc = format!("The random variable or map that [`{name}`] constructs.");
     quote! {
         #[doc = #struct_doc]
@@ -364,12 +408,18 @@ pub fn hidden_body(item: &ItemFn) -> TokenStream {
 }
 
 /// A point of the space from its coordinates.
-pub(super) fn point(space: &Space, coordinates: &TokenStream, identity: Option<&TokenStream>) -> TokenStream {
+pub(super) fn point(
+    space: &Space,
+    coordinates: &TokenStream,
+    identity: Option<&TokenStream>,
+) -> TokenStream {
     match space {
         Space::Line => quote!(#coordinates[0]),
         Space::Plane => quote!(::aether_core::Vec2::from_array(#coordinates)),
         Space::Volume => quote!(::aether_core::Vec3::from_array(#coordinates)),
-        Space::Direction => quote!(::aether_core::Direction::from_unit(::aether_core::Vec3::from_array(#coordinates))),
+        Space::Direction => {
+            quote!(::aether_core::Direction::from_unit(::aether_core::Vec3::from_array(#coordinates)))
+        }
         Space::SurfacePoint => {
             quote!(::aether_core::SurfacePoint::new(::aether_core::Vec3::from_array(#coordinates), #identity))
         }

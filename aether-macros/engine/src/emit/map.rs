@@ -46,7 +46,11 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 }
 
 fn visits(e: &Emitter, source: &Space) -> TokenStream {
-    let identity = e.parsed.identity.as_ref().map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
+    let identity = e
+        .parsed
+        .identity
+        .as_ref()
+        .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
     let n = e.problem().unknowns.len();
     let m = e.problem().outputs.len();
     let each = (0..e.derived.preimages.len()).map(|k| {

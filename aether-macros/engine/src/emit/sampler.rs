@@ -52,7 +52,11 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 
 /// What every preimage needs of the point: finite coordinates, the right surface.
 fn belongs(e: &Emitter) -> TokenStream {
-    let identity = e.parsed.identity.as_ref().map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
+    let identity = e
+        .parsed
+        .identity
+        .as_ref()
+        .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
     quote!(let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;)
 }
 
@@ -144,7 +148,8 @@ fn counted(e: &Emitter, k: usize) -> TokenStream {
 
 /// The density of a sample from its uniforms: the Jacobian there, if there is no other preimage.
 fn own_density(e: &Emitter) -> TokenStream {
-    let made = point(&e.signature().space, &quote!(forward::<R>(&p, &u)), e.parsed.identity.as_ref());
+    let made =
+        point(&e.signature().space, &quote!(forward::<R>(&p, &u)), e.parsed.identity.as_ref());
     let through_point = quote!(::aether_core::Sampler::pdf(self, &#made));
     if e.derived.preimages.len() > 1 {
         return through_point;

@@ -61,12 +61,18 @@ impl Parse for Options {
 
 fn domain(name: Ident, range: &Expr) -> syn::Result<Domain> {
     let Expr::Range(ExprRange { start, end, limits, .. }) = range else {
-        return Err(syn::Error::new_spanned(range, "a domain is a range of numbers, such as `0.0..=1.0` or `0.0..`"));
+        return Err(syn::Error::new_spanned(
+            range,
+            "a domain is a range of numbers, such as `0.0..=1.0` or `0.0..`",
+        ));
     };
     let end_of = |e: &Option<Box<Expr>>, open: f64| e.as_ref().map_or(Ok(open), |e| number(e));
     let (lo, hi) = (end_of(start, f64::NEG_INFINITY)?, end_of(end, f64::INFINITY)?);
     if lo.is_nan() || lo >= hi {
-        return Err(syn::Error::new_spanned(range, "this domain is empty: the first end must be below the second"));
+        return Err(syn::Error::new_spanned(
+            range,
+            "this domain is empty: the first end must be below the second",
+        ));
     }
     let closed = matches!(limits, RangeLimits::Closed(_));
     let mark = if closed { "..=" } else { ".." };

@@ -34,7 +34,11 @@ impl<'a> Body<'a> {
     }
 
     /// Reports an error on tokens.
-    pub fn error<T>(&mut self, tokens: impl ToTokens, message: impl core::fmt::Display) -> Option<T> {
+    pub fn error<T>(
+        &mut self,
+        tokens: impl ToTokens,
+        message: impl core::fmt::Display,
+    ) -> Option<T> {
         self.errors.error(tokens, message);
         None
     }
@@ -46,10 +50,18 @@ impl<'a> Body<'a> {
     }
 
     /// Makes a parameter known under its name.
-    pub fn declare_param(&mut self, p: &Param, options: &Options, kinds: &mut Vec<Kind>, frames: &mut Vec<[[Id; 3]; 3]>) {
+    pub fn declare_param(
+        &mut self,
+        p: &Param,
+        options: &Options,
+        kinds: &mut Vec<Kind>,
+        frames: &mut Vec<[[Id; 3]; 3]>,
+    ) {
         let name = p.name.to_string();
         let coordinates = |body: &mut Self, n: usize, range| -> Vec<Id> {
-            (0..n).map(|i| body.scalar_param(&format!("{name}.{}", ["x", "y", "z"][i]), range)).collect()
+            (0..n)
+                .map(|i| body.scalar_param(&format!("{name}.{}", ["x", "y", "z"][i]), range))
+                .collect()
         };
         let value = match p.kind {
             ParamKind::Scalar => {
@@ -70,7 +82,14 @@ impl<'a> Body<'a> {
             }
             ParamKind::Mat3 | ParamKind::Frame => {
                 let columns: [Vec<Id>; 3] = ["x", "y", "z"].map(|c| {
-                    (0..3).map(|i| self.scalar_param(&format!("{name}.{c}{}", ["x", "y", "z"][i]), Interval::ALL)).collect()
+                    (0..3)
+                        .map(|i| {
+                            self.scalar_param(
+                                &format!("{name}.{c}{}", ["x", "y", "z"][i]),
+                                Interval::ALL,
+                            )
+                        })
+                        .collect()
                 });
                 if p.kind == ParamKind::Frame {
                     kinds.push(Kind::Frame);
@@ -116,7 +135,10 @@ impl<'a> Body<'a> {
             return None;
         }
         if result.is_none() && self.errors.is_empty() {
-            self.errors.error(block, "this block has no result: end it with the point, without a semicolon");
+            self.errors.error(
+                block,
+                "this block has no result: end it with the point, without a semicolon",
+            );
         }
         result
     }
@@ -136,7 +158,8 @@ impl<'a> Body<'a> {
         match (pat, value) {
             (Pat::Ident(p), value) => {
                 if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
-                    return self.error(p, "values do not change here: use a new `let` with a new name");
+                    return self
+                        .error(p, "values do not change here: use a new `let` with a new name");
                 }
                 self.names.insert(p.ident.to_string(), value);
                 Some(())
@@ -160,7 +183,8 @@ impl<'a> Body<'a> {
     /// `require(a > b)`: the point exists only where it holds.
     fn require(&mut self, call: &syn::ExprCall) -> Option<()> {
         let [Expr::Binary(b)] = &call.args.iter().collect::<Vec<_>>()[..] else {
-            return self.error(call, "`require` takes one comparison of numbers: `require(t > 0.0)`");
+            return self
+                .error(call, "`require` takes one comparison of numbers: `require(t > 0.0)`");
         };
         let (left, right) = (self.scalar(&b.left)?, self.scalar(&b.right)?);
         let difference = match b.op {
@@ -176,7 +200,9 @@ impl<'a> Body<'a> {
     pub fn scalar(&mut self, e: &Expr) -> Option<Id> {
         match self.expr(e)? {
             Value::Scalar(id) => Some(id),
-            Value::Uniforms(_) => self.error(e, "this is the array of all uniforms; take one of them: `u[0]`"),
+            Value::Uniforms(_) => {
+                self.error(e, "this is the array of all uniforms; take one of them: `u[0]`")
+            }
             other => {
                 let what = other.describe();
                 self.error(e, format!("a number is needed here, and this is {what}"))
@@ -302,7 +328,8 @@ impl<'a> Body<'a> {
     fn index(&mut self, i: &syn::ExprIndex) -> Option<Value> {
         let base = self.expr(&i.expr)?;
         let Expr::Lit(syn::ExprLit { lit: Lit::Int(n), .. }) = &*i.index else {
-            return self.error(&i.index, "an index is a number that is known while compiling: `u[0]`");
+            return self
+                .error(&i.index, "an index is a number that is known while compiling: `u[0]`");
         };
         let n: usize = n.base10_parse().ok()?;
         let list = match &base {
@@ -351,14 +378,21 @@ impl<'a> Body<'a> {
     }
 
     /// The coordinates of the result, for the space that the signature promises.
-    pub fn outputs(&mut self, value: &Value, space: &Space, block: &Block) -> Option<(Vec<Id>, Option<TokenStream>)> {
+    pub fn outputs(
+        &mut self,
+        value: &Value,
+        space: &Space,
+        block: &Block,
+    ) -> Option<(Vec<Id>, Option<TokenStream>)> {
         let at = block.stmts.last().map(ToTokens::to_token_stream).unwrap_or_default();
         let found = match (space, value) {
             (Space::Line, Value::Scalar(id)) => Some((vec![*id], None)),
             (Space::Plane, Value::Vector(v)) if v.len() == 2 => Some((v.clone(), None)),
             (Space::Volume, Value::Vector(v)) if v.len() == 3 => Some((v.clone(), None)),
             (s, Value::Point(t, v, identity)) if s == t => Some((v.clone(), identity.clone())),
-            (Space::Embedded { n, .. }, Value::Point(Space::Embedded { .. }, v, _)) if v.len() == *n => {
+            (Space::Embedded { n, .. }, Value::Point(Space::Embedded { .. }, v, _))
+                if v.len() == *n =>
+            {
                 Some((v.clone(), None))
             }
             _ => None,

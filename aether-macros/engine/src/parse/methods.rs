@@ -14,8 +14,12 @@ pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
     let g = &mut body.graph;
     match value {
         Value::Scalar(x) => Some(Value::Scalar(g.mul(x, k))),
-        Value::Vector(v) | Value::Point(_, v, _) => Some(Value::Vector(v.iter().map(|&c| g.mul(c, k)).collect())),
-        Value::Matrix(m) => Some(Value::Matrix(m.map(|c| c.iter().map(|&x| g.mul(x, k)).collect()))),
+        Value::Vector(v) | Value::Point(_, v, _) => {
+            Some(Value::Vector(v.iter().map(|&c| g.mul(c, k)).collect()))
+        }
+        Value::Matrix(m) => {
+            Some(Value::Matrix(m.map(|c| c.iter().map(|&x| g.mul(x, k)).collect())))
+        }
         other => {
             let what = other.describe();
             body.error(at, format!("{what} cannot be multiplied"))
@@ -36,7 +40,10 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
             let sign = if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 };
             let (x, y) = (x.vector()?.to_vec(), y.vector()?.to_vec());
             Some(Value::Vector(
-                x.iter().zip(&y).map(|(&x, &y)| g.sum(Q::ZERO, &[(Q::ONE, x), (Q::int(sign), y)])).collect(),
+                x.iter()
+                    .zip(&y)
+                    .map(|(&x, &y)| g.sum(Q::ZERO, &[(Q::ONE, x), (Q::int(sign), y)]))
+                    .collect(),
             ))
         }
         (BinOp::Mul(_), Matrix(m), v) if v.vector().is_some_and(|v| v.len() == 3) => {
@@ -54,7 +61,10 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
             let (x, y) = (left.describe(), right.describe());
             body.error(b, format!("{x} and {y} do not go together here"))
         }
-        _ => body.error(b.op, "of the operators only + - * / are functions of numbers that can be inverted"),
+        _ => body.error(
+            b.op,
+            "of the operators only + - * / are functions of numbers that can be inverted",
+        ),
     }
 }
 
@@ -139,7 +149,13 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
     Some(Value::Scalar(id))
 }
 
-fn scalar_with_argument(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id, a: &Expr) -> Option<Value> {
+fn scalar_with_argument(
+    body: &mut Body,
+    m: &ExprMethodCall,
+    name: &str,
+    x: Id,
+    a: &Expr,
+) -> Option<Value> {
     match name {
         "powi" => {
             let n = body.scalar(a)?;
@@ -170,7 +186,13 @@ fn scalar_with_argument(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id, 
     }
 }
 
-fn vector_method(body: &mut Body, m: &ExprMethodCall, name: &str, v: Vec<Id>, args: &[&Expr]) -> Option<Value> {
+fn vector_method(
+    body: &mut Body,
+    m: &ExprMethodCall,
+    name: &str,
+    v: Vec<Id>,
+    args: &[&Expr],
+) -> Option<Value> {
     match (name, args) {
         ("length" | "length_squared" | "normalize", []) => {
             let g = &mut body.graph;
@@ -204,7 +226,13 @@ fn vector_method(body: &mut Body, m: &ExprMethodCall, name: &str, v: Vec<Id>, ar
     }
 }
 
-fn matrix_method(body: &mut Body, m: &ExprMethodCall, name: &str, matrix: Value, args: &[&Expr]) -> Option<Value> {
+fn matrix_method(
+    body: &mut Body,
+    m: &ExprMethodCall,
+    name: &str,
+    matrix: Value,
+    args: &[&Expr],
+) -> Option<Value> {
     let Value::Matrix(columns) = matrix else { return None };
     let transposed: [Vec<Id>; 3] = [0, 1, 2].map(|i| columns.iter().map(|c| c[i]).collect());
     match (name, args) {

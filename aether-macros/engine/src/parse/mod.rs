@@ -35,7 +35,12 @@ pub struct Parsed {
 }
 
 /// Parses the body of a sampler or a map. `None` if there were errors.
-pub fn parse(item: &ItemFn, signature: Signature, options: &Options, errors: &mut Diagnostics) -> Option<Parsed> {
+pub fn parse(
+    item: &ItemFn,
+    signature: Signature,
+    options: &Options,
+    errors: &mut Diagnostics,
+) -> Option<Parsed> {
     let mut graph = Graph::new();
     let mut names: HashMap<String, Value> = HashMap::new();
     let mut unknowns = Vec::new();
@@ -45,7 +50,8 @@ pub fn parse(item: &ItemFn, signature: Signature, options: &Options, errors: &mu
             let range = Interval::new(0.0, 1.0);
             let ids: Vec<Id> = (0..*count)
                 .map(|i| {
-                    let text = if *count == 1 { name.clone() } else { format!("{name}{}", subscript(i)) };
+                    let text =
+                        if *count == 1 { name.clone() } else { format!("{name}{}", subscript(i)) };
                     unknowns.push(Leaf::Unknown(i as u8));
                     graph.leaf(Leaf::Unknown(i as u8), &text, range)
                 })
@@ -54,10 +60,15 @@ pub fn parse(item: &ItemFn, signature: Signature, options: &Options, errors: &mu
         }
         Source::Point { name, space } => {
             let (coordinates, kind) = space.argument();
-            let range = if *space == Space::Direction { Interval::new(-1.0, 1.0) } else { Interval::ALL };
+            let range =
+                if *space == Space::Direction { Interval::new(-1.0, 1.0) } else { Interval::ALL };
             let ids: Vec<Id> = (0..coordinates)
                 .map(|i| {
-                    let text = if coordinates == 1 { name.clone() } else { format!("{name}.{}", ["x", "y", "z"][i]) };
+                    let text = if coordinates == 1 {
+                        name.clone()
+                    } else {
+                        format!("{name}.{}", ["x", "y", "z"][i])
+                    };
                     unknowns.push(Leaf::Unknown(i as u8));
                     graph.leaf(Leaf::Unknown(i as u8), &text, range)
                 })
@@ -88,7 +99,8 @@ pub fn parse(item: &ItemFn, signature: Signature, options: &Options, errors: &mu
     let first = kinds.iter().map(Kind::scalars).sum::<usize>();
     kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
     debug_assert!(first <= 64);
-    let problem = Problem { graph, outputs, unknowns, argument, kinds, frames, target, requirements };
+    let problem =
+        Problem { graph, outputs, unknowns, argument, kinds, frames, target, requirements };
     Some(Parsed { signature, problem, identity, constants })
 }
 

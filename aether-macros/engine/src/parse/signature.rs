@@ -134,7 +134,10 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
         (matches!(sig.safety, syn::Safety::Unsafe(_)), quote::quote!(#sig), "unsafe"),
     ] {
         if present {
-            errors.error(token, format!("a sampler or map is a plain function of numbers and cannot be `{word}`"));
+            errors.error(
+                token,
+                format!("a sampler or map is a plain function of numbers and cannot be `{word}`"),
+            );
         }
     }
     let mut inputs = sig.inputs.iter();
@@ -175,7 +178,12 @@ fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Dia
     }
 }
 
-fn first_input(item: &ItemFn, input: Option<&FnArg>, sampler: bool, errors: &mut Diagnostics) -> Option<Source> {
+fn first_input(
+    item: &ItemFn,
+    input: Option<&FnArg>,
+    sampler: bool,
+    errors: &mut Diagnostics,
+) -> Option<Source> {
     let expected = if sampler {
         "the first parameter of a sampler is its uniforms: `u: [Uniform; 2]`"
     } else {
@@ -245,7 +253,8 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
         Some("Direction") => ParamKind::Direction,
         Some("SurfaceId") => ParamKind::Identity,
         Some("f32") => {
-            errors.error(&p.ty, "write `f64`: the emitted code is generic and runs in `f32` as well");
+            errors
+                .error(&p.ty, "write `f64`: the emitted code is generic and runs in `f32` as well");
             return None;
         }
         Some("Uniform") => {

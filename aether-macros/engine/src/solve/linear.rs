@@ -10,18 +10,32 @@ use crate::rational::Q;
 type Row = Vec<(Id, Id)>;
 
 /// Finds equations that form a linear system in at most as many atoms, and solves it.
-pub(crate) fn linear_system(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<State>> {
+pub(crate) fn linear_system(
+    g: &mut Graph,
+    state: &State,
+    frames: &[[[Id; 3]; 3]],
+) -> Option<Vec<State>> {
     for expand in [false, true] {
-        let rows: Vec<Option<Row>> =
-            state.equations.iter().map(|e| if e.modulo_turn { None } else { row(g, e.rhs, expand) }).collect();
+        let rows: Vec<Option<Row>> = state
+            .equations
+            .iter()
+            .map(|e| if e.modulo_turn { None } else { row(g, e.rhs, expand) })
+            .collect();
         for start in 0..rows.len() {
             let Some((members, atoms)) = component(&rows, start) else { continue };
-            if atoms.len() > members.len() || members.iter().all(|&i| rows[i].as_ref().is_some_and(|r| r.len() < 2)) {
+            if atoms.len() > members.len()
+                || members.iter().all(|&i| rows[i].as_ref().is_some_and(|r| r.len() < 2))
+            {
                 continue;
             }
             let matrix: Vec<Vec<Id>> = members
                 .iter()
-                .map(|&i| atoms.iter().map(|a| coefficient(g, rows[i].as_deref().unwrap_or(&[]), *a)).collect())
+                .map(|&i| {
+                    atoms
+                        .iter()
+                        .map(|a| coefficient(g, rows[i].as_deref().unwrap_or(&[]), *a))
+                        .collect()
+                })
                 .collect();
             let known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
             let Some((values, unused)) = solve_matrix(g, &matrix, &known, frames) else { continue };
@@ -31,10 +45,20 @@ pub(crate) fn linear_system(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]
     None
 }
 
-fn replace(g: &mut Graph, state: &State, members: &[usize], atoms: &[Id], values: &[Id], unused: &[usize]) -> State {
+fn replace(
+    g: &mut Graph,
+    state: &State,
+    members: &[usize],
+    atoms: &[Id],
+    values: &[Id],
+    unused: &[usize],
+) -> State {
     let mut s = state.clone();
     for (i, e) in state.equations.iter().enumerate() {
-        if members.contains(&i) && (unused.is_empty() || unused.contains(&i)) && members.len() > atoms.len() {
+        if members.contains(&i)
+            && (unused.is_empty() || unused.contains(&i))
+            && members.len() > atoms.len()
+        {
             s.solution.unused.push((e.known, e.rhs));
         }
     }
@@ -60,8 +84,10 @@ fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
     };
     let mut out: Row = Vec::new();
     for (q, t) in terms {
-        let (known, open): (Vec<_>, Vec<_>) =
-            g.factors(t).into_iter().partition(|(b, e)| !g.has(*b, UNKNOWNS) && !g.has(*e, UNKNOWNS));
+        let (known, open): (Vec<_>, Vec<_>) = g
+            .factors(t)
+            .into_iter()
+            .partition(|(b, e)| !g.has(*b, UNKNOWNS) && !g.has(*e, UNKNOWNS));
         let factor = g.product(&known);
         let k = g.number(q);
         let factor = g.mul(k, factor);
@@ -88,7 +114,11 @@ fn multiply_out(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
     }
     let terms = r.num.terms(g);
     // A constant among the atoms would have to be known: leave such products alone.
-    if terms.iter().any(|(_, t)| !g.has(*t, UNKNOWNS)) { Some(vec![(Q::ONE, atom)]) } else { Some(terms) }
+    if terms.iter().any(|(_, t)| !g.has(*t, UNKNOWNS)) {
+        Some(vec![(Q::ONE, atom)])
+    } else {
+        Some(terms)
+    }
 }
 
 fn coefficient(g: &mut Graph, row: &[(Id, Id)], atom: Id) -> Id {
@@ -164,7 +194,12 @@ fn solve_matrix(
 }
 
 /// A matrix that is a frame by its type has its transpose as its inverse.
-fn orthonormal(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id], frames: &[[[Id; 3]; 3]]) -> Option<Vec<Id>> {
+fn orthonormal(
+    g: &mut Graph,
+    matrix: &[Vec<Id>],
+    known: &[Id],
+    frames: &[[[Id; 3]; 3]],
+) -> Option<Vec<Id>> {
     if matrix.len() != 3 || matrix[0].len() != 3 {
         return None;
     }

@@ -219,7 +219,8 @@ fn affine_parts(g: &mut Graph, id: Id) -> (Option<Id>, Id, Id) {
     let one = g.int(1);
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
-            let (open, closed): (Vec<_>, Vec<_>) = terms.into_iter().partition(|(_, t)| g.has(*t, UNKNOWNS));
+            let (open, closed): (Vec<_>, Vec<_>) =
+                terms.into_iter().partition(|(_, t)| g.has(*t, UNKNOWNS));
             let constant = (!closed.is_empty() || !c.is_zero()).then(|| g.sum(c, &closed));
             match open[..] {
                 [(q, t)] => (constant, g.number(q), t),
@@ -282,7 +283,9 @@ mod tests {
 
     fn setup(n: u8) -> Setup {
         let mut g = Graph::new();
-        let u = (0..n).map(|i| g.leaf(Leaf::Unknown(i), &format!("u{i}"), Interval::new(0.0, 1.0))).collect();
+        let u = (0..n)
+            .map(|i| g.leaf(Leaf::Unknown(i), &format!("u{i}"), Interval::new(0.0, 1.0)))
+            .collect();
         Setup { g, u }
     }
 
@@ -374,7 +377,9 @@ mod tests {
         let q = s.g.mul(r, s.u[1]);
         let f: Vec<Id> = (0..3u8)
             .map(|i| {
-                let mut leaf = |k: u8, n: &str| s.g.leaf(Leaf::Param(3 * k + i), &format!("{n}{i}"), Interval::ALL);
+                let mut leaf = |k: u8, n: &str| {
+                    s.g.leaf(Leaf::Param(3 * k + i), &format!("{n}{i}"), Interval::ALL)
+                };
                 let (a, b, c) = (leaf(0, "a"), leaf(1, "b"), leaf(2, "c"));
                 let e1 = s.g.sub(b, a);
                 let e2 = s.g.sub(c, a);

@@ -10,7 +10,8 @@ use crate::interval::Interval;
 /// X_i = T_i · F with the same F everywhere becomes X_i · λ = T_i with the new unknown λ = 1 / F:
 /// linear in λ and in the atoms of T. F = 1 / |T| is the normalised vector, F = t(w) the ray w · t(w).
 pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let shared: Vec<usize> = (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
+    let shared: Vec<usize> =
+        (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
     let (common, exponent, members) = common_factor(g, state, &shared)?;
     let mut s = state.clone();
     let leaf = Leaf::Unknown(s.next_unknown);

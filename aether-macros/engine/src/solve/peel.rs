@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Condition, State};
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
+use crate::jacobian::cost;
 use crate::rational::Q;
 
 /// One way to undo a function: the new known side, and tests that it must pass.
@@ -23,12 +24,17 @@ pub(super) fn branching(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 }
 
 fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
-    // Prefer equations in a single unknown: those are tests or answers, never a loss.
+    // Prefer equations in a single unknown, and among several for one unknown the simplest.
     let mut order: Vec<usize> = (0..state.equations.len()).collect();
-    order.sort_by_key(|&i| (g.deps(state.equations[i].rhs) & UNKNOWNS).count_ones());
+    order.sort_by_key(|&i| {
+        let rhs = state.equations[i].rhs;
+        ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs))
+    });
     for i in order {
         let eq = state.equations[i].clone();
-        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else { continue };
+        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else {
+            continue;
+        };
         if inverses.len() > most {
             continue;
         }
@@ -110,10 +116,16 @@ fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {
     let range = g.range(base);
     let Some(e) = g.as_number(exp) else {
         // A symbolic power has a nonnegative base and value.
-        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+        return vec![Inverse {
+            known: g.pow(known, inverse_exponent),
+            conditions: vec![Condition(known)],
+        }];
     };
     if !e.is_int() {
-        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+        return vec![Inverse {
+            known: g.pow(known, inverse_exponent),
+            conditions: vec![Condition(known)],
+        }];
     }
     if e == Q::int(-1) {
         return vec![Inverse { known: g.powi(known, -1), conditions: vec![] }];
@@ -131,7 +143,10 @@ fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {
         return answers;
     }
     if range.nonnegative() {
-        return vec![Inverse { known: g.pow(known, inverse_exponent), conditions: vec![Condition(known)] }];
+        return vec![Inverse {
+            known: g.pow(known, inverse_exponent),
+            conditions: vec![Condition(known)],
+        }];
     }
     let size = g.call(Fun::Abs, &[known]);
     let root = g.pow(size, inverse_exponent);
@@ -215,7 +230,8 @@ fn periodic(g: &mut Graph, inverse: Fun, known: Id, argument: Id) -> Option<Vec<
             let offset = k as f64 * period;
             // Images that only touch the range in a point add nothing but a doubled border.
             if lo + offset < range.hi - 1e-12 && hi + offset > range.lo + 1e-12 {
-                let y = g.sum(Q::ZERO, &[(Q::int(sign), principal), (Q::int(start + step * k), pi)]);
+                let y =
+                    g.sum(Q::ZERO, &[(Q::int(sign), principal), (Q::int(start + step * k), pi)]);
                 answers.push(Inverse { known: y, conditions: vec![] });
             }
         }

@@ -10,8 +10,9 @@ pub(super) fn polar_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     for i in 0..n {
         for (angle, rest) in with_factor(g, state.equations[i].rhs, Fun::Cos) {
             for j in (0..n).filter(|j| *j != i) {
-                let partner =
-                    with_factor(g, state.equations[j].rhs, Fun::Sin).into_iter().any(|p| p == (angle, rest));
+                let partner = with_factor(g, state.equations[j].rhs, Fun::Sin)
+                    .into_iter()
+                    .any(|p| p == (angle, rest));
                 if partner && g.has(angle, UNKNOWNS) {
                     return Some(split(g, state, i, j, angle, rest));
                 }
@@ -29,7 +30,8 @@ fn with_factor(g: &mut Graph, id: Id, f: Fun) -> Vec<(Id, Id)> {
     for (k, &(base, exp)) in factors.iter().enumerate() {
         let Node::Call(h, args) = g.node(base).clone() else { continue };
         if h == f && exp == one {
-            let rest: Vec<_> = factors.iter().enumerate().filter(|(m, _)| *m != k).map(|(_, x)| *x).collect();
+            let rest: Vec<_> =
+                factors.iter().enumerate().filter(|(m, _)| *m != k).map(|(_, x)| *x).collect();
             found.push((args[0], g.product(&rest)));
         }
     }

@@ -29,7 +29,11 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
                     s.solution.conditions.push(Condition(value));
                 }
             }
-            s.solution.steps.push(format!("rational equation: {} = {}", show(g, atom), show(g, value)));
+            s.solution.steps.push(format!(
+                "rational equation: {} = {}",
+                show(g, atom),
+                show(g, value)
+            ));
             if g.range(atom).nonnegative() && !g.range(value).nonnegative() {
                 s.solution.conditions.push(Condition(value));
             }

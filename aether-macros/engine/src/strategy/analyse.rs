@@ -1,15 +1,15 @@
 //! What depends on what: which statements wait for inversion, which random point each vertex is
 //! made from, which vertices are atoms and of which kind.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use proc_macro2::Span;
 use quote::{ToTokens, format_ident};
-use syn::visit_mut::{self, VisitMut};
-use syn::{Expr, Ident, Pat, Stmt, parse_quote};
+use syn::{Expr, Ident, Pat, Stmt};
 
 use super::names::{bare, bound, mentioned, mentioned_by, mentioned_in_guard, pattern, referenced};
-use super::tree::{Action, Block, Body, End, Form, Kind, Leaf, Plan, Step};
+use super::scope::{Facts, Scope, Turn};
+use super::tree::{Action, Block, Body, End, Form, Leaf, Plan, Step};
 use crate::diagnostics::Diagnostics;
 
 /// Analyses a body. `connected` is what the attribute says of every vertex: whether the one before
@@ -27,71 +27,16 @@ pub fn plan(
     analysis.block(body, scope)
 }
 
-/// What is known of a value.
-#[derive(Clone, Copy, Debug, Default)]
-struct Facts {
-    /// It depends on what was drawn, and cannot be read from the vertex.
-    random: bool,
-    /// It depends on the path before.
-    path: bool,
-    /// It depends on the outcome of a choice that is not identified from the vertex.
-    choice: bool,
-    /// It is read from the vertex.
-    constant: bool,
-    /// It came from a ray that starts at the path.
-    ray: bool,
-}
-
-impl Facts {
-    fn and(self, other: Facts) -> Facts {
-        Facts {
-            random: self.random || other.random,
-            path: self.path || other.path,
-            choice: self.choice || other.choice,
-            constant: self.constant || other.constant,
-            ray: self.ray || other.ray,
-        }
-    }
-}
-
-/// A decision on the way to a leaf.
-#[derive(Clone, Copy, PartialEq)]
-struct Turn {
-    branch: usize,
-    arm: usize,
-    /// Whether it depends on a choice that is not identified.
-    choice: bool,
-}
-
-#[derive(Clone, Default)]
-struct Scope {
-    facts: BTreeMap<String, Facts>,
-    /// Random points, each with the points that it is mapped from.
-    points: BTreeMap<String, BTreeSet<String>>,
-    /// The draw on the way to here.
-    drawn: Option<Ident>,
-    /// Names that code evaluated after inversion will look up.
-    needed: BTreeSet<String>,
-    turns: Vec<Turn>,
-}
-
-impl Scope {
-    fn of(&self, names: &BTreeSet<String>) -> Facts {
-        let known = names.iter().filter_map(|name| self.facts.get(name));
-        known.fold(Facts::default(), |all, facts| all.and(*facts))
-    }
-
-    fn of_expr(&self, expr: &Expr) -> Facts {
-        self.of(&mentioned(expr))
-    }
-}
-
-struct Analysis<'d> {
-    diagnostics: &'d mut Diagnostics,
-    connected: Option<bool>,
-    hoisted: usize,
-    branches: usize,
-    atoms: Vec<(Vec<Turn>, bool)>,
+/// An analysis under way.
+pub struct Analysis<'d> {
+    pub(super) diagnostics: &'d mut Diagnostics,
+    pub(super) connected: Option<bool>,
+    /// How many points have been given names.
+    pub(super) hoisted: usize,
+    /// How many branches there are so far.
+    pub(super) branches: usize,
+    /// The atoms found: how they are reached, and whether they are directions.
+    pub(super) atoms: Vec<(Vec<Turn>, bool)>,
 }
 
 impl Analysis<'_> {
@@ -247,7 +192,7 @@ impl Analysis<'_> {
 
     /// If `expr` is a map applied to a random point: the map, and the point's name, after binding
     /// the points within it.
-    fn map_of(
+    pub(super) fn map_of(
         &mut self,
         expr: &Expr,
         scope: &mut Scope,
@@ -274,7 +219,7 @@ impl Analysis<'_> {
     }
 
     /// `let name = map.apply(&of);`
-    fn mapped(
+    pub(super) fn mapped(
         &mut self,
         name: Ident,
         map: Expr,
@@ -402,111 +347,6 @@ impl Analysis<'_> {
             }
         }
     }
-
-    fn leaf(
-        &mut self,
-        mut vertex: Expr,
-        mut scope: Scope,
-        steps: &mut Vec<Action>,
-    ) -> End<Action, Leaf> {
-        Applications { analysis: self, scope: &mut scope, steps }.visit_expr_mut(&mut vertex);
-        let names = mentioned(&vertex);
-        let facts = scope.of(&names);
-        let visible = self.connected.unwrap_or(facts.ray);
-        let kind = match scope.drawn.clone() {
-            Some(drawn) => self.point(&vertex, &drawn, &names, &scope).map(Kind::Density),
-            None => self.atom(&vertex, facts, &scope),
-        };
-        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible }))
-    }
-
-    /// The random point that a vertex is made from.
-    fn point(
-        &mut self,
-        vertex: &Expr,
-        drawn: &Ident,
-        names: &BTreeSet<String>,
-        scope: &Scope,
-    ) -> Option<Ident> {
-        let used: Vec<_> = scope.points.iter().filter(|(name, _)| names.contains(*name)).collect();
-        let furthest = used.iter().max_by_key(|(_, ancestors)| ancestors.len());
-        let Some((point, ancestors)) = furthest else {
-            self.diagnostics.error(
-                vertex,
-                format!(
-                    "`{drawn}` is drawn but this vertex is not made from it, so its probability \
-                     would have to be integrated: use `{drawn}` or a map of it, \
-                     `map.apply(&{drawn})`, in the vertex, or draw only in the branches that use \
-                     it"
-                ),
-            );
-            return None;
-        };
-        if let Some((other, _)) = used.iter().find(|(n, _)| n != point && !ancestors.contains(*n)) {
-            self.diagnostics.error(
-                vertex,
-                format!(
-                    "this vertex is made from two points, `{point}` and `{other}`, neither a map \
-                     of the other: a vertex has one random point"
-                ),
-            );
-        }
-        // The name as it is written in the source, or as hoisted: both resolve by their text.
-        find_ident(vertex.to_token_stream(), point)
-    }
-
-    fn atom(&mut self, vertex: &Expr, facts: Facts, scope: &Scope) -> Option<Kind> {
-        if !facts.constant {
-            self.diagnostics.error(
-                vertex,
-                "nothing is drawn for this vertex: it is an atom, and whether another vertex is the \
-                 same atom is never found by comparing coordinates. Bind what identifies it with \
-                 `constant(Some(..))`, and implement `Recall` for the vertex type",
-            );
-            return None;
-        }
-        let direction = facts.ray && self.connected != Some(false);
-        let confused = self.atoms.iter().any(|(turns, other)| {
-            let parting = turns.iter().zip(&scope.turns).find(|(a, b)| a != b);
-            *other == direction && parting.is_some_and(|(a, _)| a.choice)
-        });
-        if facts.choice || confused {
-            self.diagnostics.error(
-                vertex,
-                "several outcomes of a choice lead to atoms, and which of them it was cannot be \
-                 told by comparing coordinates: add `.identified_by(|vertex| ..)` to the \
-                 `choose(..)`",
-            );
-        }
-        self.atoms.push((scope.turns.clone(), direction));
-        Some(if direction { Kind::AtomDirection } else { Kind::AtomPosition })
-    }
-}
-
-/// Binds the maps of random points within a vertex expression to names.
-struct Applications<'a, 'd> {
-    analysis: &'a mut Analysis<'d>,
-    scope: &'a mut Scope,
-    steps: &'a mut Vec<Action>,
-}
-
-impl VisitMut for Applications<'_, '_> {
-    fn visit_expr_mut(&mut self, expr: &mut Expr) {
-        match expr {
-            // What is evaluated conditionally or later stays where it is.
-            Expr::Closure(_) | Expr::If(_) | Expr::Match(_) | Expr::Block(_) => return,
-            _ => {}
-        }
-        if let Some((map, of)) = self.analysis.map_of(expr, self.scope, self.steps) {
-            self.analysis.hoisted += 1;
-            let count = self.analysis.hoisted;
-            let name = format_ident!("__point_{}", count, span = Span::mixed_site());
-            self.analysis.mapped(name.clone(), map, of, self.scope, self.steps);
-            *expr = parse_quote!(#name);
-        } else {
-            visit_mut::visit_expr_mut(self, expr);
-        }
-    }
 }
 
 /// Calls `visit` with the patterns of the `let`s of a condition; whether there are any.
@@ -530,14 +370,4 @@ fn plain_name(pat: &Pat) -> Option<Ident> {
         Pat::Type(typed) => plain_name(&typed.pat),
         _ => None,
     }
-}
-
-fn find_ident(tokens: proc_macro2::TokenStream, text: &str) -> Option<Ident> {
-    let mut found = None;
-    super::names::each_ident(tokens, &mut |name| {
-        if name == text {
-            found = Some(name.clone());
-        }
-    });
-    found
 }

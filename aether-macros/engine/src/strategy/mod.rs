@@ -1,16 +1,19 @@
 //! `#[strategy]`: from a function that samples the next vertex to its density.
 //!
-//! `signature` and `parse` read the function, `analyse` finds what depends on what was drawn,
-//! `sample` and `density` emit the two halves of the `Strategy` implementation, `item` the rest.
+//! `signature` and `parse` read the function, `analyse` (with `scope` and `leaf`) finds what depends
+//! on what was drawn, `sample` and `density` emit the two halves of the `Strategy` implementation,
+//! `item` the rest.
 
 mod analyse;
 mod density;
 mod item;
+mod leaf;
 mod misuse;
 mod names;
 mod parse;
 mod reads;
 mod sample;
+mod scope;
 mod signature;
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,131 @@
+//! How each vertex is distributed: made from which random point, or an atom of which kind.
+
+use std::collections::BTreeSet;
+
+use proc_macro2::Span;
+use quote::{ToTokens, format_ident};
+use syn::visit_mut::{self, VisitMut};
+use syn::{Expr, Ident, parse_quote};
+
+use super::analyse::Analysis;
+use super::names::{each_ident, mentioned};
+use super::scope::{Facts, Scope};
+use super::tree::{Action, End, Kind, Leaf};
+
+impl Analysis<'_> {
+    /// A vertex, with the maps of random points in it bound to names before.
+    pub fn leaf(
+        &mut self,
+        mut vertex: Expr,
+        mut scope: Scope,
+        steps: &mut Vec<Action>,
+    ) -> End<Action, Leaf> {
+        Applications { analysis: self, scope: &mut scope, steps }.visit_expr_mut(&mut vertex);
+        let names = mentioned(&vertex);
+        let facts = scope.of(&names);
+        let visible = self.connected.unwrap_or(facts.ray);
+        let kind = match scope.drawn.clone() {
+            Some(drawn) => self.point(&vertex, &drawn, &names, &scope).map(Kind::Density),
+            None => self.atom(&vertex, facts, &scope),
+        };
+        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible }))
+    }
+
+    /// The random point that a vertex is made from.
+    fn point(
+        &mut self,
+        vertex: &Expr,
+        drawn: &Ident,
+        names: &BTreeSet<String>,
+        scope: &Scope,
+    ) -> Option<Ident> {
+        let used: Vec<_> = scope.points.iter().filter(|(name, _)| names.contains(*name)).collect();
+        let furthest = used.iter().max_by_key(|(_, ancestors)| ancestors.len());
+        let Some((point, ancestors)) = furthest else {
+            self.diagnostics.error(
+                vertex,
+                format!(
+                    "`{drawn}` is drawn but this vertex is not made from it, so its probability \
+                     would have to be integrated: use `{drawn}` or a map of it, \
+                     `map.apply(&{drawn})`, in the vertex, or draw only in the branches that use \
+                     it"
+                ),
+            );
+            return None;
+        };
+        if let Some((other, _)) = used.iter().find(|(n, _)| n != point && !ancestors.contains(*n)) {
+            self.diagnostics.error(
+                vertex,
+                format!(
+                    "this vertex is made from two points, `{point}` and `{other}`, neither a map \
+                     of the other: a vertex has one random point"
+                ),
+            );
+        }
+        // The name as it is written in the source, or as hoisted: both resolve by their text.
+        find_ident(vertex.to_token_stream(), point)
+    }
+
+    fn atom(&mut self, vertex: &Expr, facts: Facts, scope: &Scope) -> Option<Kind> {
+        if !facts.constant {
+            self.diagnostics.error(
+                vertex,
+                "nothing is drawn for this vertex: it is an atom, and whether another vertex is the \
+                 same atom is never found by comparing coordinates. Bind what identifies it with \
+                 `constant(Some(..))`, and implement `Recall` for the vertex type",
+            );
+            return None;
+        }
+        let direction = facts.ray && self.connected != Some(false);
+        let confused = self.atoms.iter().any(|(turns, other)| {
+            let parting = turns.iter().zip(&scope.turns).find(|(a, b)| a != b);
+            *other == direction && parting.is_some_and(|(a, _)| a.choice)
+        });
+        if facts.choice || confused {
+            self.diagnostics.error(
+                vertex,
+                "several outcomes of a choice lead to atoms, and which of them it was cannot be \
+                 told by comparing coordinates: add `.identified_by(|vertex| ..)` to the \
+                 `choose(..)`",
+            );
+        }
+        self.atoms.push((scope.turns.clone(), direction));
+        Some(if direction { Kind::AtomDirection } else { Kind::AtomPosition })
+    }
+}
+
+/// Binds the maps of random points within a vertex expression to names.
+struct Applications<'a, 'd> {
+    analysis: &'a mut Analysis<'d>,
+    scope: &'a mut Scope,
+    steps: &'a mut Vec<Action>,
+}
+
+impl VisitMut for Applications<'_, '_> {
+    fn visit_expr_mut(&mut self, expr: &mut Expr) {
+        match expr {
+            // What is evaluated conditionally or later stays where it is.
+            Expr::Closure(_) | Expr::If(_) | Expr::Match(_) | Expr::Block(_) => return,
+            _ => {}
+        }
+        if let Some((map, of)) = self.analysis.map_of(expr, self.scope, self.steps) {
+            self.analysis.hoisted += 1;
+            let count = self.analysis.hoisted;
+            let name = format_ident!("__point_{}", count, span = Span::mixed_site());
+            self.analysis.mapped(name.clone(), map, of, self.scope, self.steps);
+            *expr = parse_quote!(#name);
+        } else {
+            visit_mut::visit_expr_mut(self, expr);
+        }
+    }
+}
+
+fn find_ident(tokens: proc_macro2::TokenStream, text: &str) -> Option<Ident> {
+    let mut found = None;
+    each_ident(tokens, &mut |name| {
+        if name == text {
+            found = Some(name.clone());
+        }
+    });
+    found
+}
