@@ -29,7 +29,8 @@ macro_rules! vector {
             pub const fn from_array(c: [R; $n]) -> Self { $name { $($field: c[$i]),* } }
             /// Scalar product.
             #[inline(always)]
-            pub fn dot(self, other: Self) -> R {
+            pub fn dot(self, other: impl Into<Self>) -> R {
+                let other = other.into();
                 let products = [$(self.$field * other.$field),*];
                 let mut sum = products[0];
                 for p in &products[1..] { sum += *p; }
@@ -99,7 +100,8 @@ vector!(
 impl<R: Real> Vec3<R> {
     /// Vector product.
     #[inline(always)]
-    pub fn cross(self, o: Self) -> Self {
+    pub fn cross(self, other: impl Into<Self>) -> Self {
+        let o = other.into();
         Vec3::new(
             self.y * o.z - self.z * o.y,
             self.z * o.x - self.x * o.z,
@@ -174,14 +176,14 @@ impl<R: Real> Frame<R> {
 
     /// A vector given in the frame, in world coordinates.
     #[inline(always)]
-    pub fn to_world(self, v: Vec3<R>) -> Vec3<R> {
-        self.0 * v
+    pub fn to_world(self, v: impl Into<Vec3<R>>) -> Vec3<R> {
+        self.0 * v.into()
     }
 
     /// A vector given in world coordinates, in the frame.
     #[inline(always)]
-    pub fn to_local(self, v: Vec3<R>) -> Vec3<R> {
-        self.0.transpose() * v
+    pub fn to_local(self, v: impl Into<Vec3<R>>) -> Vec3<R> {
+        self.0.transpose() * v.into()
     }
 }
 
@@ -221,6 +223,27 @@ macro_rules! times_direction {
     };
 }
 times_direction! { Mat3<R>, Frame<R> }
+
+impl<R: Real> From<Direction<R>> for Vec3<R> {
+    #[inline(always)]
+    fn from(w: Direction<R>) -> Self {
+        w.vec()
+    }
+}
+impl<R: Real> Add<Direction<R>> for Vec3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, w: Direction<R>) -> Self {
+        self + w.vec()
+    }
+}
+impl<R: Real> Sub<Direction<R>> for Vec3<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, w: Direction<R>) -> Self {
+        self - w.vec()
+    }
+}
 
 impl Mul<Direction<f64>> for f64 {
     type Output = Vec3<f64>;

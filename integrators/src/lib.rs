@@ -3,5 +3,11 @@
 
 pub mod cli;
 pub mod image;
+pub mod integrand;
+pub mod path;
 pub mod render;
+pub mod samplers;
 pub mod scene;
+pub mod strategies;
+pub mod vertex;
+pub mod world;

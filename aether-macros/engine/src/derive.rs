@@ -85,7 +85,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let targets = declare_outputs(problem);
     let solutions = find_solutions(problem, &targets)?;
     let source = source_of(problem);
-    let volumes = volume(&mut problem.graph, &problem.outputs, &problem.unknowns, source)?;
+    let volumes =
+        volume(&mut problem.graph, &problem.outputs, &problem.unknowns, source, &problem.frames)?;
     let cases = cases(problem, volumes[0])?;
     let (solutions, check_forward) = prune(problem, solutions, &cases)?;
     verify_volume(problem, volumes[0], &cases)?;
@@ -119,7 +120,13 @@ fn declare_outputs(problem: &mut Problem) -> Vec<Id> {
     } else {
         crate::interval::Interval::ALL
     };
-    let names = ["x", "y", "z", "w", "v"];
+    // The outputs are called x, y, z unless a parameter is.
+    let taken = |name: &str| (0..64).any(|i| problem.graph.name(Leaf::Param(i)) == name);
+    let names = if ["x", "y", "z"].iter().any(|n| taken(n)) {
+        ["X", "Y", "Z", "W", "V"]
+    } else {
+        ["x", "y", "z", "w", "v"]
+    };
     let n = problem.outputs.len();
     let outs: Vec<Id> = (0..n)
         .map(|i| {
@@ -155,7 +162,7 @@ fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>
         known.push(g.int(1));
     }
     let frames = problem.frames.clone();
-    let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames).map_err(|s| {
+    let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements).map_err(|s| {
         format!(
             "cannot invert this map: stuck at `{}`, which should give {}. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time",
             s.equation,

@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::arguments::{RenderArguments, check_size};
+use crate::path::{PathSettings, PathTracer};
 use crate::render::AnyKernel;
 use crate::scene::Scene;
 
@@ -67,11 +68,28 @@ fn resize(scene: &mut Scene, (width, height): (u32, u32)) -> Result<(), Failure>
 
 /// The integrator called `plan.integrator` with the settings of `plan`.
 pub(super) fn kernel_for<'a>(
-    _scene: &'a Scene,
+    scene: &'a Scene,
     plan: &Plan,
 ) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
-    let name = &plan.integrator;
-    Err(Failure::new(format!("integrator `{name}` is not available; this build has none")))
+    match plan.integrator.as_str() {
+        "path" => {
+            let settings = PathSettings {
+                max_depth: plan.max_depth,
+                rr_depth: plan.rr_depth,
+                hide_emitters: scene.integrator.hide_emitters,
+            };
+            Ok(Box::new(PathTracer::new(scene, settings, plan.seed)))
+        }
+        unknown => {
+            let message = format!("integrator `{unknown}` is not supported; supported: path");
+            match &scene.integrator.place {
+                Some(place) if scene.integrator.name == unknown => {
+                    Err(Failure::new(place.error(message).to_string()))
+                }
+                _ => Err(Failure::new(message)),
+            }
+        }
+    }
 }
 
 #[cfg(test)]

@@ -61,6 +61,8 @@ pub(crate) struct State {
     equations: Vec<Equation>,
     solution: Solution,
     next_unknown: u8,
+    /// Expressions of the unknowns that are positive wherever there is a result.
+    positive: Vec<Id>,
 }
 
 /// Upper bound on search steps and on preimages.
@@ -74,13 +76,19 @@ pub fn solve(
     targets: &[Id],
     unknowns: &[Leaf],
     frames: &[[[Id; 3]; 3]],
+    positive: &[Id],
 ) -> Result<Vec<Solution>, Stuck> {
     let equations = targets
         .iter()
         .zip(outputs)
         .map(|(&known, &rhs)| Equation { known, rhs, modulo_turn: false })
         .collect();
-    let first = State { equations, solution: Solution::default(), next_unknown: 16 };
+    let first = State {
+        equations,
+        solution: Solution::default(),
+        next_unknown: 16,
+        positive: positive.to_vec(),
+    };
     let mut open = vec![first];
     let mut done = Vec::new();
     let mut steps = 0;
@@ -111,9 +119,10 @@ pub fn solve(
 
 /// The rules in order of preference: those with a single answer and good conditioning first.
 fn step(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<State>> {
-    peel::unique(g, state)
+    normalise::unit_vector(g, state)
+        .or_else(|| peel::unique(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
-        .or_else(|| normalise::normalised(g, state))
+        .or_else(|| normalise::common(g, state))
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state))
         .or_else(|| rational::eliminate(g, state))
@@ -297,12 +306,12 @@ mod tests {
     fn report(s: &mut Setup, f: &[Id], unit: bool) -> (String, String) {
         let targets = outs(&mut s.g, f.len() as u8, unit);
         let leaves: Vec<Leaf> = (0..s.u.len() as u8).map(Leaf::Unknown).collect();
-        let solutions = solve(&mut s.g, f, &targets, &leaves, &[]).unwrap();
+        let solutions = solve(&mut s.g, f, &targets, &leaves, &[], &[]).unwrap();
         let inverse: Vec<String> = solutions
             .iter()
             .map(|x| x.unknowns.values().map(|v| show(&s.g, *v)).collect::<Vec<_>>().join("; "))
             .collect();
-        let v = volume(&mut s.g, f, &leaves, Source::Free).unwrap();
+        let v = volume(&mut s.g, f, &leaves, Source::Free, &[]).unwrap();
         let best = *v.iter().min_by_key(|v| crate::jacobian::cost(&s.g, **v)).unwrap();
         let p = s.g.powi(best, -1);
         let p = s.g.substitute(p, &solutions[0].known);

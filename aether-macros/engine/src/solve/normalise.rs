@@ -4,25 +4,51 @@ use super::{Condition, Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
+use crate::rational::Q;
 
-/// Gives the common factor of all open equations a name of its own.
+/// Outputs that are divided by a common length, √(a sum): before anything else takes the root apart.
+pub(super) fn unit_vector(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let (base, exponent, members) = common_factor(g, state)?;
+    let is_length =
+        g.as_number(exponent) == Some(Q::HALF.neg()) && matches!(g.node(base), Node::Sum(..));
+    is_length.then(|| name_factor(g, state, base, exponent, &members))
+}
+
+/// Any common factor of several equations.
+pub(super) fn common(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let (base, exponent, members) = common_factor(g, state)?;
+    Some(name_factor(g, state, base, exponent, &members))
+}
+
+/// Gives a common factor a name of its own.
 ///
 /// X_i = T_i · F with the same F everywhere becomes X_i · λ = T_i with the new unknown λ = 1 / F:
 /// linear in λ and in the atoms of T. F = 1 / |T| is the normalised vector, F = t(w) the ray w · t(w).
-pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let shared: Vec<usize> =
-        (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
-    let (common, exponent, members) = common_factor(g, state, &shared)?;
+fn name_factor(
+    g: &mut Graph,
+    state: &State,
+    base: Id,
+    exponent: Id,
+    members: &[usize],
+) -> Vec<State> {
     let mut s = state.clone();
     let leaf = Leaf::Unknown(s.next_unknown);
     s.next_unknown += 1;
-    let factor = g.pow(common, exponent);
-    let positive = g.range(factor).nonnegative();
+    let plain = g.pow(base, exponent);
+    // A known multiple of the factor may be required to be positive: then that is the better name.
+    let required = state.positive.iter().find_map(|&r| {
+        let multiple = g.div(r, plain);
+        (!g.has(multiple, UNKNOWNS)).then_some(r)
+    });
+    let factor = required.unwrap_or(plain);
+    let multiple = g.div(factor, plain);
+    let positive = required.is_some() || g.range(plain).nonnegative();
     let lambda = g.leaf(leaf, "λ", if positive { Interval::POSITIVE } else { Interval::ALL });
-    for &i in &members {
+    for &i in members {
         let e = &mut s.equations[i];
-        let t = g.div(e.rhs, factor);
-        let scaled = g.mul(lambda, e.known);
+        let t = g.div(e.rhs, plain);
+        let known = g.mul(e.known, multiple);
+        let scaled = g.mul(lambda, known);
         let (constant, _, _) = super::affine_parts(g, t);
         let zero = g.int(0);
         let constant = match constant {
@@ -41,13 +67,15 @@ pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let inverse = g.powi(lambda, -1);
     s.solution.known.insert(factor, inverse);
     s.solution.steps.push(format!("common factor: 1/λ = {}", show(g, factor)));
-    Some(vec![s])
+    vec![s]
 }
 
 /// A factor that at least two equations share, with the equations that have it.
-fn common_factor(g: &mut Graph, state: &State, among: &[usize]) -> Option<(Id, Id, Vec<usize>)> {
+fn common_factor(g: &mut Graph, state: &State) -> Option<(Id, Id, Vec<usize>)> {
+    let among: Vec<usize> =
+        (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
     let mut best: Option<(Id, Id, Vec<usize>)> = None;
-    for &i in among {
+    for &i in &among {
         for (b, e) in g.factors(state.equations[i].rhs) {
             // A lone unknown is an atom of its own, not a factor to take out.
             if !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {

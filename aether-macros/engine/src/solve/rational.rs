@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::{Condition, Equation, State};
 use crate::display::show;
-use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
@@ -51,24 +51,52 @@ struct Root {
     also: Option<(Id, Id)>,
 }
 
-/// All ways to satisfy known = rhs.
+/// All ways to satisfy known = rhs. Known sums stay together unless multiplying them out shows a
+/// discriminant to be a square.
 fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
-    let polynomial = clear(g, known, rhs)?;
-    let open: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
-    match open[..] {
+    let together = roots_in(g, known, rhs, UNKNOWNS);
+    let has_root = |g: &Graph, r: &Root| {
+        matches!(g.node(r.value), Node::Product(_) | Node::Sum(..)) && mentions_root(g, r.value)
+    };
+    match together {
+        Some(r) if !r.iter().any(|r| has_root(g, r)) => Some(r),
+        other => match roots_in(g, known, rhs, Deps::MAX) {
+            Some(r) if other.is_none() || !r.iter().any(|r| has_root(g, r)) => Some(r),
+            _ => other,
+        },
+    }
+}
+
+/// Whether a square root of something open occurs in an expression.
+fn mentions_root(g: &Graph, id: Id) -> bool {
+    match g.node(id) {
+        Node::Product(f) => f
+            .iter()
+            .any(|(b, e)| g.as_number(*e).is_some_and(|q| q.den() == 2) || mentions_root(g, *b)),
+        Node::Sum(_, t) => t.iter().any(|(_, t)| mentions_root(g, *t)),
+        _ => false,
+    }
+}
+
+fn roots_in(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Vec<Root>> {
+    let polynomial = clear(g, known, rhs, open)?;
+    let atoms: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
+    match atoms[..] {
         [atom] => {
             let values = polynomial_roots(g, &polynomial, atom)?;
             Some(values.into_iter().map(|value| Root { atom, value, also: None }).collect())
         }
-        [a, b] => radical(g, known, rhs, a, b).or_else(|| radical(g, known, rhs, b, a)),
+        [a, b] if open == Deps::MAX => {
+            radical(g, known, rhs, a, b).or_else(|| radical(g, known, rhs, b, a))
+        }
         _ => None,
     }
 }
 
 /// The numerator of rhs - known, as a polynomial.
-fn clear(g: &mut Graph, known: Id, rhs: Id) -> Option<Poly> {
+fn clear(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Poly> {
     let difference = g.sub(rhs, known);
-    Some(Expander::new(g).expand(difference)?.num)
+    Some(Expander::new(g).only(open).expand(difference)?.num)
 }
 
 /// Atoms u and t = √(α + β u): substitutes u = (t² - α) / β and solves for t.
@@ -92,7 +120,7 @@ fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>>
     let top = g.sub(t2, alpha);
     let inner = g.div(top, beta);
     let substituted = g.substitute(rhs, &HashMap::from([(t, fresh), (u, inner)]));
-    let polynomial = clear(g, known, substituted)?;
+    let polynomial = clear(g, known, substituted, Deps::MAX)?;
     let values = polynomial_roots(g, &polynomial, fresh)?;
     Some(
         values
@@ -165,7 +193,7 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
             if !used {
                 continue;
             }
-            let Some(polynomial) = clear(g, eq.known, eq.rhs) else { continue };
+            let Some(polynomial) = clear(g, eq.known, eq.rhs, UNKNOWNS) else { continue };
             let Some(c) = polynomial.by_powers_of(atom) else { continue };
             let [c0, c1] = &c[..] else { continue };
             let (c0, c1) = (c0.to_expr(g), c1.to_expr(g));
@@ -182,7 +210,7 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
                     e.rhs = g.substitute(e.rhs, &map);
                     gone &= !g.has(e.rhs, leaf_bit(leaf));
                     // Unknowns may have moved to both sides of nothing: bring the equation up to date.
-                    if let Some(n) = Expander::new(g).normal_form(e.rhs) {
+                    if let Some(n) = Expander::new(g).only(UNKNOWNS).normal_form(e.rhs) {
                         e.rhs = n;
                     }
                 }
@@ -202,7 +230,7 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 
 /// (unknown, atom) pairs such that the equation is linear in the atom and the atom holds only that unknown.
 fn isolatable(g: &mut Graph, known: Id, rhs: Id) -> Vec<(Leaf, Id)> {
-    let Some(p) = clear(g, known, rhs) else { return vec![] };
+    let Some(p) = clear(g, known, rhs, UNKNOWNS) else { return vec![] };
     let mut found = Vec::new();
     for atom in p.atoms() {
         for i in 0..24 {

@@ -1,0 +1,101 @@
+//! The path tracer with next-event estimation (Aether 2017, Figure 5).
+
+use aether_core::{Arena, Estimator, Pcg32, PowerHeuristic, Sobol, UniformSource, combine};
+use glam::Vec3;
+
+use crate::render::{AnyKernel, Worker};
+use crate::scene::{SamplerKind, Scene};
+
+use crate::integrand::Radiance;
+use crate::strategies::{
+    PathStrategies, Pixel, sample_bsdf, sample_camera, sample_camera_direction, sample_light,
+};
+use crate::vertex::SceneVertex;
+use crate::world::World;
+
+/// Settings of the path tracer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathSettings {
+    /// The longest path in edges, as Mitsuba counts them; `None` for any length.
+    pub max_depth: Option<u32>,
+    /// The number of vertices from which Russian roulette may end a path.
+    pub rr_depth: u32,
+    /// Emitters that the camera sees directly are left out.
+    pub hide_emitters: bool,
+}
+
+/// The paths of one sample.
+pub type PathArena<'a> = Arena<SceneVertex, PathStrategies<'a>>;
+
+/// One estimate of the radiance that a pixel receives.
+pub fn radiance<'a>(
+    world: &'a World<'a>,
+    settings: &PathSettings,
+    arena: &PathArena<'a>,
+    uniforms: &mut impl UniformSource<f32>,
+    pixel: Pixel,
+) -> Vec3 {
+    let longest = settings.max_depth.map_or(usize::MAX, |d| d as usize);
+    let mut camera = arena.sequence();
+    camera.append(sample_camera(world));
+    camera.append(sample_camera_direction(world, pixel)).sample(uniforms);
+    while camera.is_complete() && camera.size() <= longest {
+        camera.append(sample_bsdf(world, settings.rr_depth)).sample(uniforms);
+    }
+
+    let estimator = Estimator::paths(Radiance::new(world, pixel));
+    let mut radiance = Vec3::ZERO;
+    if !settings.hide_emitters && longest > 0 {
+        radiance += estimator.of(&camera.slice(0..2));
+    }
+    for length in 2..camera.size() {
+        // The path that scattering found, and the one that goes to a light instead.
+        let scattered = camera.slice(0..length + 1);
+        let mut direct = camera.slice(0..length);
+        direct.append(sample_light(world)).sample(uniforms);
+        radiance += estimator.sum(combine::<PowerHeuristic, _>([scattered, direct]));
+    }
+    radiance
+}
+
+/// The path tracer as the render engine calls it: one sample of one pixel at a time.
+pub struct PathTracer<'s> {
+    world: World<'s>,
+    settings: PathSettings,
+    seed: u64,
+}
+
+impl<'s> PathTracer<'s> {
+    /// A path tracer for a scene; the same seed gives the same image.
+    pub fn new(scene: &'s Scene, settings: PathSettings, seed: u64) -> Self {
+        PathTracer { world: World::new(scene), settings, seed }
+    }
+
+    fn sample<'a>(
+        &'a self,
+        arena: &mut PathArena<'a>,
+        uniforms: &mut impl UniformSource<f32>,
+        pixel: Pixel,
+    ) -> [f32; 3] {
+        arena.clear();
+        radiance(&self.world, &self.settings, arena, uniforms, pixel).to_array()
+    }
+}
+
+impl AnyKernel for PathTracer<'_> {
+    fn worker(&self) -> Worker<'_> {
+        let mut arena = PathArena::new();
+        let width = u64::from(self.world.scene.film.width);
+        let independent = self.world.scene.sampler.kind == SamplerKind::Independent;
+        Box::new(move |pixel, sample| {
+            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
+            if independent {
+                let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+                self.sample(&mut arena, &mut uniforms, pixel)
+            } else {
+                let mut uniforms = Sobol::new(self.seed, stream, sample);
+                self.sample(&mut arena, &mut uniforms, pixel)
+            }
+        })
+    }
+}

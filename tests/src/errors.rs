@@ -1,0 +1,76 @@
+//! How far a sampler of the catalogue is from its reference values.
+
+use aether_core::{Point, Sampler, Scalar, Uniforms};
+
+use crate::reference::PointEntry;
+use crate::rows::{FromCoordinates, Visitor, visit};
+
+/// Relative errors at one entry of the reference data; infinite where a value is missing or NaN.
+#[derive(Clone, Copy, Debug)]
+pub struct Errors {
+    /// Of the sample, normwise.
+    pub sample: f64,
+    /// Of `sampler.pdf(x)` at the sample rounded to the precision.
+    pub pdf: f64,
+    /// Of `sample.pdf()`.
+    pub own: f64,
+}
+
+/// The errors of the catalogue's sampler at an entry, in the precision `R`.
+pub fn errors<R: Scalar>(entry: &PointEntry) -> Errors {
+    visit::<R, _>(&entry.inputs, Measured(entry))
+}
+
+/// The errors of another sampler at an entry.
+pub fn errors_of<R: Scalar, S: Sampler<R>>(entry: &PointEntry, sampler: S) -> Errors
+where
+    S::Point: FromCoordinates<R>,
+{
+    Visitor::<R>::visit(Measured(entry), sampler)
+}
+
+struct Measured<'a>(&'a PointEntry);
+
+impl<R: Scalar> Visitor<R> for Measured<'_> {
+    type Output = Errors;
+
+    fn visit<S: Sampler<R>>(self, sampler: S) -> Errors
+    where
+        S::Point: FromCoordinates<R>,
+    {
+        let entry = self.0;
+        let u = S::Uniforms::from_fn(|i| R::of(entry.u[i]));
+        let sample = sampler.sample(u);
+        let x: Vec<f64> = sample.coordinates().as_ref().iter().map(|c| c.to_f64()).collect();
+        let rounded: Vec<R> = entry.rounded.iter().map(|c| R::of(*c)).collect();
+        // The smallest normal number: below it the format has an absolute rounding error.
+        let floor = if R::EPSILON.to_f64() < 1e-10 { f64::MIN_POSITIVE } else { 1.2e-38 };
+        // Rounding takes a sample off its manifold: the density there may be that of the closed form
+        // at the coordinates as they are, or that of the nearest point of the manifold.
+        let readings = [Some(entry.pdf_at_rounded), entry.pdf_at_projected];
+        let pdf = S::Point::from_coordinates(&rounded)
+            .map_or(f64::NAN, |point| sampler.pdf(&point).value().to_f64());
+        Errors {
+            sample: distance(&x, &entry.x, floor),
+            pdf: readings
+                .into_iter()
+                .flatten()
+                .map(|expected| distance(&[pdf], &[expected], floor))
+                .fold(f64::INFINITY, f64::min),
+            own: distance(&[sample.pdf().value().to_f64()], &[entry.pdf], floor),
+        }
+    }
+}
+
+/// |a - b| / |b|, Euclidean; where b is as good as zero relative to the floor.
+fn distance(a: &[f64], b: &[f64], floor: f64) -> f64 {
+    if a == b {
+        return 0.0;
+    }
+    // Scaled, because squares of the numbers may leave the range.
+    let scale = b.iter().fold(floor, |m, x| m.max(x.abs()));
+    let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| (x / scale).powi(2)).sum::<f64>().sqrt();
+    let gap = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
+    let error = gap / norm(&mut b.iter().copied()).max(floor / scale);
+    if error.is_nan() { f64::INFINITY } else { error }
+}

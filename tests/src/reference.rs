@@ -1,0 +1,190 @@
+//! The reference values of the catalogue, `reference/catalogue-e.json`.
+//!
+//! Made in high precision by `reference/make_conditions.py`; `reference/README.md` says what each
+//! field means. Every entry is read in two versions, one in each precision.
+
+use aether_core::Scalar;
+use serde_json::Value;
+
+/// What was computed for a sampler: its parameters, exact.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    /// Number of the row of the catalogue.
+    pub row: u64,
+    /// The sampler's name.
+    pub name: String,
+    params: Value,
+}
+
+impl Inputs {
+    /// The scalar parameter called `name`.
+    ///
+    /// # Panics
+    /// If the entry has no such parameter.
+    pub fn scalar<R: Scalar>(&self, name: &str) -> R {
+        R::of(self.params[name].as_f64().unwrap_or_else(|| panic!("{self:?} has no {name}")))
+    }
+
+    /// The vector parameter called `name`.
+    ///
+    /// # Panics
+    /// If the entry has no such parameter.
+    pub fn vector<R: Scalar>(&self, name: &str) -> [R; 3] {
+        let list = &self.params[name];
+        core::array::from_fn(|i| R::of(list[i].as_f64().unwrap_or(f64::NAN)))
+    }
+}
+
+/// A uniform vector, the sample that it maps to, and the density there.
+#[derive(Clone, Debug)]
+pub struct PointEntry {
+    /// The sampler.
+    pub inputs: Inputs,
+    /// The uniforms, exact.
+    pub u: Vec<f64>,
+    /// The sample, exact to double precision.
+    pub x: Vec<f64>,
+    /// The sample rounded to the precision of the entry.
+    pub rounded: Vec<f64>,
+    /// The density at the exact sample.
+    pub pdf: f64,
+    /// The closed form at the rounded sample.
+    pub pdf_at_rounded: f64,
+    /// The density at the point of the manifold next to the rounded sample, if there is one.
+    pub pdf_at_projected: Option<f64>,
+    /// Condition of the density; infinite where it has no meaning.
+    pub condition_pdf: f64,
+    /// Condition of the sample; infinite where it has no meaning.
+    pub condition_sample: f64,
+}
+
+/// A point, and the density that it must have.
+#[derive(Clone, Debug)]
+pub struct Query {
+    /// The sampler.
+    pub inputs: Inputs,
+    /// The coordinates; perhaps NaN, infinite, or off the manifold.
+    pub x: Vec<f64>,
+    /// The density.
+    pub pdf: f64,
+}
+
+/// All of the file.
+#[derive(Clone, Debug, Default)]
+pub struct Reference {
+    /// Samples in double precision.
+    pub points: Vec<PointEntry>,
+    /// The same with everything rounded to single precision, where that can hold it.
+    pub points32: Vec<PointEntry>,
+    /// Queries.
+    pub queries: Vec<Query>,
+}
+
+impl Reference {
+    /// Reads the file that lies beside this crate.
+    ///
+    /// # Panics
+    /// If the file is damaged.
+    pub fn load() -> Self {
+        let text = include_str!("../reference/catalogue-e.json");
+        let entries: Vec<Value> = serde_json::from_str(text).expect("catalogue-e.json is JSON");
+        let mut all = Reference::default();
+        for entry in &entries {
+            if entry["kind"] == "query" {
+                let (inputs, x) = (inputs(entry, ""), hexadecimals(&entry["x_hex"]));
+                all.queries.push(Query { inputs, x, pdf: decimal(&entry["pdf"]) });
+            } else {
+                all.points.push(point(entry, ""));
+                if !entry["u32"].is_null() {
+                    all.points32.push(point(entry, "32"));
+                }
+            }
+        }
+        all
+    }
+}
+
+fn inputs(entry: &Value, suffix: &str) -> Inputs {
+    Inputs {
+        row: entry["row"].as_u64().expect("a row is a number"),
+        name: entry["name"].as_str().expect("a name is a string").to_owned(),
+        params: entry[format!("params{suffix}")].clone(),
+    }
+}
+
+fn point(entry: &Value, suffix: &str) -> PointEntry {
+    let field = |name: &str| &entry[format!("{name}{suffix}")];
+    let projected = field("pdf_at_projected_x");
+    PointEntry {
+        inputs: inputs(entry, suffix),
+        u: hexadecimals(field("u_hex")),
+        x: list(field("x")).iter().map(decimal).collect(),
+        rounded: hexadecimals(field("x_hex")),
+        pdf: decimal(field("pdf")),
+        pdf_at_rounded: decimal(field("pdf_at_rounded_x")),
+        pdf_at_projected: (!projected.is_null()).then(|| decimal(projected)),
+        condition_pdf: field("condition_pdf").as_f64().unwrap_or(f64::INFINITY),
+        condition_sample: field("condition_sample").as_f64().unwrap_or(f64::INFINITY),
+    }
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+fn decimal(value: &Value) -> f64 {
+    let text = value.as_str().unwrap_or_else(|| panic!("{value} is not a decimal string"));
+    text.parse().unwrap_or_else(|_| panic!("{text} is not a number"))
+}
+
+fn hexadecimals(value: &Value) -> Vec<f64> {
+    list(value).iter().map(|v| hexadecimal(v.as_str().unwrap_or("?"))).collect()
+}
+
+/// Reads a hexadecimal floating-point number as C99 prints it, such as `-0x1.8p-3`.
+fn hexadecimal(text: &str) -> f64 {
+    let (sign, digits) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
+    let Some((mantissa, exponent)) = digits.strip_prefix("0x").and_then(|d| d.split_once('p'))
+    else {
+        return text.parse().unwrap_or_else(|_| panic!("{text} is not a hexadecimal number"));
+    };
+    let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+    let bits = u64::from_str_radix(&format!("{whole}{fraction}"), 16).expect("hexadecimal digits");
+    let exponent: i32 = exponent.parse().expect("a binary exponent");
+    let mut scale = exponent - 4 * fraction.len() as i32;
+    let mut value = bits as f64;
+    // Two steps, because a power of two alone may leave the range that the number stays in.
+    while scale < 0 {
+        let step = scale.max(-1000);
+        value *= 2.0_f64.powi(step);
+        scale -= step;
+    }
+    sign * value * 2.0_f64.powi(scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hexadecimal_numbers_are_read_exactly() {
+        assert_eq!(hexadecimal("0x1.8p+1"), 3.0);
+        assert_eq!(hexadecimal("-0x1.3333333333333p-2"), -0.3);
+        assert_eq!(hexadecimal("0x1.56e1fc2f8f359p-997"), 1e-300);
+        assert_eq!(hexadecimal("0x0.0p+0"), 0.0);
+        assert_eq!(hexadecimal("-0x1.e848000000000p+19"), -1e6);
+        assert_eq!(hexadecimal("inf"), f64::INFINITY);
+        assert!(hexadecimal("nan").is_nan());
+    }
+
+    #[test]
+    fn the_file_is_complete() {
+        let all = Reference::load();
+        assert_eq!(all.points.len() + all.queries.len(), 325);
+        assert!(all.points32.len() > 150);
+        for p in &all.points {
+            let near = |(x, r): (&f64, &f64)| x == r || (x - r).abs() <= 2e-16 * x.abs();
+            assert!(p.x.iter().zip(&p.rounded).all(near), "{p:?}");
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Every row of the catalogue against reference values and through the check battery.
+
+use aether_core::battery::{self, Battery};
+use aether_core::prelude::*;
+use tests::catalogue::*;
+use tests::errors::{Errors, errors, errors_of};
+use tests::mutation::OnePercentOff;
+use tests::reference::{PointEntry, Query, Reference};
+use tests::rows::{FromCoordinates, ROWS, Visitor, visit};
+
+/// Relative error that a well-conditioned value may have in `f64`.
+const TOLERANCE: f64 = 1e-12;
+/// A condition number says what rounding of the inputs may cost, and an implementation that does
+/// not round them loses less: more than this is never excused by it.
+const WORST_CONDITION: f64 = 1e3;
+
+/// What fails at an entry.
+fn failures(entry: &PointEntry, e: Errors) -> Vec<String> {
+    let limit = |condition: f64| TOLERANCE * condition.clamp(1.0, WORST_CONDITION);
+    let cases = [
+        ("sample", e.sample, limit(entry.condition_sample)),
+        ("pdf(x)", e.pdf, limit(entry.condition_pdf)),
+        ("sample.pdf()", e.own, limit(entry.condition_pdf)),
+    ];
+    let failed = cases.into_iter().filter(|(_, error, limit)| error > limit);
+    failed
+        .map(|(what, error, limit)| {
+            format!("{} ({}) {what}: {error:.2e} > {limit:.1e} at {entry:?}", entry.inputs.row, entry.inputs.name)
+        })
+        .collect()
+}
+
+#[test]
+fn samples_and_densities_agree_with_the_reference() {
+    let reference = Reference::load();
+    let failed: Vec<String> =
+        reference.points.iter().flat_map(|p| failures(p, errors::<f64>(p))).collect();
+    assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
+}
+
+struct Ask<'a>(&'a Query);
+
+impl Visitor<f64> for Ask<'_> {
+    type Output = Option<f64>;
+    fn visit<S: Sampler<f64>>(self, sampler: S) -> Option<f64>
+    where
+        S::Point: FromCoordinates<f64>,
+    {
+        S::Point::from_coordinates(&self.0.x).map(|x| sampler.pdf(&x).value())
+    }
+}
+
+#[test]
+fn queries_have_the_density_of_the_reference() {
+    let mut failed = Vec::new();
+    for query in &Reference::load().queries {
+        // A direction off the unit sphere cannot even be written down.
+        let found = visit::<f64, _>(&query.inputs, Ask(query));
+        let right = match found {
+            None => query.pdf == 0.0,
+            Some(p) if query.pdf.is_infinite() => p == query.pdf,
+            Some(p) if query.pdf == 0.0 => p == 0.0,
+            Some(p) => (p - query.pdf).abs() <= TOLERANCE * query.pdf,
+        };
+        if !right {
+            failed.push(format!("density {found:?} at {query:?}"));
+        }
+    }
+    assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
+}
+
+#[test]
+fn directions_off_the_sphere_cannot_be_made() {
+    let queries = Reference::load().queries;
+    let directions = queries.iter().filter(|q| (60..=64).contains(&q.inputs.row));
+    let mut refused = 0;
+    for q in directions {
+        let length = q.x.iter().map(|c| c * c).sum::<f64>();
+        let made = Direction::try_new(q.x[0], q.x[1], q.x[2]).is_some();
+        assert_eq!(made, (length - 1.0).abs() < 1e-14, "{q:?}");
+        refused += usize::from(!made);
+    }
+    assert!(refused > 20);
+}
+
+#[test]
+fn every_row_has_reference_values() {
+    let reference = Reference::load();
+    for row in ROWS {
+        assert!(reference.points.iter().any(|p| p.inputs.row == row), "row {row}");
+        assert!(reference.queries.iter().any(|p| p.inputs.row == row), "row {row}");
+    }
+    assert!(reference.points.iter().all(|p| ROWS.contains(&p.inputs.row)));
+}
+
+struct Mutated<'a>(&'a PointEntry);
+
+impl Visitor<f64> for Mutated<'_> {
+    type Output = Errors;
+    fn visit<S: Sampler<f64>>(self, sampler: S) -> Errors
+    where
+        S::Point: FromCoordinates<f64>,
+    {
+        errors_of::<f64, _>(self.0, OnePercentOff(sampler))
+    }
+}
+
+#[test]
+fn a_density_off_by_one_percent_fails_the_comparison_in_every_row() {
+    let reference = Reference::load();
+    for row in ROWS {
+        let entries = reference.points.iter().filter(|p| p.inputs.row == row);
+        let (mut noticed, mut positive) = (0, 0);
+        for entry in entries.filter(|p| p.pdf > f64::MIN_POSITIVE && p.pdf.is_finite()) {
+            let found = failures(entry, visit::<f64, _>(&entry.inputs, Mutated(entry)));
+            noticed += usize::from(found.iter().any(|f| f.contains(" pdf(x)")))
+                & usize::from(found.iter().any(|f| f.contains("sample.pdf()")));
+            positive += 1;
+        }
+        assert_eq!(noticed, positive, "row {row}");
+    }
+}
+
+/// The battery in both precisions, for several values of the parameters. Its samplers are the
+/// catalogue's, its seeds fixed; one seed in a million would make a right sampler fail.
+macro_rules! batteries {
+    ($($name:ident: $($sampler:expr),+;)*) => {
+        $(mod $name {
+            use super::*;
+            #[test]
+            fn double_precision() {
+                $(battery::check(&$sampler).assert_ok();)+
+            }
+            #[test]
+            fn single_precision() {
+                $(battery::check_f32(&$sampler).assert_ok();)+
+            }
+        })*
+    };
+}
+
+batteries! {
+    row_1_affine: affine(-2.0, 3.0), affine(3.0, -2.0), affine(0.25, 0.5);
+    row_2_power: power(1.0), power(2.5), power(7.0), power(0.75);
+    row_3_exponential: exponential(1.0), exponential(0.05), exponential(30.0);
+    row_4_truncated_exponential: truncated_exponential(1.7, 2.0), truncated_exponential(-3.0, 1.0);
+    row_5_linear: right(linear(1.0, 4.0)), right(linear(3.0, 0.5)), right(linear(0.0, 1.0)),
+        right(linear(2.0, 2.0));
+    row_18_weibull: weibull(2.0, 1.6), weibull(1.0, 2.0), weibull(0.5, 1.0), weibull(1.0, 5.0);
+    row_19_gumbel: gumbel(0.0, 1.0), gumbel(-2.0, 0.3);
+    row_23_softplus_logistic: softplus_logistic();
+    row_42_polar_disk: polar_disk(1.0), polar_disk(20.0), polar_disk(0.125);
+    row_57_affine_logistics: affine_logistics(1.0, 0.5, -0.25, 2.0, 0.125, -0.25),
+        affine_logistics(0.5, 0.0, 0.75, -1.0, 3.0, 0.0);
+    row_60_uniform_sphere: uniform_sphere();
+    row_61_equirectangular: equirectangular();
+    row_62_uniform_hemisphere: uniform_hemisphere();
+    row_63_cosine_hemisphere: cosine_hemisphere();
+    row_64_power_cosine: power_cosine(1.0), power_cosine(20.0), power_cosine(0.0),
+        power_cosine(3.7);
+    row_93_sphere_surface: sphere_surface(Vec3::new(1.0, 2.0, 3.0), 2.5),
+        sphere_surface(Vec3::new(-40.0, 0.0, 7.0), 0.5);
+    row_107_height_field: height_field(0.75), height_field(-2.0);
+}
+
+fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
+    made.expect("the parameters are in their domain")
+}
+
+#[test]
+fn densities_on_surfaces_integrate_to_one() {
+    let sphere = sphere_surface(Vec3::new(1.0, 2.0, 3.0), 2.5);
+    let around = |t: &[f64]| {
+        let (theta, phi) = (PI * t[0], TAU * t[1]);
+        let r = 2.5 * theta.sin();
+        Surface::new(1.0 + r * phi.cos(), 2.0 + r * phi.sin(), 3.0 + 2.5 * theta.cos())
+    };
+    Battery::<_, f64>::new(&sphere).parametrised(around).run().assert_ok();
+    assert!(!Battery::<_, f64>::new(&OnePercentOff(sphere)).parametrised(around).run().is_ok());
+    let over = |t: &[f64]| Surface::new(t[0], t[1], 0.75 * (PI * t[0]).sin() * (PI * t[1]).sin());
+    Battery::<_, f64>::new(&height_field(0.75)).parametrised(over).run().assert_ok();
+    let off = OnePercentOff(height_field(0.75));
+    assert!(!Battery::<_, f64>::new(&off).parametrised(over).run().is_ok());
+}
+
+#[test]
+fn a_density_off_by_one_percent_fails_the_battery() {
+    let fails = |report: battery::Report| assert!(!report.is_ok(), "{report}");
+    fails(battery::check(&OnePercentOff(affine(-2.0, 3.0))));
+    fails(battery::check(&OnePercentOff(power(2.5))));
+    fails(battery::check(&OnePercentOff(exponential(1.0))));
+    fails(battery::check(&OnePercentOff(truncated_exponential(1.7, 2.0))));
+    fails(battery::check(&OnePercentOff(right(linear(1.0, 4.0)))));
+    fails(battery::check(&OnePercentOff(weibull(2.0, 1.6))));
+    fails(battery::check(&OnePercentOff(gumbel(0.0, 1.0))));
+    fails(battery::check(&OnePercentOff(softplus_logistic())));
+    fails(battery::check(&OnePercentOff(polar_disk(1.0))));
+    fails(battery::check(&OnePercentOff(affine_logistics(1.0, 0.5, -0.25, 2.0, 0.125, -0.25))));
+    fails(battery::check(&OnePercentOff(uniform_sphere())));
+    fails(battery::check(&OnePercentOff(equirectangular())));
+    fails(battery::check(&OnePercentOff(uniform_hemisphere())));
+    fails(battery::check(&OnePercentOff(cosine_hemisphere())));
+    fails(battery::check(&OnePercentOff(power_cosine(20.0))));
+    fails(battery::check_f32(&OnePercentOff(cosine_hemisphere())));
+}
