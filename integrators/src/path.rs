@@ -1,6 +1,8 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::{Arena, Estimator, Pcg32, PowerHeuristic, Sobol, UniformSource, combine};
+use aether_core::{
+    Arena, Estimator, Pcg32, PowerHeuristic, Sobol, Strategy, UniformSource, combine,
+};
 use glam::Vec3;
 
 use crate::render::{AnyKernel, Worker};
@@ -8,7 +10,8 @@ use crate::scene::{SamplerKind, Scene};
 
 use crate::integrand::Radiance;
 use crate::strategies::{
-    PathStrategies, Pixel, sample_bsdf, sample_camera, sample_camera_direction, sample_light,
+    PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
+    sample_camera_direction, sample_light,
 };
 use crate::vertex::SceneVertex;
 use crate::world::World;
@@ -27,20 +30,38 @@ pub struct PathSettings {
 /// The paths of one sample.
 pub type PathArena<'a> = Arena<SceneVertex, PathStrategies<'a>>;
 
+/// The strategies that a path is extended with: how to scatter, and how to reach a light.
+#[derive(Clone, Copy, Debug)]
+pub struct Techniques<B, L> {
+    /// Continues a path by scattering.
+    pub scatter: B,
+    /// Ends a path on a light.
+    pub light: L,
+}
+
 /// One estimate of the radiance that a pixel receives.
-pub fn radiance<'a>(
+///
+/// `S` is the set of strategies that the paths are made of; a user's own set and his own
+/// [`Techniques`] work as well as the renderer's.
+pub fn radiance<'a, S, B, L>(
     world: &'a World<'a>,
     settings: &PathSettings,
-    arena: &PathArena<'a>,
+    techniques: &Techniques<B, L>,
+    arena: &Arena<SceneVertex, S>,
     uniforms: &mut impl UniformSource<f32>,
     pixel: Pixel,
-) -> Vec3 {
+) -> Vec3
+where
+    S: Strategy<SceneVertex> + From<SampleCamera<'a, 'a>> + From<SampleCameraDirection<'a, 'a>>,
+    B: Clone + Into<S>,
+    L: Clone + Into<S>,
+{
     let longest = settings.max_depth.map_or(usize::MAX, |d| d as usize);
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel)).sample(uniforms);
     while camera.is_complete() && camera.size() <= longest {
-        camera.append(sample_bsdf(world, settings.rr_depth)).sample(uniforms);
+        camera.append(techniques.scatter.clone()).sample(uniforms);
     }
 
     let estimator = Estimator::paths(Radiance::new(world, pixel));
@@ -52,7 +73,7 @@ pub fn radiance<'a>(
         // The path that scattering found, and the one that goes to a light instead.
         let scattered = camera.slice(0..length + 1);
         let mut direct = camera.slice(0..length);
-        direct.append(sample_light(world)).sample(uniforms);
+        direct.append(techniques.light.clone()).sample(uniforms);
         radiance += estimator.sum(combine::<PowerHeuristic, _>([scattered, direct]));
     }
     radiance
@@ -78,7 +99,10 @@ impl<'s> PathTracer<'s> {
         pixel: Pixel,
     ) -> [f32; 3] {
         arena.clear();
-        radiance(&self.world, &self.settings, arena, uniforms, pixel).to_array()
+        let world = &self.world;
+        let scatter = sample_bsdf(world, self.settings.rr_depth);
+        let techniques = Techniques { scatter, light: sample_light(world) };
+        radiance(world, &self.settings, &techniques, arena, uniforms, pixel).to_array()
     }
 }
 
