@@ -46,6 +46,12 @@ impl<R: Scalar> Bounded<R> {
         Self::result(value, carried)
     }
 
+    /// A result that cannot be further off than the width of its range.
+    #[inline]
+    fn capped(self, width: R) -> Self {
+        Bounded { value: self.value, error: self.error.min(width) }
+    }
+
     /// A function whose derivative blows up at an end of its domain (a square root at zero, an
     /// inverse cosine at one): the error is the secant over the interval of uncertainty.
     #[inline]
@@ -211,10 +217,18 @@ impl<R: Scalar> Real for Bounded<R> {
         self.function(self.value.powi(exponent), slope)
     }
     #[inline]
+    fn sin(self) -> Self {
+        self.function(self.value.sin(), self.value.cos()).capped(R::of(2.0))
+    }
+    #[inline]
+    fn cos(self) -> Self {
+        self.function(self.value.cos(), self.value.sin()).capped(R::of(2.0))
+    }
+    #[inline]
     fn atan2(self, x: Self) -> Self {
         let radius2 = self.value * self.value + x.value * x.value;
         let carried = (x.value.abs() * self.error + self.value.abs() * x.error) / radius2;
-        Self::result(self.value.atan2(x.value), carried)
+        Self::result(self.value.atan2(x.value), carried).capped(R::of(7.0))
     }
     #[inline]
     fn hypot(self, other: Self) -> Self {
@@ -223,8 +237,6 @@ impl<R: Scalar> Real for Bounded<R> {
     smooth! {
         exp: |x| x.exp();
         exp_m1: |x| x.exp();
-        sin: |x| x.cos();
-        cos: |x| x.sin();
         tan: |x| R::ONE + x.tan() * x.tan();
         atan: |x| R::ONE / (R::ONE + x * x);
         sinh: |x| x.cosh();

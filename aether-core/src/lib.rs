@@ -1,29 +1,58 @@
 //! Sampling functions with derived inverses, Jacobians and densities.
+//!
+//! Write how to sample, as a function of uniforms; the attribute [`macro@sampler`] derives a random
+//! variable from it:
+//!
+//! ```
+//! use aether_core::prelude::*;
+//!
+//! /// Free flight through a homogeneous medium.
+//! #[sampler(extinction in 1e-3..=1e3)]
+//! fn free_flight(u: [Uniform; 1], extinction: f64) -> f64 {
+//!     -(-u[0]).ln_1p() / extinction
+//! }
+//!
+//! let flight = free_flight(2.0).expect("2 lies in the declared domain");
+//! let t = flight.sample([0.5]);
+//! assert!((flight.pdf(&t).value() - 2.0 * (-2.0 * t.value()).exp()).abs() < 1e-15);
+//! ```
+//!
+//! Where things are:
+//!
+//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`discrete`](mod@discrete);
+//! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
+//! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
+//! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
+//!   [`path_density`];
+//! - uniform random numbers: [`uniform`];
+//! - checks for any sampler, in one line: [`battery`].
+//!
+//! This crate knows nothing of rendering.
 
 #![forbid(unsafe_code)]
 
 // Emitted code names this crate by its path, also inside it.
 extern crate self as aether_core;
 
+pub mod battery;
 pub mod bounded;
 pub mod combine;
 pub mod density;
+pub mod discrete;
 pub mod estimator;
 pub mod forms;
-pub mod path_density;
-pub mod sequence;
-pub mod strategy;
-pub mod battery;
-pub mod discrete;
-pub mod uniform;
 pub mod map;
+pub mod path_density;
 pub mod point;
 pub mod preimages;
 pub mod real;
 pub mod sampler;
-pub mod vec;
+pub mod sequence;
+pub mod strategy;
 #[doc(hidden)]
 pub mod support;
+pub mod uniform;
+pub mod vec;
 
 pub use aether_macros::{map, sampler, strategy};
 pub use combine::{
@@ -32,6 +61,9 @@ pub use combine::{
 pub use density::{
     Area, Counting, Density, Hausdorff, Length, Measure, Product, SolidAngle, Volume,
 };
+pub use discrete::{
+    Bernoulli, Choice, Choices, Discrete, WeightError, coin, discrete, discrete_weighted,
+};
 pub use estimator::{Estimator, PathIntegrand, Value};
 pub use map::{Map, Then};
 pub use path_density::PathDensity;
@@ -39,7 +71,6 @@ pub use point::{Curve, Direction, Embedded, Point, Surface, SurfaceId, SurfacePo
 pub use preimages::Preimages;
 pub use real::{Mask, Real, Scalar};
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
-pub use discrete::{Bernoulli, Choice, Choices, Discrete, WeightError, coin, discrete, discrete_weighted};
 pub use sequence::{Arena, PathView, RandomSequence};
 pub use strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
@@ -48,11 +79,11 @@ pub use vec::{Frame, Mat3, Vec2, Vec3};
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.
 pub mod prelude {
     pub use crate::forms::{choose, constant, draw, given, stop};
-    pub use aether_macros::{map, sampler, strategy};
     pub use crate::{
-        Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point, Real,
-        Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2, Vec3,
-        Volume,
+        Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,
+        Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2,
+        Vec3, Volume,
     };
+    pub use aether_macros::{map, sampler, strategy};
     pub use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};
 }

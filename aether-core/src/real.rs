@@ -1,7 +1,7 @@
 //! The scalar that emitted code is generic over.
 
-use core::fmt::Debug;
 use crate::bounded::Bounded;
+use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// The result of comparing two [`Real`]s: `bool` for scalars, one truth value a lane for lanes.

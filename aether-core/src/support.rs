@@ -15,6 +15,31 @@ pub fn turn<R: Real>(angle: R) -> R {
     R::select(out, wrapped, angle)
 }
 
+/// sin(π x + quarter · π / 2), with x reduced exactly to an eighth of a turn first.
+#[inline(always)]
+fn half_turns<R: Real>(x: R, quarter: f64) -> R {
+    let n = (x + x + R::of(0.5)).floor();
+    let r = R::of(core::f64::consts::PI) * (x - n * R::of(0.5));
+    let k = n + R::of(quarter);
+    let odd = (k - R::of(2.0) * (k * R::of(0.5)).floor()).ge(R::of(0.5));
+    let half = (k * R::of(0.5)).floor();
+    let minus = (half - R::of(2.0) * (half * R::of(0.5)).floor()).ge(R::of(0.5));
+    let v = R::select(odd, r.cos(), r.sin());
+    R::select(minus, -v, v)
+}
+
+/// sin(π x), accurate near its zeros.
+#[inline(always)]
+pub fn sin_pi<R: Real>(x: R) -> R {
+    half_turns(x, 0.0)
+}
+
+/// cos(π x), accurate near its zeros.
+#[inline(always)]
+pub fn cos_pi<R: Real>(x: R) -> R {
+    half_turns(x, 1.0)
+}
+
 /// Whether every number is in [0, 1).
 #[inline(always)]
 pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
@@ -87,4 +112,26 @@ pub fn leads_back<R: Real, const N: usize, const M: usize>(
 pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> bool {
     let near = |x: &R, y: &R| (x.to_f64() - y.to_f64()).abs() <= 64.0 * R::EPSILON.to_f64();
     a.iter().zip(b).all(|(x, y)| near(x, y))
+}
+
+/// The map at `u`; where a uniform of exactly zero leads to 0/0, its limit from inside.
+#[inline(always)]
+pub fn closed<R: Real, const N: usize, const M: usize>(
+    u: &[R; N],
+    forward: impl Fn(&[R; N]) -> [R; M],
+) -> [R; M] {
+    let x = forward(u);
+    if finite::<R>(&x).any() { x } else { from_inside(u, x, forward) }
+}
+
+#[cold]
+fn from_inside<R: Real, const N: usize, const M: usize>(
+    u: &[R; N],
+    x: [R; M],
+    forward: impl Fn(&[R; N]) -> [R; M],
+) -> [R; M] {
+    // Far below any uniform that a generator makes, far above what underflows when squared.
+    let tiny = R::EPSILON * R::EPSILON * R::EPSILON * R::EPSILON;
+    let limit = forward(&u.map(|u| R::select(u.gt(R::ZERO), u, tiny)));
+    core::array::from_fn(|i| R::select(x[i].finite().or(x[i].ge(x[i])), x[i], limit[i]))
 }

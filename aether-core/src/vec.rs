@@ -143,7 +143,6 @@ impl<R: Real> Mat3<R> {
             Vec3::new(self.x.z, self.y.z, self.z.z),
         )
     }
-
 }
 
 /// An orthonormal matrix: its columns are the axes of a local frame, its transpose its inverse.

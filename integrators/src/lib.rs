@@ -1,5 +1,11 @@
 //! Light transport algorithms composed from Aether strategies, and what the `aether` renderer
 //! needs around them.
+//!
+//! A file becomes a [`scene`], the scene a [`world`] that strategies can sample. [`samplers`] and
+//! [`strategies`] say how paths are made, [`integrand`] what is integrated, and [`path`] puts them
+//! together; none of the three knows of the others' business, and no density is written by hand.
+//! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, and
+//! [`cli`] is the program.
 
 pub mod cli;
 pub mod image;

@@ -6,4 +6,10 @@ pub mod catalogue;
 pub mod errors;
 pub mod mutation;
 pub mod reference;
+pub mod renders;
 pub mod rows;
+
+/// The front page: its examples are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

@@ -54,8 +54,8 @@ impl World {
                     next[0][i + 1] += c / (2.0 * (n + 2.0));
                     // (1 - w)^j
                     let mut binomial = 1.0;
-                    for k in 0..=j {
-                        next[k][i] += self.mirror * c * binomial;
+                    for (k, row) in next.iter_mut().enumerate().take(j + 1) {
+                        row[i] += self.mirror * c * binomial;
                         binomial *= -((j - k) as f64) / (k + 1) as f64;
                     }
                 }

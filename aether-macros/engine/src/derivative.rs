@@ -77,6 +77,12 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
             let s = g.call(Fun::Sin, &[a]);
             g.neg(s)
         }
+        Fun::SinPi | Fun::CosPi => {
+            let other = g.call(if f == Fun::SinPi { Fun::CosPi } else { Fun::SinPi }, &[a]);
+            let pi = g.pi();
+            let d = g.mul(pi, other);
+            if f == Fun::SinPi { d } else { g.neg(d) }
+        }
         Fun::Tan => {
             let c = g.call(Fun::Cos, &[a]);
             g.powi(c, -2)

@@ -9,7 +9,7 @@ use crate::jacobian::{Source, cost, simplify, volume};
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, map_points, sampler_points};
 use crate::solve::{Solution, solve};
-use crate::stabilise::{Inputs, stabilise, truths, worst_error};
+use crate::stabilise::{Inputs, stabilise, stabilise_point, truths, worst_error};
 
 /// What the type of the result guarantees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,12 +93,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
 
     let unknown_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, true)).collect();
     let out_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, false)).collect();
-    let forward: Vec<Id> = problem
-        .outputs
-        .clone()
-        .iter()
-        .map(|&f| stabilise(&mut problem.graph, f, &unknown_points))
-        .collect();
+    let outputs = problem.outputs.clone();
+    let forward = stabilise_point(&mut problem.graph, &outputs, &unknown_points);
     let own = pick_volume(problem, &volumes, &unknown_points);
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;

@@ -149,5 +149,7 @@ fn name(f: Fun) -> &'static str {
         Fun::Sign => "sign",
         Fun::Atan2 => "atan2",
         Fun::Turn => "turn",
+        Fun::SinPi => "sinpi",
+        Fun::CosPi => "cospi",
     }
 }

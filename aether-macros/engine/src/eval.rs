@@ -95,6 +95,8 @@ fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
         Fun::Asinh => a.asinh(),
         Fun::Acosh => a.acosh(),
         Fun::Atanh => a.atanh(),
+        Fun::SinPi => half_turns(a, 0),
+        Fun::CosPi => half_turns(a, 1),
         Fun::Abs => a.abs(),
         Fun::Sign => T::from_f64(if a.to_f64() < 0.0 { -1.0 } else { 1.0 }),
         Fun::Atan2 => a.atan2(b.unwrap_or(a)),
@@ -106,5 +108,20 @@ fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
                 a
             }
         }
+    }
+}
+
+/// sin(π x + quarter · π / 2), with x reduced exactly first.
+fn half_turns<T: Number>(x: T, quarter: i64) -> T {
+    let two = T::from_f64(2.0);
+    let half = T::from_f64(0.5);
+    let n = (x * two + half).floor();
+    let r = T::pi() * (x - n * half);
+    let k = (n.to_f64() as i64 + quarter).rem_euclid(4);
+    match k {
+        0 => r.sin(),
+        1 => r.cos(),
+        2 => -r.sin(),
+        _ => -r.cos(),
     }
 }

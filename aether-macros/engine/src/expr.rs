@@ -39,6 +39,10 @@ pub enum Fun {
     Sign,
     /// atan2(y, x), in [-π, π].
     Atan2,
+    /// Sine of a multiple of π: sin(π x), accurate near its zeros.
+    SinPi,
+    /// Cosine of a multiple of π: cos(π x), accurate near its zeros.
+    CosPi,
     /// An angle brought into [0, 2π) by adding a multiple of 2π.
     Turn,
 }
@@ -404,6 +408,7 @@ impl Graph {
                 self.collect_factor(&mut collect, e, one);
             }
         }
+        self.absorb(&mut collect);
         let mut list = Vec::new();
         let mut again = Vec::new();
         for (base, exps) in std::mem::take(&mut collect.factors) {
@@ -433,6 +438,35 @@ impl Graph {
             body
         } else {
             self.sum(Q::ZERO, &[(collect.coefficient, body)])
+        }
+    }
+
+    /// (x / l)^k · l / x = (x / l)^(k - 1): factors that are an integer power of a grouped base.
+    fn absorb(&mut self, collect: &mut Collect) {
+        let groups: Vec<Id> = collect
+            .factors
+            .keys()
+            .copied()
+            .filter(|b| matches!(self.node(*b), Node::Product(_)))
+            .collect();
+        for group in groups {
+            let Node::Product(members) = self.node(group).clone() else { continue };
+            let mut power: Option<Q> = None;
+            let fits = members.iter().all(|(b, e)| {
+                let have = collect.factors.get(b).map(|es| self.sum(Q::ZERO, es));
+                let ratio = have.and_then(|h| self.as_number(h)?.mul(self.as_number(*e)?.recip()?));
+                let same = ratio
+                    .is_some_and(|r| r.is_int() && !r.is_zero() && power.is_none_or(|p| p == r));
+                power = ratio;
+                same
+            });
+            if let (true, Some(p)) = (fits, power) {
+                for (b, _) in &members {
+                    collect.factors.remove(b);
+                }
+                let p = self.number(p);
+                collect.push(group, p);
+            }
         }
     }
 

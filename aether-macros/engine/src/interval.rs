@@ -106,7 +106,8 @@ impl Interval {
             {
                 Interval::new(0.0, 1.0)
             }
-            Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
+            Fun::SinPi if self.lo >= 0.0 && self.hi <= 1.0 => Interval::new(0.0, 1.0),
+            Fun::SinPi | Fun::CosPi | Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
             Fun::Tan if self.lo >= 0.0 && self.hi <= std::f64::consts::FRAC_PI_2 => {
                 Interval::POSITIVE
             }

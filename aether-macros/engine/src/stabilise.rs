@@ -54,84 +54,140 @@ pub fn stabilise(g: &mut Graph, id: Id, points: &[Inputs]) -> Id {
     if worst_error(g, id, &truth, points) <= GOOD {
         return id;
     }
-    rebuild(g, id, points, &mut HashMap::new(), 3)
+    Search { points, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
 }
 
-fn rebuild(g: &mut Graph, id: Id, points: &[Inputs], memo: &mut HashMap<Id, Id>, depth: u8) -> Id {
-    if let Some(&r) = memo.get(&id) {
-        return r;
+/// The coordinates of a point, each with every part in its most accurate form, if the point as a
+/// whole needs it: an error counts relative to the length of the vector.
+pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], points: &[Inputs]) -> Vec<Id> {
+    let truth: Vec<Vec<f64>> = coordinates.iter().map(|&c| truths(g, c, points)).collect();
+    let worst = points.iter().enumerate().map(|(k, inputs)| {
+        let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
+        let mut e = Evaluator::<f64>::new(g, &at);
+        let norm = truth.iter().map(|t| t[k] * t[k]).sum::<f64>().sqrt();
+        let error = coordinates
+            .iter()
+            .zip(&truth)
+            .map(|(&c, t)| (e.value(c) - t[k]).abs())
+            .fold(0.0, nan_max);
+        if error == 0.0 || !norm.is_finite() { 0.0 } else { error / norm }
+    });
+    if worst.fold(0.0, nan_max) <= GOOD {
+        return coordinates.to_vec();
     }
-    let rebuilt = match g.node(id).clone() {
-        Node::Sum(c, terms) => {
-            let t: Vec<_> =
-                terms.iter().map(|&(q, t)| (q, rebuild(g, t, points, memo, depth))).collect();
-            g.sum(c, &t)
-        }
-        Node::Product(f) => {
-            let f: Vec<_> =
-                f.iter().map(|&(b, e)| (rebuild(g, b, points, memo, depth), e)).collect();
-            g.product(&f)
-        }
-        Node::Call(f, args) => {
-            let a: Vec<_> = args.iter().map(|&a| rebuild(g, a, points, memo, depth)).collect();
-            g.call(f, &a)
-        }
-        _ => id,
-    };
-    let best = best_form(g, id, rebuilt, points, depth);
-    memo.insert(id, best);
-    best
+    let mut search = Search { points, turns: false, memo: HashMap::new() };
+    coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
 }
 
-fn best_form(g: &mut Graph, original: Id, rebuilt: Id, points: &[Inputs], depth: u8) -> Id {
-    let truth = truths(g, original, points);
-    let mut best = original;
-    let mut error = worst_error(g, original, &truth, points);
-    if rebuilt != original {
-        let e = worst_error(g, rebuilt, &truth, points);
-        if e < error {
-            (best, error) = (rebuilt, e);
-        }
-    }
-    if error <= GOOD || depth == 0 {
-        return best;
-    }
-    for form in forms(g, original) {
-        // The parts of a new form deserve a look of their own.
-        let form = rebuild_children(g, form, points, depth - 1);
-        let e = worst_error(g, form, &truth, points);
-        if e < error / 4.0 || (e <= error && cost(g, form) < cost(g, best)) {
-            (best, error) = (form, e);
-        }
-        if error <= GOOD {
-            break;
-        }
-    }
-    best
+/// The larger of two errors; not a number is the largest of all.
+fn nan_max(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
-fn rebuild_children(g: &mut Graph, form: Id, points: &[Inputs], depth: u8) -> Id {
-    let mut memo = HashMap::new();
-    match g.node(form).clone() {
-        Node::Product(f) => {
-            let f: Vec<_> =
-                f.iter().map(|&(b, e)| (rebuild(g, b, points, &mut memo, depth), e)).collect();
-            g.product(&f)
+/// A search for better forms.
+struct Search<'a> {
+    points: &'a [Inputs],
+    /// Whether sines and cosines of fractions of a turn may be taken as such.
+    turns: bool,
+    memo: HashMap<Id, Id>,
+}
+
+/// How inaccurate a form is: mean number of lost bits, and the worst error.
+fn loss(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> (f64, f64) {
+    let (mut bits, mut worst) = (0.0, 0.0f64);
+    for (inputs, &t) in points.iter().zip(truth) {
+        if !t.is_finite() {
+            continue;
         }
-        Node::Call(f, args) => {
-            let a: Vec<_> = args.iter().map(|&a| rebuild(g, a, points, &mut memo, depth)).collect();
-            g.call(f, &a)
+        let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
+        let v = Evaluator::<f64>::new(g, &at).value(form);
+        let e = if v == t { 0.0 } else { ((v - t) / t).abs() };
+        let e = if e.is_finite() { e } else { 1e300 };
+        bits += libm::log2(1.0 + e / f64::EPSILON);
+        worst = worst.max(e);
+    }
+    (bits / truth.len().max(1) as f64, worst)
+}
+
+impl Search<'_> {
+    fn rebuild(&mut self, g: &mut Graph, id: Id, depth: u8) -> Id {
+        if let Some(&r) = self.memo.get(&id) {
+            return r;
         }
-        Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => {
-            let t = rebuild_children(g, terms[0].1, points, depth);
-            g.sum(c, &[(terms[0].0, t)])
+        let rebuilt = match g.node(id).clone() {
+            Node::Sum(c, terms) => {
+                let t: Vec<_> =
+                    terms.iter().map(|&(q, t)| (q, self.rebuild(g, t, depth))).collect();
+                g.sum(c, &t)
+            }
+            Node::Product(f) => {
+                let f: Vec<_> = f.iter().map(|&(b, e)| (self.rebuild(g, b, depth), e)).collect();
+                g.product(&f)
+            }
+            Node::Call(f, args) => {
+                let a: Vec<_> = args.iter().map(|&a| self.rebuild(g, a, depth)).collect();
+                g.call(f, &a)
+            }
+            _ => id,
+        };
+        let best = self.best_form(g, id, rebuilt, depth);
+        self.memo.insert(id, best);
+        best
+    }
+
+    /// The cheapest among the most accurate forms; a form must be clearly better to be taken.
+    fn best_form(&mut self, g: &mut Graph, original: Id, rebuilt: Id, depth: u8) -> Id {
+        let truth = truths(g, original, self.points);
+        let mut forms = vec![original];
+        if rebuilt != original {
+            forms.push(rebuilt);
         }
-        _ => form,
+        let worst =
+            forms.iter().map(|&f| loss(g, f, &truth, self.points).1).fold(f64::INFINITY, f64::min);
+        if worst > GOOD && depth > 0 {
+            for form in other_forms(g, original, self.turns) {
+                // The parts of a new form deserve a look of their own.
+                forms.push(self.rebuild_children(g, form, depth - 1));
+            }
+        }
+        let scored: Vec<(Id, f64)> =
+            forms.iter().map(|&f| (f, loss(g, f, &truth, self.points).0)).collect();
+        let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
+        scored
+            .iter()
+            .filter(|s| s.1 <= least + 0.4)
+            .min_by_key(|s| cost(g, s.0))
+            .map_or(original, |s| s.0)
+    }
+
+    fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
+        let outer = std::mem::take(&mut self.memo);
+        let r = self.children_of(g, form, depth);
+        self.memo = outer;
+        r
+    }
+
+    fn children_of(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
+        match g.node(form).clone() {
+            Node::Product(f) => {
+                let f: Vec<_> = f.iter().map(|&(b, e)| (self.rebuild(g, b, depth), e)).collect();
+                g.product(&f)
+            }
+            Node::Call(f, args) => {
+                let a: Vec<_> = args.iter().map(|&a| self.rebuild(g, a, depth)).collect();
+                g.call(f, &a)
+            }
+            Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => {
+                let t = self.children_of(g, terms[0].1, depth);
+                g.sum(c, &[(terms[0].0, t)])
+            }
+            _ => form,
+        }
     }
 }
 
 /// Other forms of a node that are equal in exact arithmetic.
-fn forms(g: &mut Graph, id: Id) -> Vec<Id> {
+fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     let mut out = Vec::new();
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
@@ -150,6 +206,13 @@ fn forms(g: &mut Graph, id: Id) -> Vec<Id> {
             {
                 let rest = g.sum(Q::ZERO, &terms);
                 out.push(g.call(Fun::Ln1p, &[rest]));
+            }
+        }
+        Node::Call(f @ (Fun::Sin | Fun::Cos), args) if turns => {
+            let pi = g.pi();
+            let fraction = g.div(args[0], pi);
+            if !crate::expr::children(g.node(fraction)).contains(&pi) {
+                out.push(g.call(if f == Fun::Sin { Fun::SinPi } else { Fun::CosPi }, &[fraction]));
             }
         }
         _ => {}

@@ -81,6 +81,8 @@ impl<'a> Code<'a> {
                         quote!(#a.atan2(#b))
                     }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
+                    Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
+                    Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
                     Fun::Sign => quote!(R::ONE.copysign(#a)),
                     _ => {
                         let method = Ident::new(method(*f), Span::call_site());
@@ -254,6 +256,6 @@ fn method(f: Fun) -> &'static str {
         Fun::Asinh => "asinh",
         Fun::Acosh => "acosh",
         Fun::Atanh => "atanh",
-        Fun::Abs | Fun::Sign | Fun::Turn => "abs",
+        Fun::Abs | Fun::Sign | Fun::Turn | Fun::SinPi | Fun::CosPi => "abs",
     }
 }

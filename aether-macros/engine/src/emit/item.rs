@@ -82,6 +82,10 @@ impl Emitter<'_> {
         let texts = Texts::new(self.problem(), self.derived);
         eprintln!("{}:", self.signature().name);
         eprintln!("  map      ({})", texts.forward);
+        let g = &self.problem().graph;
+        let computed: Vec<String> =
+            self.derived.forward.iter().map(|f| crate::display::show(g, *f)).collect();
+        eprintln!("  computed ({})", computed.join(", "));
         for step in &self.derived.steps {
             eprintln!("  step     {step}");
         }

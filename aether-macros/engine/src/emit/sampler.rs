@@ -9,6 +9,7 @@ use super::item::{Emitter, point, point_type};
 pub fn implementation(e: &Emitter) -> TokenStream {
     let (ty, args) = (e.type_name(), e.generics());
     let n = e.problem().unknowns.len();
+    let m = e.problem().outputs.len();
     let parameters = e.parameters();
     let point_ty = point_type(&e.signature().space);
     let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
@@ -24,7 +25,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             #[inline(always)]
             fn forward(&self, u: [R; #n]) -> (Self::Point, R::Mask) {
                 #parameters
-                let c = forward::<R>(&p, &u);
+                let c = ::aether_core::support::closed::<R, #n, #m>(&u, |u| forward::<R>(&p, u));
                 (#made, exists::<R>(&p, &u))
             }
 
@@ -148,8 +149,12 @@ fn counted(e: &Emitter, k: usize) -> TokenStream {
 
 /// The density of a sample from its uniforms: the Jacobian there, if there is no other preimage.
 fn own_density(e: &Emitter) -> TokenStream {
-    let made =
-        point(&e.signature().space, &quote!(forward::<R>(&p, &u)), e.parsed.identity.as_ref());
+    let (n, m) = (e.problem().unknowns.len(), e.problem().outputs.len());
+    let made = point(
+        &e.signature().space,
+        &quote!(::aether_core::support::closed::<R, #n, #m>(&u, |u| forward::<R>(&p, u))),
+        e.parsed.identity.as_ref(),
+    );
     let through_point = quote!(::aether_core::Sampler::pdf(self, &#made));
     if e.derived.preimages.len() > 1 {
         return through_point;

@@ -1,0 +1,208 @@
+//! The scenes of `tests/scenes`, their reference images, and renders of them.
+
+use std::path::{Path, PathBuf};
+
+use aether_core::{
+    Arena, Conditional, Drawn, PathView, Pcg32, Reads, Strategy, UniformSource, strategies,
+};
+use integrators::image::RgbImage;
+use integrators::image::block_test::{BlockScore, BlockTestOptions, block_scores};
+use integrators::image::exr::Exr;
+use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
+use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
+use integrators::scene::{SamplerKind, Scene};
+use integrators::strategies::{
+    Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
+};
+use integrators::vertex::SceneVertex;
+use integrators::world::World;
+
+fn directory() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Loads `tests/scenes/NAME.xml`.
+///
+/// # Panics
+/// If it cannot be loaded.
+pub fn scene(name: &str) -> Scene {
+    let path = directory().join("scenes").join(name).with_extension("xml");
+    Scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What a render of a scene should converge to, with the variance of the mean of each pixel.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// The expected image.
+    pub rgb: RgbImage,
+    /// Its uncertainty; zero where the answer is known exactly.
+    pub variance: RgbImage,
+}
+
+impl Reference {
+    /// The stored image of a scene.
+    ///
+    /// # Panics
+    /// If it cannot be read or has no variance.
+    pub fn stored(name: &str) -> Self {
+        let path = directory().join("reference/renders").join(name).with_extension("exr");
+        let exr = Exr::read(Path::new(&path)).unwrap_or_else(|error| panic!("{error}"));
+        let variance = exr.variance.unwrap_or_else(|| panic!("{name} has no variance"));
+        Reference { rgb: exr.rgb, variance }
+    }
+
+    /// The same exact answer in each of the 64x64 pixels.
+    pub fn constant(value: [f32; 3]) -> Self {
+        let image = |value| RgbImage::filled(64, 64, value);
+        Reference { rgb: image(value), variance: image([0.0; 3]) }
+    }
+}
+
+/// The settings that a scene asks for.
+pub fn settings(scene: &Scene) -> PathSettings {
+    let integrator = &scene.integrator;
+    PathSettings {
+        max_depth: integrator.max_depth,
+        rr_depth: integrator.rr_depth,
+        hide_emitters: integrator.hide_emitters,
+    }
+}
+
+/// Renders with a kernel: so many samples for each pixel, on so many threads (`None`: all cores).
+///
+/// # Panics
+/// If a sample is not finite.
+pub fn film(kernel: &dyn AnyKernel, scene: &Scene, samples: u32, threads: Option<usize>) -> Film {
+    let size = (scene.film.width, scene.film.height);
+    let budget = Budget::Samples(samples);
+    let rendered = render(kernel, &RenderSettings { size, budget, threads }, &());
+    assert_eq!(rendered.invalid_samples, 0, "samples that are NaN or infinite");
+    rendered.film
+}
+
+/// Renders with the path tracer as the program does.
+pub fn path_traced(
+    name: &str,
+    sampler: SamplerKind,
+    samples: u32,
+    threads: Option<usize>,
+    seed: u64,
+) -> Film {
+    let mut scene = scene(name);
+    scene.sampler.kind = sampler;
+    film(&PathTracer::new(&scene, settings(&scene), seed), &scene, samples, threads)
+}
+
+/// Scores the blocks of 8x8 pixels of a render, and its mean as a whole.
+///
+/// # Panics
+/// If the sizes differ or a pixel has fewer than two samples.
+pub fn scores(film: &Film, reference: &Reference) -> Vec<BlockScore> {
+    let image = film.image();
+    let variance = film.variance().expect("two samples a pixel");
+    let whole = image.width().max(image.height());
+    let score = |block| {
+        let options = BlockTestOptions { block, ..BlockTestOptions::default() };
+        block_scores(&image, &variance, &reference.rgb, &reference.variance, &options)
+            .unwrap_or_else(|error| panic!("{error}"))
+    };
+    [score(8), score(whole)].concat()
+}
+
+/// A strategy whose densities are wrong by a constant factor.
+#[derive(Clone, Copy, Debug)]
+pub struct Misjudged<S> {
+    /// What draws the vertices.
+    pub strategy: S,
+    /// By what its densities are multiplied.
+    pub factor: f32,
+}
+
+impl<S: Strategy<SceneVertex>> Strategy<SceneVertex> for Misjudged<S> {
+    fn sample<U: UniformSource<f32> + ?Sized>(
+        &self,
+        path: PathView<'_, SceneVertex>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<SceneVertex>> {
+        let drawn = self.strategy.sample(path, uniforms)?;
+        Some(Drawn { value: drawn.value.map(|p| p * self.factor), ..drawn })
+    }
+
+    fn pdf(&self, path: PathView<'_, SceneVertex>, target: &SceneVertex) -> Conditional<f32> {
+        let right = self.strategy.pdf(path, target);
+        Conditional { value: right.value * self.factor, ..right }
+    }
+
+    fn reads(&self) -> Reads {
+        self.strategy.reads()
+    }
+
+    fn same(&self, other: &Self) -> bool {
+        self.factor == other.factor && self.strategy.same(&other.strategy)
+    }
+}
+
+strategies! {
+    /// The strategies of the path tracer, two of them with densities that may be wrong.
+    #[derive(Clone)]
+    pub enum MisjudgedStrategies<'a> for SceneVertex {
+        /// The pinhole.
+        Camera(SampleCamera<'a, 'a>),
+        /// What the camera sees.
+        CameraDirection(SampleCameraDirection<'a, 'a>),
+        /// Scattering.
+        Bsdf(Misjudged<SampleBsdf<'a, 'a>>),
+        /// Next-event estimation.
+        Light(Misjudged<SampleLight<'a, 'a>>),
+    }
+}
+
+/// The path tracer with factors on the densities of scattering and of light sampling. With factors
+/// of one it is the path tracer.
+pub struct MisjudgingTracer<'s> {
+    world: World<'s>,
+    settings: PathSettings,
+    seed: u64,
+    /// The error of the density of scattering.
+    pub scatter_factor: f32,
+    /// The error of the density of light sampling.
+    pub light_factor: f32,
+}
+
+impl<'s> MisjudgingTracer<'s> {
+    /// A tracer of independent samples, right until a factor is changed.
+    pub fn new(scene: &'s Scene, seed: u64) -> Self {
+        MisjudgingTracer {
+            world: World::new(scene),
+            settings: settings(scene),
+            seed,
+            scatter_factor: 1.0,
+            light_factor: 1.0,
+        }
+    }
+
+    fn sample<'a>(
+        &'a self,
+        arena: &mut Arena<SceneVertex, MisjudgedStrategies<'a>>,
+        pixel: Pixel,
+        sample: u32,
+    ) -> [f32; 3] {
+        arena.clear();
+        let world = &self.world;
+        let scatter = sample_bsdf(world, self.settings.rr_depth);
+        let techniques = Techniques {
+            scatter: Misjudged { strategy: scatter, factor: self.scatter_factor },
+            light: Misjudged { strategy: sample_light(world), factor: self.light_factor },
+        };
+        let stream = u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
+        let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+        radiance(world, &self.settings, &techniques, arena, &mut uniforms, pixel).to_array()
+    }
+}
+
+impl AnyKernel for MisjudgingTracer<'_> {
+    fn worker(&self) -> Worker<'_> {
+        let mut arena = Arena::new();
+        Box::new(move |pixel, sample| self.sample(&mut arena, pixel, sample))
+    }
+}

@@ -1,0 +1,8 @@
+use aether_core::prelude::*;
+
+#[sampler]
+fn constant_direction(normal: Direction) -> Direction {
+    normal
+}
+
+fn main() {}

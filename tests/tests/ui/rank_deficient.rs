@@ -1,0 +1,8 @@
+use aether_core::prelude::*;
+
+#[sampler]
+fn diagonal(u: [Uniform; 2]) -> Vec2 {
+    Vec2::new(u[0] + u[1], u[0] + u[1])
+}
+
+fn main() {}

@@ -1,0 +1,10 @@
+use aether_core::prelude::*;
+
+#[sampler]
+fn disk(u: [Uniform; 2]) -> Direction {
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+fn main() {}

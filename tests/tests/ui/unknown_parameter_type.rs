@@ -1,0 +1,8 @@
+use aether_core::prelude::*;
+
+#[sampler]
+fn scaled(u: [Uniform; 1], name: &str) -> f64 {
+    u[0]
+}
+
+fn main() {}

@@ -1,0 +1,8 @@
+use aether_core::prelude::*;
+
+#[sampler]
+fn scaled(u: [Uniform; 1]) -> String {
+    String::from("two")
+}
+
+fn main() {}
