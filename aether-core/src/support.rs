@@ -84,7 +84,7 @@ pub fn recover<R: Real, const N: usize, const M: usize>(
             tracked[i] = R::Tracked::ZERO;
             continue;
         }
-        if v < -SLACK * e || v > 1.0 + SLACK * e {
+        if !v.is_finite() || v < -SLACK * e || v > 1.0 + SLACK * e {
             return None;
         }
         clamped[i] = value.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5));
@@ -98,7 +98,9 @@ pub fn leads_back<R: Real, const N: usize, const M: usize>(
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
 ) -> bool {
-    let y = forward(&u);
+    // An undetermined uniform may have any value.
+    let known = |t: R::Tracked| t.ge(t);
+    let y = forward(&u.map(|t| if known(t) { t } else { R::Tracked::ZERO }));
     y.iter().zip(x).all(|(y, x)| {
         let (value, error) = R::value_and_error(*y);
         let x = x.to_f64();

@@ -69,7 +69,8 @@ fn distance(a: &[f64], b: &[f64], floor: f64) -> f64 {
     }
     // Scaled, because squares of the numbers may leave the range.
     let scale = b.iter().fold(floor, |m, x| m.max(x.abs()));
-    let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|x| (x / scale).powi(2)).sum::<f64>().sqrt();
+    let norm =
+        |v: &mut dyn Iterator<Item = f64>| v.map(|x| (x / scale).powi(2)).sum::<f64>().sqrt();
     let gap = norm(&mut a.iter().zip(b).map(|(a, b)| a - b));
     let error = gap / norm(&mut b.iter().copied()).max(floor / scale);
     if error.is_nan() { f64::INFINITY } else { error }

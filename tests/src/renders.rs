@@ -93,20 +93,48 @@ pub fn path_traced(
     film(&PathTracer::new(&scene, settings(&scene), seed), &scene, samples, threads)
 }
 
-/// Scores the blocks of 8x8 pixels of a render, and its mean as a whole.
+/// Scores a render: each block of 8x8 pixels, the mean of the image, and a mean to which blocks
+/// contribute the more the less noise they have, in three channels each.
+///
+/// An error that is alike everywhere shows in the means long before it shows in a block; and unlike
+/// the plain mean, the weighted one is not drowned by a few noisy blocks at the rim of a light.
 ///
 /// # Panics
 /// If the sizes differ or a pixel has fewer than two samples.
 pub fn scores(film: &Film, reference: &Reference) -> Vec<BlockScore> {
     let image = film.image();
     let variance = film.variance().expect("two samples a pixel");
-    let whole = image.width().max(image.height());
-    let score = |block| {
-        let options = BlockTestOptions { block, ..BlockTestOptions::default() };
-        block_scores(&image, &variance, &reference.rgb, &reference.variance, &options)
-            .unwrap_or_else(|error| panic!("{error}"))
-    };
-    [score(8), score(whole)].concat()
+    let Reference { rgb, variance: noise } = reference;
+    let blocks = score([&image, &variance, rgb, noise], 8);
+    let mean = score([&image, &variance, rgb, noise], image.width().max(image.height()));
+    let black = RgbImage::filled(image.width(), image.height(), [0.0; 3]);
+    // Weights come from the reference alone: they must not depend on what they weigh.
+    let quality = score([rgb, noise, &black, &black], 8);
+    [blocks.clone(), mean, weighted_mean(&blocks, &quality)].concat()
+}
+
+fn score([image, variance, reference, noise]: [&RgbImage; 4], block: usize) -> Vec<BlockScore> {
+    let options = BlockTestOptions { block, ..BlockTestOptions::default() };
+    block_scores(image, variance, reference, noise, &options)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The mean of blocks in units of the reference's standard error, as the only pixel of an image.
+fn weighted_mean(blocks: &[BlockScore], quality: &[BlockScore]) -> Vec<BlockScore> {
+    let [mut mean, mut variance, mut reference] = [[0.0; 3]; 3];
+    for (block, quality) in blocks.iter().zip(quality) {
+        // Blocks without noise, black or filled by a light, say nothing about densities.
+        if block.z == 0.0 || quality.mean == 0.0 {
+            continue;
+        }
+        let weight = quality.z / quality.mean;
+        let error = (block.mean - block.reference_mean) / block.z;
+        mean[block.channel] += weight * block.mean;
+        reference[block.channel] += weight * block.reference_mean;
+        variance[block.channel] += (weight * error).powi(2);
+    }
+    let pixel = |value: [f64; 3]| RgbImage::filled(1, 1, value.map(|v| v as f32));
+    score([&pixel(mean), &pixel(variance), &pixel(reference), &pixel([0.0; 3])], 1)
 }
 
 /// A strategy whose densities are wrong by a constant factor.

@@ -3,9 +3,9 @@
 //! The seed is fixed, so that a right build passes always; tolerances leave a factor of a hundred
 //! to the errors that the difference quotients have.
 
+use aether_core::Uniforms;
 use aether_core::battery::Space;
 use aether_core::prelude::*;
-use aether_core::Uniforms;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, RngSeed};
 use tests::catalogue::*;
@@ -110,14 +110,16 @@ fn vector() -> impl Strategy<Value = Vec3> {
 /// A matrix far from singular: the identity and a perturbation, scaled.
 fn matrix() -> impl Strategy<Value = Mat3> {
     let e = || -0.3..0.3;
-    ([e(), e(), e(), e(), e(), e(), e(), e(), e()], size(), any::<bool>()).prop_map(|(e, k, flip)| {
-        let k = if flip { -k } else { k };
-        Mat3::from_cols(
-            k * Vec3::new(1.0 + e[0], e[1], e[2]),
-            k * Vec3::new(e[3], 1.0 + e[4], e[5]),
-            k * Vec3::new(e[6], e[7], 1.0 + e[8]),
-        )
-    })
+    ([e(), e(), e(), e(), e(), e(), e(), e(), e()], size(), any::<bool>()).prop_map(
+        |(e, k, flip)| {
+            let k = if flip { -k } else { k };
+            Mat3::from_cols(
+                k * Vec3::new(1.0 + e[0], e[1], e[2]),
+                k * Vec3::new(e[3], 1.0 + e[4], e[5]),
+                k * Vec3::new(e[6], e[7], 1.0 + e[8]),
+            )
+        },
+    )
 }
 fn frame() -> impl Strategy<Value = Frame> {
     [uniform(), uniform()].prop_map(|u| Frame::around(uniform_sphere().sample(u).value()))
@@ -275,7 +277,13 @@ proptest! {
 fn one_percent_is_noticed() {
     assert!(flaw(&cosine_hemisphere(), &[0.3, 0.6]).is_ok());
     assert!(flaw(&OnePercentOff(cosine_hemisphere()), &[0.3, 0.6]).is_err());
-    assert!(flaw(&OnePercentOff(placed_disk(Mat3::diagonal(Vec3::new(2.0, 3.0, 1.0)), Vec3::ZERO)), &[0.3, 0.6]).is_err());
+    assert!(
+        flaw(
+            &OnePercentOff(placed_disk(Mat3::diagonal(Vec3::new(2.0, 3.0, 1.0)), Vec3::ZERO)),
+            &[0.3, 0.6]
+        )
+        .is_err()
+    );
     assert!(mass_is_right(&weibull(2.0, 1.6)).is_ok());
     assert!(mass_is_right(&OnePercentOff(weibull(2.0, 1.6))).is_err());
 }

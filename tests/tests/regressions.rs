@@ -64,7 +64,11 @@ fn a_matrix_that_is_no_rotation_changes_the_area() {
 
 #[test]
 fn a_linearly_transformed_cosine_knows_its_own_samples() {
-    let m = Mat3::from_cols(Vec3::new(0.5, 0.1, 0.0), Vec3::new(0.0, 2.0, 0.25), Vec3::new(0.3, 0.0, 1.0));
+    let m = Mat3::from_cols(
+        Vec3::new(0.5, 0.1, 0.0),
+        Vec3::new(0.0, 2.0, 0.25),
+        Vec3::new(0.3, 0.0, 1.0),
+    );
     let det = 0.5 * 2.0 - 0.0 + 0.3 * (0.1 * 0.25 - 0.0);
     let lobe = cosine_hemisphere().then(linear_direction(m));
     for u in [[0.3, 0.6], [0.9, 0.01], [0.05, 0.8]] {
@@ -186,8 +190,6 @@ fn the_root_of_a_square_is_the_absolute_value() {
     close(*root_of_square().sample([0.3]), 0.7);
     both(root_of_square(), [0.3], 1.0);
     assert_eq!(root_of_square().pdf(&-0.7).value(), 0.0);
-    for x in [0.1, 0.5, 0.9] {
-    }
 }
 
 #[test]
@@ -401,7 +403,11 @@ fn maps_between_spaces_of_one_dimension_have_a_determinant() {
     assert_eq!(sum_and_difference().pdf(&Vec2::new(0.1, 0.9)).value(), 0.0);
     both(sheared_square(), [0.3, 0.6], 1.0);
     assert_eq!(sheared_square().pdf(&Vec2::new(0.1, 0.9)).value(), 0.0);
-    let m = Mat3::from_cols(Vec3::new(1.0, 2.0, 0.0), Vec3::new(0.0, 3.0, -1.0), Vec3::new(0.5, 0.0, 2.0));
+    let m = Mat3::from_cols(
+        Vec3::new(1.0, 2.0, 0.0),
+        Vec3::new(0.0, 3.0, -1.0),
+        Vec3::new(0.5, 0.0, 2.0),
+    );
     let solid = parallelepiped(m, Vec3::new(5.0, -3.0, 0.25));
     both(solid, [0.3, 0.6, 0.2], 1.0 / 5.0);
     assert_eq!(solid.pdf(&Vec3::new(0.0, 0.0, 0.0)).value(), 0.0);

@@ -8,21 +8,21 @@ use crate::points::{Kind, Point};
 
 /// √det(JᵀJ) at a point, by central differences and orthogonalisation; `None` if not finite.
 pub fn volume(problem: &Problem, point: &Point) -> Option<f64> {
-    let columns: Vec<Vec<Dd>> = match problem.argument {
+    let columns: Vec<Option<Vec<Dd>>> = match problem.argument {
         Some(Kind::Direction) => {
-            let w: [Dd; 3] = [0, 1, 2].map(|i| Dd::from_f64(point.unknowns[i]));
+            let w: [Dd; 3] = [0, 1, 2].map(|i| point.unknowns[i]);
             tangents(w).into_iter().map(|t| along_circle(problem, point, w, t)).collect()
         }
         _ => (0..problem.unknowns.len()).map(|j| along_axis(problem, point, j)).collect(),
     };
-    let v = span(columns).to_f64();
+    let v = span(columns.into_iter().collect::<Option<_>>()?).to_f64();
     v.is_finite().then_some(v)
 }
 
 fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
     let at = |l: Leaf| match l {
         Leaf::Unknown(i) => unknowns[i as usize],
-        _ => Dd::from_f64(point.input(l, &[])),
+        _ => point.input(l, &[]),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     problem.outputs.iter().map(|f| e.value(*f)).collect()
@@ -30,29 +30,39 @@ fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
 
 const STEP: f64 = 1.0 / (1u64 << 32) as f64;
 
-fn along_axis(problem: &Problem, point: &Point, j: usize) -> Vec<Dd> {
+fn along_axis(problem: &Problem, point: &Point, j: usize) -> Option<Vec<Dd>> {
     let h = Dd::from_f64(STEP);
     let at = |sign: f64| {
-        let mut u: Vec<Dd> = point.unknowns.iter().map(|x| Dd::from_f64(*x)).collect();
+        let mut u: Vec<Dd> = point.unknowns.clone();
         u[j] = u[j] + h * Dd::from_f64(sign);
         evaluate(problem, point, &u)
     };
-    quotient(at(1.0), at(-1.0), h)
+    quotient(at(1.0), at(0.0), at(-1.0), h)
 }
 
 /// The derivative along the great circle through w with unit tangent t.
-fn along_circle(problem: &Problem, point: &Point, w: [Dd; 3], t: [Dd; 3]) -> Vec<Dd> {
+fn along_circle(problem: &Problem, point: &Point, w: [Dd; 3], t: [Dd; 3]) -> Option<Vec<Dd>> {
     let h = Dd::from_f64(STEP);
     let at = |sign: f64| {
         let a = h * Dd::from_f64(sign);
         let moved: Vec<Dd> = (0..3).map(|i| w[i] * a.cos() + t[i] * a.sin()).collect();
         evaluate(problem, point, &moved)
     };
-    quotient(at(1.0), at(-1.0), h)
+    quotient(at(1.0), at(0.0), at(-1.0), h)
 }
 
-fn quotient(up: Vec<Dd>, down: Vec<Dd>, h: Dd) -> Vec<Dd> {
-    up.into_iter().zip(down).map(|(a, b)| (a - b) / (h + h)).collect()
+/// The central quotient; `None` where the quotients from both sides disagree: at a kink.
+fn quotient(up: Vec<Dd>, middle: Vec<Dd>, down: Vec<Dd>, h: Dd) -> Option<Vec<Dd>> {
+    let mut out = Vec::new();
+    for ((a, m), b) in up.into_iter().zip(middle).zip(down) {
+        let (right, left) = ((a - m) / h, (m - b) / h);
+        let size = right.abs().to_f64() + left.abs().to_f64();
+        if (right - left).abs().to_f64() > 1e-3 * size + 1e-6 {
+            return None;
+        }
+        out.push((a - b) / (h + h));
+    }
+    Some(out)
 }
 
 fn dot(a: &[Dd], b: &[Dd]) -> Dd {

@@ -29,7 +29,17 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
         for d in &options.domains {
             if !signature.params.iter().any(|p| p.name == d.name) {
-                errors.error(&d.name, format!("there is no parameter `{}`", d.name));
+                let known: Vec<String> =
+                    signature.params.iter().map(|p| format!("`{}`", p.name)).collect();
+                let known = if known.is_empty() {
+                    "there are none".to_owned()
+                } else {
+                    format!("there are {}", known.join(", "))
+                };
+                errors.error(
+                    &d.name,
+                    format!("there is no parameter `{}` to declare the domain of; {known}", d.name),
+                );
             }
         }
         if compose::is_composition(&function) {

@@ -3,6 +3,7 @@
 
 use crate::expr::Leaf;
 use crate::interval::Interval;
+use crate::number::{Dd, Number};
 
 /// What a group of scalar parameters is.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,22 +35,28 @@ impl Kind {
 /// One point: values of the unknowns and of the scalar parameters.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Unknowns in order.
-    pub unknowns: Vec<f64>,
+    /// Unknowns in order; in double-double, so that unit vectors have unit length.
+    pub unknowns: Vec<Dd>,
     /// Scalar parameters in order.
-    pub params: Vec<f64>,
+    pub params: Vec<Dd>,
     /// Whether no unknown is close to an end of its range.
     pub interior: bool,
 }
 
 impl Point {
     /// The value of an input; outputs come from `outs`.
-    pub fn input(&self, leaf: Leaf, outs: &[f64]) -> f64 {
-        match leaf {
-            Leaf::Unknown(i) => self.unknowns.get(i as usize).copied().unwrap_or(f64::NAN),
-            Leaf::Param(i) => self.params.get(i as usize).copied().unwrap_or(f64::NAN),
-            Leaf::Out(i) => outs.get(i as usize).copied().unwrap_or(f64::NAN),
-        }
+    pub fn input(&self, leaf: Leaf, outs: &[Dd]) -> Dd {
+        let (list, i) = match leaf {
+            Leaf::Unknown(i) => (&self.unknowns[..], i),
+            Leaf::Param(i) => (&self.params[..], i),
+            Leaf::Out(i) => (outs, i),
+        };
+        list.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN))
+    }
+
+    /// The unknowns in double precision, for messages.
+    pub fn shown(&self) -> Vec<f64> {
+        self.unknowns.iter().map(|u| u.to_f64()).collect()
     }
 }
 
@@ -82,7 +89,8 @@ pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
     for round in 0..8 {
         let params = parameters(&mut rng, kinds, round);
         for _ in 0..4 {
-            let unknowns = (0..unknowns).map(|_| 0.02 + 0.96 * rng.uniform()).collect();
+            let unknowns =
+                (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
             points.push(Point { unknowns, params: params.clone(), interior: true });
         }
         for (k, e) in EXTREMES.iter().enumerate() {
@@ -95,7 +103,8 @@ pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
             if round % 2 == 1 && unknowns > 1 {
                 u.rotate_right(1);
             }
-            points.push(Point { unknowns: u, params: params.clone(), interior });
+            let unknowns = u.into_iter().map(Dd::from_f64).collect();
+            points.push(Point { unknowns, params: params.clone(), interior });
         }
     }
     points
@@ -113,17 +122,17 @@ pub fn map_points(argument: &Kind, kinds: &[Kind]) -> Vec<Point> {
         .collect()
 }
 
-fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<f64> {
+fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
     let mut out = Vec::new();
     for kind in kinds {
         match kind {
-            Kind::Scalar(domain) => out.push(scalar(rng, *domain, round)),
-            Kind::Vector(n) => out.extend((0..*n).map(|_| 4.0 * rng.uniform() - 2.0)),
+            Kind::Scalar(domain) => out.push(Dd::from_f64(scalar(rng, *domain, round))),
+            Kind::Vector(n) => out.extend((0..*n).map(|_| Dd::from_f64(4.0 * rng.uniform() - 2.0))),
             Kind::Matrix => {
                 // Well conditioned: a random matrix with a strong diagonal.
-                out.extend(
-                    (0..9).map(|i| rng.uniform() - 0.5 + if i % 4 == 0 { 1.6 } else { 0.0 }),
-                );
+                out.extend((0..9).map(|i| {
+                    Dd::from_f64(rng.uniform() - 0.5 + if i % 4 == 0 { 1.6 } else { 0.0 })
+                }));
             }
             Kind::Direction => out.extend(unit(rng)),
             Kind::Frame => {
@@ -150,22 +159,22 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     }
 }
 
-fn unit(rng: &mut Rng) -> [f64; 3] {
+fn unit(rng: &mut Rng) -> [Dd; 3] {
     loop {
         let v: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.uniform() - 1.0);
         let n = v.iter().map(|x| x * x).sum::<f64>();
         if n > 0.05 && n < 1.0 {
-            return normalise(v);
+            return normalise(v.map(Dd::from_f64));
         }
     }
 }
 
-fn normalise(v: [f64; 3]) -> [f64; 3] {
-    let n = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+fn normalise(v: [Dd; 3]) -> [Dd; 3] {
+    let n = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     v.map(|x| x / n)
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn cross(a: [Dd; 3], b: [Dd; 3]) -> [Dd; 3] {
     std::array::from_fn(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         a[j] * b[k] - a[k] * b[j]

@@ -123,6 +123,10 @@ impl<'a> Body<'a> {
                 Stmt::Expr(Expr::Return(r), _) if i == last => {
                     result = r.expr.as_ref().and_then(|e| self.expr(e));
                 }
+                Stmt::Expr(e @ (Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_)), _) => {
+                    failed = true;
+                    let _ = self.expr(e);
+                }
                 Stmt::Item(syn::Item::Use(_)) => {}
                 other => {
                     failed = true;
@@ -150,14 +154,18 @@ impl<'a> Body<'a> {
         if init.diverge.is_some() {
             return self.error(local, "`let … else` has no meaning here: every value exists");
         }
-        let value = self.expr(&init.expr)?;
-        self.bind(&local.pat, value)
+        let value = self.expr(&init.expr);
+        let found = value.is_some();
+        // Names are bound in any case, so that one mistake is reported once.
+        self.bind(&local.pat, value.unwrap_or(Value::Unknown))?;
+        found.then_some(())
     }
 
     fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
         match (pat, value) {
             (Pat::Ident(p), value) => {
                 if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
+                    self.names.insert(p.ident.to_string(), value);
                     return self
                         .error(p, "values do not change here: use a new `let` with a new name");
                 }
@@ -167,6 +175,9 @@ impl<'a> Body<'a> {
             (Pat::Type(p), value) => self.bind(&p.pat, value),
             (Pat::Paren(p), value) => self.bind(&p.pat, value),
             (Pat::Wild(_), _) => Some(()),
+            (Pat::Tuple(p), Value::Unknown) => {
+                p.elems.iter().try_for_each(|p| self.bind(p, Value::Unknown))
+            }
             (Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
                 p.elems.iter().zip(values).try_for_each(|(p, v)| self.bind(p, v))
             }
@@ -261,7 +272,7 @@ impl<'a> Body<'a> {
         if p.path.segments.len() == 1
             && let Some(v) = self.names.get(&name)
         {
-            return Some(v.clone());
+            return if matches!(v, Value::Unknown) { None } else { Some(v.clone()) };
         }
         let g = &mut self.graph;
         let pi = g.pi();
@@ -368,6 +379,29 @@ impl<'a> Body<'a> {
                 self.error(&f.member, format!("{what} has no `{name}`"))
             }
         }
+    }
+
+    /// Whether tokens mention a name that depends on the first parameter.
+    pub fn depends(&self, tokens: &impl ToTokens) -> bool {
+        fn names(t: TokenStream, visit: &mut impl FnMut(String)) {
+            for tree in t {
+                match tree {
+                    proc_macro2::TokenTree::Ident(i) => visit(i.to_string()),
+                    proc_macro2::TokenTree::Group(g) => names(g.stream(), visit),
+                    _ => {}
+                }
+            }
+        }
+        let open = |id: &Id| self.graph.has(*id, UNKNOWNS);
+        let mut found = false;
+        names(tokens.to_token_stream(), &mut |name| {
+            found |= self.names.get(&name).is_some_and(|v| match v {
+                Value::Scalar(id) => open(id),
+                Value::Uniforms(_) => true,
+                v => v.vector().is_some_and(|v| v.iter().any(open)),
+            });
+        });
+        found
     }
 
     /// A value computed once by plain Rust code from the parameters.

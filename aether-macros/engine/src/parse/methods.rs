@@ -261,7 +261,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     match (owner.as_str(), name.as_str(), &args[..]) {
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
-        ("Vec3", "new", [x, y, z]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?])),
+        ("Vec3", "new", [x, y, z]) => {
+            Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?]))
+        }
         ("Vec2" | "Vec3", "splat", [x]) => {
             let x = body.scalar(x)?;
             Some(Value::Vector(vec![x; if owner == "Vec2" { 2 } else { 3 }]))
@@ -286,7 +288,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
                 _ => body.error(id, "the identity of a surface is a parameter of type `SurfaceId`"),
             }
         }
-        ("Mat3", "from_cols", [x, y, z]) => Some(Value::Matrix([vector(body, x)?, vector(body, y)?, vector(body, z)?])),
+        ("Mat3", "from_cols", [x, y, z]) => {
+            Some(Value::Matrix([vector(body, x)?, vector(body, y)?, vector(body, z)?]))
+        }
         ("f64", f, [x]) if function_named(f).is_some() => {
             let x = body.scalar(x)?;
             let f = function_named(f)?;
@@ -296,11 +300,20 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let x = body.scalar(x)?;
             Some(Value::Scalar(body.graph.sqrt(x)))
         }
-        _ => body.error(
-            &c.func,
-            format!("`{}` is not known to the language. If it does not depend on the first parameter, wrap it: `precomputed({})`; if it is a sampler or a map, compose: `other(…).sample(u)`, `map(…).apply(&x)`", names.join("::"), c.to_token_stream()),
-        ),
+        _ => unknown_function(body, c, &names.join("::")),
     }
+}
+
+fn unknown_function(body: &mut Body, c: &ExprCall, name: &str) -> Option<Value> {
+    let way = if body.depends(&c.args) {
+        "Its argument is sampled, so the compiler must see through it: write the formula here, or make it a `#[map]` and `.apply` it".to_owned()
+    } else {
+        format!(
+            "It does not depend on the first parameter, so it can be computed beforehand: `precomputed({})`",
+            c.to_token_stream()
+        )
+    };
+    body.error(&c.func, format!("`{name}` is not known to the language. {way}"))
 }
 
 fn space_named(name: &str) -> Option<Space> {

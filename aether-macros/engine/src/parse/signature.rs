@@ -163,8 +163,9 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
 fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Diagnostics) {
     let (k, n) = space.dimensions();
     let output = &item.sig.output;
+    let uniforms = if count == 1 { "one uniform".to_owned() } else { format!("{count} uniforms") };
     if count > k {
-        errors.error(output, format!("{count} uniforms for a space of dimension {k}: with more uniforms than dimensions the density is a marginal, an integral over the surplus ones, and has no formula. Use {k}, or return a space of higher dimension"));
+        errors.error(output, format!("{uniforms} for a space of dimension {k}: with more uniforms than dimensions the density is a marginal, an integral over the surplus ones, and has no formula. Use {k}, or return a space of higher dimension"));
     }
     if count < k {
         let way = if n == 3 && count == 2 {
@@ -174,7 +175,7 @@ fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Dia
         } else {
             "return a space of lower dimension"
         };
-        errors.error(output, format!("{count} uniforms cannot fill a space of dimension {k}: the rank of the Jacobian is below it and there is no density. To sample a lower-dimensional set, {way}"));
+        errors.error(output, format!("{uniforms} cannot fill a space of dimension {k}: the rank of the Jacobian is below it and there is no density. To sample a lower-dimensional set, {way}"));
     }
 }
 

@@ -20,6 +20,8 @@ pub enum Value {
     Tuple(Vec<Value>),
     /// A point of a space, by its constructor.
     Point(Space, Vec<Id>, Option<TokenStream>),
+    /// Something that could not be read; an error has been reported.
+    Unknown,
     /// Something that is only passed on, such as a surface's identity.
     Opaque(TokenStream),
 }
@@ -34,7 +36,7 @@ impl Value {
             Value::Uniforms(_) => "the array of uniforms",
             Value::Tuple(_) => "a tuple",
             Value::Point(..) => "a point",
-            Value::Opaque(_) => "an opaque value",
+            Value::Opaque(_) | Value::Unknown => "an opaque value",
         }
     }
 

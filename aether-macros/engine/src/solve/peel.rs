@@ -75,6 +75,18 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
                 _ => None,
             }
         }
+        Node::Product(f) => {
+            // √(a/b) is kept as √a/√b: square both sides.
+            let halves = f.iter().all(|(b, e)| {
+                g.as_number(*e).is_some_and(|q| q.den() == 2) && g.range(*b).nonnegative()
+            });
+            if !halves {
+                return None;
+            }
+            let squared = g.powi(rhs, 2);
+            let inverse = Inverse { known: g.powi(known, 2), conditions: vec![Condition(known)] };
+            Some((squared, vec![inverse]))
+        }
         Node::Call(f, args) if args.len() == 1 => Some((args[0], undo_call(g, f, known, args[0])?)),
         _ => None,
     }
