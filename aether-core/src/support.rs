@@ -92,6 +92,18 @@ pub fn recover<R: Real, const N: usize, const M: usize>(
     (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some(clamped)
 }
 
+/// Whether two points are equal to within a few roundings: the common case of membership, decided
+/// without error bounds.
+#[inline(always)]
+pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> bool {
+    let tolerance = R::of(SLACK) * R::EPSILON;
+    let all = a
+        .iter()
+        .zip(b)
+        .fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())));
+    all.any()
+}
+
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.
 pub fn leads_back<R: Real, const N: usize, const M: usize>(
     u: [R::Tracked; N],

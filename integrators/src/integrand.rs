@@ -14,14 +14,12 @@ use crate::world::World;
 pub struct Radiance<'w, 's> {
     world: &'w World<'s>,
     pixel: Pixel,
-    /// One over the integral of the filter.
-    filter_scale: f32,
 }
 
 impl<'w, 's> Radiance<'w, 's> {
     /// The integrand of a pixel.
     pub fn new(world: &'w World<'s>, pixel: Pixel) -> Self {
-        Radiance { world, pixel, filter_scale: 1.0 / filter_integral(world).powi(2) }
+        Radiance { world, pixel }
     }
 
     /// Whether the segment between the last two vertices is free.
@@ -53,7 +51,7 @@ impl<'w, 's> Radiance<'w, 's> {
         to_surface.preimages(&seen.point(), |film: Vec2<f32>, exists| {
             let response = filter.profile(film.x - centre.0) * filter.profile(film.y - centre.1);
             if exists && response > 0.0 {
-                importance += response * self.filter_scale / to_surface.jacobian(&film);
+                importance += response * self.world.filter_scale / to_surface.jacobian(&film);
             }
         });
         importance
@@ -98,19 +96,4 @@ impl PathIntegrand for Radiance<'_, '_> {
             _ => Vec3::ZERO,
         }
     }
-}
-
-/// The integral of the filter's profile along one axis, by Simpson's rule on each half.
-fn filter_integral(world: &World<'_>) -> f32 {
-    const PANELS: usize = 64;
-    let filter = world.scene.film.filter;
-    let radius = f64::from(filter.radius());
-    let h = radius / PANELS as f64;
-    let sum: f64 = (0..=PANELS)
-        .map(|i| {
-            let weight = if i == 0 || i == PANELS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
-            weight * f64::from(filter.profile((h * i as f64) as f32))
-        })
-        .sum();
-    (2.0 * sum * h / 3.0) as f32
 }

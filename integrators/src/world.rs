@@ -4,7 +4,7 @@ use aether_core::discrete::{Choices, discrete_weighted};
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
-use crate::scene::{Camera, Emitter, Primitive, PrimitiveId, Scene};
+use crate::scene::{Camera, Emitter, Filter, Primitive, PrimitiveId, Scene};
 use crate::vertex::{Pinhole, SceneVertex, Surface};
 
 /// An emissive primitive as light sampling sees it.
@@ -28,6 +28,8 @@ pub struct World<'s> {
     light_of: Vec<Option<u32>>,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
+    /// One over the integral of the reconstruction filter.
+    pub filter_scale: f32,
 }
 
 impl<'s> World<'s> {
@@ -43,7 +45,9 @@ impl<'s> World<'s> {
         let powers: Vec<f32> = lights.iter().map(|l| l.emitter.power().element_sum()).collect();
         // No emitter, or only black ones: there is nothing to choose from.
         let lights = discrete_weighted(lights, powers).ok();
-        World { scene, lights, light_of, camera_frame: camera_frame(&scene.camera) }
+        let camera_frame = camera_frame(&scene.camera);
+        let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
+        World { scene, lights, light_of, camera_frame, filter_scale }
     }
 
     /// The pinhole of the camera.
@@ -65,8 +69,8 @@ impl<'s> World<'s> {
 
     /// The piece of surface of a light at a point of it.
     pub fn light_surface(&self, light: &Light, position: Vec3) -> Surface {
-        let normal = light.shape.normal(position);
         let primitive = PrimitiveId(light.emitter.primitive);
+        let normal = self.scene.normal(primitive, position);
         Surface { position, normal, shading: normal, primitive, emitter: Some(light.index) }
     }
 
@@ -130,4 +134,17 @@ fn camera_frame(camera: &Camera) -> Frame<f32> {
     let axes = Frame::try_from_axes(x.as_vec3().into(), y.as_vec3().into(), z.as_vec3().into());
     // The loader has made the axes orthonormal.
     axes.unwrap_or_else(|| Frame::around(Direction::new(0.0, 0.0, 1.0)))
+}
+
+/// The integral of the filter's profile along one axis, by Simpson's rule on each half.
+fn profile_integral(filter: Filter) -> f32 {
+    const PANELS: usize = 64;
+    let h = f64::from(filter.radius()) / PANELS as f64;
+    let sum: f64 = (0..=PANELS)
+        .map(|i| {
+            let weight = if i == 0 || i == PANELS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            weight * f64::from(filter.profile((h * i as f64) as f32))
+        })
+        .sum();
+    (2.0 * sum * h / 3.0) as f32
 }

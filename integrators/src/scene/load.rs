@@ -94,6 +94,7 @@ fn build(document: &Document) -> Result<Scene, SceneError> {
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     Ok(Scene {
         tracer: Tracer::new(&parts.primitives, camera.origin),
+        flat_normals: parts.primitives.iter().map(|p| p.normal(Vec3::ZERO)).collect(),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
         shapes: parts.shapes,

@@ -68,6 +68,8 @@ pub struct Scene {
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
+    /// The normals of planar primitives; those of spheres are not used.
+    flat_normals: Vec<Vec3>,
 }
 
 /// Where a ray meets the scene.
@@ -89,6 +91,14 @@ impl Scene {
     /// A primitive.
     pub fn primitive(&self, id: PrimitiveId) -> &Primitive {
         &self.primitives[id.0 as usize]
+    }
+
+    /// The unit normal of a primitive at a point of it.
+    pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
+        match self.primitive(id) {
+            sphere @ Primitive::Sphere { .. } => sphere.normal(point),
+            _ => self.flat_normals[id.0 as usize],
+        }
     }
 
     /// The shape that a primitive belongs to.
@@ -155,7 +165,7 @@ impl Scene {
             }
             Primitive::Disk { center, u_axis, v_axis, .. } => center + w.x * u_axis + w.y * v_axis,
         };
-        let geometric_normal = primitive.normal(position);
+        let geometric_normal = self.normal(raw.primitive, position);
         let shading_normal = self.corner_normals(raw.primitive).map(|[n0, n1, n2]| {
             (w.x * *n0 + w.y * *n1 + w.z * *n2).try_normalize().unwrap_or(geometric_normal)
         });

@@ -75,7 +75,9 @@ fn inside(e: &Emitter, k: usize) -> TokenStream {
     };
     let membership = e.derived.check_forward.then(|| {
         quote! {
-            let inside = if inside.any() {
+            let inside = if inside.any()
+                && !::aether_core::support::near::<R, #m>(&forward::<R>(&p, &#inverse::<R>(&p, &x)), &x)
+            {
                 let (tp, tu) = #tracked;
                 inside.and(::aether_core::support::mask(
                     ::aether_core::support::leads_back::<R, #n, #m>(tu, &x, |u| forward::<R::Tracked>(&tp, u))))
@@ -161,8 +163,10 @@ fn own_density(e: &Emitter) -> TokenStream {
     }
     quote! {
         let d = R::ONE / volume::<R>(&p, &u);
-        // Where the Jacobian has only a limit (a pole, an axis), the density at the point knows it.
-        if d.ge(R::ZERO).any() { ::aether_core::Density::new(d) } else { #through_point }
+        // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
+        // Jacobian; the density at the point knows it.
+        let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
+        if inner.any() { ::aether_core::Density::new(d) } else { #through_point }
     }
 }
 
