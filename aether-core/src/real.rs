@@ -43,7 +43,7 @@ impl Mask for bool {
 
 /// A real number as the language sees it.
 ///
-/// Implemented by `f32`, `f64` and [`Bounded`](crate::bounded::Bounded) (a value with a running
+/// Implemented by `f32`, `f64` and [`Bounded`] (a value with a running
 /// error bound). Comparisons return a [`Mask`] and branches are [`Real::select`], so that the same
 /// emitted code can run on lanes.
 pub trait Real:

@@ -183,7 +183,7 @@ mod tests {
         assert_eq!(all.points.len() + all.queries.len(), 325);
         assert!(all.points32.len() > 150);
         for p in &all.points {
-            let near = |(x, r): (&f64, &f64)| x == r || (x - r).abs() <= 2e-16 * x.abs();
+            let near = |(x, r): (&f64, &f64)| x == r || (x - r).abs() <= f64::EPSILON * x.abs();
             assert!(p.x.iter().zip(&p.rounded).all(near), "{p:?}");
         }
     }

@@ -185,11 +185,29 @@ fn square_fold(u: [Uniform; 1]) -> f64 {
     (2.0 * u[0] - 1.0).powi(2)
 }
 
+#[sampler]
+fn root_fold(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0).powi(2).sqrt()
+}
+
+#[sampler]
+fn absolute_fold(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0).abs()
+}
+
 #[test]
 fn the_root_of_a_square_is_the_absolute_value() {
     close(*root_of_square().sample([0.3]), 0.7);
     both(root_of_square(), [0.3], 1.0);
     assert_eq!(root_of_square().pdf(&-0.7).value(), 0.0);
+    for x in [0.1, 0.5, 0.9] {
+        close(root_fold().pdf(&x).value(), 1.0);
+        close(absolute_fold().pdf(&x).value(), 1.0);
+        assert_eq!(root_fold().pdf(&-x).value(), 0.0);
+        assert_eq!(absolute_fold().pdf(&-x).value(), 0.0);
+        assert_eq!(root_fold().invert(&x).len(), 2);
+        assert_eq!(absolute_fold().invert(&x).len(), 2);
+    }
 }
 
 #[test]
@@ -439,6 +457,11 @@ fn fraction(u: [Uniform; 1]) -> f64 {
 }
 
 #[sampler]
+fn root_of_odds(u: [Uniform; 1]) -> f64 {
+    (u[0] / (1.0 - u[0])).sqrt()
+}
+
+#[sampler]
 fn arc_tangent(u: [Uniform; 1]) -> f64 {
     u[0].atan()
 }
@@ -446,6 +469,13 @@ fn arc_tangent(u: [Uniform; 1]) -> f64 {
 #[sampler]
 fn arc_sine(u: [Uniform; 1]) -> f64 {
     u[0].asin()
+}
+
+#[sampler]
+fn ggx_slopes(u: [Uniform; 2], a: f64) -> Vec2 {
+    let r = a * (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    Vec2::new(r * phi.cos(), r * phi.sin())
 }
 
 #[test]
@@ -456,8 +486,13 @@ fn maps_that_did_not_compile_have_their_density() {
         both(square_and_itself(), [u], 1.0 / (1.0 + 2.0 * u));
         both(root_and_itself(), [u], 1.0 / (1.0 + 0.5 / u.sqrt()));
         both(fraction(), [u], (2.0 - u) * (2.0 - u) / 2.0);
+        let x = *root_of_odds().sample([u]);
+        both(root_of_odds(), [u], 2.0 * x / (1.0 + x * x).powi(2));
         both(arc_tangent(), [u], 1.0 + u * u);
         both(arc_sine(), [u], (1.0 - u * u).sqrt());
+        let slope = ggx_slopes(0.25).sample([u, 0.7]).value();
+        let r2 = slope.length_squared() / 0.0625;
+        both(ggx_slopes(0.25), [u, 0.7], 1.0 / (PI * 0.0625 * (1.0 + r2).powi(2)));
     }
     for x in [-0.1, 1.1, f64::INFINITY] {
         assert_eq!(fraction().pdf(&x).value(), 0.0);

@@ -61,7 +61,7 @@ fn leads_negative(g: &Graph, x: Id) -> bool {
             if terms.len() == 1 && c.is_zero() {
                 terms[0].0.is_negative()
             } else {
-                terms.iter().all(|(q, _)| q.is_negative()) && !(*c > Q::ZERO)
+                terms.iter().all(|(q, _)| q.is_negative()) && *c <= Q::ZERO
             }
         }
         _ => false,

@@ -11,6 +11,8 @@ pub struct Interval {
     pub hi: f64,
 }
 
+// Outward to the hull of what is possible, which the operators would hide.
+#[allow(clippy::should_implement_trait)]
 impl Interval {
     /// The whole line: nothing is known.
     pub const ALL: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };

@@ -21,6 +21,8 @@ fn gcd(a: i128, b: i128) -> i128 {
     a
 }
 
+// Checked, so not the operators.
+#[allow(clippy::should_implement_trait)]
 impl Q {
     /// Zero.
     pub const ZERO: Q = Q { num: 0, den: 1 };

@@ -203,21 +203,12 @@ fn integer_power(base: &TokenStream, n: i128) -> TokenStream {
 
 /// q · t with the fewest roundings.
 fn times(q: Q, t: &TokenStream) -> TokenStream {
-    if q.num() == 1 && !q.den().is_power_of_two_i128() {
+    if q.num() == 1 && q.den().count_ones() != 1 {
         let d = rational(Q::new(q.den(), 1).unwrap_or(Q::ONE));
         return quote!(#t / #d);
     }
     let k = rational(q);
     quote!(#k * #t)
-}
-
-trait PowerOfTwo {
-    fn is_power_of_two_i128(self) -> bool;
-}
-impl PowerOfTwo for i128 {
-    fn is_power_of_two_i128(self) -> bool {
-        self > 0 && self & (self - 1) == 0
-    }
 }
 
 fn rational(q: Q) -> TokenStream {

@@ -10,7 +10,8 @@ use quote::{ToTokens, quote};
 use syn::visit_mut::VisitMut;
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
-use super::item::{hidden_body, interface, point_type, type_name};
+use super::interface::{hidden_body, interface, type_name};
+use super::item::point_type;
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Options, Param, ParamKind, Signature, Source};
 

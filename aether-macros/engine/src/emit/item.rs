@@ -2,10 +2,11 @@
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
-use syn::{Attribute, ItemFn};
+use syn::ItemFn;
 
 use super::code::Code;
 use super::documentation::Texts;
+use super::interface::{bound, hidden_body, interface, type_name};
 use crate::derive::{Derived, Preimage, Problem};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
@@ -253,160 +254,6 @@ fn input(l: Leaf, unknown: &str) -> TokenStream {
         Leaf::Param(i) => {
             let i = Literal::usize_unsuffixed(i as usize);
             quote!(p[#i])
-        }
-    }
-}
-
-/// cosine_hemisphere to CosineHemisphere.
-pub fn type_name(name: &Ident) -> Ident {
-    let text: String = name
-        .to_string()
-        .trim_start_matches("r#")
-        .split('_')
-        .map(|w| {
-            let mut c = w.chars();
-            c.next().map_or(String::new(), |f| f.to_uppercase().chain(c).collect())
-        })
-        .collect();
-    Ident::new(&text, name.span())
-}
-
-/// The struct and its constructor.
-pub fn interface(
-    item: &ItemFn,
-    signature: &Signature,
-    options: &Options,
-    constants: &[(String, TokenStream)],
-    docs: &TokenStream,
-) -> TokenStream {
-    let vis = &item.vis;
-    let name = &signature.name;
-    let ty = type_name(name);
-    let user_docs: Vec<&Attribute> =
-        item.attrs.iter().filter(|a| a.path().is_ident("doc")).collect();
-    let other: Vec<&Attribute> = item.attrs.iter().filter(|a| !a.path().is_ident("doc")).collect();
-    let names: Vec<&Ident> = signature.params.iter().map(|p| &p.name).collect();
-    let types: Vec<TokenStream> =
-        signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
-    let generic =
-        signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.is_empty();
-    let (bounds, default, args) = if generic {
-        (quote!(<R: ::aether_core::Real>), quote!(<R: ::aether_core::Real = f64>), quote!(<R>))
-    } else {
-        (quote!(), quote!(), quote!())
-    };
-    let hidden: Vec<Ident> =
-        constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
-    let values: Vec<TokenStream> =
-        constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
-    let plain: Vec<TokenStream> = signature
-        .params
-        .iter()
-        .filter(|p| p.kind == ParamKind::Scalar)
-        .map(|p| {
-            let n = &p.name;
-            quote!(let #n: f64 = #n.to_f64();)
-        })
-        .collect();
-    let compute = if constants.is_empty() {
-        quote!()
-    } else {
-        let plain = quote!(#(#plain)*);
-        let lets = hidden
-            .iter()
-            .zip(&values)
-            .map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
-        quote!(#(#lets)*)
-    };
-    let checks: Vec<TokenStream> = options
-        .domains
-        .iter()
-        .map(|d| {
-            let (field, text, item_name) = (&d.name, &d.text, name.to_string());
-            let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
-            let upper = if d.closed { quote!(<=) } else { quote!(<) };
-            quote! {
-                {
-                    let value = ::aether_core::Real::to_f64(#field);
-                    if !(value >= #lo && value #upper #hi) {
-                        return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
-                    }
-                }
-            }
-        })
-        .collect();
-    let make = quote!(#ty { #(#names,)* #(#hidden),* });
-    let (returns, result) = if checks.is_empty() {
-        (quote!(#ty #args), make)
-    } else {
-        (
-            quote!(::core::result::Result<#ty #args, ::aether_core::DomainError>),
-            quote!(::core::result::Result::Ok(#make)),
-        )
-    };
-    let errors = if checks.is_empty() {
-        quote!()
-    } else {
-        quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."])
-    };
-    let struct_doc = format!("The random variable or map that [`{name}`] constructs.");
-    quote! {
-        #[doc = #struct_doc]
-        #[derive(Clone, Copy, Debug)]
-        #vis struct #ty #default { #(#names: #types,)* #(#hidden: R),* }
-
-        #(#user_docs)*
-        #docs
-        #errors
-        #(#other)*
-        #[allow(clippy::too_many_arguments)]
-        #vis fn #name #bounds (#(#names: #types),*) -> #returns {
-            #(#checks)*
-            #compute
-            #result
-        }
-    }
-}
-
-fn bound(x: f64) -> TokenStream {
-    if x == f64::INFINITY {
-        quote!(f64::INFINITY)
-    } else if x == f64::NEG_INFINITY {
-        quote!(f64::NEG_INFINITY)
-    } else if x < 0.0 {
-        let l = Literal::f64_suffixed(-x);
-        quote!(-#l)
-    } else {
-        let l = Literal::f64_suffixed(x);
-        quote!(#l)
-    }
-}
-
-fn param_type(kind: ParamKind) -> TokenStream {
-    match kind {
-        ParamKind::Scalar => quote!(R),
-        ParamKind::Vec2 => quote!(::aether_core::Vec2<R>),
-        ParamKind::Vec3 => quote!(::aether_core::Vec3<R>),
-        ParamKind::Mat3 => quote!(::aether_core::Mat3<R>),
-        ParamKind::Frame => quote!(::aether_core::Frame<R>),
-        ParamKind::Direction => quote!(::aether_core::Direction<R>),
-        ParamKind::Identity => quote!(::aether_core::SurfaceId),
-    }
-}
-
-/// The user's function under another name: rustc checks its types, and editors complete in it.
-pub fn hidden_body(item: &ItemFn) -> TokenStream {
-    let inputs = &item.sig.inputs;
-    let output = &item.sig.output;
-    let block = &item.block;
-    quote! {
-        #[allow(unused, clippy::all)]
-        fn body(#inputs) #output {
-            #[allow(unused_imports)]
-            use ::aether_core::prelude::*;
-            #[allow(unused_imports)]
-            use ::aether_core::forms::{precomputed, require};
-            #block
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod code;
 pub mod compose;
 mod documentation;
+mod interface;
 mod item;
 mod map;
 mod sampler;

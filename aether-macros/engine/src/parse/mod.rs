@@ -2,6 +2,7 @@
 
 mod attribute;
 mod body;
+mod expression;
 mod methods;
 mod signature;
 mod value;

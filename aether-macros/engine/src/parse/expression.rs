@@ -1,0 +1,185 @@
+//! The expressions of a body.
+
+use syn::{Expr, Lit, Member, UnOp};
+
+use super::Value;
+use super::body::Body;
+use super::methods;
+use crate::expr::{Graph, Id};
+use crate::rational::Q;
+
+impl Body<'_> {
+    /// The value of an expression that must be a number.
+    pub fn scalar(&mut self, e: &Expr) -> Option<Id> {
+        match self.expr(e)? {
+            Value::Scalar(id) => Some(id),
+            Value::Uniforms(_) => {
+                self.error(e, "this is the array of all uniforms; take one of them: `u[0]`")
+            }
+            other => {
+                let what = other.describe();
+                self.error(e, format!("a number is needed here, and this is {what}"))
+            }
+        }
+    }
+
+    /// The value of an expression.
+    pub fn expr(&mut self, e: &Expr) -> Option<Value> {
+        match e {
+            Expr::Lit(l) => self.literal(&l.lit),
+            Expr::Paren(p) => self.expr(&p.expr),
+            Expr::Group(p) => self.expr(&p.expr),
+            Expr::Reference(r) => self.expr(&r.expr),
+            Expr::Block(b) if b.label.is_none() => self.block(&b.block),
+            Expr::Path(p) => self.path(p),
+            Expr::Unary(u) => self.unary(u),
+            Expr::Binary(b) => self.binary(b),
+            Expr::Index(i) => self.index(i),
+            Expr::Field(f) => self.field(f),
+            Expr::Tuple(t) => Some(Value::Tuple(t.elems.iter().map(|e| self.expr(e)).collect::<Option<_>>()?)),
+            Expr::Array(a) => Some(Value::Vector(a.elems.iter().map(|e| self.scalar(e)).collect::<Option<_>>()?)),
+            Expr::MethodCall(m) => methods::method(self, m),
+            Expr::Call(c) => methods::call(self, c),
+            Expr::Cast(c) => self.error(c, "numbers are real here; leave the cast away"),
+            Expr::If(_) | Expr::Match(_) => self.error(
+                e,
+                "branches are not supported in samplers and maps yet: write one sampler a branch and choose between them in a `#[strategy]`",
+            ),
+            Expr::Closure(_) | Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => {
+                self.error(e, "loops and closures cannot be inverted: write the formula out")
+            }
+            Expr::Macro(m) => self.error(m, "macros cannot be read by the compiler of samplers: write the formula out"),
+            other => self.error(other, "this expression has no meaning in a sampler or map; use numbers, vectors, `let` and the functions of the language"),
+        }
+    }
+
+    fn literal(&mut self, lit: &Lit) -> Option<Value> {
+        let text = match lit {
+            Lit::Float(f) => f.base10_digits().to_owned(),
+            Lit::Int(i) => i.base10_digits().to_owned(),
+            other => return self.error(other, "only numbers can be used here"),
+        };
+        let id = match Q::decimal(&text) {
+            Some(q) => self.graph.number(q),
+            None => match text.parse::<f64>() {
+                Ok(x) if x.is_finite() => self.graph.float(x),
+                _ => return self.error(lit, "this number is out of range"),
+            },
+        };
+        Some(Value::Scalar(id))
+    }
+
+    fn path(&mut self, p: &syn::ExprPath) -> Option<Value> {
+        let name = p.path.segments.last().map(|s| s.ident.to_string())?;
+        if p.path.segments.len() == 1
+            && let Some(v) = self.names.get(&name)
+        {
+            return if matches!(v, Value::Unknown) { None } else { Some(v.clone()) };
+        }
+        let g = &mut self.graph;
+        let pi = g.pi();
+        let scaled = |g: &mut Graph, q: Q, t: Id| g.sum(Q::ZERO, &[(q, t)]);
+        let ratio = |n: i64, d: i64| Q::new(i128::from(n), i128::from(d)).unwrap_or(Q::ONE);
+        let id = match name.as_str() {
+            "PI" => pi,
+            "TAU" => scaled(g, Q::int(2), pi),
+            "FRAC_PI_2" => scaled(g, ratio(1, 2), pi),
+            "FRAC_PI_3" => scaled(g, ratio(1, 3), pi),
+            "FRAC_PI_4" => scaled(g, ratio(1, 4), pi),
+            "FRAC_PI_6" => scaled(g, ratio(1, 6), pi),
+            "FRAC_PI_8" => scaled(g, ratio(1, 8), pi),
+            "FRAC_1_PI" => g.powi(pi, -1),
+            "FRAC_2_PI" => {
+                let r = g.powi(pi, -1);
+                scaled(g, Q::int(2), r)
+            }
+            "SQRT_2" => {
+                let two = g.int(2);
+                g.sqrt(two)
+            }
+            "FRAC_1_SQRT_2" => {
+                let half = g.number(Q::HALF);
+                g.sqrt(half)
+            }
+            "E" => {
+                let one = g.int(1);
+                g.call(crate::expr::Fun::Exp, &[one])
+            }
+            "LN_2" => {
+                let two = g.int(2);
+                g.call(crate::expr::Fun::Ln, &[two])
+            }
+            _ => {
+                return self.error(
+                    p,
+                    format!("`{name}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
+                );
+            }
+        };
+        Some(Value::Scalar(id))
+    }
+
+    fn unary(&mut self, u: &syn::ExprUnary) -> Option<Value> {
+        match u.op {
+            UnOp::Neg(_) => {
+                let minus = self.graph.int(-1);
+                let v = self.expr(&u.expr)?;
+                methods::scale(self, &u.expr, v, minus)
+            }
+            UnOp::Deref(_) => self.expr(&u.expr),
+            _ => self.error(u, "`!` has no meaning for numbers"),
+        }
+    }
+
+    fn binary(&mut self, b: &syn::ExprBinary) -> Option<Value> {
+        let left = self.expr(&b.left);
+        let right = self.expr(&b.right);
+        let (left, right) = (left?, right?);
+        methods::binary(self, b, left, right)
+    }
+
+    fn index(&mut self, i: &syn::ExprIndex) -> Option<Value> {
+        let base = self.expr(&i.expr)?;
+        let Expr::Lit(syn::ExprLit { lit: Lit::Int(n), .. }) = &*i.index else {
+            return self
+                .error(&i.index, "an index is a number that is known while compiling: `u[0]`");
+        };
+        let n: usize = n.base10_parse().ok()?;
+        let list = match &base {
+            Value::Uniforms(v) | Value::Vector(v) => v,
+            other => {
+                let what = other.describe();
+                return self.error(i, format!("{what} cannot be indexed"));
+            }
+        };
+        match list.get(n) {
+            Some(id) => Some(Value::Scalar(*id)),
+            None => {
+                let len = list.len();
+                self.error(&i.index, format!("there are only {len} of these, counted from 0"))
+            }
+        }
+    }
+
+    fn field(&mut self, f: &syn::ExprField) -> Option<Value> {
+        let base = self.expr(&f.base)?;
+        let name = match &f.member {
+            Member::Named(n) => n.to_string(),
+            Member::Unnamed(n) => n.index.to_string(),
+        };
+        let place = ["x", "y", "z"].iter().position(|c| *c == name);
+        match (&base, place) {
+            (Value::Matrix(columns), Some(i)) => Some(Value::Vector(columns[i].clone())),
+            (Value::Tuple(v), None) if name.parse::<usize>().is_ok_and(|i| i < v.len()) => {
+                Some(v[name.parse::<usize>().ok()?].clone())
+            }
+            (base, Some(i)) if base.vector().is_some_and(|v| i < v.len()) => {
+                base.vector().map(|v| Value::Scalar(v[i]))
+            }
+            (base, _) => {
+                let what = base.describe();
+                self.error(&f.member, format!("{what} has no `{name}`"))
+            }
+        }
+    }
+}

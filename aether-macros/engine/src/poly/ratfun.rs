@@ -1,0 +1,335 @@
+//! Rational functions, and expressions as rational functions of their atoms.
+
+use std::collections::BTreeMap;
+
+use super::{Mono, Poly};
+use crate::expr::{Deps, Fun, Graph, Id, Node};
+use crate::jacobian::cost;
+use crate::rational::Q;
+
+/// A quotient of polynomials, the denominator kept in factors.
+#[derive(Clone, Debug)]
+pub struct RatFun {
+    /// Numerator.
+    pub num: Poly,
+    /// Denominator: factors with their exponents.
+    pub den: Vec<(Poly, u32)>,
+}
+
+/// Turns expressions into rational functions.
+pub struct Expander<'a> {
+    graph: &'a mut Graph,
+    /// Relations: the square of an atom, as a polynomial.
+    squares: Vec<(Id, Poly)>,
+    /// Sums that depend on none of these inputs are atoms.
+    open: Deps,
+}
+
+impl<'a> Expander<'a> {
+    /// An expander without relations.
+    pub fn new(graph: &'a mut Graph) -> Self {
+        Expander { graph, squares: Vec::new(), open: Deps::MAX }
+    }
+
+    /// Adds the relation x² + y² + z² = 1 between three atoms.
+    pub fn unit(mut self, [x, y, z]: [Id; 3]) -> Self {
+        let square = |a: Id| Poly(BTreeMap::from([(vec![(a, 2)], Q::int(-1))]));
+        let one = Poly::constant(Q::ONE);
+        if let Some(p) = one.add(&square(x)).and_then(|p| p.add(&square(y))) {
+            self.squares.push((z, p));
+        }
+        self
+    }
+
+    /// Keeps sums that depend on none of `open` together (parameters, say).
+    pub fn only(mut self, open: Deps) -> Self {
+        self.open = open;
+        self
+    }
+
+    /// The normal form of an expression, if it stays small.
+    pub fn normal_form(&mut self, id: Id) -> Option<Id> {
+        let r = self.expand(id)?;
+        let r = self.cancel(r)?;
+        Some(self.to_expr(&r))
+    }
+
+    /// The expression of a rational function.
+    pub fn to_expr(&mut self, r: &RatFun) -> Id {
+        let mut factors = r.num.factors(self.graph, 1);
+        for (d, e) in &r.den {
+            factors.extend(d.factors(self.graph, -i64::from(*e)));
+        }
+        self.graph.product(&factors)
+    }
+
+    /// Numerator and factored denominator.
+    pub fn expand(&mut self, id: Id) -> Option<RatFun> {
+        if self.open != Deps::MAX
+            && !self.graph.has(id, self.open)
+            && matches!(self.graph.node(id), Node::Sum(..))
+        {
+            let (q, t) = self.graph.split(id);
+            return Some(RatFun { num: Poly::atom(t).scale(q)?, den: vec![] });
+        }
+        match self.graph.node(id).clone() {
+            Node::Number(q) => Some(RatFun { num: Poly::constant(q), den: vec![] }),
+            Node::Sum(c, terms) => {
+                let mut s = RatFun { num: Poly::constant(c), den: vec![] };
+                for (q, t) in terms {
+                    let mut t = self.expand(t)?;
+                    t.num = t.num.scale(q)?;
+                    s = self.add(&s, &t)?;
+                }
+                Some(s)
+            }
+            Node::Product(factors) => {
+                let mut p = RatFun { num: Poly::constant(Q::ONE), den: vec![] };
+                for (b, e) in factors {
+                    let f = self.power(b, e)?;
+                    p = self.mul(&p, &f)?;
+                }
+                Some(p)
+            }
+            Node::Call(Fun::ExpM1, args) => {
+                let e = self.graph.call(Fun::Exp, &args);
+                let one = self.graph.int(1);
+                let d = self.graph.sub(e, one);
+                self.expand(d)
+            }
+            Node::Call(Fun::Exp, args) => self.exponential(args[0]),
+            Node::Call(f, args) => {
+                // Arguments in normal form, so that equal calls are one atom.
+                let tidy: Vec<Id> = args.iter().map(|&a| self.cheaper(a)).collect();
+                let call = self.graph.call(f, &tidy);
+                match self.graph.node(call) {
+                    Node::Call(..) => Some(RatFun { num: Poly::atom(call), den: vec![] }),
+                    _ => self.expand(call),
+                }
+            }
+            _ => Some(RatFun { num: Poly::atom(id), den: vec![] }),
+        }
+    }
+
+    /// The normal form of a part, if that is simpler.
+    fn cheaper(&mut self, id: Id) -> Id {
+        match self.normal_form(id) {
+            Some(n) if cost(self.graph, n) < cost(self.graph, id) => n,
+            _ => id,
+        }
+    }
+
+    /// exp(n·t) as the n-th power of the atom exp(t), for integer n.
+    fn exponential(&mut self, a: Id) -> Option<RatFun> {
+        let (q, t) = self.graph.split(a);
+        let atom = self.graph.call(Fun::Exp, &[t]);
+        let one = RatFun { num: Poly::constant(Q::ONE), den: vec![] };
+        match q.to_i32() {
+            Some(n) if n.unsigned_abs() < 9 => {
+                let p = Poly::atom(atom).powi(n.unsigned_abs())?;
+                Some(if n > 0 {
+                    RatFun { num: p, ..one }
+                } else {
+                    RatFun { den: vec![(Poly::atom(atom), n.unsigned_abs())], ..one }
+                })
+            }
+            _ => {
+                let whole = self.graph.call(Fun::Exp, &[a]);
+                Some(RatFun { num: Poly::atom(whole), den: vec![] })
+            }
+        }
+    }
+
+    fn power(&mut self, b: Id, e: Id) -> Option<RatFun> {
+        let Some(q) = self.graph.as_number(e) else {
+            let (b, e) = (self.cheaper(b), self.cheaper(e));
+            let whole = self.graph.pow(b, e);
+            return Some(RatFun { num: Poly::atom(whole), den: vec![] });
+        };
+        // q = whole + fraction with 0 <= fraction < 1.
+        let whole = q.num().div_euclid(q.den());
+        let fraction = q.add(Q::new(-whole, 1)?)?;
+        let whole = i32::try_from(whole).ok()?;
+        if whole.unsigned_abs() > 8 {
+            let p = self.graph.pow(b, e);
+            return Some(RatFun { num: Poly::atom(p), den: vec![] });
+        }
+        let mut r = if whole == 0 {
+            RatFun { num: Poly::constant(Q::ONE), den: vec![] }
+        } else {
+            let base = self.expand(b)?;
+            self.powi(&base, whole)?
+        };
+        if !fraction.is_zero() {
+            let f = self.graph.number(fraction);
+            let atom = self.graph.pow(b, f);
+            r = self.mul(&r, &RatFun { num: Poly::atom(atom), den: vec![] })?;
+        }
+        Some(r)
+    }
+
+    fn powi(&mut self, r: &RatFun, n: i32) -> Option<RatFun> {
+        let k = n.unsigned_abs();
+        if n > 0 {
+            let num = self.reduce(r.num.powi(k)?)?;
+            return Some(RatFun {
+                num,
+                den: r.den.iter().map(|(d, e)| (d.clone(), e * k)).collect(),
+            });
+        }
+        if r.num.is_zero() {
+            return None;
+        }
+        let mut num = Poly::constant(Q::ONE);
+        for (d, e) in &r.den {
+            num = self.reduce(num.mul(&d.powi(e * k)?)?)?;
+        }
+        RatFun { num, den: monic_factors(&r.num, k)? }.normalised(&r.num, k)
+    }
+
+    /// Reciprocal.
+    pub fn recip(&mut self, r: &RatFun) -> Option<RatFun> {
+        self.powi(r, -1)
+    }
+
+    /// Product.
+    pub fn mul(&mut self, a: &RatFun, b: &RatFun) -> Option<RatFun> {
+        let num = self.reduce(a.num.mul(&b.num)?)?;
+        let mut den = a.den.clone();
+        for (d, e) in &b.den {
+            match den.iter_mut().find(|(p, _)| p == d) {
+                Some((_, have)) => *have += e,
+                None => den.push((d.clone(), *e)),
+            }
+        }
+        self.cancel(RatFun { num, den })
+    }
+
+    /// Sum.
+    pub fn add(&mut self, a: &RatFun, b: &RatFun) -> Option<RatFun> {
+        let mut den = a.den.clone();
+        for (d, e) in &b.den {
+            match den.iter_mut().find(|(p, _)| p == d) {
+                Some((_, have)) => *have = (*have).max(*e),
+                None => den.push((d.clone(), *e)),
+            }
+        }
+        let mut lift = |r: &RatFun| -> Option<Poly> {
+            let mut n = r.num.clone();
+            for (d, e) in &den {
+                let have = r.den.iter().find(|(p, _)| p == d).map_or(0, |(_, e)| *e);
+                n = self.reduce(n.mul(&d.powi(e - have)?)?)?;
+            }
+            Some(n)
+        };
+        let num = lift(a)?.add(&lift(b)?)?;
+        self.cancel(RatFun { num, den })
+    }
+
+    /// Divides numerator and denominator by common factors.
+    pub fn cancel(&mut self, mut r: RatFun) -> Option<RatFun> {
+        if r.num.is_zero() {
+            return Some(RatFun { num: Poly::default(), den: vec![] });
+        }
+        for (d, e) in &mut r.den {
+            while *e > 0 {
+                match r.num.exact_div(d) {
+                    Some(q) => {
+                        r.num = q;
+                        *e -= 1;
+                    }
+                    None => break,
+                }
+            }
+        }
+        r.den.retain(|(_, e)| *e > 0);
+        Some(r)
+    }
+
+    /// Applies √x·√x = x, cos² = 1 - sin², and the caller's relations.
+    fn reduce(&mut self, p: Poly) -> Option<Poly> {
+        let mut p = p;
+        for _ in 0..40 {
+            let Some((m, q, square, i)) = p.0.iter().find_map(|(m, q)| {
+                m.iter().enumerate().find_map(|(i, (a, e))| {
+                    (*e >= 2).then(|| self.square_of(*a)).flatten().map(|s| (m.clone(), *q, s, i))
+                })
+            }) else {
+                return Some(p);
+            };
+            p.0.remove(&m);
+            let mut rest = m.clone();
+            rest[i].1 -= 2;
+            rest.retain(|(_, e)| *e > 0);
+            p = p.add(&square.mul(&Poly(BTreeMap::from([(rest, q)])))?)?;
+        }
+        None
+    }
+
+    fn square_of(&mut self, atom: Id) -> Option<Poly> {
+        if let Some((_, p)) = self.squares.iter().find(|(a, _)| *a == atom) {
+            return Some(p.clone());
+        }
+        match self.graph.node(atom).clone() {
+            Node::Product(f) if f.len() == 1 && self.graph.as_number(f[0].1) == Some(Q::HALF) => {
+                let r = self.expand(f[0].0)?;
+                r.den.is_empty().then_some(r.num)
+            }
+            Node::Call(Fun::Cos, args) => {
+                let s = self.graph.call(Fun::Sin, &args);
+                let s2 = Poly::atom(s).mul(&Poly::atom(s))?;
+                Poly::constant(Q::ONE).sub(&s2)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The factors of a polynomial that is about to become a denominator: its atoms and what is left.
+fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
+    let (_, common, rest) = p.content();
+    let mut out: Vec<(Poly, u32)> = common.iter().map(|(a, e)| (Poly::atom(*a), e * k)).collect();
+    if rest.as_constant().is_none() {
+        for f in difference_of_squares(&rest) {
+            let lead = f.0.iter().next_back().map(|(_, q)| *q)?;
+            out.push((f.scale(lead.recip()?)?, k));
+        }
+    }
+    Some(out)
+}
+
+/// a² - b² as (a - b)(a + b), where both are squares of monomials.
+fn difference_of_squares(p: &Poly) -> Vec<Poly> {
+    let terms: Vec<_> = p.0.iter().collect();
+    if let [(m, q), (n, r)] = terms[..] {
+        let root = |m: &Mono, q: Q| {
+            let half: Option<Mono> =
+                m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect();
+            Some(Poly(BTreeMap::from([(half?, q.sqrt()?)])))
+        };
+        let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };
+        if pos.1.is_negative() || !neg.1.is_negative() {
+            return vec![p.clone()];
+        }
+        if let (Some(a), Some(b)) = (root(pos.0, *pos.1), root(neg.0, neg.1.neg()))
+            && let (Some(s), Some(d)) = (a.add(&b), a.sub(&b))
+        {
+            return vec![d, s];
+        }
+    }
+    vec![p.clone()]
+}
+
+impl RatFun {
+    /// Moves the rational constant that [`monic_factors`] dropped into the numerator.
+    fn normalised(mut self, original: &Poly, k: u32) -> Option<RatFun> {
+        let mut product = Poly::constant(Q::ONE);
+        for (d, e) in &self.den {
+            product = product.mul(&d.powi(*e)?)?;
+        }
+        let target = original.powi(k)?;
+        let constant = target.exact_div(&product)?.as_constant()?;
+        self.num = self.num.scale(constant.recip()?)?;
+        Some(self)
+    }
+}

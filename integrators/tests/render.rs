@@ -1,0 +1,196 @@
+//! `aether render` from a scene file to the files that it leaves.
+
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+use integrators::image::exr::{Attribute, Exr};
+
+/// A ball under a lamp; the ball's material is on line 15.
+const SCENE: &str = r#"<scene version="3.0.0">
+    <default name="spp" value="4"/>
+    <default name="grey" value="0.5"/>
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective">
+        <float name="fov" value="45"/>
+        <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+        <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
+        <film type="hdrfilm">
+            <integer name="width" value="24"/><integer name="height" value="16"/>
+            <rfilter type="box"/>
+        </film>
+    </sensor>
+    <shape type="sphere">
+        <bsdf type="diffuse"><rgb name="reflectance" value="$grey"/></bsdf>
+    </shape>
+    <shape type="sphere">
+        <point name="center" x="1" y="3" z="2"/><float name="radius" value="0.5"/>
+        <emitter type="area"><rgb name="radiance" value="20"/></emitter>
+    </shape>
+</scene>"#;
+
+/// A directory with a scene in it, removed at the end of a test.
+struct Directory(PathBuf);
+
+impl Directory {
+    fn new(name: &str) -> Self {
+        let path =
+            std::env::temp_dir().join(format!("aether-render-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        std::fs::write(path.join("ball.xml"), SCENE).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    /// The program, in this directory, with these arguments.
+    fn render(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_aether"));
+        command.current_dir(&self.0).arg("render").args(arguments);
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// Renders and reads what was written.
+    fn rendered(&self, output: &str, options: &[&str]) -> Exr {
+        let run = self.render(&[&["ball.xml", "-o", output], options].concat()).output().unwrap();
+        assert_eq!(run.status.code(), Some(0), "{}", message(&run));
+        Exr::read(&self.path(output)).unwrap()
+    }
+}
+
+impl Drop for Directory {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn message(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn samples(exr: &Exr) -> i32 {
+    match exr.attributes["samples"] {
+        Attribute::Integer(samples) => samples,
+        ref other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_render_leaves_an_exr_and_a_png() {
+    let directory = Directory::new("files");
+    let options = ["ball.xml", "--spp", "6", "--seed", "11", "-D", "grey=0.8"];
+    let run = directory.render(&options).output().unwrap();
+    assert_eq!(run.status.code(), Some(0), "{}", message(&run));
+    // No progress bar on a pipe.
+    assert_eq!(message(&run), "");
+    let line = String::from_utf8_lossy(&run.stdout);
+    assert!(line.contains("ball.exr") && line.contains("6 samples per pixel"), "{line}");
+
+    let exr = Exr::read(&directory.path("ball.exr")).unwrap();
+    assert_eq!((exr.rgb.width(), exr.rgb.height()), (24, 16));
+    let variance = exr.variance.as_ref().unwrap();
+    let lit = |image: &integrators::image::RgbImage| {
+        image.pixels().iter().flatten().filter(|v| **v > 0.0).count()
+    };
+    assert!(lit(&exr.rgb) > 100 && lit(variance) > 100);
+    assert!(variance.pixels().iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
+
+    let text = |text: &str| Attribute::Text(text.to_owned());
+    assert_eq!(exr.attributes["scene"], text("ball.xml"));
+    assert_eq!(exr.attributes["integrator"], text("path"));
+    assert_eq!(exr.attributes["seed"], text("11"));
+    assert_eq!(exr.attributes["settings"], text("max_depth=4 rr_depth=5 -D grey=0.8"));
+    assert_eq!(samples(&exr), 6);
+    assert!(matches!(exr.attributes["seconds"], Attribute::Number(s) if s >= 0.0));
+
+    let png = std::fs::read(directory.path("ball.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    // Nothing else is left behind.
+    assert_eq!(std::fs::read_dir(&directory.0).unwrap().count(), 3);
+}
+
+#[test]
+fn the_image_depends_on_the_seed_and_not_on_the_threads() {
+    let directory = Directory::new("threads");
+    let one = directory.rendered("one.exr", &["--threads", "1"]);
+    for threads in ["2", "5"] {
+        let many = directory.rendered("many.exr", &["--threads", threads]);
+        assert!((&one.rgb, &one.variance) == (&many.rgb, &many.variance), "{threads} threads");
+    }
+    let other = directory.rendered("other.exr", &["--seed", "1"]);
+    assert!(one.rgb != other.rgb);
+    assert_eq!(samples(&one), 4);
+}
+
+#[test]
+fn the_command_line_overrides_the_scene() {
+    let directory = Directory::new("options");
+    let lights = directory.rendered("lights.exr", &["--max-depth", "1"]);
+    let lit = |exr: &Exr| exr.rgb.pixels().iter().filter(|p| p[0] > 0.0).count();
+    let all = directory.rendered("all.exr", &[]);
+    assert!(lit(&lights) < lit(&all), "{} {}", lit(&lights), lit(&all));
+    let large = directory.rendered("large.exr", &["--size", "48x32", "--spp", "1"]);
+    assert_eq!((large.rgb.width(), large.rgb.height()), (48, 32));
+    assert_eq!((samples(&large), large.variance), (1, None));
+}
+
+#[test]
+fn a_time_limit_renders_at_least_one_sample() {
+    let directory = Directory::new("time");
+    let exr = directory.rendered("out.exr", &["--time", "0.2"]);
+    assert!(samples(&exr) >= 1);
+}
+
+#[test]
+fn what_is_not_supported_is_named_with_its_place() {
+    let directory = Directory::new("unsupported");
+    let fails = |scene: &str, expected: &[&str]| {
+        std::fs::write(directory.path("ball.xml"), scene).unwrap();
+        let run = directory.render(&["ball.xml"]).output().unwrap();
+        let message = message(&run);
+        assert_eq!(run.status.code(), Some(2), "{message}");
+        assert!(run.stdout.is_empty() && !message.contains("panicked"), "{message}");
+        for part in expected {
+            assert!(message.contains(part), "`{part}` in: {message}");
+        }
+        assert!(!directory.path("ball.exr").exists());
+    };
+    fails(&SCENE.replace("\"diffuse\"", "\"glitter\""), &["ball.xml:15:9", "glitter", "diffuse"]);
+    fails(&SCENE.replace("\"path\"", "\"ptracer\""), &["ball.xml:4:5", "ptracer", "path"]);
+    fails(&SCENE.replace("$spp", "many"), &["ball.xml:8:", "many"]);
+    fails(&SCENE.replace("$grey", "$gray"), &["ball.xml:15:", "gray"]);
+    fails(&SCENE.replace("</sensor>", ""), &["ball.xml:"]);
+    fails("", &["ball.xml"]);
+}
+
+/// Interrupts a render that would take hours, after a while.
+#[cfg(unix)]
+fn interrupted(directory: &Directory, after: Duration) -> Output {
+    let options = ["ball.xml", "--spp", "2000000000"];
+    let child: Child = directory.render(&options).spawn().unwrap();
+    std::thread::sleep(after);
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    child.wait_with_output().unwrap()
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_what_has_been_rendered() {
+    let directory = Directory::new("interrupt");
+    // On a busy machine the program may not have begun: then once more, with more patience.
+    let run = [300, 1000, 4000, 16_000]
+        .map(Duration::from_millis)
+        .into_iter()
+        .map(|after| interrupted(&directory, after))
+        .find(|_| directory.path("ball.exr").exists());
+    let run = run.expect("an image after sixteen seconds");
+    assert_eq!(run.status.code(), Some(130), "{}", message(&run));
+    let exr = Exr::read(&directory.path("ball.exr")).unwrap();
+    assert!(samples(&exr) >= 1);
+    assert!(exr.rgb.pixels().iter().any(|p| p[0] > 0.0));
+    assert!(directory.path("ball.png").exists());
+}
