@@ -153,13 +153,22 @@ where
         .map(|v| format!("no density at {at:?}, which the uniforms {v:?} map to"))
 }
 
-/// Whether `v` is next to one and what lies between its image and `at` has no mass to speak of: the
-/// uniforms that map to a long tail are closer to one than any number is.
+/// Whether `v` is next to an end of [0, 1) and what lies between its image and `at` has no mass to
+/// speak of: the uniforms that map to a long tail are closer to one, or to zero, than any number is.
 fn in_tail<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, v: &[f64], at: &[f64], p: f64) -> bool
 where
     S::Point: Space<R>,
 {
     let last = v.iter().any(|v| *v >= 1.0 - 4.0 * probe.epsilon);
-    let gap = probe.forward(v).map_or(f64::INFINITY, |(_, y)| distance(&y, at));
-    last && p * gap.powi(<S::Point as Point<R>>::DIMENSION as i32) <= 64.0 * probe.epsilon
+    // A uniform that underflowed to zero stands for one of the least size; its image may be at
+    // infinity, where only the density tells how little mass is beyond.
+    let least = v.iter().any(|v| *v <= f64::from(f32::MIN_POSITIVE) * probe.epsilon);
+    let finite = |y: &Vec<f64>| y.iter().all(|y| y.is_finite());
+    let image = probe.forward(v).map(|(_, y)| y).filter(finite);
+    let gap = match image {
+        None if least => distance(at, &vec![0.0; at.len()]).max(1.0),
+        image => image.map_or(f64::INFINITY, |y| distance(&y, at)),
+    };
+    (last || least)
+        && p * gap.powi(<S::Point as Point<R>>::DIMENSION as i32) <= 64.0 * probe.epsilon
 }

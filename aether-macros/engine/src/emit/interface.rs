@@ -108,7 +108,7 @@ pub fn interface(
         #docs
         #errors
         #(#other)*
-        #[allow(clippy::too_many_arguments)]
+        #[allow(clippy::too_many_arguments, clippy::manual_range_contains)]
         #vis fn #name #bounds (#(#names: #types),*) -> #returns {
             #(#checks)*
             #compute
