@@ -21,9 +21,12 @@ const ILL_CONDITIONED: [(u64, &str, &str); 3] = [
     (57, "pdf(x)", "a nearly singular matrix: its inverse magnifies the rounding of products"),
 ];
 
+/// A row, inputs that pick some of its entries, and a reason.
+type Shortfall = (u64, &'static [(&'static str, f64)], &'static str);
+
 /// Points where a form of the map has no value in doubles although the map has a limit. They are
 /// known shortfalls, each with its reason, and the only points that are left out.
-const WITHOUT_VALUE: [(u64, &[(&str, f64)], &str); 5] = [
+const WITHOUT_VALUE: [Shortfall; 5] = [
     (4, &[("s", 0.0)], "0/0: the limit s -> 0 is another formula"),
     (4, &[("s", -800.0)], "expm1(800) overflows"),
     (5, &[("a", 0.0), ("b", 1.0), ("u", 0.0)], "0/0: the limit is taken at a small uniform"),

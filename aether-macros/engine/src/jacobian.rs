@@ -36,6 +36,19 @@ pub fn volume(
         return Ok(vec![g.int(1)]);
     }
     match source {
+        Source::Direction(w) if m == 2 => {
+            // The area that the tangent plane's image covers: |w · (∇f × ∇g)|.
+            let rows: Vec<Vec<Id>> =
+                (0..2).map(|i| columns.iter().map(|c| c[i]).collect()).collect();
+            let normal = cross(g, &rows[0], &rows[1]);
+            let d = dot(g, &w, &normal);
+            let tidy = simplify(g, d, Some(w));
+            let candidates = [d, tidy].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            Ok(distinct(candidates.to_vec()))
+        }
+        Source::Direction(_) if m != 3 => Err(format!(
+            "a direction has two dimensions and the result has {m} coordinate: many directions have the same image, and the density would be an integral over them. Map to a space of two dimensions"
+        )),
         Source::Direction(w) => {
             let w_form = |g: &mut Graph, id| simplify(g, id, Some(w));
             let parts = [(1, 2), (2, 0), (0, 1)];

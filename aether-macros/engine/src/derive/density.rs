@@ -1,6 +1,6 @@
 //! The density and the volume in the form that is measured to be best.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::cases::Case;
 use super::{Preimage, Problem};
@@ -41,7 +41,7 @@ pub(super) fn density(
     injective: bool,
 ) -> (Id, f64) {
     let g = &mut problem.graph;
-    let only: HashMap<Id, Id> = s.unknowns.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    let only: BTreeMap<Id, Id> = s.unknowns.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
     for &v in volumes {
         let p = g.powi(v, -1);
@@ -80,7 +80,7 @@ pub(super) fn finish(
     let g = &mut problem.graph;
     let values: Vec<Id> =
         problem.unknowns.iter().map(|l| stabilise(g, s.unknowns[l], points)).collect();
-    let map: HashMap<Id, Id> =
+    let map: BTreeMap<Id, Id> =
         problem.unknowns.iter().zip(&values).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
         .requirements

@@ -1,18 +1,23 @@
 //! Replacing subexpressions.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::{Graph, Id, Node};
 use crate::rational::Q;
 
 impl Graph {
     /// Rebuilds an expression with some subexpressions replaced (the largest match wins).
-    pub fn substitute(&mut self, id: Id, map: &HashMap<Id, Id>) -> Id {
+    pub fn substitute(&mut self, id: Id, map: &BTreeMap<Id, Id>) -> Id {
         let mut memo = HashMap::new();
         self.substitute_memo(id, map, &mut memo)
     }
 
-    fn substitute_memo(&mut self, id: Id, map: &HashMap<Id, Id>, memo: &mut HashMap<Id, Id>) -> Id {
+    fn substitute_memo(
+        &mut self,
+        id: Id,
+        map: &BTreeMap<Id, Id>,
+        memo: &mut HashMap<Id, Id>,
+    ) -> Id {
         if let Some(&r) = map.get(&id) {
             return r;
         }
@@ -56,7 +61,7 @@ impl Graph {
     }
 
     /// b^e where the map knows b^f for some other rational f: (b^f)^(e/f).
-    fn inverse_power(&mut self, b: Id, e: Id, map: &HashMap<Id, Id>) -> Option<(Id, Id)> {
+    fn inverse_power(&mut self, b: Id, e: Id, map: &BTreeMap<Id, Id>) -> Option<(Id, Id)> {
         let e = self.as_number(e)?;
         for f in [Q::HALF, Q::HALF.neg()] {
             let half = self.number(f);

@@ -11,7 +11,7 @@ mod peel;
 mod polar;
 mod rational;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
@@ -39,7 +39,7 @@ pub struct Solution {
     /// What must hold beside the unknowns' ranges.
     pub conditions: Vec<Condition>,
     /// What subexpressions of the unknowns are in terms of the outputs.
-    pub known: HashMap<Id, Id>,
+    pub known: BTreeMap<Id, Id>,
     /// Equations that were not needed: (known, rhs in unknowns).
     pub unused: Vec<(Id, Id)>,
     /// The steps taken, for `explain`.
@@ -159,7 +159,7 @@ fn settle(g: &mut Graph, state: &mut State) {
 /// Records `leaf = value` and substitutes it everywhere.
 fn assign(g: &mut Graph, state: &mut State, leaf: Leaf, value: Id) {
     let variable = g.get_leaf(leaf);
-    let map = HashMap::from([(variable, value)]);
+    let map = BTreeMap::from([(variable, value)]);
     for e in &mut state.equations {
         // An equation that only this unknown was left in is a test: keep what it says of the unknown.
         if g.deps(e.rhs) & UNKNOWNS == leaf_bit(leaf) {
@@ -198,7 +198,7 @@ fn sign_test(g: &mut Graph, conditions: &mut Vec<Condition>, e: &Equation) {
 }
 
 /// Brings `known = a + b·rhs` (a, b known) to `(known - a) / b = rhs`, as often as it applies.
-fn strip(g: &mut Graph, eq: &Equation, known: &mut HashMap<Id, Id>) -> Equation {
+fn strip(g: &mut Graph, eq: &Equation, known: &mut BTreeMap<Id, Id>) -> Equation {
     let mut eq = eq.clone();
     loop {
         let (constant, factor, rest) = affine_parts(g, eq.rhs);

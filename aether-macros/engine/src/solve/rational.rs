@@ -1,6 +1,6 @@
 //! Equations that are rational in one unknown or in one root of it.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use super::{Condition, Equation, State};
 use crate::display::show;
@@ -119,14 +119,14 @@ fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>>
     let t2 = g.powi(fresh, 2);
     let top = g.sub(t2, alpha);
     let inner = g.div(top, beta);
-    let substituted = g.substitute(rhs, &HashMap::from([(t, fresh), (u, inner)]));
+    let substituted = g.substitute(rhs, &BTreeMap::from([(t, fresh), (u, inner)]));
     let polynomial = clear(g, known, substituted, Deps::MAX)?;
     let values = polynomial_roots(g, &polynomial, fresh)?;
     Some(
         values
             .into_iter()
             .map(|v| {
-                let exact = g.substitute(inner, &HashMap::from([(fresh, v)]));
+                let exact = g.substitute(inner, &BTreeMap::from([(fresh, v)]));
                 let simple = Expander::new(g).normal_form(exact).unwrap_or(exact);
                 Root { atom: u, value: simple, also: Some((t, v)) }
             })
@@ -203,7 +203,7 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
             let value = g.div(c0, c1);
             let value = g.neg(value);
             let mut s = state.clone();
-            let map = HashMap::from([(atom, value)]);
+            let map = BTreeMap::from([(atom, value)]);
             let mut gone = true;
             for (j, e) in s.equations.iter_mut().enumerate() {
                 if j != i {
