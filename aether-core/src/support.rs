@@ -64,6 +64,14 @@ pub fn track<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
     x.map(R::track)
 }
 
+/// The coordinates of a direction with error bounds: rotations round them relative to one, not to
+/// each coordinate.
+#[inline]
+pub fn track_unit<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
+    let rounding = R::ONE.track() - R::ONE.track();
+    x.map(|x| x.track() + rounding)
+}
+
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map
 /// leads back to the point whatever its value.
@@ -112,11 +120,12 @@ pub fn leads_back<R: Real, const N: usize, const M: usize>(
 ) -> bool {
     // An undetermined uniform may have any value.
     let known = |t: R::Tracked| t.ge(t);
+    let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
     let y = forward(&u.map(|t| if known(t) { t } else { R::Tracked::ZERO }));
     y.iter().zip(x).all(|(y, x)| {
         let (value, error) = R::value_and_error(*y);
         let x = x.to_f64();
-        let tolerance = SLACK * (error.to_f64() + x.abs() * R::EPSILON.to_f64());
+        let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
         // An unbounded error tells nothing about the point: that is no membership.
         tolerance.is_finite() && (value.to_f64() - x).abs() <= tolerance
     })

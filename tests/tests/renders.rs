@@ -2,9 +2,14 @@
 //!
 //! Sample counts are chosen for two reasons. Light that rarely finds its way to a pixel makes the
 //! distribution of a block's mean skew and its measured variance unreliable, so that a z-score is
-//! normally distributed only with enough samples: `ply-binary`, whose light shines through a small
-//! gap, needs the most. And an error of one percent in a density must stand out of the noise: where
-//! little light is reflected (filters, sphere) it shows less, so these scenes take more samples.
+//! normally distributed only with enough samples: `ply-binary`, with most of its light in a few
+//! pixels at the rim of a lamp, is the worst. And an error of one percent in a density must stand
+//! out of the noise: where little light is reflected (filters, sphere) it shows less, so these scenes
+//! take more samples.
+//!
+//! `sphere` has a block with a sliver of the lamp that a pixel's samples can miss altogether; its
+//! score is then -4.76, the distance of the reference from black, whatever the number of samples.
+//! The limit is at 5.5.
 
 use integrators::image::block_test::{BlockScore, holm};
 use integrators::render::Film;

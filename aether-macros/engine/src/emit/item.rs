@@ -7,7 +7,7 @@ use syn::ItemFn;
 use super::code::Code;
 use super::documentation::Texts;
 use super::interface::{bound, hidden_body, interface, type_name};
-use crate::derive::{Derived, Preimage, Problem};
+use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
 
@@ -186,6 +186,11 @@ impl Emitter<'_> {
         let uniforms: Vec<TokenStream> =
             checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
         let support_lets = code.statements();
+        // The rim of a lobe belongs to it even if a rotation rounded the point below the horizon.
+        let least = match self.problem().target {
+            Target::Direction => quote!(R::of(-16.0) * R::EPSILON),
+            _ => quote!(R::ZERO),
+        };
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
@@ -195,7 +200,7 @@ impl Emitter<'_> {
             #[inline(always)]
             fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask) {
                 #support_lets
-                ([#(#uniforms),*], <R::Mask as Mask>::TRUE #(.and(#conditions.ge(R::ZERO)))* #(.and(#requirements.gt(R::ZERO)))*)
+                ([#(#uniforms),*], <R::Mask as Mask>::TRUE #(.and(#conditions.ge(#least)))* #(.and(#requirements.gt(R::ZERO)))*)
             }
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }

@@ -4,6 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point, point_type};
+use crate::derive::Target;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
@@ -66,9 +67,10 @@ fn inside(e: &Emitter, k: usize) -> TokenStream {
     let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
     let n = e.problem().unknowns.len();
     let m = e.problem().outputs.len();
+    let track = track(e);
     let tracked = quote! {
         {
-            let (tp, tx) = (::aether_core::support::track(&p), ::aether_core::support::track(&x));
+            let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
             let tu = #inverse::<R::Tracked>(&tp, &tx);
             (tp, tu)
         }
@@ -94,6 +96,14 @@ fn inside(e: &Emitter, k: usize) -> TokenStream {
                 ::aether_core::support::recover::<R, #n, #m>(tu, &x, |u| forward::<R::Tracked>(&tp, u)).is_some())
         } else { strict };
         #membership
+    }
+}
+
+/// How the coordinates of the query point were rounded.
+fn track(e: &Emitter) -> TokenStream {
+    match e.problem().target {
+        Target::Direction => quote!(::aether_core::support::track_unit),
+        _ => quote!(::aether_core::support::track),
     }
 }
 
@@ -175,6 +185,7 @@ fn visits(e: &Emitter) -> TokenStream {
     let memory = memory(e);
     let n = e.problem().unknowns.len();
     let m = e.problem().outputs.len();
+    let track = track(e);
     let each = (0..e.derived.preimages.len()).map(|k| {
         let inside = inside(e, k);
         let counted = counted(e, k);
@@ -184,7 +195,7 @@ fn visits(e: &Emitter) -> TokenStream {
                 #inside
                 #counted
                 if inside.any() {
-                    let (tp, tx) = (::aether_core::support::track(&p), ::aether_core::support::track(&x));
+                    let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
                     let u = #inverse::<R>(&p, &x);
                     let u = if ::aether_core::support::in_unit::<R, _>(&u).any() { u } else {
                         ::aether_core::support::recover::<R, #n, #m>(
