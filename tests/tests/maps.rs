@@ -34,6 +34,12 @@ fn framed_lobe(u: [Uniform; 2], n: f64, frame: Frame) -> Direction {
     rotate(frame).apply(&local)
 }
 
+/// A direction sheared by three vectors: more parameters than simplification can multiply out.
+#[map]
+fn skew(w: Direction, x: Vec3, y: Vec3, z: Vec3) -> Direction {
+    Direction::from_vec((w.x * x + w.y * y + w.z * z).normalize())
+}
+
 fn frame(x: f64, y: f64, z: f64) -> Frame {
     Frame::around(Direction::new(x, y, z))
 }
@@ -72,4 +78,11 @@ fn a_lobe_in_a_frame() {
         let same = power_cosine(7.0).then(rotate(f)).pdf(&w).value();
         assert_eq!(framed_lobe(7.0, f).pdf(&w).value(), same);
     }
+}
+
+#[test]
+fn a_sheared_lobe() {
+    let (x, y) = (Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.0, 1.0, 0.1));
+    let lobe = power_cosine(1.0).then(skew(x, y, Vec3::new(0.3, -0.2, 1.0)));
+    battery::check(&lobe).assert_ok();
 }

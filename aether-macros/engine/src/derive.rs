@@ -76,6 +76,7 @@ pub struct Derived {
 
 /// Derives and verifies. The error is a text for the user.
 pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
+    crate::poly::start_budget();
     let targets = declare_outputs(problem);
     all_used(problem)?;
     let source = source_of(problem);

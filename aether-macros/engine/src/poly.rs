@@ -23,6 +23,27 @@ pub struct Poly(BTreeMap<Mono, Q>);
 /// Work limit: polynomials with more terms than this are given up.
 const MAX_TERMS: usize = 120;
 
+thread_local! {
+    /// Steps that may still be spent on polynomials for the item at hand.
+    static BUDGET: std::cell::Cell<u64> = const { std::cell::Cell::new(u64::MAX) };
+}
+
+/// Steps (products of terms) for one item. Counted, not timed, so the outcome is the same everywhere;
+/// what is not simplified within the budget is emitted as derived.
+const STEPS: u64 = 400_000;
+
+/// Starts the budget of an item.
+pub fn start_budget() {
+    BUDGET.set(STEPS);
+}
+
+/// Takes steps from the budget; `None` when it is used up.
+fn spend(steps: usize) -> Option<()> {
+    let left = BUDGET.get().checked_sub(steps as u64);
+    BUDGET.set(left.unwrap_or(0));
+    left.map(drop)
+}
+
 impl Poly {
     /// A constant.
     pub fn constant(q: Q) -> Poly {
@@ -58,6 +79,7 @@ impl Poly {
     }
     /// Sum.
     pub fn add(&self, o: &Poly) -> Option<Poly> {
+        spend(self.len() + o.len())?;
         let mut r = self.clone();
         for (m, q) in &o.0 {
             let e = r.0.entry(m.clone()).or_insert(Q::ZERO);
@@ -81,6 +103,7 @@ impl Poly {
     }
     /// Product, before any relation is applied.
     pub fn mul(&self, o: &Poly) -> Option<Poly> {
+        spend(self.len() * o.len())?;
         let mut r = Poly::default();
         for (m, q) in &self.0 {
             for (n, p) in &o.0 {

@@ -41,29 +41,10 @@ impl Plan {
 
 /// Reads the scene file that the command line names, with the size that it asks for.
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
-    let mut scene = Scene::load(&arguments.scene, &arguments.defines)?;
-    if let Some(size) = arguments.size {
-        resize(&mut scene, size)?;
-    }
+    let scene = Scene::load_sized(&arguments.scene, &arguments.defines, arguments.size)?;
     check_size((scene.film.width, scene.film.height))
         .map_err(|error| Failure::new(format!("image size {error}")))?;
     Ok(scene)
-}
-
-/// Changes the resolution. The field of view belongs to an axis that depends on the proportions,
-/// so these must stay.
-fn resize(scene: &mut Scene, (width, height): (u32, u32)) -> Result<(), Failure> {
-    let film = &mut scene.film;
-    if u64::from(width) * u64::from(film.height) != u64::from(height) * u64::from(film.width) {
-        return Err(Failure::new(format!(
-            "--size {width}x{height} changes the proportions of the scene's {}x{} pixels; \
-             change its film instead",
-            film.width, film.height
-        )));
-    }
-    (film.width, film.height) = (width, height);
-    (scene.camera.width, scene.camera.height) = (width, height);
-    Ok(())
 }
 
 /// The integrator called `plan.integrator` with the settings of `plan`.
@@ -139,10 +120,20 @@ mod tests {
     }
 
     #[test]
-    fn the_size_keeps_the_proportions() {
-        let mut scene = scene();
-        resize(&mut scene, (8, 6)).unwrap();
-        assert_eq!((scene.film.width, scene.camera.height), (8, 6));
-        assert!(resize(&mut scene, (8, 8)).unwrap_err().to_string().contains("proportions"));
+    fn a_size_takes_the_place_of_the_films() {
+        let file = std::env::temp_dir().join(format!("aether-size-{}.xml", std::process::id()));
+        std::fs::write(&file, SCENE).unwrap();
+        let line = ["aether", "render", file.to_str().unwrap(), "--size", "50x100"];
+        let arguments = match super::super::Arguments::parse_from(line).command {
+            super::super::Command::Render(arguments) => arguments,
+            other => panic!("{other:?}"),
+        };
+        let scene = load(&arguments);
+        std::fs::remove_file(&file).unwrap();
+        let scene = scene.unwrap();
+        assert_eq!((scene.film.width, scene.camera.height), (50, 100));
+        // The field of view lies along x and stays; the other one follows the proportions.
+        assert!((scene.camera.tan_x - 20f32.to_radians().tan()).abs() < 1e-6);
+        assert!((scene.camera.tan_y / scene.camera.tan_x - 2.0).abs() < 1e-6);
     }
 }

@@ -26,7 +26,20 @@ impl Scene {
     ///
     /// The first thing in the file that is malformed, missing or not supported.
     pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Self, SceneError> {
-        build(&xml::read_file(path, defines)?)
+        Self::load_sized(path, defines, None)
+    }
+
+    /// Loads a scene file as if its film had another size: the field of view keeps its axis.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scene::load`].
+    pub fn load_sized(
+        path: &Path,
+        defines: &[(String, String)],
+        size: Option<(u32, u32)>,
+    ) -> Result<Self, SceneError> {
+        build(&xml::read_file(path, defines)?, size)
     }
 
     /// Loads a scene from a string. `folder` is where files that it names are looked up; errors
@@ -40,7 +53,7 @@ impl Scene {
         folder: &Path,
         defines: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        build(&xml::read_str(xml, Path::new("scene.xml"), folder.to_path_buf(), defines)?)
+        build(&xml::read_str(xml, Path::new("scene.xml"), folder.to_path_buf(), defines)?, None)
     }
 }
 
@@ -62,7 +75,7 @@ struct Parts {
     degenerate: usize,
 }
 
-fn build(document: &Document) -> Result<Scene, SceneError> {
+fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneError> {
     let mut builder = Builder { document, scene: Parts::default(), bsdf_indices: HashMap::new() };
     let root = document.query(0);
     let mut sensor = None;
@@ -73,7 +86,7 @@ fn build(document: &Document) -> Result<Scene, SceneError> {
             "bsdf" => drop(builder.bsdf(id)?),
             "emitter" => return Err(lone_emitter(&query)),
             "sensor" => {
-                let read = read_sensor(document, &query)?;
+                let read = read_sensor(document, &query, size)?;
                 // As Mitsuba does, the first of several sensors is used.
                 sensor.get_or_insert(read);
             }

@@ -9,18 +9,22 @@ use super::settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 
 const MAX_FILM_SIZE: i64 = 1 << 16;
 
-/// The camera of a `<sensor>`, with its film and sampler.
+/// The camera of a `<sensor>`, with its film and sampler. A `size` takes the place of the film's.
 pub fn read_sensor(
     document: &Document,
     query: &Query,
+    size: Option<(u32, u32)>,
 ) -> Result<(Camera, Film, Sampler), SceneError> {
     if query.object.plugin != "perspective" {
         return Err(query.unsupported("perspective"));
     }
-    let film = match query.child("film")? {
+    let mut film = match query.child("film")? {
         Some(id) => read_film(document, &document.query(id))?,
         None => Film { width: 768, height: 576, filter: Filter::Gaussian { stddev: 0.5 } },
     };
+    if let Some(size) = size {
+        (film.width, film.height) = size;
+    }
     let sampler = match query.child("sampler")? {
         Some(id) => read_sampler(&document.query(id))?,
         None => Sampler { kind: SamplerKind::Independent, sample_count: 4, seed: 0 },
