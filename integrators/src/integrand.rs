@@ -4,9 +4,9 @@ use aether_core::prelude::*;
 use aether_core::{PathIntegrand, PathView, Vertex};
 use glam::Vec3;
 
-use crate::samplers::{hit_plane, pinhole, rotate};
+use crate::samplers::{pinhole, rotate};
 use crate::strategies::Pixel;
-use crate::vertex::{SceneVertex, surface_id};
+use crate::vertex::SceneVertex;
 use crate::world::World;
 
 /// The measurement of one pixel as an integral over paths with area measure (Veach 1997, Eq. 8.7):
@@ -39,12 +39,7 @@ impl<'w, 's> Radiance<'w, 's> {
         let Some(surface) = seen.surface else { return 0.0 };
         let to_surface = pinhole(self.world.film_centre(), self.world.film_scale())
             .then(rotate(self.world.camera_frame))
-            .then(hit_plane(
-                eye.position.into(),
-                surface.position.into(),
-                surface.normal.into(),
-                surface_id(surface.primitive),
-            ));
+            .then(surface.seen_from(eye.position));
         let filter = self.world.scene.film.filter;
         let centre = (self.pixel.0 as f32 + 0.5, self.pixel.1 as f32 + 0.5);
         let mut importance = 0.0;

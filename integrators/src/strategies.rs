@@ -5,7 +5,7 @@ use aether_core::{PathView, coin, strategies};
 
 use crate::samplers::*;
 use crate::scene::{Filter, Primitive};
-use crate::vertex::{Pinhole, SceneVertex, Surface, surface_id};
+use crate::vertex::{Pinhole, SceneVertex, Surface};
 use crate::world::{Light, World};
 
 /// A pixel of the image: column and row.
@@ -46,13 +46,7 @@ pub fn sample_camera_direction(
     let direction = pinhole(world.film_centre(), world.film_scale()).apply(&film);
     let w = rotate(world.camera_frame).apply(&direction);
     let hit: Surface = constant(world.cast(&eye, &w));
-    let point = hit_plane(
-        eye.position.into(),
-        hit.position.into(),
-        hit.normal.into(),
-        surface_id(hit.primitive),
-    )
-    .apply(&w);
+    let point = hit.seen_from(eye.position).apply(&w);
     SceneVertex::hit(hit, point)
 }
 
@@ -72,13 +66,7 @@ pub fn sample_bsdf(path: &PathView<SceneVertex>, world: &World<'_>, rr_depth: u3
     let local = draw(cosine_hemisphere());
     let w = rotate(lambert.frame()).apply(&local);
     let hit: Surface = constant(world.cast(&here, &w));
-    let point = hit_plane(
-        here.position.into(),
-        hit.position.into(),
-        hit.normal.into(),
-        surface_id(hit.primitive),
-    )
-    .apply(&w);
+    let point = hit.seen_from(here.position).apply(&w);
     SceneVertex::hit(hit, point)
 }
 

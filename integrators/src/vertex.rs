@@ -4,6 +4,7 @@ use aether_core::prelude::*;
 use aether_core::{Recall, Vertex};
 use glam::Vec3 as Vector;
 
+use crate::samplers::{HitPlane, hit_plane};
 use crate::scene::PrimitiveId;
 
 /// What a ray cast found: a piece of surface, constant near the sample.
@@ -19,6 +20,14 @@ pub struct Surface {
     pub primitive: PrimitiveId,
     /// Which emitter of the scene it is, if it is one.
     pub emitter: Option<u32>,
+}
+
+impl Surface {
+    /// Where rays from `origin` meet this piece of surface: the map from directions to its points.
+    pub fn seen_from(&self, origin: Vector) -> HitPlane<f32> {
+        let id = surface_id(self.primitive);
+        hit_plane(origin.into(), self.position.into(), self.normal.into(), id)
+    }
 }
 
 /// The pinhole of a camera.

@@ -17,20 +17,22 @@ use crate::rational::Q;
 /// An input assignment in double precision.
 pub type Inputs = HashMap<Leaf, f64>;
 
-/// The largest relative error of an expression in `f64` over the points, against double-double of
-/// the same expression; non-finite truths are skipped.
-pub fn worst_error(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> f64 {
-    let mut worst = 0.0f64;
-    for (inputs, &t) in points.iter().zip(truth) {
-        if !t.is_finite() {
-            continue;
-        }
+/// The relative errors of an expression in `f64` at the points, against its true values; points
+/// whose truth is not finite are skipped, and a value that is no number is infinitely wrong.
+fn relative_errors(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> Vec<f64> {
+    let known = points.iter().zip(truth).filter(|(_, t)| t.is_finite());
+    let error = |(inputs, &t): (&Inputs, &f64)| {
         let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
         let v = Evaluator::<f64>::new(g, &at).value(form);
         let e = if v == t { 0.0 } else { ((v - t) / t).abs() };
-        worst = worst.max(if e.is_nan() { f64::INFINITY } else { e });
-    }
-    worst
+        if e.is_nan() { f64::INFINITY } else { e }
+    };
+    known.map(error).collect()
+}
+
+/// The largest relative error of an expression in `f64` over the points.
+pub fn worst_error(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> f64 {
+    relative_errors(g, form, truth, points).into_iter().fold(0.0, f64::max)
 }
 
 /// The values of an expression at the points, through double-double.
@@ -95,13 +97,7 @@ struct Search<'a> {
 /// How inaccurate a form is: mean number of lost bits, and the worst error.
 fn loss(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> (f64, f64) {
     let (mut bits, mut worst) = (0.0, 0.0f64);
-    for (inputs, &t) in points.iter().zip(truth) {
-        if !t.is_finite() {
-            continue;
-        }
-        let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
-        let v = Evaluator::<f64>::new(g, &at).value(form);
-        let e = if v == t { 0.0 } else { ((v - t) / t).abs() };
+    for e in relative_errors(g, form, truth, points) {
         let e = if e.is_finite() { e } else { 1e300 };
         bits += libm::log2(1.0 + e / f64::EPSILON);
         worst = worst.max(e);

@@ -15,12 +15,12 @@ use aether_core::{Arena, PathView, Pcg32, coin, strategies};
 use integrators::image::exr::Exr;
 use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
-use integrators::samplers::{cosine_hemisphere, hit_plane, rotate};
+use integrators::samplers::{cosine_hemisphere, rotate};
 use integrators::scene::Scene;
 use integrators::strategies::{
     Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_light,
 };
-use integrators::vertex::{SceneVertex, Surface, surface_id};
+use integrators::vertex::{SceneVertex, Surface};
 use integrators::world::World;
 
 /// Directions about +z, distributed as a power of the cosine.
@@ -58,13 +58,7 @@ fn scatter_or_look_up(
         rotate(lambert.frame()).apply(&local)
     };
     let hit: Surface = constant(world.cast(&here, &w));
-    let point = hit_plane(
-        here.position.into(),
-        hit.position.into(),
-        hit.normal.into(),
-        surface_id(hit.primitive),
-    )
-    .apply(&w);
+    let point = hit.seen_from(here.position).apply(&w);
     SceneVertex::hit(hit, point)
 }
 

@@ -75,14 +75,12 @@ impl Graph {
                 return self.sum(total, &rest);
             }
         }
-        let mut list: Vec<(Q, Id)> = terms.into_iter().map(|(t, q)| (q, t)).collect();
+        // In the map's order, which is the canonical one.
+        let list: Vec<(Q, Id)> = terms.into_iter().map(|(t, q)| (q, t)).collect();
         match (list.len(), total.is_zero()) {
             (0, _) => self.number(total),
             (1, true) if list[0].0 == Q::ONE => list[0].1,
-            _ => {
-                list.sort_by_key(|(_, t)| *t);
-                self.intern(Node::Sum(total, list))
-            }
+            _ => self.intern(Node::Sum(total, list)),
         }
     }
 
@@ -114,10 +112,6 @@ impl Graph {
                     with.push((e, one));
                     let with = self.product(&with);
                     found.push((without, with, true));
-                }
-                Node::Call(Fun::Exp, args) if exp == one && rest.is_empty() => {
-                    // exp(x) - 1 = expm1(x), seen from the term: merged term carries the other sign.
-                    let _ = args;
                 }
                 _ => {}
             }
