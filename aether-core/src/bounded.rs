@@ -144,6 +144,7 @@ impl<R: Scalar> Real for Bounded<R> {
     const ONE: Self = Bounded { value: R::ONE, error: R::ZERO };
     const EPSILON: Self = Bounded { value: R::EPSILON, error: R::ZERO };
     const INFINITY: Self = Bounded { value: R::INFINITY, error: R::ZERO };
+    const MIN_POSITIVE: Self = Bounded { value: R::MIN_POSITIVE, error: R::ZERO };
 
     #[inline]
     fn track(self) -> Self {

@@ -76,6 +76,8 @@ pub trait Real:
     const EPSILON: Self;
     /// Positive infinity.
     const INFINITY: Self;
+    /// The smallest positive number that is represented to full precision.
+    const MIN_POSITIVE: Self;
 
     /// The number with an error bound of one rounding.
     fn track(self) -> Self::Tracked;
@@ -186,6 +188,7 @@ macro_rules! impl_real {
             const ONE: $t = 1.0;
             const EPSILON: $t = $t::EPSILON;
             const INFINITY: $t = $t::INFINITY;
+            const MIN_POSITIVE: $t = $t::MIN_POSITIVE;
             #[inline(always)]
             fn track(self) -> Bounded<$t> {
                 Bounded::rounded(self)

@@ -40,6 +40,33 @@ pub fn cos_pi<R: Real>(x: R) -> R {
     half_turns(x, 1.0)
 }
 
+/// `yes` where the mask is true, `no` elsewhere; a side that no lane takes is not computed.
+#[inline(always)]
+pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce() -> R) -> R {
+    if !mask.any() {
+        no()
+    } else if !mask.not().any() {
+        yes()
+    } else {
+        R::select(mask, yes(), no())
+    }
+}
+
+/// The square root of a sum of squares. Where the squares underflow, `scaled` computes the sum again
+/// with the numbers that are squared multiplied by what it is given.
+#[inline(always)]
+pub fn root<R: Real>(sum: R, scaled: impl FnOnce(R) -> R) -> R {
+    let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
+    if small.any() { small_root(sum, scaled) } else { sum.sqrt() }
+}
+
+#[cold]
+fn small_root<R: Real>(sum: R, scaled: impl FnOnce(R) -> R) -> R {
+    let up = R::MIN_POSITIVE.sqrt().recip();
+    let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
+    R::select(small, scaled(up).sqrt() / up, sum.sqrt())
+}
+
 /// Whether every number is in [0, 1).
 #[inline(always)]
 pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
@@ -154,7 +181,19 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
     forward: impl Fn(&[R; N]) -> [R; M],
 ) -> [R; M] {
     // Far below any uniform that a generator makes, far above what underflows when squared.
-    let tiny = R::EPSILON * R::EPSILON * R::EPSILON * R::EPSILON;
-    let limit = forward(&u.map(|u| R::select(u.gt(R::ZERO), u, tiny)));
-    core::array::from_fn(|i| R::select(x[i].finite().or(x[i].ge(x[i])), x[i], limit[i]))
+    let tiny = R::EPSILON * R::EPSILON;
+    let [near, nearer] =
+        [tiny, tiny * tiny].map(|t| forward(&u.map(|u| R::select(u.gt(R::ZERO), u, t))));
+    core::array::from_fn(|i| {
+        // What still shrinks with the uniform, by whatever power, tends to zero.
+        let vanishes = nearer[i].abs().lt(near[i].abs() * R::of(1e-3));
+        let limit = R::select(vanishes, R::ZERO, nearer[i]);
+        R::select(x[i].finite().or(x[i].ge(x[i])), x[i], limit)
+    })
+}
+
+/// A parameter of exactly zero, moved by so little that formulas that are 0/0 there give their limit.
+#[inline(always)]
+pub fn beside_zero<R: Real>(x: R) -> R {
+    R::select(x.le(R::ZERO).and(x.ge(R::ZERO)), R::EPSILON * R::EPSILON, x)
 }

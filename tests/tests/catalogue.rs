@@ -5,7 +5,7 @@ use aether_core::prelude::*;
 use tests::catalogue::*;
 use tests::errors::{Errors, errors, errors_of};
 use tests::mutation::OnePercentOff;
-use tests::reference::{Inputs, PointEntry, Query, Reference};
+use tests::reference::{PointEntry, Query, Reference};
 use tests::rows::{FromCoordinates, ROWS, Visitor, visit};
 
 /// Relative error that a well-conditioned value may have in `f64`.
@@ -20,30 +20,6 @@ const ILL_CONDITIONED: [(u64, &str, &str); 3] = [
     (19, "sample", "a zero of -ln(-ln u): no double represents ln u to more than 53 bits at -1"),
     (57, "pdf(x)", "a nearly singular matrix: its inverse magnifies the rounding of products"),
 ];
-
-/// A row, inputs that pick some of its entries, and a reason.
-type Shortfall = (u64, &'static [(&'static str, f64)], &'static str);
-
-/// Points where a form of the map has no value in doubles although the map has a limit. They are
-/// known shortfalls, each with its reason, and the only points that are left out.
-const WITHOUT_VALUE: [Shortfall; 5] = [
-    (4, &[("s", 0.0)], "0/0: the limit s -> 0 is another formula"),
-    (4, &[("s", -800.0)], "expm1(800) overflows"),
-    (5, &[("a", 0.0), ("b", 1.0), ("u", 0.0)], "0/0: the limit is taken at a small uniform"),
-    (5, &[("a", 1e-300), ("b", 1e-300)], "a² underflows"),
-    (61, &[("u", 1e-300)], "x² + y² underflows"),
-];
-
-/// Whether an entry is one of [`WITHOUT_VALUE`].
-fn without_value(inputs: &Inputs, first_uniform: Option<f64>) -> bool {
-    WITHOUT_VALUE.iter().any(|(row, values, _)| {
-        *row == inputs.row
-            && values.iter().all(|(name, value)| match *name {
-                "u" => first_uniform == Some(*value),
-                name => inputs.scalar::<f64>(name) == *value,
-            })
-    })
-}
 
 /// What fails at an entry.
 fn failures(entry: &PointEntry, e: Errors) -> Vec<String> {
@@ -71,9 +47,7 @@ fn failures(entry: &PointEntry, e: Errors) -> Vec<String> {
 #[test]
 fn samples_and_densities_agree_with_the_reference() {
     let reference = Reference::load();
-    let points =
-        reference.points.iter().filter(|p| !without_value(&p.inputs, p.u.first().copied()));
-    let failed: Vec<String> = points.flat_map(|p| failures(p, errors::<f64>(p))).collect();
+    let failed: Vec<String> = reference.points.iter().flat_map(|p| failures(p, errors::<f64>(p))).collect();
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
 }
 
@@ -93,9 +67,6 @@ impl Visitor<f64> for Ask<'_> {
 fn queries_have_the_density_of_the_reference() {
     let mut failed = Vec::new();
     for query in &Reference::load().queries {
-        if without_value(&query.inputs, None) {
-            continue;
-        }
         // A direction off the unit sphere cannot even be written down.
         let found = visit::<f64, _>(&query.inputs, Ask(query));
         let right = match found {

@@ -50,10 +50,20 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut HashMap<Id, Id>) -> Id {
             let r2 = g.add(x2, y2);
             g.div(top, r2)
         }
+        Node::Call(Fun::Pow1p, args) => {
+            let one = g.int(1);
+            let base = g.add(one, args[0]);
+            let power = g.pow(base, args[1]);
+            derive(g, power, x, memo)
+        }
         Node::Call(f, args) => {
             let inner = derive(g, args[0], x, memo);
             let slope = slope(g, f, args[0], id);
             g.mul(slope, inner)
+        }
+        Node::If(test, yes, no) => {
+            let (yes, no) = (derive(g, yes, x, memo), derive(g, no, x, memo));
+            g.if_positive(test, yes, no)
         }
         Node::Number(_) | Node::Float(_) | Node::Pi => g.int(0),
     };
@@ -121,7 +131,7 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
         }
         Fun::Abs => g.call(Fun::Sign, &[a]),
         Fun::Sign => g.int(0),
-        Fun::Turn | Fun::Atan2 => one,
+        Fun::Turn | Fun::Atan2 | Fun::Pow1p => one,
     }
 }
 

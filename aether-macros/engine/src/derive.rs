@@ -2,16 +2,20 @@
 
 mod cases;
 mod density;
+mod limits;
+mod regimes;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::jacobian::{Source, simplify, volume};
+use crate::overflow::guard;
 use crate::points::Kind;
 use crate::solve::{Solution, solve};
 use crate::stabilise::{Inputs, stabilise_point};
 
 use cases::{cases, inputs, prune, verify_volume};
 use density::{density, finish, pick_volume};
+use limits::parameters_with_limits;
 
 /// What the type of the result guarantees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +52,10 @@ pub struct Problem {
 
 /// One preimage, ready to be emitted.
 pub struct Preimage {
-    /// The unknowns.
+    /// The unknowns, as accurate as they can be had.
     pub unknowns: Vec<Id>,
+    /// The unknowns in a shorter form, good enough to see whether they lie in [0, 1).
+    pub tested: Vec<Id>,
     /// Must be at least zero.
     pub conditions: Vec<Id>,
     /// Must be greater than zero.
@@ -68,6 +74,9 @@ pub struct Derived {
     pub volume: Id,
     /// Whether a preimage must be mapped forward again to see that it is one.
     pub check_forward: bool,
+    /// The scalar parameters that must not be exactly zero, because the formulas have only a limit
+    /// there.
+    pub limits: Vec<u8>,
     /// Worst relative error of the density found on the test points, in `f64`.
     pub worst_error: f64,
     /// The derivation, a line a step.
@@ -91,18 +100,36 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let out_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, false)).collect();
     let outputs = problem.outputs.clone();
     let forward = stabilise_point(&mut problem.graph, &outputs, &unknown_points);
+    let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let own = pick_volume(problem, &volumes, &unknown_points);
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;
     let mut steps = Vec::new();
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
-        let (density, error) =
-            density(problem, s, &volumes, &cases, &out_points, solutions.len() == 1);
+        let injective = solutions.len() == 1;
+        let (density, error) = density(problem, s, &volumes, &cases, &out_points, injective);
         worst = worst.max(error);
-        preimages.push(finish(problem, s, density, &out_points, check_forward));
+        let flags = (injective, check_forward);
+        preimages.push(finish(problem, s, density, &cases, &out_points, flags));
     }
-    Ok(Derived { forward, preimages, volume: own, check_forward, worst_error: worst, steps })
+    let mut limits = parameters_with_limits(&problem.graph, &[own], &unknown_points);
+    let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
+    let at_point: Vec<Id> = at_point.collect();
+    limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
+    let at_uniforms: &[Id] = &forward;
+    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &unknown_points));
+    limits.sort_unstable();
+    limits.dedup();
+    Ok(Derived {
+        forward,
+        preimages,
+        volume: own,
+        check_forward,
+        limits,
+        worst_error: worst,
+        steps,
+    })
 }
 
 /// Every unknown must matter to the result.
@@ -195,7 +222,7 @@ pub fn texts(problem: &Problem, derived: &Derived) -> [String; 4] {
             let names: Vec<&str> = problem.unknowns.iter().map(|l| g.name(*l)).collect();
             names
                 .iter()
-                .zip(&p.unknowns)
+                .zip(&p.tested)
                 .map(|(n, v)| format!("{n} = {}", show(g, *v)))
                 .collect::<Vec<_>>()
                 .join(",  ")

@@ -40,6 +40,10 @@ fn print(g: &Graph, id: Id, outer: u8) -> String {
             let args: Vec<String> = args.iter().map(|a| print(g, *a, 0)).collect();
             (format!("{}({})", name(*f), args.join(", ")), 3)
         }
+        Node::If(test, yes, no) => {
+            let [test, yes, no] = [test, yes, no].map(|part| print(g, *part, 0));
+            (format!("{{{yes} if {test} > 0, else {no}}}"), 3)
+        }
     };
     if own < outer { format!("({text})") } else { text }
 }
@@ -151,5 +155,6 @@ fn name(f: Fun) -> &'static str {
         Fun::Turn => "turn",
         Fun::SinPi => "sinpi",
         Fun::CosPi => "cospi",
+        Fun::Pow1p => "pow1p",
     }
 }

@@ -66,6 +66,10 @@ impl<'a, T: Number> Evaluator<'a, T> {
                 let b = args.get(1).map(|b| self.value(*b));
                 call(*f, a, b)
             }
+            Node::If(test, yes, no) => {
+                let positive = self.value(*test).to_f64() > 0.0;
+                self.value(if positive { *yes } else { *no })
+            }
         };
         self.memo.insert(id, v);
         v
@@ -100,6 +104,7 @@ fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
         Fun::Abs => a.abs(),
         Fun::Sign => T::from_f64(if a.to_f64() < 0.0 { -1.0 } else { 1.0 }),
         Fun::Atan2 => a.atan2(b.unwrap_or(a)),
+        Fun::Pow1p => (b.unwrap_or(a) * a.ln_1p()).exp(),
         Fun::Turn => {
             let turn = T::pi() + T::pi();
             if a.to_f64() < 0.0 || a.to_f64() >= turn.to_f64() {

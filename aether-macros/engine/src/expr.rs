@@ -49,6 +49,8 @@ pub enum Fun {
     CosPi,
     /// An angle brought into [0, 2π) by adding a multiple of 2π.
     Turn,
+    /// (1 + a)^e, accurate for small a.
+    Pow1p,
 }
 
 /// An input of an expression.
@@ -79,6 +81,8 @@ pub enum Node {
     Product(Vec<(Id, Id)>),
     /// A function of one or two arguments.
     Call(Fun, Vec<Id>),
+    /// The second where the first is greater than zero, else the third.
+    If(Id, Id, Id),
 }
 
 /// Which inputs an expression depends on, as a bit set.
@@ -151,6 +155,10 @@ impl Graph {
     pub fn get_leaf(&mut self, leaf: Leaf) -> Id {
         self.intern(Node::Leaf(leaf))
     }
+    /// The interval that an input was declared with.
+    pub fn leaf_range(&self, leaf: Leaf) -> Interval {
+        self.leaf_ranges.get(&leaf).copied().unwrap_or(Interval::ALL)
+    }
     /// The printed name of an input.
     pub fn name(&self, leaf: Leaf) -> &str {
         self.names.get(&leaf).map_or("?", String::as_str)
@@ -221,6 +229,7 @@ impl Graph {
                     None => Interval::POSITIVE,
                 })
             }),
+            Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
                 [y, x] if self.range(y).nonnegative() => {
@@ -229,6 +238,7 @@ impl Graph {
                 }
                 _ => Interval::new(-std::f64::consts::PI, std::f64::consts::PI),
             },
+            Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
         }
     }
 
@@ -308,6 +318,17 @@ impl Graph {
         crate::functions::simplify_call(self, f, args)
             .unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
     }
+    /// `yes` where `test` is greater than zero, else `no`.
+    pub fn if_positive(&mut self, test: Id, yes: Id, no: Id) -> Id {
+        let range = self.range(test);
+        if yes == no || range.hi <= 0.0 {
+            no
+        } else if range.lo > 0.0 {
+            yes
+        } else {
+            self.intern(Node::If(test, yes, no))
+        }
+    }
 }
 
 /// The direct subexpressions of a node.
@@ -317,5 +338,6 @@ pub fn children(node: &Node) -> Vec<Id> {
         Node::Sum(_, terms) => terms.iter().map(|(_, t)| *t).collect(),
         Node::Product(f) => f.iter().flat_map(|(b, e)| [*b, *e]).collect(),
         Node::Call(_, args) => args.clone(),
+        Node::If(test, yes, no) => vec![*test, *yes, *no],
     }
 }

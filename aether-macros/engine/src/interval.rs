@@ -35,6 +35,10 @@ impl Interval {
     pub fn nonpositive(self) -> bool {
         self.hi <= 0.0
     }
+    /// The smallest interval that contains both.
+    pub fn hull(self, o: Interval) -> Interval {
+        Interval::new(self.lo.min(o.lo), self.hi.max(o.hi))
+    }
     /// Distance between the ends.
     pub fn width(self) -> f64 {
         self.hi - self.lo

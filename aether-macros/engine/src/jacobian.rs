@@ -35,6 +35,11 @@ pub fn volume(
     }) {
         return Ok(vec![g.int(1)]);
     }
+    if m == 3 {
+        if let Some(volume) = normalised(g, outputs, unknowns, source) {
+            return Ok(volume);
+        }
+    }
     match source {
         Source::Direction(w) if m == 2 => {
             // The area that the tangent plane's image covers: |w · (∇f × ∇g)|.
@@ -51,15 +56,7 @@ pub fn volume(
         )),
         Source::Direction(w) => {
             let w_form = |g: &mut Graph, id| simplify(g, id, Some(w));
-            let parts = [(1, 2), (2, 0), (0, 1)];
-            let crosses: Vec<Vec<Id>> =
-                parts.iter().map(|&(i, j)| cross(g, &columns[i], &columns[j])).collect();
-            let normal: Vec<Id> = (0..3)
-                .map(|i| {
-                    let along: Vec<Id> = (0..3).map(|k| crosses[k][i]).collect();
-                    dot(g, &w, &along)
-                })
-                .collect();
+            let normal = image_of_plane(g, &columns, w);
             let raw = norm(g, &normal);
             let tidy: Vec<Id> = normal.iter().map(|&c| w_form(g, c)).collect();
             let tidy = norm(g, &tidy);
@@ -77,6 +74,60 @@ pub fn volume(
             "{n} uniforms for a point with {m} coordinates: more uniforms than dimensions give a marginal density, which is an integral and no formula"
         )),
     }
+}
+
+/// The volume of a normalised vector T / |T|: |T · (∂T × ∂T)| / |T|³, where the vector product spans
+/// the image of the unknowns (or of the tangent plane of a direction).
+fn normalised(
+    g: &mut Graph,
+    outputs: &[Id],
+    unknowns: &[Leaf],
+    source: Source,
+) -> Option<Vec<Id>> {
+    let minus_half = g.number(Q::HALF.neg());
+    let (base, _) = g.factors(outputs[0]).into_iter().find(|&(b, e)| {
+        e == minus_half
+            && g.has(b, UNKNOWNS)
+            && outputs[1..].iter().all(|o| g.factors(*o).contains(&(b, e)))
+    })?;
+    let root = g.pow(base, minus_half);
+    let t: Vec<Id> = outputs.iter().map(|&o| g.div(o, root)).collect();
+    let squared = dot(g, &t, &t);
+    let gap = g.sub(squared, base);
+    let gap = Expander::new(g).normal_form(gap)?;
+    if !g.as_number(gap).is_some_and(Q::is_zero) {
+        return None;
+    }
+    let columns: Vec<Vec<Id>> =
+        unknowns.iter().map(|&u| t.iter().map(|&f| derivative(g, f, u)).collect()).collect();
+    let (normal, unit) = match source {
+        Source::Direction(w) => (image_of_plane(g, &columns, w), Some(w)),
+        Source::Free if columns.len() == 2 => (cross(g, &columns[0], &columns[1]), None),
+        Source::Free => return None,
+    };
+    let triple = dot(g, &t, &normal);
+    let tidy = simplify(g, triple, unit);
+    let cubed = g.number(Q::new(-3, 2)?);
+    let over = g.pow(base, cubed);
+    let candidates = [tidy, triple].map(|d| {
+        let size = g.call(crate::expr::Fun::Abs, &[d]);
+        g.mul(size, over)
+    });
+    Some(distinct(candidates.to_vec()))
+}
+
+/// The normal, as long as the area is stretched, of the image of the plane with normal `w` under the
+/// linear map with these columns: its cofactors applied to `w`.
+fn image_of_plane(g: &mut Graph, columns: &[Vec<Id>], w: [Id; 3]) -> Vec<Id> {
+    let parts = [(1, 2), (2, 0), (0, 1)];
+    let crosses: Vec<Vec<Id>> =
+        parts.iter().map(|&(i, j)| cross(g, &columns[i], &columns[j])).collect();
+    (0..3)
+        .map(|i| {
+            let along: Vec<Id> = (0..3).map(|k| crosses[k][i]).collect();
+            dot(g, &w, &along)
+        })
+        .collect()
 }
 
 /// Fewer unknowns than outputs: Gram's determinant where it simplifies, the vector product else.
@@ -162,6 +213,7 @@ pub fn cost(g: &Graph, id: Id) -> usize {
         }
         total += match g.node(id) {
             Node::Call(..) => 12,
+            Node::If(..) => 2,
             Node::Product(f) => f
                 .iter()
                 .map(|(_, e)| match g.as_number(*e) {

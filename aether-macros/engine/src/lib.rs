@@ -27,6 +27,7 @@ mod functions;
 pub mod interval;
 pub mod jacobian;
 pub mod number;
+mod overflow;
 pub mod parse;
 pub mod points;
 pub mod poly;

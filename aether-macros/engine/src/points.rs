@@ -41,6 +41,9 @@ pub struct Point {
     pub params: Vec<Dd>,
     /// Whether no unknown is close to an end of its range.
     pub interior: bool,
+    /// Whether parameters are larger or smaller than the map may be meant for, because nothing was
+    /// declared of them: good for comparing forms, but no test of the map.
+    pub stress: bool,
 }
 
 impl Point {
@@ -82,16 +85,21 @@ impl Rng {
 const EXTREMES: [f64; 6] =
     [8.673617379884035e-19, 1e-9, 0.5, 0.999, 1.0 - 1e-9, 1.0 - 1.1102230246251565e-16];
 
+/// Rounds of points with parameters of their own; a few more follow with stress.
+const ROUNDS: usize = 8;
+
 /// The points for an item with `unknowns` uniforms and these parameters.
 pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
     let mut rng = Rng::new(0xae7e);
     let mut points = Vec::new();
-    for round in 0..8 {
+    let rounds = if kinds.contains(&Kind::Scalar(None)) { ROUNDS + 4 } else { ROUNDS };
+    for round in 0..rounds {
+        let stress = round >= ROUNDS;
         let params = parameters(&mut rng, kinds, round);
         for _ in 0..4 {
             let unknowns =
                 (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
-            points.push(Point { unknowns, params: params.clone(), interior: true });
+            points.push(Point { unknowns, params: params.clone(), interior: true, stress });
         }
         for (k, e) in EXTREMES.iter().enumerate() {
             let position = k % unknowns.max(1);
@@ -104,7 +112,7 @@ pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
                 u.rotate_right(1);
             }
             let unknowns = u.into_iter().map(Dd::from_f64).collect();
-            points.push(Point { unknowns, params: params.clone(), interior });
+            points.push(Point { unknowns, params: params.clone(), interior, stress });
         }
     }
     points
@@ -117,7 +125,7 @@ pub fn map_points(argument: &Kind, kinds: &[Kind]) -> Vec<Point> {
         .map(|round| {
             let params = parameters(&mut rng, kinds, round % 8);
             let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-            Point { unknowns, params, interior: true }
+            Point { unknowns, params, interior: true, stress: false }
         })
         .collect()
 }
@@ -148,7 +156,15 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
 }
 
 fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
-    let Some(d) = domain else { return 0.3 + 3.0 * rng.uniform() };
+    let Some(d) = domain else {
+        // Hundreds or hundredths under stress.
+        let moderate = 0.3 + 3.0 * rng.uniform();
+        return match round {
+            0..ROUNDS => moderate,
+            _ if round.is_multiple_of(2) => 100.0 * moderate,
+            _ => 0.01 * moderate,
+        };
+    };
     let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };
     let hi = if d.hi.is_finite() { d.hi } else { 10.0f64.max(2.0 * lo) };
     match round {

@@ -51,12 +51,17 @@ const GOOD: f64 = 64.0 * f64::EPSILON;
 
 /// The expression with every part in its most accurate form.
 pub fn stabilise(g: &mut Graph, id: Id, points: &[Inputs]) -> Id {
+    stabilise_to(g, id, points, GOOD)
+}
+
+/// The same, where only errors up to `good` are not worth a rewrite.
+pub fn stabilise_to(g: &mut Graph, id: Id, points: &[Inputs], good: f64) -> Id {
     // Most expressions are fine as they are: measure once before taking them apart.
     let truth = truths(g, id, points);
-    if worst_error(g, id, &truth, points) <= GOOD {
+    if worst_error(g, id, &truth, points) <= good {
         return id;
     }
-    Search { points, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
+    Search { points, good, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
@@ -77,7 +82,7 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], points: &[Inputs]) -> 
     if worst.fold(0.0, nan_max) <= GOOD {
         return coordinates.to_vec();
     }
-    let mut search = Search { points, turns: false, memo: HashMap::new() };
+    let mut search = Search { points, good: GOOD, turns: false, memo: HashMap::new() };
     coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
 }
 
@@ -89,13 +94,14 @@ fn nan_max(a: f64, b: f64) -> f64 {
 /// A search for better forms.
 struct Search<'a> {
     points: &'a [Inputs],
+    good: f64,
     /// Whether sines and cosines of fractions of a turn may be taken as such.
     turns: bool,
     memo: HashMap<Id, Id>,
 }
 
 /// How inaccurate a form is: mean number of lost bits, and the worst error.
-fn loss(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> (f64, f64) {
+pub fn loss(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> (f64, f64) {
     let (mut bits, mut worst) = (0.0, 0.0f64);
     for e in relative_errors(g, form, truth, points) {
         let e = if e.is_finite() { e } else { 1e300 };
@@ -140,7 +146,7 @@ impl Search<'_> {
         }
         let worst =
             forms.iter().map(|&f| loss(g, f, &truth, self.points).1).fold(f64::INFINITY, f64::min);
-        if worst > GOOD && depth > 0 {
+        if worst > self.good && depth > 0 {
             for form in other_forms(g, original, self.turns) {
                 // The parts of a new form deserve a look of their own.
                 forms.push(self.rebuild_children(g, form, depth - 1));
@@ -202,6 +208,17 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             {
                 let rest = g.sum(Q::ZERO, &terms);
                 out.push(g.call(Fun::Ln1p, &[rest]));
+            }
+        }
+        Node::Product(factors) => {
+            for (k, &(b, e)) in factors.iter().enumerate() {
+                let Node::Sum(c, terms) = g.node(b).clone() else { continue };
+                if c == Q::ONE && g.as_number(e).is_none_or(|e| !e.is_int() && e.den() > 3) {
+                    let rest = g.sum(Q::ZERO, &terms);
+                    let mut factors = factors.clone();
+                    factors[k] = (g.call(Fun::Pow1p, &[rest, e]), g.int(1));
+                    out.push(g.product(&factors));
+                }
             }
         }
         Node::Call(f @ (Fun::Sin | Fun::Cos), args) if turns => {

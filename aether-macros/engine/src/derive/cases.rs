@@ -47,7 +47,7 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
         ));
     }
     if problem.target == Target::Direction {
-        for c in &out {
+        for c in out.iter().filter(|c| !c.point.stress) {
             let n: f64 = c.outs.iter().map(|x| x * x).sum();
             if (n - 1.0).abs() > 1e-12 {
                 return Err(format!(
@@ -128,7 +128,7 @@ pub(super) fn prune(
             kept.push(k);
         }
     }
-    for (i, case) in cases.iter().enumerate() {
+    for (i, case) in cases.iter().enumerate().filter(|(_, c)| !c.point.stress) {
         let mut found = false;
         for &k in &kept {
             let Some(u) = &table[k][i] else { continue };
@@ -169,7 +169,7 @@ fn maps_back(problem: &Problem, u: &[f64], case: &Case) -> bool {
 
 /// Checks √det(JᵀJ) against differences of the map itself in double-double.
 pub(super) fn verify_volume(problem: &Problem, volume: Id, cases: &[Case]) -> Result<(), String> {
-    for case in cases.iter().filter(|c| c.point.interior).take(24) {
+    for case in cases.iter().filter(|c| c.point.interior && !c.point.stress).take(24) {
         let Some(truth) = crate::differences::volume(problem, &case.point) else { continue };
         let at = |l: Leaf| case.point.input(l, &[]);
         let v = Evaluator::<Dd>::new(&problem.graph, &at).value(volume).to_f64();

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
-use super::{Preimage, Problem};
+use super::regimes::best_coordinates;
+use super::{Preimage, Problem, Target};
 use crate::expr::{Graph, Id};
 use crate::jacobian::{cost, simplify};
+use crate::overflow::guard;
 use crate::solve::Solution;
 use crate::stabilise::{Inputs, stabilise, truths, worst_error};
 
@@ -28,7 +30,8 @@ pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], points: &[Input
     let stable: Vec<Id> = volumes.iter().map(|&v| stabilise(g, v, points)).collect();
     let mut all = stable;
     all.extend(volumes);
-    pick(g, &all, &truth, points).0
+    let best = pick(g, &all, &truth, points).0;
+    guard(g, best)
 }
 
 /// The density in terms of the outputs, in its most accurate form, and its worst error.
@@ -67,21 +70,29 @@ pub(super) fn density(
             all.push(stabilise(g, c, points));
         }
     }
-    pick(g, &all, &truth, points)
+    let (best, error) = pick(g, &all, &truth, points);
+    (guard(g, best), error)
 }
 
 pub(super) fn finish(
     problem: &mut Problem,
     s: &Solution,
     density: Id,
+    cases: &[Case],
     points: &[Inputs],
-    check_forward: bool,
+    (injective, check_forward): (bool, bool),
 ) -> Preimage {
     let g = &mut problem.graph;
-    let values: Vec<Id> =
-        problem.unknowns.iter().map(|l| stabilise(g, s.unknowns[l], points)).collect();
+    let tested: Vec<Id> = problem
+        .unknowns
+        .iter()
+        .map(|l| {
+            let stable = stabilise(g, s.unknowns[l], points);
+            guard(g, stable)
+        })
+        .collect();
     let map: BTreeMap<Id, Id> =
-        problem.unknowns.iter().zip(&values).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+        problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
         .requirements
         .iter()
@@ -90,8 +101,15 @@ pub(super) fn finish(
             g.substitute(known, &map)
         })
         .collect();
+    let mut unknowns = tested.clone();
+    if problem.target == Target::Direction && problem.argument.is_none() && injective {
+        for (i, value) in unknowns.iter_mut().enumerate() {
+            *value = best_coordinates(problem, i, *value, cases, points);
+        }
+    }
     Preimage {
-        unknowns: values,
+        unknowns,
+        tested,
         // Mapping forward again is a test that contains all others.
         conditions: if check_forward { vec![] } else { s.conditions.iter().map(|c| c.0).collect() },
         requirements,

@@ -45,19 +45,22 @@ impl<'a> Code<'a> {
                 continue;
             }
             open.push((id, true));
-            for c in children(self.graph.node(id)) {
-                open.push((c, false));
+            match self.graph.node(id) {
+                // The sides of a choice are computed only where they are taken.
+                Node::If(test, ..) => open.push((*test, false)),
+                node => open.extend(children(node).into_iter().map(|c| (c, false))),
             }
         }
         self.reference(id)
     }
 
     fn reference(&self, id: Id) -> TokenStream {
-        match (self.names.get(&id), self.atom(id)) {
-            (Some(name), _) => quote!(#name),
-            (None, Some(atom)) => atom,
-            (None, None) => unreachable!("children are written before their parents"),
-        }
+        self.known(id).unwrap_or_else(|| unreachable!("children are written before their parents"))
+    }
+
+    /// The name or the literal of an expression, if it has been written.
+    fn known(&self, id: Id) -> Option<TokenStream> {
+        self.names.get(&id).map(|name| quote!(#name)).or_else(|| self.atom(id))
     }
 
     /// Inputs and numbers need no statement.
@@ -80,6 +83,10 @@ impl<'a> Code<'a> {
                         let b = self.reference(args[1]);
                         quote!(#a.atan2(#b))
                     }
+                    Fun::Pow1p => {
+                        let e = self.reference(args[1]);
+                        quote!((#e * #a.ln_1p()).exp())
+                    }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
                     Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
@@ -90,8 +97,23 @@ impl<'a> Code<'a> {
                     }
                 }
             }
+            Node::If(test, yes, no) => {
+                let test = self.reference(*test);
+                let (yes, no) = (self.side(*yes), self.side(*no));
+                quote!(::aether_core::support::either(#test.gt(R::ZERO), || #yes, || #no))
+            }
             _ => self.reference(id),
         }
+    }
+
+    /// One side of a choice, as a block that knows the names so far.
+    fn side(&self, id: Id) -> TokenStream {
+        let names = self.names.clone();
+        let (graph, input) = (self.graph, self.input);
+        let mut side = Code { graph, input, lets: TokenStream::new(), names };
+        let value = side.value(id);
+        let lets = side.lets;
+        quote!({ #lets #value })
     }
 
     fn sum(&self, c: Q, terms: &[(Q, Id)]) -> TokenStream {
@@ -114,9 +136,15 @@ impl<'a> Code<'a> {
 
     fn product(&self, factors: &[(Id, Id)]) -> TokenStream {
         let mut parts = Parts::default();
+        let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
+        let roots = factors.iter().filter(|(_, e)| half(e)).count();
         for (b, e) in factors {
             let base = self.reference(*b);
             match self.graph.as_number(*e) {
+                Some(q) if q.abs() == Q::HALF && roots == 1 => {
+                    let root = self.root(*b, &base);
+                    parts.push_whole(root, q.is_negative());
+                }
                 Some(q) => parts.push(&base, q),
                 None => {
                     let e = self.reference(*e);
@@ -125,6 +153,43 @@ impl<'a> Code<'a> {
             }
         }
         parts.finish()
+    }
+
+    /// √base; a sum of squares small enough to underflow is computed again on another scale.
+    fn root(&self, b: Id, base: &TokenStream) -> TokenStream {
+        match self.scaled_squares(b) {
+            Some(scaled) => {
+                quote!(::aether_core::support::root(#base, |up: R| #scaled))
+            }
+            None => quote!(#base.sqrt()),
+        }
+    }
+
+    /// A sum of squares (with factors that are not negative), each square times `up`.
+    fn scaled_squares(&self, b: Id) -> Option<TokenStream> {
+        let Node::Sum(c, terms) = self.graph.node(b) else { return None };
+        if !c.is_zero() || terms.len() < 2 {
+            return None;
+        }
+        let scaled = terms.iter().map(|(q, t)| {
+            let Node::Product(factors) = self.graph.node(*t) else { return None };
+            let two = |e: &Id| self.graph.as_number(*e) == Some(Q::int(2));
+            let square = factors.iter().position(|(_, e)| two(e))?;
+            let others = factors.iter().enumerate().filter(|(i, _)| *i != square);
+            let mut product = Parts::default();
+            for (_, (b, e)) in others {
+                if !self.graph.range(*b).nonnegative() && !two(e) {
+                    return None;
+                }
+                product.push(&self.known(*b)?, self.graph.as_number(*e)?);
+            }
+            let others = product.finish();
+            let base = self.known(factors[square].0)?;
+            let k = rational(*q);
+            (!q.is_negative()).then(|| quote!((#base * up) * (#base * up) * #others * #k))
+        });
+        let scaled: Vec<TokenStream> = scaled.collect::<Option<_>>()?;
+        Some(quote!(#(#scaled)+*))
     }
 }
 
@@ -138,6 +203,10 @@ struct Parts {
 }
 
 impl Parts {
+    fn push_whole(&mut self, factor: TokenStream, below: bool) {
+        if below { self.bottom.push(factor) } else { self.top.push(factor) }
+    }
+
     fn push(&mut self, base: &TokenStream, q: Q) {
         let (whole, rest, root) = if q.is_negative() {
             (&mut self.bottom, q.neg(), &mut self.root_bottom)
@@ -247,6 +316,6 @@ fn method(f: Fun) -> &'static str {
         Fun::Asinh => "asinh",
         Fun::Acosh => "acosh",
         Fun::Atanh => "atanh",
-        Fun::Abs | Fun::Sign | Fun::Turn | Fun::SinPi | Fun::CosPi => "abs",
+        Fun::Abs | Fun::Sign | Fun::Turn | Fun::SinPi | Fun::CosPi | Fun::Pow1p => "abs",
     }
 }

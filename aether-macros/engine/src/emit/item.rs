@@ -184,7 +184,7 @@ impl Emitter<'_> {
         let requirements: Vec<TokenStream> =
             preimage.requirements.iter().map(|&c| code.value(c)).collect();
         let uniforms: Vec<TokenStream> =
-            checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
+            checked.iter().map(|&i| code.value(preimage.tested[i])).collect();
         let support_lets = code.statements();
         // The rim of a lobe belongs to it even if a rotation rounded the point below the horizon.
         let least = match self.problem().target {
@@ -214,7 +214,7 @@ impl Emitter<'_> {
             let r = g.range(id);
             r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
         };
-        (0..preimage.unknowns.len()).filter(|&i| !settled(preimage.unknowns[i])).collect()
+        (0..preimage.tested.len()).filter(|&i| !settled(preimage.tested[i])).collect()
     }
 
     /// `let p = [...]`: the scalar parameters in order.
@@ -245,6 +245,10 @@ impl Emitter<'_> {
             list.push(quote!(self.#name));
         }
         let p = self.scalars();
+        for &i in &self.derived.limits {
+            let parameter = &list[i as usize];
+            list[i as usize] = quote!(::aether_core::support::beside_zero(#parameter));
+        }
         quote!(let p: [R; #p] = [#(#list),*];)
     }
 }

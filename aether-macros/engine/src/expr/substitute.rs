@@ -54,6 +54,11 @@ impl Graph {
                 let a: Vec<_> = args.iter().map(|&a| self.substitute_memo(a, map, memo)).collect();
                 self.call(f, &a)
             }
+            Node::If(test, yes, no) => {
+                let [test, yes, no] =
+                    [test, yes, no].map(|part| self.substitute_memo(part, map, memo));
+                self.if_positive(test, yes, no)
+            }
             _ => id,
         };
         memo.insert(id, r);

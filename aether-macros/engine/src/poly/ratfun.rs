@@ -107,6 +107,7 @@ impl<'a> Expander<'a> {
                     _ => self.expand(call),
                 }
             }
+            // Both sides of a choice may differ in their poles: it stays whole.
             _ => Some(RatFun { num: Poly::atom(id), den: vec![] }),
         }
     }

@@ -7,7 +7,7 @@ use crate::poly::Expander;
 use crate::rational::Q;
 
 /// A linear equation: Σ coefficient · atom, coefficients known.
-type Row = Vec<(Id, Id)>;
+pub(super) type Row = Vec<(Id, Id)>;
 
 /// Finds equations that form a linear system in at most as many atoms, and solves it.
 pub(crate) fn linear_system(
@@ -76,7 +76,7 @@ fn replace(
 }
 
 /// Writes an expression as a linear combination of atoms, multiplied out if asked.
-fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
+pub(super) fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
     let terms: Vec<(Q, Id)> = match g.node(id).clone() {
         Node::Sum(c, terms) if c.is_zero() => terms,
         Node::Sum(..) => return None,
@@ -121,12 +121,12 @@ fn multiply_out(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
     }
 }
 
-fn coefficient(g: &mut Graph, row: &[(Id, Id)], atom: Id) -> Id {
+pub(super) fn coefficient(g: &mut Graph, row: &[(Id, Id)], atom: Id) -> Id {
     row.iter().find(|(_, a)| *a == atom).map_or_else(|| g.int(0), |(c, _)| *c)
 }
 
 /// The equations that share atoms with equation `start`, directly or through others.
-fn component(rows: &[Option<Row>], start: usize) -> Option<(Vec<usize>, Vec<Id>)> {
+pub(super) fn component(rows: &[Option<Row>], start: usize) -> Option<(Vec<usize>, Vec<Id>)> {
     let mut members = vec![start];
     let mut atoms: Vec<Id> = rows[start].as_ref()?.iter().map(|(_, a)| *a).collect();
     loop {
@@ -150,7 +150,7 @@ fn component(rows: &[Option<Row>], start: usize) -> Option<(Vec<usize>, Vec<Id>)
 }
 
 /// Solves matrix · atoms = known; also tells which rows were not needed.
-fn solve_matrix(
+pub(super) fn solve_matrix(
     g: &mut Graph,
     matrix: &[Vec<Id>],
     known: &[Id],

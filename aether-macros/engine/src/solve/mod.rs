@@ -10,6 +10,7 @@ mod normalise;
 mod peel;
 mod polar;
 mod rational;
+mod scale;
 
 use std::collections::BTreeMap;
 
@@ -122,6 +123,7 @@ fn step(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<Sta
     normalise::unit_vector(g, state)
         .or_else(|| peel::unique(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
+        .or_else(|| scale::up_to_scale(g, state, frames))
         .or_else(|| normalise::common(g, state))
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state))

@@ -193,7 +193,7 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::Sin => periodic(g, Fun::Asin, known, argument),
         Fun::Cos => periodic(g, Fun::Acos, known, argument),
         Fun::Tan => periodic(g, Fun::Atan, known, argument),
-        Fun::Sign | Fun::Turn | Fun::Atan2 | Fun::SinPi | Fun::CosPi => None,
+        Fun::Sign | Fun::Turn | Fun::Atan2 | Fun::SinPi | Fun::CosPi | Fun::Pow1p => None,
     }
 }
 

@@ -1,0 +1,163 @@
+//! Quotients of exponentials that stay finite where their parts overflow.
+//!
+//! e^a - 1 overflows long before a quotient of two of them does. With e^b - 1 = -e^b (e^-b - 1) the
+//! quotient becomes a single exponential of a difference, for positive b; and likewise
+//! ln(1 + r (e^t - 1)) = t + ln(1 + (1 - r)(e^-t - 1)). Nothing can be measured here, because
+//! double-double has the exponents of a double: the choice follows from the sign.
+
+use std::collections::HashMap;
+
+use crate::expr::{Fun, Graph, Id, Node};
+use crate::rational::Q;
+
+/// Exponents up to this one overflow neither in double nor in single precision.
+const SAFE: f64 = 80.0;
+
+/// The expression with its quotients of exponentials guarded; itself if there is none.
+pub fn guard(g: &mut Graph, id: Id) -> Id {
+    rebuild(g, id, &mut HashMap::new())
+}
+
+fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
+    if let Some(&known) = memo.get(&id) {
+        return known;
+    }
+    let guarded = match g.node(id).clone() {
+        Node::Sum(c, terms) => {
+            let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuild(g, t, memo))).collect();
+            g.sum(c, &terms)
+        }
+        Node::Product(factors) => quotient(g, id, &factors).unwrap_or_else(|| {
+            let factors: Vec<_> = factors.iter().map(|&(b, e)| (rebuild(g, b, memo), e)).collect();
+            g.product(&factors)
+        }),
+        Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0]).unwrap_or(id),
+        Node::Call(f, args) => {
+            let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo)).collect();
+            g.call(f, &args)
+        }
+        _ => id,
+    };
+    memo.insert(id, guarded);
+    guarded
+}
+
+/// The argument of `exp_m1`, if that (or its absolute value) is what the expression is.
+fn power(g: &Graph, id: Id) -> Option<Id> {
+    match g.node(id) {
+        Node::Call(Fun::ExpM1, args) => Some(args[0]),
+        Node::Call(Fun::Abs, args) => power(g, args[0]),
+        _ => None,
+    }
+}
+
+/// The same, if the argument may be large.
+fn large(g: &Graph, id: Id) -> Option<Id> {
+    power(g, id).filter(|&argument| g.range(argument).hi > SAFE)
+}
+
+/// e^-a - 1 (its absolute value) in place of e^a - 1, which has the other sign.
+fn reversed(g: &mut Graph, id: Id, a: Id, sign: &mut Q) -> Id {
+    let negated = g.neg(a);
+    let flipped = g.call(Fun::ExpM1, &[negated]);
+    if matches!(g.node(id), Node::Call(Fun::Abs, _)) {
+        return g.call(Fun::Abs, &[flipped]);
+    }
+    *sign = sign.neg();
+    flipped
+}
+
+/// … / (e^b - 1), with exponentials in the numerator.
+fn quotient(g: &mut Graph, id: Id, factors: &[(Id, Id)]) -> Option<Id> {
+    let minus_one = g.int(-1);
+    let one = g.int(1);
+    let b = factors.iter().find(|(_, e)| *e == minus_one).and_then(|&(f, _)| large(g, f))?;
+    let mut exponent = vec![(Q::int(-1), b)];
+    let mut rest = Vec::new();
+    let mut sign = Q::ONE;
+    for &(base, e) in factors {
+        match g.node(base).clone() {
+            _ if e == minus_one && power(g, base) == Some(b) => {
+                let flipped = reversed(g, base, b, &mut sign);
+                rest.push((flipped, minus_one));
+            }
+            _ if e == one && power(g, base).is_some() => {
+                let a = power(g, base)?;
+                exponent.push((Q::ONE, a));
+                let flipped = reversed(g, base, a, &mut sign);
+                rest.push((flipped, one));
+            }
+            Node::Call(Fun::Exp, args) if e == one => exponent.push((Q::ONE, args[0])),
+            _ => rest.push((base, e)),
+        }
+    }
+    let exponent = g.sum(Q::ZERO, &exponent);
+    rest.push((g.call(Fun::Exp, &[exponent]), one));
+    let product = g.product(&rest);
+    let other = g.sum(Q::ZERO, &[(sign, product)]);
+    Some(g.if_positive(b, other, id))
+}
+
+/// ln(1 + r (e^t - 1)).
+fn logarithm(g: &mut Graph, id: Id, argument: Id) -> Option<Id> {
+    let (_, product) = g.split(argument);
+    let one = g.int(1);
+    let (power, t) = g.factors(product).into_iter().find_map(|(b, e)| {
+        let t = if e == one { large(g, b) } else { None };
+        t.map(|t| (b, t))
+    })?;
+    let r = g.div(argument, power);
+    let rest = g.sub(one, r);
+    let negated = g.neg(t);
+    let small = g.call(Fun::ExpM1, &[negated]);
+    let inner = g.mul(rest, small);
+    let log = g.call(Fun::Ln1p, &[inner]);
+    let other = g.add(t, log);
+    // For small r the other form cancels: it is for where the power is infinite, and 1/∞ = 0.
+    let size = g.call(Fun::Abs, &[power]);
+    let finite = g.powi(size, -1);
+    Some(g.if_positive(finite, id, other))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::evaluate;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn truncated_exponential_on_both_sides_of_overflow() {
+        let mut g = Graph::new();
+        let s = g.leaf(Leaf::Param(0), "s", Interval::ALL);
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let top = g.call(Fun::ExpM1, &[s]);
+        let inner = g.mul(u, top);
+        let log = g.call(Fun::Ln1p, &[inner]);
+        let at = |g: &Graph, id: Id, s: f64, u: f64| {
+            evaluate::<f64>(g, id, &|l| if l == Leaf::Param(0) { s } else { u })
+        };
+        let guarded = guard(&mut g, log);
+        // ln(1 + u (e^s - 1)) is s + ln u for large s.
+        assert_eq!(at(&g, guarded, 800.0, 0.5), 800.0 + 0.5f64.ln());
+        assert_eq!(at(&g, guarded, -2.0, 0.5), at(&g, log, -2.0, 0.5));
+        let part = g.mul(u, s);
+        let small = g.call(Fun::ExpM1, &[part]);
+        let ratio = g.div(small, top);
+        let guarded = guard(&mut g, ratio);
+        assert!((at(&g, guarded, 800.0, 0.75) / (-200.0f64).exp() - 1.0).abs() < 1e-13);
+        for s in [-900.0, -3.0, 1e-9, 5.0] {
+            let (a, b) = (at(&g, guarded, s, 0.3), at(&g, ratio, s, 0.3));
+            assert!((a / b - 1.0).abs() < 1e-14, "{s}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_guarded_that_cannot_overflow() {
+        let mut g = Graph::new();
+        let s = g.leaf(Leaf::Param(0), "s", Interval::new(0.0, 50.0));
+        let power = g.call(Fun::ExpM1, &[s]);
+        let ratio = g.div(s, power);
+        assert_eq!(guard(&mut g, ratio), ratio);
+    }
+}

@@ -1,0 +1,103 @@
+//! Linear systems that are known up to a common scale: λ X = M a, with the atoms a and λ unknown.
+
+use super::linear::{self, Row};
+use super::{Equation, State};
+use crate::display::show;
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::interval::Interval;
+use crate::rational::Q;
+
+/// Solves a homogeneous system with one unknown too many, if that is a scale λ: every atom is λ
+/// times a known number. With the unit length of a map's argument that settles λ; else the atoms
+/// over λ are known, which leaves a system without the matrix.
+pub(super) fn up_to_scale(
+    g: &mut Graph,
+    state: &State,
+    frames: &[[[Id; 3]; 3]],
+) -> Option<Vec<State>> {
+    let rows: Vec<Option<Row>> = state
+        .equations
+        .iter()
+        .map(|e| if e.modulo_turn { None } else { linear::row(g, e.rhs, false) })
+        .collect();
+    let zero = g.int(0);
+    for start in 0..rows.len() {
+        let Some((members, mut atoms)) = linear::component(&rows, start) else { continue };
+        let homogeneous = members.iter().all(|&i| state.equations[i].known == zero);
+        let scale = atoms.iter().position(|a| is_scale(g, *a));
+        let Some(scale) = scale.filter(|_| homogeneous && atoms.len() == members.len() + 1) else {
+            continue;
+        };
+        let lambda = atoms.remove(scale);
+        let entry = |g: &mut Graph, i: usize, atom: Id| {
+            linear::coefficient(g, rows[i].as_deref().unwrap_or(&[]), atom)
+        };
+        let mut matrix = Vec::new();
+        let mut known = Vec::new();
+        for &i in &members {
+            matrix.push(atoms.iter().map(|a| entry(g, i, *a)).collect::<Vec<_>>());
+            let k = entry(g, i, lambda);
+            known.push(g.neg(k));
+        }
+        let Some((values, _)) = linear::solve_matrix(g, &matrix, &known, frames) else { continue };
+        return Some(vec![replace(g, state, &members, lambda, &atoms, &values)]);
+    }
+    None
+}
+
+/// Whether an atom is an unknown that the solver introduced.
+fn is_scale(g: &Graph, atom: Id) -> bool {
+    matches!(g.node(atom), Node::Leaf(Leaf::Unknown(i)) if *i >= 16)
+}
+
+fn replace(
+    g: &mut Graph,
+    state: &State,
+    members: &[usize],
+    lambda: Id,
+    atoms: &[Id],
+    values: &[Id],
+) -> State {
+    let mut s = state.clone();
+    let mut k = 0;
+    s.equations.retain(|_| {
+        k += 1;
+        !members.contains(&(k - 1))
+    });
+    let length = s.equations.iter().position(|e| is_length(g, e, atoms));
+    let equation = |s: &mut State, known: Id, rhs: Id| {
+        s.solution.known.entry(rhs).or_insert(known);
+        s.equations.push(Equation { known, rhs, modulo_turn: false });
+    };
+    if let Some(length) = length {
+        s.equations.remove(length);
+        let squared = linear::dot(g, values, values);
+        let minus_half = g.number(Q::HALF.neg());
+        let scale = g.pow(squared, minus_half);
+        equation(&mut s, scale, lambda);
+        for (&atom, &value) in atoms.iter().zip(values) {
+            let value = g.mul(value, scale);
+            equation(&mut s, value, atom);
+        }
+        s.solution.steps.push(format!("unit vector: {} = {}", show(g, lambda), show(g, scale)));
+        return s;
+    }
+    let leaf = Leaf::Unknown(s.next_unknown);
+    s.next_unknown += 1;
+    let inverse = g.leaf(leaf, "μ", Interval::POSITIVE);
+    for (&atom, &value) in atoms.iter().zip(values) {
+        let scaled = g.mul(atom, inverse);
+        equation(&mut s, value, scaled);
+        s.solution.steps.push(format!("up to scale: {} = {}", show(g, scaled), show(g, value)));
+    }
+    let reciprocal = g.powi(inverse, -1);
+    s.solution.known.insert(lambda, reciprocal);
+    s
+}
+
+/// Whether an equation says that the squares of exactly these atoms add up to one.
+fn is_length(g: &mut Graph, e: &Equation, atoms: &[Id]) -> bool {
+    let one = g.int(1);
+    let squares: Vec<(Q, Id)> = atoms.iter().map(|&a| (Q::ONE, g.powi(a, 2))).collect();
+    e.known == one && atoms.iter().all(|a| g.has(*a, UNKNOWNS)) && e.rhs == g.plain_sum(&squares)
+}
