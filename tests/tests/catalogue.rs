@@ -47,7 +47,8 @@ fn failures(entry: &PointEntry, e: Errors) -> Vec<String> {
 #[test]
 fn samples_and_densities_agree_with_the_reference() {
     let reference = Reference::load();
-    let failed: Vec<String> = reference.points.iter().flat_map(|p| failures(p, errors::<f64>(p))).collect();
+    let failed: Vec<String> =
+        reference.points.iter().flat_map(|p| failures(p, errors::<f64>(p))).collect();
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
 }
 

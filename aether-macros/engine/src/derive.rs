@@ -10,7 +10,7 @@ use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::jacobian::{Source, simplify, volume};
 use crate::overflow::guard;
 use crate::points::Kind;
-use crate::solve::{Solution, solve};
+use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::{Inputs, stabilise_point};
 
 use cases::{cases, inputs, prune, verify_volume};
@@ -206,6 +206,10 @@ fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>
         for v in s.unknowns.values_mut() {
             *v = simplify(g, *v, None);
         }
+        s.short = s.unknowns.clone();
+        let spelled: Vec<_> = s.unknowns.iter().map(|(l, v)| (*l, s.spell_out(g, *v))).collect();
+        s.unknowns = spelled.into_iter().collect();
+        s.conditions = s.conditions.iter().map(|c| Condition(s.spell_out(g, c.0))).collect();
     }
     Ok(solutions)
 }

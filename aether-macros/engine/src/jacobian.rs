@@ -78,12 +78,7 @@ pub fn volume(
 
 /// The volume of a normalised vector T / |T|: |T · (∂T × ∂T)| / |T|³, where the vector product spans
 /// the image of the unknowns (or of the tangent plane of a direction).
-fn normalised(
-    g: &mut Graph,
-    outputs: &[Id],
-    unknowns: &[Leaf],
-    source: Source,
-) -> Option<Vec<Id>> {
+fn normalised(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) -> Option<Vec<Id>> {
     let minus_half = g.number(Q::HALF.neg());
     let (base, _) = g.factors(outputs[0]).into_iter().find(|&(b, e)| {
         e == minus_half

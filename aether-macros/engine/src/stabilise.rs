@@ -152,6 +152,7 @@ impl Search<'_> {
                 forms.push(self.rebuild_children(g, form, depth - 1));
             }
         }
+        forms.extend(self.by_sign(g, &forms, &truth));
         let scored: Vec<(Id, f64)> =
             forms.iter().map(|&f| (f, loss(g, f, &truth, self.points).0)).collect();
         let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
@@ -160,6 +161,39 @@ impl Search<'_> {
             .filter(|s| s.1 <= least + 0.4)
             .min_by_key(|s| cost(g, s.0))
             .map_or(original, |s| s.0)
+    }
+
+    /// If no form is good everywhere: the one that is best for positive, and the one that is best for
+    /// other values of an input, chosen by its sign.
+    fn by_sign(&self, g: &mut Graph, forms: &[Id], truth: &[f64]) -> Option<Id> {
+        let score = |g: &Graph, f: Id, side: &dyn Fn(&Inputs) -> bool| {
+            let here = self.points.iter().zip(truth).filter(|(p, _)| side(p));
+            let (points, truth): (Vec<Inputs>, Vec<f64>) =
+                here.map(|(p, t)| (p.clone(), *t)).unzip();
+            loss(g, f, &truth, &points)
+        };
+        let best = |g: &Graph, side: &dyn Fn(&Inputs) -> bool| {
+            let scored = forms.iter().map(|&f| (f, score(g, f, side)));
+            scored.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
+        };
+        if forms.len() < 2 || best(g, &|_| true)?.1.1 <= self.good {
+            return None;
+        }
+        let mut inputs: Vec<Leaf> = self.points.first()?.keys().copied().collect();
+        inputs.sort_unstable();
+        for leaf in inputs {
+            let range = g.leaf_range(leaf);
+            if !g.has(forms[0], crate::expr::leaf_bit(leaf)) || range.lo >= 0.0 || range.hi <= 0.0 {
+                continue;
+            }
+            let above = |p: &Inputs| p.get(&leaf).is_some_and(|x| *x > 0.0);
+            let (yes, no) = (best(g, &above)?, best(g, &|p| !above(p))?);
+            if yes.0 != no.0 && yes.1.1.max(no.1.1) <= self.good {
+                let test = g.get_leaf(leaf);
+                return Some(g.if_positive(test, yes.0, no.0));
+            }
+        }
+        None
     }
 
     fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
@@ -294,28 +328,26 @@ fn squares(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     Some(g.mul(d, s))
 }
 
-/// a - √b as (a² - b) / (a + √b), and with two roots alike.
+/// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one.
 fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
-    let mut pair: Vec<(Q, Id)> = terms.to_vec();
+    let mut all: Vec<(Q, Id)> = terms.to_vec();
     if !c.is_zero() {
-        pair.push((c, g.int(1)));
+        all.push((c, g.int(1)));
     }
-    let [(p, s), (q, t)] = pair[..] else { return None };
-    let is_root = |g: &mut Graph, id: Id| {
-        g.factors(id).iter().any(|(_, e)| g.as_number(*e).is_some_and(|e| e.den() == 2))
-    };
-    if p.is_negative() == q.is_negative() || !(is_root(g, s) || is_root(g, t)) {
+    let last = all.iter().rposition(|&(_, t)| is_root(g, t))?;
+    let (q, root) = all.remove(last);
+    if all.len() > 1 && all.iter().any(|&(_, t)| is_root(g, t)) {
         return None;
     }
-    let square = |g: &mut Graph, q: Q, t: Id| {
-        let t2 = g.powi(t, 2);
-        let q2 = g.number(q.mul(q)?);
-        Some(g.mul(q2, t2))
-    };
-    let a2 = square(g, p, s)?;
-    let b2 = square(g, q, t)?;
-    let top = g.sub(a2, b2);
+    let rest = g.sum(Q::ZERO, &all);
+    let a2 = g.powi(rest, 2);
+    let b2 = g.powi(root, 2);
+    let top = g.sum(Q::ZERO, &[(Q::ONE, a2), (q.mul(q)?.neg(), b2)]);
     let top = Expander::new(g).normal_form(top).unwrap_or(top);
-    let bottom = g.sum(Q::ZERO, &[(p, s), (q.neg(), t)]);
+    let bottom = g.sum(Q::ZERO, &[(Q::ONE, rest), (q.neg(), root)]);
     Some(g.div(top, bottom))
+}
+
+fn is_root(g: &mut Graph, id: Id) -> bool {
+    g.factors(id).iter().any(|(_, e)| g.as_number(*e).is_some_and(|e| e.den() == 2))
 }

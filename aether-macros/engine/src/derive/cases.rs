@@ -112,22 +112,7 @@ pub(super) fn prune(
         .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
         .collect();
     let mut check_forward = problem.target == Target::Embedded;
-    let mut kept: Vec<usize> = Vec::new();
-    for k in 0..solutions.len() {
-        let occurs = table[k].iter().any(Option::is_some);
-        let duplicate = kept.iter().any(|&j| {
-            table[j].iter().zip(&table[k]).all(|(a, b)| match (a, b) {
-                (Some(a), Some(b)) => {
-                    a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-12 * (1.0 + x.abs()))
-                }
-                (None, None) => true,
-                _ => false,
-            })
-        });
-        if occurs && !duplicate {
-            kept.push(k);
-        }
-    }
+    let kept = needed(problem, &table, cases);
     for (i, case) in cases.iter().enumerate().filter(|(_, c)| !c.point.stress) {
         let mut found = false;
         for &k in &kept {
@@ -152,6 +137,43 @@ pub(super) fn prune(
         kept.contains(&(index - 1))
     });
     Ok((solutions, check_forward))
+}
+
+/// The solutions without which some preimage would be missing. A root of a squared equation may lie
+/// in the cube everywhere and lead back nowhere, or only where it meets another.
+fn needed(problem: &Problem, table: &[Vec<Option<Vec<f64>>>], cases: &[Case]) -> Vec<usize> {
+    let near = |a: &[f64], b: &[f64], tolerance: f64| {
+        a.iter().zip(b).all(|(x, y)| (x - y).abs() <= tolerance * (1.0 + x.abs()))
+    };
+    let leads_back: Vec<Vec<bool>> = table
+        .iter()
+        .map(|row| {
+            let tried = row.iter().zip(cases);
+            tried
+                .map(|(u, case)| {
+                    u.as_ref().is_some_and(|u| {
+                        let own = near(u, &case.point.shown(), 1e-9);
+                        own || case.point.interior && maps_back(problem, u, case)
+                    })
+                })
+                .collect()
+        })
+        .collect();
+    let mut kept: Vec<usize> =
+        (0..table.len()).filter(|&k| leads_back[k].contains(&true)).collect();
+    for k in (0..table.len()).rev() {
+        let covered = |i: usize| {
+            let Some(u) = &table[k][i] else { return true };
+            kept.iter().any(|&j| {
+                let same = |v: &Vec<f64>| near(v, u, 1e-12);
+                j != k && leads_back[j][i] && table[j][i].as_ref().is_some_and(same)
+            })
+        };
+        if kept.contains(&k) && (0..cases.len()).all(|i| !leads_back[k][i] || covered(i)) {
+            kept.retain(|j| *j != k);
+        }
+    }
+    kept
 }
 
 fn maps_back(problem: &Problem, u: &[f64], case: &Case) -> bool {

@@ -9,19 +9,22 @@ use crate::expr::{Graph, Id};
 use crate::jacobian::{cost, simplify};
 use crate::overflow::guard;
 use crate::solve::Solution;
-use crate::stabilise::{Inputs, stabilise, truths, worst_error};
+use crate::stabilise::{Inputs, loss, stabilise, truths};
 
 /// The cheapest among the most accurate expressions.
 fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], points: &[Inputs]) -> (Id, f64) {
-    let scored: Vec<(Id, f64, usize)> =
-        candidates.iter().map(|&c| (c, worst_error(g, c, truth, points), cost(g, c))).collect();
-    let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min).max(16.0 * f64::EPSILON);
+    let scored: Vec<(Id, (f64, f64), usize)> =
+        candidates.iter().map(|&c| (c, loss(g, c, truth, points), cost(g, c))).collect();
+    let least = |f: &dyn Fn(&(f64, f64)) -> f64| {
+        scored.iter().map(|s| f(&s.1)).fold(f64::INFINITY, f64::min)
+    };
+    let (bits, worst) = (least(&|l| l.0), least(&|l| l.1).max(16.0 * f64::EPSILON));
     scored
         .iter()
-        .filter(|s| s.1 <= 4.0 * least)
+        .filter(|s| s.1.0 <= bits + 1.0 && s.1.1 <= 4.0 * worst)
         .min_by_key(|s| s.2)
         .or(scored.first())
-        .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1))
+        .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.1))
 }
 
 pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], points: &[Inputs]) -> Id {
@@ -44,7 +47,7 @@ pub(super) fn density(
     injective: bool,
 ) -> (Id, f64) {
     let g = &mut problem.graph;
-    let only: BTreeMap<Id, Id> = s.unknowns.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
     for &v in volumes {
         let p = g.powi(v, -1);
@@ -52,9 +55,13 @@ pub(super) fn density(
             let mut direct = g.substitute(p, map);
             // What one substitution uncovers another may know.
             direct = g.substitute(direct, &only);
-            candidates.push(direct);
-            candidates.push(simplify(g, direct, None));
+            let tidy = simplify(g, direct, None);
+            candidates.push(s.spell_out(g, direct));
+            candidates.push(s.spell_out(g, tidy));
         }
+    }
+    if let Some(&first) = candidates.first() {
+        candidates.extend(through_its_square(g, first));
     }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
@@ -72,6 +79,14 @@ pub(super) fn density(
     }
     let (best, error) = pick(g, &all, &truth, points);
     (guard(g, best), error)
+}
+
+/// √(p²), where the square is free of roots that the expression has: products of several roots
+/// simplify only together.
+fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
+    let squared = g.powi(p, 2);
+    let tidy = simplify(g, squared, None);
+    (cost(g, tidy) < cost(g, squared)).then(|| g.sqrt(tidy))
 }
 
 pub(super) fn finish(
@@ -98,6 +113,7 @@ pub(super) fn finish(
         .iter()
         .map(|&r| {
             let known = g.substitute(r, &s.known);
+            let known = s.spell_out(g, known);
             g.substitute(known, &map)
         })
         .collect();

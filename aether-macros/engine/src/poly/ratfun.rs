@@ -143,6 +143,12 @@ impl<'a> Expander<'a> {
 
     fn power(&mut self, b: Id, e: Id) -> Option<RatFun> {
         let Some(q) = self.graph.as_number(e) else {
+            let (times, part) = self.graph.split(e);
+            if let Some(n) = times.to_i32().filter(|n| (2..9).contains(&n.unsigned_abs())) {
+                // b^(2 t) is the square of b^t.
+                let root = self.power(b, part)?;
+                return self.powi(&root, n);
+            }
             let (b, e) = (self.cheaper(b), self.cheaper(e));
             let whole = self.graph.pow(b, e);
             return Some(RatFun { num: Poly::atom(whole), den: vec![] });

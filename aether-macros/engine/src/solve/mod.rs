@@ -5,6 +5,7 @@
 //! system becomes its atoms, a function of a single subexpression is undone. Steps that have several
 //! answers branch, so a map that is many-to-one gets every preimage.
 
+mod circle;
 pub(crate) mod linear;
 mod normalise;
 mod peel;
@@ -37,14 +38,26 @@ pub struct Condition(pub Id);
 pub struct Solution {
     /// The unknowns, as expressions of outputs and parameters.
     pub unknowns: BTreeMap<Leaf, Id>,
+    /// The same in terms of `names`, as far as there are any.
+    pub short: BTreeMap<Leaf, Id>,
     /// What must hold beside the unknowns' ranges.
     pub conditions: Vec<Condition>,
     /// What subexpressions of the unknowns are in terms of the outputs.
     pub known: BTreeMap<Id, Id>,
+    /// Long expressions of the outputs that go by a name of their own (an output beyond the last) in
+    /// all of the above.
+    pub names: BTreeMap<Id, Id>,
     /// Equations that were not needed: (known, rhs in unknowns).
     pub unused: Vec<(Id, Id)>,
     /// The steps taken, for `explain`.
     pub steps: Vec<String>,
+}
+
+impl Solution {
+    /// An expression with the names replaced by what they stand for.
+    pub fn spell_out(&self, g: &mut Graph, id: Id) -> Id {
+        if self.names.is_empty() { id } else { g.substitute(id, &self.names) }
+    }
 }
 
 /// Why no inverse was found.
@@ -124,6 +137,7 @@ fn step(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<Sta
         .or_else(|| peel::unique(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
         .or_else(|| scale::up_to_scale(g, state, frames))
+        .or_else(|| circle::circle_pair(g, state))
         .or_else(|| normalise::common(g, state))
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state))

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Condition, Equation, State};
 use crate::display::show;
-use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
@@ -18,7 +18,8 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
         if deps.count_ones() != 1 || eq.modulo_turn {
             continue;
         }
-        let Some(roots) = roots(g, eq.known, eq.rhs) else { continue };
+        let direct = roots(g, eq.known, eq.rhs);
+        let Some(roots) = direct.or_else(|| squared(g, eq.known, eq.rhs)) else { continue };
         let next = roots.into_iter().map(|Root { atom, value, also }| {
             let mut s = state.clone();
             s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
@@ -65,6 +66,18 @@ fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
             _ => other,
         },
     }
+}
+
+/// The same for known = √… times something rational: both sides squared. Which of the roots have the
+/// sign of the known side shows when they are tried.
+fn squared(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    let (_, body) = g.split(rhs);
+    let root = |e: Id, g: &Graph| g.as_number(e).is_some_and(|q| q.den() == 2);
+    if !g.factors(body).into_iter().any(|(_, e)| root(e, g)) {
+        return None;
+    }
+    let (known, rhs) = (g.powi(known, 2), g.powi(rhs, 2));
+    roots(g, known, rhs)
 }
 
 /// Whether a square root of something open occurs in an expression.
@@ -167,6 +180,7 @@ fn polynomial_roots(g: &mut Graph, p: &Poly, atom: Id) -> Option<Vec<Id>> {
 fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, _c2: &Poly, discriminant: &Poly) -> Vec<Id> {
     let (c0, c1, d) = (c0.to_expr(g), c1.to_expr(g), discriminant.to_expr(g));
     let root = g.sqrt(d);
+    let root = without_signs(g, root);
     let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
     [Q::ONE, Q::int(-1)]
         .into_iter()
@@ -175,6 +189,22 @@ fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, _c2: &Poly, discriminant: &Pol
             g.div(top, bottom)
         })
         .collect()
+}
+
+/// √(x² d) as x √d: where both signs of a root are taken, neither needs the size of x, and each of
+/// the answers stays with one branch of the map.
+fn without_signs(g: &mut Graph, root: Id) -> Id {
+    let (q, body) = g.split(root);
+    let factors: Vec<(Id, Id)> = g
+        .factors(body)
+        .into_iter()
+        .map(|(b, e)| match g.node(b) {
+            Node::Call(Fun::Abs, args) => (args[0], e),
+            _ => (b, e),
+        })
+        .collect();
+    let body = g.product(&factors);
+    g.sum(Q::ZERO, &[(q, body)])
 }
 
 /// Isolates one unknown of an equation with several and substitutes it into the others.

@@ -5,7 +5,11 @@ use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
+use crate::jacobian::cost;
 use crate::rational::Q;
+
+/// Outputs from this number on are names for long expressions.
+const FIRST_NAME: u8 = 16;
 
 /// Solves a homogeneous system with one unknown too many, if that is a scale λ: every atom is λ
 /// times a known number. With the unit length of a map's argument that settles λ; else the atoms
@@ -64,6 +68,8 @@ fn replace(
         k += 1;
         !members.contains(&(k - 1))
     });
+    let values: Vec<Id> = values.iter().map(|&v| named(g, &mut s, v)).collect();
+    let values = &values[..];
     let length = s.equations.iter().position(|e| is_length(g, e, atoms));
     let equation = |s: &mut State, known: Id, rhs: Id| {
         s.solution.known.entry(rhs).or_insert(known);
@@ -93,6 +99,20 @@ fn replace(
     let reciprocal = g.powi(inverse, -1);
     s.solution.known.insert(lambda, reciprocal);
     s
+}
+
+/// A short name for a long value, so that what follows stays as short as without the matrix.
+fn named(g: &mut Graph, s: &mut State, value: Id) -> Id {
+    const NAMES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
+    let k = s.solution.names.len();
+    if cost(g, value) < 12 || k == NAMES.len() {
+        return value;
+    }
+    let range = g.range(value);
+    let name = g.leaf(Leaf::Out(FIRST_NAME + k as u8), NAMES[k], range);
+    s.solution.steps.push(format!("{} = {}", NAMES[k], show(g, value)));
+    s.solution.names.insert(name, value);
+    name
 }
 
 /// Whether an equation says that the squares of exactly these atoms add up to one.
