@@ -193,8 +193,10 @@ impl<R: Scalar, F: Fn(usize) -> R> Discrete<R> for Weights<F, R> {
     }
 
     fn get(&self, index: usize) -> Option<Choice<usize, R>> {
-        let probability = positive((self.weight)(index)) / self.sum;
-        (index < self.count).then_some(Choice { index, item: index, probability })
+        (index < self.count).then(|| {
+            let probability = positive((self.weight)(index)) / self.sum;
+            Choice { index, item: index, probability }
+        })
     }
 }
 

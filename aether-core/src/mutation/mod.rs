@@ -56,18 +56,18 @@
 //!
 //! /// Anywhere in [-1, 1].
 //! #[strategy]
-//! fn anywhere(_path: PathView<'_, Spot>) -> Option<Spot> {
+//! fn anywhere(_path: PathView<'_, Spot>) -> Spot {
 //!     let interval = given(around(0.0, 1.0).ok());
 //!     let x = draw(interval);
-//!     Some(Spot(x))
+//!     Spot(x)
 //! }
 //!
 //! /// Not far from where the vertex has been.
 //! #[strategy]
-//! fn nearby(_path: PathView<'_, Spot>, old: Spot) -> Option<Spot> {
+//! fn nearby(_path: PathView<'_, Spot>, old: Spot) -> Spot {
 //!     let interval = given(around(old.0, 0.2).ok());
 //!     let x = draw(interval);
-//!     Some(Spot(x))
+//!     Spot(x)
 //! }
 //!
 //! strategies! {

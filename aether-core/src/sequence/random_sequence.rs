@@ -115,6 +115,16 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.vertex(self.len().checked_sub(1)?)
     }
 
+    /// Where this path has vertex `i` of `other`: that very vertex, kept by a slice, a mutation or a
+    /// concatenation, not one that lies at the same place.
+    pub fn position_of(&self, other: &Self, i: usize) -> Option<usize> {
+        if i >= other.len() || !core::ptr::eq(self.arena, other.arena) {
+            return None;
+        }
+        let id = |path: &Self, i: usize| self.arena.tape.entry(path.handle.place.at(i)).vertex;
+        (0..self.len()).find(|k| id(self, *k) == id(other, i))
+    }
+
     /// The vertices in order.
     pub fn vertices(&self) -> impl Iterator<Item = V> + use<'a, V, S> {
         let path = *self;
