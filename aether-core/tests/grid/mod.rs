@@ -189,10 +189,18 @@ impl Mutation<Site, Ways> for Bidirectional {
         let mut front = path.slice(0..begin).keep();
         let mut back = path.slice(end..).keep().reverse();
         for _ in 0..camera {
-            if front.size() == 0 { front.append(Camera) } else { front.append(Step) };
+            if front.size() == 0 {
+                front.append(Camera)
+            } else {
+                front.append(Step)
+            };
         }
         for _ in 0..light {
-            if back.size() == 0 { back.append(Light) } else { back.append(Step) };
+            if back.size() == 0 {
+                back.append(Light)
+            } else {
+                back.append(Step)
+            };
         }
         Some(front.concat(&back.reverse()))
     }
