@@ -310,7 +310,9 @@ fn drafts_that_cannot_be_drawn_make_no_proposal() {
             _ => None,
         });
         assert!(propose(&mutation, &from, &mut || 0.5).is_none(), "{case}");
-        assert!(conditional_pdf(&mutation, &from, &other).is_zero(), "{case}");
+        for to in [other, other.slice(1..3)] {
+            assert!(conditional_pdf(&mutation, &from, &to).is_zero(), "{case}");
+        }
     }
     // Vertices that the current path does not have.
     let snapshot = Snapshot::of(&other);

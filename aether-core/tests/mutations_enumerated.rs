@@ -16,6 +16,8 @@ use grid::{
 };
 
 type States = BTreeMap<Pattern, Stored>;
+/// How likely a mutation is selected at a path.
+type Probability<'p> = &'p dyn Fn(&Path<'_>) -> f64;
 
 /// The probabilities of all proposals, by how they look from the path that they were made of.
 fn enumerated(mutation: AnyMutation<'_>, from: &Stored) -> BTreeMap<Pattern, f64> {
@@ -85,7 +87,7 @@ fn conditional_densities_are_the_probabilities_of_the_proposals() {
 /// The matrix of a chain's transitions to other states, and the target function.
 fn transitions(
     states: &States,
-    mutations: &[(AnyMutation<'_>, &dyn Fn(&Path<'_>) -> f64)],
+    mutations: &[(AnyMutation<'_>, Probability<'_>)],
     accept: impl Fn(usize, &Path<'_>, &Path<'_>) -> f64,
 ) -> (Vec<Vec<f64>>, Vec<f64>) {
     let number: BTreeMap<&Pattern, usize> = states.keys().zip(0..).collect();
@@ -157,8 +159,8 @@ fn selection(i: usize) -> impl Fn(&Path<'_>) -> f64 {
 /// The chain that accepts with the mutation that has been selected alone.
 fn selected(mutations: Mutations<'_, Site, Ways>) -> (Vec<Vec<f64>>, Vec<f64>) {
     let selection = [selection(0), selection(1), selection(2)];
-    let list: Vec<(AnyMutation<'_>, &dyn Fn(&Path<'_>) -> f64)> =
-        ALL.0.iter().zip(&selection).map(|(m, s)| (*m, s as &dyn Fn(&Path<'_>) -> f64)).collect();
+    let list: Vec<(AnyMutation<'_>, Probability<'_>)> =
+        ALL.0.iter().zip(&selection).map(|(m, s)| (*m, s as Probability<'_>)).collect();
     transitions(&reachable(&ALL), &list, |i, x, y| {
         accept_probability(&mutations.only(i), &rated(x), &rated(y))
     })
