@@ -188,6 +188,26 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         value.multiply(self.integrand.end(path.view()))
     }
 
+    /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
+    /// as. Zero if the path is not complete. Unlike f / p it may leave the range of a float.
+    pub fn integrand_at<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+    ) -> I::Value {
+        if !path.is_complete() || path.is_empty() {
+            return I::Value::zero();
+        }
+        self.remember(path.arena.contents());
+        let mut value = I::Value::one();
+        for k in 0..path.len() {
+            value = value.multiply(self.factor(path, k));
+            if value.is_zero() {
+                return value;
+            }
+        }
+        value.multiply(self.integrand.end(path.view()))
+    }
+
     /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing
     /// are left out, and their weights are not computed.
     pub fn each<'a, S, H>(

@@ -24,6 +24,7 @@
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
 //!   [`path_density`];
+//! - Markov chains of paths: [`mutation`](mod@mutation);
 //! - uniform random numbers: [`uniform`];
 //! - checks for any sampler, in one line: [`battery`].
 //!
@@ -42,6 +43,7 @@ pub mod discrete;
 pub mod estimator;
 pub mod forms;
 pub mod map;
+pub mod mutation;
 pub mod path_density;
 pub mod point;
 pub mod preimages;
@@ -66,12 +68,13 @@ pub use discrete::{
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
 pub use map::{Map, Then};
+pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_pdf, mutation};
 pub use path_density::PathDensity;
 pub use point::{Curve, Direction, Embedded, Point, Surface, SurfaceId, SurfacePoint};
 pub use preimages::Preimages;
 pub use real::{Mask, Real, Scalar};
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
-pub use sequence::{Arena, PathView, RandomSequence};
+pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
 pub use strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
 pub use vec::{Frame, Mat3, Vec2, Vec3};

@@ -1,7 +1,7 @@
 //! The density of a whole path: a product that neither overflows nor underflows.
 
 use core::cmp::Ordering;
-use core::ops::{Div, Mul};
+use core::ops::{Add, Div, Mul};
 
 use crate::real::Scalar;
 
@@ -149,6 +149,24 @@ impl<R: Scalar> Div for PathDensity<R> {
     }
 }
 
+/// The density of a mixture.
+impl<R: Scalar> Add for PathDensity<R> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        let (large, small) = if self < other { (other, self) } else { (self, other) };
+        if small.is_zero() || large.is_infinite() {
+            return large;
+        }
+        let steps = large.exponent.saturating_sub(small.exponent);
+        if steps > 2 {
+            return large; // The other is less than 2^-64 of it.
+        }
+        let scale = R::of(2.0).powi(-STEP);
+        let small = (0..steps).fold(small.mantissa, |mantissa, _| mantissa * scale);
+        Self::normalised(large.mantissa + small, large.exponent)
+    }
+}
+
 impl<R: Scalar> PartialOrd for PathDensity<R> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         if self.is_regular() && other.is_regular() && self.exponent != other.exponent {
@@ -203,6 +221,20 @@ mod tests {
         assert!((one * f64::NAN).is_zero() && (one * -1.0).is_zero());
         assert!((zero / zero).is_zero() && (one / zero).is_infinite());
         assert!(infinite > one && zero < one);
+    }
+
+    #[test]
+    fn sums_of_any_magnitudes() {
+        let p = PathDensity::<f64>::new;
+        for (a, b) in [(1.0, 2.0), (1e-300, 3e-290), (7e12, 1e-3), (65_535.0, 1e5), (1e300, 1.0)] {
+            assert_eq!((p(a) + p(b)).value(), a + b);
+            assert_eq!((p(b) + p(a)).value(), a + b);
+        }
+        let tiny = p(1e-200) * p(1e-200);
+        assert_eq!((tiny + tiny).ratio(tiny), 2.0);
+        assert_eq!((tiny + PathDensity::ZERO).ratio(tiny), 1.0);
+        assert!((PathDensity::INFINITY + p(1.0)).is_infinite());
+        assert!((PathDensity::<f64>::ZERO + PathDensity::ZERO).is_zero());
     }
 
     #[test]

@@ -5,8 +5,10 @@ mod world;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use aether_core::{Arena, Estimator, Pcg32, PowerHeuristic, combine};
-use world::{Camera, Light, Seen, Step, Walks, World};
+use aether_core::{
+    Arena, Estimator, MarkovChainState, Pcg32, PowerHeuristic, RandomSequence, combine, mutation,
+};
+use world::{Camera, Light, Seen, Spot, Step, Walks, Ways, World};
 
 /// The system's allocator, counting what this thread asks for.
 struct Counting;
@@ -101,4 +103,49 @@ fn a_warm_estimator_allocates_nothing() {
     };
     assert!((0..100).map(&mut run).sum::<usize>() > 0);
     assert_eq!((0..100).map(run).sum::<usize>(), 0);
+}
+
+#[test]
+fn a_warm_chain_allocates_nothing() {
+    let world = World::with_mirror(0.4);
+    let estimator = Estimator::paths(Seen(&world));
+    // Deletes from one vertex to another, and grows from both ends.
+    let bidirectional = mutation(|path: &RandomSequence<'_, Spot, Ways<'_>>, decide| {
+        let n = path.len();
+        let begin = 1 + decide.index(n)?;
+        let end = begin + decide.weighted(n + 1 - begin, |i| 0.5_f64.powi(i as i32))?;
+        let mut front = path.slice(0..begin).keep();
+        let mut back = path.slice(end..).keep().reverse();
+        let (ahead, behind) = (decide.index(3)?, decide.index(3)?);
+        let size = begin + ahead + behind + n - end;
+        ((2..=6).contains(&size) && decide.wants(size)).then_some(())?;
+        (0..ahead).for_each(|_| _ = front.append(Step(&world)));
+        for _ in 0..behind {
+            if back.size() == 0 {
+                back.append(Light(&world))
+            } else {
+                back.append(Step(&world))
+            };
+        }
+        Some(front.concat(&back.reverse()))
+    });
+    let target = |path: &RandomSequence<'_, Spot, Ways<'_>>| {
+        (0.5_f64.powi(path.len() as i32) * estimator.integrand_at(path), path.len())
+    };
+    let mut arena: Walks<'_> = Arena::new();
+    let mut path = arena.sequence();
+    path.append(Camera).append(Light(&world)).sample(&mut || 0.5);
+    let mut chain = MarkovChainState::new(&path, &target);
+    let mut lengths = 0;
+    let mut run = |steps: usize| {
+        let before = ALLOCATIONS.with(Cell::get);
+        for _ in 0..steps {
+            let step = chain.step(&mut arena, &bidirectional, &target, |n| Pcg32::new(3, 0, n));
+            lengths |= 1 << step.current;
+        }
+        ALLOCATIONS.with(Cell::get) - before
+    };
+    assert!(run(5000) > 0);
+    assert_eq!(run(5000), 0);
+    assert_eq!(lengths, 0b111_1100, "paths of 2 to 6 vertices");
 }

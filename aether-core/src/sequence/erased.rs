@@ -73,7 +73,7 @@ impl<V: Vertex> Strategy<V> for Erased<'_, V> {
 }
 
 /// Makes a sized source of one that may not be.
-struct Borrowed<'u, U: ?Sized>(&'u mut U);
+pub(crate) struct Borrowed<'u, U: ?Sized>(pub &'u mut U);
 
 impl<R: crate::real::Real, U: UniformSource<R> + ?Sized> UniformSource<R> for Borrowed<'_, U> {
     fn next(&mut self) -> R {

@@ -9,6 +9,7 @@ mod erased;
 mod evaluate;
 mod memo;
 mod random_sequence;
+mod snapshot;
 mod strategies;
 mod tape;
 mod view;
@@ -16,15 +17,17 @@ mod view;
 use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicU64, Ordering};
 
+pub(crate) use erased::Borrowed;
 pub use erased::{DynStrategy, Erased};
 pub(crate) use memo::{Key, Memo};
 pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
-pub(crate) use tape::{NONE, Place};
+pub use snapshot::Snapshot;
+pub(crate) use tape::{NONE, Place, Tape};
 pub use view::PathView;
 
+use crate::mutation::Decided;
 use crate::strategy::{Strategy, Vertex};
-use tape::Tape;
 
 /// The home of all paths of one sample: their vertices, strategies and densities.
 ///
@@ -32,12 +35,14 @@ use tape::Tape;
 #[derive(Debug)]
 pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
-    strategies: RefCell<Vec<S>>,
+    pub(crate) strategies: RefCell<Vec<S>>,
     memo: RefCell<Memo<V::Real>>,
     /// Lists of paths, each with the number of samples that its technique takes.
     pub(crate) lists: RefCell<Vec<(Handle, V::Real)>>,
     pub(crate) gathering: RefCell<Vec<(Handle, V::Real)>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
+    /// Which outcomes of a mutation's choices are being evaluated.
+    pub(crate) decided: RefCell<Vec<Decided>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),
@@ -57,6 +62,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             lists: RefCell::new(Vec::new()),
             gathering: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
+            decided: RefCell::new(Vec::new()),
             sequences: Cell::new(0),
             contents: (ARENAS.fetch_add(1, Ordering::Relaxed), 0),
         }

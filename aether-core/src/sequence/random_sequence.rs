@@ -78,6 +78,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         RandomSequence { arena: self.arena, handle }
     }
 
+    /// Makes this the complete path of the last steps of the tape, from `start` on.
+    pub(crate) fn occupy(&mut self, start: usize, len: usize) {
+        let place = Place::new(start, len);
+        self.handle = Handle { place, len: len as u32, ended: false, absent: false, ..self.handle };
+    }
+
     /// How many vertices the path has.
     pub fn len(&self) -> usize {
         self.handle.len as usize
@@ -107,6 +113,16 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// The last vertex.
     pub fn last(&self) -> Option<V> {
         self.vertex(self.len().checked_sub(1)?)
+    }
+
+    /// Where this path has vertex `i` of `other`: that very vertex, kept by a slice, a mutation or a
+    /// concatenation, not one that lies at the same place.
+    pub fn position_of(&self, other: &Self, i: usize) -> Option<usize> {
+        if i >= other.len() || !core::ptr::eq(self.arena, other.arena) {
+            return None;
+        }
+        let id = |path: &Self, i: usize| self.arena.tape.entry(path.handle.place.at(i)).vertex;
+        (0..self.len()).find(|k| id(self, *k) == id(other, i))
     }
 
     /// The vertices in order.
@@ -204,7 +220,8 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.with(Handle { place: h.place.range(from, to), len, ended, lane: h.lane | 1, ..h })
     }
 
-    fn absent(&self) -> Self {
+    /// The path that does not exist.
+    pub(crate) fn absent(&self) -> Self {
         let place = Place::new(0, 0);
         self.with(Handle { place, len: 0, ended: true, absent: true, ..self.handle })
     }

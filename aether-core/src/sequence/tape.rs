@@ -126,6 +126,21 @@ impl<V: Vertex> Tape<V> {
         });
     }
 
+    /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
+    pub fn push_taken(&self, vertex: V, entry: Entry) {
+        let mut vertices = self.vertices.borrow_mut();
+        let id = vertices.len() as u32;
+        vertices.push(vertex);
+        self.push_entry(Entry { vertex: id, run: 0, prefix: self.len() as u32, ..entry });
+    }
+
+    /// Replaces what is known about how the vertex of a step sees the one that it was made from,
+    /// and forgets the run that the step belonged to.
+    pub fn set_origin(&self, at: usize, visible: bool, dirac: Option<Dirac>) {
+        let entry = &mut self.entries.borrow_mut()[at];
+        *entry = Entry { visible, dirac, run: 0, prefix: at as u32, ..*entry };
+    }
+
     fn push_entry(&self, entry: Entry) {
         self.entries.borrow_mut().push(entry);
         self.prefixes.borrow_mut().push(None);
