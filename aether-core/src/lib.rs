@@ -51,6 +51,7 @@ pub mod sequence;
 pub mod strategy;
 #[doc(hidden)]
 pub mod support;
+pub mod tables;
 pub mod uniform;
 pub mod vec;
 
