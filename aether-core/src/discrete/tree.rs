@@ -4,6 +4,8 @@ mod builder;
 
 pub use builder::{NodeId, TreeBuilder, TreeError};
 
+use core::marker::PhantomData;
+
 use super::alias::below_one;
 use super::{Choice, Discrete};
 use crate::density::{Counting, Density};
@@ -99,8 +101,11 @@ impl<N, R> Importance<N, R> for ByWeight {
 
 impl<T: Ord, N> Tree<T, N> {
     /// The random variable that chooses an item with these importances.
-    pub fn seen_by<R: Scalar, I: Importance<N, R>>(&self, importance: I) -> TreeView<'_, T, N, I> {
-        TreeView { tree: self, importance }
+    pub fn seen_by<R: Scalar, I: Importance<N, R>>(
+        &self,
+        importance: I,
+    ) -> TreeView<'_, T, N, I, R> {
+        TreeView { tree: self, importance, number: PhantomData }
     }
 
     /// How many leaves there are.
@@ -125,17 +130,15 @@ impl<T: Ord, N> Tree<T, N> {
 ///
 /// A leaf or a part without weight is never chosen.
 #[derive(Clone, Copy, Debug)]
-pub struct TreeView<'t, T, N, I> {
+pub struct TreeView<'t, T, N, I, R = f64> {
     tree: &'t Tree<T, N>,
     importance: I,
+    number: PhantomData<fn() -> R>,
 }
 
-impl<'t, T: Ord, N, I> TreeView<'t, T, N, I> {
+impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> TreeView<'t, T, N, I, R> {
     /// Probability of a leaf, in time proportional to its depth; zero if there is no such leaf.
-    pub fn probability<R: Scalar>(&self, leaf: usize) -> R
-    where
-        I: Importance<N, R>,
-    {
+    pub fn probability(&self, leaf: usize) -> R {
         let Some(leaf) = self.tree.leaves.get(leaf) else { return R::ZERO };
         let (mut node, mut p) = (leaf.node, 1.0);
         while let Some(parent) = self.tree.nodes[node].parent {
@@ -149,20 +152,14 @@ impl<'t, T: Ord, N, I> TreeView<'t, T, N, I> {
     }
 
     /// Probability that the item chosen equals `item`: the sum over all leaves that hold it.
-    pub fn pdf<R: Scalar>(&self, item: &T) -> Density<Counting, R>
-    where
-        I: Importance<N, R>,
-    {
+    pub fn pdf(&self, item: &T) -> Density<Counting, R> {
         let leaves = self.tree.leaves_of(item);
         Density::new(leaves.iter().map(|leaf| self.probability(*leaf)).sum())
     }
 
     /// Probability of the left one of two branches. Of two branches that are both important each has
     /// at least the probability that uniforms resolve, so that none is lost to rounding.
-    fn left<R: Scalar>(&self, [left, right]: [usize; 2]) -> f64
-    where
-        I: Importance<N, R>,
-    {
+    fn left(&self, [left, right]: [usize; 2]) -> f64 {
         let nodes = &self.tree.nodes;
         let weights = [nodes[left].weight, nodes[right].weight];
         if weights[0] == 0.0 || weights[1] == 0.0 {
@@ -185,7 +182,7 @@ impl<'t, T: Ord, N, I> TreeView<'t, T, N, I> {
     }
 }
 
-impl<'t, T: Ord, N, I: Importance<N, R>, R: Scalar> Discrete<R> for TreeView<'t, T, N, I> {
+impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t, T, N, I, R> {
     type Item<'a>
         = &'t T
     where

@@ -49,8 +49,7 @@ impl<R: Scalar> Axis<R> {
     pub fn even(low: R, high: R, bins: usize) -> Result<Self, TableError> {
         let share = |k: usize| R::of(k as f64 / bins as f64);
         // Symmetric, so that both ends are exact.
-        let knots: Vec<R> =
-            (0..=bins).map(|k| low * share(bins - k) + high * share(k)).collect();
+        let knots: Vec<R> = (0..=bins).map(|k| low * share(bins - k) + high * share(k)).collect();
         if bins == 0 {
             return Err(TableError::Count { what: "bins", expected: 1, found: 0 });
         }

@@ -33,9 +33,12 @@ pub fn stretched_square(t: Vec2, low: Vec2, high: Vec2) -> Vec2 {
     Vec2::new(low.x + (high.x - low.x) * t.x, low.y + (high.y - low.y) * t.y)
 }
 
-/// The direction with polar angle πv and azimuth 2πu.
+/// The direction with polar angle πv and azimuth 2πu. There is none at the pole, where the azimuth
+/// is lost, nor so close to it that the squares of coordinates vanish in `f32`; the least uniform above
+/// zero is larger.
 #[sampler]
 pub fn latitude_longitude(u: [Uniform; 2]) -> Direction {
+    require(u[1] > 1e-18);
     let theta = PI * u[1];
     let phi = TAU * u[0];
     Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())

@@ -21,8 +21,7 @@ pub struct Grid<R = f64> {
 impl<R: Scalar> Grid<R> {
     /// A grid with these masses of its cells, row by row, which are not negative.
     pub(super) fn new(x: Axis<R>, y: Axis<R>, masses: &[f64]) -> Result<Self, TableError> {
-        let rows: Vec<f64> =
-            masses.chunks(x.bins()).map(|row| sum(row.iter().copied())).collect();
+        let rows: Vec<f64> = masses.chunks(x.bins()).map(|row| sum(row.iter().copied())).collect();
         let column = |row: &[f64]| match Cdf::from_relative(row) {
             // A row that is never chosen needs no right choice within it.
             Err(WeightError::AllZero) => Cdf::from_relative(&vec![1.0; row.len()]),

@@ -34,8 +34,6 @@ mod line;
 mod piecewise;
 mod plane;
 mod spline;
-#[cfg(test)]
-mod tests;
 mod warp;
 
 pub use axis::Axis;

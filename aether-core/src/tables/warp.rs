@@ -1,9 +1,9 @@
 //! A sampler as a map.
 
+use crate::map::Map;
 use crate::real::{Mask, Real};
 use crate::sampler::Sampler;
 use crate::vec::Vec2;
-use crate::map::Map;
 
 /// The map from the unit square (primary sample space) that a sampler of two uniforms is. After a
 /// density on the unit square it makes one on the sampler's space: a table of directions, or a lobe
