@@ -451,6 +451,8 @@ proptest! {
         }
         sound(&table.sampler(), |t| [t, u[1]]);
         sound(&table.sampler(), |t| [u[0], t]);
+        // Where lines of very different slopes meet, x is conditioned badly in y: their ratio.
+        let values: Vec<f64> = values.iter().map(|v| if *v > 0.0 { v.max(0.01) } else { 0.0 }).collect();
         let smooth = PiecewiseLinear2D::new(&values, columns).unwrap();
         sound(&smooth.sampler(), |t| [t, u[1]]);
         sound(&smooth.sampler(), |t| [u[0], t]);
