@@ -126,7 +126,7 @@ macro_rules! reference {
 }
 
 // The numbers in the following tests were computed with mpmath to 60 digits from the maps as the
-// literature has them, for the doubles printed.
+// literature has them, and rounded.
 
 #[test]
 fn step_functions_have_the_reference_values() {
@@ -135,13 +135,13 @@ fn step_functions_have_the_reference_values() {
         PiecewiseConstant1D::new(&unit).unwrap(),
         PiecewiseConstant1D::<f32>::new(&numbers(&unit)).unwrap(),
     );
-    reference!(table, single, 0.1, 0.13333333333333334073, 0.75);
-    reference!(table, single, 0.7, 0.86666666666666664693, 2.25);
+    reference!(table, single, 0.1, 0.13333333333333333, 0.75);
+    reference!(table, single, 0.7, 0.8666666666666667, 2.25);
     let (knots, values) = ([-3.0, -1.0, 0.0, 0.5, 8.0], [0.1, 0.7, 0.2, 0.4]);
     let table = PiecewiseConstant1D::on(axis(&knots), &values).unwrap();
     let single = PiecewiseConstant1D::<f32>::on(axis(&knots), &numbers(&values)).unwrap();
-    reference!(table, single, 0.9, 7.0000000000000002429, 0.10000000000000000208);
-    reference!(table, single, 1e-20, -3.0, 0.02500000000000000052);
+    reference!(table, single, 0.9, 7.0, 0.1);
+    reference!(table, single, 1e-20, -3.0, 0.025);
 }
 
 #[test]
@@ -151,22 +151,22 @@ fn polygons_have_the_reference_values() {
         PiecewiseLinear1D::new(&nodes).unwrap(),
         PiecewiseLinear1D::<f32>::new(&numbers(&nodes)).unwrap(),
     );
-    reference!(table, single, 0.3, 0.43301270189221931537, 1.3856406460551018092);
-    reference!(table, single, 0.9, 0.88762756430420549811, 0.97979589711327120302);
-    reference!(table, single, 1e-20, 7.9056941504209481132e-11, 2.5298221281347033962e-10);
+    reference!(table, single, 0.3, 0.4330127018922193, 1.3856406460551018);
+    reference!(table, single, 0.9, 0.8876275643042055, 0.9797958971132712);
+    reference!(table, single, 1e-20, 7.905694150420948e-11, 2.5298221281347035e-10);
     let (knots, values) = ([-2.0, -1.0, 3.0, 3.5], [1.0, 0.0, 0.0, 4.0]);
     let table = PiecewiseLinear1D::on(axis(&knots), &values).unwrap();
     let single = PiecewiseLinear1D::<f32>::on(axis(&knots), &numbers(&values)).unwrap();
-    reference!(table, single, 0.999, 3.4996248592694322688, 2.6646659161036387668);
-    reference!(table, single, 0.2, -1.6324555320336758401, 0.42163702135578389338);
+    reference!(table, single, 0.999, 3.4996248592694323, 2.6646659161036386);
+    reference!(table, single, 0.2, -1.6324555320336758, 0.4216370213557839);
 }
 
 #[test]
 fn splines_have_the_reference_values() {
     let (table, single) = (spline::<f64>(), spline::<f32>());
-    reference!(table, single, 0.1, -0.60237946149029427488, 0.21466282299469741404);
-    reference!(table, single, 0.6, 0.034876625099495887497, 13.356614905810285644);
-    reference!(table, single, 0.99, 1.9599257884972170236, 0.19687702304073977735);
+    reference!(table, single, 0.1, -0.6023794614902943, 0.2146628229946974);
+    reference!(table, single, 0.6, 0.034876625099495885, 13.356614905810286);
+    reference!(table, single, 0.99, 1.959925788497217, 0.19687702304073978);
 }
 
 #[test]
@@ -180,10 +180,10 @@ fn bilinear_cells_have_the_reference_values() {
         near(sample.pdf().value(), p);
         near(table.sampler().pdf(&sample).value(), p);
     };
-    let at = [0.37247921644897165, 0.30622577482985498];
-    check([1.0, 3.0, 5.0, 7.0], [0.3, 0.2], at, 0.74246538305434080);
-    let at = [9.9999999999999999e-7; 2];
-    check([0.0, 0.0, 0.0, 1.0], [1e-12; 2], at, 3.9999999999999999e-12);
+    let at = [0.37247921644897164, 0.30622577482985497];
+    check([1.0, 3.0, 5.0, 7.0], [0.3, 0.2], at, 0.7424653830543408);
+    let at = [1e-06; 2];
+    check([0.0, 0.0, 0.0, 1.0], [1e-12; 2], at, 4e-12);
     check([2.0; 4], [0.25, 0.75], [0.25, 0.75], 1.0);
 }
 
@@ -202,24 +202,20 @@ fn directions_have_the_reference_values() {
     };
     check(
         [0.3, 0.2],
-        [-0.18811762708367275, 0.57896652392789333581, 0.79335334029123514246],
-        0.079890357422144485094,
+        [-0.18811762708367274, 0.5789665239278934, 0.7933533402912352],
+        0.07989035742214448,
     );
     check(
         [0.6, 0.1],
-        [0.099330257441473173875, -0.30570709807100176642, 0.94693012949510565842],
-        0.30260234599664621096,
+        [0.09933025744147317, -0.30570709807100177, 0.9469301294951057],
+        0.3026023459966462,
     );
     check(
         [0.9, 0.99],
-        [0.0050560531299864740035, -0.015560931481242767814, -0.99986613790956178262],
-        2.9724340466257175102,
+        [0.005056053129986474, -0.015560931481242768, -0.9998661379095618],
+        2.9724340466257173,
     );
-    check(
-        [0.25, 1e-9],
-        [0.0, 3.2724923474893681547e-9, 0.99999999999999999465],
-        14861507.066818323717,
-    );
+    check([0.25, 1e-9], [0.0, 3.2724923474893684e-09, 1.0], 14861507.066818323);
 }
 
 /// Uniforms on the knots of the choice, beside them, and at the ends.
@@ -305,7 +301,7 @@ fn huge_and_tiny_values_are_but_ratios() {
     for scale in [1e-310, 1e-160, 1e160, 5e307] {
         let values = [0.0, 2.0 * scale, scale];
         let x = *PiecewiseLinear1D::new(&values).unwrap().sampler().sample([0.3]);
-        assert!((x - 0.43301270189221931537).abs() < 1e-10, "{x} with {values:?}");
+        assert!((x - 0.4330127018922193).abs() < 1e-10, "{x} with {values:?}");
         let corners = [scale, 3.0 * scale, 3.0 * scale, scale];
         let p = PiecewiseLinear2D::new(&corners, 2).unwrap().sampler().pdf(&Vec2::new(0.5, 0.5));
         assert!((p.value() - 1.0).abs() < 1e-10, "{p:?} with {corners:?}");
