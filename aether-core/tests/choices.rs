@@ -335,6 +335,8 @@ proptest! {
         let any = |data: &u64, _: f64| match data % 7 { 0 => 0.0, 1 => f64::NAN, k => 10.0_f64.powi(k as i32) };
         let view = tree.seen_by(any);
         shares(&view, 1.0)?;
+        let empty = |leaf: &usize| weights[*leaf] == 0.0;
+        prop_assert!((0..weights.len()).filter(empty).all(|leaf| view.probability(leaf) == 0.0));
         shares(&by_weight, 1.0)?;
         for item in 0..5_usize {
             let leaves = (0..weights.len()).filter(|k| k % 5 == item);
