@@ -1,8 +1,25 @@
 //! Discrete random variables: a choice among items, uniform or weighted, and a coin.
+//!
+//! | choice | sampling | probability of an index |
+//! | --- | --- | --- |
+//! | [`discrete`], all equally likely | O(1) | O(1) |
+//! | [`discrete_weighted`], an alias table | O(1) | O(1) |
+//! | [`Cdf`], by inversion: keeps the order of uniforms | O(log N) | O(1) |
+//! | [`Tree`], weights that depend on a query | O(log N) | O(log N) |
+//!
+//! [`ProbabilityOf`] finds a probability by the item in place of the index.
 
 mod alias;
+mod cdf;
+mod lookup;
 #[cfg(test)]
 mod tests;
+mod tree;
+pub(crate) mod weights;
+
+pub use cdf::Cdf;
+pub use lookup::ProbabilityOf;
+pub use tree::{ByWeight, Importance, NodeId, Tree, TreeBuilder, TreeError, TreeView};
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -104,6 +121,13 @@ pub enum WeightError {
     },
     /// All weights are zero.
     AllZero,
+    /// More outcomes than there are uniforms to choose them with.
+    TooMany {
+        /// How many weights are positive.
+        positive: usize,
+        /// How many outcomes can be told apart.
+        limit: usize,
+    },
 }
 
 impl fmt::Display for WeightError {
@@ -121,6 +145,10 @@ impl fmt::Display for WeightError {
             WeightError::AllZero => {
                 write!(f, "all weights are zero: at least one must be positive")
             }
+            WeightError::TooMany { positive, limit } => write!(
+                f,
+                "{positive} positive weights, but uniforms tell {limit} outcomes apart: use f64"
+            ),
         }
     }
 }

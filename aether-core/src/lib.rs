@@ -19,7 +19,8 @@
 //!
 //! Where things are:
 //!
-//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`discrete`](mod@discrete);
+//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`discrete`](mod@discrete),
+//!   [`tables`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
@@ -53,6 +54,7 @@ pub mod sequence;
 pub mod strategy;
 #[doc(hidden)]
 pub mod support;
+pub mod tables;
 pub mod uniform;
 pub mod vec;
 
@@ -64,7 +66,7 @@ pub use density::{
     Area, Counting, Density, Hausdorff, Length, Measure, Product, SolidAngle, Volume,
 };
 pub use discrete::{
-    Bernoulli, Choice, Choices, Discrete, WeightError, coin, discrete, discrete_weighted,
+    Bernoulli, Cdf, Choice, Choices, Discrete, WeightError, coin, discrete, discrete_weighted,
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
 pub use map::{Map, Then};

@@ -168,9 +168,22 @@ pub trait Real:
 }
 
 /// A [`Real`] that is one number, so that it can be compared with `<` and used in plain Rust code.
-pub trait Scalar: Real<Mask = bool> + PartialOrd + core::iter::Sum {}
-impl Scalar for f32 {}
-impl Scalar for f64 {}
+pub trait Scalar: Real<Mask = bool> + PartialOrd + core::iter::Sum {
+    /// The largest number below this one.
+    fn next_below(self) -> Self;
+}
+impl Scalar for f32 {
+    #[inline(always)]
+    fn next_below(self) -> f32 {
+        self.next_down()
+    }
+}
+impl Scalar for f64 {
+    #[inline(always)]
+    fn next_below(self) -> f64 {
+        self.next_down()
+    }
+}
 
 macro_rules! forward {
     ($t:ident: $($name:ident($($arg:ident),*));* $(;)?) => {

@@ -3,7 +3,7 @@
 use super::cubature::{Bounds, Integral, integrate};
 use super::derivative::Derivative;
 use super::gamma::chi_square_tail;
-use super::partition::Tree;
+use super::partition::{Tree, cut};
 use super::probe::{Probe, coordinates};
 use super::report::{Report, Verdict};
 use super::space::{Chart, Space};
@@ -57,12 +57,21 @@ impl Draws {
     }
 }
 
+/// Settings of the checks.
+pub(super) struct Effort<'a> {
+    /// How often the cubature may evaluate the density.
+    pub(super) evaluations: usize,
+    /// Of the chi-square test.
+    pub(super) false_alarm_rate: f64,
+    /// Coordinate and value at which the density jumps.
+    pub(super) jumps: &'a [(usize, f64)],
+}
+
 /// Checks the density over a space that has a chart.
 pub(super) fn check<S: Sampler<R>, R: Scalar>(
     probe: &Probe<S, R>,
     draws: &Draws,
-    evaluations: usize,
-    false_alarm_rate: f64,
+    effort: &Effort,
     report: &mut Report,
 ) where
     S::Point: Space<R>,
@@ -77,7 +86,10 @@ pub(super) fn check<S: Sampler<R>, R: Scalar>(
     let mut pilot: Vec<_> = probe.pilot.iter().map(|x| chart.cube(x)).collect();
     let mut parts = Vec::new();
     let tree = Tree::grow(&mut pilot, CUBE, dimension, LEVELS, &mut parts);
-    let integral = integrate(&parts, dimension, PRECISE, evaluations, |t| {
+    for (axis, value) in effort.jumps.iter().filter(|(axis, _)| *axis < dimension) {
+        cut(&mut parts, *axis, chart.coordinate(*axis, *value));
+    }
+    let integral = integrate(&parts, dimension, PRECISE, effort.evaluations, |t| {
         let (x, factor) = chart.point(t);
         let density = probe.pdf(&probe.model.moved_to(&x));
         // The factor is infinite where the cube's face stands for infinity.
@@ -87,7 +99,7 @@ pub(super) fn check<S: Sampler<R>, R: Scalar>(
 
     let mut counts = vec![0.0; integral.bins.len()];
     draws.points.iter().for_each(|x| counts[tree.leaf(&chart.cube(x))] += 1.0);
-    chi_square(draws, &counts, &integral, false_alarm_rate, report);
+    chi_square(draws, &counts, &integral, effort.false_alarm_rate, report);
 }
 
 /// Checks the mass of the density over a manifold that the user has parametrised.

@@ -85,6 +85,7 @@ pub struct Battery<'a, S: Sampler<R>, R: Scalar> {
     evaluations: usize,
     false_alarm_rate: f64,
     parametrisation: Option<Parametrisation<'a, S::Point>>,
+    jumps: Vec<(usize, f64)>,
 }
 
 impl<'a, S: Sampler<R>, R: Scalar> Battery<'a, S, R>
@@ -101,6 +102,7 @@ where
             evaluations: 600_000,
             false_alarm_rate: 1e-6,
             parametrisation: None,
+            jumps: Vec::new(),
         }
     }
 
@@ -135,6 +137,13 @@ where
         self
     }
 
+    /// Where the density jumps: at these values of coordinate `axis`, so that the cubature cuts its
+    /// cells there. On the sphere the coordinates are z and the azimuth in (-π, π].
+    pub fn jumps(mut self, axis: usize, values: impl IntoIterator<Item = f64>) -> Self {
+        self.jumps.extend(values.into_iter().map(|value| (axis, value)));
+        self
+    }
+
     /// Runs all checks.
     pub fn run(&self) -> Report {
         let mut report = Report::new(core::any::type_name::<S>());
@@ -147,7 +156,12 @@ where
         let draws = mass::Draws::new(&probe, self.seed, self.samples);
         match &self.parametrisation {
             None => {
-                mass::check(&probe, &draws, self.evaluations, self.false_alarm_rate, &mut report)
+                let effort = mass::Effort {
+                    evaluations: self.evaluations,
+                    false_alarm_rate: self.false_alarm_rate,
+                    jumps: &self.jumps,
+                };
+                mass::check(&probe, &draws, &effort, &mut report)
             }
             Some(cover) => {
                 mass::check_over(&probe, &draws, self.evaluations, cover.as_ref(), &mut report);

@@ -49,6 +49,19 @@ impl Tree {
     }
 }
 
+/// Cuts all parts that reach beyond both sides of a plane across `axis` in two.
+pub(super) fn cut(parts: &mut Vec<Part>, axis: usize, at: f64) {
+    for k in 0..parts.len() {
+        let (owner, bounds) = parts[k];
+        if bounds[axis].0 < at && at < bounds[axis].1 {
+            let mut above = bounds;
+            above[axis].0 = at;
+            parts[k].1[axis].1 = at;
+            parts.push((owner, above));
+        }
+    }
+}
+
 /// The smallest box around the points.
 fn hull(points: &[[f64; 3]]) -> Bounds {
     core::array::from_fn(|axis| {
@@ -97,7 +110,13 @@ mod tests {
         let mut counts = [0; 32];
         points.iter().for_each(|p| counts[tree.leaf(p)] += 1);
         assert_eq!(counts, [32; 32]);
-        let area: f64 = leaves.iter().map(|(_, b)| (b[0].1 - b[0].0) * (b[1].1 - b[1].0)).sum();
-        assert!((area - 4.0).abs() < 1e-12);
+        let area = |leaves: &[Part]| -> f64 {
+            leaves.iter().map(|(_, b)| (b[0].1 - b[0].0) * (b[1].1 - b[1].0)).sum()
+        };
+        assert!((area(&leaves) - 4.0).abs() < 1e-12);
+        let before = leaves.len();
+        cut(&mut leaves, 1, 0.25);
+        assert!(leaves.len() > before && (area(&leaves) - 4.0).abs() < 1e-12);
+        assert!(leaves.iter().all(|(_, b)| b[1].0 >= 0.25 || b[1].1 <= 0.25));
     }
 }

@@ -124,17 +124,29 @@ impl Chart {
         let mut t = [0.0; 3];
         match self {
             Chart::Flat(axes) => {
-                for (t, ((median, scale), x)) in t.iter_mut().zip(axes.iter().zip(x)) {
-                    let y = 2.0 * (x - median) / scale;
-                    *t = y / (1.0 + y.hypot(1.0));
+                for (axis, (t, x)) in t.iter_mut().zip(x).enumerate().take(axes.len()) {
+                    *t = self.coordinate(axis, *x);
                 }
             }
             Chart::Sphere => {
-                t[0] = x[2];
-                t[1] = x[1].atan2(x[0]) * core::f64::consts::FRAC_1_PI;
+                t[0] = self.coordinate(0, x[2]);
+                t[1] = self.coordinate(1, x[1].atan2(x[0]));
             }
         }
         t
+    }
+
+    /// Where along one axis of the cube a coordinate lies: z and azimuth on the sphere.
+    pub(super) fn coordinate(&self, axis: usize, x: f64) -> f64 {
+        match self {
+            Chart::Flat(axes) => {
+                let (median, scale) = axes[axis];
+                let y = 2.0 * (x - median) / scale;
+                y / (1.0 + y.hypot(1.0))
+            }
+            Chart::Sphere if axis == 0 => x,
+            Chart::Sphere => x * core::f64::consts::FRAC_1_PI,
+        }
     }
 
     /// The point of the space at a place in the cube, and the measure of the space per volume of

@@ -1,6 +1,7 @@
 //! Sampling a weighted choice in constant time.
 
 use super::WeightError;
+use super::weights::{Sum, relative, sum};
 use crate::real::Scalar;
 
 /// The largest number below one.
@@ -45,7 +46,7 @@ impl<R: Scalar> AliasTable<R> {
         let mut slots: Vec<_> = probabilities
             .iter()
             .enumerate()
-            .map(|(alias, p)| Slot { probability: R::of(*p), threshold: 1.0, alias })
+            .map(|(alias, _)| Slot { probability: R::ZERO, threshold: 1.0, alias })
             .collect();
         let (mut small, mut large): (Vec<_>, Vec<_>) =
             (0..share.len()).partition(|i| share[*i] < 1.0);
@@ -60,6 +61,8 @@ impl<R: Scalar> AliasTable<R> {
                 (slots[i].threshold, slots[i].alias) = (0.0, likeliest);
             }
         }
+        let actual = actual(&slots);
+        slots.iter_mut().zip(actual).for_each(|(slot, p)| slot.probability = R::of(p));
         Ok(AliasTable { slots: slots.into() })
     }
 
@@ -82,21 +85,21 @@ impl<R: Scalar> AliasTable<R> {
     }
 }
 
+/// The probabilities that outcomes have in the finished table: those of the weights but for rounding,
+/// and the ones that sampling has.
+fn actual<R>(slots: &[Slot<R>]) -> Vec<f64> {
+    let mut shares = vec![Sum::default(); slots.len()];
+    for (index, slot) in slots.iter().enumerate() {
+        shares[index] += slot.threshold;
+        shares[slot.alias] += 1.0 - slot.threshold;
+    }
+    shares.iter().map(|share| share.value() / slots.len() as f64).collect()
+}
+
 /// The probabilities that weights stand for; exactly zero where `R` cannot represent them.
 fn normalise<R: Scalar>(weights: &[R]) -> Result<Vec<f64>, WeightError> {
-    let weights: Vec<f64> = weights.iter().map(|w| w.to_f64()).collect();
-    if weights.is_empty() {
-        return Err(WeightError::Empty);
-    }
-    if let Some(index) = weights.iter().position(|w| !(*w >= 0.0 && w.is_finite())) {
-        return Err(WeightError::Invalid { index, weight: weights[index] });
-    }
-    let largest = weights.iter().copied().fold(0.0, f64::max);
-    if largest == 0.0 {
-        return Err(WeightError::AllZero);
-    }
-    // Relative to the largest, so that the sum neither overflows nor vanishes.
-    let total: f64 = weights.iter().map(|w| w / largest).sum();
+    let weights = relative(weights)?;
+    let total = sum(weights.iter().copied());
     let representable = |p: f64| if R::of(p) == R::ZERO { 0.0 } else { p };
-    Ok(weights.iter().map(|w| representable(w / largest / total)).collect())
+    Ok(weights.iter().map(|w| representable(w / total)).collect())
 }
