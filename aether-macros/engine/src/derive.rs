@@ -8,10 +8,11 @@ mod regimes;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::jacobian::{Source, simplify, volume};
+use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
-use crate::stabilise::{Inputs, stabilise_point};
+use crate::stabilise::stabilise_point;
 
 use cases::{cases, inputs, prune, verify_volume};
 use density::{density, finish, pick_volume};
@@ -96,29 +97,32 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let (solutions, check_forward) = prune(problem, solutions, &cases)?;
     verify_volume(problem, volumes[0], &cases)?;
 
-    let unknown_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, true)).collect();
-    let out_points: Vec<Inputs> = cases.iter().map(|c| inputs(problem, c, false)).collect();
+    let measured = |problem: &Problem, unknowns| {
+        Measure::new(cases.iter().map(|c| inputs(problem, c, unknowns)).collect::<Vec<Inputs>>())
+    };
+    let mut unknown_points = measured(problem, true);
+    let mut out_points = measured(problem, false);
     let outputs = problem.outputs.clone();
-    let forward = stabilise_point(&mut problem.graph, &outputs, &unknown_points);
+    let forward = stabilise_point(&mut problem.graph, &outputs, &mut unknown_points);
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
-    let own = pick_volume(problem, &volumes, &unknown_points);
+    let own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;
     let mut steps = Vec::new();
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
         let injective = solutions.len() == 1;
-        let (density, error) = density(problem, s, &volumes, &cases, &out_points, injective);
+        let (density, error) = density(problem, s, &volumes, &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
-        preimages.push(finish(problem, s, density, &cases, &out_points, flags));
+        preimages.push(finish(problem, s, density, &cases, &mut out_points, flags));
     }
-    let mut limits = parameters_with_limits(&problem.graph, &[own], &unknown_points);
+    let mut limits = parameters_with_limits(&problem.graph, &[own], &mut unknown_points);
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
     let at_point: Vec<Id> = at_point.collect();
-    limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
+    limits.extend(parameters_with_limits(&problem.graph, &at_point, &mut out_points));
     let at_uniforms: &[Id] = &forward;
-    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &unknown_points));
+    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &mut unknown_points));
     limits.sort_unstable();
     limits.dedup();
     Ok(Derived {

@@ -23,56 +23,62 @@ impl<'a, T: Number> Evaluator<'a, T> {
         if let Some(&v) = self.memo.get(&id) {
             return v;
         }
-        let graph = self.graph;
-        let v = match graph.node(id) {
-            Node::Number(q) => T::from_ratio(q.num(), q.den()),
-            Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
-            Node::Pi => T::pi(),
-            Node::Leaf(l) => (self.inputs)(*l),
-            Node::Sum(c, terms) => {
-                let mut s = T::from_ratio(c.num(), c.den());
-                for (q, t) in terms {
-                    let v = self.value(*t);
-                    s = s + if q.num() == 1 && q.den() == 1 {
-                        v
-                    } else {
-                        T::from_ratio(q.num(), q.den()) * v
-                    };
-                }
-                s
-            }
-            Node::Product(factors) => {
-                let mut p = T::from_f64(1.0);
-                for (b, e) in factors {
-                    let b = self.value(*b);
-                    p = p * match graph.as_number(*e) {
-                        Some(q) if q.is_int() => b.powi(q.to_i32().unwrap_or(i32::MAX)),
-                        Some(q) if q.den() == 2 && q.num().abs() < 64 => {
-                            b.sqrt().powi(q.num() as i32)
-                        }
-                        Some(q) if q.den() == 3 && q.num().abs() < 64 => {
-                            b.cbrt().powi(q.num() as i32)
-                        }
-                        _ => {
-                            let e = self.value(*e);
-                            b.powf(e)
-                        }
-                    };
-                }
-                p
-            }
-            Node::Call(f, args) => {
-                let a = self.value(args[0]);
-                let b = args.get(1).map(|b| self.value(*b));
-                call(*f, a, b)
-            }
-            Node::If(test, yes, no) => {
-                let positive = self.value(*test).to_f64() > 0.0;
-                self.value(if positive { *yes } else { *no })
-            }
-        };
+        let (graph, inputs) = (self.graph, self.inputs);
+        let v = node_value(graph, id, inputs, &mut |part| self.value(part));
         self.memo.insert(id, v);
         v
+    }
+}
+
+/// The value of one node, from those of its parts.
+pub fn node_value<T: Number>(
+    graph: &Graph,
+    id: Id,
+    inputs: &dyn Fn(Leaf) -> T,
+    part: &mut dyn FnMut(Id) -> T,
+) -> T {
+    match graph.node(id) {
+        Node::Number(q) => T::from_ratio(q.num(), q.den()),
+        Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
+        Node::Pi => T::pi(),
+        Node::Leaf(l) => inputs(*l),
+        Node::Sum(c, terms) => {
+            let mut s = T::from_ratio(c.num(), c.den());
+            for (q, t) in terms {
+                let v = part(*t);
+                s = s + if q.num() == 1 && q.den() == 1 {
+                    v
+                } else {
+                    T::from_ratio(q.num(), q.den()) * v
+                };
+            }
+            s
+        }
+        Node::Product(factors) => {
+            let mut p = T::from_f64(1.0);
+            for (b, e) in factors {
+                let b = part(*b);
+                p = p * match graph.as_number(*e) {
+                    Some(q) if q.is_int() => b.powi(q.to_i32().unwrap_or(i32::MAX)),
+                    Some(q) if q.den() == 2 && q.num().abs() < 64 => b.sqrt().powi(q.num() as i32),
+                    Some(q) if q.den() == 3 && q.num().abs() < 64 => b.cbrt().powi(q.num() as i32),
+                    _ => {
+                        let e = part(*e);
+                        b.powf(e)
+                    }
+                };
+            }
+            p
+        }
+        Node::Call(f, args) => {
+            let a = part(args[0]);
+            let b = args.get(1).map(|b| part(*b));
+            call(*f, a, b)
+        }
+        Node::If(test, yes, no) => {
+            let positive = part(*test).to_f64() > 0.0;
+            part(if positive { *yes } else { *no })
+        }
     }
 }
 

@@ -26,6 +26,7 @@ pub mod expr;
 mod functions;
 pub mod interval;
 pub mod jacobian;
+pub mod measure;
 pub mod number;
 mod overflow;
 pub mod parse;

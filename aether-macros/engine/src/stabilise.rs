@@ -7,82 +7,44 @@
 
 use std::collections::HashMap;
 
-use crate::eval::Evaluator;
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::jacobian::{cost, factor_out};
-use crate::number::{Dd, Number};
+use crate::measure::{Inputs, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
-
-/// An input assignment in double precision.
-pub type Inputs = HashMap<Leaf, f64>;
-
-/// The relative errors of an expression in `f64` at the points, against its true values; points
-/// whose truth is not finite are skipped, and a value that is no number is infinitely wrong.
-fn relative_errors(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> Vec<f64> {
-    let known = points.iter().zip(truth).filter(|(_, t)| t.is_finite());
-    let error = |(inputs, &t): (&Inputs, &f64)| {
-        let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
-        let v = Evaluator::<f64>::new(g, &at).value(form);
-        let e = if v == t { 0.0 } else { ((v - t) / t).abs() };
-        if e.is_nan() { f64::INFINITY } else { e }
-    };
-    known.map(error).collect()
-}
-
-/// The largest relative error of an expression in `f64` over the points.
-pub fn worst_error(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> f64 {
-    relative_errors(g, form, truth, points).into_iter().fold(0.0, f64::max)
-}
-
-/// The values of an expression at the points, through double-double.
-pub fn truths(g: &Graph, id: Id, points: &[Inputs]) -> Vec<f64> {
-    points
-        .iter()
-        .map(|inputs| {
-            let at = |l: Leaf| Dd::from_f64(inputs.get(&l).copied().unwrap_or(f64::NAN));
-            Evaluator::<Dd>::new(g, &at).value(id).to_f64()
-        })
-        .collect()
-}
 
 /// Errors up to this many units in the last place are not worth a rewrite.
 const GOOD: f64 = 64.0 * f64::EPSILON;
 
 /// The expression with every part in its most accurate form.
-pub fn stabilise(g: &mut Graph, id: Id, points: &[Inputs]) -> Id {
-    stabilise_to(g, id, points, GOOD)
+pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
+    stabilise_to(g, id, measure, GOOD)
 }
 
 /// The same, where only errors up to `good` are not worth a rewrite.
-pub fn stabilise_to(g: &mut Graph, id: Id, points: &[Inputs], good: f64) -> Id {
+pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> Id {
     // Most expressions are fine as they are: measure once before taking them apart.
-    let truth = truths(g, id, points);
-    if worst_error(g, id, &truth, points) <= good {
+    let truth = measure.truths(g, id);
+    if measure.loss(g, id, &truth).worst <= good {
         return id;
     }
-    Search { points, good, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
+    Search { measure, good, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
 /// whole needs it: an error counts relative to the length of the vector.
-pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], points: &[Inputs]) -> Vec<Id> {
-    let truth: Vec<Vec<f64>> = coordinates.iter().map(|&c| truths(g, c, points)).collect();
-    let worst = points.iter().enumerate().map(|(k, inputs)| {
-        let at = |l: Leaf| inputs.get(&l).copied().unwrap_or(f64::NAN);
-        let mut e = Evaluator::<f64>::new(g, &at);
+pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure) -> Vec<Id> {
+    let truth: Vec<Vec<f64>> = coordinates.iter().map(|&c| measure.truths(g, c)).collect();
+    let values: Vec<_> = coordinates.iter().map(|&c| measure.values(g, c)).collect();
+    let worst = (0..measure.points().len()).map(|k| {
         let norm = truth.iter().map(|t| t[k] * t[k]).sum::<f64>().sqrt();
-        let error = coordinates
-            .iter()
-            .zip(&truth)
-            .map(|(&c, t)| (e.value(c) - t[k]).abs())
-            .fold(0.0, nan_max);
+        let error = values.iter().zip(&truth).map(|(v, t)| (v[k] - t[k]).abs()).fold(0.0, nan_max);
         if error == 0.0 || !norm.is_finite() { 0.0 } else { error / norm }
     });
     if worst.fold(0.0, nan_max) <= GOOD {
         return coordinates.to_vec();
     }
-    let mut search = Search { points, good: GOOD, turns: false, memo: HashMap::new() };
+    let mut search = Search { measure, good: GOOD, turns: false, memo: HashMap::new() };
     coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
 }
 
@@ -93,22 +55,11 @@ fn nan_max(a: f64, b: f64) -> f64 {
 
 /// A search for better forms.
 struct Search<'a> {
-    points: &'a [Inputs],
+    measure: &'a mut Measure,
     good: f64,
     /// Whether sines and cosines of fractions of a turn may be taken as such.
     turns: bool,
     memo: HashMap<Id, Id>,
-}
-
-/// How inaccurate a form is: mean number of lost bits, and the worst error.
-pub fn loss(g: &Graph, form: Id, truth: &[f64], points: &[Inputs]) -> (f64, f64) {
-    let (mut bits, mut worst) = (0.0, 0.0f64);
-    for e in relative_errors(g, form, truth, points) {
-        let e = if e.is_finite() { e } else { 1e300 };
-        bits += libm::log2(1.0 + e / f64::EPSILON);
-        worst = worst.max(e);
-    }
-    (bits / truth.len().max(1) as f64, worst)
 }
 
 impl Search<'_> {
@@ -139,22 +90,26 @@ impl Search<'_> {
 
     /// The cheapest among the most accurate forms; a form must be clearly better to be taken.
     fn best_form(&mut self, g: &mut Graph, original: Id, rebuilt: Id, depth: u8) -> Id {
-        let truth = truths(g, original, self.points);
+        let truth = self.measure.truths(g, original);
         let mut forms = vec![original];
         if rebuilt != original {
             forms.push(rebuilt);
         }
-        let worst =
-            forms.iter().map(|&f| loss(g, f, &truth, self.points).1).fold(f64::INFINITY, f64::min);
-        if worst > self.good && depth > 0 {
+        let worst = |s: &mut Self, g: &Graph, forms: &[Id]| {
+            let losses = forms.iter().map(|&f| s.measure.loss(g, f, &truth).worst);
+            losses.fold(f64::INFINITY, f64::min)
+        };
+        if worst(self, g, &forms) > self.good && depth > 0 {
             for form in other_forms(g, original, self.turns) {
                 // The parts of a new form deserve a look of their own.
                 forms.push(self.rebuild_children(g, form, depth - 1));
             }
+            if worst(self, g, &forms) > self.good {
+                forms.extend(self.by_sign(g, &forms, &truth));
+            }
         }
-        forms.extend(self.by_sign(g, &forms, &truth));
         let scored: Vec<(Id, f64)> =
-            forms.iter().map(|&f| (f, loss(g, f, &truth, self.points).0)).collect();
+            forms.iter().map(|&f| (f, self.measure.loss(g, f, &truth).bits)).collect();
         let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
         scored
             .iter()
@@ -165,35 +120,36 @@ impl Search<'_> {
 
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
-    fn by_sign(&self, g: &mut Graph, forms: &[Id], truth: &[f64]) -> Option<Id> {
-        let score = |g: &Graph, f: Id, side: &dyn Fn(&Inputs) -> bool| {
-            let here = self.points.iter().zip(truth).filter(|(p, _)| side(p));
-            let (points, truth): (Vec<Inputs>, Vec<f64>) =
-                here.map(|(p, t)| (p.clone(), *t)).unzip();
-            loss(g, f, &truth, &points)
-        };
-        let best = |g: &Graph, side: &dyn Fn(&Inputs) -> bool| {
-            let scored = forms.iter().map(|&f| (f, score(g, f, side)));
-            scored.min_by(|a, b| a.1.0.total_cmp(&b.1.0))
-        };
-        if forms.len() < 2 || best(g, &|_| true)?.1.1 <= self.good {
-            return None;
-        }
-        let mut inputs: Vec<Leaf> = self.points.first()?.keys().copied().collect();
+    fn by_sign(&mut self, g: &mut Graph, forms: &[Id], truth: &[f64]) -> Option<Id> {
+        let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
         inputs.sort_unstable();
         for leaf in inputs {
             let range = g.leaf_range(leaf);
-            if !g.has(forms[0], crate::expr::leaf_bit(leaf)) || range.lo >= 0.0 || range.hi <= 0.0 {
+            let varies = g.has(forms[0], crate::expr::leaf_bit(leaf));
+            if !varies || range.lo >= 0.0 || range.hi <= 0.0 {
                 continue;
             }
             let above = |p: &Inputs| p.get(&leaf).is_some_and(|x| *x > 0.0);
-            let (yes, no) = (best(g, &above)?, best(g, &|p| !above(p))?);
-            if yes.0 != no.0 && yes.1.1.max(no.1.1) <= self.good {
+            let yes = self.best_where(g, forms, truth, above)?;
+            let no = self.best_where(g, forms, truth, |p| !above(p))?;
+            if yes.0 != no.0 && yes.1.worst.max(no.1.worst) <= self.good {
                 let test = g.get_leaf(leaf);
                 return Some(g.if_positive(test, yes.0, no.0));
             }
         }
         None
+    }
+
+    /// The form that is most accurate over some of the points.
+    fn best_where(
+        &mut self,
+        g: &Graph,
+        forms: &[Id],
+        truth: &[f64],
+        keep: impl Fn(&Inputs) -> bool,
+    ) -> Option<(Id, Loss)> {
+        let scored = forms.iter().map(|&f| (f, self.measure.loss_where(g, f, truth, &keep)));
+        scored.min_by(|a, b| a.1.bits.total_cmp(&b.1.bits))
     }
 
     fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {

@@ -6,10 +6,10 @@ use std::collections::HashMap;
 use super::{Problem, Target};
 use crate::eval::Evaluator;
 use crate::expr::{Id, Leaf};
+use crate::measure::Inputs;
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, map_points, sampler_points};
 use crate::solve::Solution;
-use crate::stabilise::Inputs;
 
 /// A point with what is known of it.
 pub(super) struct Case {

@@ -7,33 +7,33 @@ use super::regimes::best_coordinates;
 use super::{Preimage, Problem, Target};
 use crate::expr::{Graph, Id};
 use crate::jacobian::{cost, simplify};
+use crate::measure::{Loss, Measure};
 use crate::overflow::guard;
 use crate::solve::Solution;
-use crate::stabilise::{Inputs, loss, stabilise, truths};
+use crate::stabilise::stabilise;
 
 /// The cheapest among the most accurate expressions.
-fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], points: &[Inputs]) -> (Id, f64) {
-    let scored: Vec<(Id, (f64, f64), usize)> =
-        candidates.iter().map(|&c| (c, loss(g, c, truth, points), cost(g, c))).collect();
-    let least = |f: &dyn Fn(&(f64, f64)) -> f64| {
-        scored.iter().map(|s| f(&s.1)).fold(f64::INFINITY, f64::min)
-    };
-    let (bits, worst) = (least(&|l| l.0), least(&|l| l.1).max(16.0 * f64::EPSILON));
+fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], measure: &mut Measure) -> (Id, f64) {
+    let scored: Vec<(Id, Loss, usize)> =
+        candidates.iter().map(|&c| (c, measure.loss(g, c, truth), cost(g, c))).collect();
+    let least =
+        |f: &dyn Fn(&Loss) -> f64| scored.iter().map(|s| f(&s.1)).fold(f64::INFINITY, f64::min);
+    let (bits, worst) = (least(&|l| l.bits), least(&|l| l.worst).max(16.0 * f64::EPSILON));
     scored
         .iter()
-        .filter(|s| s.1.0 <= bits + 1.0 && s.1.1 <= 4.0 * worst)
+        .filter(|s| s.1.bits <= bits + 1.0 && s.1.worst <= 4.0 * worst)
         .min_by_key(|s| s.2)
         .or(scored.first())
-        .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.1))
+        .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst))
 }
 
-pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], points: &[Inputs]) -> Id {
+pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut Measure) -> Id {
     let g = &mut problem.graph;
-    let truth = truths(g, volumes[0], points);
-    let stable: Vec<Id> = volumes.iter().map(|&v| stabilise(g, v, points)).collect();
+    let truth = measure.truths(g, volumes[0]);
+    let stable: Vec<Id> = volumes.iter().map(|&v| stabilise(g, v, measure)).collect();
     let mut all = stable;
     all.extend(volumes);
-    let best = pick(g, &all, &truth, points).0;
+    let best = pick(g, &all, &truth, measure).0;
     guard(g, best)
 }
 
@@ -43,7 +43,7 @@ pub(super) fn density(
     s: &Solution,
     volumes: &[Id],
     cases: &[Case],
-    points: &[Inputs],
+    measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
     let g = &mut problem.graph;
@@ -69,15 +69,15 @@ pub(super) fn density(
     let truth: Vec<f64> = if injective {
         cases.iter().map(|c| if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN }).collect()
     } else {
-        truths(g, candidates[0], points)
+        measure.truths(g, candidates[0])
     };
     let mut all = candidates.clone();
-    if pick(g, &candidates, &truth, points).1 > 64.0 * f64::EPSILON {
+    if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
         for &c in candidates.iter().take(3) {
-            all.push(stabilise(g, c, points));
+            all.push(stabilise(g, c, measure));
         }
     }
-    let (best, error) = pick(g, &all, &truth, points);
+    let (best, error) = pick(g, &all, &truth, measure);
     (guard(g, best), error)
 }
 
@@ -94,7 +94,7 @@ pub(super) fn finish(
     s: &Solution,
     density: Id,
     cases: &[Case],
-    points: &[Inputs],
+    measure: &mut Measure,
     (injective, check_forward): (bool, bool),
 ) -> Preimage {
     let g = &mut problem.graph;
@@ -102,7 +102,7 @@ pub(super) fn finish(
         .unknowns
         .iter()
         .map(|l| {
-            let stable = stabilise(g, s.unknowns[l], points);
+            let stable = stabilise(g, s.unknowns[l], measure);
             guard(g, stable)
         })
         .collect();
@@ -120,7 +120,7 @@ pub(super) fn finish(
     let mut unknowns = tested.clone();
     if problem.target == Target::Direction && problem.argument.is_none() && injective {
         for (i, value) in unknowns.iter_mut().enumerate() {
-            *value = best_coordinates(problem, i, *value, cases, points);
+            *value = best_coordinates(problem, i, *value, cases, measure);
         }
     }
     Preimage {

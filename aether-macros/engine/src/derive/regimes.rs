@@ -10,9 +10,10 @@ use std::collections::BTreeMap;
 use super::Problem;
 use super::cases::Case;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
+use crate::measure::Measure;
 use crate::number::Number;
 use crate::rational::Q;
-use crate::stabilise::{Inputs, loss, stabilise_to};
+use crate::stabilise::stabilise_to;
 
 /// Bits of accuracy, on average over the points, below which another form is not worth its length.
 const GAIN: f64 = 0.5;
@@ -23,7 +24,7 @@ pub(super) fn best_coordinates(
     index: usize,
     value: Id,
     cases: &[Case],
-    points: &[Inputs],
+    measure: &mut Measure,
 ) -> Id {
     let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[index].to_f64()).collect();
     let g = &mut problem.graph;
@@ -33,9 +34,9 @@ pub(super) fn best_coordinates(
             continue;
         }
         for side in [Q::ONE, Q::int(-1)] {
-            let Some(form) = near_pole(g, best, k, side, points) else { continue };
-            let (old, new) = (loss(g, best, &truth, points), loss(g, form, &truth, points));
-            if new.0 + GAIN < old.0 && new.1 <= old.1 {
+            let Some(form) = near_pole(g, best, k, side, measure) else { continue };
+            let (old, new) = (measure.loss(g, best, &truth), measure.loss(g, form, &truth));
+            if new.bits + GAIN < old.bits && new.worst <= old.worst {
                 best = form;
             }
         }
@@ -45,7 +46,7 @@ pub(super) fn best_coordinates(
 
 /// The value with coordinate `k` computed from the other two where it is above a half (side 1) or
 /// below minus a half (side -1).
-fn near_pole(g: &mut Graph, value: Id, k: u8, side: Q, points: &[Inputs]) -> Option<Id> {
+fn near_pole(g: &mut Graph, value: Id, k: u8, side: Q, measure: &Measure) -> Option<Id> {
     let coordinate = g.get_leaf(Leaf::Out(k));
     let minus_half = g.number(Q::HALF.neg());
     let signed = g.sum(Q::ZERO, &[(side, coordinate)]);
@@ -61,14 +62,11 @@ fn near_pole(g: &mut Graph, value: Id, k: u8, side: Q, points: &[Inputs]) -> Opt
     let root = g.sqrt(squared);
     let root = g.sum(Q::ZERO, &[(side, root)]);
     let replaced = g.substitute(value, &BTreeMap::from([(coordinate, root)]));
-    let here: Vec<Inputs> = points
-        .iter()
-        .filter(|p| p.get(&Leaf::Out(k)).is_some_and(|c| side.to_f64() * c > 0.5))
-        .cloned()
-        .collect();
-    if here.is_empty() {
+    let large = |x: &f64| side.to_f64() * x > 0.5;
+    let (mut here, kept) = measure.subset(|p| p.get(&Leaf::Out(k)).is_some_and(large));
+    if kept.is_empty() {
         return None;
     }
-    let replaced = stabilise_to(g, replaced, &here, 4.0 * f64::EPSILON);
+    let replaced = stabilise_to(g, replaced, &mut here, 4.0 * f64::EPSILON);
     Some(g.if_positive(test, replaced, value))
 }
