@@ -117,12 +117,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         let flags = (injective, check_forward);
         preimages.push(finish(problem, s, density, &cases, &mut out_points, flags));
     }
-    let mut limits = parameters_with_limits(&problem.graph, &[own], &mut unknown_points);
+    let mut limits = parameters_with_limits(&problem.graph, &[own], &unknown_points);
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
     let at_point: Vec<Id> = at_point.collect();
-    limits.extend(parameters_with_limits(&problem.graph, &at_point, &mut out_points));
+    limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
     let at_uniforms: &[Id] = &forward;
-    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &mut unknown_points));
+    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &unknown_points));
     limits.sort_unstable();
     limits.dedup();
     Ok(Derived {
