@@ -127,6 +127,30 @@ pub fn recover<R: Real, const N: usize, const M: usize>(
     (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some(clamped)
 }
 
+/// Whether margins are positive, but for their error bounds.
+#[cold]
+pub fn admits<R: Real, const N: usize>(margins: [R::Tracked; N]) -> bool {
+    margins.into_iter().all(|margin| {
+        let (value, error) = R::value_and_error(margin);
+        value.to_f64() >= -SLACK * error.to_f64()
+    })
+}
+
+/// A point of the half-open interval of this width from `low`, by its place in [0, 1).
+#[inline(always)]
+pub fn within<R: Real>(low: R, width: R, place: R) -> R {
+    let u = low + width * place;
+    // Rounded up to the other end: stay below it.
+    let end = low + width;
+    R::select(u.lt(end).or(width.le(R::ZERO)), u, end - end * (R::EPSILON * R::of(0.5)))
+}
+
+/// The number, if it is below one; else the largest one that is.
+#[inline(always)]
+pub fn below_one<R: Real>(u: R) -> R {
+    u.min(R::ONE - R::EPSILON * R::of(0.5))
+}
+
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
 /// without error bounds.
 #[inline(always)]

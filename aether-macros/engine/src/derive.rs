@@ -10,6 +10,7 @@ use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::jacobian::{Source, simplify, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
+use crate::parse::{Piece, Segment, Test};
 use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
@@ -49,6 +50,10 @@ pub struct Problem {
     pub target: Target,
     /// Expressions that must be positive for there to be a result.
     pub requirements: Vec<Id>,
+    /// What holds on this way through the branches of the body.
+    pub guards: Vec<Test>,
+    /// The segments of the uniforms that the unknowns run over, where these are not all of [0, 1).
+    pub segments: Vec<Option<Segment>>,
 }
 
 /// One preimage, ready to be emitted.
@@ -90,12 +95,13 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let targets = declare_outputs(problem);
     all_used(problem)?;
     let source = source_of(problem);
-    let volumes =
+    let inner =
         volume(&mut problem.graph, &problem.outputs, &problem.unknowns, source, &problem.frames)?;
+    let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
     let solutions = find_solutions(problem, &targets)?;
     let (solutions, check_forward) = prune(problem, solutions, &cases)?;
-    verify_volume(problem, volumes[0], &cases)?;
+    verify_volume(problem, inner[0], &cases)?;
 
     let measured = |problem: &Problem, unknowns| {
         Measure::new(cases.iter().map(|c| inputs(problem, c, unknowns)).collect::<Vec<Inputs>>())
@@ -134,6 +140,14 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst_error: worst,
         steps,
     })
+}
+
+/// Volumes in terms of the uniforms, where the unknowns run over segments of them.
+fn per_uniform(problem: &mut Problem, volumes: &[Id]) -> Vec<Id> {
+    let g = &mut problem.graph;
+    let widths: Vec<Id> = problem.segments.iter().flatten().map(|s| s.width).collect();
+    let scale = widths.into_iter().fold(g.int(1), |product, w| g.mul(product, w));
+    volumes.iter().map(|&v| g.div(v, scale)).collect()
 }
 
 /// Every unknown must matter to the result.
@@ -218,24 +232,42 @@ fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>
     Ok(solutions)
 }
 
-/// The texts of the documentation: (forward, inverse, jacobian, density).
-pub fn texts(problem: &Problem, derived: &Derived) -> [String; 4] {
-    let g = &problem.graph;
-    let list = |ids: &[Id]| ids.iter().map(|i| show(g, *i)).collect::<Vec<_>>().join(", ");
-    let forward = list(&problem.outputs);
-    let inverse: Vec<String> = derived
-        .preimages
-        .iter()
-        .map(|p| {
-            let names: Vec<&str> = problem.unknowns.iter().map(|l| g.name(*l)).collect();
-            names
-                .iter()
-                .zip(&p.tested)
-                .map(|(n, v)| format!("{n} = {}", show(g, *v)))
-                .collect::<Vec<_>>()
-                .join(",  ")
-        })
-        .collect();
-    let densities: Vec<String> = derived.preimages.iter().map(|p| show(g, p.density)).collect();
-    [forward, inverse.join("\n"), show(g, derived.volume), densities.join(" + ")]
+/// The texts of the documentation: (forward, inverse, jacobian, density), a line a piece (and a
+/// preimage).
+pub fn texts(pieces: &mut [Piece], derived: &[Derived]) -> [String; 4] {
+    let mut lines: [Vec<String>; 4] = Default::default();
+    for (piece, derived) in pieces.iter_mut().zip(derived) {
+        let condition = condition(piece);
+        let problem = &mut piece.problem;
+        let g = &mut problem.graph;
+        let list = |ids: &[Id]| ids.iter().map(|i| show(g, *i)).collect::<Vec<_>>().join(", ");
+        lines[0].push(format!("({}){condition}", list(&problem.outputs)));
+        for preimage in &derived.preimages {
+            let values = preimage.tested.iter().enumerate().map(|(i, &v)| {
+                let whole = match problem.segments.get(i).copied().flatten() {
+                    Some(s) => {
+                        let inside = g.mul(s.width, v);
+                        g.add(s.low, inside)
+                    }
+                    None => v,
+                };
+                format!("{} = {}", g.name(problem.unknowns[i]), show(g, whole))
+            });
+            lines[1].push(values.collect::<Vec<_>>().join(",  "));
+        }
+        lines[2].push(format!("{}{condition}", show(g, derived.volume)));
+        lines[3].extend(derived.preimages.iter().map(|p| show(g, p.density)));
+    }
+    let [forward, inverse, jacobian, density] = lines;
+    [forward.join("\n"), inverse.join("\n"), jacobian.join("\n"), density.join(" + ")]
+}
+
+/// The conditions of a piece in words: `  where u < 1/2`.
+fn condition(piece: &Piece) -> String {
+    let tests = piece.tests.iter().map(|t| {
+        let sign = if t.strict { ">" } else { "≥" };
+        format!("{} {sign} 0", show(&piece.graph, t.difference))
+    });
+    let tests: Vec<String> = tests.collect();
+    if tests.is_empty() { String::new() } else { format!("  where {}", tests.join(", ")) }
 }

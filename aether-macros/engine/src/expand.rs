@@ -6,7 +6,7 @@ use syn::ItemFn;
 
 use crate::derive::derive;
 use crate::diagnostics::Diagnostics;
-use crate::emit::{Emitter, compose};
+use crate::emit::{Emitter, Texts, compose};
 use crate::parse::{Options, parse, signature};
 
 /// Expands `#[sampler]`.
@@ -46,24 +46,28 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             return compose::emit(&function, &signature, &options, &mut errors);
         }
         let mut parsed = parse(&function, signature, &options, &mut errors)?;
-        match derive(&mut parsed.problem) {
-            Ok(derived) => {
-                let emitter = Emitter {
-                    item: &function,
-                    parsed: &parsed,
-                    derived: &derived,
-                    options: &options,
-                };
-                if options.explain || explained(&parsed.signature.name.to_string()) {
-                    emitter.explain();
+        let mut derived = Vec::new();
+        for piece in &mut parsed.pieces {
+            match derive(&mut piece.problem) {
+                Ok(d) => derived.push(d),
+                Err(message) => {
+                    errors.error(&function.sig.ident, message);
+                    return None;
                 }
-                Some(emitter.emit(sampler))
-            }
-            Err(message) => {
-                errors.error(&function.sig.ident, message);
-                None
             }
         }
+        let texts = Texts::new(&mut parsed.pieces, &derived);
+        let emitter = Emitter {
+            item: &function,
+            parsed: &parsed,
+            derived: &derived,
+            texts: &texts,
+            options: &options,
+        };
+        if options.explain || explained(&parsed.signature.name.to_string()) {
+            emitter.explain();
+        }
+        Some(emitter.emit(sampler))
     });
     match expanded {
         Some(tokens) if errors.is_empty() => tokens,

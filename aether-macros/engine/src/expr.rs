@@ -112,6 +112,8 @@ pub struct Graph {
     leaf_ranges: HashMap<Leaf, Interval>,
     names: HashMap<Leaf, String>,
     units: Vec<[Id; 3]>,
+    /// Known ranges of quotients: numerator, denominator.
+    quotients: Vec<(Id, Id, Interval)>,
 }
 
 impl Graph {
@@ -135,6 +137,50 @@ impl Graph {
     /// An interval that contains every value of the expression.
     pub fn range(&self, id: Id) -> Interval {
         self.ranges[id.0 as usize]
+    }
+    /// Makes it known that an expression lies in `interval`, for it and all that contains it.
+    pub fn assume(&mut self, id: Id, interval: Interval) {
+        let first = id.0 as usize;
+        self.ranges[first] = self.ranges[first].intersection(interval);
+        for i in first + 1..self.nodes.len() {
+            let range = self.range_of(&self.nodes[i]);
+            self.ranges[i] = self.ranges[i].intersection(range);
+        }
+    }
+    /// Makes it known that `numerator / denominator` lies in `interval`, also as part of products.
+    pub fn assume_quotient(&mut self, numerator: Id, denominator: Id, interval: Interval) {
+        let ((p, a), (q, b)) = (self.split(numerator), self.split(denominator));
+        let scale = q.to_f64() / p.to_f64();
+        self.quotients.push((a, b, interval.scale(scale)));
+        let quotient = self.div(a, b);
+        self.assume(quotient, interval.scale(scale));
+    }
+    /// An expression of another graph, whose inputs this one has too.
+    pub fn import(&mut self, from: &Graph, id: Id) -> Id {
+        match from.node(id) {
+            Node::Number(q) => self.number(*q),
+            Node::Leaf(l) => self.get_leaf(*l),
+            Node::Sum(c, terms) => {
+                let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, self.import(from, t))).collect();
+                self.sum(*c, &terms)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors
+                    .iter()
+                    .map(|&(b, e)| (self.import(from, b), self.import(from, e)))
+                    .collect();
+                self.product(&factors)
+            }
+            Node::Call(f, args) => {
+                let args: Vec<_> = args.iter().map(|&a| self.import(from, a)).collect();
+                self.call(*f, &args)
+            }
+            Node::If(test, yes, no) => {
+                let [test, yes, no] = [test, yes, no].map(|part| self.import(from, *part));
+                self.if_positive(test, yes, no)
+            }
+            node => self.intern(node.clone()),
+        }
     }
     /// The inputs that the expression depends on.
     pub fn deps(&self, id: Id) -> Deps {
@@ -223,12 +269,7 @@ impl Graph {
             Node::Sum(c, terms) => terms.iter().fold(Interval::point(c.to_f64()), |s, (q, t)| {
                 s.add(self.range(*t).scale(q.to_f64()))
             }),
-            Node::Product(factors) => factors.iter().fold(Interval::point(1.0), |p, (b, e)| {
-                p.mul(match self.as_number(*e) {
-                    Some(q) => self.range(*b).pow(q.to_f64()),
-                    None => Interval::POSITIVE,
-                })
-            }),
+            Node::Product(factors) => self.range_of_product(factors),
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
@@ -240,6 +281,25 @@ impl Graph {
             },
             Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
         }
+    }
+
+    fn range_of_product(&self, factors: &[(Id, Id)]) -> Interval {
+        let power = |b: Id| factors.iter().find(|f| f.0 == b).and_then(|f| self.as_number(f.1));
+        let minus = Q::int(-1);
+        let known = self
+            .quotients
+            .iter()
+            .find(|(a, b, _)| power(*a) == Some(Q::ONE) && power(*b) == Some(minus));
+        let (skipped, first) = match known {
+            Some((a, b, range)) => (vec![*a, *b], *range),
+            None => (vec![], Interval::point(1.0)),
+        };
+        factors.iter().filter(|(b, _)| !skipped.contains(b)).fold(first, |p, (b, e)| {
+            p.mul(match self.as_number(*e) {
+                Some(q) => self.range(*b).pow(q.to_f64()),
+                None => Interval::POSITIVE,
+            })
+        })
     }
 
     /// The exact rational value, if the expression is one.

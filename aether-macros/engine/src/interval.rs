@@ -35,6 +35,11 @@ impl Interval {
     pub fn nonpositive(self) -> bool {
         self.hi <= 0.0
     }
+    /// What is in both; this one if nothing is.
+    pub fn intersection(self, o: Interval) -> Interval {
+        let (lo, hi) = (self.lo.max(o.lo), self.hi.min(o.hi));
+        if lo > hi { self } else { Interval { lo, hi } }
+    }
     /// The smallest interval that contains both.
     pub fn hull(self, o: Interval) -> Interval {
         Interval::new(self.lo.min(o.lo), self.hi.max(o.hi))

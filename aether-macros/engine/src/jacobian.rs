@@ -36,9 +36,10 @@ pub fn volume(
         return Ok(vec![g.int(1)]);
     }
     if m == 3
-        && let Some(volume) = normalised(g, outputs, unknowns, source) {
-            return Ok(volume);
-        }
+        && let Some(volume) = normalised(g, outputs, unknowns, source)
+    {
+        return Ok(volume);
+    }
     match source {
         Source::Direction(w) if m == 2 => {
             // The area that the tangent plane's image covers: |w · (∇f × ∇g)|.

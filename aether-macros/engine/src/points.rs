@@ -88,46 +88,80 @@ const EXTREMES: [f64; 6] =
 /// Rounds of points with parameters of their own; a few more follow with stress.
 const ROUNDS: usize = 8;
 
-/// The points for an item with `unknowns` uniforms and these parameters.
-pub fn sampler_points(unknowns: usize, kinds: &[Kind]) -> Vec<Point> {
+/// Enough points where a condition narrows the choice.
+const ENOUGH: usize = 80;
+/// Rounds that are tried for them; in the later ones, undeclared parameters are of any size and sign.
+const MOST_ROUNDS: usize = 400;
+const WILD: usize = 40;
+
+/// The points for an item with `unknowns` uniforms and these parameters. With `guarded`, those that
+/// `accept` lets pass.
+pub fn sampler_points(
+    unknowns: usize,
+    kinds: &[Kind],
+    guarded: bool,
+    accept: &dyn Fn(&Point) -> bool,
+) -> Vec<Point> {
     let mut rng = Rng::new(0xae7e);
     let mut points = Vec::new();
-    let rounds = if kinds.contains(&Kind::Scalar(None)) { ROUNDS + 4 } else { ROUNDS };
+    let few = if kinds.contains(&Kind::Scalar(None)) { ROUNDS + 4 } else { ROUNDS };
+    let rounds = if guarded { MOST_ROUNDS } else { few };
     for round in 0..rounds {
-        let stress = round >= ROUNDS;
+        if round >= few && points.iter().filter(|p: &&Point| !p.stress).count() >= ENOUGH {
+            break;
+        }
+        let stress = (ROUNDS..few).contains(&round);
         let params = parameters(&mut rng, kinds, round);
-        for _ in 0..4 {
-            let unknowns =
-                (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
-            points.push(Point { unknowns, params: params.clone(), interior: true, stress });
+        let made = around(&mut rng, unknowns, round, &params, stress);
+        points.extend(made.into_iter().filter(|p| !guarded || accept(p)));
+    }
+    points
+}
+
+/// Random uniforms, and some with one at an extreme.
+fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: bool) -> Vec<Point> {
+    let mut points = Vec::new();
+    for _ in 0..4 {
+        let unknowns = (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
+        points.push(Point { unknowns, params: params.to_vec(), interior: true, stress });
+    }
+    for (k, e) in EXTREMES.iter().enumerate() {
+        let position = k % unknowns.max(1);
+        let interior = *e == 0.5;
+        let mut u: Vec<f64> = (0..unknowns).map(|_| 0.05 + 0.9 * rng.uniform()).collect();
+        if let Some(x) = u.get_mut(position) {
+            *x = *e;
         }
-        for (k, e) in EXTREMES.iter().enumerate() {
-            let position = k % unknowns.max(1);
-            let interior = *e == 0.5;
-            let mut u: Vec<f64> = (0..unknowns).map(|_| 0.05 + 0.9 * rng.uniform()).collect();
-            if let Some(x) = u.get_mut(position) {
-                *x = *e;
-            }
-            if round % 2 == 1 && unknowns > 1 {
-                u.rotate_right(1);
-            }
-            let unknowns = u.into_iter().map(Dd::from_f64).collect();
-            points.push(Point { unknowns, params: params.clone(), interior, stress });
+        if round % 2 == 1 && unknowns > 1 {
+            u.rotate_right(1);
         }
+        let unknowns = u.into_iter().map(Dd::from_f64).collect();
+        points.push(Point { unknowns, params: params.to_vec(), interior, stress });
     }
     points
 }
 
 /// The points for a map whose argument has these coordinates.
-pub fn map_points(argument: &Kind, kinds: &[Kind]) -> Vec<Point> {
+pub fn map_points(
+    argument: &Kind,
+    kinds: &[Kind],
+    guarded: bool,
+    accept: &dyn Fn(&Point) -> bool,
+) -> Vec<Point> {
     let mut rng = Rng::new(0x3a9);
-    (0..40)
-        .map(|round| {
-            let params = parameters(&mut rng, kinds, round % 8);
-            let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-            Point { unknowns, params, interior: true, stress: false }
-        })
-        .collect()
+    let mut points = Vec::new();
+    for round in 0..if guarded { 10 * MOST_ROUNDS } else { 40 } {
+        if guarded && points.len() >= ENOUGH {
+            break;
+        }
+        let params = parameters(&mut rng, kinds, round % 8);
+        let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
+        let point = Point { unknowns, params, interior: true, stress: false };
+        if !guarded || accept(&point) {
+            points.push(point);
+        }
+    }
+    points
 }
 
 fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
@@ -161,6 +195,10 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
         let moderate = 0.3 + 3.0 * rng.uniform();
         return match round {
             0..ROUNDS => moderate,
+            WILD.. => {
+                let size = libm::exp2(40.0 * rng.uniform() - 30.0);
+                if round.is_multiple_of(2) { -size } else { size }
+            }
             _ if round.is_multiple_of(2) => 100.0 * moderate,
             _ => 0.01 * moderate,
         };

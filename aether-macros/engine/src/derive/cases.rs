@@ -21,10 +21,15 @@ pub(super) struct Case {
 
 /// Evaluates the map at every test point; points that have no result are left out.
 pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> {
+    let accept = |point: &Point| on_this_way(problem, point);
+    let guarded = !problem.guards.is_empty();
     let points = match &problem.argument {
-        None => sampler_points(problem.unknowns.len(), &problem.kinds),
-        Some(kind) => map_points(kind, &problem.kinds),
+        None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
+        Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
     };
+    if guarded && points.is_empty() {
+        return Err("one of the ways through the branches of this body was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken".into());
+    }
     let mut out = Vec::new();
     for point in points {
         let at = |l: Leaf| point.input(l, &[]);
@@ -59,6 +64,16 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
         }
     }
     Ok(out)
+}
+
+/// Whether a point takes this way through the branches.
+fn on_this_way(problem: &Problem, point: &Point) -> bool {
+    let at = |l: Leaf| point.input(l, &[]);
+    let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    problem.guards.iter().all(|t| {
+        let difference = e.value(t.difference).to_f64();
+        difference > 0.0 || (!t.strict && difference >= 0.0)
+    })
 }
 
 pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {
@@ -97,7 +112,8 @@ fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>
         _ => case.point.input(l, &[]),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
-    let required = problem.requirements.iter().all(|r| e.value(*r).to_f64() > 0.0);
+    let required = problem.requirements.iter().all(|r| e.value(*r).to_f64() > 0.0)
+        && problem.guards.iter().all(|t| e.value(t.difference).to_f64() >= -1e-20);
     (inside && conditions && required).then(|| u.iter().map(|u| u.to_f64()).collect())
 }
 

@@ -3,8 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::derive::{Derived, Problem, texts};
-use crate::parse::Signature;
+use crate::derive::{Derived, texts};
+use crate::parse::{Piece, Signature};
 
 /// The texts that are shown and kept with an item.
 pub struct Texts {
@@ -20,8 +20,8 @@ pub struct Texts {
 
 impl Texts {
     /// The texts of a derivation.
-    pub fn new(problem: &Problem, derived: &Derived) -> Texts {
-        let [forward, inverse, jacobian, pdf] = texts(problem, derived);
+    pub fn new(pieces: &mut [Piece], derived: &[Derived]) -> Texts {
+        let [forward, inverse, jacobian, pdf] = texts(pieces, derived);
         Texts { forward, inverse, jacobian, pdf }
     }
 
@@ -29,16 +29,19 @@ impl Texts {
     pub fn attributes(
         &self,
         signature: &Signature,
-        derived: &Derived,
+        derived: &[Derived],
         sampler: bool,
     ) -> TokenStream {
         let mut lines =
             vec![String::new(), "# Derived".to_owned(), String::new(), "```text".to_owned()];
-        lines.push(format!("map      ({})", self.forward));
-        for (i, line) in self.inverse.lines().enumerate() {
-            lines.push(format!("{} {line}", if i == 0 { "inverse " } else { "or      " }));
-        }
-        lines.push(format!("√det JᵀJ {}", self.jacobian));
+        let mut listed = |first: &str, text: &str| {
+            for (i, line) in text.lines().enumerate() {
+                lines.push(format!("{} {line}", if i == 0 { first } else { "or      " }));
+            }
+        };
+        listed("map     ", &self.forward);
+        listed("inverse ", &self.inverse);
+        listed("√det JᵀJ", &self.jacobian);
         if sampler {
             lines.push(format!("pdf      {}", self.pdf));
             lines.push(format!("measure  {}", signature.space.measure()));
@@ -47,8 +50,8 @@ impl Texts {
         if sampler {
             lines.push(format!(
                 "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {:.1e}. {}",
-                derived.worst_error,
-                match derived.preimages.len() {
+                derived.iter().map(|d| d.worst_error).fold(0.0, f64::max),
+                match derived.iter().map(|d| d.preimages.len()).sum::<usize>() {
                     1 => "Every point has one preimage.".to_owned(),
                     n => format!("A point has up to {n} preimages, whose densities add up."),
                 }

@@ -14,6 +14,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let parameters = e.parameters();
     let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
     let visits = visits(e, source);
+    let (forward, jacobian) = (forward(e), jacobian(e));
     quote! {
         #[automatically_derived]
         impl<R: Real> ::aether_core::Map<R> for #ty #args {
@@ -24,8 +25,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             fn forward(&self, point: &Self::Source) -> (Self::Target, R::Mask) {
                 #parameters
                 let u = point.coordinates();
-                let c = forward::<R>(&p, &u);
-                (#made, exists::<R>(&p, &u))
+                #forward
+                (#made, exists)
             }
 
             #[inline(always)]
@@ -39,9 +40,54 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             fn jacobian(&self, point: &Self::Source) -> R {
                 #parameters
                 let u = point.coordinates();
-                volume::<R>(&p, &u)
+                #jacobian
             }
         }
+    }
+}
+
+/// Binds the coordinates `c` of the image and whether it `exists`.
+fn forward(e: &Emitter) -> TokenStream {
+    if e.is_whole() {
+        return quote!(let (c, exists) = (forward_0::<R>(&p, &u), exists_0::<R>(&p, &u)););
+    }
+    let (_, m, _) = e.sizes();
+    let pieces = (0..e.parsed.pieces.len()).map(|j| {
+        let [taken, forward, exists] =
+            ["taken", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
+        quote! {
+            let taken = #taken::<R>(&p, &u);
+            if taken.any() {
+                let y = #forward::<R>(&p, &u);
+                c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+                exists = exists.or(taken.and(#exists::<R>(&p, &u)));
+            }
+        }
+    });
+    quote! {
+        let mut c = [R::ZERO; #m];
+        let mut exists = <R::Mask as Mask>::FALSE;
+        #(#pieces)*
+    }
+}
+
+fn jacobian(e: &Emitter) -> TokenStream {
+    if e.is_whole() {
+        return quote!(volume_0::<R>(&p, &u));
+    }
+    let pieces = (0..e.parsed.pieces.len()).map(|j| {
+        let [taken, volume] = ["taken", "volume"].map(|name| format_ident!("{name}_{j}"));
+        quote! {
+            let taken = #taken::<R>(&p, &u);
+            if taken.any() {
+                jacobian = R::select(taken, #volume::<R>(&p, &u), jacobian);
+            }
+        }
+    });
+    quote! {
+        let mut jacobian = R::ZERO;
+        #(#pieces)*
+        jacobian
     }
 }
 
@@ -51,25 +97,28 @@ fn visits(e: &Emitter, source: &Space) -> TokenStream {
         .identity
         .as_ref()
         .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
-    let n = e.problem().unknowns.len();
-    let m = e.problem().outputs.len();
-    let each = (0..e.derived.preimages.len()).map(|k| {
+    let (n, m, _) = e.sizes();
+    let each = e.places().into_iter().map(|place| {
+        let (k, j) = (place.number, place.piece);
         let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
+        let (forward, guards) = (format_ident!("forward_{j}"), format_ident!("guards_{j}"));
+        let guarded =
+            (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
         let made = point(source, &quote!(u), None);
-        let membership = e.derived.check_forward.then(|| {
+        let membership = place.derived.check_forward.then(|| {
             quote! {
                 let ok = if ok.any() {
                     let (tp, tx) = (::aether_core::support::track(&p), ::aether_core::support::track(&x));
                     let tu = #inverse::<R::Tracked>(&tp, &tx);
                     ok.and(::aether_core::support::mask(
-                        ::aether_core::support::leads_back::<R, #n, #m>(tu, &x, |u| forward::<R::Tracked>(&tp, u))))
+                        ::aether_core::support::leads_back::<R, #n, #m>(tu, &x, |u| #forward::<R::Tracked>(&tp, u))))
                 } else { ok };
             }
         });
         quote! {
             {
-                let (_, ok) = #support::<R>(&p, &x);
-                let ok = ok.and(belongs);
+                let (checked, ok) = #support::<R>(&p, &x);
+                let ok = ok.and(belongs) #guarded;
                 #membership
                 if ok.any() {
                     let u = #inverse::<R>(&p, &x);

@@ -6,6 +6,8 @@ mod documentation;
 mod interface;
 mod item;
 mod map;
+mod pieces;
 mod sampler;
 
+pub use documentation::Texts;
 pub use item::Emitter;

@@ -1,19 +1,19 @@
 //! `impl Sampler`.
 
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point, point_type};
+use super::pieces::Place;
 use crate::derive::Target;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
     let (ty, args) = (e.type_name(), e.generics());
-    let n = e.problem().unknowns.len();
-    let m = e.problem().outputs.len();
+    let (n, _, _) = e.sizes();
     let parameters = e.parameters();
     let point_ty = point_type(&e.signature().space);
-    let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
+    let forward = forward(e);
     let density = density(e);
     let own = own_density(e);
     let visits = visits(e);
@@ -26,8 +26,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             #[inline(always)]
             fn forward(&self, u: [R; #n]) -> (Self::Point, R::Mask) {
                 #parameters
-                let c = ::aether_core::support::closed::<R, #n, #m>(&u, |u| forward::<R>(&p, u));
-                (#made, exists::<R>(&p, &u))
+                #forward
             }
 
             #[inline(always)]
@@ -52,159 +51,214 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     }
 }
 
-/// What every preimage needs of the point: finite coordinates, the right surface.
-fn belongs(e: &Emitter) -> TokenStream {
+/// The point of `u` and whether there is one, from the piece that `u` falls into.
+fn forward(e: &Emitter) -> TokenStream {
+    let (n, m, _) = e.sizes();
+    let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
+    if e.is_whole() {
+        return quote! {
+            let c = ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t));
+            (#made, exists_0::<R>(&p, &u))
+        };
+    }
+    let pieces = (0..e.parsed.pieces.len()).map(|j| {
+        let [taken, enter, forward, exists] =
+            ["taken", "enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
+        quote! {
+            let taken = #taken::<R>(&p, &u);
+            if taken.any() {
+                let t = #enter::<R>(&p, &u);
+                let y = ::aether_core::support::closed::<R, #n, #m>(&t, |t| #forward::<R>(&p, t));
+                c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+                exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            }
+        }
+    });
+    quote! {
+        let mut c = [R::ZERO; #m];
+        let mut exists = <R::Mask as Mask>::FALSE;
+        #(#pieces)*
+        (#made, exists)
+    }
+}
+
+/// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
+/// whether it plainly exists, and `recovered_k`, its uniforms if only rounding speaks against it.
+fn existence(e: &Emitter) -> TokenStream {
     let identity = e
         .parsed
         .identity
         .as_ref()
         .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
-    quote!(let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;)
+    let places = e.places();
+    let strict = places.iter().map(|&place| strictly(e, place));
+    let recovered = places.iter().map(|&place| recovered(e, place, &places));
+    quote! {
+        let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;
+        #(#strict)*
+        #(#recovered)*
+    }
 }
 
-/// Binds `inside`: whether preimage k exists, with rounding at the borders and off the manifold.
-fn inside(e: &Emitter, k: usize) -> TokenStream {
-    let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
-    let n = e.problem().unknowns.len();
-    let m = e.problem().outputs.len();
-    let track = track(e);
-    let tracked = quote! {
-        {
-            let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
-            let tu = #inverse::<R::Tracked>(&tp, &tx);
-            (tp, tu)
-        }
-    };
-    let membership = e.derived.check_forward.then(|| {
+fn strictly(e: &Emitter, place: Place) -> TokenStream {
+    let (k, j) = (place.number, place.piece);
+    let (n, m, _) = e.sizes();
+    let [support, inverse, strict, possible] =
+        ["support", "inverse", "strict", "possible"].map(|name| format_ident!("{name}_{k}"));
+    let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
+    let guarded =
+        (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
+    let membership = place.derived.check_forward.then(|| {
+        let leads_back = leads_back(e, place);
         quote! {
-            let inside = if inside.any()
-                && !::aether_core::support::near::<R, #m>(&forward::<R>(&p, &#inverse::<R>(&p, &x)), &x)
+            let #strict = if #strict.any()
+                && !::aether_core::support::near::<R, #m>(&#forward::<R>(&p, &#inverse::<R>(&p, &x)), &x)
             {
-                let (tp, tu) = #tracked;
-                inside.and(::aether_core::support::mask(
-                    ::aether_core::support::leads_back::<R, #n, #m>(tu, &x, |u| forward::<R::Tracked>(&tp, u))))
-            } else { inside };
+                let (tp, tt) = #leads_back;
+                #strict.and(::aether_core::support::mask(
+                    ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t))))
+            } else { #strict };
         }
     });
     quote! {
         let (checked, ok) = #support::<R>(&p, &x);
-        let ok = ok.and(belongs);
-        let strict = ok.and(::aether_core::support::in_unit::<R, _>(&checked));
-        let inside = if ok.any() && !strict.any() {
-            let (tp, tu) = #tracked;
-            ::aether_core::support::mask(
-                ::aether_core::support::recover::<R, #n, #m>(tu, &x, |u| forward::<R::Tracked>(&tp, u)).is_some())
-        } else { strict };
+        let #possible = ok.and(belongs);
+        let #strict = #possible.and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
+    }
+}
+
+/// Parameters and unknowns with error bounds.
+fn leads_back(e: &Emitter, place: Place) -> TokenStream {
+    let inverse = format_ident!("inverse_{}", place.number);
+    let track = track(e);
+    quote! {
+        {
+            let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
+            let tt = #inverse::<R::Tracked>(&tp, &tx);
+            (tp, tt)
+        }
+    }
+}
+
+fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
+    let (k, j) = (place.number, place.piece);
+    let (n, m, _) = e.sizes();
+    let [strict, possible, recovered] =
+        ["strict", "possible", "recovered"].map(|name| format_ident!("{name}_{k}"));
+    let [forward, margins, leave] =
+        ["forward", "margins", "leave"].map(|name| format_ident!("{name}_{j}"));
+    let tracked = leads_back(e, place);
+    let admitted = (!place.problem.guards.is_empty()).then(|| {
+        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))))
+    });
+    let membership = place.derived.check_forward.then(|| {
+        quote! {
+            .filter(|_| ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t)))
+        }
+    });
+    // A preimage that was accepted by tolerance and equals one that counts already counts once.
+    let again = places.iter().filter(|other| other.number != k).map(|other| {
+        let [inverse, strict, recovered] =
+            ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
+        let leave = format_ident!("leave_{}", other.piece);
+        let earlier = (other.number < k).then(|| {
+            quote! {
+                .filter(|u| !#recovered.as_ref().is_some_and(|v| ::aether_core::support::coincide(v, u)))
+            }
+        });
+        quote! {
+            .filter(|u| !(#strict.any()
+                && ::aether_core::support::coincide(&#leave::<R>(&p, &#inverse::<R>(&p, &x)), u)))
+            #earlier
+        }
+    });
+    quote! {
+        let #recovered: Option<[R; #n]> = if #possible.any() && !#strict.any() {
+            let (tp, tt) = #tracked;
+            ::aether_core::support::recover::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t))
+                #admitted
+                #membership
+                .map(|t| #leave::<R>(&p, &t))
+                #(#again)*
+        } else {
+            None
+        };
     }
 }
 
 /// How the coordinates of the query point were rounded.
 fn track(e: &Emitter) -> TokenStream {
-    match e.problem().target {
+    match e.target() {
         Target::Direction => quote!(::aether_core::support::track_unit),
         _ => quote!(::aether_core::support::track),
     }
 }
 
 fn density(e: &Emitter) -> TokenStream {
-    let belongs = belongs(e);
-    let terms = (0..e.derived.preimages.len()).map(|k| {
-        let inside = inside(e, k);
-        let density = format_ident!("density_{k}");
-        let counted = counted(e, k);
+    let existence = existence(e);
+    let terms = e.places().into_iter().map(|place| {
+        let [density, strict, recovered] =
+            ["density", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
         quote! {
-            {
-                #inside
-                #counted
-                if inside.any() {
-                    let d = #density::<R>(&p, &x);
-                    sum += R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
-                }
+            let inside = #strict.or(::aether_core::support::mask(#recovered.is_some()));
+            if inside.any() {
+                let d = #density::<R>(&p, &x);
+                sum += R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
             }
         }
     });
-    let memory = memory(e);
     quote! {
-        #belongs
-        #memory
+        #existence
         let mut sum = R::ZERO;
         #(#terms)*
         ::aether_core::Density::new(sum)
     }
 }
 
-/// Where several preimages can meet, the ones already counted.
-fn memory(e: &Emitter) -> TokenStream {
-    let k = e.derived.preimages.len();
-    if k < 2 {
-        return quote!();
-    }
-    let n = e.problem().unknowns.len();
-    quote!(let mut counted = [[R::of(f64::NAN); #n]; #k];)
-}
-
-/// A preimage that was accepted by tolerance and equals one that counts already counts once.
-fn counted(e: &Emitter, k: usize) -> TokenStream {
-    if e.derived.preimages.len() < 2 {
-        return quote!();
-    }
-    let inverse = format_ident!("inverse_{k}");
-    let k = Literal::usize_unsuffixed(k);
-    quote! {
-        let recovered = #inverse::<R>(&p, &x);
-        let again = !strict.any() && counted.iter().any(|c| ::aether_core::support::coincide(c, &recovered));
-        let inside = inside.and(::aether_core::support::mask(!again));
-        if inside.any() { counted[#k] = recovered; }
-    }
-}
-
 /// The density of a sample from its uniforms: the Jacobian there, if there is no other preimage.
 fn own_density(e: &Emitter) -> TokenStream {
-    let (n, m) = (e.problem().unknowns.len(), e.problem().outputs.len());
+    let (n, m, _) = e.sizes();
+    if e.places().len() > 1 || !e.is_whole() {
+        return quote! {
+            let (point, exists) = ::aether_core::Sampler::forward(self, u);
+            let d = ::aether_core::Sampler::pdf(self, &point).value();
+            ::aether_core::Density::new(R::select(exists, d, R::ZERO))
+        };
+    }
     let made = point(
         &e.signature().space,
-        &quote!(::aether_core::support::closed::<R, #n, #m>(&u, |u| forward::<R>(&p, u))),
+        &quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))),
         e.parsed.identity.as_ref(),
     );
-    let through_point = quote!(::aether_core::Sampler::pdf(self, &#made));
-    if e.derived.preimages.len() > 1 {
-        return through_point;
-    }
     quote! {
-        let d = R::ONE / volume::<R>(&p, &u);
+        let d = R::ONE / volume_0::<R>(&p, &u);
         // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
         // Jacobian; the density at the point knows it.
         let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
-        if inner.any() { ::aether_core::Density::new(d) } else { #through_point }
+        if inner.any() {
+            ::aether_core::Density::new(d)
+        } else {
+            ::aether_core::Sampler::pdf(self, &#made)
+        }
     }
 }
 
 fn visits(e: &Emitter) -> TokenStream {
-    let belongs = belongs(e);
-    let memory = memory(e);
-    let n = e.problem().unknowns.len();
-    let m = e.problem().outputs.len();
-    let track = track(e);
-    let each = (0..e.derived.preimages.len()).map(|k| {
-        let inside = inside(e, k);
-        let counted = counted(e, k);
-        let inverse = format_ident!("inverse_{k}");
+    let existence = existence(e);
+    let each = e.places().into_iter().map(|place| {
+        let [inverse, strict, recovered] =
+            ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
+        let leave = format_ident!("leave_{}", place.piece);
         quote! {
-            {
-                #inside
-                #counted
-                if inside.any() {
-                    let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
-                    let u = #inverse::<R>(&p, &x);
-                    let u = if ::aether_core::support::in_unit::<R, _>(&u).any() { u } else {
-                        ::aether_core::support::recover::<R, #n, #m>(
-                            #inverse::<R::Tracked>(&tp, &tx), &x, |u| forward::<R::Tracked>(&tp, u)).unwrap_or(u)
-                    };
-                    visit(u, inside);
-                }
+            if let Some(u) = #recovered {
+                visit(u, <R::Mask as Mask>::TRUE);
+            } else if #strict.any() {
+                // The most accurate form may round to one where a shorter one does not.
+                let t = #inverse::<R>(&p, &x).map(::aether_core::support::below_one);
+                visit(#leave::<R>(&p, &t), #strict);
             }
         }
     });
-    quote!(#belongs #memory #(#each)*)
+    quote!(#existence #(#each)*)
 }

@@ -6,7 +6,8 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
-use super::{Options, Param, ParamKind, Space, Value};
+use super::branch::Way;
+use super::{Options, Param, ParamKind, Segment, Source, Space, Value};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
@@ -20,15 +21,78 @@ pub struct Body<'a> {
     pub requirements: Vec<Id>,
     /// Values of `precomputed(…)`: name and code.
     pub constants: Vec<(String, TokenStream)>,
+    /// The way through the comparisons.
+    pub way: Way,
     pub(super) names: HashMap<String, Value>,
+    /// Whether the operands of a comparison are being read.
+    pub(super) comparing: bool,
+    /// What an early `return` gave.
+    returned: Option<Value>,
     next_param: u8,
     errors: &'a mut Diagnostics,
 }
 
 impl<'a> Body<'a> {
-    /// A reader that knows the first parameter.
-    pub fn new(graph: Graph, names: HashMap<String, Value>, errors: &'a mut Diagnostics) -> Self {
-        Body { graph, requirements: vec![], constants: vec![], names, next_param: 0, errors }
+    /// A reader that knows the first parameter and takes a way through the comparisons.
+    pub fn new(
+        graph: Graph,
+        names: HashMap<String, Value>,
+        way: Way,
+        errors: &'a mut Diagnostics,
+    ) -> Self {
+        Body {
+            graph,
+            requirements: vec![],
+            constants: vec![],
+            way,
+            names,
+            comparing: false,
+            returned: None,
+            next_param: 0,
+            errors,
+        }
+    }
+
+    /// Replaces uniforms by what maps the unit interval to their segments; the segments in the terms
+    /// of this graph.
+    pub(super) fn confine(
+        &mut self,
+        source: &Source,
+        unknowns: &[Leaf],
+        segments: &[Option<(Segment, &Graph)>],
+    ) -> Vec<Option<Segment>> {
+        let Source::Uniforms { name, .. } = source else { return vec![] };
+        let g = &mut self.graph;
+        let mut confined = Vec::new();
+        let ids = unknowns
+            .iter()
+            .enumerate()
+            .map(|(i, &leaf)| {
+                let inner = g.get_leaf(leaf);
+                let segment = segments.get(i).copied().flatten().map(|(s, from)| Segment {
+                    low: g.import(from, s.low),
+                    width: g.import(from, s.width),
+                });
+                confined.push(segment);
+                segment.map_or(inner, |s| {
+                    let inside = g.mul(s.width, inner);
+                    g.add(s.low, inside)
+                })
+            })
+            .collect();
+        self.names.insert(name.clone(), Value::Uniforms(ids));
+        confined
+    }
+
+    /// The value of a body, by its last expression or by a `return` before it.
+    pub fn result(&mut self, block: &Block) -> Option<Value> {
+        let value = self.block(block);
+        self.returned.take().or(value)
+    }
+
+    /// Records what an early `return` gives.
+    pub(super) fn leave(&mut self, value: Value) {
+        self.returned.get_or_insert(value);
     }
 
     /// Reports an error on tokens.
@@ -112,14 +176,25 @@ impl<'a> Body<'a> {
         let mut failed = false;
         let last = block.stmts.len().saturating_sub(1);
         for (i, stmt) in block.stmts.iter().enumerate() {
+            if self.returned.is_some() {
+                break;
+            }
             match stmt {
                 Stmt::Local(local) => failed |= self.local(local).is_none(),
                 Stmt::Expr(Expr::Call(call), Some(_)) if is_call(call, "require") => {
                     failed |= self.require(call).is_none();
                 }
                 Stmt::Expr(e, None) if i == last => result = self.expr(e),
-                Stmt::Expr(Expr::Return(r), _) if i == last => {
-                    result = r.expr.as_ref().and_then(|e| self.expr(e));
+                Stmt::Expr(Expr::Return(r), _) => {
+                    let value = r.expr.as_ref().and_then(|e| self.expr(e));
+                    failed |= value.is_none();
+                    self.returned = self.returned.take().or(value);
+                }
+                Stmt::Expr(e @ (Expr::If(_) | Expr::Match(_)), None) if i < last => {
+                    failed |= self.expr(e).is_none();
+                }
+                Stmt::Expr(e @ (Expr::If(_) | Expr::Match(_)), Some(_)) => {
+                    failed |= self.expr(e).is_none();
                 }
                 Stmt::Expr(e @ (Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_)), _) => {
                     failed = true;
@@ -135,6 +210,12 @@ impl<'a> Body<'a> {
         self.names = saved;
         if failed {
             return None;
+        }
+        if self.returned.is_some() {
+            return Some(Value::Unit);
+        }
+        if result.is_none() && matches!(block.stmts.last(), Some(Stmt::Expr(_, Some(_))) | None) {
+            return Some(Value::Unit);
         }
         if result.is_none() && self.errors.is_empty() {
             self.errors.error(
@@ -159,7 +240,7 @@ impl<'a> Body<'a> {
         found.then_some(())
     }
 
-    fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
+    pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
         match (pat, value) {
             (Pat::Ident(p), value) => {
                 if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {

@@ -41,10 +41,13 @@ impl Body<'_> {
             Expr::MethodCall(m) => methods::method(self, m),
             Expr::Call(c) => methods::call(self, c),
             Expr::Cast(c) => self.error(c, "numbers are real here; leave the cast away"),
-            Expr::If(_) | Expr::Match(_) => self.error(
-                e,
-                "branches are not supported in samplers and maps yet: write one sampler a branch and choose between them in a `#[strategy]`",
-            ),
+            Expr::If(e) => self.branch(e),
+            Expr::Match(e) => self.choice(e),
+            Expr::Return(r) => {
+                let value = r.expr.as_ref().and_then(|e| self.expr(e))?;
+                self.leave(value);
+                Some(Value::Unit)
+            }
             Expr::Closure(_) | Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => {
                 self.error(e, "loops and closures cannot be inverted: write the formula out")
             }
@@ -57,6 +60,7 @@ impl Body<'_> {
         let text = match lit {
             Lit::Float(f) => f.base10_digits().to_owned(),
             Lit::Int(i) => i.base10_digits().to_owned(),
+            Lit::Bool(b) => return Some(Value::Bool(b.value)),
             other => return self.error(other, "only numbers can be used here"),
         };
         let id = match Q::decimal(&text) {
@@ -71,6 +75,9 @@ impl Body<'_> {
 
     fn path(&mut self, p: &syn::ExprPath) -> Option<Value> {
         let name = p.path.segments.last().map(|s| s.ident.to_string())?;
+        if name == "None" {
+            return Some(Value::Nothing);
+        }
         if p.path.segments.len() == 1
             && let Some(v) = self.names.get(&name)
         {
@@ -127,11 +134,14 @@ impl Body<'_> {
                 methods::scale(self, &u.expr, v, minus)
             }
             UnOp::Deref(_) => self.expr(&u.expr),
-            _ => self.error(u, "`!` has no meaning for numbers"),
+            _ => self.truth(&u.expr).map(|b| Value::Bool(!b)),
         }
     }
 
     fn binary(&mut self, b: &syn::ExprBinary) -> Option<Value> {
+        if let Some(value) = self.logic(b) {
+            return value;
+        }
         let left = self.expr(&b.left);
         let right = self.expr(&b.right);
         let (left, right) = (left?, right?);

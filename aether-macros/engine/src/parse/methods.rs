@@ -116,6 +116,16 @@ fn function_named(name: &str) -> Option<Fun> {
 }
 
 fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Option<Value> {
+    match name {
+        "abs" => return Some(Value::Scalar(body.absolute(x))),
+        "signum" => return Some(Value::Scalar(body.signum(x))),
+        "floor" => return body.floor(&m.method, x).map(Value::Scalar),
+        "fract" => {
+            let whole = body.floor(&m.method, x)?;
+            return Some(Value::Scalar(body.graph.sub(x, whole)));
+        }
+        _ => {}
+    }
     let g = &mut body.graph;
     if let Some(f) = function_named(name) {
         return Some(Value::Scalar(g.call(f, &[x])));
@@ -136,8 +146,11 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
             return Some(Value::Tuple(vec![Value::Scalar(s), Value::Scalar(c)]));
         }
         "clone" | "to_owned" => x,
-        "floor" | "fract" | "ceil" | "round" | "trunc" | "signum" => {
-            return body.error(&m.method, format!("`{name}` jumps and has no single inverse: split the map at its jumps and choose between the parts in a `#[strategy]`"));
+        "ceil" | "round" | "trunc" => {
+            return body.error(
+                &m.method,
+                format!("`{name}` is not a function of the language: write it with `floor`"),
+            );
         }
         _ => {
             return body.error(
@@ -178,10 +191,22 @@ fn scalar_with_argument(
             let y = body.scalar(a)?;
             Some(Value::Scalar(body.graph.call(Fun::Atan2, &[x, y])))
         }
-        "mul" | "max" | "min" | "clamp" | "rem_euclid" | "copysign" => body.error(
-            &m.method,
-            format!("`{name}` has a kink or a jump: split the map there and choose between the parts in a `#[strategy]`"),
-        ),
+        "min" | "max" => {
+            let y = body.scalar(a)?;
+            Some(Value::Scalar(body.extremum(x, y, name == "min")))
+        }
+        "copysign" => {
+            let sign = body.scalar(a)?;
+            let (size, sign) = (body.absolute(x), body.signum(sign));
+            Some(Value::Scalar(body.graph.mul(size, sign)))
+        }
+        "rem_euclid" => {
+            let period = body.scalar(a)?;
+            let turns = body.graph.div(x, period);
+            let turns = body.floor(&m.method, turns)?;
+            let whole = body.graph.mul(turns, period);
+            Some(Value::Scalar(body.graph.sub(x, whole)))
+        }
         _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, hypot and atan2")),
     }
 }
@@ -260,6 +285,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let args: Vec<&Expr> = c.args.iter().collect();
     match (owner.as_str(), name.as_str(), &args[..]) {
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
+        (_, "Some", [a]) => body.expr(a),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
         ("Vec3", "new", [x, y, z]) => {
             Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?]))

@@ -2,13 +2,16 @@
 
 mod attribute;
 mod body;
+mod branch;
 mod expression;
 mod methods;
+mod pieces;
 mod signature;
 mod value;
 
 pub use attribute::{Domain, Options};
 pub use body::Body;
+pub use pieces::{Segment, Test};
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
 pub use value::Value;
 
@@ -27,12 +30,37 @@ use crate::points::Kind;
 pub struct Parsed {
     /// Name, parameters, spaces.
     pub signature: Signature,
-    /// The map to be inverted.
-    pub problem: Problem,
+    /// The map, a piece for each way through its branches that leads to a point.
+    pub pieces: Vec<Piece>,
     /// The identity expression of a `SurfacePoint` result.
     pub identity: Option<TokenStream>,
     /// Values computed once from the parameters by plain Rust code: `precomputed(…)`.
     pub constants: Vec<(String, TokenStream)>,
+}
+
+/// One way through the branches of a body.
+pub struct Piece {
+    /// The map on a unit cube, to be inverted.
+    pub problem: Problem,
+    /// The expressions of the tests below.
+    pub graph: Graph,
+    /// Which uniforms (or points) take this way.
+    pub tests: Vec<Test>,
+}
+
+/// What reading a body once has found.
+struct Reading {
+    graph: Graph,
+    way: branch::Way,
+    unknowns: Vec<Leaf>,
+    argument: Option<Kind>,
+    kinds: Vec<Kind>,
+    frames: Vec<[[Id; 3]; 3]>,
+    requirements: Vec<Id>,
+    constants: Vec<(String, TokenStream)>,
+    /// Coordinates and identity; `None` where the body yields no sample.
+    point: Option<(Vec<Id>, Option<TokenStream>)>,
+    segments: Vec<Option<Segment>>,
 }
 
 /// Parses the body of a sampler or a map. `None` if there were errors.
@@ -42,36 +70,160 @@ pub fn parse(
     options: &Options,
     errors: &mut Diagnostics,
 ) -> Option<Parsed> {
-    let mut graph = Graph::new();
-    let mut names: HashMap<String, Value> = HashMap::new();
-    let mut unknowns = Vec::new();
-    let mut argument = None;
-    match &signature.source {
+    let mut reader = Reader { item, signature: &signature, options, errors };
+    let mut pieces = Vec::new();
+    let mut identity = None;
+    let mut constants = Vec::new();
+    let mut next = Some(branch::Way::default());
+    while let Some(way) = next {
+        if pieces.len() == branch::MAX_PIECES {
+            errors.error(
+                &item.sig.ident,
+                format!("the branches of this body multiply to more than {} cases: split it, and choose between the parts in a `#[strategy]`", branch::MAX_PIECES),
+            );
+            return None;
+        }
+        let first = reader.read(way, &[])?;
+        next = first.way.clone().next();
+        if let Some((_, surface)) = &first.point {
+            identity = surface.clone();
+            constants.clone_from(&first.constants);
+            pieces.extend(reader.piece(first)?);
+        }
+    }
+    if pieces.is_empty() {
+        errors.error(&item.sig.ident, "no way through this body leads to a point");
+        return None;
+    }
+    Some(Parsed { signature, pieces, identity, constants })
+}
+
+struct Reader<'a> {
+    item: &'a ItemFn,
+    signature: &'a Signature,
+    options: &'a Options,
+    errors: &'a mut Diagnostics,
+}
+
+impl Reader<'_> {
+    /// A way through the body as a map on the unit cube. `Some(None)` if it has no volume.
+    fn piece(&mut self, mut first: Reading) -> Option<Option<Piece>> {
+        let (segments, implied) = if first.argument.is_none() {
+            pieces::segments(&mut first.graph, &first.way.tests, &first.unknowns)
+        } else {
+            (vec![], vec![])
+        };
+        let empty = |s: &Segment| first.graph.range(s.width).hi <= 0.0;
+        if segments.iter().flatten().any(empty) {
+            return Some(None);
+        }
+        let cut = segments.iter().any(Option::is_some);
+        let tests = first.way.tests.iter().map(|(_, t)| *t).collect();
+        let second = if cut {
+            let ends: Vec<Option<(Segment, &Graph)>> =
+                segments.iter().map(|s| s.map(|s| (s, &first.graph))).collect();
+            self.read(first.way.again(implied), &ends)?
+        } else {
+            self.read(first.way.again(vec![]), &[])?
+        };
+        let outputs = second.point.map_or(vec![], |p| p.0);
+        let target = match self.signature.space {
+            Space::Direction => Target::Direction,
+            Space::SurfacePoint => Target::Identified,
+            Space::Embedded { .. } => Target::Embedded,
+            _ => Target::Free,
+        };
+        let problem = Problem {
+            graph: second.graph,
+            outputs,
+            unknowns: second.unknowns,
+            argument: second.argument,
+            kinds: second.kinds,
+            frames: second.frames,
+            target,
+            requirements: second.requirements,
+            guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
+            segments: second.segments,
+        };
+        Some(Some(Piece { problem, graph: first.graph, tests }))
+    }
+
+    /// Reads the body on one way, with uniforms confined to segments.
+    fn read(
+        &mut self,
+        way: branch::Way,
+        segments: &[Option<(Segment, &Graph)>],
+    ) -> Option<Reading> {
+        let mut graph = Graph::new();
+        let mut names: HashMap<String, Value> = HashMap::new();
+        let (unknowns, argument) = declare_source(&mut graph, &mut names, &self.signature.source);
+        let mut body = Body::new(graph, names, way, self.errors);
+        let (mut kinds, mut frames) = (Vec::new(), Vec::new());
+        for p in &self.signature.params {
+            body.declare_param(p, self.options, &mut kinds, &mut frames);
+        }
+        let segments = body.confine(&self.signature.source, &unknowns, segments);
+        let result = body.result(&self.item.block)?;
+        let point = match result {
+            Value::Nothing => None,
+            value => Some(body.outputs(&value, &self.signature.space, &self.item.block)?),
+        };
+        let Body { graph, requirements, constants, way, .. } = body;
+        let first = kinds.iter().map(Kind::scalars).sum::<usize>();
+        kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
+        debug_assert!(first <= 64);
+        Some(Reading {
+            graph,
+            way,
+            unknowns,
+            argument,
+            kinds,
+            frames,
+            requirements,
+            constants,
+            point,
+            segments,
+        })
+    }
+}
+
+/// Makes the uniforms or the argument known under their name.
+fn declare_source(
+    graph: &mut Graph,
+    names: &mut HashMap<String, Value>,
+    source: &Source,
+) -> (Vec<Leaf>, Option<Kind>) {
+    match source {
         Source::Uniforms { name, count } => {
             let range = Interval::new(0.0, 1.0);
-            let ids: Vec<Id> = (0..*count)
-                .map(|i| {
+            let unknowns: Vec<Leaf> = (0..*count).map(|i| Leaf::Unknown(i as u8)).collect();
+            let ids: Vec<Id> = unknowns
+                .iter()
+                .enumerate()
+                .map(|(i, &leaf)| {
                     let text =
                         if *count == 1 { name.clone() } else { format!("{name}{}", subscript(i)) };
-                    unknowns.push(Leaf::Unknown(i as u8));
-                    graph.leaf(Leaf::Unknown(i as u8), &text, range)
+                    graph.leaf(leaf, &text, range)
                 })
                 .collect();
             names.insert(name.clone(), Value::Uniforms(ids));
+            (unknowns, None)
         }
         Source::Point { name, space } => {
             let (coordinates, kind) = space.argument();
             let range =
                 if *space == Space::Direction { Interval::new(-1.0, 1.0) } else { Interval::ALL };
-            let ids: Vec<Id> = (0..coordinates)
-                .map(|i| {
+            let unknowns: Vec<Leaf> = (0..coordinates).map(|i| Leaf::Unknown(i as u8)).collect();
+            let ids: Vec<Id> = unknowns
+                .iter()
+                .enumerate()
+                .map(|(i, &leaf)| {
                     let text = if coordinates == 1 {
                         name.clone()
                     } else {
                         format!("{name}.{}", ["x", "y", "z"][i])
                     };
-                    unknowns.push(Leaf::Unknown(i as u8));
-                    graph.leaf(Leaf::Unknown(i as u8), &text, range)
+                    graph.leaf(leaf, &text, range)
                 })
                 .collect();
             if *space == Space::Direction {
@@ -79,30 +231,9 @@ pub fn parse(
             }
             let value = if ids.len() == 1 { Value::Scalar(ids[0]) } else { Value::Vector(ids) };
             names.insert(name.clone(), value);
-            argument = Some(kind);
+            (unknowns, Some(kind))
         }
     }
-    let mut body = Body::new(graph, names, errors);
-    let mut kinds = Vec::new();
-    let mut frames = Vec::new();
-    for p in &signature.params {
-        body.declare_param(p, options, &mut kinds, &mut frames);
-    }
-    let result = body.block(&item.block)?;
-    let (outputs, identity) = body.outputs(&result, &signature.space, &item.block)?;
-    let target = match signature.space {
-        Space::Direction => Target::Direction,
-        Space::SurfacePoint => Target::Identified,
-        Space::Embedded { .. } => Target::Embedded,
-        _ => Target::Free,
-    };
-    let Body { graph, requirements, constants, .. } = body;
-    let first = kinds.iter().map(Kind::scalars).sum::<usize>();
-    kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
-    debug_assert!(first <= 64);
-    let problem =
-        Problem { graph, outputs, unknowns, argument, kinds, frames, target, requirements };
-    Some(Parsed { signature, problem, identity, constants })
 }
 
 fn subscript(i: usize) -> String {

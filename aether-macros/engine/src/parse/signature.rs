@@ -147,7 +147,7 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
         params.extend(param(input, errors));
     }
     let space = match &sig.output {
-        ReturnType::Type(_, ty) => space(ty, errors),
+        ReturnType::Type(_, ty) => space(optional(ty).unwrap_or(ty), errors),
         ReturnType::Default => {
             errors.error(&sig.ident, "the return type names the space of the result: add one of `-> f64`, `-> Vec2`, `-> Vec3`, `-> Direction`, `-> Surface`, `-> Curve`, `-> SurfacePoint`");
             None
@@ -286,6 +286,17 @@ fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
         errors.error(ty, "this type names no space: use one of `f64` (length), `Vec2` (area), `Vec3` (volume), `Direction` (solid angle), `Surface` and `SurfacePoint` (area), `Curve` (length), `Embedded<K, N>`");
     }
     found
+}
+
+/// `T` of `Option<T>`: a body that may yield no sample.
+fn optional(ty: &Type) -> Option<&Type> {
+    let Type::Path(p) = ty else { return None };
+    let last = p.path.segments.last().filter(|s| s.ident == "Option")?;
+    let PathArguments::AngleBracketed(arguments) = &last.arguments else { return None };
+    match arguments.args.first() {
+        Some(GenericArgument::Type(inner)) => Some(inner),
+        _ => None,
+    }
 }
 
 fn embedded(ty: &Type) -> Option<Space> {

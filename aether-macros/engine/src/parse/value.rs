@@ -20,6 +20,12 @@ pub enum Value {
     Tuple(Vec<Value>),
     /// A point of a space, by its constructor.
     Point(Space, Vec<Id>, Option<TokenStream>),
+    /// A truth value, on the way through the body that is being read.
+    Bool(bool),
+    /// No value: a branch without `else`.
+    Unit,
+    /// No sample: `None`.
+    Nothing,
     /// Something that could not be read; an error has been reported.
     Unknown,
     /// Something that is only passed on, such as a surface's identity.
@@ -36,6 +42,9 @@ impl Value {
             Value::Uniforms(_) => "the array of uniforms",
             Value::Tuple(_) => "a tuple",
             Value::Point(..) => "a point",
+            Value::Bool(_) => "a truth value",
+            Value::Unit => "no value at all",
+            Value::Nothing => "`None`",
             Value::Opaque(_) | Value::Unknown => "an opaque value",
         }
     }

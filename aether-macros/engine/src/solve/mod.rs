@@ -182,7 +182,12 @@ fn assign(g: &mut Graph, state: &mut State, leaf: Leaf, value: Id) {
             state.solution.known.entry(e.rhs).or_insert(e.known);
             sign_test(g, &mut state.solution.conditions, e);
         }
+        let range = g.range(e.rhs);
         e.rhs = g.substitute(e.rhs, &map);
+        if e.modulo_turn && g.has(e.rhs, UNKNOWNS) {
+            // What was known of an angle remains true of it, whatever it is written in.
+            g.assume(e.rhs, range);
+        }
     }
     state.solution.known.insert(variable, value);
     for (_, v) in state.solution.known.iter_mut() {

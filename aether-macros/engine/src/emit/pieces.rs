@@ -1,0 +1,239 @@
+//! The free functions of an item: for each piece its map, Jacobian and tests, for each preimage its
+//! inverse, support and density.
+//!
+//! `p` are the scalar parameters, `u` the uniforms (or the coordinates of a map's argument), `t` the
+//! unknowns of a piece, which run over the unit interval where `u` is confined to a segment, and `x`
+//! the coordinates of the point whose density is asked.
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::code::Code;
+use super::item::Emitter;
+use crate::derive::{Derived, Preimage, Problem, Target};
+use crate::expr::{Id, Leaf};
+use crate::parse::{Piece, Test};
+
+/// A preimage with its number among all, and the piece that it belongs to.
+#[derive(Clone, Copy)]
+pub struct Place<'a> {
+    /// Number among the preimages of all pieces.
+    pub number: usize,
+    /// Number of the piece.
+    pub piece: usize,
+    /// The derivation of the piece.
+    pub derived: &'a Derived,
+    /// The map of the piece.
+    pub problem: &'a Problem,
+    /// The preimage.
+    pub preimage: &'a Preimage,
+}
+
+impl<'a> Emitter<'a> {
+    /// All preimages.
+    pub(super) fn places(&self) -> Vec<Place<'a>> {
+        let pieces = self.parsed.pieces.iter().zip(self.derived).enumerate();
+        let all = pieces.flat_map(|(piece, (p, derived))| {
+            let place =
+                move |preimage| Place { number: 0, piece, derived, problem: &p.problem, preimage };
+            derived.preimages.iter().map(place)
+        });
+        all.enumerate().map(|(number, place)| Place { number, ..place }).collect()
+    }
+
+    /// Whether the item is one map on the whole of its domain.
+    pub(super) fn is_whole(&self) -> bool {
+        let [piece] = &self.parsed.pieces[..] else { return false };
+        piece.tests.is_empty()
+    }
+
+    /// All of them.
+    pub(super) fn functions(&self) -> TokenStream {
+        let mut functions = TokenStream::new();
+        for (j, (piece, derived)) in self.parsed.pieces.iter().zip(self.derived).enumerate() {
+            functions.extend(self.piece(j, piece, derived));
+        }
+        for place in self.places() {
+            functions.extend(self.preimage(place));
+        }
+        functions
+    }
+
+    fn piece(&self, j: usize, piece: &Piece, derived: &Derived) -> TokenStream {
+        let (n, m, p) = self.sizes();
+        let problem = &piece.problem;
+        let g = &problem.graph;
+        let names = ["forward", "exists", "volume", "guards", "enter", "leave", "taken"];
+        let [forward, exists, volume, guards, enter, leave, taken] =
+            names.map(|name| format_ident!("{name}_{j}"));
+        let at = |l: Leaf| input(l, "t");
+        let mut code = Code::new(g, &at);
+        let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
+        let forward_lets = code.statements();
+        let mut code = Code::new(g, &at);
+        let required: Vec<TokenStream> =
+            problem.requirements.iter().map(|&r| code.value(r)).collect();
+        let exists_lets = code.statements();
+        let mut code = Code::new(g, &at);
+        let size = code.value(derived.volume);
+        let volume_lets = code.statements();
+        let mut code = Code::new(g, &at);
+        let passed = passed(&mut code, &problem.guards);
+        let guard_lets = code.statements();
+        let mut code = Code::new(g, &at);
+        let differences: Vec<TokenStream> =
+            problem.guards.iter().map(|t| code.value(t.difference)).collect();
+        let c = differences.len();
+        let difference_lets = code.statements();
+        let margins = format_ident!("margins_{j}");
+        let at_uniforms = |l: Leaf| input(l, "u");
+        let mut code = Code::new(&piece.graph, &at_uniforms);
+        let taken_tests = self::passed(&mut code, &piece.tests);
+        let taken_lets = code.statements();
+        let (into, out) = self.segments(problem);
+        quote! {
+            #[inline(always)]
+            fn #forward<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #m] { #forward_lets [#(#outputs),*] }
+            #[inline(always)]
+            fn #exists<R: Real>(p: &[R; #p], t: &[R; #n]) -> R::Mask {
+                #exists_lets
+                <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))*
+            }
+            #[inline(always)]
+            fn #volume<R: Real>(p: &[R; #p], t: &[R; #n]) -> R { #volume_lets #size }
+            /// Whether unknowns lie in the piece.
+            #[inline(always)]
+            fn #guards<R: Real>(p: &[R; #p], t: &[R; #n]) -> R::Mask { #guard_lets #passed }
+            /// By how much.
+            #[inline(always)]
+            fn #margins<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #c] { #difference_lets [#(#differences),*] }
+            /// Whether uniforms take this way through the branches.
+            #[inline(always)]
+            fn #taken<R: Real>(p: &[R; #p], u: &[R; #n]) -> R::Mask { #taken_lets #taken_tests }
+            #[inline(always)]
+            fn #enter<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #n] { #into }
+            #[inline(always)]
+            fn #leave<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #n] { #out }
+        }
+    }
+
+    /// From uniforms to the unknowns of a piece, and back.
+    fn segments(&self, problem: &Problem) -> (TokenStream, TokenStream) {
+        let at = |l: Leaf| input(l, "t");
+        let mut code = Code::new(&problem.graph, &at);
+        let ends: Vec<Option<(TokenStream, TokenStream)>> = (0..problem.unknowns.len())
+            .map(|i| {
+                let s = problem.segments.get(i).copied().flatten()?;
+                Some((code.value(s.low), code.value(s.width)))
+            })
+            .collect();
+        let lets = code.statements();
+        let each =
+            |f: &dyn Fn(&TokenStream, Option<&(TokenStream, TokenStream)>) -> TokenStream,
+             name: &str| {
+                let name = Ident::new(name, Span::call_site());
+                let all = ends.iter().enumerate().map(|(i, s)| {
+                    let i = Literal::usize_unsuffixed(i);
+                    f(&quote!(#name[#i]), s.as_ref())
+                });
+                let all: Vec<TokenStream> = all.collect();
+                quote!(#lets [#(#all),*])
+            };
+        let into =
+            each(&|u, s| s.map_or(u.clone(), |(low, width)| quote!((#u - #low) / (#width))), "u");
+        let out = each(
+            &|t, s| {
+                s.map_or(
+                    t.clone(),
+                    |(low, width)| quote!(::aether_core::support::within(#low, #width, #t)),
+                )
+            },
+            "t",
+        );
+        (into, out)
+    }
+
+    fn preimage(&self, place: Place) -> TokenStream {
+        let g = &place.problem.graph;
+        let preimage = place.preimage;
+        let (n, m, p) = self.sizes();
+        let at = |l: Leaf| input(l, "x");
+        let [inverse, support, density] =
+            ["inverse", "support", "density"].map(|name| format_ident!("{name}_{}", place.number));
+        let mut code = Code::new(g, &at);
+        let unknowns: Vec<TokenStream> = preimage.unknowns.iter().map(|&u| code.value(u)).collect();
+        let inverse_lets = code.statements();
+        let checked = self.checked(place);
+        let c = checked.len();
+        let mut code = Code::new(g, &at);
+        let conditions: Vec<TokenStream> =
+            preimage.conditions.iter().map(|&c| code.value(c)).collect();
+        let requirements: Vec<TokenStream> =
+            preimage.requirements.iter().map(|&c| code.value(c)).collect();
+        let uniforms: Vec<TokenStream> =
+            checked.iter().map(|&i| code.value(preimage.tested[i])).collect();
+        let support_lets = code.statements();
+        // The rim of a lobe belongs to it even if a rotation rounded the point below the horizon.
+        let least = match place.problem.target {
+            Target::Direction => quote!(R::of(-16.0) * R::EPSILON),
+            _ => quote!(R::ZERO),
+        };
+        let mut code = Code::new(g, &at);
+        let value = code.value(preimage.density);
+        let density_lets = code.statements();
+        quote! {
+            #[inline(always)]
+            fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
+            #[inline(always)]
+            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask) {
+                #support_lets
+                ([#(#uniforms),*], <R::Mask as Mask>::TRUE #(.and(#conditions.ge(#least)))* #(.and(#requirements.gt(R::ZERO)))*)
+            }
+            #[inline(always)]
+            fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
+        }
+    }
+
+    /// The unknowns that have to be tested: those whose range is not settled by interval arithmetic,
+    /// and all of them where the piece has tests of its own.
+    fn checked(&self, place: Place) -> Vec<usize> {
+        let g = &place.problem.graph;
+        let settled = |id: Id| {
+            let r = g.range(id);
+            r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
+        };
+        let guarded = !place.problem.guards.is_empty();
+        let tested = &place.preimage.tested;
+        (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
+    }
+}
+
+/// The conjunction of some tests.
+fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
+    let tests: Vec<TokenStream> = tests
+        .iter()
+        .map(|t| {
+            let difference = code.value(t.difference);
+            if t.strict {
+                quote!(.and(#difference.gt(R::ZERO)))
+            } else {
+                quote!(.and(#difference.ge(R::ZERO)))
+            }
+        })
+        .collect();
+    quote!(<R::Mask as Mask>::TRUE #(#tests)*)
+}
+
+fn input(l: Leaf, unknown: &str) -> TokenStream {
+    match l {
+        Leaf::Unknown(i) | Leaf::Out(i) => {
+            let name = Ident::new(unknown, Span::call_site());
+            let i = Literal::usize_unsuffixed(i as usize);
+            quote!(#name[#i])
+        }
+        Leaf::Param(i) => {
+            let i = Literal::usize_unsuffixed(i as usize);
+            quote!(p[#i])
+        }
+    }
+}

@@ -1,0 +1,247 @@
+//! Branches: a body is read once for each way through its comparisons.
+//!
+//! A comparison that the ranges of the inputs settle has one outcome. Any other forks: the body is read
+//! again with the other outcome. Every way through is a *piece*, a map without branches on the part of
+//! the domain where its comparisons hold, and is solved by itself.
+
+use quote::ToTokens;
+use syn::{BinOp, Expr, ExprBinary};
+
+use super::body::Body;
+use super::{Test, Value};
+use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
+use crate::interval::Interval;
+use crate::rational::Q;
+
+/// A body may fall into this many pieces.
+pub(super) const MAX_PIECES: usize = 32;
+/// `floor` is taken apart if its argument passes this many integers.
+const MAX_STEPS: f64 = 16.0;
+
+/// The outcome of one comparison, and whether the other one is possible.
+#[derive(Clone, Copy, Debug)]
+struct Outcome {
+    holds: bool,
+    open: bool,
+}
+
+/// One way through the comparisons of a body.
+#[derive(Clone, Debug, Default)]
+pub struct Way {
+    outcomes: Vec<Outcome>,
+    position: usize,
+    /// Tests that are implied by the ranges of this reading's inputs, by their place.
+    implied: Vec<usize>,
+    /// What has to hold for a point to take this way, with the place of the comparison.
+    pub(super) tests: Vec<(usize, Test)>,
+}
+
+impl Way {
+    /// The same way again, from the start, where some of the tests need not be made.
+    pub(super) fn again(&self, implied: Vec<usize>) -> Way {
+        Way { outcomes: self.outcomes.clone(), position: 0, implied, tests: vec![] }
+    }
+
+    /// The next way, in the order of a depth-first search; `None` after the last.
+    pub(super) fn next(mut self) -> Option<Way> {
+        while let Some(last) = self.outcomes.pop() {
+            if last.open && last.holds {
+                self.outcomes.push(Outcome { holds: false, open: false });
+                return Some(self.again(vec![]));
+            }
+        }
+        None
+    }
+}
+
+impl Body<'_> {
+    /// Whether `difference > 0` (`>= 0` if not strict) on this way.
+    pub(super) fn decide(&mut self, difference: Id, strict: bool) -> bool {
+        let settled = settled(self.graph.range(difference), strict);
+        let place = self.way.position;
+        self.way.position += 1;
+        let outcome = match self.way.outcomes.get(place) {
+            Some(outcome) => *outcome,
+            None => {
+                let outcome = Outcome { holds: settled.unwrap_or(true), open: settled.is_none() };
+                self.way.outcomes.push(outcome);
+                outcome
+            }
+        };
+        if settled.is_none() {
+            let g = &mut self.graph;
+            let difference = if outcome.holds { difference } else { g.neg(difference) };
+            assume_nonnegative(g, difference);
+            if !self.way.implied.contains(&place) {
+                let strict = strict == outcome.holds;
+                self.way.tests.push((place, Test { difference, strict }));
+            }
+        }
+        outcome.holds
+    }
+
+    /// The value of a comparison or of a logical operator; `None` if the operator is neither.
+    pub(super) fn logic(&mut self, b: &ExprBinary) -> Option<Option<Value>> {
+        let strict = match b.op {
+            BinOp::Lt(_) | BinOp::Gt(_) => true,
+            BinOp::Le(_) | BinOp::Ge(_) => false,
+            BinOp::And(_) | BinOp::Or(_) => return Some(self.short_circuit(b)),
+            BinOp::Eq(_) | BinOp::Ne(_) => {
+                return Some(self.error(b, "real numbers are equal with probability zero: compare with `<`, `<=`, `>` or `>=`"));
+            }
+            _ => return None,
+        };
+        Some(self.comparison(b, strict))
+    }
+
+    fn comparison(&mut self, b: &ExprBinary, strict: bool) -> Option<Value> {
+        // Inside a comparison the size of a number is a number like any other.
+        let outer = std::mem::replace(&mut self.comparing, true);
+        let (left, right) = (self.scalar(&b.left), self.scalar(&b.right));
+        self.comparing = outer;
+        let (left, right) = (left?, right?);
+        let g = &mut self.graph;
+        let difference = match b.op {
+            BinOp::Lt(_) | BinOp::Le(_) => g.sub(right, left),
+            _ => g.sub(left, right),
+        };
+        Some(Value::Bool(self.decide(difference, strict)))
+    }
+
+    fn short_circuit(&mut self, b: &ExprBinary) -> Option<Value> {
+        let left = self.truth(&b.left)?;
+        if left == matches!(b.op, BinOp::Or(_)) {
+            return Some(Value::Bool(left));
+        }
+        self.truth(&b.right).map(Value::Bool)
+    }
+
+    /// The value of an expression that must be a truth value.
+    pub(super) fn truth(&mut self, e: &Expr) -> Option<bool> {
+        match self.expr(e)? {
+            Value::Bool(b) => Some(b),
+            other => {
+                let what = other.describe();
+                self.error(e, format!("a comparison is needed here, and this is {what}"))
+            }
+        }
+    }
+
+    /// `if condition { … } else { … }`.
+    pub(super) fn branch(&mut self, e: &syn::ExprIf) -> Option<Value> {
+        if let Expr::Let(_) = &*e.cond {
+            return self.error(&e.cond, "patterns have no meaning for numbers: compare them");
+        }
+        if self.truth(&e.cond)? {
+            return self.block(&e.then_branch);
+        }
+        match &e.else_branch {
+            Some((_, other)) => self.expr(other),
+            None => Some(Value::Unit),
+        }
+    }
+
+    /// `match` over truth values, or over anything with guarded arms.
+    pub(super) fn choice(&mut self, e: &syn::ExprMatch) -> Option<Value> {
+        let value = self.expr(&e.expr)?;
+        for arm in &e.arms {
+            let saved = self.names.clone();
+            if self.fits(&arm.pat, &value)? {
+                let result = self.expr(&arm.body);
+                self.names = saved;
+                return result;
+            }
+            self.names = saved;
+        }
+        self.error(&e.match_token, "no arm of this `match` is taken: end it with `_ => …`")
+    }
+
+    fn fits(&mut self, pattern: &syn::Pat, value: &Value) -> Option<bool> {
+        match (pattern, value) {
+            (syn::Pat::Wild(_), _) => Some(true),
+            (syn::Pat::Paren(p), _) => self.fits(&p.pat, value),
+            (syn::Pat::Guard(p), _) => {
+                Some(self.fits(&p.pat, value)? && self.truth(&p.guard)?)
+            }
+            (syn::Pat::Lit(syn::ExprLit { lit: syn::Lit::Bool(l), .. }), Value::Bool(b)) => {
+                Some(l.value == *b)
+            }
+            (syn::Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
+                let mut all = true;
+                for (p, v) in p.elems.iter().zip(values) {
+                    all &= self.fits(p, v)?;
+                }
+                Some(all)
+            }
+            (syn::Pat::Ident(_), _) => self.bind(pattern, value.clone()).map(|()| true),
+            _ => self.error(pattern, "an arm is `true`, `false`, a tuple of these, or a name with a guard, as in `x if x < 0.5 =>`"),
+        }
+    }
+
+    /// |x|, as x or -x.
+    pub(super) fn absolute(&mut self, x: Id) -> Id {
+        if self.comparing || !self.graph.has(x, UNKNOWNS) {
+            return self.graph.call(Fun::Abs, &[x]);
+        }
+        if self.decide(x, false) { x } else { self.graph.neg(x) }
+    }
+
+    /// The smaller (or larger) of two numbers.
+    pub(super) fn extremum(&mut self, a: Id, b: Id, smaller: bool) -> Id {
+        let difference = self.graph.sub(b, a);
+        if self.decide(difference, true) == smaller { a } else { b }
+    }
+
+    /// One with the sign of x.
+    pub(super) fn signum(&mut self, x: Id) -> Id {
+        let positive = self.decide(x, false);
+        self.graph.int(if positive { 1 } else { -1 })
+    }
+
+    /// The largest integer not above x, as a number: a piece for each integer that x passes.
+    pub(super) fn floor(&mut self, at: &impl ToTokens, x: Id) -> Option<Id> {
+        let range = self.graph.range(x);
+        if !range.width().is_finite() || range.width() > MAX_STEPS {
+            return self.error(at, "this jumps at every integer, and how many its argument passes is not known (or too many): declare the domains of the parameters, as in `#[sampler(k in 1.0..=8.0)]`");
+        }
+        let (first, last) = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
+        for k in first..last {
+            let above = self.graph.int(k + 1);
+            let difference = self.graph.sub(above, x);
+            if self.decide(difference, true) {
+                return Some(self.graph.int(k));
+            }
+        }
+        Some(self.graph.int(last.max(first)))
+    }
+}
+
+/// What a range says of `x > 0`, or of `x >= 0`.
+fn settled(range: Interval, strict: bool) -> Option<bool> {
+    let (holds, fails) =
+        if strict { (range.lo > 0.0, range.hi <= 0.0) } else { (range.lo >= 0.0, range.hi < 0.0) };
+    (holds || fails).then_some(holds)
+}
+
+/// Makes it known that an expression is not negative, and what follows for the ratio of its parts.
+fn assume_nonnegative(g: &mut Graph, difference: Id) {
+    let negated = g.neg(difference);
+    g.assume(difference, Interval::POSITIVE);
+    g.assume(negated, Interval::new(f64::NEG_INFINITY, 0.0));
+    let Node::Sum(c, terms) = g.node(difference).clone() else { return };
+    let (above, below): (Vec<_>, Vec<_>) = terms.into_iter().partition(|(q, _)| !q.is_negative());
+    let below: Vec<(Q, Id)> = below.into_iter().map(|(q, t)| (q.neg(), t)).collect();
+    let (up, down) = if c.is_negative() { (Q::ZERO, c.neg()) } else { (c, Q::ZERO) };
+    let (larger, smaller) = (g.sum(up, &above), g.sum(down, &below));
+    // From X - Y >= 0 with X, Y >= 0: Y / X is at most one; from |x| >= |y|: y / x is within one.
+    let plain = |g: &Graph, id: Id| match g.node(id) {
+        Node::Call(Fun::Abs, args) => (args[0], true),
+        _ => (id, false),
+    };
+    let ((x, signed_x), (y, signed_y)) = (plain(g, larger), plain(g, smaller));
+    if !(g.range(larger).nonnegative() && g.range(smaller).nonnegative()) {
+        return;
+    }
+    let lowest = if signed_x || signed_y { -1.0 } else { 0.0 };
+    g.assume_quotient(y, x, Interval::new(lowest, 1.0));
+}
