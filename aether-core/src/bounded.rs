@@ -3,6 +3,7 @@
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use crate::real::{Real, Scalar};
+use crate::special::Function;
 
 /// A value and a first-order bound on its absolute error (running error analysis).
 ///
@@ -233,6 +234,21 @@ impl<R: Scalar> Real for Bounded<R> {
     #[inline]
     fn hypot(self, other: Self) -> Self {
         Self::result(self.value.hypot(other.value), self.error + other.error)
+    }
+    #[inline]
+    fn special<F: Function>(parameters: &[Self], x: Self) -> Self {
+        // None of them has more parameters than this.
+        let mut values = [R::ZERO; 2];
+        for (value, parameter) in values.iter_mut().zip(parameters) {
+            *value = parameter.value;
+        }
+        let values = &values[..parameters.len().min(2)];
+        let f = |x| F::value(values, x);
+        let value = f(x.value);
+        // Besides, the kernels themselves are off by a few units in the last place.
+        let own = value.abs() * R::EPSILON * R::of(4.0);
+        let bounded = x.steep(value, f);
+        Self::result(value, bounded.error + own)
     }
     smooth! {
         exp: |x| x.exp();

@@ -22,6 +22,7 @@
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`discrete`](mod@discrete);
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
+//! - functions beyond the elementary ones, such as [`special::erf`]: [`special`];
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
 //!   [`path_density`];
 //! - uniform random numbers: [`uniform`];
@@ -48,6 +49,7 @@ pub mod preimages;
 pub mod real;
 pub mod sampler;
 pub mod sequence;
+pub mod special;
 pub mod strategy;
 #[doc(hidden)]
 pub mod support;
@@ -79,6 +81,9 @@ pub use vec::{Frame, Mat3, Vec2, Vec3};
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.
 pub mod prelude {
     pub use crate::forms::{choose, constant, draw, given, stop};
+    pub use crate::special::{
+        erf, erf_inv, erfc, erfc_inv, lambert_w, ln_gamma, normal_cdf, normal_quantile,
+    };
     pub use crate::{
         Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,
         Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2,

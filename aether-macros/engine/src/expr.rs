@@ -38,6 +38,17 @@ pub enum Fun {
     Asinh,
     Acosh,
     Atanh,
+    /// The real cube root of an argument that changes its sign.
+    Cbrt,
+    Erf,
+    /// 1 - erf.
+    Erfc,
+    ErfInv,
+    ErfcInv,
+    /// The principal branch of Lambert's W.
+    LambertW,
+    /// ln Γ, of parameters.
+    LnGamma,
     Abs,
     /// One with the sign of the argument.
     Sign,

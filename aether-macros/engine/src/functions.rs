@@ -30,11 +30,27 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
         | Fun::Tanh
         | Fun::Asinh
         | Fun::Atanh
+        | Fun::Cbrt
+        | Fun::Erf
+        | Fun::ErfInv
+        | Fun::LambertW
             if zero =>
         {
             Some(g.int(0))
         }
-        Fun::Ln if q == Some(Q::ONE) => Some(g.int(0)),
+        Fun::Ln | Fun::ErfcInv if q == Some(Q::ONE) => Some(g.int(0)),
+        Fun::Erfc if zero => Some(g.int(1)),
+        Fun::LnGamma if q == Some(Q::ONE) || q == Some(Q::int(2)) => Some(g.int(0)),
+        // A root of something that has a sign is a power, of which the other rules know more.
+        Fun::Cbrt if g.range(x).nonnegative() => {
+            let third = g.number(Q::new(1, 3)?);
+            Some(g.pow(x, third))
+        }
+        Fun::Cbrt if g.range(x).nonpositive() => {
+            let (size, third) = (g.neg(x), g.number(Q::new(1, 3)?));
+            let root = g.pow(size, third);
+            Some(g.neg(root))
+        }
         Fun::Abs if q.is_some() => {
             let a = q?.abs();
             Some(g.number(a))
@@ -79,6 +95,9 @@ fn symmetry(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             | Fun::Tanh
             | Fun::Asinh
             | Fun::Atanh
+            | Fun::Cbrt
+            | Fun::Erf
+            | Fun::ErfInv
     );
     let even = matches!(f, Fun::Cos | Fun::Cosh | Fun::Abs);
     if (odd || even) && leads_negative(g, x) {
@@ -114,6 +133,22 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             if q == Q::ONE =>
         {
             Some(one_minus_square(g, a[0]))
+        }
+        (Fun::Erf, Node::Call(Fun::ErfInv, a))
+        | (Fun::ErfInv, Node::Call(Fun::Erf, a))
+        | (Fun::Erfc, Node::Call(Fun::ErfcInv, a))
+        | (Fun::ErfcInv, Node::Call(Fun::Erfc, a))
+            if q == Q::ONE =>
+        {
+            Some(a[0])
+        }
+        // erfc(-y) = 2 - erfc(y).
+        (Fun::Erfc, Node::Call(Fun::ErfcInv, a)) if q == Q::int(-1) => {
+            let two = g.int(2);
+            Some(g.sub(two, a[0]))
+        }
+        (Fun::Cbrt, Node::Product(f)) if q == Q::ONE && f.len() == 1 => {
+            (g.as_number(f[0].1) == Some(Q::int(3))).then_some(f[0].0)
         }
         (Fun::Tan, Node::Call(Fun::Atan, a)) | (Fun::Sinh, Node::Call(Fun::Asinh, a))
             if q == Q::ONE =>

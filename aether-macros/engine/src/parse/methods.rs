@@ -5,7 +5,7 @@ use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
 use super::{Space, Value};
-use crate::expr::{Fun, Id};
+use crate::expr::{Fun, Graph, Id, UNKNOWNS};
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 
@@ -80,6 +80,11 @@ pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
     match (&receiver, &args[..]) {
         (Value::Scalar(x), []) => scalar_function(body, m, &name, *x),
         (Value::Scalar(x), [a]) => scalar_with_argument(body, m, &name, *x, a),
+        (Value::Scalar(x), [a, b]) if name == "mul_add" => {
+            let (a, b) = (body.scalar(a)?, body.scalar(b)?);
+            let product = body.graph.mul(*x, a);
+            Some(Value::Scalar(body.graph.add(product, b)))
+        }
         (Value::Matrix(_), _) => matrix_method(body, m, &name, receiver, &args),
         (v, _) if v.vector().is_some() => {
             let v = v.vector()?.to_vec();
@@ -110,6 +115,7 @@ fn function_named(name: &str) -> Option<Fun> {
         "asinh" => Fun::Asinh,
         "acosh" => Fun::Acosh,
         "atanh" => Fun::Atanh,
+        "cbrt" => Fun::Cbrt,
         "abs" => Fun::Abs,
         _ => return None,
     })
@@ -122,14 +128,20 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
     }
     let id = match name {
         "sqrt" => g.sqrt(x),
-        "cbrt" => {
-            let third = g.number(Q::new(1, 3)?);
-            g.pow(x, third)
-        }
         "recip" => g.powi(x, -1),
         "exp2" => {
             let two = g.int(2);
             g.pow(two, x)
+        }
+        "log2" | "log10" => {
+            let base = g.int(if name == "log2" { 2 } else { 10 });
+            logarithm(g, x, base)
+        }
+        "to_radians" | "to_degrees" => {
+            let pi = g.pi();
+            let right = g.int(180);
+            let radians = g.div(pi, right);
+            if name == "to_radians" { g.mul(x, radians) } else { g.div(x, radians) }
         }
         "sin_cos" => {
             let (s, c) = (g.call(Fun::Sin, &[x]), g.call(Fun::Cos, &[x]));
@@ -142,11 +154,17 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
         _ => {
             return body.error(
                 &m.method,
-                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp_m1 ln ln_1p sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh abs powi powf hypot sin_cos"),
+                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp2 exp_m1 ln ln_1p log log2 log10 sin cos sin_cos tan asin acos atan atan2 to_radians to_degrees sinh cosh tanh asinh acosh atanh abs powi powf hypot mul_add; free functions are {SPECIAL}"),
             );
         }
     };
     Some(Value::Scalar(id))
+}
+
+/// log of x to a base.
+fn logarithm(g: &mut Graph, x: Id, base: Id) -> Id {
+    let (top, bottom) = (g.call(Fun::Ln, &[x]), g.call(Fun::Ln, &[base]));
+    g.div(top, bottom)
 }
 
 fn scalar_with_argument(
@@ -168,6 +186,10 @@ fn scalar_with_argument(
             let e = body.scalar(a)?;
             Some(Value::Scalar(body.graph.pow(x, e)))
         }
+        "log" => {
+            let base = body.scalar(a)?;
+            Some(Value::Scalar(logarithm(&mut body.graph, x, base)))
+        }
         "hypot" => {
             let y = body.scalar(a)?;
             let g = &mut body.graph;
@@ -182,7 +204,7 @@ fn scalar_with_argument(
             &m.method,
             format!("`{name}` has a kink or a jump: split the map there and choose between the parts in a `#[strategy]`"),
         ),
-        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, hypot and atan2")),
+        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot and atan2")),
     }
 }
 
@@ -249,6 +271,48 @@ fn matrix_method(
     }
 }
 
+/// A special function of the prelude at one argument.
+fn special(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
+    let f = match name {
+        "erf" => Fun::Erf,
+        "erfc" => Fun::Erfc,
+        "erf_inv" => Fun::ErfInv,
+        "erfc_inv" => Fun::ErfcInv,
+        "lambert_w" => Fun::LambertW,
+        "ln_gamma" => Fun::LnGamma,
+        // erfc(-x/√2) / 2 and its inverse, -√2 erfc⁻¹(2x).
+        "normal_cdf" => {
+            let two = g.int(2);
+            let root = g.sqrt(two);
+            let argument = g.div(x, root);
+            let argument = g.neg(argument);
+            let tail = g.call(Fun::Erfc, &[argument]);
+            return Some(g.sum(Q::ZERO, &[(Q::HALF, tail)]));
+        }
+        "normal_quantile" => {
+            let two = g.int(2);
+            let twice = g.mul(two, x);
+            let z = g.call(Fun::ErfcInv, &[twice]);
+            let root = g.sqrt(two);
+            let minus = g.neg(root);
+            return Some(g.mul(minus, z));
+        }
+        _ => return None,
+    };
+    Some(g.call(f, &[x]))
+}
+
+/// The names that [`special`] knows, for messages.
+const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lambert_w ln_gamma";
+
+fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> Option<Value> {
+    let argument = body.scalar(x)?;
+    if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
+        return body.error(c, "`ln_gamma` is a function of parameters only: its derivative is not in the language");
+    }
+    special(&mut body.graph, name, argument).map(Value::Scalar)
+}
+
 /// Type::constructor(args) and functions.
 pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let Expr::Path(p) = &*c.func else {
@@ -295,6 +359,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let x = body.scalar(x)?;
             let f = function_named(f)?;
             Some(Value::Scalar(body.graph.call(f, &[x])))
+        }
+        ("" | "special", f, [x]) if SPECIAL.split(' ').any(|name| name == f) => {
+            special_function(body, c, f, x)
         }
         ("f64", "sqrt", [x]) => {
             let x = body.scalar(x)?;

@@ -64,6 +64,9 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
     match g.node(rhs).clone() {
         Node::Product(f) if f.len() == 1 => {
             let (base, exp) = f[0];
+            if let Some(answer) = undo_cotangent(g, known, base, exp) {
+                return Some(answer);
+            }
             match (g.has(base, UNKNOWNS), g.has(exp, UNKNOWNS)) {
                 (true, false) => Some((base, undo_power(g, known, base, exp))),
                 (false, true) => {
@@ -74,6 +77,13 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
                 }
                 _ => None,
             }
+        }
+        Node::Product(f) if ratio_of_sine_and_cosine(g, &f).is_some() => {
+            let (top, angle) = ratio_of_sine_and_cosine(g, &f)?;
+            let tangent = g.call(Fun::Tan, &[angle]);
+            let e = g.int(if top == Fun::Sin { 1 } else { -1 });
+            let rhs = g.pow(tangent, e);
+            undo(g, known, rhs, false)
         }
         Node::Product(f) => {
             // √(a/b) is kept as √a/√b: square both sides.
@@ -87,9 +97,56 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
             let inverse = Inverse { known: g.powi(known, 2), conditions: vec![Condition(known)] };
             Some((squared, vec![inverse]))
         }
+        Node::Call(Fun::Atan2, args) => undo_atan2(g, known, args[0], args[1]),
         Node::Call(f, args) if args.len() == 1 => Some((args[0], undo_call(g, f, known, args[0])?)),
         _ => None,
     }
+}
+
+/// 1 / tan(a) for an angle in [0, π], where the cotangent falls from one end to the other.
+fn undo_cotangent(g: &mut Graph, known: Id, base: Id, exp: Id) -> Option<(Id, Vec<Inverse>)> {
+    let Node::Call(Fun::Tan, args) = g.node(base).clone() else { return None };
+    let range = g.range(args[0]);
+    if g.as_number(exp) != Some(Q::int(-1)) || range.lo < 0.0 || range.hi > PI + 1e-12 {
+        return None;
+    }
+    let one = g.int(1);
+    let known = g.call(Fun::Atan2, &[one, known]);
+    Some((args[0], vec![Inverse { known, conditions: vec![] }]))
+}
+
+/// sin a / cos a or cos a / sin a: which one is on top, and the angle.
+fn ratio_of_sine_and_cosine(g: &Graph, factors: &[(Id, Id)]) -> Option<(Fun, Id)> {
+    let [(p, d), (q, e)] = *factors else { return None };
+    let (Node::Call(f, a), Node::Call(h, b)) = (g.node(p), g.node(q)) else { return None };
+    let one = Some(Q::ONE);
+    let minus = Some(Q::int(-1));
+    let (top, bottom) = match (g.as_number(d), g.as_number(e)) {
+        (d, e) if d == one && e == minus => (*f, *h),
+        (d, e) if d == minus && e == one => (*h, *f),
+        _ => return None,
+    };
+    let pair = matches!((top, bottom), (Fun::Sin, Fun::Cos) | (Fun::Cos, Fun::Sin));
+    (pair && a == b).then_some((top, a[0]))
+}
+
+/// known = atan2(y, x): the point lies on a known ray from the origin, which tells one coordinate
+/// from the other.
+fn undo_atan2(g: &mut Graph, known: Id, y: Id, x: Id) -> Option<(Id, Vec<Inverse>)> {
+    let (s, c) = (g.call(Fun::Sin, &[known]), g.call(Fun::Cos, &[known]));
+    let (open, other, along, across) = match (g.has(y, UNKNOWNS), g.has(x, UNKNOWNS)) {
+        (true, false) => (y, x, s, c),
+        (false, true) => (x, y, c, s),
+        _ => return None,
+    };
+    let ratio = g.div(along, across);
+    let answer = g.mul(other, ratio);
+    let forward = g.mul(other, across);
+    let pi = g.pi();
+    let above = g.add(known, pi);
+    let below = g.sub(pi, known);
+    let conditions = vec![Condition(forward), Condition(above), Condition(below)];
+    Some((open, vec![Inverse { known: answer, conditions }]))
 }
 
 /// An angle that is known up to whole turns, brought into the range that its expression can have.
@@ -160,6 +217,9 @@ fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {
             conditions: vec![Condition(known)],
         }];
     }
+    if e == Q::int(3) {
+        return vec![Inverse { known: g.call(Fun::Cbrt, &[known]), conditions: vec![] }];
+    }
     let size = g.call(Fun::Abs, &[known]);
     let root = g.pow(size, inverse_exponent);
     let sign = g.call(Fun::Sign, &[known]);
@@ -178,6 +238,21 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::Asinh => plain(back(g, Fun::Sinh)),
         Fun::Tanh => plain(back(g, Fun::Atanh)),
         Fun::Atanh => plain(back(g, Fun::Tanh)),
+        Fun::Cbrt => {
+            let cube = g.powi(known, 3);
+            plain(cube)
+        }
+        Fun::Erf => plain(back(g, Fun::ErfInv)),
+        Fun::ErfInv => plain(back(g, Fun::Erf)),
+        Fun::Erfc => plain(back(g, Fun::ErfcInv)),
+        Fun::ErfcInv => plain(back(g, Fun::Erfc)),
+        Fun::LambertW => {
+            let e = back(g, Fun::Exp);
+            let x = g.mul(known, e);
+            let one = g.int(1);
+            let test = g.add(known, one);
+            Some(vec![Inverse { known: x, conditions: vec![Condition(test)] }])
+        }
         Fun::Asin => bounded(g, Fun::Sin, known, -FRAC_PI_2, FRAC_PI_2),
         Fun::Acos => bounded(g, Fun::Cos, known, 0.0, PI),
         Fun::Atan => bounded(g, Fun::Tan, known, -FRAC_PI_2, FRAC_PI_2),
@@ -193,7 +268,7 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::Sin => periodic(g, Fun::Asin, known, argument),
         Fun::Cos => periodic(g, Fun::Acos, known, argument),
         Fun::Tan => periodic(g, Fun::Atan, known, argument),
-        Fun::Sign | Fun::Turn | Fun::Atan2 | Fun::SinPi | Fun::CosPi => None,
+        Fun::Sign | Fun::Turn | Fun::Atan2 | Fun::SinPi | Fun::CosPi | Fun::LnGamma => None,
     }
 }
 
