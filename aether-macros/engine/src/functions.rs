@@ -129,11 +129,6 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         {
             Some(a[0])
         }
-        (Fun::Sin, Node::Call(Fun::Acos, a)) | (Fun::Cos, Node::Call(Fun::Asin, a))
-            if q == Q::ONE =>
-        {
-            Some(one_minus_square(g, a[0]))
-        }
         (Fun::Erf, Node::Call(Fun::ErfInv, a))
         | (Fun::ErfInv, Node::Call(Fun::Erf, a))
         | (Fun::Erfc, Node::Call(Fun::ErfcInv, a))
@@ -171,6 +166,19 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             Some(g.div(a[1], r))
         }
         (Fun::Tan, Node::Call(Fun::Atan2, a)) if q == Q::ONE => Some(g.div(a[0], a[1])),
+        (Fun::Sin | Fun::Cos | Fun::Tan, _) if has_quarter_turns(g, x) => {
+            quarter_turns(g, f, x)
+        }
+        (Fun::Sin | Fun::Cos | Fun::Tan | Fun::Sinh | Fun::Cosh | Fun::Tanh, Node::Call(h, a))
+            if q == Q::ONE && a.len() == 1 =>
+        {
+            of_an_inverse(g, f, *h, a[0])
+        }
+        (Fun::Sign, Node::Product(_)) => sign_of_product(g, q, t),
+        (Fun::Abs, Node::Call(Fun::Sign, _)) => {
+            let k = q.abs();
+            Some(g.number(k))
+        }
         (Fun::Abs, Node::Product(factors)) => {
             let parts: Vec<(Id, Id)> = factors
                 .iter()
@@ -197,6 +205,114 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         }
         _ => None,
     }
+}
+
+/// A circular or hyperbolic function of the inverse of another: an algebraic function.
+fn of_an_inverse(g: &mut Graph, f: Fun, inverse: Fun, a: Id) -> Option<Id> {
+    let one = g.int(1);
+    let root = |g: &mut Graph, constant: i64| {
+        let square = g.powi(a, 2);
+        let c = g.int(constant);
+        let s = g.add(square, c);
+        g.sqrt(s)
+    };
+    Some(match (f, inverse) {
+        (Fun::Sin, Fun::Acos) | (Fun::Cos, Fun::Asin) => one_minus_square(g, a),
+        (Fun::Tan, Fun::Asin) => {
+            let r = one_minus_square(g, a);
+            g.div(a, r)
+        }
+        (Fun::Tan, Fun::Acos) => {
+            let r = one_minus_square(g, a);
+            g.div(r, a)
+        }
+        (Fun::Cos, Fun::Atan) => {
+            let r = root(g, 1);
+            g.div(one, r)
+        }
+        (Fun::Sin, Fun::Atan) | (Fun::Tanh, Fun::Asinh) => {
+            let r = root(g, 1);
+            g.div(a, r)
+        }
+        (Fun::Cosh, Fun::Asinh) => root(g, 1),
+        (Fun::Sinh, Fun::Acosh) => {
+            let (m, p) = (g.sub(a, one), g.add(a, one));
+            let s = g.mul(m, p);
+            g.sqrt(s)
+        }
+        (Fun::Cosh, Fun::Atanh) => {
+            let r = one_minus_square(g, a);
+            g.div(one, r)
+        }
+        (Fun::Sinh, Fun::Atanh) => {
+            let r = one_minus_square(g, a);
+            g.div(a, r)
+        }
+        (Fun::Cosh, Fun::Acosh) => a,
+        _ => return None,
+    })
+}
+
+/// Whether a multiple of π/2 is added to the angle.
+fn has_quarter_turns(g: &Graph, x: Id) -> bool {
+    let multiple = |(q, t): &(Q, Id)| {
+        *g.node(*t) == Node::Pi && q.mul(Q::int(2)).is_some_and(Q::is_int)
+    };
+    match g.node(x) {
+        Node::Sum(_, terms) => terms.iter().any(multiple),
+        Node::Pi => true,
+        _ => false,
+    }
+}
+
+/// sin, cos or tan of an angle plus quarters of a turn.
+fn quarter_turns(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
+    let pi = g.pi();
+    let (c, terms) = match g.node(x).clone() {
+        Node::Sum(c, terms) => (c, terms),
+        _ if x == pi => (Q::ZERO, vec![(Q::ONE, pi)]),
+        _ => return None,
+    };
+    let quarters = terms.iter().find(|(_, t)| *t == pi)?.0.mul(Q::int(2))?;
+    if !quarters.is_int() {
+        return None;
+    }
+    let rest: Vec<(Q, Id)> = terms.into_iter().filter(|(_, t)| *t != pi).collect();
+    let rest = g.sum(c, &rest);
+    let k = quarters.num().rem_euclid(4);
+    if f == Fun::Tan {
+        let t = g.call(Fun::Tan, &[rest]);
+        if k % 2 == 0 {
+            return Some(t);
+        }
+        // A pole stays as it is.
+        let pole = g.as_number(t).is_some_and(Q::is_zero);
+        let r = g.powi(t, -1);
+        return (!pole).then(|| g.neg(r));
+    }
+    let k = if f == Fun::Sin { k } else { k + 1 };
+    let value = g.call(if k % 2 == 0 { Fun::Sin } else { Fun::Cos }, &[rest]);
+    Some(if k % 4 < 2 { value } else { g.neg(value) })
+}
+
+/// The sign of a product without the factors that are known to be positive.
+fn sign_of_product(g: &mut Graph, q: Q, t: Id) -> Option<Id> {
+    let factors = g.factors(t);
+    let open: Vec<(Id, Id)> = factors
+        .iter()
+        .copied()
+        .filter(|&(b, e)| {
+            let whole = g.pow(b, e);
+            g.range(whole).lo <= 0.0
+        })
+        .collect();
+    if q.abs() == Q::ONE && open.len() == factors.len() {
+        return None;
+    }
+    let rest = g.product(&open);
+    let (inner, rest) = g.split(rest);
+    let sign = g.call(Fun::Sign, &[rest]);
+    Some(if q.is_negative() == inner.is_negative() { sign } else { g.neg(sign) })
 }
 
 fn radius(g: &mut Graph, a: &[Id]) -> Id {

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use super::cases::Case;
 use super::{Preimage, Problem};
-use crate::expr::{Graph, Id};
+use crate::derivative::derivative;
+use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{cost, simplify};
 use crate::solve::Solution;
 use crate::stabilise::{Inputs, stabilise, truths, worst_error};
@@ -52,6 +53,12 @@ pub(super) fn density(
             candidates.push(direct);
             candidates.push(simplify(g, direct, None));
         }
+    }
+    if let ([unknown], 1) = (&problem.unknowns[..], problem.outputs.len()) {
+        // On a line the derivative of the inverse itself is one more form.
+        let slope = derivative(g, s.unknowns[unknown], Leaf::Out(0));
+        let slope = g.call(Fun::Abs, &[slope]);
+        candidates.extend([slope, simplify(g, slope, None)]);
     }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();

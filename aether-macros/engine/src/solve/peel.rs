@@ -40,6 +40,10 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
         }
         let next = inverses.into_iter().map(|inverse| {
             let mut s = state.clone();
+            if !eq.modulo_turn {
+                // What the function comes to is as good to know as what its argument is.
+                s.solution.known.entry(eq.rhs).or_insert(eq.known);
+            }
             s.equations[i].known = inverse.known;
             s.equations[i].rhs = argument;
             s.equations[i].modulo_turn = false;
