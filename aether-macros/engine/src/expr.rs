@@ -229,15 +229,15 @@ impl Graph {
             Node::Product(factors) => factors.iter().fold(Interval::point(1.0), |p, (b, e)| {
                 p.mul(match self.as_number(*e) {
                     Some(q) => self.range(*b).pow(q.to_f64()),
-                    None => Interval::POSITIVE,
+                    None => self.range(*b).powers(self.range(*e)),
                 })
             }),
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
-                [y, x] if self.range(y).nonnegative() => {
-                    let top = if self.range(x).nonnegative() { 0.5 } else { 1.0 };
-                    Interval::new(0.0, std::f64::consts::PI * top)
+                [y, x] if self.range(x).nonnegative() => {
+                    Interval::quadrants(self.range(y), self.range(x))
                 }
+                [y, _] if self.range(y).nonnegative() => Interval::new(0.0, std::f64::consts::PI),
                 _ => Interval::new(-std::f64::consts::PI, std::f64::consts::PI),
             },
         }

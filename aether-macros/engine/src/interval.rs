@@ -85,6 +85,25 @@ impl Interval {
         }
         hull(&[libm::pow(lo, e), libm::pow(hi, e)])
     }
+    /// Powers of a base that is not negative, with exponents from an interval.
+    pub fn powers(self, e: Interval) -> Interval {
+        if self.lo < 0.0 || !e.lo.is_finite() || !e.hi.is_finite() {
+            return Interval::POSITIVE;
+        }
+        // Monotone in the base and in the exponent, so that the corners are extreme.
+        let (lo, hi) = (self.lo, self.hi);
+        hull(&[(lo, e.lo), (lo, e.hi), (hi, e.lo), (hi, e.hi)].map(|(b, e)| libm::pow(b, e)))
+    }
+    /// The angles atan2(y, x) of points to the right of the ordinate.
+    pub fn quadrants(y: Interval, x: Interval) -> Interval {
+        // At the origin the angle is zero; it grows with y, and shrinks towards zero with x.
+        let end = |y: f64, x: f64| if y == 0.0 { 0.0 } else { libm::atan2(y, x) };
+        let lo = end(y.lo, if y.lo < 0.0 { x.lo } else { x.hi });
+        let hi = end(y.hi, if y.hi > 0.0 { x.lo } else { x.hi });
+        // The origin belongs to the angles if it may be met.
+        let origin = x.lo == 0.0 && y.lo <= 0.0 && y.hi >= 0.0;
+        if origin { Interval::new(lo.min(0.0), hi.max(0.0)) } else { Interval::new(lo, hi) }
+    }
     /// The image under a function of one argument.
     pub fn call(self, f: Fun) -> Interval {
         let monotone = |g: fn(f64) -> f64| Interval::new(g(self.lo), g(self.hi));
@@ -157,6 +176,18 @@ fn hull(ends: &[f64]) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_of_several_arguments() {
+        let i = Interval::new;
+        assert_eq!(i(0.25, 2.0).powers(i(-1.0, 2.0)), i(0.0625, 4.0));
+        assert_eq!(i(0.0, 2.0).powers(i(-1.0, 1.0)), i(0.0, f64::INFINITY));
+        assert_eq!(i(-1.0, 2.0).powers(i(0.0, 1.0)), Interval::POSITIVE);
+        let quarter = std::f64::consts::FRAC_PI_4;
+        assert_eq!(Interval::quadrants(i(-1.0, 1.0), i(1.0, 5.0)), i(-quarter, quarter));
+        assert_eq!(Interval::quadrants(i(1.0, 2.0), i(0.0, 1.0)), i(quarter, FRAC_PI_2));
+        assert!(Interval::quadrants(i(0.0, 1.0), Interval::POSITIVE).lo == 0.0);
+    }
 
     #[test]
     fn signs() {

@@ -28,13 +28,17 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     let mut order: Vec<usize> = (0..state.equations.len()).collect();
     order.sort_by_key(|&i| {
         let rhs = state.equations[i].rhs;
-        ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs))
+        ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs), cost(g, state.equations[i].known))
     });
     for i in order {
         let eq = state.equations[i].clone();
-        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else {
-            continue;
-        };
+        let undone = undo(g, eq.known, eq.rhs, eq.modulo_turn);
+        let undone = undone.or_else(|| {
+            // A last resort, because squares have more solutions.
+            let last = most > 1 && !eq.modulo_turn;
+            last.then(|| square_roots_away(g, eq.known, eq.rhs)).flatten()
+        });
+        let Some((argument, inverses)) = undone else { continue };
         if inverses.len() > most {
             continue;
         }
@@ -89,6 +93,11 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
             let rhs = g.pow(tangent, e);
             undo(g, known, rhs, false)
         }
+        Node::Product(f) if f.iter().all(|(b, _)| !g.has(*b, UNKNOWNS)) => {
+            undo_powers(g, known, &f)
+        }
+        Node::Sum(c, terms) if c.is_zero() => join_logarithms(g, known, &terms),
+        Node::Product(f) if lambert(g, &f).is_some() => undo_lambert(g, known, &f),
         Node::Product(f) => {
             // √(a/b) is kept as √a/√b: square both sides.
             let halves = f.iter().all(|(b, e)| {
@@ -132,6 +141,124 @@ fn ratio_of_sine_and_cosine(g: &Graph, factors: &[(Id, Id)]) -> Option<(Fun, Id)
     };
     let pair = matches!((top, bottom), (Fun::Sin, Fun::Cos) | (Fun::Cos, Fun::Sin));
     (pair && a == b).then_some((top, a[0]))
+}
+
+/// Π bᵢ^(cᵢ + dᵢ r) = known, with the same r in all exponents: (Π bᵢ^dᵢ)^r = known / Π bᵢ^cᵢ.
+fn undo_powers(g: &mut Graph, known: Id, factors: &[(Id, Id)]) -> Option<(Id, Vec<Inverse>)> {
+    let one = g.int(1);
+    let (mut constants, mut slopes, mut common) = (Vec::new(), Vec::new(), None);
+    for &(b, e) in factors {
+        let (constant, factor, rest) = super::affine_parts(g, e);
+        if *common.get_or_insert(rest) != rest {
+            return None;
+        }
+        if let Some(c) = constant {
+            constants.push((b, c));
+        }
+        slopes.push((b, factor));
+    }
+    let (constant, base) = (g.product(&constants), g.product(&slopes));
+    let minus = g.int(-1);
+    let ratio = g.product(&[(known, one), (constant, minus)]);
+    let (top, bottom) = (g.call(Fun::Ln, &[ratio]), g.call(Fun::Ln, &[base]));
+    Some((common?, vec![Inverse { known: g.div(top, bottom), conditions: vec![] }]))
+}
+
+/// Σ qᵢ ln aᵢ = known: Π aᵢ^qᵢ = exp(known).
+fn join_logarithms(g: &mut Graph, known: Id, terms: &[(Q, Id)]) -> Option<(Id, Vec<Inverse>)> {
+    let one = g.int(1);
+    let factors = terms.iter().map(|&(q, t)| {
+        let argument = match g.node(t).clone() {
+            Node::Call(Fun::Ln, a) => a[0],
+            Node::Call(Fun::Ln1p, a) => g.add(one, a[0]),
+            _ => return None,
+        };
+        Some((argument, g.number(q)))
+    });
+    let factors: Vec<(Id, Id)> = factors.collect::<Option<_>>()?;
+    let product = g.product(&factors);
+    let known = g.call(Fun::Exp, &[known]);
+    Some((product, vec![Inverse { known, conditions: vec![] }]))
+}
+
+/// A product with several square roots in a single unknown, squared: known and the part without
+/// roots must have the same sign.
+fn square_roots_away(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
+    let Node::Product(factors) = g.node(rhs).clone() else { return None };
+    let den = |g: &Graph, e: Id| g.as_number(e).map(Q::den);
+    let roots = factors.iter().filter(|(_, e)| den(g, *e) == Some(2));
+    let sound = roots.clone().all(|(b, _)| g.range(*b).nonnegative());
+    let single = (g.deps(rhs) & UNKNOWNS).count_ones() == 1;
+    if roots.count() < 2 || !sound || !single {
+        return None;
+    }
+    if factors.iter().any(|(_, e)| !matches!(den(g, *e), Some(1 | 2))) {
+        return None;
+    }
+    let signed: Vec<(Id, Id)> =
+        factors.iter().copied().filter(|(_, e)| den(g, *e) == Some(1)).collect();
+    let signed = g.product(&signed);
+    let (square, known_square) = (g.powi(rhs, 2), g.powi(known, 2));
+    let test = g.mul(known, signed);
+    Some((square, vec![Inverse { known: known_square, conditions: vec![Condition(test)] }]))
+}
+
+/// Parts of z^m exp(c zⁿ), with c >= 0 known: z, m, c, n.
+fn lambert(g: &mut Graph, factors: &[(Id, Id)]) -> Option<(Id, Q, Id, Q)> {
+    let [first, second] = *factors else { return None };
+    let one = g.int(1);
+    [(first, second), (second, first)].into_iter().find_map(|((z, m), (e, power))| {
+        let Node::Call(Fun::Exp, args) = g.node(e).clone() else { return None };
+        let m = g.as_number(m)?;
+        let (mut c, mut rest) = (one, args[0]);
+        loop {
+            let (constant, factor, part) = super::affine_parts(g, rest);
+            if constant.is_some() {
+                return None;
+            }
+            if part == rest {
+                break;
+            }
+            c = g.mul(c, factor);
+            rest = part;
+        }
+        let (base, n) = match g.factors(rest)[..] {
+            [(base, n)] => (base, g.as_number(n)?),
+            _ => return None,
+        };
+        let right = power == one && base == z && g.range(c).nonnegative();
+        right.then_some((z, m, c, n))
+    })
+}
+
+/// x = z^m exp(c zⁿ) has (n c / m) zⁿ = W((n c / m) x^(n/m)).
+fn undo_lambert(g: &mut Graph, known: Id, f: &[(Id, Id)]) -> Option<(Id, Vec<Inverse>)> {
+    let (z, m, c, n) = lambert(g, f)?;
+    let range = g.range(z);
+    let positive = range.nonnegative();
+    // With a sign that changes, x must have the sign of z, and zⁿ must have none.
+    let odd = m.is_int() && !m.is_even() && n.is_int() && n.is_even();
+    if m.is_negative() || n.is_negative() || !(positive || odd) {
+        return None;
+    }
+    let ratio = n.mul(m.recip()?)?;
+    let scaled = {
+        let k = g.number(ratio);
+        g.mul(k, c)
+    };
+    let size = if positive { known } else { g.call(Fun::Abs, &[known]) };
+    let e = g.number(ratio);
+    let argument = g.pow(size, e);
+    let argument = g.mul(scaled, argument);
+    let w = g.call(Fun::LambertW, &[argument]);
+    let power = g.div(w, scaled);
+    let e = g.number(n.recip()?);
+    let root = g.pow(power, e);
+    if positive {
+        return Some((z, vec![Inverse { known: root, conditions: vec![Condition(known)] }]));
+    }
+    let sign = g.call(Fun::Sign, &[known]);
+    Some((z, vec![Inverse { known: g.mul(sign, root), conditions: vec![] }]))
 }
 
 /// known = atan2(y, x): the point lies on a known ray from the origin, which tells one coordinate
