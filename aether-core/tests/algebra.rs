@@ -119,16 +119,6 @@ fn arcsine(u: [Uniform; 1]) -> f64 {
     (TAU * u[0]).cos()
 }
 
-/// Row 95: a truncated cone around the z axis.
-#[sampler(r0 in 1e-3.., r1 in 1e-3.., h in 1e-3..)]
-fn truncated_cone(u: [Uniform; 2], r0: f64, r1: f64, h: f64) -> Surface {
-    let s = ((1.0 - u[0]) * r0 * r0 + u[0] * r1 * r1).sqrt();
-    let t = u[0] * (r0 + r1) / (r0 + s);
-    let r = r0 + (r1 - r0) * t;
-    let phi = TAU * u[1];
-    Surface::new(r * phi.cos(), r * phi.sin(), h * t)
-}
-
 /// Row 108: directions about +z whose angle is distributed evenly in its logarithm.
 #[sampler(r1 in 1e-9..=0.5, r2 in 0.75..=1.5)]
 fn small_angles(u: [Uniform; 2], r1: f64, r2: f64) -> Direction {
@@ -237,6 +227,5 @@ batteries! {
     row_27_wavelength: wavelength();
     row_28_linear_extinction: right(linear_extinction(1.0, 2.0));
     row_33_arcsine: arcsine();
-    row_95_truncated_cone: right(truncated_cone(2.0, 0.5, 3.0));
     row_108_small_angles: right(small_angles(0.125, 1.0));
 }
