@@ -245,10 +245,12 @@ impl<R: Scalar> Real for Bounded<R> {
         let values = &values[..parameters.len().min(2)];
         let f = |x| F::value(values, x);
         let value = f(x.value);
-        // Besides, the kernels themselves are off by a few units in the last place.
-        let own = value.abs() * R::EPSILON * R::of(4.0);
-        let bounded = x.steep(value, f);
-        Self::result(value, bounded.error + own)
+        // The kernels are off by a few units in the last place: this one, and the one of the inverse
+        // function that may have made the argument.
+        let off = |x: R| x.abs() * R::EPSILON * R::of(4.0);
+        let wider = Bounded { value: x.value, error: x.error + off(x.value) };
+        let carried = if x.error == R::ZERO { R::ZERO } else { wider.steep(value, f).error };
+        Self::result(value, carried + off(value))
     }
     smooth! {
         exp: |x| x.exp();

@@ -19,8 +19,7 @@ fn scaled<R: Real>(x: R, (middle, scale): (f64, f64)) -> R {
 #[inline(always)]
 fn square<R: Real>(x: R) -> (R, R) {
     // 2^27 + 1 or 2^12 + 1: half the bits of the number and one more.
-    let splitter =
-        if R::EPSILON.to_f64() < 1e-10 { R::of(134_217_729.0) } else { R::of(4097.0) };
+    let splitter = if R::EPSILON.to_f64() < 1e-10 { R::of(134_217_729.0) } else { R::of(4097.0) };
     let t = splitter * x;
     let hi = t - (t - x);
     let lo = x - hi;

@@ -113,7 +113,7 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
     let node = g.node(t).clone();
     let one = g.int(1);
     match (f, &node) {
-        // exp(q ln a) = a^q, exp(q ln1p a) = (1 + a)^q, and products with symbolic factors alike.
+        // exp(q ln a) = a^q, also for symbolic q; exp(q ln1p a) = (1 + a)^q for small numbers q.
         (Fun::Exp, _) => exp_of_log(g, q, t),
         (Fun::ExpM1, Node::Call(Fun::Ln1p, a)) if q == Q::ONE => Some(a[0]),
         (Fun::ExpM1, Node::Call(Fun::Ln, a)) if q == Q::ONE => Some(g.sub(a[0], one)),
@@ -166,9 +166,7 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             Some(g.div(a[1], r))
         }
         (Fun::Tan, Node::Call(Fun::Atan2, a)) if q == Q::ONE => Some(g.div(a[0], a[1])),
-        (Fun::Sin | Fun::Cos | Fun::Tan, _) if has_quarter_turns(g, x) => {
-            quarter_turns(g, f, x)
-        }
+        (Fun::Sin | Fun::Cos | Fun::Tan, _) if has_quarter_turns(g, x) => quarter_turns(g, f, x),
         (Fun::Sin | Fun::Cos | Fun::Tan | Fun::Sinh | Fun::Cosh | Fun::Tanh, Node::Call(h, a))
             if q == Q::ONE && a.len() == 1 =>
         {
@@ -255,9 +253,8 @@ fn of_an_inverse(g: &mut Graph, f: Fun, inverse: Fun, a: Id) -> Option<Id> {
 
 /// Whether a multiple of π/2 is added to the angle.
 fn has_quarter_turns(g: &Graph, x: Id) -> bool {
-    let multiple = |(q, t): &(Q, Id)| {
-        *g.node(*t) == Node::Pi && q.mul(Q::int(2)).is_some_and(Q::is_int)
-    };
+    let multiple =
+        |(q, t): &(Q, Id)| *g.node(*t) == Node::Pi && q.mul(Q::int(2)).is_some_and(Q::is_int);
     match g.node(x) {
         Node::Sum(_, terms) => terms.iter().any(multiple),
         Node::Pi => true,
@@ -341,7 +338,10 @@ fn exp_of_log(g: &mut Graph, q: Q, t: Id) -> Option<Id> {
         }
         let base = match g.node(b).clone() {
             Node::Call(Fun::Ln, a) => a[0],
-            Node::Call(Fun::Ln1p, a) => g.add(one, a[0]),
+            // A large or symbolic exponent would magnify the rounding of 1 + a.
+            Node::Call(Fun::Ln1p, a) if factors.len() == 1 && q.num().abs() <= 4 => {
+                g.add(one, a[0])
+            }
             _ => continue,
         };
         let mut rest: Vec<(Id, Id)> =

@@ -149,7 +149,8 @@ impl Interval {
             Fun::SinPi if self.lo >= 0.0 && self.hi <= 1.0 => Interval::new(0.0, 1.0),
             Fun::SinPi | Fun::CosPi | Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
             Fun::Tan if within(-FRAC_PI_2, FRAC_PI_2) => {
-                let end = |x: f64, pole: f64| if x.abs() >= FRAC_PI_2 { pole } else { libm::tan(x) };
+                let end =
+                    |x: f64, pole: f64| if x.abs() >= FRAC_PI_2 { pole } else { libm::tan(x) };
                 Interval::new(end(self.lo, f64::NEG_INFINITY), end(self.hi, f64::INFINITY))
             }
             Fun::Abs => {

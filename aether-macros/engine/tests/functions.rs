@@ -22,7 +22,7 @@ fn derivation(body: &str) -> Result<String, String> {
 }
 
 /// Bodies with the number of preimages that a point can have.
-const BODIES: [(&str, usize); 62] = [
+const BODIES: [(&str, usize); 69] = [
     ("(a * u).exp()", 1),
     ("(a * u).exp2()", 1),
     ("(a * u).exp_m1()", 1),
@@ -85,6 +85,13 @@ const BODIES: [(&str, usize); 62] = [
     ("(u / (1.0 - u)).ln().sinh()", 1),
     ("((u / (1.0 - u)).ln().asinh() * a + b).sinh()", 1),
     ("normal_quantile(u).exp()", 1),
+    ("a * (u.ln() - (-u).ln_1p())", 1),
+    ("a * (a + 1.5).powf(u) * b.powf(1.0 - u)", 1),
+    ("let z = u.ln() - (-u).ln_1p(); z * (0.05 * a * z * z).exp()", 1),
+    ("-normal_quantile((1.0 - u) * normal_cdf(-a) + u * normal_cdf(-a - b))", 1),
+    ("a + b * (-a * (-u).ln_1p()).exp_m1() / a", 1),
+    ("u * (a * u).exp()", 1),
+    ("u.sqrt() * (a * u * u).exp()", 1),
 ];
 
 #[test]

@@ -308,7 +308,10 @@ const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lamb
 fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> Option<Value> {
     let argument = body.scalar(x)?;
     if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
-        return body.error(c, "`ln_gamma` is a function of parameters only: its derivative is not in the language");
+        return body.error(
+            c,
+            "`ln_gamma` is a function of parameters only: its derivative is not in the language",
+        );
     }
     special(&mut body.graph, name, argument).map(Value::Scalar)
 }

@@ -32,13 +32,9 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     });
     for i in order {
         let eq = state.equations[i].clone();
-        let undone = undo(g, eq.known, eq.rhs, eq.modulo_turn);
-        let undone = undone.or_else(|| {
-            // A last resort, because squares have more solutions.
-            let last = most > 1 && !eq.modulo_turn;
-            last.then(|| square_roots_away(g, eq.known, eq.rhs)).flatten()
-        });
-        let Some((argument, inverses)) = undone else { continue };
+        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else {
+            continue;
+        };
         if inverses.len() > most {
             continue;
         }
@@ -179,28 +175,6 @@ fn join_logarithms(g: &mut Graph, known: Id, terms: &[(Q, Id)]) -> Option<(Id, V
     let product = g.product(&factors);
     let known = g.call(Fun::Exp, &[known]);
     Some((product, vec![Inverse { known, conditions: vec![] }]))
-}
-
-/// A product with several square roots in a single unknown, squared: known and the part without
-/// roots must have the same sign.
-fn square_roots_away(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
-    let Node::Product(factors) = g.node(rhs).clone() else { return None };
-    let den = |g: &Graph, e: Id| g.as_number(e).map(Q::den);
-    let roots = factors.iter().filter(|(_, e)| den(g, *e) == Some(2));
-    let sound = roots.clone().all(|(b, _)| g.range(*b).nonnegative());
-    let single = (g.deps(rhs) & UNKNOWNS).count_ones() == 1;
-    if roots.count() < 2 || !sound || !single {
-        return None;
-    }
-    if factors.iter().any(|(_, e)| !matches!(den(g, *e), Some(1 | 2))) {
-        return None;
-    }
-    let signed: Vec<(Id, Id)> =
-        factors.iter().copied().filter(|(_, e)| den(g, *e) == Some(1)).collect();
-    let signed = g.product(&signed);
-    let (square, known_square) = (g.powi(rhs, 2), g.powi(known, 2));
-    let test = g.mul(known, signed);
-    Some((square, vec![Inverse { known: known_square, conditions: vec![Condition(test)] }]))
 }
 
 /// Parts of z^m exp(c zⁿ), with c >= 0 known: z, m, c, n.
@@ -361,8 +335,16 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
     let plain = |known| Some(vec![Inverse { known, conditions: vec![] }]);
     let back = |g: &mut Graph, h: Fun| g.call(h, &[known]);
     match f {
-        Fun::Exp => plain(back(g, Fun::Ln)),
-        Fun::ExpM1 => plain(back(g, Fun::Ln1p)),
+        // Without the tests a power that the logarithm becomes part of could go on beyond its pole.
+        Fun::Exp => {
+            let y = back(g, Fun::Ln);
+            Some(vec![Inverse { known: y, conditions: vec![Condition(known)] }])
+        }
+        Fun::ExpM1 => {
+            let (y, one) = (back(g, Fun::Ln1p), g.int(1));
+            let test = g.add(known, one);
+            Some(vec![Inverse { known: y, conditions: vec![Condition(test)] }])
+        }
         Fun::Ln => plain(back(g, Fun::Exp)),
         Fun::Ln1p => plain(back(g, Fun::ExpM1)),
         Fun::Sinh => plain(back(g, Fun::Asinh)),

@@ -33,9 +33,7 @@ fn erf_series(x: Dd) -> Dd {
 /// erfc(x) = exp(-x²)/√π / (x + (1/2)/(x + 1/(x + (3/2)/(x + …)))), for x >= 2.
 fn erfc_fraction(x: Dd) -> Dd {
     let terms = 30 + (720.0 / (x.hi * x.hi)) as u32;
-    let rest = (1..=terms)
-        .rev()
-        .fold(Dd::ZERO, |rest, n| Dd::of(0.5 * f64::from(n)) / (x + rest));
+    let rest = (1..=terms).rev().fold(Dd::ZERO, |rest, n| Dd::of(0.5 * f64::from(n)) / (x + rest));
     TWO_OVER_ROOT_PI.times_power(0.5) * (-(x * x)).exp() / (x + rest)
 }
 
