@@ -4,6 +4,23 @@
 //! stable. All of them take `f32`, `f64` and [`Bounded`](crate::bounded::Bounded); a sampler may call
 //! them like the methods of a number, and the compiler knows their derivatives and inverses.
 //!
+//! ```
+//! use aether_core::prelude::*;
+//!
+//! /// The normal distribution with mean m and standard deviation s.
+//! #[sampler(s in 1e-3..)]
+//! fn normal(u: [Uniform; 1], m: f64, s: f64) -> f64 {
+//!     m + s * normal_quantile(u[0])
+//! }
+//!
+//! let normal = normal(1.0, 2.0).expect("2 lies in the declared domain");
+//! assert!((normal.pdf(&1.0).value() - 0.5 * (0.5 / PI).sqrt()).abs() < 1e-15);
+//! ```
+//!
+//! Elsewhere in a sampler, numbers have the methods of the standard library: `sqrt cbrt recip exp
+//! exp2 exp_m1 ln ln_1p log log2 log10 sin cos sin_cos tan asin acos atan atan2 to_radians to_degrees
+//! sinh cosh tanh asinh acosh atanh abs powi powf hypot mul_add`.
+//!
 //! The kernels are written over [`Real`] without branches, on polynomials fitted for this crate
 //! (`coefficients.rs`), so that every kind of number gets the same algorithm. The errors stated are
 //! the worst found on the values of `tests/reference/special.txt`, which sweep the domain

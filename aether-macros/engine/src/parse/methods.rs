@@ -4,8 +4,9 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
+use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
-use crate::expr::{Fun, Graph, Id, UNKNOWNS};
+use crate::expr::{Fun, Graph, Id};
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 
@@ -269,51 +270,6 @@ fn matrix_method(
         }
         _ => body.error(&m.method, format!("`{name}` is not a method of matrices in the language: there are transpose, and to_world and to_local of frames")),
     }
-}
-
-/// A special function of the prelude at one argument.
-fn special(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
-    let f = match name {
-        "erf" => Fun::Erf,
-        "erfc" => Fun::Erfc,
-        "erf_inv" => Fun::ErfInv,
-        "erfc_inv" => Fun::ErfcInv,
-        "lambert_w" => Fun::LambertW,
-        "ln_gamma" => Fun::LnGamma,
-        // erfc(-x/√2) / 2 and its inverse, -√2 erfc⁻¹(2x).
-        "normal_cdf" => {
-            let two = g.int(2);
-            let root = g.sqrt(two);
-            let argument = g.div(x, root);
-            let argument = g.neg(argument);
-            let tail = g.call(Fun::Erfc, &[argument]);
-            return Some(g.sum(Q::ZERO, &[(Q::HALF, tail)]));
-        }
-        "normal_quantile" => {
-            let two = g.int(2);
-            let twice = g.mul(two, x);
-            let z = g.call(Fun::ErfcInv, &[twice]);
-            let root = g.sqrt(two);
-            let minus = g.neg(root);
-            return Some(g.mul(minus, z));
-        }
-        _ => return None,
-    };
-    Some(g.call(f, &[x]))
-}
-
-/// The names that [`special`] knows, for messages.
-const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lambert_w ln_gamma";
-
-fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> Option<Value> {
-    let argument = body.scalar(x)?;
-    if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
-        return body.error(
-            c,
-            "`ln_gamma` is a function of parameters only: its derivative is not in the language",
-        );
-    }
-    special(&mut body.graph, name, argument).map(Value::Scalar)
 }
 
 /// Type::constructor(args) and functions.
