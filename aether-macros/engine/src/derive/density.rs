@@ -54,12 +54,6 @@ pub(super) fn density(
             candidates.push(simplify(g, direct, None));
         }
     }
-    if let ([unknown], 1) = (&problem.unknowns[..], problem.outputs.len()) {
-        // On a line the derivative of the inverse itself is one more form.
-        let slope = derivative(g, s.unknowns[unknown], Leaf::Out(0));
-        let slope = g.call(Fun::Abs, &[slope]);
-        candidates.extend([slope, simplify(g, slope, None)]);
-    }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -72,6 +66,13 @@ pub(super) fn density(
     if pick(g, &candidates, &truth, points).1 > 64.0 * f64::EPSILON {
         for &c in candidates.iter().take(3) {
             all.push(stabilise(g, c, points));
+        }
+        if let ([unknown], 1) = (&problem.unknowns[..], problem.outputs.len()) {
+            // On a line the derivative of the inverse itself is one more form. It comes last,
+            // because it may be 0/0 at an end where the others have a value.
+            let slope = derivative(g, s.unknowns[unknown], Leaf::Out(0));
+            let slope = g.call(Fun::Abs, &[slope]);
+            all.extend([slope, simplify(g, slope, None)]);
         }
     }
     pick(g, &all, &truth, points)

@@ -46,8 +46,9 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
         }
         let next = inverses.into_iter().map(|inverse| {
             let mut s = state.clone();
-            if !eq.modulo_turn {
-                // What the function comes to is as good to know as what its argument is.
+            if !eq.modulo_turn && matches!(g.node(eq.rhs), Node::Call(..)) {
+                // What the function comes to is as good to know as what its argument is. Not so for
+                // powers: x^k / x for x^(k - 1) would be 0/0 at zero.
                 s.solution.known.entry(eq.rhs).or_insert(eq.known);
             }
             s.equations[i].known = inverse.known;
