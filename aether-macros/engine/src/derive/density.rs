@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::cases::Case;
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::jacobian::{cost, simplify};
 use crate::solve::Solution;
 use crate::stabilise::{Inputs, stabilise, truths, worst_error};
@@ -30,6 +30,18 @@ pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], points: &[Input
     let mut all = stable;
     all.extend(volumes);
     pick(g, &all, &truth, points).0
+}
+
+/// Whether the coordinate itself is a divisor: x^k / x is 0/0 at zero, where x^(k - 1) has a value.
+fn divides_by_the_point(g: &Graph, id: Id) -> bool {
+    let divisor = |&(b, e): &(Id, Id)| {
+        matches!(g.node(b), Node::Leaf(Leaf::Out(_)))
+            && g.as_number(e).is_some_and(|q| q.is_negative())
+    };
+    match g.node(id) {
+        Node::Product(f) if f.iter().any(divisor) => true,
+        node => children(node).into_iter().any(|c| divides_by_the_point(g, c)),
+    }
 }
 
 /// The density in terms of the outputs, in its most accurate form, and its worst error.
@@ -68,11 +80,11 @@ pub(super) fn density(
             all.push(stabilise(g, c, points));
         }
         if let ([unknown], 1) = (&problem.unknowns[..], problem.outputs.len()) {
-            // On a line the derivative of the inverse itself is one more form. It comes last,
-            // because it may be 0/0 at an end where the others have a value.
+            // On a line the derivative of the inverse itself is one more form.
             let slope = derivative(g, s.unknowns[unknown], Leaf::Out(0));
             let slope = g.call(Fun::Abs, &[slope]);
-            all.extend([slope, simplify(g, slope, None)]);
+            let forms = [slope, simplify(g, slope, None)];
+            all.extend(forms.into_iter().filter(|&f| !divides_by_the_point(g, f)));
         }
     }
     pick(g, &all, &truth, points)
