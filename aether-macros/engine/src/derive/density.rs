@@ -35,7 +35,11 @@ pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], points: &[Input
 /// Whether the coordinate itself is a divisor: x^k / x is 0/0 at zero, where x^(k - 1) has a value.
 fn divides_by_the_point(g: &Graph, id: Id) -> bool {
     let divisor = |&(b, e): &(Id, Id)| {
-        matches!(g.node(b), Node::Leaf(Leaf::Out(_)))
+        let inner = match g.node(b) {
+            Node::Call(Fun::Abs, a) => a[0],
+            _ => b,
+        };
+        matches!(g.node(inner), Node::Leaf(Leaf::Out(_)))
             && g.as_number(e).is_some_and(|q| q.is_negative())
     };
     match g.node(id) {
