@@ -3,6 +3,7 @@
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use crate::real::{Real, Scalar};
+use crate::special::Function;
 
 /// A value and a first-order bound on its absolute error (running error analysis).
 ///
@@ -234,6 +235,23 @@ impl<R: Scalar> Real for Bounded<R> {
     #[inline]
     fn hypot(self, other: Self) -> Self {
         Self::result(self.value.hypot(other.value), self.error + other.error)
+    }
+    #[inline]
+    fn special<F: Function>(parameters: &[Self], x: Self) -> Self {
+        // None of them has more parameters than this.
+        let mut values = [R::ZERO; 2];
+        for (value, parameter) in values.iter_mut().zip(parameters) {
+            *value = parameter.value;
+        }
+        let values = &values[..parameters.len().min(2)];
+        let f = |x| F::value(values, x);
+        let value = f(x.value);
+        // The kernels are off by a few units in the last place: this one, and the one of the inverse
+        // function that may have made the argument.
+        let off = |x: R| x.abs() * R::EPSILON * R::of(4.0);
+        let wider = Bounded { value: x.value, error: x.error + off(x.value) };
+        let carried = if x.error == R::ZERO { R::ZERO } else { wider.steep(value, f).error };
+        Self::result(value, carried + off(value))
     }
     smooth! {
         exp: |x| x.exp();

@@ -23,6 +23,7 @@
 //!   [`tables`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
+//! - functions beyond the elementary ones, such as [`special::erf`]: [`special`];
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
 //!   [`path_density`];
 //! - Markov chains of paths: [`mutation`](mod@mutation);
@@ -51,6 +52,7 @@ pub mod preimages;
 pub mod real;
 pub mod sampler;
 pub mod sequence;
+pub mod special;
 pub mod strategy;
 #[doc(hidden)]
 pub mod support;
@@ -84,6 +86,9 @@ pub use vec::{Frame, Mat3, Vec2, Vec3};
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.
 pub mod prelude {
     pub use crate::forms::{choose, constant, draw, given, stop};
+    pub use crate::special::{
+        erf, erf_inv, erfc, erfc_inv, lambert_w, ln_gamma, normal_cdf, normal_quantile,
+    };
     pub use crate::{
         Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,
         Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2,

@@ -160,6 +160,12 @@ pub trait Real:
     fn atanh(self) -> Self;
     /// √(self² + other²) without overflow.
     fn hypot(self, other: Self) -> Self;
+    /// A function of [`crate::special`] at `x`.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn special<F: crate::special::Function>(parameters: &[Self], x: Self) -> Self {
+        F::value(parameters, x)
+    }
     /// 1 / self.
     #[inline(always)]
     fn recip(self) -> Self {

@@ -116,10 +116,16 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
             let c = g.call(Fun::Cosh, &[a]);
             g.powi(c, -2)
         }
-        Fun::Asinh | Fun::Acosh => {
+        Fun::Asinh => {
             let s = g.powi(a, 2);
-            let k = if f == Fun::Asinh { one } else { g.int(-1) };
-            let s = g.add(k, s);
+            let s = g.add(one, s);
+            let e = g.number(Q::HALF.neg());
+            g.pow(s, e)
+        }
+        Fun::Acosh => {
+            let m = g.sub(a, one);
+            let p = g.add(a, one);
+            let s = g.mul(m, p);
             let e = g.number(Q::HALF.neg());
             g.pow(s, e)
         }
@@ -129,10 +135,47 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
             let s = g.mul(m, p);
             g.powi(s, -1)
         }
+        Fun::Cbrt => {
+            let s = g.powi(y, -2);
+            g.sum(Q::ZERO, &[(Q::new(1, 3).unwrap_or(Q::ONE), s)])
+        }
+        // erf' = 2/√π exp(-a²), and of the inverse 1 / erf' at y.
+        Fun::Erf => error_slope(g, a, 1),
+        Fun::Erfc => {
+            let d = error_slope(g, a, 1);
+            g.neg(d)
+        }
+        Fun::ErfInv => error_slope(g, y, -1),
+        Fun::ErfcInv => {
+            let d = error_slope(g, y, -1);
+            g.neg(d)
+        }
+        // W' = exp(-W) / (1 + W), which has no 0/0 at zero.
+        Fun::LambertW => {
+            let minus = g.neg(y);
+            let e = g.call(Fun::Exp, &[minus]);
+            let s = g.add(one, y);
+            g.div(e, s)
+        }
+        // The parser refuses ln Γ of anything but parameters.
+        Fun::LnGamma => g.float(f64::NAN),
         Fun::Abs => g.call(Fun::Sign, &[a]),
         Fun::Sign => g.int(0),
         Fun::Turn | Fun::Atan2 | Fun::Pow1p => one,
     }
+}
+
+/// (2/√π exp(-a²))^power, for a power of ±1.
+fn error_slope(g: &mut Graph, a: Id, power: i64) -> Id {
+    let square = g.powi(a, 2);
+    let exponent = g.sum(Q::ZERO, &[(Q::int(-power), square)]);
+    let e = g.call(Fun::Exp, &[exponent]);
+    let pi = g.pi();
+    let root = g.sqrt(pi);
+    let two = g.int(2);
+    let factor = g.div(two, root);
+    let factor = g.powi(factor, power);
+    g.mul(factor, e)
 }
 
 #[cfg(test)]
@@ -164,6 +207,12 @@ mod tests {
             Fun::Tanh,
             Fun::Asinh,
             Fun::Atanh,
+            Fun::Cbrt,
+            Fun::Erf,
+            Fun::Erfc,
+            Fun::ErfInv,
+            Fun::ErfcInv,
+            Fun::LambertW,
         ];
         for f in funs {
             let y = g.call(f, &[x]);

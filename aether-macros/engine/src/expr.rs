@@ -38,6 +38,17 @@ pub enum Fun {
     Asinh,
     Acosh,
     Atanh,
+    /// The real cube root of an argument that changes its sign.
+    Cbrt,
+    Erf,
+    /// 1 - erf.
+    Erfc,
+    ErfInv,
+    ErfcInv,
+    /// The principal branch of Lambert's W.
+    LambertW,
+    /// ln Γ, of parameters.
+    LnGamma,
     Abs,
     /// One with the sign of the argument.
     Sign,
@@ -273,10 +284,10 @@ impl Graph {
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
-                [y, x] if self.range(y).nonnegative() => {
-                    let top = if self.range(x).nonnegative() { 0.5 } else { 1.0 };
-                    Interval::new(0.0, std::f64::consts::PI * top)
+                [y, x] if self.range(x).nonnegative() => {
+                    Interval::quadrants(self.range(y), self.range(x))
                 }
+                [y, _] if self.range(y).nonnegative() => Interval::new(0.0, std::f64::consts::PI),
                 _ => Interval::new(-std::f64::consts::PI, std::f64::consts::PI),
             },
             Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
@@ -297,7 +308,7 @@ impl Graph {
         factors.iter().filter(|(b, _)| !skipped.contains(b)).fold(first, |p, (b, e)| {
             p.mul(match self.as_number(*e) {
                 Some(q) => self.range(*b).pow(q.to_f64()),
-                None => Interval::POSITIVE,
+                None => self.range(*b).powers(self.range(*e)),
             })
         })
     }

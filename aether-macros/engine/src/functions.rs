@@ -30,11 +30,27 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
         | Fun::Tanh
         | Fun::Asinh
         | Fun::Atanh
+        | Fun::Cbrt
+        | Fun::Erf
+        | Fun::ErfInv
+        | Fun::LambertW
             if zero =>
         {
             Some(g.int(0))
         }
-        Fun::Ln if q == Some(Q::ONE) => Some(g.int(0)),
+        Fun::Ln | Fun::ErfcInv if q == Some(Q::ONE) => Some(g.int(0)),
+        Fun::Erfc if zero => Some(g.int(1)),
+        Fun::LnGamma if q == Some(Q::ONE) || q == Some(Q::int(2)) => Some(g.int(0)),
+        // A root of something that has a sign is a power, of which the other rules know more.
+        Fun::Cbrt if g.range(x).nonnegative() => {
+            let third = g.number(Q::new(1, 3)?);
+            Some(g.pow(x, third))
+        }
+        Fun::Cbrt if g.range(x).nonpositive() => {
+            let (size, third) = (g.neg(x), g.number(Q::new(1, 3)?));
+            let root = g.pow(size, third);
+            Some(g.neg(root))
+        }
         Fun::Abs if q.is_some() => {
             let a = q?.abs();
             Some(g.number(a))
@@ -79,6 +95,9 @@ fn symmetry(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             | Fun::Tanh
             | Fun::Asinh
             | Fun::Atanh
+            | Fun::Cbrt
+            | Fun::Erf
+            | Fun::ErfInv
     );
     let even = matches!(f, Fun::Cos | Fun::Cosh | Fun::Abs);
     if (odd || even) && leads_negative(g, x) {
@@ -94,7 +113,7 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
     let node = g.node(t).clone();
     let one = g.int(1);
     match (f, &node) {
-        // exp(q ln a) = a^q, exp(q ln1p a) = (1 + a)^q, and products with symbolic factors alike.
+        // exp(q ln a) = a^q, also for symbolic q; exp(q ln1p a) = (1 + a)^q for small numbers q.
         (Fun::Exp, _) => exp_of_log(g, q, t),
         (Fun::ExpM1, Node::Call(Fun::Ln1p, a)) if q == Q::ONE => Some(a[0]),
         (Fun::ExpM1, Node::Call(Fun::Ln, a)) if q == Q::ONE => Some(g.sub(a[0], one)),
@@ -110,10 +129,21 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         {
             Some(a[0])
         }
-        (Fun::Sin, Node::Call(Fun::Acos, a)) | (Fun::Cos, Node::Call(Fun::Asin, a))
+        (Fun::Erf, Node::Call(Fun::ErfInv, a))
+        | (Fun::ErfInv, Node::Call(Fun::Erf, a))
+        | (Fun::Erfc, Node::Call(Fun::ErfcInv, a))
+        | (Fun::ErfcInv, Node::Call(Fun::Erfc, a))
             if q == Q::ONE =>
         {
-            Some(one_minus_square(g, a[0]))
+            Some(a[0])
+        }
+        // erfc(-y) = 2 - erfc(y).
+        (Fun::Erfc, Node::Call(Fun::ErfcInv, a)) if q == Q::int(-1) => {
+            let two = g.int(2);
+            Some(g.sub(two, a[0]))
+        }
+        (Fun::Cbrt, Node::Product(f)) if q == Q::ONE && f.len() == 1 => {
+            (g.as_number(f[0].1) == Some(Q::int(3))).then_some(f[0].0)
         }
         (Fun::Tan, Node::Call(Fun::Atan, a)) | (Fun::Sinh, Node::Call(Fun::Asinh, a))
             if q == Q::ONE =>
@@ -136,6 +166,17 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             Some(g.div(a[1], r))
         }
         (Fun::Tan, Node::Call(Fun::Atan2, a)) if q == Q::ONE => Some(g.div(a[0], a[1])),
+        (Fun::Sin | Fun::Cos | Fun::Tan, _) if has_quarter_turns(g, x) => quarter_turns(g, f, x),
+        (Fun::Sin | Fun::Cos | Fun::Tan | Fun::Sinh | Fun::Cosh | Fun::Tanh, Node::Call(h, a))
+            if q == Q::ONE && a.len() == 1 =>
+        {
+            of_an_inverse(g, f, *h, a[0])
+        }
+        (Fun::Sign, Node::Product(_)) => sign_of_product(g, q, t),
+        (Fun::Abs, Node::Call(Fun::Sign, _)) => {
+            let k = q.abs();
+            Some(g.number(k))
+        }
         (Fun::Abs, Node::Product(factors)) => {
             let parts: Vec<(Id, Id)> = factors
                 .iter()
@@ -164,6 +205,113 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
     }
 }
 
+/// A circular or hyperbolic function of the inverse of another: an algebraic function.
+fn of_an_inverse(g: &mut Graph, f: Fun, inverse: Fun, a: Id) -> Option<Id> {
+    let one = g.int(1);
+    let root = |g: &mut Graph, constant: i64| {
+        let square = g.powi(a, 2);
+        let c = g.int(constant);
+        let s = g.add(square, c);
+        g.sqrt(s)
+    };
+    Some(match (f, inverse) {
+        (Fun::Sin, Fun::Acos) | (Fun::Cos, Fun::Asin) => one_minus_square(g, a),
+        (Fun::Tan, Fun::Asin) => {
+            let r = one_minus_square(g, a);
+            g.div(a, r)
+        }
+        (Fun::Tan, Fun::Acos) => {
+            let r = one_minus_square(g, a);
+            g.div(r, a)
+        }
+        (Fun::Cos, Fun::Atan) => {
+            let r = root(g, 1);
+            g.div(one, r)
+        }
+        (Fun::Sin, Fun::Atan) | (Fun::Tanh, Fun::Asinh) => {
+            let r = root(g, 1);
+            g.div(a, r)
+        }
+        (Fun::Cosh, Fun::Asinh) => root(g, 1),
+        (Fun::Sinh, Fun::Acosh) => {
+            let (m, p) = (g.sub(a, one), g.add(a, one));
+            let s = g.mul(m, p);
+            g.sqrt(s)
+        }
+        (Fun::Cosh, Fun::Atanh) => {
+            let r = one_minus_square(g, a);
+            g.div(one, r)
+        }
+        (Fun::Sinh, Fun::Atanh) => {
+            let r = one_minus_square(g, a);
+            g.div(a, r)
+        }
+        (Fun::Cosh, Fun::Acosh) => a,
+        _ => return None,
+    })
+}
+
+/// Whether a multiple of π/2 is added to the angle.
+fn has_quarter_turns(g: &Graph, x: Id) -> bool {
+    let multiple =
+        |(q, t): &(Q, Id)| *g.node(*t) == Node::Pi && q.mul(Q::int(2)).is_some_and(Q::is_int);
+    match g.node(x) {
+        Node::Sum(_, terms) => terms.iter().any(multiple),
+        Node::Pi => true,
+        _ => false,
+    }
+}
+
+/// sin, cos or tan of an angle plus quarters of a turn.
+fn quarter_turns(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
+    let pi = g.pi();
+    let (c, terms) = match g.node(x).clone() {
+        Node::Sum(c, terms) => (c, terms),
+        _ if x == pi => (Q::ZERO, vec![(Q::ONE, pi)]),
+        _ => return None,
+    };
+    let quarters = terms.iter().find(|(_, t)| *t == pi)?.0.mul(Q::int(2))?;
+    if !quarters.is_int() {
+        return None;
+    }
+    let rest: Vec<(Q, Id)> = terms.into_iter().filter(|(_, t)| *t != pi).collect();
+    let rest = g.sum(c, &rest);
+    let k = quarters.num().rem_euclid(4);
+    if f == Fun::Tan {
+        let t = g.call(Fun::Tan, &[rest]);
+        if k % 2 == 0 {
+            return Some(t);
+        }
+        // A pole stays as it is.
+        let pole = g.as_number(t).is_some_and(Q::is_zero);
+        let r = g.powi(t, -1);
+        return (!pole).then(|| g.neg(r));
+    }
+    let k = if f == Fun::Sin { k } else { k + 1 };
+    let value = g.call(if k % 2 == 0 { Fun::Sin } else { Fun::Cos }, &[rest]);
+    Some(if k % 4 < 2 { value } else { g.neg(value) })
+}
+
+/// The sign of a product without the factors that are known to be positive.
+fn sign_of_product(g: &mut Graph, q: Q, t: Id) -> Option<Id> {
+    let factors = g.factors(t);
+    let open: Vec<(Id, Id)> = factors
+        .iter()
+        .copied()
+        .filter(|&(b, e)| {
+            let whole = g.pow(b, e);
+            g.range(whole).lo <= 0.0
+        })
+        .collect();
+    if q.abs() == Q::ONE && open.len() == factors.len() {
+        return None;
+    }
+    let rest = g.product(&open);
+    let (inner, rest) = g.split(rest);
+    let sign = g.call(Fun::Sign, &[rest]);
+    Some(if q.is_negative() == inner.is_negative() { sign } else { g.neg(sign) })
+}
+
 fn radius(g: &mut Graph, a: &[Id]) -> Id {
     let y2 = g.powi(a[0], 2);
     let x2 = g.powi(a[1], 2);
@@ -190,7 +338,10 @@ fn exp_of_log(g: &mut Graph, q: Q, t: Id) -> Option<Id> {
         }
         let base = match g.node(b).clone() {
             Node::Call(Fun::Ln, a) => a[0],
-            Node::Call(Fun::Ln1p, a) => g.add(one, a[0]),
+            // A large or symbolic exponent would magnify the rounding of 1 + a.
+            Node::Call(Fun::Ln1p, a) if factors.len() == 1 && q.num().abs() <= 4 => {
+                g.add(one, a[0])
+            }
             _ => continue,
         };
         let mut rest: Vec<(Id, Id)> =

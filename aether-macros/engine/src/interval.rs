@@ -1,6 +1,12 @@
 //! Intervals: what the domains of uniforms and parameters say about the sign of an expression.
 
+use std::f64::consts::FRAC_PI_2;
+
 use crate::expr::Fun;
+use crate::number::Number;
+
+/// A little less than 1/e, where Lambert's W begins.
+const INVERSE_E: f64 = 0.367_879_441_171_442_3;
 
 /// A closed interval of the extended real line that contains every value of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,9 +94,30 @@ impl Interval {
         }
         hull(&[libm::pow(lo, e), libm::pow(hi, e)])
     }
+    /// Powers of a base that is not negative, with exponents from an interval.
+    pub fn powers(self, e: Interval) -> Interval {
+        if self.lo < 0.0 || !e.lo.is_finite() || !e.hi.is_finite() {
+            return Interval::POSITIVE;
+        }
+        // Monotone in the base and in the exponent, so that the corners are extreme.
+        let (lo, hi) = (self.lo, self.hi);
+        hull(&[(lo, e.lo), (lo, e.hi), (hi, e.lo), (hi, e.hi)].map(|(b, e)| libm::pow(b, e)))
+    }
+    /// The angles atan2(y, x) of points to the right of the ordinate.
+    pub fn quadrants(y: Interval, x: Interval) -> Interval {
+        // At the origin the angle is zero; it grows with y, and shrinks towards zero with x.
+        let end = |y: f64, x: f64| if y == 0.0 { 0.0 } else { libm::atan2(y, x) };
+        let lo = end(y.lo, if y.lo < 0.0 { x.lo } else { x.hi });
+        let hi = end(y.hi, if y.hi > 0.0 { x.lo } else { x.hi });
+        // The origin belongs to the angles if it may be met.
+        let origin = x.lo == 0.0 && y.lo <= 0.0 && y.hi >= 0.0;
+        if origin { Interval::new(lo.min(0.0), hi.max(0.0)) } else { Interval::new(lo, hi) }
+    }
     /// The image under a function of one argument.
     pub fn call(self, f: Fun) -> Interval {
         let monotone = |g: fn(f64) -> f64| Interval::new(g(self.lo), g(self.hi));
+        let falling = |g: fn(f64) -> f64| Interval::new(g(self.hi), g(self.lo));
+        let within = |lo: f64, hi: f64| self.lo >= lo && self.hi <= hi;
         match f {
             Fun::Exp => monotone(libm::exp),
             Fun::ExpM1 => monotone(libm::expm1),
@@ -105,7 +132,18 @@ impl Interval {
             Fun::Asinh => monotone(libm::asinh),
             Fun::Atan => monotone(libm::atan),
             Fun::Cosh => Interval::new(1.0, f64::INFINITY),
+            Fun::Acosh if self.lo >= 1.0 => monotone(libm::acosh),
             Fun::Acosh => Interval::POSITIVE,
+            Fun::Atanh if within(-1.0, 1.0) => monotone(libm::atanh),
+            Fun::Cbrt => monotone(libm::cbrt),
+            Fun::Erf => monotone(libm::erf),
+            Fun::Erfc => falling(libm::erfc),
+            Fun::ErfInv if within(-1.0, 1.0) => monotone(Number::erf_inv),
+            Fun::ErfcInv if within(0.0, 2.0) => falling(Number::erfc_inv),
+            Fun::LambertW if self.lo >= -INVERSE_E => monotone(Number::lambert_w),
+            Fun::LambertW => Interval::new(-1.0, f64::INFINITY),
+            Fun::Acos if within(-1.0, 1.0) => falling(libm::acos),
+            Fun::Asin if within(-1.0, 1.0) => monotone(libm::asin),
             Fun::Acos => Interval::new(0.0, std::f64::consts::PI),
             Fun::Asin => Interval::new(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2),
             Fun::Sin if self.lo >= 0.0 && self.hi <= std::f64::consts::PI => {
@@ -119,8 +157,10 @@ impl Interval {
             }
             Fun::SinPi if self.lo >= 0.0 && self.hi <= 1.0 => Interval::new(0.0, 1.0),
             Fun::SinPi | Fun::CosPi | Fun::Sin | Fun::Cos | Fun::Sign => Interval::new(-1.0, 1.0),
-            Fun::Tan if self.lo >= 0.0 && self.hi <= std::f64::consts::FRAC_PI_2 => {
-                Interval::POSITIVE
+            Fun::Tan if within(-FRAC_PI_2, FRAC_PI_2) => {
+                let end =
+                    |x: f64, pole: f64| if x.abs() >= FRAC_PI_2 { pole } else { libm::tan(x) };
+                Interval::new(end(self.lo, f64::NEG_INFINITY), end(self.hi, f64::INFINITY))
             }
             Fun::Abs => {
                 let hi = self.lo.abs().max(self.hi.abs());
@@ -146,6 +186,18 @@ fn hull(ends: &[f64]) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_of_several_arguments() {
+        let i = Interval::new;
+        assert_eq!(i(0.25, 2.0).powers(i(-1.0, 2.0)), i(0.0625, 4.0));
+        assert_eq!(i(0.0, 2.0).powers(i(-1.0, 1.0)), i(0.0, f64::INFINITY));
+        assert_eq!(i(-1.0, 2.0).powers(i(0.0, 1.0)), Interval::POSITIVE);
+        let quarter = std::f64::consts::FRAC_PI_4;
+        assert_eq!(Interval::quadrants(i(-1.0, 1.0), i(1.0, 5.0)), i(-quarter, quarter));
+        assert_eq!(Interval::quadrants(i(1.0, 2.0), i(0.0, 1.0)), i(quarter, FRAC_PI_2));
+        assert!(Interval::quadrants(i(0.0, 1.0), Interval::POSITIVE).lo == 0.0);
+    }
 
     #[test]
     fn signs() {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::cases::Case;
 use super::regimes::best_coordinates;
 use super::{Preimage, Problem, Target};
-use crate::expr::{Graph, Id};
+use crate::derivative::derivative;
+use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::jacobian::{cost, simplify};
 use crate::measure::{Loss, Measure};
 use crate::overflow::guard;
@@ -35,6 +36,22 @@ pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut M
     all.extend(volumes);
     let best = pick(g, &all, &truth, measure).0;
     guard(g, best)
+}
+
+/// Whether the coordinate itself is a divisor: x^k / x is 0/0 at zero, where x^(k - 1) has a value.
+fn divides_by_the_point(g: &Graph, id: Id) -> bool {
+    let divisor = |&(b, e): &(Id, Id)| {
+        let inner = match g.node(b) {
+            Node::Call(Fun::Abs, a) => a[0],
+            _ => b,
+        };
+        matches!(g.node(inner), Node::Leaf(Leaf::Out(_)))
+            && g.as_number(e).is_some_and(|q| q.is_negative())
+    };
+    match g.node(id) {
+        Node::Product(f) if f.iter().any(divisor) => true,
+        node => children(node).into_iter().any(|c| divides_by_the_point(g, c)),
+    }
 }
 
 /// The density in terms of the outputs, in its most accurate form, and its worst error.
@@ -75,6 +92,13 @@ pub(super) fn density(
     if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
         for &c in candidates.iter().take(3) {
             all.push(stabilise(g, c, measure));
+        }
+        if let ([unknown], 1) = (&problem.unknowns[..], problem.outputs.len()) {
+            // On a line the derivative of the inverse itself is one more form.
+            let slope = derivative(g, s.unknowns[unknown], Leaf::Out(0));
+            let slope = g.call(Fun::Abs, &[slope]);
+            let forms = [slope, simplify(g, slope, None)];
+            all.extend(forms.into_iter().filter(|&f| !divides_by_the_point(g, f)));
         }
     }
     let (best, error) = pick(g, &all, &truth, measure);

@@ -91,10 +91,16 @@ impl<'a> Code<'a> {
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
                     Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
                     Fun::Sign => quote!(R::ONE.copysign(#a)),
-                    _ => {
-                        let method = Ident::new(method(*f), Span::call_site());
-                        quote!(#a.#method())
-                    }
+                    _ => match special(*f) {
+                        Some(name) => {
+                            let name = Ident::new(name, Span::call_site());
+                            quote!(::aether_core::special::#name(#a))
+                        }
+                        None => {
+                            let method = Ident::new(method(*f), Span::call_site());
+                            quote!(#a.#method())
+                        }
+                    },
                 }
             }
             Node::If(test, yes, no) => {
@@ -298,6 +304,19 @@ fn number(x: f64) -> TokenStream {
     if x < 0.0 { quote!(R::of(-#l)) } else { quote!(R::of(#l)) }
 }
 
+/// The name of a function of `aether_core::special`.
+fn special(f: Fun) -> Option<&'static str> {
+    Some(match f {
+        Fun::Erf => "erf",
+        Fun::Erfc => "erfc",
+        Fun::ErfInv => "erf_inv",
+        Fun::ErfcInv => "erfc_inv",
+        Fun::LambertW => "lambert_w",
+        Fun::LnGamma => "ln_gamma",
+        _ => return None,
+    })
+}
+
 fn method(f: Fun) -> &'static str {
     match f {
         Fun::Exp => "exp",
@@ -316,6 +335,8 @@ fn method(f: Fun) -> &'static str {
         Fun::Asinh => "asinh",
         Fun::Acosh => "acosh",
         Fun::Atanh => "atanh",
-        Fun::Abs | Fun::Sign | Fun::Turn | Fun::SinPi | Fun::CosPi | Fun::Pow1p => "abs",
+        Fun::Cbrt => "cbrt",
+        // All others are written by `expression`.
+        _ => "abs",
     }
 }

@@ -128,28 +128,23 @@ impl<'a> Emitter<'a> {
             })
             .collect();
         let lets = code.statements();
-        let each =
-            |f: &dyn Fn(&TokenStream, Option<&(TokenStream, TokenStream)>) -> TokenStream,
-             name: &str| {
-                let name = Ident::new(name, Span::call_site());
-                let all = ends.iter().enumerate().map(|(i, s)| {
-                    let i = Literal::usize_unsuffixed(i);
-                    f(&quote!(#name[#i]), s.as_ref())
-                });
-                let all: Vec<TokenStream> = all.collect();
-                quote!(#lets [#(#all),*])
-            };
-        let into =
-            each(&|u, s| s.map_or(u.clone(), |(low, width)| quote!((#u - #low) / (#width))), "u");
-        let out = each(
-            &|t, s| {
-                s.map_or(
-                    t.clone(),
-                    |(low, width)| quote!(::aether_core::support::within(#low, #width, #t)),
-                )
-            },
-            "t",
-        );
+        let place = |name: &str, i: usize| {
+            let name = Ident::new(name, Span::call_site());
+            let i = Literal::usize_unsuffixed(i);
+            quote!(#name[#i])
+        };
+        let into = ends.iter().enumerate().map(|(i, s)| {
+            let u = place("u", i);
+            s.as_ref().map_or(u.clone(), |(low, width)| quote!((#u - #low) / (#width)))
+        });
+        let out = ends.iter().enumerate().map(|(i, s)| {
+            let t = place("t", i);
+            s.as_ref().map_or(
+                t.clone(),
+                |(low, width)| quote!(::aether_core::support::within(#low, #width, #t)),
+            )
+        });
+        let (into, out) = (quote!(#lets [#(#into),*]), quote!(#lets [#(#out),*]));
         (into, out)
     }
 

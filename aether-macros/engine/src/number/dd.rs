@@ -6,6 +6,7 @@
 
 mod constants;
 mod functions;
+mod special;
 #[cfg(test)]
 mod tests;
 

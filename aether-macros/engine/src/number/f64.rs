@@ -1,6 +1,6 @@
 //! The precision of the programs that are generated: `f64` on the functions of `libm`.
 
-use super::{Number, ratio};
+use super::{Dd, Number, ratio};
 
 impl Number for f64 {
     fn from_f64(value: f64) -> Self {
@@ -121,6 +121,30 @@ impl Number for f64 {
 
     fn hypot(self, other: Self) -> Self {
         libm::hypot(self, other)
+    }
+
+    fn erf(self) -> Self {
+        libm::erf(self)
+    }
+
+    fn erfc(self) -> Self {
+        libm::erfc(self)
+    }
+
+    fn erf_inv(self) -> Self {
+        Dd::from_f64(self).erf_inv().to_f64()
+    }
+
+    fn erfc_inv(self) -> Self {
+        Dd::from_f64(self).erfc_inv().to_f64()
+    }
+
+    fn lambert_w(self) -> Self {
+        Dd::from_f64(self).lambert_w().to_f64()
+    }
+
+    fn ln_gamma(self) -> Self {
+        libm::lgamma(self)
     }
 
     fn min(self, other: Self) -> Self {

@@ -87,6 +87,18 @@ pub trait Number:
     fn powi(self, exponent: i32) -> Self;
     /// `sqrt(self² + other²)` without overflow on the way.
     fn hypot(self, other: Self) -> Self;
+    /// The error function.
+    fn erf(self) -> Self;
+    /// `1 - erf(self)`, accurate where it is small.
+    fn erfc(self) -> Self;
+    /// The inverse of `erf`; infinite at ±1 and NaN beyond.
+    fn erf_inv(self) -> Self;
+    /// The inverse of `erfc`; infinite at 0 and 2 and NaN outside.
+    fn erfc_inv(self) -> Self;
+    /// The principal branch of Lambert's W; NaN below -1/e.
+    fn lambert_w(self) -> Self;
+    /// The logarithm of the gamma function of a positive number.
+    fn ln_gamma(self) -> Self;
     /// The smaller of two; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger of two; the other one if one is NaN.

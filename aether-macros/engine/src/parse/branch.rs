@@ -153,7 +153,7 @@ impl Body<'_> {
             }
             self.names = saved;
         }
-        self.error(&e.match_token, "no arm of this `match` is taken: end it with `_ => …`")
+        self.error(e.match_token, "no arm of this `match` is taken: end it with `_ => …`")
     }
 
     fn fits(&mut self, pattern: &syn::Pat, value: &Value) -> Option<bool> {

@@ -4,8 +4,9 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
+use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
-use crate::expr::{Fun, Id};
+use crate::expr::{Fun, Graph, Id};
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 
@@ -80,6 +81,11 @@ pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
     match (&receiver, &args[..]) {
         (Value::Scalar(x), []) => scalar_function(body, m, &name, *x),
         (Value::Scalar(x), [a]) => scalar_with_argument(body, m, &name, *x, a),
+        (Value::Scalar(x), [a, b]) if name == "mul_add" => {
+            let (a, b) = (body.scalar(a)?, body.scalar(b)?);
+            let product = body.graph.mul(*x, a);
+            Some(Value::Scalar(body.graph.add(product, b)))
+        }
         (Value::Matrix(_), _) => matrix_method(body, m, &name, receiver, &args),
         (v, _) if v.vector().is_some() => {
             let v = v.vector()?.to_vec();
@@ -110,6 +116,7 @@ fn function_named(name: &str) -> Option<Fun> {
         "asinh" => Fun::Asinh,
         "acosh" => Fun::Acosh,
         "atanh" => Fun::Atanh,
+        "cbrt" => Fun::Cbrt,
         "abs" => Fun::Abs,
         _ => return None,
     })
@@ -132,14 +139,20 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
     }
     let id = match name {
         "sqrt" => g.sqrt(x),
-        "cbrt" => {
-            let third = g.number(Q::new(1, 3)?);
-            g.pow(x, third)
-        }
         "recip" => g.powi(x, -1),
         "exp2" => {
             let two = g.int(2);
             g.pow(two, x)
+        }
+        "log2" | "log10" => {
+            let base = g.int(if name == "log2" { 2 } else { 10 });
+            logarithm(g, x, base)
+        }
+        "to_radians" | "to_degrees" => {
+            let pi = g.pi();
+            let right = g.int(180);
+            let radians = g.div(pi, right);
+            if name == "to_radians" { g.mul(x, radians) } else { g.div(x, radians) }
         }
         "sin_cos" => {
             let (s, c) = (g.call(Fun::Sin, &[x]), g.call(Fun::Cos, &[x]));
@@ -155,11 +168,17 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
         _ => {
             return body.error(
                 &m.method,
-                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp_m1 ln ln_1p sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh abs powi powf hypot sin_cos"),
+                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp2 exp_m1 ln ln_1p log log2 log10 sin cos sin_cos tan asin acos atan atan2 to_radians to_degrees sinh cosh tanh asinh acosh atanh abs powi powf hypot mul_add; free functions are {SPECIAL}"),
             );
         }
     };
     Some(Value::Scalar(id))
+}
+
+/// log of x to a base.
+fn logarithm(g: &mut Graph, x: Id, base: Id) -> Id {
+    let (top, bottom) = (g.call(Fun::Ln, &[x]), g.call(Fun::Ln, &[base]));
+    g.div(top, bottom)
 }
 
 fn scalar_with_argument(
@@ -180,6 +199,10 @@ fn scalar_with_argument(
         "powf" => {
             let e = body.scalar(a)?;
             Some(Value::Scalar(body.graph.pow(x, e)))
+        }
+        "log" => {
+            let base = body.scalar(a)?;
+            Some(Value::Scalar(logarithm(&mut body.graph, x, base)))
         }
         "hypot" => {
             let y = body.scalar(a)?;
@@ -207,7 +230,7 @@ fn scalar_with_argument(
             let whole = body.graph.mul(turns, period);
             Some(Value::Scalar(body.graph.sub(x, whole)))
         }
-        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, hypot and atan2")),
+        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot, atan2, min, max, copysign and rem_euclid")),
     }
 }
 
@@ -321,6 +344,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let x = body.scalar(x)?;
             let f = function_named(f)?;
             Some(Value::Scalar(body.graph.call(f, &[x])))
+        }
+        ("" | "special", f, [x]) if SPECIAL.split(' ').any(|name| name == f) => {
+            special_function(body, c, f, x)
         }
         ("f64", "sqrt", [x]) => {
             let x = body.scalar(x)?;

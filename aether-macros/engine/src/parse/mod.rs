@@ -7,6 +7,7 @@ mod expression;
 mod methods;
 mod pieces;
 mod signature;
+mod special;
 mod value;
 
 pub use attribute::{Domain, Options};

@@ -1,11 +1,17 @@
 //! Undoing the outermost function of an equation.
 
+mod joint;
+
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Condition, State};
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
 use crate::jacobian::cost;
 use crate::rational::Q;
+use joint::{
+    join_logarithms, lambert, ratio_of_sine_and_cosine, undo_atan2, undo_cotangent, undo_lambert,
+    undo_powers,
+};
 
 /// One way to undo a function: the new known side, and tests that it must pass.
 struct Inverse {
@@ -28,7 +34,7 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     let mut order: Vec<usize> = (0..state.equations.len()).collect();
     order.sort_by_key(|&i| {
         let rhs = state.equations[i].rhs;
-        ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs))
+        ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs), cost(g, state.equations[i].known))
     });
     for i in order {
         let eq = state.equations[i].clone();
@@ -40,6 +46,11 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
         }
         let next = inverses.into_iter().map(|inverse| {
             let mut s = state.clone();
+            if !eq.modulo_turn && matches!(g.node(eq.rhs), Node::Call(..)) {
+                // What the function comes to is as good to know as what its argument is. Not so for
+                // powers: x^k / x for x^(k - 1) would be 0/0 at zero.
+                s.solution.known.entry(eq.rhs).or_insert(eq.known);
+            }
             s.equations[i].known = inverse.known;
             s.equations[i].rhs = argument;
             s.equations[i].modulo_turn = false;
@@ -64,6 +75,9 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
     match g.node(rhs).clone() {
         Node::Product(f) if f.len() == 1 => {
             let (base, exp) = f[0];
+            if let Some(answer) = undo_cotangent(g, known, base, exp) {
+                return Some(answer);
+            }
             match (g.has(base, UNKNOWNS), g.has(exp, UNKNOWNS)) {
                 (true, false) => Some((base, undo_power(g, known, base, exp))),
                 (false, true) => {
@@ -75,6 +89,18 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
                 _ => None,
             }
         }
+        Node::Product(f) if ratio_of_sine_and_cosine(g, &f).is_some() => {
+            let (top, angle) = ratio_of_sine_and_cosine(g, &f)?;
+            let tangent = g.call(Fun::Tan, &[angle]);
+            let e = g.int(if top == Fun::Sin { 1 } else { -1 });
+            let rhs = g.pow(tangent, e);
+            undo(g, known, rhs, false)
+        }
+        Node::Product(f) if f.iter().all(|(b, _)| !g.has(*b, UNKNOWNS)) => {
+            undo_powers(g, known, &f)
+        }
+        Node::Sum(c, terms) if c.is_zero() => join_logarithms(g, known, &terms),
+        Node::Product(f) if lambert(g, &f).is_some() => undo_lambert(g, known, &f),
         Node::Product(f) => {
             // √(a/b) is kept as √a/√b: square both sides.
             let halves = f.iter().all(|(b, e)| {
@@ -87,6 +113,7 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
             let inverse = Inverse { known: g.powi(known, 2), conditions: vec![Condition(known)] };
             Some((squared, vec![inverse]))
         }
+        Node::Call(Fun::Atan2, args) => undo_atan2(g, known, args[0], args[1]),
         Node::Call(f, args) if args.len() == 1 => Some((args[0], undo_call(g, f, known, args[0])?)),
         _ => None,
     }
@@ -160,6 +187,9 @@ fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {
             conditions: vec![Condition(known)],
         }];
     }
+    if e == Q::int(3) {
+        return vec![Inverse { known: g.call(Fun::Cbrt, &[known]), conditions: vec![] }];
+    }
     let size = g.call(Fun::Abs, &[known]);
     let root = g.pow(size, inverse_exponent);
     let sign = g.call(Fun::Sign, &[known]);
@@ -170,14 +200,37 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
     let plain = |known| Some(vec![Inverse { known, conditions: vec![] }]);
     let back = |g: &mut Graph, h: Fun| g.call(h, &[known]);
     match f {
-        Fun::Exp => plain(back(g, Fun::Ln)),
-        Fun::ExpM1 => plain(back(g, Fun::Ln1p)),
+        // Without the tests a power that the logarithm becomes part of could go on beyond its pole.
+        Fun::Exp => {
+            let y = back(g, Fun::Ln);
+            Some(vec![Inverse { known: y, conditions: vec![Condition(known)] }])
+        }
+        Fun::ExpM1 => {
+            let (y, one) = (back(g, Fun::Ln1p), g.int(1));
+            let test = g.add(known, one);
+            Some(vec![Inverse { known: y, conditions: vec![Condition(test)] }])
+        }
         Fun::Ln => plain(back(g, Fun::Exp)),
         Fun::Ln1p => plain(back(g, Fun::ExpM1)),
         Fun::Sinh => plain(back(g, Fun::Asinh)),
         Fun::Asinh => plain(back(g, Fun::Sinh)),
         Fun::Tanh => plain(back(g, Fun::Atanh)),
         Fun::Atanh => plain(back(g, Fun::Tanh)),
+        Fun::Cbrt => {
+            let cube = g.powi(known, 3);
+            plain(cube)
+        }
+        Fun::Erf => plain(back(g, Fun::ErfInv)),
+        Fun::ErfInv => plain(back(g, Fun::Erf)),
+        Fun::Erfc => plain(back(g, Fun::ErfcInv)),
+        Fun::ErfcInv => plain(back(g, Fun::Erfc)),
+        Fun::LambertW => {
+            let e = back(g, Fun::Exp);
+            let x = g.mul(known, e);
+            let one = g.int(1);
+            let test = g.add(known, one);
+            Some(vec![Inverse { known: x, conditions: vec![Condition(test)] }])
+        }
         Fun::Asin => bounded(g, Fun::Sin, known, -FRAC_PI_2, FRAC_PI_2),
         Fun::Acos => bounded(g, Fun::Cos, known, 0.0, PI),
         Fun::Atan => bounded(g, Fun::Tan, known, -FRAC_PI_2, FRAC_PI_2),
@@ -193,7 +246,13 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::Sin => periodic(g, Fun::Asin, known, argument),
         Fun::Cos => periodic(g, Fun::Acos, known, argument),
         Fun::Tan => periodic(g, Fun::Atan, known, argument),
-        Fun::Sign | Fun::Turn | Fun::Atan2 | Fun::SinPi | Fun::CosPi | Fun::Pow1p => None,
+        Fun::Sign
+        | Fun::Turn
+        | Fun::Atan2
+        | Fun::SinPi
+        | Fun::CosPi
+        | Fun::Pow1p
+        | Fun::LnGamma => None,
     }
 }
 

@@ -6,13 +6,18 @@ use super::{Condition, Equation, State};
 use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
+use crate::jacobian::cost;
 use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
 /// one or two in some subexpression.
 pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    for i in 0..state.equations.len() {
+    // Of several equations for one unknown, the one whose known side takes the least computing: it
+    // has lost the least to rounding.
+    let mut order: Vec<usize> = (0..state.equations.len()).collect();
+    order.sort_by_key(|&i| cost(g, state.equations[i].known));
+    for i in order {
         let eq = state.equations[i].clone();
         let deps = g.deps(eq.rhs) & UNKNOWNS;
         if deps.count_ones() != 1 || eq.modulo_turn {

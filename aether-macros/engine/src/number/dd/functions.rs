@@ -5,7 +5,7 @@
 //! of small results; the step itself is so small that `f64` suffices for it.
 
 use super::constants::{HALF_PI_PARTS, INVERSE_FACTORIAL, LN_2, LN_2_PARTS, PI};
-use super::{Dd, is_moderate};
+use super::{Dd, is_moderate, special};
 use crate::number::Number;
 use std::f64::consts::{FRAC_2_PI, LOG2_E, SQRT_2};
 
@@ -342,6 +342,30 @@ impl Number for Dd {
         let exponent = libm::ilogb(largest);
         let (a, b) = (a.scale(-exponent), b.scale(-exponent));
         (a * a + b * b).sqrt().scale(exponent)
+    }
+
+    fn erf(self) -> Self {
+        special::erf(self)
+    }
+
+    fn erfc(self) -> Self {
+        special::erfc(self)
+    }
+
+    fn erf_inv(self) -> Self {
+        special::erf_inv(self)
+    }
+
+    fn erfc_inv(self) -> Self {
+        special::erfc_inv(self)
+    }
+
+    fn lambert_w(self) -> Self {
+        special::lambert_w(self)
+    }
+
+    fn ln_gamma(self) -> Self {
+        special::ln_gamma(self)
     }
 
     fn min(self, other: Self) -> Self {

@@ -45,6 +45,16 @@ const BINARY: [(&str, Binary); 6] = [
     ("powf", Dd::powf),
 ];
 
+/// The functions of `special.rs`, which lose a few digits more than the elementary ones.
+const SPECIAL: [(&str, Unary); 6] = [
+    ("erf", Dd::erf),
+    ("erfc", Dd::erfc),
+    ("erf_inv", Dd::erf_inv),
+    ("erfc_inv", Dd::erfc_inv),
+    ("lambert_w", Dd::lambert_w),
+    ("ln_gamma", Dd::ln_gamma),
+];
+
 fn relative_error(value: Dd, expected: Dd) -> f64 {
     ((value - expected) / expected).abs().to_f64()
 }
@@ -79,6 +89,34 @@ fn agrees_with_the_reference_table() {
         seen.insert(name);
     }
     assert_eq!(seen.len(), UNARY.len() + BINARY.len());
+}
+
+#[test]
+fn special_functions_agree_with_their_table() {
+    let mut seen = std::collections::BTreeSet::new();
+    for line in include_str!("special.txt").lines().filter(|line| !line.starts_with('#')) {
+        let (name, numbers) = line.split_once(' ').unwrap();
+        let n: Vec<f64> = numbers.split(' ').map(|n| n.parse().unwrap()).collect();
+        let [x, expected] = [0, 4].map(|i| Dd::sum(n[i], n[i + 1]));
+        let value = SPECIAL.iter().find(|f| f.0 == name).map(|f| f.1(x)).unwrap();
+        let error = relative_error(value, expected);
+        assert!(error < 1e-28, "{line}: got {value:?}, relative error {error:e}");
+        seen.insert(name);
+    }
+    assert_eq!(seen.len(), SPECIAL.len());
+}
+
+#[test]
+fn special_functions_at_the_ends_of_their_domains() {
+    assert_is(dd(1.0).erf_inv(), INF);
+    assert_is(dd(0.0).erfc_inv(), INF);
+    assert_is(dd(2.0).erfc_inv(), -INF);
+    assert_is(dd(INF).erf(), 1.0);
+    assert_is(dd(-INF).erfc(), 2.0);
+    assert_is(dd(INF).lambert_w(), INF);
+    for x in [dd(1.5).erf_inv(), dd(2.5).erfc_inv(), dd(-0.5).erfc_inv(), dd(-0.4).lambert_w()] {
+        assert!(x.is_nan());
+    }
 }
 
 #[test]

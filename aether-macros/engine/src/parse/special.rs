@@ -1,0 +1,54 @@
+//! The special functions of the prelude, called by name.
+
+use syn::{Expr, ExprCall};
+
+use super::Value;
+use super::body::Body;
+use crate::expr::{Fun, Graph, Id, UNKNOWNS};
+use crate::rational::Q;
+
+/// A special function of the prelude at one argument.
+fn function_of(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
+    let f = match name {
+        "erf" => Fun::Erf,
+        "erfc" => Fun::Erfc,
+        "erf_inv" => Fun::ErfInv,
+        "erfc_inv" => Fun::ErfcInv,
+        "lambert_w" => Fun::LambertW,
+        "ln_gamma" => Fun::LnGamma,
+        // erfc(-x/√2) / 2 and its inverse, -√2 erfc⁻¹(2x).
+        "normal_cdf" => {
+            let two = g.int(2);
+            let root = g.sqrt(two);
+            let argument = g.div(x, root);
+            let argument = g.neg(argument);
+            let tail = g.call(Fun::Erfc, &[argument]);
+            return Some(g.sum(Q::ZERO, &[(Q::HALF, tail)]));
+        }
+        "normal_quantile" => {
+            let two = g.int(2);
+            let twice = g.mul(two, x);
+            let z = g.call(Fun::ErfcInv, &[twice]);
+            let root = g.sqrt(two);
+            let minus = g.neg(root);
+            return Some(g.mul(minus, z));
+        }
+        _ => return None,
+    };
+    Some(g.call(f, &[x]))
+}
+
+/// The names that [`special_function`] knows, for messages.
+pub const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lambert_w ln_gamma";
+
+/// A call of a special function.
+pub fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> Option<Value> {
+    let argument = body.scalar(x)?;
+    if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
+        return body.error(
+            c,
+            "`ln_gamma` is a function of parameters only: its derivative is not in the language",
+        );
+    }
+    function_of(&mut body.graph, name, argument).map(Value::Scalar)
+}
