@@ -1,7 +1,7 @@
 //! The error function, its complement, and their inverses.
 
 use super::coefficients::{ERF, ERF_INV, ERFC, ERFC_INV, ERFC_INV_VARIABLE, ERFC_VARIABLE};
-use crate::real::{Mask, Real};
+use crate::real::Real;
 
 /// c[0] + c[1] t + c[2] t² + …
 #[inline(always)]
