@@ -1,9 +1,8 @@
 use aether_core::prelude::*;
 
 #[sampler]
-fn sawtooth(u: [Uniform; 1]) -> f64 {
-    let x = 3.0 * u[0];
-    x - x.floor()
+fn sawtooth(u: [Uniform; 1], k: f64) -> f64 {
+    (k * u[0]).fract()
 }
 
 fn main() {}

@@ -2,7 +2,7 @@ use aether_core::prelude::*;
 
 #[sampler]
 fn wrong(u: [Uniform; 2]) -> Vec2 {
-    let x = u[0].floor();
+    let x = u[0].round();
     let y = u[2] + unknown;
     Vec2::new(x, y)
 }

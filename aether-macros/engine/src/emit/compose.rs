@@ -78,7 +78,7 @@ impl Chain<'_> {
                     return Some(map);
                 }
                 let inner = self.link(&m.args[0])?;
-                Some(quote!((#inner).then(#map)))
+                Some(quote!(::aether_core::Then::new(#inner, #map)))
             }
             _ => None,
         }

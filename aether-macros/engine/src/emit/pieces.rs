@@ -56,7 +56,33 @@ impl<'a> Emitter<'a> {
         for place in self.places() {
             functions.extend(self.preimage(place));
         }
+        if !self.is_whole() {
+            functions.extend(self.whole());
+        }
         functions
+    }
+
+    /// The map of uniforms as a whole.
+    fn whole(&self) -> TokenStream {
+        let (n, m, p) = self.sizes();
+        let pieces = (0..self.parsed.pieces.len()).map(|j| {
+            let [taken, enter, forward] =
+                ["taken", "enter", "forward"].map(|name| format_ident!("{name}_{j}"));
+            quote! {
+                let taken = #taken::<R>(p, u);
+                if taken.any() {
+                    let y = #forward::<R>(p, &#enter::<R>(p, u));
+                    c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+                }
+            }
+        });
+        quote! {
+            fn whole<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #m] {
+                let mut c = [R::of(f64::NAN); #m];
+                #(#pieces)*
+                c
+            }
+        }
     }
 
     fn piece(&self, j: usize, piece: &Piece, derived: &Derived) -> TokenStream {
@@ -90,7 +116,8 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(&piece.graph, &at_uniforms);
         let taken_tests = self::passed(&mut code, &piece.tests);
         let taken_lets = code.statements();
-        let (into, out) = self.segments(problem);
+        let (into, out, open) = self.segments(problem);
+        let wide = format_ident!("wide_{j}");
         quote! {
             #[inline(always)]
             fn #forward<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #m] { #forward_lets [#(#outputs),*] }
@@ -112,13 +139,16 @@ impl<'a> Emitter<'a> {
             fn #taken<R: Real>(p: &[R; #p], u: &[R; #n]) -> R::Mask { #taken_lets #taken_tests }
             #[inline(always)]
             fn #enter<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #n] { #into }
+            /// Whether the parameters leave the piece any width.
+            #[inline(always)]
+            fn #wide<R: Real>(p: &[R; #p]) -> R::Mask { let t = [R::ZERO; #n]; #open }
             #[inline(always)]
             fn #leave<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #n] { #out }
         }
     }
 
-    /// From uniforms to the unknowns of a piece, and back.
-    fn segments(&self, problem: &Problem) -> (TokenStream, TokenStream) {
+    /// From uniforms to the unknowns of a piece, and back; and whether the piece has any width.
+    fn segments(&self, problem: &Problem) -> (TokenStream, TokenStream, TokenStream) {
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::new(&problem.graph, &at);
         let ends: Vec<Option<(TokenStream, TokenStream)>> = (0..problem.unknowns.len())
@@ -128,6 +158,8 @@ impl<'a> Emitter<'a> {
             })
             .collect();
         let lets = code.statements();
+        let widths: Vec<&TokenStream> = ends.iter().flatten().map(|(_, width)| width).collect();
+        let open = quote!(#lets <R::Mask as Mask>::TRUE #(.and(#widths.gt(R::ZERO)))*);
         let place = |name: &str, i: usize| {
             let name = Ident::new(name, Span::call_site());
             let i = Literal::usize_unsuffixed(i);
@@ -145,7 +177,7 @@ impl<'a> Emitter<'a> {
             )
         });
         let (into, out) = (quote!(#lets [#(#into),*]), quote!(#lets [#(#out),*]));
-        (into, out)
+        (into, out, open)
     }
 
     fn preimage(&self, place: Place) -> TokenStream {

@@ -92,12 +92,41 @@ fn existence(e: &Emitter) -> TokenStream {
         .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place));
+    let once = places.iter().map(|&place| once(place, &places));
     let recovered = places.iter().map(|&place| recovered(e, place, &places));
     quote! {
         let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;
         #(#strict)*
+        #(#once)*
         #(#recovered)*
     }
+}
+
+/// On a border between two pieces rounding can put a point into both, and in the middle of a piece
+/// two of its solutions can meet: the preimage counts once.
+fn once(place: Place, places: &[Place]) -> TokenStream {
+    let guarded = |p: &Place| !p.problem.guards.is_empty();
+    let [strict, inverse] = ["strict", "inverse"].map(|n| format_ident!("{n}_{}", place.number));
+    let leave = format_ident!("leave_{}", place.piece);
+    let pairs = places[..place.number].iter().filter(|other| guarded(other) || guarded(&place));
+    let pairs = pairs.map(|other| {
+        let [strict_other, inverse_other] =
+            ["strict", "inverse"].map(|n| format_ident!("{n}_{}", other.number));
+        let leave_other = format_ident!("leave_{}", other.piece);
+        quote! {
+            let #strict = if #strict.and(#strict_other).any()
+                && ::aether_core::support::coincide(
+                    &#leave::<R>(&p, &#inverse::<R>(&p, &x)),
+                    &#leave_other::<R>(&p, &#inverse_other::<R>(&p, &x)),
+                )
+            {
+                #strict.and(#strict_other.not())
+            } else {
+                #strict
+            };
+        }
+    });
+    quote!(#(#pairs)*)
 }
 
 fn strictly(e: &Emitter, place: Place) -> TokenStream {
@@ -108,6 +137,9 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
     let guarded =
         (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
+    let confined = place.problem.segments.iter().any(Option::is_some);
+    let wide = format_ident!("wide_{j}");
+    let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let membership = place.derived.check_forward.then(|| {
         let leads_back = leads_back(e, place);
         quote! {
@@ -122,7 +154,7 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     });
     quote! {
         let (checked, ok) = #support::<R>(&p, &x);
-        let #possible = ok.and(belongs);
+        let #possible = ok.and(belongs) #wide;
         let #strict = #possible.and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
     }
@@ -157,6 +189,15 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             .filter(|_| ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t)))
         }
     });
+    // Across a jump there is another point: what rounding carried over a border has to lead back.
+    let taken = format_ident!("taken_{j}");
+    let landed = (!place.problem.guards.is_empty()).then(|| {
+        quote! {
+            .filter(|u| #taken::<R>(&p, u).any()
+                || ::aether_core::support::leads_back::<R, #n, #m>(
+                    u.map(Real::track), &x, |u| whole::<R::Tracked>(&tp, u)))
+        }
+    });
     // A preimage that was accepted by tolerance and equals one that counts already counts once.
     let again = places.iter().filter(|other| other.number != k).map(|other| {
         let [inverse, strict, recovered] =
@@ -180,6 +221,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
                 #admitted
                 #membership
                 .map(|t| #leave::<R>(&p, &t))
+                #landed
                 #(#again)*
         } else {
             None

@@ -1,0 +1,218 @@
+//! Samplers with branches: every piece is inverted by itself, the preimages of all pieces add up.
+
+use aether_core::battery;
+use aether_core::prelude::*;
+use tests::mutation::OnePercentOff;
+
+/// A tent over [-r, r].
+#[sampler]
+pub fn tent(u: [Uniform; 1], r: f64) -> f64 {
+    if u[0] < 0.5 {
+        r * ((2.0 * u[0]).sqrt() - 1.0)
+    } else {
+        r * (1.0 - (2.0 * (1.0 - u[0])).sqrt())
+    }
+}
+
+/// Laplace's distribution with scale b.
+#[sampler]
+pub fn laplace(u: [Uniform; 1], b: f64) -> f64 {
+    let left = u[0] < 0.5;
+    if left {
+        return b * (2.0 * u[0]).ln();
+    }
+    -b * (2.0 * (1.0 - u[0])).ln()
+}
+
+/// The distance of a uniform from the middle.
+#[sampler]
+pub fn fold(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0).abs()
+}
+
+/// Three teeth of a saw.
+#[sampler]
+pub fn sawtooth(u: [Uniform; 1]) -> f64 {
+    (3.0 * u[0]).fract()
+}
+
+/// As many teeth as k says.
+#[sampler(k in 1.0..=4.0)]
+pub fn teeth(u: [Uniform; 1], k: f64) -> f64 {
+    (k * u[0]).rem_euclid(1.0)
+}
+
+/// Barycentric coordinates by folding the unit square (every point has two preimages).
+#[sampler]
+pub fn folded_triangle(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = if u[0] + u[1] <= 1.0 { (u[0], u[1]) } else { (1.0 - u[0], 1.0 - u[1]) };
+    Vec2::new(a, b)
+}
+
+/// Barycentric coordinates by Heitz's map (2019), one preimage.
+#[sampler]
+pub fn heitz_triangle(u: [Uniform; 2]) -> Vec2 {
+    if u[1] > u[0] {
+        Vec2::new(u[0] / 2.0, u[1] - u[0] / 2.0)
+    } else {
+        Vec2::new(u[0] - u[1] / 2.0, u[1] / 2.0)
+    }
+}
+
+/// The concentric map of Shirley and Chiu (1997).
+#[sampler]
+pub fn concentric_disk(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let (r, theta) = if a.abs() > b.abs() {
+        (a, PI / 4.0 * (b / a))
+    } else {
+        (b, PI / 2.0 - PI / 4.0 * (a / b))
+    };
+    Vec2::new(r * theta.cos(), r * theta.sin())
+}
+
+/// A cosine lobe and a uniform sphere, mixed by one uniform that is used again.
+#[sampler(p in 0.0..=1.0)]
+pub fn mixture(u: [Uniform; 2], p: f64) -> Direction {
+    let phi = TAU * u[1];
+    if u[0] < p {
+        let v = u[0] / p;
+        let r = v.sqrt();
+        Direction::new(r * phi.cos(), r * phi.sin(), (1.0 - v).sqrt())
+    } else {
+        let v = (u[0] - p) / (1.0 - p);
+        let z = 1.0 - 2.0 * v;
+        let r = (1.0 - z * z).sqrt();
+        Direction::new(r * phi.cos(), r * phi.sin(), z)
+    }
+}
+
+/// The branch is on a parameter.
+#[sampler(k in 0.5..=2.0)]
+pub fn by_parameter(u: [Uniform; 1], k: f64) -> f64 {
+    match k < 1.0 {
+        true => u[0] * k,
+        false => u[0] * u[0] * k,
+    }
+}
+
+/// Nested branches with logic: quarters of the unit interval, each with a slope of its own.
+#[sampler]
+pub fn quarters(u: [Uniform; 1]) -> f64 {
+    let x = u[0];
+    if x < 0.25 || !(x < 0.75) {
+        if x < 0.5 { 4.0 * x } else { 1.0 + 8.0 * (x - 0.75) }
+    } else if x >= 0.25 && x < 0.5 {
+        -2.0 * (x - 0.25)
+    } else {
+        -0.5 - 6.0 * (x - 0.5)
+    }
+}
+
+/// Free flight through a slab: no sample beyond the depth d.
+#[sampler(s in 0.01..=100.0, d in 0.01..=100.0)]
+pub fn flight_within(u: [Uniform; 1], s: f64, d: f64) -> Option<f64> {
+    let t = -(-u[0]).ln_1p() / s;
+    if t < d { Some(t) } else { None }
+}
+
+/// A map with branches: the octant of |x| >= |y| is mirrored at the axis.
+#[map]
+pub fn kink(x: Vec2) -> Vec2 {
+    if x.y > 0.0 { Vec2::new(x.x + x.y, 2.0 * x.y) } else { Vec2::new(x.x, 3.0 * x.y) }
+}
+
+#[sampler]
+pub fn square(u: [Uniform; 2]) -> Vec2 {
+    Vec2::new(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0)
+}
+
+/// The square, kinked.
+#[sampler]
+pub fn kinked_square(u: [Uniform; 2]) -> Vec2 {
+    kink().apply(&square().sample(u))
+}
+
+fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
+    made.expect("the parameters are in their domain")
+}
+
+macro_rules! batteries {
+    ($($name:ident: $($sampler:expr),+;)*) => {
+        $(#[test]
+        fn $name() {
+            $(battery::check(&$sampler).assert_ok();
+            battery::check_f32(&$sampler).assert_ok();
+            assert!(!battery::check(&OnePercentOff($sampler)).is_ok());)+
+        })*
+    };
+}
+
+batteries! {
+    tents: tent(2.0), tent(0.125);
+    laplaces: laplace(0.7), laplace(20.0);
+    folds: fold(), sawtooth();
+    saws: right(teeth(3.0)), right(teeth(1.75));
+    folded_triangles: folded_triangle();
+    heitz_triangles: heitz_triangle();
+    concentric_disks: concentric_disk();
+    mixtures: right(mixture(0.3)), right(mixture(0.999));
+    switched: right(by_parameter(0.75)), right(by_parameter(1.5));
+    quarter_slopes: quarters();
+    kinked: kinked_square();
+}
+
+fn near(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-14 * expected.abs(), "{found:e}, not {expected:e}");
+}
+
+#[test]
+fn densities_are_those_of_the_textbook() {
+    for x in [-1.75f64, -0.3, 0.0, 1.2, 1.999] {
+        near(tent(2.0).pdf(&x).value(), (2.0 - x.abs()) / 4.0);
+        near(laplace(0.7).pdf(&x).value(), (-x.abs() / 0.7).exp() / 1.4);
+    }
+    assert_eq!(tent(2.0).pdf(&2.5).value(), 0.0);
+    near(fold().pdf(&0.3).value(), 1.0);
+    near(concentric_disk().pdf(&Vec2::new(0.3, -0.8)).value(), 1.0 / PI);
+    assert_eq!(concentric_disk().pdf(&Vec2::new(0.8, -0.8)).value(), 0.0);
+    let w = Direction::new(0.6, 0.0, 0.8);
+    near(right(mixture(0.3)).pdf(&w).value(), 0.3 * 0.8 / PI + 0.7 / (2.0 * TAU));
+}
+
+#[test]
+fn a_seam_counts_once_and_a_fold_twice() {
+    // On the border of two pieces: the mode of the tent, the diagonals of the square.
+    near(tent(2.0).pdf(&0.0).value(), 0.5);
+    near(laplace(1.0).pdf(&0.0).value(), 0.5);
+    for s in [0.125, 0.25, 1.0 / 3.0] {
+        near(heitz_triangle().pdf(&Vec2::new(s, s)).value(), 2.0);
+        near(concentric_disk().pdf(&Vec2::new(s, s)).value(), 1.0 / PI);
+        near(concentric_disk().pdf(&Vec2::new(-s, s)).value(), 1.0 / PI);
+    }
+    near(concentric_disk().pdf(&Vec2::new(0.0, 0.0)).value(), 1.0 / PI);
+    assert_eq!(folded_triangle().invert(&Vec2::new(0.3, 0.2)).iter().count(), 2);
+    near(folded_triangle().pdf(&Vec2::new(0.3, 0.2)).value(), 2.0);
+    assert_eq!(sawtooth().invert(&0.4).iter().count(), 3);
+}
+
+#[test]
+fn the_ends_of_a_choice_are_its_parts() {
+    let w = Direction::new(0.6, 0.0, 0.8);
+    near(right(mixture(1.0)).pdf(&w).value(), 0.8 / PI);
+    near(right(mixture(0.0)).pdf(&w).value(), 0.5 / TAU);
+}
+
+#[test]
+fn no_sample_is_a_value_and_its_mass_is_missing() {
+    let flight = right(flight_within(2.0, 1.0));
+    let escaped = 1.0 - (-2.0f64).exp();
+    assert!(!flight.sample([escaped + 1e-9]).is_valid());
+    assert!(flight.sample([escaped - 1e-9]).is_valid());
+    near(flight.pdf(&0.5).value(), 2.0 * (-1.0f64).exp());
+    assert_eq!(flight.pdf(&1.5).value(), 0.0);
+    let n = 4096;
+    let mass: f64 =
+        (0..n).map(|i| flight.pdf(&((f64::from(i) + 0.5) / f64::from(n))).value()).sum();
+    assert!((mass / f64::from(n) - escaped).abs() < 1e-7, "{mass}");
+}

@@ -1,0 +1,8 @@
+use aether_core::prelude::*;
+
+#[sampler(k in 1.0..=2.0)]
+fn switched(u: [Uniform; 1], k: f64) -> f64 {
+    if k * k * k > 9.0 { u[0] * k } else { u[0] / k }
+}
+
+fn main() {}
