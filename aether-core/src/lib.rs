@@ -44,6 +44,7 @@ pub mod density;
 pub mod discrete;
 pub mod estimator;
 pub mod forms;
+pub mod joint;
 pub mod map;
 pub mod mutation;
 pub mod path_density;

@@ -99,6 +99,21 @@ pub fn track_unit<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
     x.map(|x| x.track() + rounding)
 }
 
+/// The same where only some of the coordinates are those of directions.
+#[inline]
+pub fn track_some<R: Real, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R::Tracked; N] {
+    let (plain, unit_vector) = (track(x), track_unit(x));
+    core::array::from_fn(|i| if unit[i] { unit_vector[i] } else { plain[i] })
+}
+
+/// The coordinates of several points, one after the other.
+#[inline(always)]
+pub fn flat<R: Real, P: crate::point::Point<R>, const M: usize>(point: &P) -> [R; M] {
+    let coordinates = point.coordinates();
+    let all = coordinates.as_ref();
+    core::array::from_fn(|i| all[i])
+}
+
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map
 /// leads back to the point whatever its value.

@@ -82,7 +82,7 @@ where
     let kind = <S::Point as Space<R>>::KIND;
     let at = coordinates(x);
     let mut all: Vec<Vec<f64>> = Vec::new();
-    if kind != Kind::Identified {
+    if kind != Kind::Identified && kind != Kind::Joint {
         all.push(at.iter().map(|x| -x).collect());
         for axis in 0..at.len() {
             let mut y = at.clone();

@@ -17,6 +17,8 @@ pub enum Kind {
     Embedded,
     /// A manifold whose points carry its identity; densities do not check where a point lies.
     Identified,
+    /// Several points at once.
+    Joint,
 }
 
 /// A space that the battery can check samplers on. Implement it for a point type of your own.
@@ -88,6 +90,24 @@ impl<R: Scalar> Space<R> for SurfacePoint<R> {
     }
 }
 
+/// Points in special position are tried for a single manifold; a joint point is none.
+impl<R: Scalar, A: Space<R>, B: Space<R>> Space<R> for (A, B) {
+    const KIND: Kind = Kind::Joint;
+    fn moved_to(&self, c: &[f64]) -> Self {
+        let n = self.0.coordinates().as_ref().len();
+        (self.0.moved_to(&c[..n]), self.1.moved_to(&c[n..]))
+    }
+}
+
+impl<R: Scalar, A: Space<R>, B: Space<R>, C: Space<R>> Space<R> for (A, B, C) {
+    const KIND: Kind = Kind::Joint;
+    fn moved_to(&self, c: &[f64]) -> Self {
+        let n = self.0.coordinates().as_ref().len();
+        let m = n + self.1.coordinates().as_ref().len();
+        (self.0.moved_to(&c[..n]), self.1.moved_to(&c[n..m]), self.2.moved_to(&c[m..]))
+    }
+}
+
 /// A cover of a whole flat space or of the sphere by the cube [-1, 1]^dimension.
 #[derive(Clone, Debug)]
 pub(super) enum Chart {
@@ -107,7 +127,7 @@ impl Chart {
                 let axes = samples.first()?.len();
                 (axes <= 3).then(|| Chart::Flat((0..axes).map(|k| location(samples, k)).collect()))
             }
-            Kind::Embedded | Kind::Identified => None,
+            Kind::Embedded | Kind::Identified | Kind::Joint => None,
         }
     }
 

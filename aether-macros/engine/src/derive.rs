@@ -2,15 +2,17 @@
 
 mod cases;
 mod density;
+mod joint;
 mod limits;
 mod regimes;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
+use crate::interval::Interval;
 use crate::jacobian::{Source, simplify, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
-use crate::parse::{Piece, Segment, Test};
+use crate::parse::{Piece, Segment, Space, Test};
 use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
@@ -32,6 +34,49 @@ pub enum Target {
     Embedded,
 }
 
+/// One point of a result.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// What its type guarantees.
+    pub target: Target,
+    /// How many coordinates it has.
+    pub coordinates: usize,
+    /// The dimension of its space.
+    pub dimension: usize,
+}
+
+impl Part {
+    /// A point of a space.
+    pub fn of(space: &Space) -> Part {
+        let (dimension, coordinates) = space.dimensions();
+        let target = match space {
+            Space::Direction => Target::Direction,
+            Space::SurfacePoint => Target::Identified,
+            Space::Embedded { .. } => Target::Embedded,
+            _ => Target::Free,
+        };
+        Part { target, coordinates, dimension }
+    }
+}
+
+impl Problem {
+    /// Whether the result is one point, a direction.
+    pub fn is_direction(&self) -> bool {
+        matches!(self.parts[..], [Part { target: Target::Direction, .. }])
+    }
+
+    /// The parts with the places of their coordinates.
+    pub fn placed(&self) -> Vec<(Part, std::ops::Range<usize>)> {
+        let mut first = 0;
+        let place = |part: &Part| {
+            let range = first..first + part.coordinates;
+            first = range.end;
+            (*part, range)
+        };
+        self.parts.iter().map(place).collect()
+    }
+}
+
 /// An item as parsed: a map from unknowns to outputs.
 pub struct Problem {
     /// The expressions.
@@ -46,8 +91,8 @@ pub struct Problem {
     pub kinds: Vec<Kind>,
     /// Parameters that are frames, by columns.
     pub frames: Vec<[[Id; 3]; 3]>,
-    /// What the result's type guarantees.
-    pub target: Target,
+    /// The points that the result consists of; mostly a single one.
+    pub parts: Vec<Part>,
     /// Expressions that must be positive for there to be a result.
     pub requirements: Vec<Id>,
     /// What holds on this way through the branches of the body.
@@ -95,8 +140,16 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let targets = declare_outputs(problem);
     all_used(problem)?;
     let source = source_of(problem);
-    let inner =
-        volume(&mut problem.graph, &problem.outputs, &problem.unknowns, source, &problem.frames)?;
+    let inner = match joint::volume(problem) {
+        Some(volume) => volume?,
+        None => volume(
+            &mut problem.graph,
+            &problem.outputs,
+            &problem.unknowns,
+            source,
+            &problem.frames,
+        )?,
+    };
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
     let solutions = find_solutions(problem, &targets)?;
@@ -164,28 +217,25 @@ fn all_used(problem: &Problem) -> Result<(), String> {
 }
 
 fn declare_outputs(problem: &mut Problem) -> Vec<Id> {
-    let unit = problem.target == Target::Direction;
-    let range = if unit {
-        crate::interval::Interval::new(-1.0, 1.0)
-    } else {
-        crate::interval::Interval::ALL
-    };
-    // The outputs are called x, y, z unless a parameter is.
+    // The outputs are called x, y, z unless a parameter is; those of several points a.x, b.x, ….
     let taken = |name: &str| (0..64).any(|i| problem.graph.name(Leaf::Param(i)) == name);
-    let names = if ["x", "y", "z"].iter().any(|n| taken(n)) {
-        ["X", "Y", "Z", "W", "V"]
-    } else {
-        ["x", "y", "z", "w", "v"]
-    };
-    let n = problem.outputs.len();
-    let outs: Vec<Id> = (0..n)
-        .map(|i| {
-            let name = names.get(i).copied().unwrap_or("x");
-            problem.graph.leaf(Leaf::Out(i as u8), name, range)
-        })
-        .collect();
-    if unit && n == 3 {
-        problem.graph.declare_unit([outs[0], outs[1], outs[2]]);
+    let plain = !["x", "y", "z"].iter().any(|n| taken(n));
+    let letters = if plain { ["x", "y", "z", "w", "v"] } else { ["X", "Y", "Z", "W", "V"] };
+    let joint = problem.parts.len() > 1;
+    let mut outs: Vec<Id> = Vec::new();
+    for (k, (part, place)) in problem.placed().into_iter().enumerate() {
+        let unit = part.target == Target::Direction;
+        let range = if unit { Interval::new(-1.0, 1.0) } else { Interval::ALL };
+        for (i, j) in place.clone().enumerate() {
+            let letter = letters.get(i).copied().unwrap_or("x");
+            let owner = char::from(b'a' + k as u8);
+            let name = if joint { format!("{owner}.{letter}") } else { letter.to_owned() };
+            outs.push(problem.graph.leaf(Leaf::Out(j as u8), &name, range));
+        }
+        if unit {
+            let o = &outs[place];
+            problem.graph.declare_unit([o[0], o[1], o[2]]);
+        }
     }
     outs
 }

@@ -52,9 +52,9 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
             "the result does not fill its space: the Jacobian has a rank below the dimension of the returned space. Return a space of lower dimension (a `Surface` or `Curve` instead of a point with {n} free coordinates), or use every uniform in the result"
         ));
     }
-    if problem.target == Target::Direction {
+    for (_, place) in problem.placed().into_iter().filter(|(p, _)| p.target == Target::Direction) {
         for c in out.iter().filter(|c| !c.point.stress) {
-            let n: f64 = c.outs.iter().map(|x| x * x).sum();
+            let n: f64 = c.outs[place.clone()].iter().map(|x| x * x).sum();
             if (n - 1.0).abs() > 1e-12 {
                 return Err(format!(
                     "the coordinates of this `Direction` have length {:.6} at u = {:?}; normalise them, or return a `Surface` if the points do not lie on the unit sphere",
@@ -129,7 +129,7 @@ pub(super) fn prune(
         .iter()
         .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
         .collect();
-    let mut check_forward = problem.target == Target::Embedded;
+    let mut check_forward = problem.parts.iter().any(|p| p.target == Target::Embedded);
     let kept = needed(problem, &table, cases);
     for (i, case) in cases.iter().enumerate().filter(|(_, c)| !c.point.stress) {
         let mut found = false;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cases::Case;
 use super::regimes::best_coordinates;
-use super::{Preimage, Problem, Target};
+use super::{Preimage, Problem};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::jacobian::{cost, simplify};
@@ -142,7 +142,7 @@ pub(super) fn finish(
         })
         .collect();
     let mut unknowns = tested.clone();
-    if problem.target == Target::Direction && problem.argument.is_none() && injective {
+    if problem.is_direction() && problem.argument.is_none() && injective {
         for (i, value) in unknowns.iter_mut().enumerate() {
             *value = best_coordinates(problem, i, *value, cases, measure);
         }

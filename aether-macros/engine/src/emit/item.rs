@@ -6,7 +6,7 @@ use syn::ItemFn;
 
 use super::documentation::Texts;
 use super::interface::{bound, hidden_body, interface, type_name};
-use crate::derive::{Derived, Target};
+use crate::derive::Derived;
 use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
 
 /// Writes the code of one item.
@@ -32,9 +32,64 @@ impl Emitter<'_> {
         let problem = &self.parsed.pieces[0].problem;
         (problem.unknowns.len(), problem.outputs.len(), self.scalars())
     }
-    /// What the result's type guarantees.
-    pub(super) fn target(&self) -> Target {
-        self.parsed.pieces[0].problem.target
+    /// The point with coordinates `c`.
+    pub(super) fn point(&self, c: &TokenStream) -> TokenStream {
+        let identities = &self.parsed.identities;
+        let Space::Joint(parts) = &self.signature().space else {
+            return point(&self.signature().space, c, identities.first());
+        };
+        let (mut first, mut surfaces) = (0, identities.iter());
+        let points = parts.iter().map(|part| {
+            let n = part.dimensions().1;
+            let coordinates = (first..first + n).map(|i| quote!(c[#i]));
+            let identity = if *part == Space::SurfacePoint { surfaces.next() } else { None };
+            first += n;
+            point(part, &quote!([#(#coordinates),*]), identity)
+        });
+        let points: Vec<TokenStream> = points.collect();
+        quote!({ let c = #c; (#(#points),*) })
+    }
+
+    /// The coordinates of `point`, as an array.
+    pub(super) fn coordinates(&self) -> TokenStream {
+        let (_, m, _) = self.sizes();
+        match &self.signature().space {
+            Space::Joint(_) => quote!(::aether_core::support::flat::<R, _, #m>(point)),
+            _ => quote!(point.coordinates()),
+        }
+    }
+
+    /// Whether `point` has finite coordinates `x` and lies on the right surfaces.
+    pub(super) fn belongs(&self) -> TokenStream {
+        let parts = self.signature().space.parts();
+        let on_surface = (0..parts.len()).filter(|i| parts[*i] == Space::SurfacePoint);
+        let tests = on_surface.zip(&self.parsed.identities).map(|(i, identity)| {
+            let part = match parts.len() {
+                1 => quote!(point),
+                _ => {
+                    let i = Literal::usize_unsuffixed(i);
+                    quote!(point.#i)
+                }
+            };
+            quote!(.and(::aether_core::support::mask(#part.surface == #identity)))
+        });
+        quote!(::aether_core::support::finite::<R>(&x) #(#tests)*)
+    }
+
+    /// The coordinates `x` with the bounds of their rounding: those of directions are rounded relative
+    /// to one.
+    pub(super) fn tracked(&self) -> TokenStream {
+        let parts = self.signature().space.parts();
+        match &parts[..] {
+            [Space::Direction] => quote!(::aether_core::support::track_unit(&x)),
+            _ if !parts.contains(&Space::Direction) => quote!(::aether_core::support::track(&x)),
+            _ => {
+                let unit = parts
+                    .iter()
+                    .flat_map(|part| vec![*part == Space::Direction; part.dimensions().1]);
+                quote!(::aether_core::support::track_some(&x, &[#(#unit),*]))
+            }
+        }
     }
 
     /// `R`, or nothing for an item without parameters.
@@ -197,6 +252,7 @@ pub(super) fn point(
             quote!(::aether_core::SurfacePoint::new(::aether_core::Vec3::from_array(#coordinates), #identity))
         }
         Space::Embedded { .. } => quote!(::aether_core::Embedded(#coordinates)),
+        Space::Joint(_) => quote!(compile_error!("a joint point inside a joint point")),
     }
 }
 
@@ -209,5 +265,9 @@ pub(super) fn point_type(space: &Space) -> TokenStream {
         Space::Direction => quote!(::aether_core::Direction<R>),
         Space::SurfacePoint => quote!(::aether_core::SurfacePoint<R>),
         Space::Embedded { k, n } => quote!(::aether_core::Embedded<#k, #n, R>),
+        Space::Joint(parts) => {
+            let parts = parts.iter().map(point_type);
+            quote!((#(#parts),*))
+        }
     }
 }

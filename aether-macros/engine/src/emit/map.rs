@@ -12,9 +12,10 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let Source::Point { space: source, .. } = &e.signature().source else { return quote!() };
     let (source_ty, target_ty) = (point_type(source), point_type(&e.signature().space));
     let parameters = e.parameters();
-    let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
+    let made = e.point(&quote!(c));
     let visits = visits(e, source);
     let (forward, jacobian) = (forward(e), jacobian(e));
+    let coordinates = e.coordinates();
     quote! {
         #[automatically_derived]
         impl<R: Real> ::aether_core::Map<R> for #ty #args {
@@ -32,7 +33,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             #[inline(always)]
             fn preimages(&self, point: &Self::Target, mut visit: impl FnMut(Self::Source, R::Mask)) {
                 #parameters
-                let x = point.coordinates();
+                let x = #coordinates;
                 #visits
             }
 
@@ -92,11 +93,7 @@ fn jacobian(e: &Emitter) -> TokenStream {
 }
 
 fn visits(e: &Emitter, source: &Space) -> TokenStream {
-    let identity = e
-        .parsed
-        .identity
-        .as_ref()
-        .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
+    let belongs = e.belongs();
     let (n, m, _) = e.sizes();
     let each = e.places().into_iter().map(|place| {
         let (k, j) = (place.number, place.piece);
@@ -128,7 +125,7 @@ fn visits(e: &Emitter, source: &Space) -> TokenStream {
         }
     });
     quote! {
-        let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;
+        let belongs: R::Mask = #belongs;
         #(#each)*
     }
 }

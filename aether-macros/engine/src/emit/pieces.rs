@@ -201,9 +201,10 @@ impl<'a> Emitter<'a> {
             checked.iter().map(|&i| code.value(preimage.tested[i])).collect();
         let support_lets = code.statements();
         // The rim of a lobe belongs to it even if a rotation rounded the point below the horizon.
-        let least = match place.problem.target {
-            Target::Direction => quote!(R::of(-16.0) * R::EPSILON),
-            _ => quote!(R::ZERO),
+        let least = if place.problem.parts.iter().any(|p| p.target == Target::Direction) {
+            quote!(R::of(-16.0) * R::EPSILON)
+        } else {
+            quote!(R::ZERO)
         };
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);

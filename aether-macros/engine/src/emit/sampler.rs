@@ -3,9 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::item::{Emitter, point, point_type};
+use super::item::{Emitter, point_type};
 use super::pieces::Place;
-use crate::derive::Target;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
@@ -17,6 +16,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let density = density(e);
     let own = own_density(e);
     let visits = visits(e);
+    let coordinates = e.coordinates();
     quote! {
         #[automatically_derived]
         impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
@@ -32,7 +32,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             #[inline(always)]
             fn pdf(&self, point: &Self::Point) -> ::aether_core::PdfOf<Self, R> {
                 #parameters
-                let x = point.coordinates();
+                let x = #coordinates;
                 #density
             }
 
@@ -44,7 +44,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 
             fn preimages(&self, point: &Self::Point, mut visit: impl FnMut([R; #n], R::Mask)) {
                 #parameters
-                let x = point.coordinates();
+                let x = #coordinates;
                 #visits
             }
         }
@@ -54,7 +54,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 /// The point of `u` and whether there is one, from the piece that `u` falls into.
 fn forward(e: &Emitter) -> TokenStream {
     let (n, m, _) = e.sizes();
-    let made = point(&e.signature().space, &quote!(c), e.parsed.identity.as_ref());
+    let made = e.point(&quote!(c));
     if e.is_whole() {
         return quote! {
             let c = ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t));
@@ -85,17 +85,13 @@ fn forward(e: &Emitter) -> TokenStream {
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// whether it plainly exists, and `recovered_k`, its uniforms if only rounding speaks against it.
 fn existence(e: &Emitter) -> TokenStream {
-    let identity = e
-        .parsed
-        .identity
-        .as_ref()
-        .map(|id| quote!(.and(::aether_core::support::mask(point.surface == #id))));
+    let belongs = e.belongs();
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place));
     let once = places.iter().map(|&place| once(place, &places));
     let recovered = places.iter().map(|&place| recovered(e, place, &places));
     quote! {
-        let belongs: R::Mask = ::aether_core::support::finite::<R>(&x) #identity;
+        let belongs: R::Mask = #belongs;
         #(#strict)*
         #(#once)*
         #(#recovered)*
@@ -163,10 +159,10 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
 /// Parameters and unknowns with error bounds.
 fn leads_back(e: &Emitter, place: Place) -> TokenStream {
     let inverse = format_ident!("inverse_{}", place.number);
-    let track = track(e);
+    let tracked = e.tracked();
     quote! {
         {
-            let (tp, tx) = (::aether_core::support::track(&p), #track(&x));
+            let (tp, tx) = (::aether_core::support::track(&p), #tracked);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
             (tp, tt)
         }
@@ -229,14 +225,6 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     }
 }
 
-/// How the coordinates of the query point were rounded.
-fn track(e: &Emitter) -> TokenStream {
-    match e.target() {
-        Target::Direction => quote!(::aether_core::support::track_unit),
-        _ => quote!(::aether_core::support::track),
-    }
-}
-
 fn density(e: &Emitter) -> TokenStream {
     let existence = existence(e);
     let terms = e.places().into_iter().map(|place| {
@@ -268,11 +256,8 @@ fn own_density(e: &Emitter) -> TokenStream {
             ::aether_core::Density::new(R::select(exists, d, R::ZERO))
         };
     }
-    let made = point(
-        &e.signature().space,
-        &quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))),
-        e.parsed.identity.as_ref(),
-    );
+    let made = e
+        .point(&quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))));
     quote! {
         let d = R::ONE / volume_0::<R>(&p, &u);
         // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the

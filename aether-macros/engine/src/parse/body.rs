@@ -316,34 +316,52 @@ impl<'a> Body<'a> {
         Some(Value::Scalar(self.scalar_param(&name, Interval::ALL)))
     }
 
-    /// The coordinates of the result, for the space that the signature promises.
+    /// The coordinates of the result, for the space that the signature promises, and the identities of
+    /// its points on surfaces.
     pub fn outputs(
         &mut self,
         value: &Value,
         space: &Space,
         block: &Block,
-    ) -> Option<(Vec<Id>, Option<TokenStream>)> {
+    ) -> Option<(Vec<Id>, Vec<TokenStream>)> {
         let at = block.stmts.last().map(ToTokens::to_token_stream).unwrap_or_default();
-        let found = match (space, value) {
-            (Space::Line, Value::Scalar(id)) => Some((vec![*id], None)),
-            (Space::Plane, Value::Vector(v)) if v.len() == 2 => Some((v.clone(), None)),
-            (Space::Volume, Value::Vector(v)) if v.len() == 3 => Some((v.clone(), None)),
-            (s, Value::Point(t, v, identity)) if s == t => Some((v.clone(), identity.clone())),
-            (Space::Embedded { n, .. }, Value::Point(Space::Embedded { .. }, v, _))
-                if v.len() == *n =>
-            {
-                Some((v.clone(), None))
+        let (mut outputs, mut identities) = (Vec::new(), Vec::new());
+        let joint = match (space, value) {
+            (Space::Joint(parts), Value::Tuple(values)) if parts.len() == values.len() => {
+                Some(parts.iter().zip(values).map(|(s, v)| part(s, v)).collect())
             }
-            _ => None,
+            (Space::Joint(_), _) => None,
+            _ => Some(vec![part(space, value)]),
         };
-        let Some((outputs, identity)) = found else {
+        let found: Option<Vec<_>> = joint.and_then(|parts: Vec<_>| parts.into_iter().collect());
+        let Some(found) = found else {
             let what = value.describe();
             return self.error(at, format!("the result is {what}, and the signature promises a different space; construct it, as in `Direction::new(x, y, z)`"));
         };
+        for (coordinates, identity) in found {
+            outputs.extend(coordinates);
+            identities.extend(identity);
+        }
         if outputs.iter().all(|o| !self.graph.has(*o, UNKNOWNS)) {
             return self.error(at, "the result does not depend on the first parameter at all: it is a constant (an atom), and has no density");
         }
-        Some((outputs, identity))
+        Some((outputs, identities))
+    }
+}
+
+/// The coordinates of one point, and its identity if it has one.
+fn part(space: &Space, value: &Value) -> Option<(Vec<Id>, Option<TokenStream>)> {
+    match (space, value) {
+        (Space::Line, Value::Scalar(id)) => Some((vec![*id], None)),
+        (Space::Plane, Value::Vector(v)) if v.len() == 2 => Some((v.clone(), None)),
+        (Space::Volume, Value::Vector(v)) if v.len() == 3 => Some((v.clone(), None)),
+        (s, Value::Point(t, v, identity)) if s == t => Some((v.clone(), identity.clone())),
+        (Space::Embedded { n, .. }, Value::Point(Space::Embedded { .. }, v, _))
+            if v.len() == *n =>
+        {
+            Some((v.clone(), None))
+        }
+        _ => None,
     }
 }
 

@@ -21,7 +21,7 @@ use std::collections::HashMap;
 use proc_macro2::TokenStream;
 use syn::ItemFn;
 
-use crate::derive::{Problem, Target};
+use crate::derive::{Part, Problem};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf};
 use crate::interval::Interval;
@@ -33,8 +33,8 @@ pub struct Parsed {
     pub signature: Signature,
     /// The map, a piece for each way through its branches that leads to a point.
     pub pieces: Vec<Piece>,
-    /// The identity expression of a `SurfacePoint` result.
-    pub identity: Option<TokenStream>,
+    /// The identity expressions of the result's points on surfaces.
+    pub identities: Vec<TokenStream>,
     /// Values computed once from the parameters by plain Rust code: `precomputed(…)`.
     pub constants: Vec<(String, TokenStream)>,
 }
@@ -59,8 +59,8 @@ struct Reading {
     frames: Vec<[[Id; 3]; 3]>,
     requirements: Vec<Id>,
     constants: Vec<(String, TokenStream)>,
-    /// Coordinates and identity; `None` where the body yields no sample.
-    point: Option<(Vec<Id>, Option<TokenStream>)>,
+    /// Coordinates and identities; `None` where the body yields no sample.
+    point: Option<(Vec<Id>, Vec<TokenStream>)>,
     segments: Vec<Option<Segment>>,
 }
 
@@ -73,7 +73,7 @@ pub fn parse(
 ) -> Option<Parsed> {
     let mut reader = Reader { item, signature: &signature, options, errors };
     let mut pieces = Vec::new();
-    let mut identity = None;
+    let mut identities = Vec::new();
     let mut constants = Vec::new();
     let mut next = Some(branch::Way::default());
     while let Some(way) = next {
@@ -86,8 +86,8 @@ pub fn parse(
         }
         let first = reader.read(way, &[])?;
         next = first.way.clone().next();
-        if let Some((_, surface)) = &first.point {
-            identity = surface.clone();
+        if let Some((_, surfaces)) = &first.point {
+            identities.clone_from(surfaces);
             constants.clone_from(&first.constants);
             pieces.extend(reader.piece(first)?);
         }
@@ -96,7 +96,7 @@ pub fn parse(
         errors.error(&item.sig.ident, "no way through this body leads to a point");
         return None;
     }
-    Some(Parsed { signature, pieces, identity, constants })
+    Some(Parsed { signature, pieces, identities, constants })
 }
 
 struct Reader<'a> {
@@ -128,12 +128,7 @@ impl Reader<'_> {
             self.read(first.way.again(vec![]), &[])?
         };
         let outputs = second.point.map_or(vec![], |p| p.0);
-        let target = match self.signature.space {
-            Space::Direction => Target::Direction,
-            Space::SurfacePoint => Target::Identified,
-            Space::Embedded { .. } => Target::Embedded,
-            _ => Target::Free,
-        };
+        let parts = self.signature.space.parts().iter().map(Part::of).collect();
         let problem = Problem {
             graph: second.graph,
             outputs,
@@ -141,7 +136,7 @@ impl Reader<'_> {
             argument: second.argument,
             kinds: second.kinds,
             frames: second.frames,
-            target,
+            parts,
             requirements: second.requirements,
             guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
             segments: second.segments,

@@ -26,6 +26,8 @@ pub enum Space {
         /// Dimension of the space around it.
         n: usize,
     },
+    /// Several points at once, with the product of their measures.
+    Joint(Vec<Space>),
 }
 
 impl Space {
@@ -37,7 +39,16 @@ impl Space {
             Space::Volume => (3, 3),
             Space::Direction | Space::SurfacePoint => (2, 3),
             Space::Embedded { k, n } => (*k, *n),
+            Space::Joint(parts) => parts
+                .iter()
+                .map(Space::dimensions)
+                .fold((0, 0), |(k, n), (dk, dn)| (k + dk, n + dn)),
         }
+    }
+
+    /// The points that make up a joint one; a space of single points is its own only part.
+    pub fn parts(&self) -> Vec<Space> {
+        if let Space::Joint(parts) = self { parts.clone() } else { vec![self.clone()] }
     }
 
     /// Coordinates and kind of a map's argument.
@@ -57,6 +68,7 @@ impl Space {
             Space::Plane | Space::SurfacePoint | Space::Embedded { k: 2, .. } => "area",
             Space::Volume => "volume",
             Space::Direction => "solid angle",
+            Space::Joint(_) => "product of the parts' measures",
             Space::Embedded { .. } => "Hausdorff measure",
         }
     }
@@ -271,6 +283,12 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
 }
 
 fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
+    if let Type::Tuple(tuple) = ty
+        && (2..=4).contains(&tuple.elems.len())
+    {
+        let parts: Vec<Option<Space>> = tuple.elems.iter().map(|t| space(t, errors)).collect();
+        return parts.into_iter().collect::<Option<Vec<Space>>>().map(Space::Joint);
+    }
     let found = match last_segment(ty).as_deref() {
         Some("f64") => Some(Space::Line),
         Some("Vec2") => Some(Space::Plane),

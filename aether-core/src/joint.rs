@@ -1,0 +1,83 @@
+//! Several points sampled together: tuples of points, with the product of their measures.
+
+use crate::density::Product;
+use crate::point::Point;
+use crate::real::Real;
+
+/// The most coordinates that the points of a joint sample have together.
+const CAPACITY: usize = 16;
+
+/// Coordinates of several points, one after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct JointCoordinates<R> {
+    values: [R; CAPACITY],
+    count: usize,
+}
+
+impl<R: Real> JointCoordinates<R> {
+    fn new() -> Self {
+        JointCoordinates { values: [R::ZERO; CAPACITY], count: 0 }
+    }
+
+    fn with(mut self, more: &[R]) -> Self {
+        for &x in more {
+            self.values[self.count] = x;
+            self.count += 1;
+        }
+        self
+    }
+}
+
+impl<R> AsRef<[R]> for JointCoordinates<R> {
+    fn as_ref(&self) -> &[R] {
+        &self.values[..self.count]
+    }
+}
+
+impl<R> AsMut<[R]> for JointCoordinates<R> {
+    fn as_mut(&mut self) -> &mut [R] {
+        &mut self.values[..self.count]
+    }
+}
+
+/// Two points; densities are per product of their measures.
+impl<R: Real, A: Point<R>, B: Point<R>> Point<R> for (A, B) {
+    type Measure = Product<A::Measure, B::Measure>;
+    type Coordinates = JointCoordinates<R>;
+    const DIMENSION: usize = A::DIMENSION + B::DIMENSION;
+    #[inline(always)]
+    fn coordinates(&self) -> JointCoordinates<R> {
+        JointCoordinates::new()
+            .with(self.0.coordinates().as_ref())
+            .with(self.1.coordinates().as_ref())
+    }
+}
+
+/// Three points; densities are per product of their measures.
+impl<R: Real, A: Point<R>, B: Point<R>, C: Point<R>> Point<R> for (A, B, C) {
+    type Measure = Product<Product<A::Measure, B::Measure>, C::Measure>;
+    type Coordinates = JointCoordinates<R>;
+    const DIMENSION: usize = A::DIMENSION + B::DIMENSION + C::DIMENSION;
+    #[inline(always)]
+    fn coordinates(&self) -> JointCoordinates<R> {
+        JointCoordinates::new()
+            .with(self.0.coordinates().as_ref())
+            .with(self.1.coordinates().as_ref())
+            .with(self.2.coordinates().as_ref())
+    }
+}
+
+/// Four points; densities are per product of their measures.
+impl<R: Real, A: Point<R>, B: Point<R>, C: Point<R>, D: Point<R>> Point<R> for (A, B, C, D) {
+    type Measure = Product<Product<Product<A::Measure, B::Measure>, C::Measure>, D::Measure>;
+    type Coordinates = JointCoordinates<R>;
+    const DIMENSION: usize = A::DIMENSION + B::DIMENSION + C::DIMENSION + D::DIMENSION;
+    #[inline(always)]
+    fn coordinates(&self) -> JointCoordinates<R> {
+        JointCoordinates::new()
+            .with(self.0.coordinates().as_ref())
+            .with(self.1.coordinates().as_ref())
+            .with(self.2.coordinates().as_ref())
+            .with(self.3.coordinates().as_ref())
+    }
+}

@@ -1,0 +1,107 @@
+//! Several points from one sampler, with shared uniforms and frames made of samples.
+
+use aether_core::battery;
+use aether_core::prelude::*;
+use tests::mutation::OnePercentOff;
+
+/// A point of the lens and the direction from it to a point of the plane of focus at distance f.
+#[sampler(r in 1e-6..=10.0, f in 1e-3..=1e3)]
+pub fn thin_lens(u: [Uniform; 4], r: f64, f: f64, a: f64, b: f64) -> (Vec2, Direction) {
+    let s = r * u[0].sqrt();
+    let phi = TAU * u[1];
+    let (x, y) = (s * phi.cos(), s * phi.sin());
+    let focus = Vec3::new(a * (2.0 * u[2] - 1.0), b * (2.0 * u[3] - 1.0), f);
+    (Vec2::new(x, y), Direction::from_vec((focus - Vec3::new(x, y, 0.0)).normalize()))
+}
+
+/// Two points of two parallelograms.
+#[sampler]
+pub fn two_panels(
+    u: [Uniform; 4],
+    corner: Vec3,
+    right: Vec3,
+    up: Vec3,
+    first: SurfaceId,
+    second: SurfaceId,
+) -> (SurfacePoint, SurfacePoint) {
+    let here = corner + u[0] * right + u[1] * up;
+    let there = 2.0 * corner + u[2] * up + 3.0 * u[3] * right;
+    (SurfacePoint::new(here, first), SurfacePoint::new(there, second))
+}
+
+/// A distance and a direction that is the narrower the farther away.
+#[sampler]
+pub fn narrowing(u: [Uniform; 3], s: f64) -> (f64, Direction) {
+    let t = -(-u[0]).ln_1p() / s;
+    let z = u[1].powf(1.0 / (2.0 + t));
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[2];
+    (t, Direction::new(r * phi.cos(), r * phi.sin(), z))
+}
+
+/// Three numbers, each the next one's beginning.
+#[sampler]
+pub fn ordered(u: [Uniform; 3]) -> (f64, f64, f64) {
+    let a = u[0] * u[0];
+    let b = a - (-u[1]).ln_1p();
+    let c = b - 2.0 * (-u[2]).ln_1p();
+    (a, b, c)
+}
+
+fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
+    made.expect("the parameters are in their domain")
+}
+
+fn panels<R: Scalar>() -> TwoPanels<R> {
+    let v = |x: f64, y: f64, z: f64| Vec3::new(R::of(x), R::of(y), R::of(z));
+    let (corner, along, up) = (v(1.0, 2.0, -0.5), v(2.0, 0.5, 0.0), v(0.0, 1.0, 1.5));
+    two_panels(corner, along, up, SurfaceId(3), SurfaceId(4))
+}
+
+#[test]
+fn the_battery_passes_in_both_precisions() {
+    battery::check(&right(thin_lens(0.5, 2.0, 0.8, 0.6))).assert_ok();
+    battery::check_f32(&right(thin_lens(0.5, 2.0, 0.8, 0.6))).assert_ok();
+    battery::check(&panels()).assert_ok();
+    battery::check_f32(&panels()).assert_ok();
+    battery::check(&narrowing(0.7)).assert_ok();
+    battery::check_f32(&narrowing(0.7)).assert_ok();
+    battery::check(&ordered()).assert_ok();
+    battery::check_f32(&ordered()).assert_ok();
+}
+
+#[test]
+fn a_density_off_by_one_percent_fails_the_battery() {
+    assert!(!battery::check(&OnePercentOff(right(thin_lens(0.5, 2.0, 0.8, 0.6)))).is_ok());
+    assert!(!battery::check(&OnePercentOff(panels())).is_ok());
+    assert!(!battery::check(&OnePercentOff(narrowing(0.7))).is_ok());
+    assert!(!battery::check(&OnePercentOff(ordered())).is_ok());
+}
+
+#[test]
+fn the_thin_lens_has_the_density_of_the_textbook() {
+    // One over the area of the lens, and over the focal rectangle's solid angle element.
+    let (r, f, a, b) = (0.5, 2.0, 0.8, 0.6);
+    let lens = right(thin_lens(r, f, a, b));
+    for u in [[0.2, 0.7, 0.1, 0.9], [0.0, 0.0, 0.5, 0.5], [0.9, 0.3, 0.01, 0.6]] {
+        let x = lens.sample(u);
+        let z = x.1.z;
+        let expected = f * f / (PI * r * r * 4.0 * a * b * z * z * z);
+        let found = lens.pdf(&x).value();
+        assert!((found / expected - 1.0).abs() < 1e-13, "{found:e}, not {expected:e}");
+    }
+    let x = lens.sample([0.2, 0.7, 0.1, 0.9]);
+    let off_lens = (Vec2::new(0.6, 0.0), x.1);
+    let away = (x.0, Direction::new(-x.1.x, -x.1.y, -x.1.z));
+    assert_eq!(lens.pdf(&off_lens).value(), 0.0);
+    assert_eq!(lens.pdf(&away).value(), 0.0);
+}
+
+#[test]
+fn points_of_other_surfaces_have_no_density() {
+    let both = panels::<f64>();
+    let x = both.sample([0.1, 0.2, 0.3, 0.4]);
+    assert!(both.pdf(&x).value() > 0.0);
+    let swapped = (x.0, SurfacePoint::new(x.1.position, SurfaceId(3)));
+    assert_eq!(both.pdf(&swapped).value(), 0.0);
+}
