@@ -87,6 +87,16 @@ pub fn mixture(u: [Uniform; 2], p: f64) -> Direction {
     }
 }
 
+/// A triangle over [a, c] with its mode at b.
+#[sampler(where a <= b, where b <= c, where a < c)]
+pub fn triangular(u: [Uniform; 1], a: f64, b: f64, c: f64) -> f64 {
+    if u[0] * (c - a) < b - a {
+        a + (u[0] * (c - a) * (b - a)).sqrt()
+    } else {
+        c - ((1.0 - u[0]) * (c - a) * (c - b)).sqrt()
+    }
+}
+
 /// The branch is on a parameter.
 #[sampler(k in 0.5..=2.0)]
 pub fn by_parameter(u: [Uniform; 1], k: f64) -> f64 {
@@ -157,6 +167,8 @@ batteries! {
     heitz_triangles: heitz_triangle();
     concentric_disks: concentric_disk();
     mixtures: right(mixture(0.3)), right(mixture(0.999));
+    triangles: right(triangular(-1.0, 0.5, 2.0)), right(triangular(-1.0, -1.0, 2.0)),
+        right(triangular(0.0, 3.0, 3.0));
     switched: right(by_parameter(0.75)), right(by_parameter(1.5));
     quarter_slopes: quarters();
     kinked: kinked_square();
@@ -201,6 +213,13 @@ fn the_ends_of_a_choice_are_its_parts() {
     let w = Direction::new(0.6, 0.0, 0.8);
     near(right(mixture(1.0)).pdf(&w).value(), 0.8 / PI);
     near(right(mixture(0.0)).pdf(&w).value(), 0.5 / TAU);
+}
+
+#[test]
+fn relations_between_parameters_are_checked() {
+    let error = triangular(3.0, 0.5, 2.0).unwrap_err().to_string();
+    assert!(error.contains("a <= b"), "{error}");
+    assert!(triangular(0.0, 1.0, f64::NAN).is_err());
 }
 
 #[test]

@@ -97,6 +97,8 @@ pub struct Problem {
     pub requirements: Vec<Id>,
     /// What holds on this way through the branches of the body.
     pub guards: Vec<Test>,
+    /// What is declared of the parameters together.
+    pub relations: Vec<Test>,
     /// The segments of the uniforms that the unknowns run over, where these are not all of [0, 1).
     pub segments: Vec<Option<Segment>>,
 }

@@ -23,7 +23,7 @@ pub(super) struct Case {
 pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> {
     let accept = |point: &Point| on_this_way(problem, point);
     let confined = problem.segments.iter().any(Option::is_some);
-    let guarded = confined || !problem.guards.is_empty();
+    let guarded = confined || !problem.guards.is_empty() || !problem.relations.is_empty();
     let points = match &problem.argument {
         None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
         Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
@@ -72,7 +72,7 @@ fn on_this_way(problem: &Problem, point: &Point) -> bool {
     let at = |l: Leaf| point.input(l, &[]);
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     let wide = problem.segments.iter().flatten().all(|s| e.value(s.width).to_f64() > 0.0);
-    wide && problem.guards.iter().all(|t| {
+    wide && problem.relations.iter().chain(&problem.guards).all(|t| {
         let difference = e.value(t.difference).to_f64();
         difference > 0.0 || (!t.strict && difference >= 0.0)
     })

@@ -83,6 +83,20 @@ pub fn interface(
                 }
             }
         })
+        .chain(options.relations.iter().map(|r| {
+            let (comparison, text, item_name) = (&r.comparison, &r.text, name.to_string());
+            let left = &comparison.left;
+            quote! {
+                #[allow(unused)]
+                {
+                    use ::aether_core::Real as _;
+                    #(#plain)*
+                    if !(#comparison) {
+                        return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value: #left });
+                    }
+                }
+            }
+        }))
         .collect();
     let make = quote!(#ty { #(#names,)* #(#hidden),* });
     let (returns, result) = if checks.is_empty() {

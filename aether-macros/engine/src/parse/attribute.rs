@@ -1,7 +1,8 @@
 //! The arguments of the attribute: `explain`, and domains of parameters.
 
+use quote::ToTokens;
 use syn::parse::{Parse, ParseStream};
-use syn::{Expr, ExprRange, Ident, RangeLimits, Token, UnOp};
+use syn::{BinOp, Expr, ExprBinary, ExprRange, Ident, RangeLimits, Token, UnOp};
 
 use crate::interval::Interval;
 
@@ -18,6 +19,15 @@ pub struct Domain {
     pub text: String,
 }
 
+/// A relation between parameters: `where a < b`.
+#[derive(Clone, Debug)]
+pub struct Relation {
+    /// The comparison.
+    pub comparison: ExprBinary,
+    /// The declaration as written, for error texts.
+    pub text: String,
+}
+
 /// The options of an item.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
@@ -25,6 +35,8 @@ pub struct Options {
     pub explain: bool,
     /// Declared domains.
     pub domains: Vec<Domain>,
+    /// Declared relations.
+    pub relations: Vec<Relation>,
 }
 
 impl Options {
@@ -38,6 +50,14 @@ impl Parse for Options {
     fn parse(input: ParseStream) -> syn::Result<Self> {
         let mut options = Options::default();
         while !input.is_empty() {
+            if input.peek(Token![where]) {
+                input.parse::<Token![where]>()?;
+                options.relations.push(relation(input.parse()?)?);
+                if !input.is_empty() {
+                    input.parse::<Token![,]>()?;
+                }
+                continue;
+            }
             let name: Ident = input.parse()?;
             if name == "explain" && !input.peek(Token![in]) {
                 options.explain = true;
@@ -48,7 +68,7 @@ impl Parse for Options {
             } else {
                 return Err(syn::Error::new(
                     name.span(),
-                    "unknown option: write `explain`, or a parameter's domain such as `alpha in 1e-4..=1.0`",
+                    "unknown option: write `explain`, a parameter's domain such as `alpha in 1e-4..=1.0`, or a relation such as `where a < b`",
                 ));
             }
             if !input.is_empty() {
@@ -56,6 +76,24 @@ impl Parse for Options {
             }
         }
         Ok(options)
+    }
+}
+
+fn relation(e: Expr) -> syn::Result<Relation> {
+    match e {
+        Expr::Binary(comparison)
+            if matches!(
+                comparison.op,
+                BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_)
+            ) =>
+        {
+            let text = comparison.to_token_stream().to_string();
+            Ok(Relation { comparison, text })
+        }
+        other => Err(syn::Error::new_spanned(
+            other,
+            "a relation is one comparison of numbers: `where a < b`; write another `where` for another",
+        )),
     }
 }
 

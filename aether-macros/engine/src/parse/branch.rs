@@ -94,18 +94,34 @@ impl Body<'_> {
         Some(self.comparison(b, strict))
     }
 
+    /// What a declared relation between parameters says, made known to the graph.
+    pub(super) fn relate(&mut self, b: &ExprBinary) -> Option<Test> {
+        let strict = matches!(b.op, BinOp::Lt(_) | BinOp::Gt(_));
+        let difference = self.difference(b)?;
+        if self.graph.has(difference, UNKNOWNS) {
+            return self.error(b, "a relation is between parameters: this one depends on what is sampled; write it as a branch of the body");
+        }
+        assume_nonnegative(&mut self.graph, difference);
+        Some(Test { difference, strict })
+    }
+
     fn comparison(&mut self, b: &ExprBinary, strict: bool) -> Option<Value> {
+        let difference = self.difference(b)?;
+        Some(Value::Bool(self.decide(difference, strict)))
+    }
+
+    /// What is positive if the comparison holds.
+    fn difference(&mut self, b: &ExprBinary) -> Option<Id> {
         // Inside a comparison the size of a number is a number like any other.
         let outer = std::mem::replace(&mut self.comparing, true);
         let (left, right) = (self.scalar(&b.left), self.scalar(&b.right));
         self.comparing = outer;
         let (left, right) = (left?, right?);
         let g = &mut self.graph;
-        let difference = match b.op {
+        Some(match b.op {
             BinOp::Lt(_) | BinOp::Le(_) => g.sub(right, left),
             _ => g.sub(left, right),
-        };
-        Some(Value::Bool(self.decide(difference, strict)))
+        })
     }
 
     fn short_circuit(&mut self, b: &ExprBinary) -> Option<Value> {

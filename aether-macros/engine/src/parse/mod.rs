@@ -10,7 +10,7 @@ mod signature;
 mod special;
 mod value;
 
-pub use attribute::{Domain, Options};
+pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
 pub use pieces::{Segment, Test};
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
@@ -62,6 +62,7 @@ struct Reading {
     /// Coordinates and identities; `None` where the body yields no sample.
     point: Option<(Vec<Id>, Vec<TokenStream>)>,
     segments: Vec<Option<Segment>>,
+    relations: Vec<Test>,
 }
 
 /// Parses the body of a sampler or a map. `None` if there were errors.
@@ -140,6 +141,7 @@ impl Reader<'_> {
             requirements: second.requirements,
             guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
             segments: second.segments,
+            relations: second.relations,
         };
         Some(Some(Piece { problem, graph: first.graph, tests }))
     }
@@ -158,6 +160,9 @@ impl Reader<'_> {
         for p in &self.signature.params {
             body.declare_param(p, self.options, &mut kinds, &mut frames);
         }
+        let relations: Option<Vec<Test>> =
+            self.options.relations.iter().map(|r| body.relate(&r.comparison)).collect();
+        let relations = relations?;
         let segments = body.confine(&self.signature.source, &unknowns, segments);
         let result = body.result(&self.item.block)?;
         let point = match result {
@@ -179,6 +184,7 @@ impl Reader<'_> {
             constants,
             point,
             segments,
+            relations,
         })
     }
 }
