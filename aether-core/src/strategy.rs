@@ -2,7 +2,6 @@
 
 use core::fmt::Debug;
 
-use crate::point::Point;
 use crate::real::{Real, Scalar};
 use crate::sequence::PathView;
 use crate::uniform::UniformSource;
@@ -12,8 +11,10 @@ use crate::uniform::UniformSource;
 pub trait Vertex: Copy + Debug {
     /// The precision that densities of this vertex have.
     type Real: Scalar;
-    /// The space that the vertex lives in; conditional densities are with respect to its measure.
-    type Point: Point<Self::Real>;
+    /// The space that the vertex lives in; conditional densities are with respect to its measure. A
+    /// union of several spaces says by [`Includes`](crate::point::Includes) which these are, and
+    /// densities are with respect to the measure of the one that the vertex lies in.
+    type Point: Copy + Debug;
     /// Where the vertex is.
     fn point(&self) -> Self::Point;
 }
@@ -132,6 +133,12 @@ impl Reads {
     pub const TWO: Reads = Reads { vertices: 2, length: false };
     /// Nothing of the path: a camera, a light picked without regard to where it will shine.
     pub const NOTHING: Reads = Reads { vertices: 0, length: false };
+
+    /// What two strategies read between them.
+    #[must_use]
+    pub fn and(self, other: Reads) -> Reads {
+        Reads { vertices: self.vertices.max(other.vertices), length: self.length || other.length }
+    }
 }
 
 impl Default for Reads {

@@ -69,6 +69,7 @@ impl Analysis<'_> {
         match end {
             End::Stop => End::Stop,
             End::Vertex(vertex) => self.leaf(vertex, scope, steps),
+            End::Delegate(strategy) => self.delegate(strategy, &scope),
             End::If { condition, then, otherwise, .. } => {
                 let facts = scope.of_expr(&condition);
                 let mut positive = self.turn(&scope, facts, 0);
@@ -112,6 +113,30 @@ impl Analysis<'_> {
                 End::Match { value, arms: planned }
             }
         }
+    }
+
+    fn delegate(&mut self, strategy: Expr, scope: &Scope) -> End<Action, Leaf> {
+        if let Some(drawn) = &scope.drawn {
+            self.diagnostics.error(
+                &strategy,
+                format!(
+                    "`{drawn}` is drawn but another strategy makes this vertex, so its probability \
+                     would have to be integrated: delegate before anything is drawn"
+                ),
+            );
+        }
+        let names = mentioned(&strategy);
+        if let Some(local) = names.iter().find(|name| scope.facts.contains_key(*name)) {
+            self.diagnostics.error(
+                &strategy,
+                format!(
+                    "`{local}` is not a parameter: what another strategy reads of the path is read \
+                     here too, and that must be known before the body runs. Make the strategy from \
+                     the parameters alone, or take it as a parameter"
+                ),
+            );
+        }
+        End::Delegate(strategy)
     }
 
     fn turn(&self, scope: &Scope, facts: Facts, arm: usize) -> Scope {
@@ -327,25 +352,11 @@ impl Analysis<'_> {
         if !random {
             return Some(Action::Choose { pat, distribution, rule });
         }
-        let is_coin = matches!(bare(&distribution), Expr::Call(call)
-            if matches!(&*call.func, Expr::Path(path)
-                if path.path.segments.last().is_some_and(|last| last.ident == "coin")));
-        match plain_name(&pat) {
-            Some(name) if is_coin && rule.is_none() => {
-                scope.needed.extend(mentioned(&distribution));
-                scope.needed.insert(name.to_string());
-                Some(Action::LateCoin { name, coin: distribution })
-            }
-            _ => {
-                self.diagnostics.error(
-                    &distribution,
-                    "the probabilities of this choice depend on what was drawn, which a density \
-                     knows only after inversion: that is possible for a coin, `let heads = \
-                     choose(coin(..));`, without `identified_by`",
-                );
-                None
-            }
-        }
+        scope.needed.extend(mentioned(&distribution));
+        scope.needed.extend(bound(&pat).iter().map(Ident::to_string));
+        self.hoisted += 1;
+        let index = format_ident!("__outcome_{}", self.hoisted, span = Span::mixed_site());
+        Some(Action::LateChoose { pat, index, distribution, rule })
     }
 }
 

@@ -5,7 +5,7 @@ use quote::{ToTokens, quote, quote_spanned};
 use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
-use super::names::{FORMS, form, is_stop};
+use super::names::{FORMS, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
 use super::tree::{Body, Form, Plan, Step};
@@ -77,12 +77,13 @@ impl VisitMut for Qualify<'_> {
             let (distribution, rule) = (&choice.args, &call.args);
             let function = Ident::new("choose_identified", name.span());
             *expr = parse_quote! {
-                ::aether_core::forms::#function::<#vertex, #real, _>(#distribution, #rule)
+                ::aether_core::forms::#function::<#vertex, #real, _, _>(#distribution, #rule)
             };
         } else if let Some((name, call)) = form(expr) {
-            let real = self.real;
+            let (real, vertex) = (self.real, self.vertex);
             let generics = match FORMS.iter().position(|form| name == form) {
                 Some(0 | 1) => quote!(::<#real, _>),
+                Some(5) => quote!(::<#vertex, _>),
                 _ => TokenStream::new(),
             };
             let arguments = &call.args;
@@ -198,10 +199,8 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };
-    let Reads { vertices, length } = reads;
-    let vertices =
-        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
-    let same = same(&signature.fields);
+    let reads = declared(signature, reads, plan);
+    let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
         #[automatically_derived]
@@ -224,7 +223,7 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
             }
 
             fn reads(&self) -> #module::Reads {
-                #module::Reads { vertices: #vertices, length: #length }
+                #reads
             }
 
             fn same(&self, other: &Self) -> bool {
@@ -234,11 +233,36 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
     }
 }
 
-/// Binds the parameters to their names.
+/// What the body reads of the path, and what the strategies read that it delegates to.
+fn declared(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let Reads { vertices, length } = reads;
+    let vertices =
+        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
+    let mut delegates = Vec::new();
+    if let Some(plan) = plan {
+        plan.delegates(&mut |strategy| delegates.push(strategy));
+    }
+    let parameters = (!delegates.is_empty()).then(|| parameters(signature));
+    quote_spanned! {site=>
+        #parameters
+        ::aether_core::strategy::Reads { vertices: #vertices, length: #length }
+            #(.and(::aether_core::strategy::Strategy::<#vertex>::reads(&#delegates)))*
+    }
+}
+
+/// Binds the path and the parameters to their names.
 fn prelude(signature: &Signature) -> TokenStream {
     let site = Span::mixed_site();
     let path = &signature.path;
     let reference = signature.path_by_reference.then(|| quote!(&));
+    let parameters = parameters(signature);
+    quote_spanned!(site=> let #path = #reference view; #parameters)
+}
+
+/// Binds the parameters to their names.
+fn parameters(signature: &Signature) -> TokenStream {
+    let site = Span::mixed_site();
     let fields = signature.fields.iter().map(|field| {
         let Field { name, mutable, ty } = field;
         let mutable = mutable.then(|| quote!(mut));
@@ -248,16 +272,24 @@ fn prelude(signature: &Signature) -> TokenStream {
             quote_spanned!(site=> let #mutable #name = ::core::clone::Clone::clone(&self.#name);)
         }
     });
-    quote_spanned!(site=> let #path = #reference view; #(#fields)*)
+    quote_spanned!(site=> #(#fields)*)
 }
 
 /// Whether two strategies have the same arguments, as far as that can be told: references by
-/// address, numbers by value.
-fn same(fields: &[Field]) -> TokenStream {
-    let site = Span::mixed_site();
-    let equal = fields.iter().map(|Field { name, ty, .. }| {
+/// address, numbers by value, strategies to delegate to by asking them.
+fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let mut strategies = Vec::new();
+    if let Some(plan) = plan {
+        plan.delegates(&mut |strategy| strategies.extend(referenced(strategy)));
+    }
+    let equal = signature.fields.iter().map(|Field { name, ty, .. }| {
         if is_reference(ty) {
             quote_spanned!(site=> ::core::ptr::eq(self.#name, other.#name))
+        } else if strategies.contains(&name) {
+            quote_spanned! {site=>
+                ::aether_core::strategy::Strategy::<#vertex>::same(&self.#name, &other.#name)
+            }
         } else if is_number(ty) {
             quote_spanned!(site=> self.#name == other.#name)
         } else {
@@ -292,6 +324,10 @@ pub fn documentation(body: &Body) -> String {
         },
         &mut |_| ends += 1,
     );
+    body.delegates(&mut |strategy| {
+        ends += 1;
+        lines.push(format!("the vertex of `{}`", source(strategy)));
+    });
     let lines: String = lines.iter().map(|line| format!("\n- {line}")).collect();
     let ways = if ends == 1 { "one way".to_owned() } else { format!("{ends} ways") };
     format!(
