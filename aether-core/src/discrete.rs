@@ -136,6 +136,11 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     fn get(&self, index: usize) -> Option<Choice<D::Item<'b>, R>> {
         D::get(*self, index)
     }
+
+    #[inline]
+    fn for_each<'a>(&'a self, visit: impl FnMut(Self::Item<'a>, R)) {
+        D::for_each(*self, visit);
+    }
 }
 
 impl<R: Scalar, D: Inversion<R>> Inversion<R> for &D {

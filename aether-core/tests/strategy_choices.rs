@@ -288,9 +288,17 @@ fn of_many_lamps_the_one_that_made_a_vertex_is_looked_up() {
     for x in [0.004, 0.5, 3.217, 10.503] {
         let covers = |id: &u32| (0.0..1.0).contains(&(x - 0.01 * f64::from(*id)));
         let sum: f64 = (0..1000).filter(covers).map(expected).sum();
+        calls.set(0);
         assert!((pdf(&any, Spot::at(x)) - sum).abs() < 1e-12, "{x}");
+        // Each branch once: 1100 leaves.
+        assert_eq!(calls.get(), 2 * 1099);
     }
-    follows(&any, 0.0, 11.0);
+}
+
+#[test]
+fn of_lamps_that_cannot_be_told_apart_all_add_up() {
+    let (lamps, calls) = (lamps(60), Cell::new(0));
+    follows(&any_lamp(&lamps, &calls), 0.0, 1.7);
 }
 
 /// Outcomes without probability, and atoms beside densities.
