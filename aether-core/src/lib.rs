@@ -80,7 +80,7 @@ pub use preimages::Preimages;
 pub use real::{Mask, Real, Scalar};
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
-pub use strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
+pub use strategy::{Atoms, Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
 pub use vec::{Frame, Mat3, Vec2, Vec3};
 

@@ -148,12 +148,47 @@ impl Default for Reads {
     }
 }
 
+/// Which kinds of atoms a strategy may yield.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Atoms {
+    /// [`Dirac::Position`].
+    pub position: bool,
+    /// [`Dirac::Direction`].
+    pub direction: bool,
+}
+
+impl Atoms {
+    /// Only densities.
+    pub const NONE: Atoms = Atoms { position: false, direction: false };
+    /// Any kind.
+    pub const ANY: Atoms = Atoms { position: true, direction: true };
+
+    /// The kinds that one of two strategies may yield.
+    #[must_use]
+    pub const fn and(self, other: Atoms) -> Atoms {
+        Atoms {
+            position: self.position || other.position,
+            direction: self.direction || other.direction,
+        }
+    }
+
+    /// Whether there is a kind that both may yield.
+    pub const fn overlaps(self, other: Atoms) -> bool {
+        (self.position && other.position) || (self.direction && other.direction)
+    }
+}
+
 /// A way to choose the next vertex of a path (Aether 2017, sections 5.3 and 5.6): a mixture of
 /// continuous samplers, discrete choices, plain code and locally constant calls.
 ///
 /// A strategy is a pure function of its fields, the part of the path that it declares in
 /// [`Strategy::reads`], and the uniforms.
 pub trait Strategy<V: Vertex>: Clone {
+    /// Which kinds of atoms this may yield. A choice between strategies of which two yield the same
+    /// kind has to be identified from the vertex, because atoms are never told apart by comparing
+    /// coordinates.
+    const ATOMS: Atoms = Atoms::ANY;
+
     /// Draws the next vertex, given the path so far; `None` if there is none (the ray left the
     /// scene, Russian roulette ended the path).
     fn sample<U: UniformSource<V::Real> + ?Sized>(

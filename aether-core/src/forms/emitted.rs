@@ -9,7 +9,7 @@ use crate::point::Includes;
 use crate::real::{Real, Scalar};
 use crate::sampler::Sampler;
 use crate::sequence::PathView;
-use crate::strategy::{Drawn, Recall, Strategy, Vertex};
+use crate::strategy::{Atoms, Drawn, Recall, Strategy, Vertex};
 use crate::uniform::{UniformSource, draw_uniforms};
 
 /// A sample of `sampler`; `None` if it has none for the uniforms drawn.
@@ -112,6 +112,41 @@ pub fn delegated_pdf<V: Vertex, S: Strategy<V>>(
 ) -> V::Real {
     let value = strategy.pdf(path.limited(strategy.reads()), target);
     product(value.of_kind(path.dirac()), probability)
+}
+
+/// Refuses to compile if two strategies, between which an unidentified choice decides, may yield
+/// atoms of the same kind. They are not made.
+#[inline(always)]
+pub fn apart_from<V: Vertex, A: Strategy<V>, B: Strategy<V>>(
+    a: impl FnOnce() -> A,
+    b: impl FnOnce() -> B,
+) {
+    const {
+        assert!(
+            !A::ATOMS.overlaps(B::ATOMS),
+            "two strategies that a choice decides between may yield atoms of the same kind, and \
+             which of them it was cannot be told by comparing coordinates: add \
+             `.identified_by(|vertex| ..)` to the `choose(..)`"
+        );
+    }
+    let _ = (a, b);
+}
+
+/// Refuses to compile if a strategy may yield atoms of the same kind (a direction or a position) as
+/// the body that delegates to it. It is not made.
+#[inline(always)]
+pub fn apart_from_atom<V: Vertex, S: Strategy<V>, const DIRECTION: bool>(
+    strategy: impl FnOnce() -> S,
+) {
+    const {
+        assert!(
+            !S::ATOMS.overlaps(Atoms { position: !DIRECTION, direction: DIRECTION }),
+            "a strategy that a choice delegates to may yield atoms of the same kind as another \
+             outcome of the choice, and which of them it was cannot be told by comparing \
+             coordinates: add `.identified_by(|vertex| ..)` to the `choose(..)`"
+        );
+    }
+    let _ = strategy;
 }
 
 /// The density of `sampler` at the point of `target`.

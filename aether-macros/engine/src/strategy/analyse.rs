@@ -9,7 +9,7 @@ use syn::{Expr, Ident, Pat, Stmt};
 
 use super::names::{bare, bound, mentioned, mentioned_by, mentioned_in_guard, pattern, referenced};
 use super::scope::{Facts, Scope, Turn};
-use super::tree::{Action, Block, Body, End, Form, Leaf, Plan, Step};
+use super::tree::{Action, Apart, Block, Body, End, Form, Leaf, Other, Plan, Step};
 use crate::diagnostics::Diagnostics;
 
 /// Analyses a body. `connected` is what the attribute says of every vertex: whether the one before
@@ -19,12 +19,19 @@ pub fn plan(
     path: &Ident,
     connected: Option<bool>,
     diagnostics: &mut Diagnostics,
-) -> Plan {
-    let mut analysis =
-        Analysis { diagnostics, connected, hoisted: 0, branches: 0, atoms: Vec::new() };
+) -> (Plan, Vec<Apart>) {
+    let mut analysis = Analysis {
+        diagnostics,
+        connected,
+        hoisted: 0,
+        branches: 0,
+        atoms: Vec::new(),
+        delegates: Vec::new(),
+    };
     let mut scope = Scope::default();
     scope.facts.insert(path.to_string(), Facts { path: true, ..Facts::default() });
-    analysis.block(body, scope)
+    let plan = analysis.block(body, scope);
+    (plan, analysis.apart())
 }
 
 /// An analysis under way.
@@ -37,6 +44,13 @@ pub struct Analysis<'d> {
     pub(super) branches: usize,
     /// The atoms found: how they are reached, and whether they are directions.
     pub(super) atoms: Vec<(Vec<Turn>, bool)>,
+    /// The strategies found, and how they are reached.
+    delegates: Vec<(Vec<Turn>, Expr)>,
+}
+
+/// Whether which of two places is reached depends on a choice that is not identified.
+pub(super) fn confused(a: &[Turn], b: &[Turn]) -> bool {
+    a.iter().zip(b).find(|(a, b)| a != b).is_some_and(|(a, _)| a.choice)
 }
 
 impl Analysis<'_> {
@@ -136,7 +150,21 @@ impl Analysis<'_> {
                 ),
             );
         }
+        self.delegates.push((scope.turns.clone(), strategy.clone()));
         End::Delegate(strategy)
+    }
+
+    /// The strategies that must not yield the same kinds of atoms as each other or the body.
+    fn apart(self) -> Vec<Apart> {
+        let mut all = Vec::new();
+        for (i, (turns, strategy)) in self.delegates.iter().enumerate() {
+            let mut add = |other| all.push(Apart { strategy: strategy.clone(), other });
+            let atoms = self.atoms.iter().filter(|(others, _)| confused(turns, others));
+            atoms.for_each(|(_, direction)| add(Other::Atom(*direction)));
+            let before = self.delegates[..i].iter().filter(|(others, _)| confused(turns, others));
+            before.for_each(|(_, other)| add(Other::Strategy(other.clone())));
+        }
+        all
     }
 
     fn turn(&self, scope: &Scope, facts: Facts, arm: usize) -> Scope {

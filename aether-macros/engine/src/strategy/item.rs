@@ -2,13 +2,14 @@
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote, quote_spanned};
+use syn::spanned::Spanned;
 use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::names::{FORMS, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
-use super::tree::{Body, Form, Plan, Step};
+use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
 
 /// Everything that the attribute emits; without a plan the methods are left unimplemented.
@@ -17,7 +18,7 @@ pub fn item(
     signature: &Signature,
     documentation: &str,
     reads: Reads,
-    plan: Option<&Plan>,
+    plan: Option<&(Plan, Vec<Apart>)>,
 ) -> TokenStream {
     let hidden = hidden(function, Some(signature));
     let structure = structure(function, signature);
@@ -184,7 +185,7 @@ fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) ->
     }
 }
 
-fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
+fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>)>) -> TokenStream {
     let Signature { name, vertex, generics, .. } = signature;
     let (implementation, arguments, conditions) = generics.split_for_impl();
     let conditions = and(conditions, &cloneable(signature));
@@ -192,13 +193,21 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
     let site = Span::mixed_site();
     let prelude = prelude(signature);
     let (sample, pdf) = match plan {
-        Some(plan) => {
+        Some((plan, apart)) => {
             let sample = sample::sample(plan, &real);
+            let apart = (!apart.is_empty()).then(|| {
+                let checks = apart.iter().map(|apart| told_apart(apart, vertex));
+                // Parameters of their own, because naming the type of an expression may move them.
+                let parameters = parameters(signature);
+                quote!({ #parameters #(#checks)* })
+            });
             let pdf = density::density(plan, vertex, &real);
-            (quote!(#prelude #sample), quote!(#prelude #pdf))
+            (quote!(#prelude #sample), quote!(#prelude #apart #pdf))
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };
+    let plan = plan.map(|(plan, _)| plan);
+    let atoms = atoms(signature, plan);
     let reads = declared(signature, reads, plan);
     let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
@@ -206,6 +215,8 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
         #[automatically_derived]
         #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
         impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
+            const ATOMS: #module::Atoms = #atoms;
+
             fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
                 &self,
                 view: ::aether_core::sequence::PathView<'_, #vertex>,
@@ -230,6 +241,49 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
                 #same
             }
         }
+    }
+}
+
+/// Makes sure that two strategies, or one and an atom of the body, can be told apart.
+fn told_apart(Apart { strategy, other }: &Apart, vertex: &Type) -> TokenStream {
+    let site = strategy.span().resolved_at(Span::mixed_site());
+    let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+    match other {
+        Other::Atom(direction) => quote_spanned! {site=>
+            #emitted::apart_from_atom::<#vertex, _, #direction>(|| #strategy);
+        },
+        Other::Strategy(other) => quote_spanned! {site=>
+            #emitted::apart_from::<#vertex, _, _>(|| #strategy, || #other);
+        },
+    }
+}
+
+/// The kinds of atoms that the body or the strategies that it delegates to may yield: any if their
+/// types have no name here.
+fn atoms(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let module = quote_spanned!(site=> ::aether_core::strategy);
+    let (mut position, mut direction) = (false, false);
+    let mut others = Vec::new();
+    if let Some(plan) = plan {
+        plan.walk(&mut |_| {}, &mut |leaf| match leaf.kind {
+            Kind::Density(_) => {}
+            Kind::AtomPosition => position = true,
+            Kind::AtomDirection => direction = true,
+        });
+        plan.delegates(&mut |strategy| {
+            let field = referenced(strategy)
+                .and_then(|name| signature.fields.iter().find(|field| field.name == *name));
+            others.push(match field {
+                Some(Field { ty, .. }) => {
+                    quote_spanned!(site=> <#ty as #module::Strategy<#vertex>>::ATOMS)
+                }
+                None => quote_spanned!(site=> #module::Atoms::ANY),
+            });
+        });
+    }
+    quote_spanned! {site=>
+        #module::Atoms { position: #position, direction: #direction } #(.and(#others))*
     }
 }
 

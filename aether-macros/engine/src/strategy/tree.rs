@@ -85,6 +85,25 @@ pub enum Form {
 /// The body after analysis.
 pub type Plan = Block<Action, Leaf>;
 
+/// Two ways to yield atoms between which an unidentified choice decides, so that their atoms must not
+/// be of the same kind. Only the types of strategies say which kinds they yield.
+#[derive(Debug)]
+pub struct Apart {
+    /// One strategy.
+    pub strategy: Expr,
+    /// The other way.
+    pub other: Other,
+}
+
+/// What a strategy must be told apart from.
+#[derive(Debug)]
+pub enum Other {
+    /// An atom of the body itself, and whether it is a direction.
+    Atom(bool),
+    /// Another strategy.
+    Strategy(Expr),
+}
+
 /// A statement after analysis.
 #[derive(Debug)]
 pub enum Action {
