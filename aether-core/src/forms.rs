@@ -2,8 +2,8 @@
 //!
 //! The attribute replaces each by sampling code and by density code, so none of these functions is
 //! ever called; they exist so that the body type-checks, completes and is documented as the ordinary
-//! Rust that it is. Each stands alone on the right of a `let` (`stop` and `delegate` at the end of a block).
-//! Their names are reserved in such a body, which needs no import for them.
+//! Rust that it is. Each stands alone on the right of a `let` (`stop` and `delegate`
+//! at the end of a block). Their names are reserved in such a body, which needs no import for them.
 
 pub mod emitted;
 
@@ -118,6 +118,45 @@ pub fn given<T>(value: Option<T>) -> T {
 /// `delegate(strategy)` at the end of the body, or of a branch of it, is the vertex that another
 /// strategy yields for the same path, so that strategies are made of others. The density adds up
 /// theirs, weighted with the probabilities of the choices that lead to each.
+///
+/// If two of the strategies of a choice may yield atoms of the same kind, it needs
+/// `.identified_by(..)` like any other choice between atoms:
+///
+/// ```compile_fail
+/// # use aether_core::prelude::*;
+/// # use aether_core::strategy::{Recall, Strategy, Vertex};
+/// # use aether_core::{PathView, coin};
+/// # #[derive(Clone, Copy, Debug)]
+/// # struct Spot(f64);
+/// # impl Vertex for Spot {
+/// #     type Real = f64;
+/// #     type Point = f64;
+/// #     fn point(&self) -> f64 {
+/// #         self.0
+/// #     }
+/// # }
+/// # impl Recall<i32> for Spot {
+/// #     fn recall(&self) -> Option<i32> {
+/// #         Some(self.0 as i32)
+/// #     }
+/// # }
+/// #[strategy]
+/// fn lamp(path: &PathView<Spot>, place: i32) -> Spot {
+///     let found = constant(Some(place));
+///     Spot(f64::from(found))
+/// }
+///
+/// #[strategy]
+/// fn one_of_two(path: &PathView<Spot>) -> Spot {
+///     if choose(coin(0.5)) {
+///         delegate(lamp(1))
+///     } else {
+///         delegate(lamp(2))
+///     }
+/// }
+///
+/// one_of_two().pdf(PathView::from_slice(&[]), &Spot(1.0)); // does not compile
+/// ```
 ///
 /// The strategy is made from the parameters alone, because what it reads of the path is read here
 /// too. Nothing may have been drawn before.
