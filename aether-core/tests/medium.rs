@@ -107,7 +107,7 @@ impl Rod {
     }
 
     /// The chance to go on to the right.
-    fn to_the_right(&self, from: &Spot) -> f64 {
+    fn chance_of_right(&self, from: &Spot) -> f64 {
         match from.0 {
             Place::Wall(Wall::Left) => 1.0,
             Place::Wall(Wall::Right) => 0.0,
@@ -155,7 +155,7 @@ fn fly(path: &PathView<Spot>, rod: &Rod, survival: f64) -> Spot {
     if !choose(coin(survival)) {
         return stop();
     }
-    let right = choose(coin(rod.to_the_right(&here)))
+    let right = choose(coin(rod.chance_of_right(&here)))
         .identified_by(|v: &Spot| Some(usize::from(v.x(rod) > x)));
     let distance = if right { rod.length - x } else { x };
     let transmittance = rod.transmittance(distance);

@@ -1,6 +1,5 @@
 //! What the code emitted by `#[strategy]` calls.
 
-use core::marker::PhantomData;
 use core::ops::Range;
 
 use crate::discrete::{Discrete, FixedOutcomes};
@@ -61,26 +60,31 @@ pub fn probability<R: Scalar, D: Discrete<R>>(distribution: &D, index: usize) ->
 }
 
 /// The outcomes of a choice whose probabilities are not known yet.
-pub struct OutcomesOf<R, D>(PhantomData<fn() -> (R, D)>);
+pub struct OutcomesOf<T> {
+    count: usize,
+    outcome: fn(usize) -> T,
+}
 
 /// The outcomes of a distribution; `make` only names its type and is not called.
 #[inline(always)]
-pub fn outcomes_of<R: Scalar, D: FixedOutcomes<R>>(make: impl FnOnce() -> D) -> OutcomesOf<R, D> {
+pub fn outcomes_of<R: Scalar, D: FixedOutcomes<R>>(
+    make: impl FnOnce() -> D,
+) -> OutcomesOf<D::Outcome> {
     let _ = make;
-    OutcomesOf(PhantomData)
+    OutcomesOf { count: D::COUNT, outcome: D::outcome }
 }
 
-impl<R: Scalar, D: FixedOutcomes<R>> OutcomesOf<R, D> {
+impl<T> OutcomesOf<T> {
     /// The indices of all outcomes.
     #[inline(always)]
     pub fn indices(&self) -> Range<usize> {
-        0..D::COUNT
+        0..self.count
     }
 
     /// The outcome with this index, if there is one.
     #[inline(always)]
-    pub fn outcome(&self, index: usize) -> Option<D::Outcome> {
-        (index < D::COUNT).then(|| D::outcome(index))
+    pub fn outcome(&self, index: usize) -> Option<T> {
+        (index < self.count).then(|| (self.outcome)(index))
     }
 }
 

@@ -221,8 +221,10 @@ impl Emitter<'_> {
             None => quote_spanned!(site=> outcomes.indices()),
             Some(rule) => quote_spanned!(site=> #emitted::identify::<#vertex, _>(target, #rule)),
         };
+        let at = distribution.span().resolved_at(site);
+        let outcomes_of = quote_spanned!(at=> #emitted::outcomes_of::<#real, _>);
         quote_spanned! {site=>
-            let outcomes = #emitted::outcomes_of::<#real, _>(|| { #(#typed)* #distribution });
+            let outcomes = #outcomes_of(|| { #(#typed)* #distribution });
             for #index in #indices {
                 if let #some(outcome) = outcomes.outcome(#index) {
                     let #pat = outcome;
