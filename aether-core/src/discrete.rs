@@ -6,11 +6,13 @@
 //! | [`discrete_weighted`], an alias table | O(1) | O(1) |
 //! | [`Cdf`], by inversion: keeps the order of uniforms | O(log N) | O(1) |
 //! | [`Tree`], weights that depend on a query | O(log N) | O(log N) |
+//! | [`shares`] of a few weights, no table, `Copy` | O(N) | O(1) |
 //!
 //! [`ProbabilityOf`] finds a probability by the item in place of the index.
 
 mod alias;
 mod cdf;
+mod few;
 mod lookup;
 #[cfg(test)]
 mod tests;
@@ -18,6 +20,7 @@ mod tree;
 pub(crate) mod weights;
 
 pub use cdf::Cdf;
+pub use few::{Shares, shares};
 pub use lookup::ProbabilityOf;
 pub use tree::{ByWeight, Importance, NodeId, Tree, TreeBuilder, TreeError, TreeView};
 
@@ -78,6 +81,41 @@ pub trait Discrete<R: Scalar> {
     }
 }
 
+/// A random variable whose outcomes are chosen by one interval of uniforms each, so that the uniform
+/// that belongs to an outcome can be recovered.
+pub trait Inversion<R: Scalar>: Discrete<R> {
+    /// The interval [low, high) of the uniforms that choose an index; `None` if none do.
+    fn interval(&self, index: usize) -> Option<(R, R)>;
+
+    /// The uniform that chooses `index` and of which `rest` is left: the inverse of
+    /// [`Discrete::sample_reuse`]. `None` if no uniform chooses it.
+    #[inline]
+    fn uniform(&self, index: usize, rest: R) -> Option<R> {
+        let (low, high) = self.interval(index)?;
+        Some((low + rest * (high - low)).max(low).min(high.next_below()))
+    }
+}
+
+/// A random variable whose outcomes are known from its type, whatever their probabilities: a
+/// [`coin`], or the [`shares`] of some weights.
+///
+/// Only such a choice can have probabilities that depend on what a strategy drew before: its density
+/// has to know the outcomes in order to invert, and evaluates the probabilities afterwards.
+#[diagnostic::on_unimplemented(
+    message = "the outcomes of this choice depend on what was drawn",
+    label = "known only after inversion, but the density inverts once for each outcome",
+    note = "use `coin(p)` or `shares([a, b, c])`, whose outcomes are fixed and only the \
+            probabilities depend on what was drawn; `match` the outcome to get at anything else"
+)]
+pub trait FixedOutcomes<R: Scalar>: Discrete<R> {
+    /// What is chosen.
+    type Outcome: Copy;
+    /// How many outcomes there are.
+    const COUNT: usize;
+    /// The outcome with an index below [`FixedOutcomes::COUNT`].
+    fn outcome(index: usize) -> Self::Outcome;
+}
+
 /// A distribution that lives elsewhere, in a scene say; its items live as long as it does.
 impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     type Item<'a>
@@ -97,6 +135,18 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     #[inline]
     fn get(&self, index: usize) -> Option<Choice<D::Item<'b>, R>> {
         D::get(*self, index)
+    }
+
+    #[inline]
+    fn for_each<'a>(&'a self, visit: impl FnMut(Self::Item<'a>, R)) {
+        D::for_each(*self, visit);
+    }
+}
+
+impl<R: Scalar, D: Inversion<R>> Inversion<R> for &D {
+    #[inline]
+    fn interval(&self, index: usize) -> Option<(R, R)> {
+        D::interval(self, index)
     }
 }
 
@@ -306,5 +356,22 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
     fn get(&self, index: usize) -> Option<Choice<bool, R>> {
         let item = index == 1;
         (index < 2).then(|| Choice { index, item, probability: self.pdf(&item).value() })
+    }
+}
+
+impl<R: Scalar> Inversion<R> for Bernoulli<R> {
+    #[inline]
+    fn interval(&self, index: usize) -> Option<(R, R)> {
+        let (low, high) = if index == 1 { (R::ZERO, self.p) } else { (self.p, R::ONE) };
+        (index < 2 && low < high).then_some((low, high))
+    }
+}
+
+impl<R: Scalar> FixedOutcomes<R> for Bernoulli<R> {
+    type Outcome = bool;
+    const COUNT: usize = 2;
+    #[inline]
+    fn outcome(index: usize) -> bool {
+        index == 1
     }
 }

@@ -19,8 +19,8 @@
 //!
 //! Where things are:
 //!
-//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`discrete`](mod@discrete),
-//!   [`tables`];
+//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`mixture`](mod@mixture),
+//!   [`discrete`](mod@discrete), [`tables`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
 //! - functions beyond the elementary ones, such as [`special::erf`]: [`special`];
@@ -46,6 +46,7 @@ pub mod estimator;
 pub mod forms;
 pub mod joint;
 pub mod map;
+pub mod mixture;
 pub mod mutation;
 pub mod path_density;
 pub mod point;
@@ -69,24 +70,26 @@ pub use density::{
     Area, Counting, Density, Hausdorff, Length, Measure, Product, SolidAngle, Volume,
 };
 pub use discrete::{
-    Bernoulli, Cdf, Choice, Choices, Discrete, WeightError, coin, discrete, discrete_weighted,
+    Bernoulli, Cdf, Choice, Choices, Discrete, Shares, WeightError, coin, discrete,
+    discrete_weighted, shares,
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
 pub use map::{Map, Then};
+pub use mixture::{Mixture, mixture};
 pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_pdf, mutation};
 pub use path_density::PathDensity;
-pub use point::{Curve, Direction, Embedded, Point, Surface, SurfaceId, SurfacePoint};
+pub use point::{Curve, Direction, Embedded, Includes, Point, Surface, SurfaceId, SurfacePoint};
 pub use preimages::Preimages;
 pub use real::{Mask, Real, Scalar};
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
-pub use strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
+pub use strategy::{Atoms, Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
 pub use vec::{Frame, Mat3, Vec2, Vec3};
 
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.
 pub mod prelude {
-    pub use crate::forms::{choose, constant, draw, given, stop};
+    pub use crate::forms::{choose, constant, delegate, draw, given, stop};
     pub use crate::special::{
         erf, erf_inv, erfc, erfc_inv, lambert_w, ln_gamma, normal_cdf, normal_quantile,
     };

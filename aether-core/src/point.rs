@@ -26,6 +26,52 @@ pub trait Point<R: Real>: Copy + core::fmt::Debug {
     }
 }
 
+/// A space of which the points of `P` are a part: a disjoint union of several spaces, each with a
+/// measure of its own, such as the surfaces and the media of a scene. Every space is a part of itself.
+///
+/// It lets a path have vertices of several kinds: where a vertex is drawn from a sampler of one part,
+/// its density is taken with respect to the measure of that part, and is zero on all others.
+///
+/// ```
+/// use aether_core::prelude::*;
+/// use aether_core::Includes;
+///
+/// #[derive(Clone, Copy, Debug)]
+/// enum Place {
+///     Surface(SurfacePoint),
+///     Medium(Vec3),
+/// }
+///
+/// impl Includes<SurfacePoint> for Place {
+///     fn part(&self) -> Option<SurfacePoint> {
+///         if let Place::Surface(x) = self { Some(*x) } else { None }
+///     }
+/// }
+///
+/// impl Includes<Vec3> for Place {
+///     fn part(&self) -> Option<Vec3> {
+///         if let Place::Medium(x) = self { Some(*x) } else { None }
+///     }
+/// }
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "a vertex that lives in `{Self}` cannot be made from a point of `{P}`",
+    label = "made from a point of `{P}`",
+    note = "bring the point to the vertex's space with a #[map], or, if `{Self}` is a union of \
+            spaces of which this is one, implement `Includes<{P}>` for it"
+)]
+pub trait Includes<P>: Copy {
+    /// The point as one of that part; `None` if it lies in another one.
+    fn part(&self) -> Option<P>;
+}
+
+impl<P: Copy> Includes<P> for P {
+    #[inline(always)]
+    fn part(&self) -> Option<P> {
+        Some(*self)
+    }
+}
+
 /// A point of the real line; densities are per unit length.
 impl<R: Real> Point<R> for R {
     type Measure = Length;

@@ -2,7 +2,6 @@
 
 use core::fmt::Debug;
 
-use crate::point::Point;
 use crate::real::{Real, Scalar};
 use crate::sequence::PathView;
 use crate::uniform::UniformSource;
@@ -12,8 +11,10 @@ use crate::uniform::UniformSource;
 pub trait Vertex: Copy + Debug {
     /// The precision that densities of this vertex have.
     type Real: Scalar;
-    /// The space that the vertex lives in; conditional densities are with respect to its measure.
-    type Point: Point<Self::Real>;
+    /// The space that the vertex lives in; conditional densities are with respect to its measure. A
+    /// union of several spaces says by [`Includes`](crate::point::Includes) which these are, and
+    /// densities are with respect to the measure of the one that the vertex lies in.
+    type Point: Copy + Debug;
     /// Where the vertex is.
     fn point(&self) -> Self::Point;
 }
@@ -132,6 +133,12 @@ impl Reads {
     pub const TWO: Reads = Reads { vertices: 2, length: false };
     /// Nothing of the path: a camera, a light picked without regard to where it will shine.
     pub const NOTHING: Reads = Reads { vertices: 0, length: false };
+
+    /// What two strategies read between them.
+    #[must_use]
+    pub fn and(self, other: Reads) -> Reads {
+        Reads { vertices: self.vertices.max(other.vertices), length: self.length || other.length }
+    }
 }
 
 impl Default for Reads {
@@ -141,12 +148,47 @@ impl Default for Reads {
     }
 }
 
+/// Which kinds of atoms a strategy may yield.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Atoms {
+    /// [`Dirac::Position`].
+    pub position: bool,
+    /// [`Dirac::Direction`].
+    pub direction: bool,
+}
+
+impl Atoms {
+    /// Only densities.
+    pub const NONE: Atoms = Atoms { position: false, direction: false };
+    /// Any kind.
+    pub const ANY: Atoms = Atoms { position: true, direction: true };
+
+    /// The kinds that one of two strategies may yield.
+    #[must_use]
+    pub const fn and(self, other: Atoms) -> Atoms {
+        Atoms {
+            position: self.position || other.position,
+            direction: self.direction || other.direction,
+        }
+    }
+
+    /// Whether there is a kind that both may yield.
+    pub const fn overlaps(self, other: Atoms) -> bool {
+        (self.position && other.position) || (self.direction && other.direction)
+    }
+}
+
 /// A way to choose the next vertex of a path (Aether 2017, sections 5.3 and 5.6): a mixture of
 /// continuous samplers, discrete choices, plain code and locally constant calls.
 ///
 /// A strategy is a pure function of its fields, the part of the path that it declares in
 /// [`Strategy::reads`], and the uniforms.
 pub trait Strategy<V: Vertex>: Clone {
+    /// Which kinds of atoms this may yield. A choice between strategies of which two yield the same
+    /// kind has to be identified from the vertex, because atoms are never told apart by comparing
+    /// coordinates.
+    const ATOMS: Atoms = Atoms::ANY;
+
     /// Draws the next vertex, given the path so far; `None` if there is none (the ray left the
     /// scene, Russian roulette ended the path).
     fn sample<U: UniformSource<V::Real> + ?Sized>(

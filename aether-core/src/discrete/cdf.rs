@@ -2,7 +2,7 @@
 
 use super::alias::below_one;
 use super::weights::{Sum, relative};
-use super::{Choice, Discrete, WeightError};
+use super::{Choice, Discrete, Inversion, WeightError};
 use crate::real::Scalar;
 
 /// A weighted choice among indices, sampled by inversion: index i is chosen by the uniforms of one
@@ -72,8 +72,14 @@ impl<R: Scalar> Cdf<R> {
     /// [`Discrete::sample_reuse`]. `None` if no uniform chooses it.
     #[inline]
     pub fn uniform(&self, index: usize, rest: R) -> Option<R> {
-        let (low, high) = self.interval(index)?;
-        Some((low + rest * (high - low)).max(low).min(high.next_below()))
+        Inversion::uniform(self, index, rest)
+    }
+}
+
+impl<R: Scalar> Inversion<R> for Cdf<R> {
+    #[inline]
+    fn interval(&self, index: usize) -> Option<(R, R)> {
+        Cdf::interval(self, index)
     }
 }
 
@@ -103,8 +109,7 @@ impl<R: Scalar> Discrete<R> for Cdf<R> {
     }
 }
 
-/// The cumulative sums of the weights in whole units, `units` being the sum of all, such that every
-/// positive weight has one unit at least and a zero weight has none.
+/// The cumulative sums of the weights in whole units, from zero, `units` being the sum of all.
 fn round(weights: &[f64], units: u64) -> Result<Vec<u64>, WeightError> {
     let positive = weights.iter().filter(|w| **w > 0.0).count();
     match positive {
@@ -115,23 +120,29 @@ fn round(weights: &[f64], units: u64) -> Result<Vec<u64>, WeightError> {
         }
         _ => {}
     }
+    let mut knots = vec![0; weights.len() + 1];
+    ends(weights, units, &mut knots[1..]);
+    Ok(knots)
+}
+
+/// The cumulative sums of weights, some of which are positive, in whole units, `units` being the sum
+/// of all, such that every positive weight has one unit at least and a zero weight has none.
+pub(super) fn ends(weights: &[f64], units: u64, ends: &mut [u64]) {
     let total = super::weights::sum(weights.iter().copied());
     let (mut sum, mut last) = (Sum::default(), 0);
-    let mut knots = vec![0];
-    for w in weights {
+    for (w, end) in weights.iter().zip(ends.iter_mut()) {
         if *w > 0.0 {
             sum += *w;
             last = ((sum.value() / total * units as f64).round() as u64).max(last + 1);
         }
-        knots.push(last);
+        *end = last;
     }
     // The end is fixed: what was moved up too far moves down again, a unit at least for each.
     let mut most = units;
-    for (knot, w) in knots[1..].iter_mut().zip(weights).rev() {
-        *knot = most.min(*knot);
+    for (end, w) in ends.iter_mut().zip(weights).rev() {
+        *end = most.min(*end);
         if *w > 0.0 {
-            most = *knot - 1;
+            most = *end - 1;
         }
     }
-    Ok(knots)
 }

@@ -1,10 +1,14 @@
 //! What the code emitted by `#[strategy]` calls.
 
-use crate::discrete::Discrete;
+use core::ops::Range;
+
+use crate::discrete::{Discrete, FixedOutcomes};
 use crate::map::Map;
+use crate::point::Includes;
 use crate::real::{Real, Scalar};
 use crate::sampler::Sampler;
-use crate::strategy::{Recall, Vertex};
+use crate::sequence::PathView;
+use crate::strategy::{Atoms, Drawn, Recall, Strategy, Vertex};
 use crate::uniform::{UniformSource, draw_uniforms};
 
 /// A sample of `sampler`; `None` if it has none for the uniforms drawn.
@@ -40,10 +44,13 @@ pub fn point_of<R: Real, S: Sampler<R>>(sampler: &S) -> S::Point {
     unreachable!("a locally constant call is not repeated")
 }
 
-/// Which outcome `target` came from, by the user's rule.
+/// Which outcomes `target` may have come from, by the user's rule.
 #[inline(always)]
-pub fn identify<V>(target: &V, rule: impl Fn(&V) -> Option<usize>) -> Option<usize> {
-    rule(target)
+pub fn identify<V, I: IntoIterator<Item = usize>>(
+    target: &V,
+    rule: impl Fn(&V) -> I,
+) -> I::IntoIter {
+    rule(target).into_iter()
 }
 
 /// The probability of outcome `index`, zero if there is none.
@@ -52,26 +59,126 @@ pub fn probability<R: Scalar, D: Discrete<R>>(distribution: &D, index: usize) ->
     distribution.get(index).map_or(R::ZERO, |choice| choice.probability)
 }
 
+/// The outcomes of a choice whose probabilities are not known yet.
+pub struct OutcomesOf<T> {
+    count: usize,
+    outcome: fn(usize) -> T,
+}
+
+/// The outcomes of a distribution; `make` only names its type and is not called.
+#[inline(always)]
+pub fn outcomes_of<R: Scalar, D: FixedOutcomes<R>>(
+    make: impl FnOnce() -> D,
+) -> OutcomesOf<D::Outcome> {
+    let _ = make;
+    OutcomesOf { count: D::COUNT, outcome: D::outcome }
+}
+
+impl<T> OutcomesOf<T> {
+    /// The indices of all outcomes.
+    #[inline(always)]
+    pub fn indices(&self) -> Range<usize> {
+        0..self.count
+    }
+
+    /// The outcome with this index, if there is one.
+    #[inline(always)]
+    pub fn outcome(&self, index: usize) -> Option<T> {
+        (index < self.count).then(|| (self.outcome)(index))
+    }
+}
+
+/// An outcome drawn from `distribution`.
+#[inline(always)]
+pub fn outcome<R: Scalar, D: FixedOutcomes<R>>(distribution: &D, u: R) -> D::Outcome {
+    D::outcome(distribution.sample(u).index)
+}
+
+/// The vertex that another strategy yields for the same path.
+#[inline(always)]
+pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
+    strategy: &S,
+    path: PathView<'_, V>,
+    uniforms: &mut U,
+) -> Option<Drawn<V>> {
+    let drawn = strategy.sample(path.limited(strategy.reads()), uniforms)?;
+    // What is known is the density under that strategy alone.
+    Some(Drawn { value: None, ..drawn })
+}
+
+/// The probability of delegating times the density (or probability) under the other strategy.
+#[inline(always)]
+pub fn delegated_pdf<V: Vertex, S: Strategy<V>>(
+    strategy: &S,
+    path: PathView<'_, V>,
+    target: &V,
+    probability: V::Real,
+) -> V::Real {
+    let value = strategy.pdf(path.limited(strategy.reads()), target);
+    product(value.of_kind(path.dirac()), probability)
+}
+
+/// Refuses to compile if two strategies, between which an unidentified choice decides, may yield
+/// atoms of the same kind. They are not made.
+#[inline(always)]
+pub fn apart_from<V: Vertex, A: Strategy<V>, B: Strategy<V>>(
+    a: impl FnOnce() -> A,
+    b: impl FnOnce() -> B,
+) {
+    const {
+        assert!(
+            !A::ATOMS.overlaps(B::ATOMS),
+            "two strategies that a choice decides between may yield atoms of the same kind, and \
+             which of them it was cannot be told by comparing coordinates: add \
+             `.identified_by(|vertex| ..)` to the `choose(..)`"
+        );
+    }
+    let _ = (a, b);
+}
+
+/// Refuses to compile if a strategy may yield atoms of the same kind (a direction or a position) as
+/// the body that delegates to it. It is not made.
+#[inline(always)]
+pub fn apart_from_atom<V: Vertex, S: Strategy<V>, const DIRECTION: bool>(
+    strategy: impl FnOnce() -> S,
+) {
+    const {
+        assert!(
+            !S::ATOMS.overlaps(Atoms { position: !DIRECTION, direction: DIRECTION }),
+            "a strategy that a choice delegates to may yield atoms of the same kind as another \
+             outcome of the choice, and which of them it was cannot be told by comparing \
+             coordinates: add `.identified_by(|vertex| ..)` to the `choose(..)`"
+        );
+    }
+    let _ = strategy;
+}
+
 /// The density of `sampler` at the point of `target`.
 #[inline(always)]
-pub fn density<V: Vertex, S: Sampler<V::Real, Point = V::Point>>(
-    sampler: &S,
-    target: &V,
-) -> V::Real {
-    sampler.pdf(&target.point()).value()
+pub fn density<V, S>(sampler: &S, target: &V) -> V::Real
+where
+    V: Vertex<Point: Includes<S::Point>>,
+    S: Sampler<V::Real>,
+{
+    let part = Includes::<S::Point>::part(&target.point());
+    part.map_or(V::Real::ZERO, |x| sampler.pdf(&x).value())
 }
 
 /// The density of `sampler` at the point of `target`, times a factor that depends on that point.
 #[inline(always)]
-pub fn density_times<V: Vertex, S: Sampler<V::Real, Point = V::Point>>(
+pub fn density_times<V, S>(
     sampler: &S,
     target: &V,
-    mut factor: impl FnMut(V::Point) -> V::Real,
-) -> V::Real {
-    let point = target.point();
-    let p = sampler.pdf(&point).value();
+    mut factor: impl FnMut(S::Point) -> V::Real,
+) -> V::Real
+where
+    V: Vertex<Point: Includes<S::Point>>,
+    S: Sampler<V::Real>,
+{
+    let Some(x) = Includes::<S::Point>::part(&target.point()) else { return V::Real::ZERO };
+    let p = sampler.pdf(&x).value();
     // The factor may be undefined outside the support.
-    if p > V::Real::ZERO { product(p, factor(point)) } else { V::Real::ZERO }
+    if p > V::Real::ZERO { product(p, factor(x)) } else { V::Real::ZERO }
 }
 
 /// The density of `map(sampler)` at the point of `target`, each preimage weighted with a factor that
@@ -84,12 +191,13 @@ pub fn density_through<V, S, M>(
     mut factor: impl FnMut(S::Point) -> V::Real,
 ) -> V::Real
 where
-    V: Vertex,
+    V: Vertex<Point: Includes<M::Target>>,
     S: Sampler<V::Real>,
-    M: Map<V::Real, Source = S::Point, Target = V::Point>,
+    M: Map<V::Real, Source = S::Point>,
 {
     let mut sum = V::Real::ZERO;
-    map.preimages(&target.point(), |w, valid| {
+    let Some(y) = Includes::<M::Target>::part(&target.point()) else { return sum };
+    map.preimages(&y, |w, valid| {
         if valid {
             let p = sampler.pdf(&w).value();
             // Where there is no density the map need not have a derivative.

@@ -60,6 +60,9 @@ macro_rules! strategies {
         impl $(<$($lifetime),+>)? $crate::strategy::Strategy<$vertex>
             for $name $(<$($lifetime),+>)?
         {
+            const ATOMS: $crate::strategy::Atoms = $crate::strategy::Atoms::NONE
+                $(.and(<$strategy as $crate::strategy::Strategy<$vertex>>::ATOMS))+;
+
             #[inline]
             fn sample<U>(
                 &self,

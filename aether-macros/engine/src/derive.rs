@@ -5,6 +5,7 @@ mod density;
 mod joint;
 mod limits;
 mod regimes;
+mod strays;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};

@@ -213,7 +213,8 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     }
 }
 
-fn unit(rng: &mut Rng) -> [Dd; 3] {
+/// A random unit vector.
+pub fn unit(rng: &mut Rng) -> [Dd; 3] {
     loop {
         let v: [f64; 3] = std::array::from_fn(|_| 2.0 * rng.uniform() - 1.0);
         let n = v.iter().map(|x| x * x).sum::<f64>();

@@ -2,9 +2,10 @@
 //! tracer, from outside its crate.
 //!
 //! The strategy is for rooms that are lit from the ceiling: with some probability it looks up
-//! instead of sampling the material. That is a mixture of two densities, each through a ray cast:
-//! every direction could have come from either. The density of the mixture is derived from the
-//! sampling code, and so are the weights against light sampling.
+//! instead of sampling the material, which it leaves to the renderer's own strategy. That is a mixture
+//! of two densities, each through a ray cast: every direction could have come from either. The
+//! density of the mixture is derived from the sampling code, and so are the weights against light
+//! sampling.
 //!
 //! Renders the Cornell box twice, with the renderer's scattering and with the new one, and compares.
 
@@ -15,10 +16,10 @@ use aether_core::{Arena, PathView, Pcg32, coin, strategies};
 use integrators::image::exr::Exr;
 use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
-use integrators::samplers::{cosine_hemisphere, rotate};
+use integrators::samplers::rotate;
 use integrators::scene::Scene;
 use integrators::strategies::{
-    Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_light,
+    Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
 use integrators::vertex::{SceneVertex, Surface};
 use integrators::world::World;
@@ -32,34 +33,30 @@ fn power_cosine(u: [Uniform; 2], exponent: f64) -> Direction {
     Direction::new(r * phi.cos(), r * phi.sin(), z)
 }
 
-/// Scatters like the material or looks up, and finds what the ray meets.
+/// Looks up, and finds what the ray meets.
+#[strategy]
+fn look_up(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVertex {
+    let here = given(path.last());
+    let local = draw(power_cosine(8.0f32));
+    let w = rotate(Frame::around(Direction::new(0.0, 1.0, 0.0))).apply(&local);
+    let hit: Surface = constant(world.cast(&here, &w));
+    let point = hit.seen_from(here.position).apply(&w);
+    SceneVertex::hit(hit, point)
+}
+
+/// Scatters like the material or looks up.
 #[strategy]
 fn scatter_or_look_up(
     path: &PathView<SceneVertex>,
     world: &World<'_>,
     rr_depth: u32,
-    look_up: f32,
+    upwards: f32,
 ) -> SceneVertex {
-    let here = given(path.last());
-    let before = given(path.back(1));
-    let surface = given(here.surface);
-    let lambert = given(world.scattering(&surface, before.position));
-    let survival = if path.len() > rr_depth as usize { lambert.survival() } else { 1.0 };
-    let survives = choose(coin(survival));
-    if !survives {
-        return stop();
-    }
-    let looks_up = choose(coin(look_up));
-    let w = if looks_up {
-        let local = draw(power_cosine(8.0f32));
-        rotate(Frame::around(Direction::new(0.0, 1.0, 0.0))).apply(&local)
+    if choose(coin(upwards)) {
+        delegate(look_up(world))
     } else {
-        let local = draw(cosine_hemisphere());
-        rotate(lambert.frame()).apply(&local)
-    };
-    let hit: Surface = constant(world.cast(&here, &w));
-    let point = hit.seen_from(here.position).apply(&w);
-    SceneVertex::hit(hit, point)
+        delegate(sample_bsdf(world, rr_depth))
+    }
 }
 
 strategies! {

@@ -19,6 +19,14 @@ pub(super) struct Case {
     pub(super) volume: f64,
 }
 
+impl Case {
+    /// The same parameters with another point of the target space.
+    pub(super) fn moved_to(&self, exact_outs: Vec<Dd>) -> Case {
+        let outs = exact_outs.iter().map(|x| x.to_f64()).collect();
+        Case { point: self.point.clone(), outs, exact_outs, volume: self.volume }
+    }
+}
+
 /// Evaluates the map at every test point; points that have no result are left out.
 pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> {
     let accept = |point: &Point| on_this_way(problem, point);
@@ -94,8 +102,13 @@ pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {
     map
 }
 
-/// The values of a solution at a case: unknowns, and whether its tests pass.
+/// The values of a solution at a case, if its tests pass.
 fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>> {
+    try_exactly(problem, s, case).map(|u| u.iter().map(|u| u.to_f64()).collect())
+}
+
+/// The same in double-double.
+pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<Dd>> {
     let at = |l: Leaf| match l {
         Leaf::Out(i) => case.exact_outs[i as usize],
         _ => case.point.input(l, &[]),
@@ -116,7 +129,7 @@ fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     let required = problem.requirements.iter().all(|r| e.value(*r).to_f64() > 0.0)
         && problem.guards.iter().all(|t| e.value(t.difference).to_f64() >= -1e-20);
-    (inside && conditions && required).then(|| u.iter().map(|u| u.to_f64()).collect())
+    (inside && conditions && required).then_some(u)
 }
 
 /// Keeps the solutions that occur, in a form without duplicates; every point must be recovered.
@@ -148,6 +161,8 @@ pub(super) fn prune(
             ));
         }
     }
+    let needed: Vec<&Solution> = kept.iter().map(|&k| &solutions[k]).collect();
+    check_forward |= super::strays::accepted(problem, &needed, cases);
     let mut index = 0;
     let mut solutions = solutions;
     solutions.retain(|_| {

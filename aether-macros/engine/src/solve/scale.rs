@@ -44,7 +44,9 @@ pub(super) fn up_to_scale(
             known.push(g.neg(k));
         }
         let Some((values, _)) = linear::solve_matrix(g, &matrix, &known, frames) else { continue };
-        return Some(vec![replace(g, state, &members, lambda, &atoms, &values)]);
+        if let Some(next) = replace(g, state, &members, lambda, &atoms, &values) {
+            return Some(next);
+        }
     }
     None
 }
@@ -61,7 +63,8 @@ fn replace(
     lambda: Id,
     atoms: &[Id],
     values: &[Id],
-) -> State {
+) -> Option<Vec<State>> {
+    let positive = g.range(lambda).nonnegative();
     let mut s = state.clone();
     let mut k = 0;
     s.equations.retain(|_| {
@@ -80,13 +83,22 @@ fn replace(
         let squared = linear::dot(g, values, values);
         let minus_half = g.number(Q::HALF.neg());
         let scale = g.pow(squared, minus_half);
-        equation(&mut s, scale, lambda);
-        for (&atom, &value) in atoms.iter().zip(values) {
-            let value = g.mul(value, scale);
-            equation(&mut s, value, atom);
-        }
-        s.solution.steps.push(format!("unit vector: {} = {}", show(g, lambda), show(g, scale)));
-        return s;
+        let negative = g.neg(scale);
+        let scales = if positive { vec![scale] } else { vec![scale, negative] };
+        let solved = scales.into_iter().map(|scale| {
+            let mut s = s.clone();
+            equation(&mut s, scale, lambda);
+            for (&atom, &value) in atoms.iter().zip(values) {
+                let value = g.mul(value, scale);
+                equation(&mut s, value, atom);
+            }
+            s.solution.steps.push(format!("unit vector: {} = {}", show(g, lambda), show(g, scale)));
+            s
+        });
+        return Some(solved.collect());
+    }
+    if !positive {
+        return None;
     }
     let leaf = Leaf::Unknown(s.next_unknown);
     s.next_unknown += 1;
@@ -98,7 +110,7 @@ fn replace(
     }
     let reciprocal = g.powi(inverse, -1);
     s.solution.known.insert(lambda, reciprocal);
-    s
+    Some(vec![s])
 }
 
 /// A short name for a long value, so that what follows stays as short as without the matrix.

@@ -9,7 +9,7 @@ use syn::{Expr, Ident, Pat, Stmt};
 
 use super::names::{bare, bound, mentioned, mentioned_by, mentioned_in_guard, pattern, referenced};
 use super::scope::{Facts, Scope, Turn};
-use super::tree::{Action, Block, Body, End, Form, Leaf, Plan, Step};
+use super::tree::{Action, Apart, Block, Body, End, Form, Leaf, Other, Plan, Step};
 use crate::diagnostics::Diagnostics;
 
 /// Analyses a body. `connected` is what the attribute says of every vertex: whether the one before
@@ -19,12 +19,19 @@ pub fn plan(
     path: &Ident,
     connected: Option<bool>,
     diagnostics: &mut Diagnostics,
-) -> Plan {
-    let mut analysis =
-        Analysis { diagnostics, connected, hoisted: 0, branches: 0, atoms: Vec::new() };
+) -> (Plan, Vec<Apart>) {
+    let mut analysis = Analysis {
+        diagnostics,
+        connected,
+        hoisted: 0,
+        branches: 0,
+        atoms: Vec::new(),
+        delegates: Vec::new(),
+    };
     let mut scope = Scope::default();
     scope.facts.insert(path.to_string(), Facts { path: true, ..Facts::default() });
-    analysis.block(body, scope)
+    let plan = analysis.block(body, scope);
+    (plan, analysis.apart())
 }
 
 /// An analysis under way.
@@ -37,6 +44,13 @@ pub struct Analysis<'d> {
     pub(super) branches: usize,
     /// The atoms found: how they are reached, and whether they are directions.
     pub(super) atoms: Vec<(Vec<Turn>, bool)>,
+    /// The strategies found, and how they are reached.
+    delegates: Vec<(Vec<Turn>, Expr)>,
+}
+
+/// Whether which of two places is reached depends on a choice that is not identified.
+pub(super) fn confused(a: &[Turn], b: &[Turn]) -> bool {
+    a.iter().zip(b).find(|(a, b)| a != b).is_some_and(|(a, _)| a.choice)
 }
 
 impl Analysis<'_> {
@@ -69,6 +83,7 @@ impl Analysis<'_> {
         match end {
             End::Stop => End::Stop,
             End::Vertex(vertex) => self.leaf(vertex, scope, steps),
+            End::Delegate(strategy) => self.delegate(strategy, &scope),
             End::If { condition, then, otherwise, .. } => {
                 let facts = scope.of_expr(&condition);
                 let mut positive = self.turn(&scope, facts, 0);
@@ -112,6 +127,44 @@ impl Analysis<'_> {
                 End::Match { value, arms: planned }
             }
         }
+    }
+
+    fn delegate(&mut self, strategy: Expr, scope: &Scope) -> End<Action, Leaf> {
+        if let Some(drawn) = &scope.drawn {
+            self.diagnostics.error(
+                &strategy,
+                format!(
+                    "`{drawn}` is drawn but another strategy makes this vertex, so its probability \
+                     would have to be integrated: delegate before anything is drawn"
+                ),
+            );
+        }
+        let names = mentioned(&strategy);
+        if let Some(local) = names.iter().find(|name| scope.facts.contains_key(*name)) {
+            self.diagnostics.error(
+                &strategy,
+                format!(
+                    "`{local}` is not a parameter: what another strategy reads of the path is read \
+                     here too, and that must be known before the body runs. Make the strategy from \
+                     the parameters alone, or take it as a parameter"
+                ),
+            );
+        }
+        self.delegates.push((scope.turns.clone(), strategy.clone()));
+        End::Delegate(strategy)
+    }
+
+    /// The strategies that must not yield the same kinds of atoms as each other or the body.
+    fn apart(self) -> Vec<Apart> {
+        let mut all = Vec::new();
+        for (i, (turns, strategy)) in self.delegates.iter().enumerate() {
+            let mut add = |other| all.push(Apart { strategy: strategy.clone(), other });
+            let atoms = self.atoms.iter().filter(|(others, _)| confused(turns, others));
+            atoms.for_each(|(_, direction)| add(Other::Atom(*direction)));
+            let before = self.delegates[..i].iter().filter(|(others, _)| confused(turns, others));
+            before.for_each(|(_, other)| add(Other::Strategy(other.clone())));
+        }
+        all
     }
 
     fn turn(&self, scope: &Scope, facts: Facts, arm: usize) -> Scope {
@@ -327,25 +380,11 @@ impl Analysis<'_> {
         if !random {
             return Some(Action::Choose { pat, distribution, rule });
         }
-        let is_coin = matches!(bare(&distribution), Expr::Call(call)
-            if matches!(&*call.func, Expr::Path(path)
-                if path.path.segments.last().is_some_and(|last| last.ident == "coin")));
-        match plain_name(&pat) {
-            Some(name) if is_coin && rule.is_none() => {
-                scope.needed.extend(mentioned(&distribution));
-                scope.needed.insert(name.to_string());
-                Some(Action::LateCoin { name, coin: distribution })
-            }
-            _ => {
-                self.diagnostics.error(
-                    &distribution,
-                    "the probabilities of this choice depend on what was drawn, which a density \
-                     knows only after inversion: that is possible for a coin, `let heads = \
-                     choose(coin(..));`, without `identified_by`",
-                );
-                None
-            }
-        }
+        scope.needed.extend(mentioned(&distribution));
+        scope.needed.extend(bound(&pat).iter().map(Ident::to_string));
+        self.hoisted += 1;
+        let index = format_ident!("__outcome_{}", self.hoisted, span = Span::mixed_site());
+        Some(Action::LateChoose { pat, index, distribution, rule })
     }
 }
 

@@ -4,13 +4,18 @@
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, format_ident, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Expr, Ident, Stmt, Type};
+use syn::{Expr, Ident, Pat, Stmt, Type};
 
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
 /// The body of `pdf`, which adds up the terms of the kind that is asked for.
 pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
     let terms = Emitter { vertex, real }.rest(&plan.steps, &plan.end, &Pending::default());
+    let kinds = Kinds::of_end(&plan.end);
+    let terms = (kinds != Kinds::default()).then(|| {
+        let asked = kinds.asked();
+        quote_spanned!(Span::mixed_site()=> if #asked { #terms })
+    });
     quote_spanned! {Span::mixed_site()=>
         let kind = ::aether_core::sequence::PathView::dirac(&view);
         let mut sum = <#real as ::aether_core::Real>::ZERO;
@@ -44,6 +49,57 @@ impl Pending {
         pending.statements.push(statement);
         pending.weighs = true;
         pending
+    }
+}
+
+/// Which kinds of vertices some code may end in.
+#[derive(Clone, Copy, Default, PartialEq)]
+struct Kinds {
+    density: bool,
+    position: bool,
+    direction: bool,
+}
+
+impl Kinds {
+    fn of_end(end: &End<Action, Leaf>) -> Kinds {
+        match end {
+            End::Stop => Kinds::default(),
+            End::Delegate(_) => Kinds { density: true, position: true, direction: true },
+            End::Vertex(leaf) => match leaf.kind {
+                Kind::Density(_) => Kinds { density: true, ..Kinds::default() },
+                Kind::AtomPosition => Kinds { position: true, ..Kinds::default() },
+                Kind::AtomDirection => Kinds { direction: true, ..Kinds::default() },
+            },
+            End::If { then, otherwise, .. } => {
+                Kinds::of_end(&then.end).and(Kinds::of_end(&otherwise.end))
+            }
+            End::Match { arms, .. } => arms
+                .iter()
+                .fold(Kinds::default(), |kinds, (_, arm)| kinds.and(Kinds::of_end(&arm.end))),
+        }
+    }
+
+    fn and(self, other: Kinds) -> Kinds {
+        Kinds {
+            density: self.density || other.density,
+            position: self.position || other.position,
+            direction: self.direction || other.direction,
+        }
+    }
+
+    /// Whether the kind that is asked for is one of these: elsewhere nothing is evaluated.
+    fn asked(self) -> TokenStream {
+        let site = Span::mixed_site();
+        let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
+        let is = |wanted: bool, kind: TokenStream| wanted.then_some(kind);
+        let some = quote_spanned!(site=> ::core::option::Option::Some);
+        let kinds = [
+            is(self.density, quote_spanned!(site=> ::core::option::Option::None)),
+            is(self.position, quote_spanned!(site=> #some(#dirac::Position))),
+            is(self.direction, quote_spanned!(site=> #some(#dirac::Direction))),
+        ];
+        let kinds = kinds.iter().flatten();
+        quote_spanned!(site=> ::core::matches!(kind, #(#kinds)|*))
     }
 }
 
@@ -86,16 +142,9 @@ impl Emitter<'_> {
                 let rest = same();
                 self.choice(&pat.to_token_stream(), distribution, rule.as_ref(), &rest)
             }
-            Action::LateCoin { name, coin } => {
-                let real = self.real;
-                let pending = pending.factor(quote_spanned! {site=>
-                    factor = factor * ::aether_core::forms::emitted::probability::<#real, _>(
-                        &#coin,
-                        ::core::convert::From::from(#name),
-                    );
-                });
-                let rest = self.rest(steps, end, &pending);
-                quote_spanned!(site=> for #name in [false, true] { #rest })
+            Action::LateChoose { pat, index, distribution, rule } => {
+                let rest = self.rest(steps, end, &pending.factor(self.weigh(distribution, index)));
+                self.late_choice(pat, index, (distribution, rule.as_ref()), &pending.typed, &rest)
             }
             Action::Late(statement) => {
                 let mut pending = pending.clone();
@@ -142,17 +191,59 @@ impl Emitter<'_> {
             },
             Some(rule) => quote_spanned! {site=>
                 let distribution = #distribution;
-                let index = ::aether_core::forms::emitted::identify::<#vertex>(target, #rule);
-                if let #some(index) = index
-                    && let #some(choice) =
+                for index in ::aether_core::forms::emitted::identify::<#vertex, _>(target, #rule) {
+                    if let #some(choice) =
                         ::aether_core::Discrete::<#real>::get(&distribution, index)
-                    && choice.probability > <#real as ::aether_core::Real>::ZERO
-                {
-                    let probability = probability * choice.probability;
-                    let #pat = choice.item;
-                    #rest
+                        && choice.probability > <#real as ::aether_core::Real>::ZERO
+                    {
+                        let probability = probability * choice.probability;
+                        let #pat = choice.item;
+                        #rest
+                    }
                 }
             },
+        }
+    }
+
+    /// The outcomes of a choice whose probabilities wait for inversion.
+    fn late_choice(
+        &self,
+        pat: &Pat,
+        index: &Ident,
+        (distribution, rule): (&Expr, Option<&Expr>),
+        typed: &[TokenStream],
+        rest: &TokenStream,
+    ) -> TokenStream {
+        let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
+        let some = quote_spanned!(site=> ::core::option::Option::Some);
+        let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+        let indices = match rule {
+            None => quote_spanned!(site=> outcomes.indices()),
+            Some(rule) => quote_spanned!(site=> #emitted::identify::<#vertex, _>(target, #rule)),
+        };
+        let at = distribution.span().resolved_at(site);
+        let outcomes_of = quote_spanned!(at=> #emitted::outcomes_of::<#real, _>);
+        quote_spanned! {site=>
+            let outcomes = #outcomes_of(|| { #(#typed)* #distribution });
+            for #index in #indices {
+                if let #some(outcome) = outcomes.outcome(#index) {
+                    let #pat = outcome;
+                    #rest
+                }
+            }
+        }
+    }
+
+    /// Multiplies the factor by the probability of an outcome; if that is zero, no more of what
+    /// depends on the drawn point is evaluated.
+    fn weigh(&self, distribution: &Expr, index: &Ident) -> TokenStream {
+        let real = self.real;
+        quote_spanned! {Span::mixed_site()=>
+            factor = factor
+                * ::aether_core::forms::emitted::probability::<#real, _>(&#distribution, #index);
+            if !(factor > <#real as ::aether_core::Real>::ZERO) {
+                return <#real as ::aether_core::Real>::ZERO;
+            }
         }
     }
 
@@ -195,9 +286,26 @@ impl Emitter<'_> {
 
     fn end(&self, end: &End<Action, Leaf>, pending: &Pending) -> TokenStream {
         let (real, site) = (self.real, Span::mixed_site());
-        let block = |plan: &Plan, pending: &Pending| self.rest(&plan.steps, &plan.end, pending);
+        let all = Kinds::of_end(end);
+        let block = |plan: &Plan, pending: &Pending| {
+            let kinds = Kinds::of_end(&plan.end);
+            if kinds == Kinds::default() {
+                return TokenStream::new();
+            }
+            let rest = self.rest(&plan.steps, &plan.end, pending);
+            if kinds == all {
+                return rest;
+            }
+            let asked = kinds.asked();
+            quote_spanned!(site=> if #asked { #rest })
+        };
         match end {
             End::Stop => TokenStream::new(),
+            End::Delegate(strategy) => quote_spanned! {site=>
+                sum += ::aether_core::forms::emitted::delegated_pdf(
+                    &#strategy, view, target, probability,
+                );
+            },
             End::Vertex(leaf) => self.leaf(leaf, pending),
             End::If { condition, late: true, then, otherwise } => {
                 let zero = quote_spanned!(site=> <#real as ::aether_core::Real>::ZERO);

@@ -2,13 +2,14 @@
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote, quote_spanned};
+use syn::spanned::Spanned;
 use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
-use super::names::{FORMS, form, is_stop};
+use super::names::{FORMS, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
-use super::tree::{Body, Form, Plan, Step};
+use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
 
 /// Everything that the attribute emits; without a plan the methods are left unimplemented.
@@ -17,7 +18,7 @@ pub fn item(
     signature: &Signature,
     documentation: &str,
     reads: Reads,
-    plan: Option<&Plan>,
+    plan: Option<&(Plan, Vec<Apart>)>,
 ) -> TokenStream {
     let hidden = hidden(function, Some(signature));
     let structure = structure(function, signature);
@@ -77,12 +78,13 @@ impl VisitMut for Qualify<'_> {
             let (distribution, rule) = (&choice.args, &call.args);
             let function = Ident::new("choose_identified", name.span());
             *expr = parse_quote! {
-                ::aether_core::forms::#function::<#vertex, #real, _>(#distribution, #rule)
+                ::aether_core::forms::#function::<#vertex, #real, _, _>(#distribution, #rule)
             };
         } else if let Some((name, call)) = form(expr) {
-            let real = self.real;
+            let (real, vertex) = (self.real, self.vertex);
             let generics = match FORMS.iter().position(|form| name == form) {
                 Some(0 | 1) => quote!(::<#real, _>),
+                Some(5) => quote!(::<#vertex, _>),
                 _ => TokenStream::new(),
             };
             let arguments = &call.args;
@@ -183,7 +185,7 @@ fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) ->
     }
 }
 
-fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
+fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>)>) -> TokenStream {
     let Signature { name, vertex, generics, .. } = signature;
     let (implementation, arguments, conditions) = generics.split_for_impl();
     let conditions = and(conditions, &cloneable(signature));
@@ -191,22 +193,30 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
     let site = Span::mixed_site();
     let prelude = prelude(signature);
     let (sample, pdf) = match plan {
-        Some(plan) => {
+        Some((plan, apart)) => {
             let sample = sample::sample(plan, &real);
+            let apart = (!apart.is_empty()).then(|| {
+                let checks = apart.iter().map(|apart| told_apart(apart, vertex));
+                // Parameters of their own, because naming the type of an expression may move them.
+                let parameters = parameters(signature);
+                quote!({ #parameters #(#checks)* })
+            });
             let pdf = density::density(plan, vertex, &real);
-            (quote!(#prelude #sample), quote!(#prelude #pdf))
+            (quote!(#prelude #sample), quote!(#prelude #apart #pdf))
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };
-    let Reads { vertices, length } = reads;
-    let vertices =
-        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
-    let same = same(&signature.fields);
+    let plan = plan.map(|(plan, _)| plan);
+    let atoms = atoms(signature, plan);
+    let reads = declared(signature, reads, plan);
+    let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
         #[automatically_derived]
         #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
         impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
+            const ATOMS: #module::Atoms = #atoms;
+
             fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
                 &self,
                 view: ::aether_core::sequence::PathView<'_, #vertex>,
@@ -224,7 +234,7 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
             }
 
             fn reads(&self) -> #module::Reads {
-                #module::Reads { vertices: #vertices, length: #length }
+                #reads
             }
 
             fn same(&self, other: &Self) -> bool {
@@ -234,11 +244,79 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
     }
 }
 
-/// Binds the parameters to their names.
+/// Makes sure that two strategies, or one and an atom of the body, can be told apart.
+fn told_apart(Apart { strategy, other }: &Apart, vertex: &Type) -> TokenStream {
+    let site = strategy.span().resolved_at(Span::mixed_site());
+    let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+    match other {
+        Other::Atom(direction) => quote_spanned! {site=>
+            #emitted::apart_from_atom::<#vertex, _, #direction>(|| #strategy);
+        },
+        Other::Strategy(other) => quote_spanned! {site=>
+            #emitted::apart_from::<#vertex, _, _>(|| #strategy, || #other);
+        },
+    }
+}
+
+/// The kinds of atoms that the body or the strategies that it delegates to may yield: any if their
+/// types have no name here.
+fn atoms(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let module = quote_spanned!(site=> ::aether_core::strategy);
+    let (mut position, mut direction) = (false, false);
+    let mut others = Vec::new();
+    if let Some(plan) = plan {
+        plan.walk(&mut |_| {}, &mut |leaf| match leaf.kind {
+            Kind::Density(_) => {}
+            Kind::AtomPosition => position = true,
+            Kind::AtomDirection => direction = true,
+        });
+        plan.delegates(&mut |strategy| {
+            let field = referenced(strategy)
+                .and_then(|name| signature.fields.iter().find(|field| field.name == *name));
+            others.push(match field {
+                Some(Field { ty, .. }) => {
+                    quote_spanned!(site=> <#ty as #module::Strategy<#vertex>>::ATOMS)
+                }
+                None => quote_spanned!(site=> #module::Atoms::ANY),
+            });
+        });
+    }
+    quote_spanned! {site=>
+        #module::Atoms { position: #position, direction: #direction } #(.and(#others))*
+    }
+}
+
+/// What the body reads of the path, and what the strategies read that it delegates to.
+fn declared(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let Reads { vertices, length } = reads;
+    let vertices =
+        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
+    let mut delegates = Vec::new();
+    if let Some(plan) = plan {
+        plan.delegates(&mut |strategy| delegates.push(strategy));
+    }
+    let parameters = (!delegates.is_empty()).then(|| parameters(signature));
+    quote_spanned! {site=>
+        #parameters
+        ::aether_core::strategy::Reads { vertices: #vertices, length: #length }
+            #(.and(::aether_core::strategy::Strategy::<#vertex>::reads(&#delegates)))*
+    }
+}
+
+/// Binds the path and the parameters to their names.
 fn prelude(signature: &Signature) -> TokenStream {
     let site = Span::mixed_site();
     let path = &signature.path;
     let reference = signature.path_by_reference.then(|| quote!(&));
+    let parameters = parameters(signature);
+    quote_spanned!(site=> let #path = #reference view; #parameters)
+}
+
+/// Binds the parameters to their names.
+fn parameters(signature: &Signature) -> TokenStream {
+    let site = Span::mixed_site();
     let fields = signature.fields.iter().map(|field| {
         let Field { name, mutable, ty } = field;
         let mutable = mutable.then(|| quote!(mut));
@@ -248,16 +326,24 @@ fn prelude(signature: &Signature) -> TokenStream {
             quote_spanned!(site=> let #mutable #name = ::core::clone::Clone::clone(&self.#name);)
         }
     });
-    quote_spanned!(site=> let #path = #reference view; #(#fields)*)
+    quote_spanned!(site=> #(#fields)*)
 }
 
 /// Whether two strategies have the same arguments, as far as that can be told: references by
-/// address, numbers by value.
-fn same(fields: &[Field]) -> TokenStream {
-    let site = Span::mixed_site();
-    let equal = fields.iter().map(|Field { name, ty, .. }| {
+/// address, numbers by value, strategies to delegate to by asking them.
+fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let mut strategies = Vec::new();
+    if let Some(plan) = plan {
+        plan.delegates(&mut |strategy| strategies.extend(referenced(strategy)));
+    }
+    let equal = signature.fields.iter().map(|Field { name, ty, .. }| {
         if is_reference(ty) {
             quote_spanned!(site=> ::core::ptr::eq(self.#name, other.#name))
+        } else if strategies.contains(&name) {
+            quote_spanned! {site=>
+                ::aether_core::strategy::Strategy::<#vertex>::same(&self.#name, &other.#name)
+            }
         } else if is_number(ty) {
             quote_spanned!(site=> self.#name == other.#name)
         } else {
@@ -292,6 +378,10 @@ pub fn documentation(body: &Body) -> String {
         },
         &mut |_| ends += 1,
     );
+    body.delegates(&mut |strategy| {
+        ends += 1;
+        lines.push(format!("the vertex of `{}`", source(strategy)));
+    });
     let lines: String = lines.iter().map(|line| format!("\n- {line}")).collect();
     let ways = if ends == 1 { "one way".to_owned() } else { format!("{ends} ways") };
     format!(

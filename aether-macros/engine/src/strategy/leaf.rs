@@ -7,7 +7,7 @@ use quote::{ToTokens, format_ident};
 use syn::visit_mut::{self, VisitMut};
 use syn::{Expr, Ident, parse_quote};
 
-use super::analyse::Analysis;
+use super::analyse::{Analysis, confused};
 use super::names::{each_ident, mentioned};
 use super::scope::{Facts, Scope};
 use super::tree::{Action, End, Kind, Leaf};
@@ -77,10 +77,8 @@ impl Analysis<'_> {
             return None;
         }
         let direction = facts.ray && self.connected != Some(false);
-        let confused = self.atoms.iter().any(|(turns, other)| {
-            let parting = turns.iter().zip(&scope.turns).find(|(a, b)| a != b);
-            *other == direction && parting.is_some_and(|(a, _)| a.choice)
-        });
+        let mut same = self.atoms.iter().filter(|(_, other)| *other == direction);
+        let confused = same.any(|(turns, _)| confused(turns, &scope.turns));
         if facts.choice || confused {
             self.diagnostics.error(
                 vertex,

@@ -50,6 +50,10 @@ impl Misuse<'_> {
 
     fn form(&mut self, name: &syn::Ident) {
         let message = match self.place {
+            _ if name == "delegate" => "`delegate(..)` is the end of the path's execution: write \
+                                        it alone, as the last expression or as a `return` of \
+                                        the body or of an `if` or `match` of it"
+                .to_owned(),
             _ if name == "stop" => "`stop()` ends the path: write it alone, as the statement \
                                     `return stop();` of the body or of an `if` or `match` of it"
                 .to_owned(),

@@ -7,7 +7,7 @@ use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, Ident, Macro, Pat, PatIdent, Stmt};
 
 /// Names that are reserved in the body of a strategy.
-pub const FORMS: [&str; 5] = ["choose", "draw", "constant", "given", "stop"];
+pub const FORMS: [&str; 6] = ["choose", "draw", "constant", "given", "stop", "delegate"];
 
 /// The expression without parentheses around it.
 pub fn bare(mut expr: &Expr) -> &Expr {
@@ -60,6 +60,11 @@ pub fn is_stop(expr: &Expr) -> bool {
         Expr::Return(ret) => ret.expr.as_deref().is_some_and(is_stop),
         other => form(other).is_some_and(|(name, _)| name == "stop"),
     }
+}
+
+/// The strategy in `delegate(strategy)`.
+pub fn delegate(expr: &Expr) -> Option<&ExprCall> {
+    form(expr).filter(|(name, _)| *name == "delegate").map(|(_, call)| call)
 }
 
 /// The lower-case names that a pattern binds.

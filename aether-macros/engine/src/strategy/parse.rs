@@ -2,10 +2,13 @@
 
 use proc_macro2::Span;
 use quote::format_ident;
-use syn::{Expr, Ident, Local, Pat, Stmt, parse_quote};
+use syn::spanned::Spanned;
+use syn::{Expr, ExprCall, Ident, Local, Pat, Stmt, parse_quote};
 
 use super::misuse;
-use super::names::{bare, bound, bound_by, form, has_control, is_stop, mentioned_by, pattern};
+use super::names::{
+    bare, bound, bound_by, delegate, form, has_control, is_stop, mentioned_by, pattern,
+};
 use super::tree::{Block, Body, End, Form, Step};
 use crate::diagnostics::Diagnostics;
 
@@ -179,7 +182,10 @@ impl Parser<'_> {
     /// A value without branches.
     fn value(&mut self, value: &Expr, then: Option<&Then>) -> Body {
         let Some(then) = then else {
-            misuse::check_expr(value, self.diagnostics);
+            let delegated = delegate(value);
+            if delegated.is_none() {
+                misuse::check_expr(value, self.diagnostics);
+            }
             self.ends += 1;
             if self.ends == MOST_ENDS + 1 {
                 self.diagnostics.error(
@@ -191,7 +197,11 @@ impl Parser<'_> {
                     ),
                 );
             }
-            let end = if self.ends > MOST_ENDS { End::Stop } else { End::Vertex(value.clone()) };
+            let end = match delegated {
+                _ if self.ends > MOST_ENDS => End::Stop,
+                Some(call) => self.delegate(call),
+                None => End::Vertex(value.clone()),
+            };
             return Block { steps: Vec::new(), end };
         };
         let step = match then.bind {
@@ -204,6 +214,11 @@ impl Parser<'_> {
         let mut after = self.block(then.rest, then.outer);
         after.steps.insert(0, step);
         after
+    }
+
+    fn delegate(&mut self, call: &ExprCall) -> End<Step, Expr> {
+        let name = Ident::new("delegate", call.func.span());
+        self.argument(&name, &call.args).map_or(End::Stop, End::Delegate)
     }
 
     /// An arm of a branch, whose names must not be confused with those of what follows it.
@@ -250,7 +265,7 @@ impl Parser<'_> {
             return Some(Form::Choose { distribution, rule: Some(rule) });
         }
         let (name, call) = form(expr)?;
-        if name == "stop" {
+        if name == "stop" || name == "delegate" {
             return None;
         }
         let argument = self.argument(name, &call.args)?;

@@ -2,6 +2,7 @@
 
 use proc_macro2::{Span, TokenStream};
 use quote::quote_spanned;
+use syn::spanned::Spanned;
 
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
@@ -11,6 +12,9 @@ pub fn sample(plan: &Plan, real: &TokenStream) -> TokenStream {
     let steps = plan.steps.iter().map(|action| step(action, real));
     let end = match &plan.end {
         End::Stop => quote_spanned!(site=> return ::core::option::Option::None;),
+        End::Delegate(strategy) => quote_spanned! {site=>
+            return ::aether_core::forms::emitted::delegated(&#strategy, view, uniforms);
+        },
         End::Vertex(leaf) => vertex(leaf),
         End::If { condition, then, otherwise, .. } => {
             let (then, otherwise) = (sample(then, real), sample(otherwise, real));
@@ -59,12 +63,17 @@ fn step(action: &Action, real: &TokenStream) -> TokenStream {
                 ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
             ).item;
         },
-        Action::LateCoin { name, coin } => quote_spanned! {site=>
-            let #name = ::aether_core::Discrete::<#real>::sample(
-                &#coin,
-                ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
-            ).item;
-        },
+        Action::LateChoose { pat, distribution, .. } => {
+            let outcome = quote_spanned! {distribution.span().resolved_at(site)=>
+                #emitted::outcome::<#real, _>
+            };
+            quote_spanned! {site=>
+                let #pat = #outcome(
+                    &#distribution,
+                    ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
+                );
+            }
+        }
         Action::Draw { name, ty, sampler } => {
             let ty = ty.as_ref().map(|ty| quote_spanned!(site=> : #ty));
             let draw = quote_spanned! {site=>

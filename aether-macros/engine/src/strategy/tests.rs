@@ -195,8 +195,16 @@ fn what_is_drawn_must_be_used_once() {
 fn decisions_on_what_is_drawn() {
     let matched = quote!(let w = draw(line()); match side(w) { A => Hit::at(w), _ => stop() });
     refuses(&body(matched), "`match` on a value");
-    let chosen = quote!(let w = draw(line()); let c = choose(scene.lobes(w)); Hit::at(w));
-    refuses(&body(chosen), "possible for a coin");
+    let chosen = quote!(let w = draw(line()); let (c, _) = choose(scene.lobes(w)); Hit::at(c, w));
+    let text = body(chosen);
+    assert!(errors(&text).is_empty() && text.contains("outcomes_of"), "{text}");
+    let hidden = quote! {
+        let w = draw(line());
+        let a = choose(scene.lobes(w));
+        let a = choose(scene.lobes(w));
+        Hit::at(w)
+    };
+    refuses(&body(hidden), "hides a value");
     let given = quote!(let w = draw(line()); let h = given(scene.cast(w)); Hit::new(h, w));
     refuses(&body(given), "use `constant(..)`");
     let late = quote!(let w = draw(line()); if w < q { return stop(); } Hit::at(w));
@@ -239,6 +247,46 @@ fn reads_of_the_path() {
     refuses(&body(quote!(let a = path.dirac(); stop())), "reads its path through");
     let text = body(quote!(let a = path.back(1); let n = path.len(); stop()));
     assert!(text.contains("vertices : 2usize , length : true"));
+}
+
+#[test]
+fn other_strategies() {
+    let text = body(quote!(if choose(coin(q)) {
+        delegate(walk(scene))
+    } else {
+        return delegate(jump(q));
+    }));
+    assert_eq!(errors(&text), [""; 0]);
+    let reads = "length : false } . and (:: aether_core :: strategy :: Strategy :: < Hit > :: reads \
+                 (& walk (scene)))";
+    assert!(text.contains(reads), "{text}");
+    assert!(text.contains("the vertex of `jump(q)`"), "{text}");
+    refuses(&body(quote!(let w = draw(line()); delegate(walk(scene)))), "`w` is drawn");
+    refuses(&body(quote!(let n = 1; delegate(walk(n)))), "`n` is not a parameter");
+    refuses(&body(quote!(let v = delegate(walk(scene)); v)), "end of the path's execution");
+    refuses(&body(quote!(let v = if q > 0.5 { delegate(a) } else { x }; v)), "end of the path");
+    refuses(&body(quote!(delegate(a, b))), "one argument");
+    refuses(&body(quote!(delegate(choose(all)))), "all of the right side");
+}
+
+#[test]
+fn branches_of_another_kind_are_not_entered() {
+    let text = body(quote! {
+        if choose(coin(q)) {
+            let id = constant(scene.pinhole());
+            return Hit::a(id);
+        }
+        let w = draw(line());
+        Hit::at(w)
+    });
+    assert_eq!(errors(&text), [""; 0]);
+    let density = &text[text.find("fn pdf").unwrap()..text.find("fn reads").unwrap()];
+    for kind in
+        ["Option :: None", "Option :: Some (:: aether_core :: strategy :: Dirac :: Position)"]
+    {
+        let asked = format!("matches ! (kind , :: core :: option :: {kind})");
+        assert!(density.contains(&asked), "{asked}\nis not in\n{density}");
+    }
 }
 
 #[test]

@@ -18,6 +18,8 @@ pub enum End<S, L> {
     Stop,
     /// A next vertex.
     Vertex(L),
+    /// The next vertex of another strategy.
+    Delegate(Expr),
     /// `if`, also `if let`.
     If {
         /// The condition.
@@ -83,6 +85,25 @@ pub enum Form {
 /// The body after analysis.
 pub type Plan = Block<Action, Leaf>;
 
+/// Two ways to yield atoms between which an unidentified choice decides, so that their atoms must not
+/// be of the same kind. Only the types of strategies say which kinds they yield.
+#[derive(Debug)]
+pub struct Apart {
+    /// One strategy.
+    pub strategy: Expr,
+    /// The other way.
+    pub other: Other,
+}
+
+/// What a strategy must be told apart from.
+#[derive(Debug)]
+pub enum Other {
+    /// An atom of the body itself, and whether it is a direction.
+    Atom(bool),
+    /// Another strategy.
+    Strategy(Expr),
+}
+
 /// A statement after analysis.
 #[derive(Debug)]
 pub enum Action {
@@ -106,13 +127,17 @@ pub enum Action {
         /// How to tell the outcome from the vertex.
         rule: Option<Expr>,
     },
-    /// A coin whose probability depends on what was drawn: enumerated before inversion, weighed
-    /// after it.
-    LateCoin {
-        /// The outcome.
-        name: Ident,
-        /// The coin.
-        coin: Expr,
+    /// A choice whose probabilities depend on what was drawn: its outcomes are enumerated (or
+    /// identified by a rule) before inversion, and weighed after it.
+    LateChoose {
+        /// What is bound to the outcome.
+        pat: Pat,
+        /// The name of its index in the density.
+        index: Ident,
+        /// The distribution.
+        distribution: Expr,
+        /// How to tell the outcome from the vertex.
+        rule: Option<Expr>,
     },
     /// A continuous random variable.
     Draw {
@@ -171,11 +196,24 @@ pub enum Kind {
 }
 
 impl<S, L> Block<S, L> {
+    /// Calls `visit` with each strategy that is delegated to.
+    pub fn delegates<'a>(&'a self, visit: &mut impl FnMut(&'a Expr)) {
+        match &self.end {
+            End::Stop | End::Vertex(_) => {}
+            End::Delegate(strategy) => visit(strategy),
+            End::If { then, otherwise, .. } => {
+                then.delegates(visit);
+                otherwise.delegates(visit);
+            }
+            End::Match { arms, .. } => arms.iter().for_each(|(_, arm)| arm.delegates(visit)),
+        }
+    }
+
     /// Calls `visit` with each statement of the tree, and then `leaf` with each vertex.
     pub fn walk(&self, visit: &mut impl FnMut(&S), leaf: &mut impl FnMut(&L)) {
         self.steps.iter().for_each(&mut *visit);
         match &self.end {
-            End::Stop => {}
+            End::Stop | End::Delegate(_) => {}
             End::Vertex(vertex) => leaf(vertex),
             End::If { then, otherwise, .. } => {
                 then.walk(visit, leaf);

@@ -1,0 +1,68 @@
+//! Points that are no images of the map.
+//!
+//! A step of the solver may lose part of an equation: what was squared has lost its sign, a factor that
+//! was given a name its definition. Such an inverse answers for points that the map never reaches, and
+//! verification by images alone would not notice.
+
+use super::cases::{Case, try_exactly};
+use super::{Problem, Target};
+use crate::eval::Evaluator;
+use crate::expr::Leaf;
+use crate::number::{Dd, Number};
+use crate::points::{Rng, unit};
+use crate::solve::Solution;
+
+/// How many points of the target space are tried for each case.
+const TRIES: usize = 4;
+
+/// Whether some solution accepts a point of the target space that it does not map back to.
+pub(super) fn accepted(problem: &Problem, solutions: &[&Solution], cases: &[Case]) -> bool {
+    // On a surface that only its identity tells, other points cannot be made up.
+    if problem.parts.iter().any(|p| matches!(p.target, Target::Identified | Target::Embedded)) {
+        return false;
+    }
+    let mut rng = Rng::new(0x57a7);
+    let tried = cases.iter().filter(|c| c.point.interior && !c.point.stress);
+    tried.flat_map(|case| std::iter::repeat_n(case, TRIES)).any(|case| {
+        let outs = stray(problem, cases, &mut rng);
+        let stray = case.moved_to(outs);
+        solutions
+            .iter()
+            .any(|s| try_exactly(problem, s, &stray).is_some_and(|u| is_wrong(problem, &stray, &u)))
+    })
+}
+
+/// A random direction; other coordinates from images of different points, some with the other sign.
+fn stray(problem: &Problem, cases: &[Case], rng: &mut Rng) -> Vec<Dd> {
+    let mut outs = Vec::new();
+    for (part, place) in problem.placed() {
+        if part.target == Target::Direction {
+            outs.extend(unit(rng));
+            continue;
+        }
+        for i in place {
+            let case = &cases[(rng.uniform() * cases.len() as f64) as usize % cases.len()];
+            let x = case.exact_outs[i];
+            outs.push(if rng.uniform() < 0.25 { -x } else { x });
+        }
+    }
+    outs
+}
+
+fn is_wrong(problem: &Problem, stray: &Case, u: &[Dd]) -> bool {
+    // Next to an end of the unit interval even double-double cannot tell.
+    let far = |u: &Dd| (1e-9..1.0 - 1e-9).contains(&u.to_f64());
+    if problem.argument.is_none() && !u.iter().all(far) {
+        return false;
+    }
+    let at = |l: Leaf| match l {
+        Leaf::Unknown(i) => u[i as usize],
+        _ => stray.point.input(l, &[]),
+    };
+    let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    problem.outputs.iter().zip(&stray.outs).any(|(f, x)| {
+        let y = e.value(*f).to_f64();
+        // Where the map has no value nothing is claimed.
+        y.is_finite() && (y - x).abs() > 1e-6 * (1.0 + x.abs())
+    })
+}
