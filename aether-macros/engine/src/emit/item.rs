@@ -95,11 +95,14 @@ impl Emitter<'_> {
         }
         eprintln!("  √det JᵀJ {}", texts.jacobian);
         eprintln!("  pdf      {}", texts.pdf);
+        if let Some(text) = &texts.numerical {
+            eprintln!("  {}", text.trim_end());
+        }
         eprintln!("  worst relative error in f64: {:.1e}", self.derived.worst_error);
     }
 
     fn derivation(&self, texts: &Texts) -> TokenStream {
-        let Texts { forward, inverse, jacobian, pdf } = texts;
+        let Texts { forward, inverse, jacobian, pdf, .. } = texts;
         let name = self.signature().name.to_string();
         let measure = self.signature().space.measure();
         let preimages = Literal::usize_unsuffixed(self.derived.preimages.len());
@@ -264,6 +267,7 @@ fn input(l: Leaf, unknown: &str) -> TokenStream {
             let i = Literal::usize_unsuffixed(i as usize);
             quote!(p[#i])
         }
+        Leaf::Bound(_) => super::numeric::variable(l),
     }
 }
 

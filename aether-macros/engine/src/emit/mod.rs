@@ -5,6 +5,7 @@ pub mod compose;
 mod documentation;
 mod interface;
 mod item;
+mod numeric;
 mod map;
 mod sampler;
 

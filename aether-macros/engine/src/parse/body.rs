@@ -21,6 +21,7 @@ pub struct Body<'a> {
     /// Values of `precomputed(…)`: name and code.
     pub constants: Vec<(String, TokenStream)>,
     pub(super) names: HashMap<String, Value>,
+    pub(super) bound: u8,
     next_param: u8,
     errors: &'a mut Diagnostics,
 }
@@ -28,7 +29,7 @@ pub struct Body<'a> {
 impl<'a> Body<'a> {
     /// A reader that knows the first parameter.
     pub fn new(graph: Graph, names: HashMap<String, Value>, errors: &'a mut Diagnostics) -> Self {
-        Body { graph, requirements: vec![], constants: vec![], names, next_param: 0, errors }
+        Body { graph, requirements: vec![], constants: vec![], names, bound: 0, next_param: 0, errors }
     }
 
     /// Reports an error on tokens.

@@ -5,6 +5,7 @@ mod body;
 mod expression;
 mod methods;
 mod signature;
+mod solve;
 mod value;
 
 pub use attribute::{Domain, Options};
