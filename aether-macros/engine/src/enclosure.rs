@@ -185,9 +185,7 @@ fn power(base: Interval, e: f64) -> Interval {
     let small = e.fract() == 0.0 && (2.0..=8.0).contains(&e);
     if small {
         let even = e % 2.0 == 0.0;
-        let times = |x: f64, upward: bool| {
-            (1..e as u32).fold(x, |p, _| mul_end(p, x, upward))
-        };
+        let times = |x: f64, upward: bool| (1..e as u32).fold(x, |p, _| mul_end(p, x, upward));
         // Of the sizes of the ends: both rounded the same way.
         let low = |x: f64| times(x.abs(), false);
         let high = |x: f64| times(x.abs(), true);
@@ -338,12 +336,19 @@ mod tests {
             for corner in 0..9 {
                 let inside = |b: Interval, k: usize| b.lo + b.width() * [0.0, 0.37, 1.0][k];
                 let at = |l: Leaf| {
-                    let v = if l == Leaf::Unknown(0) { inside(bx, corner % 3) } else { inside(by, corner / 3) };
+                    let v = if l == Leaf::Unknown(0) {
+                        inside(bx, corner % 3)
+                    } else {
+                        inside(by, corner / 3)
+                    };
                     Dd::from_f64(v.clamp(region(l).lo, region(l).hi))
                 };
                 let v = evaluate::<Dd>(&g, product, &at);
                 let (below, above) = (v - Dd::from_f64(enclosed.lo), Dd::from_f64(enclosed.hi) - v);
-                assert!(below.to_f64() >= 0.0 && above.to_f64() >= 0.0, "{f:?} {bx:?} {by:?} {v:?} {enclosed:?}");
+                assert!(
+                    below.to_f64() >= 0.0 && above.to_f64() >= 0.0,
+                    "{f:?} {bx:?} {by:?} {v:?} {enclosed:?}"
+                );
             }
         }
     }

@@ -33,7 +33,11 @@ pub fn direction(g: &mut Graph, body: Id, variable: Leaf) -> Result<i64, Unprove
     let leaves = leaves_of(g, slope, variable);
     let sign = sign_inside(g, slope, &leaves);
     let Some(sign) = sign else {
-        return Err(unproven(g, &leaves, &leaves.iter().map(|l| g.leaf_range(*l)).collect::<Vec<_>>()));
+        return Err(unproven(
+            g,
+            &leaves,
+            &leaves.iter().map(|l| g.leaf_range(*l)).collect::<Vec<_>>(),
+        ));
     };
     let upward = if sign < 0 { g.neg(slope) } else { slope };
     Proof::new(g, upward, variable, leaves).run(g).map(|()| sign)
@@ -97,14 +101,15 @@ fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
         .iter()
         .zip(part)
         .map(|(l, i)| {
-            let end = |x: f64| if x.is_infinite() { "∞".to_owned() } else { format!("{:.6}", x.abs()) };
+            let end =
+                |x: f64| if x.is_infinite() { "∞".to_owned() } else { format!("{:.6}", x.abs()) };
             let sign = |x: f64| if x < 0.0 { "-" } else { "" };
             format!("{} in [{}{}, {}{}]", g.name(*l), sign(i.lo), end(i.lo), sign(i.hi), end(i.hi))
         })
         .collect();
-    let unbounded = leaves.iter().find(|l| {
-        matches!(l, Leaf::Param(_)) && !g.leaf_range(**l).width().is_finite()
-    });
+    let unbounded = leaves
+        .iter()
+        .find(|l| matches!(l, Leaf::Param(_)) && !g.leaf_range(**l).width().is_finite());
     Unproven { place: place.join(", "), unbounded: unbounded.map(|l| g.name(*l).to_owned()) }
 }
 
@@ -146,7 +151,8 @@ impl Proof {
                 continue;
             }
             let negative = self.order(g, &part, 0).hi < 0.0;
-            let Some((left, right)) = halves(&part, parts).filter(|_| parts < MAX_PARTS && !negative)
+            let Some((left, right)) =
+                halves(&part, parts).filter(|_| parts < MAX_PARTS && !negative)
             else {
                 return Err(unproven(g, &self.leaves, &part));
             };
@@ -229,7 +235,8 @@ fn halves(part: &[Interval], turn: usize) -> Option<(Vec<Interval>, Vec<Interval
         if relative.is_nan() { f64::INFINITY } else { relative }
     };
     let n = part.len();
-    let widest = (0..n).map(|k| (k + turn) % n).max_by(|a, b| size(part[*a]).total_cmp(&size(part[*b])))?;
+    let widest =
+        (0..n).map(|k| (k + turn) % n).max_by(|a, b| size(part[*a]).total_cmp(&size(part[*b])))?;
     let i = part[widest];
     let c = centre(i);
     if c <= i.lo || c >= i.hi || i.width() < 1e-13 * (1.0 + c.abs()) {
@@ -240,7 +247,6 @@ fn halves(part: &[Interval], turn: usize) -> Option<(Vec<Interval>, Vec<Interval
     right[widest].lo = c;
     Some((left, right))
 }
-
 
 #[cfg(test)]
 mod tests {

@@ -84,7 +84,7 @@ fn bracketed<T: Number>(
 ) -> T {
     let f = T::from_f64;
     let zero = f(0.0);
-    let close = f(if is_double::<T>() { 1.2e-16 } else { 1e-31 });
+    let close = f(if is_double::<T>() { 8e-16 } else { 4e-31 });
     let (mut a, mut b) = (lo.max(f(-HUGE)), hi.min(f(HUGE)));
     let mut t = match start {
         Some(t) if t > a && t < b => t,
@@ -105,11 +105,16 @@ fn bracketed<T: Number>(
         }
         let newton = step(t, y, target, slope);
         let size = (newton - t).abs();
-        let steady = size <= last * f(0.75) || size <= t.abs() * close;
-        let next = if newton > a && newton < b && steady { newton } else { middle(a, b) };
+        let steady = size <= last * f(0.75);
+        let within = newton > a && newton < b;
+        // Close to the root, steps shrink quadratically until they are rounding: those no longer do.
+        if size <= t.abs() * close || !steady && size <= t.abs() * close.sqrt() {
+            return if within { newton } else { t };
+        }
+        let next = if within && steady { newton } else { middle(a, b) };
         last = (next - t).abs();
         t = next;
-        if last <= t.abs() * close || b - a <= a.abs().max(b.abs()) * close {
+        if b - a <= a.abs().max(b.abs()) * close * f(0.25) {
             break;
         }
     }
@@ -183,7 +188,9 @@ mod tests {
             let double = evaluate::<f64>(&g, id, &|_| u);
             assert!((double / exact.to_f64() - 1.0).abs() < 1e-15, "{u}: {double}");
         }
-        assert!((evaluate::<f64>(&g, id, &|_| 1e-18) / 7.937_006_309_775_622_5e-7 - 1.0).abs() < 1e-15);
+        assert!(
+            (evaluate::<f64>(&g, id, &|_| 1e-18) / 7.937_006_309_775_622_5e-7 - 1.0).abs() < 1e-15
+        );
     }
 
     #[test]

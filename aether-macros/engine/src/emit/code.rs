@@ -49,7 +49,9 @@ impl<'a> Code<'a> {
                 // The sides of a choice are computed only where they are taken.
                 Node::If(test, ..) => open.push((*test, false)),
                 Node::Root(r) => {
-                    open.extend(super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)));
+                    open.extend(
+                        super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
+                    );
                 }
                 node => open.extend(children(node).into_iter().map(|c| (c, false))),
             }

@@ -5,8 +5,8 @@ pub mod compose;
 mod documentation;
 mod interface;
 mod item;
-mod numeric;
 mod map;
+mod numeric;
 mod sampler;
 
 pub use item::Emitter;

@@ -29,7 +29,15 @@ pub struct Body<'a> {
 impl<'a> Body<'a> {
     /// A reader that knows the first parameter.
     pub fn new(graph: Graph, names: HashMap<String, Value>, errors: &'a mut Diagnostics) -> Self {
-        Body { graph, requirements: vec![], constants: vec![], names, bound: 0, next_param: 0, errors }
+        Body {
+            graph,
+            requirements: vec![],
+            constants: vec![],
+            names,
+            bound: 0,
+            next_param: 0,
+            errors,
+        }
     }
 
     /// Reports an error on tokens.

@@ -23,18 +23,28 @@ pub fn solve(body: &mut Body, c: &ExprCall, [f, range, target]: [&Expr; 3]) -> O
         );
     };
     let Expr::Range(range) = range else {
-        return body.error(range, "the numbers to look for a solution in are a range, such as `0.0..1.0` or `0.0..`");
+        return body.error(
+            range,
+            "the numbers to look for a solution in are a range, such as `0.0..1.0` or `0.0..`",
+        );
     };
-    let (lo, hi) = (end(body, &range.start, f64::NEG_INFINITY)?, end(body, &range.end, f64::INFINITY)?);
+    let (lo, hi) =
+        (end(body, &range.start, f64::NEG_INFINITY)?, end(body, &range.end, f64::INFINITY)?);
     let target = body.scalar(target)?;
     let interval = Interval::new(body.graph.range(lo).lo, body.graph.range(hi).hi);
     if body.bound >= DEPTH {
-        return body.error(c, format!("equations can be nested {DEPTH} deep; solve some of them in a `#[map]` of its own"));
+        return body.error(
+            c,
+            format!(
+                "equations can be nested {DEPTH} deep; solve some of them in a `#[map]` of its own"
+            ),
+        );
     }
     // All but the bit of this depth are taken.
     let taken = crate::expr::BOUNDS & !leaf_bit(Leaf::Bound(body.bound));
     let Some(variable) = body.graph.bound_variable(taken, &name, interval) else {
-        return body.error(c, "there are too many equations in this item; split it in several maps");
+        return body
+            .error(c, "there are too many equations in this item; split it in several maps");
     };
     let t = body.graph.get_leaf(variable);
     let outer = body.names.insert(name.clone(), Value::Scalar(t));
@@ -82,7 +92,9 @@ fn end(body: &mut Body, e: &Option<Box<Expr>>, open: f64) -> Option<Id> {
 
 fn unproven(body: &Body, name: &str, value: Id, range: &ExprRange, why: &Unproven) -> String {
     let way = match &why.unbounded {
-        Some(p) => format!("declare a domain of `{p}` in which it does, as in `#[sampler({p} in 0.0..=10.0)]`"),
+        Some(p) => format!(
+            "declare a domain of `{p}` in which it does, as in `#[sampler({p} in 0.0..=10.0)]`"
+        ),
         None => "narrow the range or the domains of the parameters".to_owned(),
     };
     let range = quote::quote!(#range);

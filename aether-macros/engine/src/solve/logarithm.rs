@@ -14,7 +14,8 @@ pub(super) fn combine(g: &mut Graph, state: &State) -> Option<Vec<State>> {
         if e.modulo_turn || !c.is_zero() || !alike || (g.deps(e.rhs) & UNKNOWNS).count_ones() != 1 {
             continue;
         }
-        let Some(arguments) = terms.iter().map(|(_, t)| argument(g, *t)).collect::<Option<Vec<_>>>()
+        let Some(arguments) =
+            terms.iter().map(|(_, t)| argument(g, *t)).collect::<Option<Vec<_>>>()
         else {
             continue;
         };

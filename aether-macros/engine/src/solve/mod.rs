@@ -178,7 +178,8 @@ fn step(
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state));
     if closed.is_none() && numerical {
-        let next = numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
+        let next =
+            numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
         match next {
             Ok(next) => return Some(next),
             Err(reason) => *why = reason,

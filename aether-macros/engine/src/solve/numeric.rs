@@ -197,7 +197,8 @@ fn argument(g: &mut Graph, atom: Id, z: &[Id]) -> Option<(Id, Vec<Id>)> {
         if let Node::Sum(_, terms) = g.node(id).clone() {
             let linear = g.sum(Q::ZERO, &terms);
             let row = linear::row(g, linear, false)?;
-            let own: Vec<Id> = row.iter().map(|(_, a)| *a).filter(|a| g.has(*a, UNKNOWNS)).collect();
+            let own: Vec<Id> =
+                row.iter().map(|(_, a)| *a).filter(|a| g.has(*a, UNKNOWNS)).collect();
             if own.len() >= 2 && own.iter().all(|a| z.contains(a)) {
                 let weights = z.iter().map(|a| linear::coefficient(g, &row, *a)).collect();
                 return Some((id, weights));
@@ -231,7 +232,8 @@ impl Separated {
             k += 1;
             !members.contains(&(k - 1))
         });
-        let [of_z, of_p, of_q] = [&self.z, &self.p, &self.q].map(|v| linear::dot(g, &self.weights, v));
+        let [of_z, of_p, of_q] =
+            [&self.z, &self.p, &self.q].map(|v| linear::dot(g, &self.weights, v));
         let constant = g.sub(self.l, of_z);
         let known = g.add(of_p, constant);
         let along = crate::jacobian::simplify(g, of_q, None);
