@@ -126,14 +126,11 @@ fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
 /// logarithmic scales, which is exact for powers.
 #[inline]
 fn step<R: Real>(t: R, y: R, goal: R, slope: R) -> R {
-    let ratio = goal / y;
+    let (ratio, exponent) = (goal / y, y / (slope * t));
     let far = ratio.gt(R::of(2.0)).or(ratio.lt(R::of(0.5)));
-    let scaled = t.gt(R::ZERO).and(ratio.gt(R::ZERO)).and(ratio.finite()).and(far);
+    let scaled = exponent.gt(R::ZERO).and(ratio.gt(R::ZERO)).and(ratio.finite()).and(far);
     let plain = t - (y - goal) / slope;
-    if !scaled.any() {
-        return plain;
-    }
-    R::select(scaled, t * ratio.powf(y / (slope * t)), plain)
+    if scaled.any() { R::select(scaled, t * ratio.powf(exponent), plain) } else { plain }
 }
 
 /// Where to start: in the middle, or near a finite end.

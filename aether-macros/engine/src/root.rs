@@ -124,10 +124,10 @@ fn bracketed<T: Number>(
 /// A step of Newton's method; where the value is far off and has the sign of the target, one on
 /// logarithmic scales, which is exact for powers.
 fn step<T: Number>(t: T, y: T, target: T, slope: T) -> T {
-    let ratio = target / y;
+    let (ratio, exponent) = (target / y, y / (slope * t));
     let r = ratio.to_f64();
-    if t.to_f64() > 0.0 && r > 0.0 && (r < 0.5 || r > 2.0) && r.is_finite() {
-        return t * ratio.powf(y / (slope * t));
+    if exponent.to_f64() > 0.0 && r > 0.0 && !(0.5..=2.0).contains(&r) && r.is_finite() {
+        return t * ratio.powf(exponent);
     }
     t - (y - target) / slope
 }
