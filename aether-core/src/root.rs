@@ -128,7 +128,9 @@ fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
 fn step<R: Real>(t: R, y: R, goal: R, slope: R) -> R {
     let (ratio, exponent) = (goal / y, y / (slope * t));
     let far = ratio.gt(R::of(2.0)).or(ratio.lt(R::of(0.5)));
-    let scaled = exponent.gt(R::ZERO).and(ratio.gt(R::ZERO)).and(ratio.finite()).and(far);
+    // At zero itself the exponent is infinite.
+    let power = exponent.gt(R::ZERO).and(exponent.finite());
+    let scaled = power.and(ratio.gt(R::ZERO)).and(ratio.finite()).and(far);
     let plain = t - (y - goal) / slope;
     if scaled.any() { R::select(scaled, t * ratio.powf(exponent), plain) } else { plain }
 }

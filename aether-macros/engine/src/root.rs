@@ -126,7 +126,9 @@ fn bracketed<T: Number>(
 fn step<T: Number>(t: T, y: T, target: T, slope: T) -> T {
     let (ratio, exponent) = (target / y, y / (slope * t));
     let r = ratio.to_f64();
-    if exponent.to_f64() > 0.0 && r > 0.0 && !(0.5..=2.0).contains(&r) && r.is_finite() {
+    // At zero itself the exponent is infinite.
+    let power = exponent.to_f64() > 0.0 && exponent.is_finite();
+    if power && r > 0.0 && !(0.5..=2.0).contains(&r) && r.is_finite() {
         return t * ratio.powf(exponent);
     }
     t - (y - target) / slope
