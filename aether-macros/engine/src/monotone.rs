@@ -194,14 +194,14 @@ impl Proof {
             self.enclosure.over(g, &self.region(&face))
         };
         let (lo, hi) = (part[0].lo, part[0].hi);
-        (lo.is_finite() && self.from_end(&over, &end(lo), 1.0))
-            || (hi.is_finite() && self.from_end(&over, &end(hi), -1.0))
+        (lo.is_finite() && self.settled_from(&over, &end(lo), 1.0))
+            || (hi.is_finite() && self.settled_from(&over, &end(hi), -1.0))
     }
 
     /// Not negative at one end, and not falling from there: the derivatives at the end up to some order
     /// and the next one over the whole part have the sign that makes it so. `side` is 1 for the lower
     /// end, and -1 for the upper one, from where odd derivatives count with the other sign.
-    fn from_end(&self, over: &[Interval], end: &[Interval], side: f64) -> bool {
+    fn settled_from(&self, over: &[Interval], end: &[Interval], side: f64) -> bool {
         let mut sign = 1.0;
         for order in 0..=ORDERS {
             if order > 0 && self.pick(over, order).scale(sign).nonnegative() {
