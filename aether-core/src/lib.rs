@@ -21,6 +21,7 @@
 //!
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`mixture`](mod@mixture),
 //!   [`discrete`](mod@discrete), [`tables`];
+//! - steps without a closed form: [`root`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
 //! - functions beyond the elementary ones, such as [`special::erf`]: [`special`];
@@ -52,6 +53,7 @@ pub mod path_density;
 pub mod point;
 pub mod preimages;
 pub mod real;
+pub mod root;
 pub mod sampler;
 pub mod sequence;
 pub mod special;
@@ -81,6 +83,7 @@ pub use path_density::PathDensity;
 pub use point::{Curve, Direction, Embedded, Includes, Point, Surface, SurfaceId, SurfacePoint};
 pub use preimages::Preimages;
 pub use real::{Mask, Real, Scalar};
+pub use root::solve;
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
 pub use strategy::{Atoms, Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
@@ -96,7 +99,7 @@ pub mod prelude {
     pub use crate::{
         Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,
         Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2,
-        Vec3, Volume,
+        Vec3, Volume, solve,
     };
     pub use aether_macros::{map, sampler, strategy};
     pub use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};

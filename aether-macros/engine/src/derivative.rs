@@ -65,6 +65,7 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut HashMap<Id, Id>) -> Id {
             let (yes, no) = (derive(g, yes, x, memo), derive(g, no, x, memo));
             g.if_positive(test, yes, no)
         }
+        Node::Root(r) => g.derivative_of_root(id, &r, x),
         Node::Number(_) | Node::Float(_) | Node::Pi => g.int(0),
     };
     memo.insert(id, d);

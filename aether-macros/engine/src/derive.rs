@@ -266,8 +266,9 @@ fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>
     }
     let frames = problem.frames.clone();
     let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements).map_err(|s| {
+        let way = s.numerical.unwrap_or_else(|| "Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time".into());
         format!(
-            "cannot invert this map: stuck at `{}`, which should give {}. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time",
+            "cannot invert this map: stuck at `{}`, which should give {}. {way}",
             s.equation,
             s.unknowns.join(" and ")
         )

@@ -26,7 +26,7 @@ fn print(g: &Graph, id: Id, outer: u8) -> String {
                 1
             },
         ),
-        Node::Float(bits) => (format!("{}", f64::from_bits(*bits)), 3),
+        Node::Float(bits) => (format!("{}", f64::from_bits(*bits)).replace("inf", "∞"), 3),
         Node::Pi => ("π".to_owned(), 3),
         Node::Leaf(l) => (g.name(*l).to_owned(), 3),
         Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => {
@@ -43,6 +43,12 @@ fn print(g: &Graph, id: Id, outer: u8) -> String {
         Node::If(test, yes, no) => {
             let [test, yes, no] = [test, yes, no].map(|part| print(g, *part, 0));
             (format!("{{{yes} if {test} > 0, else {no}}}"), 3)
+        }
+        Node::Root(r) => {
+            let [body, target, lo, hi] =
+                [r.body, r.target, r.lo, r.hi].map(|part| print(g, part, 0));
+            let t = g.name(r.variable);
+            (format!("root({t} in {lo}..{hi}: {body} = {target})"), 3)
         }
     };
     if own < outer { format!("({text})") } else { text }

@@ -79,6 +79,7 @@ pub fn node_value<T: Number>(
             let positive = part(*test).to_f64() > 0.0;
             part(if positive { *yes } else { *no })
         }
+        Node::Root(r) => crate::root::root_value(graph, r, inputs, part),
     }
 }
 

@@ -6,8 +6,11 @@
 //! shape of a sampler is what its author meant to be evaluated ([`crate::poly`] expands on demand).
 
 mod product;
+mod root;
 mod substitute;
 mod sum;
+
+pub use root::{BOUNDS, Root};
 
 use std::collections::HashMap;
 
@@ -73,6 +76,8 @@ pub enum Leaf {
     Out(u8),
     /// A scalar parameter (or one coordinate of a vector parameter).
     Param(u8),
+    /// The variable of a [`Root`], bound by it.
+    Bound(u8),
 }
 
 /// A node of the graph.
@@ -94,6 +99,8 @@ pub enum Node {
     Call(Fun, Vec<Id>),
     /// The second where the first is greater than zero, else the third.
     If(Id, Id, Id),
+    /// Where a function without a closed inverse has some value.
+    Root(Root),
 }
 
 /// Which inputs an expression depends on, as a bit set.
@@ -104,7 +111,8 @@ pub fn leaf_bit(leaf: Leaf) -> Deps {
     match leaf {
         Leaf::Unknown(i) => 1 << i,
         Leaf::Out(i) => 1 << (24 + i),
-        Leaf::Param(i) => 1 << (48 + i.min(78)),
+        Leaf::Param(i) => 1 << (48 + i.min(75)),
+        Leaf::Bound(i) => 1 << (124 + i % 4),
     }
 }
 
@@ -190,7 +198,9 @@ impl Graph {
                 let [test, yes, no] = [test, yes, no].map(|part| self.import(from, *part));
                 self.if_positive(test, yes, no)
             }
-            node => self.intern(node.clone()),
+            // The ends of segments, which is all that is ever imported, hold no roots.
+            Node::Root(_) => self.float(f64::NAN),
+            node @ (Node::Float(_) | Node::Pi) => self.intern(node.clone()),
         }
     }
     /// The inputs that the expression depends on.
@@ -267,6 +277,7 @@ impl Graph {
     fn deps_of(&self, node: &Node) -> Deps {
         match node {
             Node::Leaf(l) => leaf_bit(*l),
+            Node::Root(r) => self.deps_of_root(r),
             _ => children(node).iter().fold(0, |d, c| d | self.deps(*c)),
         }
     }
@@ -291,6 +302,7 @@ impl Graph {
                 _ => Interval::new(-std::f64::consts::PI, std::f64::consts::PI),
             },
             Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
+            Node::Root(r) => self.range_of_root(r),
         }
     }
 
@@ -402,7 +414,7 @@ impl Graph {
     }
 }
 
-/// The direct subexpressions of a node.
+/// The direct subexpressions of a node; not those that contain a variable which it binds.
 pub fn children(node: &Node) -> Vec<Id> {
     match node {
         Node::Number(_) | Node::Float(_) | Node::Pi | Node::Leaf(_) => Vec::new(),
@@ -410,5 +422,6 @@ pub fn children(node: &Node) -> Vec<Id> {
         Node::Product(f) => f.iter().flat_map(|(b, e)| [*b, *e]).collect(),
         Node::Call(_, args) => args.clone(),
         Node::If(test, yes, no) => vec![*test, *yes, *no],
+        Node::Root(r) => vec![r.target, r.lo, r.hi],
     }
 }

@@ -209,6 +209,8 @@ pub fn cost(g: &Graph, id: Id) -> usize {
         total += match g.node(id) {
             Node::Call(..) => 12,
             Node::If(..) => 2,
+            // Each of its steps computes the body once.
+            Node::Root(r) => 10 * (cost(g, r.body) + cost(g, r.slope)),
             Node::Product(f) => f
                 .iter()
                 .map(|(_, e)| match g.as_number(*e) {

@@ -53,6 +53,7 @@ impl Point {
             Leaf::Unknown(i) => (&self.unknowns[..], i),
             Leaf::Param(i) => (&self.params[..], i),
             Leaf::Out(i) => (outs, i),
+            Leaf::Bound(_) => return Dd::from_f64(f64::NAN),
         };
         list.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN))
     }

@@ -184,6 +184,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
+            out.extend(half_angle(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
             let f = factor_out(g, id);
@@ -251,6 +252,24 @@ fn one_minus(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let log = g.sum(Q::ZERO, &logs);
     let m = g.call(Fun::ExpM1, &[log]);
     Some(g.sum(Q::ZERO, &[(c.neg(), m)]))
+}
+
+/// c + k cos a as (c + k) - 2 k sin²(a/2), for a sum of two terms, where k may contain parameters.
+fn half_angle(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(q, t)] = *terms else { return None };
+    let one = g.int(1);
+    let factors = g.factors(t);
+    let (cosine, a) = factors.iter().find_map(|&(b, e)| match g.node(b) {
+        Node::Call(Fun::Cos, a) if e == one => Some((b, a[0])),
+        _ => None,
+    })?;
+    let k = g.div(t, cosine);
+    let half = g.sum(Q::ZERO, &[(Q::HALF, a)]);
+    let s = g.call(Fun::Sin, &[half]);
+    let s2 = g.powi(s, 2);
+    let second = g.mul(k, s2);
+    let first = g.sum(c, &[(q, k)]);
+    Some(g.sum(Q::ZERO, &[(Q::ONE, first), (q.mul(Q::int(-2))?, second)]))
 }
 
 /// a² - b² as (a - b)(a + b).

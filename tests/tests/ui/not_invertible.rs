@@ -1,13 +1,15 @@
 use aether_core::prelude::*;
 
-#[sampler]
-fn mixed(u: [Uniform; 1]) -> f64 {
-    u[0] + u[0].exp()
-}
-
+// Turns twice inside.
 #[sampler]
 fn cubic(u: [Uniform; 1]) -> f64 {
-    u[0].powi(3) + u[0]
+    u[0].powi(3) - 1.5 * u[0].powi(2) + 0.5625 * u[0]
+}
+
+// Increases for positive factors only.
+#[sampler]
+fn quintic(u: [Uniform; 1], k: f64) -> f64 {
+    u[0] + k * u[0].powi(5)
 }
 
 fn main() {}

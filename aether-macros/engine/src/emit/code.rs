@@ -48,13 +48,19 @@ impl<'a> Code<'a> {
             match self.graph.node(id) {
                 // The sides of a choice are computed only where they are taken.
                 Node::If(test, ..) => open.push((*test, false)),
+                Node::Root(r) => {
+                    open.extend(
+                        super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
+                    );
+                }
                 node => open.extend(children(node).into_iter().map(|c| (c, false))),
             }
         }
         self.reference(id)
     }
 
-    fn reference(&self, id: Id) -> TokenStream {
+    /// The name or the literal of an expression that has been written.
+    pub(super) fn reference(&self, id: Id) -> TokenStream {
         self.known(id).unwrap_or_else(|| unreachable!("children are written before their parents"))
     }
 
@@ -108,15 +114,20 @@ impl<'a> Code<'a> {
                 let (yes, no) = (self.side(*yes), self.side(*no));
                 quote!(::aether_core::support::either(#test.gt(R::ZERO), || #yes, || #no))
             }
+            Node::Root(r) => super::numeric::root(self, r),
             _ => self.reference(id),
         }
     }
 
+    /// A writer of a block that knows the names so far.
+    pub(super) fn inner(&self) -> Code<'a> {
+        let names = self.names.clone();
+        Code { graph: self.graph, input: self.input, lets: TokenStream::new(), names }
+    }
+
     /// One side of a choice, as a block that knows the names so far.
     fn side(&self, id: Id) -> TokenStream {
-        let names = self.names.clone();
-        let (graph, input) = (self.graph, self.input);
-        let mut side = Code { graph, input, lets: TokenStream::new(), names };
+        let mut side = self.inner();
         let value = side.value(id);
         let lets = side.lets;
         quote!({ #lets #value })
@@ -297,8 +308,11 @@ fn number(x: f64) -> TokenStream {
     if x == 1.0 {
         return quote!(R::ONE);
     }
-    if !x.is_finite() {
+    if x.is_nan() {
         return quote!(R::of(f64::NAN));
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { quote!(R::INFINITY) } else { quote!(-R::INFINITY) };
     }
     let l = Literal::f64_unsuffixed(x.abs());
     if x < 0.0 { quote!(R::of(-#l)) } else { quote!(R::of(#l)) }

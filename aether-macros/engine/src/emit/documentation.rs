@@ -3,7 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::derive::{Derived, texts};
+use crate::derive::{Derived, Problem, texts};
+use crate::expr::Id;
 use crate::parse::{Piece, Signature};
 
 /// The texts that are shown and kept with an item.
@@ -16,13 +17,16 @@ pub struct Texts {
     pub jacobian: String,
     /// The density.
     pub pdf: String,
+    /// Which direction has no closed form, if one has none.
+    pub numerical: Option<String>,
 }
 
 impl Texts {
     /// The texts of a derivation.
     pub fn new(pieces: &mut [Piece], derived: &[Derived]) -> Texts {
         let [forward, inverse, jacobian, pdf] = texts(pieces, derived);
-        Texts { forward, inverse, jacobian, pdf }
+        let numerical = pieces.iter().zip(derived).find_map(|(p, d)| numerical(&p.problem, d));
+        Texts { forward, inverse, jacobian, pdf, numerical }
     }
 
     /// `#[doc]` attributes with the derivation.
@@ -47,6 +51,7 @@ impl Texts {
             lines.push(format!("measure  {}", signature.space.measure()));
         }
         lines.push("```".to_owned());
+        lines.extend(self.numerical.clone());
         if sampler {
             lines.push(format!(
                 "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {:.1e}. {}",
@@ -59,4 +64,20 @@ impl Texts {
         }
         lines.iter().map(|l| quote!(#[doc = #l])).collect()
     }
+}
+
+/// Says so if the map or its inverse is found by solving an equation numerically.
+fn numerical(problem: &Problem, derived: &Derived) -> Option<String> {
+    let any = |ids: &[Id]| ids.iter().any(|id| problem.graph.is_numerical(*id));
+    let forward = any(&problem.outputs);
+    let inverse = derived.preimages.iter().any(|p| any(&p.tested));
+    let what = match (forward, inverse) {
+        (false, false) => return None,
+        (true, false) => "The map has no closed form and is computed",
+        (false, true) => "The inverse has no closed form and is computed",
+        (true, true) => "The map and its inverse have no closed form and are computed",
+    };
+    Some(format!(
+        "{what} numerically: the equation is proven to be monotone, and `root` is its solution, by Newton's method in a bracket, to full precision. The density is that of the implicit function.\n"
+    ))
 }

@@ -140,7 +140,7 @@ impl Emitter<'_> {
 
     /// Prints the derivation to the build's output.
     pub fn explain(&self) {
-        let Texts { forward, inverse, jacobian, pdf } = self.texts;
+        let Texts { forward, inverse, jacobian, pdf, numerical } = self.texts;
         eprintln!("{}:", self.signature().name);
         for line in forward.lines() {
             eprintln!("  map      {line}");
@@ -161,6 +161,9 @@ impl Emitter<'_> {
             eprintln!("  √det JᵀJ {line}");
         }
         eprintln!("  pdf      {pdf}");
+        if let Some(text) = numerical {
+            eprintln!("  {}", text.trim_end());
+        }
         eprintln!("  worst relative error in f64: {:.1e}", self.worst_error());
     }
 
@@ -170,7 +173,7 @@ impl Emitter<'_> {
     }
 
     fn derivation(&self) -> TokenStream {
-        let Texts { forward, inverse, jacobian, pdf } = self.texts;
+        let Texts { forward, inverse, jacobian, pdf, .. } = self.texts;
         let name = self.signature().name.to_string();
         let measure = self.signature().space.measure();
         let preimages = Literal::usize_unsuffixed(self.places().len());

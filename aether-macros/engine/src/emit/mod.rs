@@ -6,6 +6,7 @@ mod documentation;
 mod interface;
 mod item;
 mod map;
+mod numeric;
 mod pieces;
 mod sampler;
 

@@ -263,5 +263,6 @@ fn input(l: Leaf, unknown: &str) -> TokenStream {
             let i = Literal::usize_unsuffixed(i as usize);
             quote!(p[#i])
         }
+        Leaf::Bound(_) => super::numeric::variable(l),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::{Graph, Id, Node};
+use super::{Graph, Id, Node, Root};
 use crate::rational::Q;
 
 impl Graph {
@@ -58,6 +58,12 @@ impl Graph {
                 let [test, yes, no] =
                     [test, yes, no].map(|part| self.substitute_memo(part, map, memo));
                 self.if_positive(test, yes, no)
+            }
+            // What is put in contains no bound variable, so none is captured.
+            Node::Root(r) => {
+                let [body, slope, target, lo, hi] = [r.body, r.slope, r.target, r.lo, r.hi]
+                    .map(|part| self.substitute_memo(part, map, memo));
+                self.root(Root { body, slope, target, lo, hi, ..r })
             }
             _ => id,
         };

@@ -28,6 +28,7 @@ pub struct Body<'a> {
     pub(super) comparing: bool,
     /// What an early `return` gave.
     returned: Option<Value>,
+    pub(super) bound: u8,
     next_param: u8,
     errors: &'a mut Diagnostics,
 }
@@ -48,6 +49,7 @@ impl<'a> Body<'a> {
             names,
             comparing: false,
             returned: None,
+            bound: 0,
             next_param: 0,
             errors,
         }

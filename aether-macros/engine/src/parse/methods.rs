@@ -307,6 +307,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
     let args: Vec<&Expr> = c.args.iter().collect();
     match (owner.as_str(), name.as_str(), &args[..]) {
+        (_, "solve", [f, range, target]) => super::solve::solve(body, c, [f, range, target]),
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
         (_, "Some", [a]) => body.expr(a),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),

@@ -7,6 +7,7 @@ mod expression;
 mod methods;
 mod pieces;
 mod signature;
+mod solve;
 mod special;
 mod value;
 

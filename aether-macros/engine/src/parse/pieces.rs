@@ -83,5 +83,8 @@ fn end_of(g: &mut Graph, difference: Id, u: Leaf) -> Option<(Id, bool)> {
     let end = g.div(constant, slope);
     let end = g.sum(Q::ZERO, &[(Q::int(-1), end)]);
     let inside = g.range(end);
+    if g.is_numerical(end) {
+        return None;
+    }
     (inside.lo >= 0.0 && inside.hi <= 1.0).then_some((end, range.nonnegative()))
 }

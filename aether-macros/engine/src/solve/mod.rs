@@ -7,7 +7,9 @@
 
 mod circle;
 pub(crate) mod linear;
+mod logarithm;
 mod normalise;
+mod numeric;
 mod peel;
 mod polar;
 mod rational;
@@ -67,6 +69,8 @@ pub struct Stuck {
     pub equation: String,
     /// The unknowns in it.
     pub unknowns: Vec<String>,
+    /// Why it could not be solved numerically either, and what to do.
+    pub numerical: Option<String>,
 }
 
 /// The state of one branch of the search.
@@ -83,7 +87,7 @@ pub(crate) struct State {
 const MAX_STEPS: usize = 400;
 const MAX_PREIMAGES: usize = 16;
 
-/// Solves `targets[i] = outputs[i]` for the unknowns: all preimages.
+/// Solves `targets[i] = outputs[i]` for the unknowns: all preimages, in closed form if there is one.
 pub fn solve(
     g: &mut Graph,
     outputs: &[Id],
@@ -91,6 +95,20 @@ pub fn solve(
     unknowns: &[Leaf],
     frames: &[[[Id; 3]; 3]],
     positive: &[Id],
+) -> Result<Vec<Solution>, Stuck> {
+    search(g, outputs, targets, unknowns, frames, positive, false)
+        .or_else(|_| search(g, outputs, targets, unknowns, frames, positive, true))
+}
+
+/// The search, with or without roots that have no closed form.
+fn search(
+    g: &mut Graph,
+    outputs: &[Id],
+    targets: &[Id],
+    unknowns: &[Leaf],
+    frames: &[[[Id; 3]; 3]],
+    positive: &[Id],
+    numerical: bool,
 ) -> Result<Vec<Solution>, Stuck> {
     let equations = targets
         .iter()
@@ -109,7 +127,7 @@ pub fn solve(
     while let Some(mut state) = open.pop() {
         steps += 1;
         if steps > MAX_STEPS || done.len() >= MAX_PREIMAGES {
-            return Err(stuck(g, &state, unknowns));
+            return Err(stuck(g, &state, unknowns, None));
         }
         strip_all(g, &mut state);
         // A pair must be seen before one of its members is solved through another equation.
@@ -123,25 +141,51 @@ pub fn solve(
             done.push(state.solution);
             continue;
         }
-        match step(g, &state, frames) {
-            Some(next) => open.extend(next.into_iter().rev()),
-            None => return Err(stuck(g, &state, unknowns)),
+        // What has been settled may have laid a pair bare.
+        if let Some(next) = polar::polar_pair(g, &state) {
+            open.extend(next.into_iter().rev());
+            continue;
         }
+        let mut why = None;
+        if let Some(next) = step(g, &state, frames, numerical, &mut why) {
+            open.extend(next.into_iter().rev());
+            continue;
+        }
+        return Err(stuck(g, &state, unknowns, why));
     }
     Ok(done)
 }
 
 /// The rules in order of preference: those with a single answer and good conditioning first.
-fn step(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> Option<Vec<State>> {
-    normalise::unit_vector(g, state)
+///
+/// What has no closed form comes just before elimination, which would only make it longer. `why` tells
+/// what stood in the way of a numerical solution.
+fn step(
+    g: &mut Graph,
+    state: &State,
+    frames: &[[[Id; 3]; 3]],
+    numerical: bool,
+    why: &mut Option<String>,
+) -> Option<Vec<State>> {
+    let closed = numeric::undo_root(g, state)
+        .or_else(|| normalise::unit_vector(g, state))
         .or_else(|| peel::unique(g, state))
+        .or_else(|| logarithm::combine(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
         .or_else(|| scale::up_to_scale(g, state, frames))
         .or_else(|| circle::circle_pair(g, state))
         .or_else(|| normalise::common(g, state))
         .or_else(|| peel::branching(g, state))
-        .or_else(|| rational::single_unknown(g, state))
-        .or_else(|| rational::eliminate(g, state))
+        .or_else(|| rational::single_unknown(g, state));
+    if closed.is_none() && numerical {
+        let next =
+            numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
+        match next {
+            Ok(next) => return Some(next),
+            Err(reason) => *why = reason,
+        }
+    }
+    closed.or_else(|| rational::eliminate(g, state))
 }
 
 /// Moves known parts of all equations over.
@@ -286,7 +330,7 @@ fn finish(g: &mut Graph, state: &mut State) {
     state.solution.conditions.retain(|c| !g.range(c.0).nonnegative());
 }
 
-fn stuck(g: &Graph, state: &State, unknowns: &[Leaf]) -> Stuck {
+fn stuck(g: &Graph, state: &State, unknowns: &[Leaf], numerical: Option<String>) -> Stuck {
     let open: Vec<String> = unknowns
         .iter()
         .filter(|u| !state.solution.unknowns.contains_key(u))
@@ -296,7 +340,7 @@ fn stuck(g: &Graph, state: &State, unknowns: &[Leaf]) -> Stuck {
         Some(e) => format!("{} = {}", show(g, e.known), show(g, e.rhs)),
         None => format!("nothing determines {}", open.join(", ")),
     };
-    Stuck { equation, unknowns: open }
+    Stuck { equation, unknowns: open, numerical }
 }
 
 #[cfg(test)]

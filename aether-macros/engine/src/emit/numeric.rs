@@ -1,0 +1,51 @@
+//! Roots without a closed form as calls of the runtime.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::code::Code;
+use crate::expr::{BOUNDS, Graph, Id, Leaf, Node, Root, children};
+
+/// The name of a bound variable in emitted code.
+pub(super) fn variable(leaf: Leaf) -> TokenStream {
+    let Leaf::Bound(i) = leaf else { unreachable!("only bound variables are named here") };
+    let name = format_ident!("root{i}");
+    quote!(#name)
+}
+
+/// What is computed once, before the search for a root: its target, its ends, and the parts of its
+/// body that no bound variable occurs in.
+pub(super) fn outside(g: &Graph, root: &Root) -> Vec<Id> {
+    let mut out = vec![root.target, root.lo, root.hi];
+    let mut seen = std::collections::HashSet::new();
+    let mut open = vec![root.body, root.slope];
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        let node = g.node(id);
+        if !g.has(id, BOUNDS) {
+            out.push(id);
+        } else if let Node::If(test, ..) = node {
+            // The sides of a choice are computed only where they are taken.
+            open.push(*test);
+        } else {
+            if let Node::Root(r) = node {
+                open.extend([r.body, r.slope]);
+            }
+            open.extend(children(node));
+        }
+    }
+    out
+}
+
+/// The call, with the body and its slope as one closure. What [`outside`] lists has been written.
+pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
+    let mut inner = code.inner();
+    let (body, slope) = (inner.value(root.body), inner.value(root.slope));
+    let lets = inner.statements();
+    let [target, lo, hi] = [root.target, root.lo, root.hi].map(|id| code.reference(id));
+    let t = variable(root.variable);
+    let function = if root.inside { quote!(root_inside) } else { quote!(root_or_beyond) };
+    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi))
+}

@@ -1,0 +1,314 @@
+//! Proofs that a function of one variable increases over its whole range, whatever the other inputs
+//! in their domains.
+//!
+//! The box of all inputs is halved until, on every part, interval arithmetic shows that the slope is
+//! not negative: directly, or because it is not negative where the variable begins and the slope's own
+//! slope is not negative (and so on; or the same from the other end), which settles the neighbourhood of
+//! a point where the slope vanishes. That the slope is not zero throughout is seen from its values.
+
+use crate::derivative::derivative;
+use crate::enclosure::Enclosure;
+use crate::expr::{Graph, Id, Leaf, Node, children};
+use crate::interval::Interval;
+use crate::jacobian::simplify;
+
+/// Parts of the box that are looked at before a proof is given up.
+const MAX_PARTS: usize = 3000;
+/// Derivatives of the slope that are tried.
+const ORDERS: usize = 3;
+
+/// Why monotonicity could not be shown.
+#[derive(Clone, Debug)]
+pub struct Unproven {
+    /// A part of the domain where the sign of the slope is not known, as text.
+    pub place: String,
+    /// A parameter of unbounded domain that the slope depends on, if there is one.
+    pub unbounded: Option<String>,
+}
+
+/// Shows that `body` increases (1) or decreases (-1) strictly with `variable`, over the ranges that all
+/// inputs are declared with.
+pub fn direction(g: &mut Graph, body: Id, variable: Leaf) -> Result<i64, Unproven> {
+    let slope = derivative(g, body, variable);
+    let leaves = leaves_of(g, slope, variable);
+    let sign = sign_inside(g, slope, &leaves);
+    let Some(sign) = sign else {
+        return Err(unproven(
+            g,
+            &leaves,
+            &leaves.iter().map(|l| g.leaf_range(*l)).collect::<Vec<_>>(),
+        ));
+    };
+    let upward = if sign < 0 { g.neg(slope) } else { slope };
+    Proof::new(g, upward, variable, leaves).run(g).map(|()| sign)
+}
+
+/// The inputs of an expression, the variable first.
+fn leaves_of(g: &Graph, id: Id, variable: Leaf) -> Vec<Leaf> {
+    let mut seen = std::collections::HashSet::new();
+    let mut open = vec![id];
+    let mut leaves = vec![variable];
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        match g.node(id) {
+            Node::Leaf(l) if !leaves.contains(l) => leaves.push(*l),
+            // What it depends on is enclosed by its ends.
+            node => open.extend(children(node)),
+        }
+    }
+    leaves[1..].sort_unstable();
+    leaves
+}
+
+/// A number in the middle of an interval, which may be infinite.
+fn centre(i: Interval) -> f64 {
+    match (i.lo.is_finite(), i.hi.is_finite()) {
+        (true, true) => i.lo + 0.5 * (i.hi - i.lo),
+        (true, false) => (2.0 * i.lo).max(i.lo + 1.0),
+        (false, true) => (2.0 * i.hi).min(i.hi - 1.0),
+        (false, false) => 0.0,
+    }
+}
+
+/// The sign of the slope at some point inside.
+fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf]) -> Option<i64> {
+    for shift in [0.5, 0.31, 0.83, 0.12] {
+        let at = |l: Leaf| {
+            let i = g.leaf_range(l);
+            if !leaves.contains(&l) {
+                f64::NAN
+            } else if i.width().is_finite() {
+                i.lo + shift * i.width()
+            } else {
+                centre(i) + shift
+            }
+        };
+        let v = crate::eval::evaluate::<f64>(g, slope, &at);
+        if v > 0.0 {
+            return Some(1);
+        }
+        if v < 0.0 {
+            return Some(-1);
+        }
+    }
+    None
+}
+
+fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
+    let place: Vec<String> = leaves
+        .iter()
+        .zip(part)
+        .map(|(l, i)| {
+            let end =
+                |x: f64| if x.is_infinite() { "∞".to_owned() } else { format!("{:.6}", x.abs()) };
+            let sign = |x: f64| if x < 0.0 { "-" } else { "" };
+            format!("{} in [{}{}, {}{}]", g.name(*l), sign(i.lo), end(i.lo), sign(i.hi), end(i.hi))
+        })
+        .collect();
+    let unbounded = leaves
+        .iter()
+        .find(|l| matches!(l, Leaf::Param(_)) && !g.leaf_range(**l).width().is_finite());
+    Unproven { place: place.join(", "), unbounded: unbounded.map(|l| g.name(*l).to_owned()) }
+}
+
+struct Proof {
+    /// The slope and its derivatives, each in the forms that are tried.
+    orders: Vec<Vec<Id>>,
+    leaves: Vec<Leaf>,
+    enclosure: Enclosure,
+}
+
+impl Proof {
+    fn new(g: &mut Graph, slope: Id, variable: Leaf, leaves: Vec<Leaf>) -> Proof {
+        let mut orders = Vec::new();
+        let mut current = slope;
+        for _ in 0..=ORDERS {
+            let tidy = simplify(g, current, None);
+            let factored = crate::jacobian::factor_out(g, tidy);
+            let mut forms = vec![current, tidy, factored];
+            forms.dedup();
+            orders.push(forms);
+            current = derivative(g, tidy, variable);
+        }
+        let all: Vec<Id> = orders.iter().flatten().copied().collect();
+        let enclosure = Enclosure::new(g, &all);
+        Proof { orders, leaves, enclosure }
+    }
+
+    fn run(&self, g: &Graph) -> Result<(), Unproven> {
+        let whole: Vec<Interval> = self.leaves.iter().map(|l| g.leaf_range(*l)).collect();
+        // Breadth first, so that what is given up on is as large as can be.
+        let mut open = std::collections::VecDeque::from([whole]);
+        let mut parts = 0;
+        while let Some(part) = open.pop_front() {
+            parts += 1;
+            if self.shown(g, &part) {
+                if !self.positive_somewhere(g, &part) {
+                    return Err(unproven(g, &self.leaves, &part));
+                }
+                continue;
+            }
+            let negative = self.order(g, &part, 0).hi < 0.0;
+            let Some((left, right)) =
+                halves(&part, parts).filter(|_| parts < MAX_PARTS && !negative)
+            else {
+                return Err(unproven(g, &self.leaves, &part));
+            };
+            open.extend([left, right]);
+        }
+        Ok(())
+    }
+
+    /// The interval of a derivative of the slope over a part.
+    fn order(&self, g: &Graph, part: &[Interval], order: usize) -> Interval {
+        let values = self.enclosure.over(g, &self.region(part));
+        self.pick(&values, order)
+    }
+
+    fn region<'a>(&'a self, part: &'a [Interval]) -> impl Fn(Leaf) -> Interval + 'a {
+        |l| {
+            let found = self.leaves.iter().position(|k| *k == l);
+            found.map_or(Interval::ALL, |k| part[k])
+        }
+    }
+
+    /// What all forms of a derivative say together.
+    fn pick(&self, values: &[Interval], order: usize) -> Interval {
+        self.orders[order].iter().fold(Interval::ALL, |i, form| {
+            let j = self.enclosure.get(values, *form);
+            Interval { lo: i.lo.max(j.lo), hi: i.hi.min(j.hi) }
+        })
+    }
+
+    /// Whether the slope is nowhere negative on a part.
+    fn shown(&self, g: &Graph, part: &[Interval]) -> bool {
+        let over = self.enclosure.over(g, &self.region(part));
+        if self.pick(&over, 0).nonnegative() {
+            return true;
+        }
+        let end = |x: f64| {
+            let mut face = part.to_vec();
+            face[0] = Interval::point(x);
+            self.enclosure.over(g, &self.region(&face))
+        };
+        let (lo, hi) = (part[0].lo, part[0].hi);
+        (lo.is_finite() && self.settled_from(&over, &end(lo), 1.0))
+            || (hi.is_finite() && self.settled_from(&over, &end(hi), -1.0))
+    }
+
+    /// Not negative at one end, and not falling from there: the derivatives at the end up to some order
+    /// and the next one over the whole part have the sign that makes it so. `side` is 1 for the lower
+    /// end, and -1 for the upper one, from where odd derivatives count with the other sign.
+    fn settled_from(&self, over: &[Interval], end: &[Interval], side: f64) -> bool {
+        let mut sign = 1.0;
+        for order in 0..=ORDERS {
+            if order > 0 && self.pick(over, order).scale(sign).nonnegative() {
+                return true;
+            }
+            if !self.pick(end, order).scale(sign).nonnegative() {
+                return false;
+            }
+            sign *= side;
+        }
+        false
+    }
+
+    /// Whether the slope, which is not negative, is positive at the centre of a part.
+    fn positive_somewhere(&self, g: &Graph, part: &[Interval]) -> bool {
+        let at = |l: Leaf| {
+            let found = self.leaves.iter().position(|k| *k == l);
+            found.map_or(f64::NAN, |k| centre(part[k]))
+        };
+        // Zero may also be the outcome of underflow, far out.
+        let far = part.iter().any(|i| !i.width().is_finite());
+        let v = crate::eval::evaluate::<f64>(g, self.orders[0][0], &at);
+        far || v > 0.0 || v.is_nan()
+    }
+}
+
+/// Two halves of a box along its widest side, each side taken in turn if they are alike.
+fn halves(part: &[Interval], turn: usize) -> Option<(Vec<Interval>, Vec<Interval>)> {
+    let size = |i: Interval| {
+        let relative = i.width() / (1.0 + i.lo.abs().min(i.hi.abs()));
+        if relative.is_nan() { f64::INFINITY } else { relative }
+    };
+    let n = part.len();
+    let widest =
+        (0..n).map(|k| (k + turn) % n).max_by(|a, b| size(part[*a]).total_cmp(&size(part[*b])))?;
+    let i = part[widest];
+    let c = centre(i);
+    if c <= i.lo || c >= i.hi || i.width() < 1e-13 * (1.0 + c.abs()) {
+        return None;
+    }
+    let (mut left, mut right) = (part.to_vec(), part.to_vec());
+    left[widest].hi = c;
+    right[widest].lo = c;
+    Some((left, right))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Fun;
+    use crate::rational::Q;
+
+    fn unit(g: &mut Graph) -> (Leaf, Id) {
+        let leaf = Leaf::Unknown(0);
+        (leaf, g.leaf(leaf, "u", Interval::new(0.0, 1.0)))
+    }
+
+    #[test]
+    fn sums_of_increasing_functions() {
+        let mut g = Graph::new();
+        let (leaf, u) = unit(&mut g);
+        let k = g.leaf(Leaf::Param(0), "k", Interval::new(0.0, 10.0));
+        let u5 = g.powi(u, 5);
+        let second = g.mul(k, u5);
+        let log = g.call(Fun::Ln1p, &[u]);
+        let f = g.sum(Q::ZERO, &[(Q::ONE, u), (Q::ONE, second), (Q::ONE, log)]);
+        assert_eq!(direction(&mut g, f, leaf).unwrap(), 1);
+        let down = g.neg(f);
+        assert_eq!(direction(&mut g, down, leaf).unwrap(), -1);
+    }
+
+    #[test]
+    fn a_slope_that_vanishes_at_an_end() {
+        let mut g = Graph::new();
+        let (leaf, t) = unit(&mut g);
+        let (t3, t4) = (g.powi(t, 3), g.powi(t, 4));
+        let f = g.sum(Q::ZERO, &[(Q::int(2), t3), (Q::int(-1), t4)]);
+        assert_eq!(direction(&mut g, f, leaf).unwrap(), 1);
+        // Kepler's equation with all eccentricities up to one.
+        let e = g.leaf(Leaf::Param(0), "e", Interval::new(0.0, 1.0));
+        let leaf = Leaf::Unknown(1);
+        let a = g.leaf(leaf, "a", Interval::new(0.0, std::f64::consts::TAU));
+        let s = g.call(Fun::Sin, &[a]);
+        let es = g.mul(e, s);
+        let f = g.sub(a, es);
+        assert_eq!(direction(&mut g, f, leaf).unwrap(), 1);
+    }
+
+    #[test]
+    fn what_does_not_increase_is_refused() {
+        let mut g = Graph::new();
+        let (leaf, u) = unit(&mut g);
+        let (u2, u3) = (g.powi(u, 2), g.powi(u, 3));
+        let c = |n, d| Q::new(n, d).unwrap();
+        // u³ - 3/2 u² + 9/16 u turns twice inside.
+        let f = g.sum(Q::ZERO, &[(Q::ONE, u3), (c(-3, 2), u2), (c(9, 16), u)]);
+        let reason = direction(&mut g, f, leaf).unwrap_err();
+        assert!(reason.place.starts_with("u in [0."), "{}", reason.place);
+        // The parameter may be negative.
+        let k = g.leaf(Leaf::Param(0), "k", Interval::ALL);
+        let second = g.mul(k, u3);
+        let f = g.add(u, second);
+        let reason = direction(&mut g, f, leaf).unwrap_err();
+        assert_eq!(reason.unbounded.as_deref(), Some("k"));
+        // A constant does not increase.
+        let f = g.if_positive(u2, u2, u3);
+        let flat = g.sub(f, f);
+        assert!(direction(&mut g, flat, leaf).is_err());
+    }
+}

@@ -1,0 +1,219 @@
+//! The values of roots, at any precision: Newton's method inside a bracket that only shrinks.
+
+use crate::eval::{Evaluator, evaluate};
+use crate::expr::{Graph, Id, Leaf, Root};
+use crate::number::Number;
+
+/// Steps after which a root is as good as it gets; bisection alone needs fewer.
+const MAX_STEPS: usize = 160;
+/// Stands for infinity as an end.
+const HUGE: f64 = 1e300;
+/// Stands for zero as an end in a geometric mean.
+const TINY: f64 = 1e-300;
+
+/// The value of a root, given the inputs and the values of the root's closed parts.
+pub fn root_value<T: Number>(
+    graph: &Graph,
+    root: &Root,
+    inputs: &dyn Fn(Leaf) -> T,
+    part: &mut dyn FnMut(Id) -> T,
+) -> T {
+    let (target, lo, hi) = (part(root.target), part(root.lo), part(root.hi));
+    if target.is_nan() || lo.is_nan() || hi.is_nan() {
+        return T::from_f64(f64::NAN);
+    }
+    let body = |t: T| {
+        let at = |l: Leaf| if l == root.variable { t } else { inputs(l) };
+        let mut e = Evaluator::new(graph, &at);
+        (e.value(root.body), e.value(root.slope))
+    };
+    if let Some(beyond) = beyond(root, &body, target, lo, hi) {
+        return beyond;
+    }
+    let start = if is_double::<T>() {
+        None
+    } else {
+        // Most steps are as good in double precision.
+        let at = |l: Leaf| inputs(l).to_f64();
+        let inner = |t: f64| {
+            let at = |l: Leaf| if l == root.variable { t } else { at(l) };
+            (evaluate(graph, root.body, &at), evaluate(graph, root.slope, &at))
+        };
+        let t = bracketed(&inner, target.to_f64(), lo.to_f64(), hi.to_f64(), None);
+        Some(T::from_f64(t))
+    };
+    bracketed(&body, target, lo, hi, start)
+}
+
+/// Whether `T` has no more digits than a double.
+fn is_double<T: Number>() -> bool {
+    (T::from_ratio(1, 3) - T::from_f64(1.0 / 3.0)).to_f64() == 0.0
+}
+
+/// The end, or a number beyond it, if the target is no value of the body between the ends.
+fn beyond<T: Number>(
+    root: &Root,
+    body: &dyn Fn(T) -> (T, T),
+    target: T,
+    lo: T,
+    hi: T,
+) -> Option<T> {
+    let (below, above) = (body(lo).0, body(hi).0);
+    let (end, at_end) = if below >= target {
+        (lo, below)
+    } else if above <= target {
+        (hi, above)
+    } else {
+        return None;
+    };
+    if root.inside {
+        return Some(end);
+    }
+    let scale = (hi - lo) / (above - below);
+    let scale = if scale.is_finite() && scale.to_f64() > 0.0 { scale } else { hi - lo };
+    Some(end + (target - at_end) * scale)
+}
+
+/// The root of an increasing function whose value is below the target at `lo` and above it at `hi`.
+fn bracketed<T: Number>(
+    body: &dyn Fn(T) -> (T, T),
+    target: T,
+    lo: T,
+    hi: T,
+    start: Option<T>,
+) -> T {
+    let f = T::from_f64;
+    let zero = f(0.0);
+    let close = f(if is_double::<T>() { 8e-16 } else { 4e-31 });
+    let (mut a, mut b) = (lo.max(f(-HUGE)), hi.min(f(HUGE)));
+    let mut t = match start {
+        Some(t) if t > a && t < b => t,
+        _ => first(a, b),
+    };
+    let mut last = b - a;
+    for _ in 0..MAX_STEPS {
+        let (y, slope) = body(t);
+        let excess = y - target;
+        if excess.to_f64() == 0.0 {
+            return t;
+        }
+        let far = excess.is_nan() && b.abs() > a.abs();
+        if excess > zero || far {
+            b = t;
+        } else {
+            a = t;
+        }
+        let newton = step(t, y, target, slope);
+        let size = (newton - t).abs();
+        let steady = size <= last * f(0.75);
+        let within = newton > a && newton < b;
+        // Close to the root, steps shrink quadratically until they are rounding: those no longer do.
+        if size <= t.abs() * close || !steady && size <= t.abs() * close.sqrt() {
+            return if within { newton } else { t };
+        }
+        let next = if within && steady { newton } else { middle(a, b) };
+        last = (next - t).abs();
+        t = next;
+        if b - a <= a.abs().max(b.abs()) * close * f(0.25) {
+            break;
+        }
+    }
+    t
+}
+
+/// A step of Newton's method; where the value is far off and has the sign of the target, one on
+/// logarithmic scales, which is exact for powers.
+fn step<T: Number>(t: T, y: T, target: T, slope: T) -> T {
+    let (ratio, exponent) = (target / y, y / (slope * t));
+    let r = ratio.to_f64();
+    // At zero itself the exponent is infinite.
+    let power = exponent.to_f64() > 0.0 && exponent.is_finite();
+    if power && r > 0.0 && !(0.5..=2.0).contains(&r) && r.is_finite() {
+        return t * ratio.powf(exponent);
+    }
+    t - (y - target) / slope
+}
+
+fn first<T: Number>(a: T, b: T) -> T {
+    let one = T::from_f64(1.0);
+    match (a.to_f64() <= -HUGE, b.to_f64() >= HUGE) {
+        (false, false) => (a + b) * T::from_f64(0.5),
+        (false, true) => a + a.abs().max(one),
+        (true, false) => b - b.abs().max(one),
+        (true, true) => T::from_f64(0.0),
+    }
+}
+
+/// Between a and b: zero if they have different signs, and on a logarithmic scale if they differ
+/// much.
+fn middle<T: Number>(a: T, b: T) -> T {
+    let (zero, tiny) = (T::from_f64(0.0), T::from_f64(TINY));
+    if a < zero && b > zero {
+        return zero;
+    }
+    let (small, large) = (a.abs().min(b.abs()).max(tiny), a.abs().max(b.abs()));
+    if large > small * T::from_f64(4.0) {
+        let size = small.sqrt() * large.sqrt();
+        return if b > zero { size } else { -size };
+    }
+    a + (b - a) * T::from_f64(0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+    use crate::number::Dd;
+    use crate::rational::Q;
+
+    /// Where 2t³ - t⁴ = u.
+    fn smoothstep() -> (Graph, Root) {
+        let mut g = Graph::new();
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let variable = g.bound_variable(0, "t", Interval::new(0.0, 1.0)).unwrap();
+        let t = g.get_leaf(variable);
+        let (t3, t4) = (g.powi(t, 3), g.powi(t, 4));
+        let body = g.sum(Q::ZERO, &[(Q::int(2), t3), (Q::int(-1), t4)]);
+        let slope = crate::derivative::derivative(&mut g, body, variable);
+        let (lo, hi) = (g.int(0), g.int(1));
+        (g, Root { variable, body, slope, target: u, lo, hi, inside: false })
+    }
+
+    #[test]
+    fn full_precision_where_the_slope_vanishes() {
+        let (mut g, root) = smoothstep();
+        let id = g.root(root);
+        for u in [1e-300, 1e-18, 1e-9, 0.1, 0.5, 0.9, 1.0 - 1e-15] {
+            let exact = evaluate::<Dd>(&g, id, &|_| Dd::from_f64(u));
+            let back = Dd::from_f64(2.0) * exact.powi(3) - exact.powi(4);
+            assert!(((back.to_f64() - u) / u).abs() < 1e-28f64.max(1e-16), "{u}");
+            let double = evaluate::<f64>(&g, id, &|_| u);
+            assert!((double / exact.to_f64() - 1.0).abs() < 1e-15, "{u}: {double}");
+        }
+        assert!(
+            (evaluate::<f64>(&g, id, &|_| 1e-18) / 7.937_006_309_775_623e-7 - 1.0).abs() < 1e-15
+        );
+    }
+
+    #[test]
+    fn targets_beyond_the_ends_have_roots_beyond_them() {
+        let (mut g, root) = smoothstep();
+        let inside = g.root(Root { inside: true, ..root.clone() });
+        let id = g.root(root);
+        assert_eq!(evaluate::<f64>(&g, id, &|_| -0.5), -0.5);
+        assert_eq!(evaluate::<f64>(&g, id, &|_| 1.25), 1.25);
+        assert_eq!(evaluate::<f64>(&g, inside, &|_| 1.25), 1.0);
+        assert!(evaluate::<f64>(&g, id, &|_| f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn the_derivative_is_the_implicit_one() {
+        let (mut g, root) = smoothstep();
+        let id = g.root(root);
+        let d = crate::derivative::derivative(&mut g, id, Leaf::Unknown(0));
+        let at = |id: Id, u: f64| evaluate::<Dd>(&g, id, &|_| Dd::from_f64(u)).to_f64();
+        let h = 1e-6;
+        let quotient = (at(id, 0.3 + h) - at(id, 0.3 - h)) / (2.0 * h);
+        assert!((at(d, 0.3) / quotient - 1.0).abs() < 1e-9);
+    }
+}

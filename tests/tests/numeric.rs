@@ -1,0 +1,252 @@
+//! Samplers whose inverse, or whose forward step, has no closed form.
+//!
+//! Reference values: 60 digits, by bisection of the forward map and the closed formula of the density.
+
+use aether_core::battery;
+use aether_core::prelude::*;
+
+/// A sum of three increasing functions: only the inverse is numerical.
+#[sampler(k in 0.0..=100.0)]
+fn quintic(u: [Uniform; 1], k: f64) -> f64 {
+    u[0] + k * u[0].powi(5) + u[0].ln_1p()
+}
+
+/// A logistic variable with the tails of Lambert's W.
+#[sampler(h in 0.0..=10.0)]
+fn lambert_tail(u: [Uniform; 1], h: f64) -> f64 {
+    let z = u[0].ln() - (-u[0]).ln_1p();
+    z * (0.5 * h * z * z).exp()
+}
+
+/// A density like the smoothstep, by inverting its distribution.
+#[sampler]
+fn smoothstep(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+    let t = solve(|t| 2.0 * t.powi(3) - t.powi(4), 0.0..1.0, u[0]);
+    a + (b - a) * t
+}
+
+/// Kepler's equation: only the forward step is numerical.
+#[sampler(e in 0.0..=1.0)]
+fn kepler(u: [Uniform; 1], e: f64) -> f64 {
+    solve(|a| a - e * a.sin(), 0.0..TAU, TAU * u[0])
+}
+
+/// A mixture of two exponentials with a single uniform.
+#[sampler(p in 0.0..=1.0, l in 1e-3..=1e3, m in 1e-3..=1e3)]
+fn hyperexponential(u: [Uniform; 1], p: f64, l: f64, m: f64) -> f64 {
+    solve(|x| -p * (-l * x).exp_m1() - (1.0 - p) * (-m * x).exp_m1(), 0.0.., u[0])
+}
+
+/// Student's t with four degrees of freedom, by its distribution function.
+#[sampler]
+fn student(u: [Uniform; 1]) -> f64 {
+    solve(
+        |t| {
+            let r = 1.0 + t * t / 4.0;
+            0.5 + 0.375 * t / r.sqrt() * (1.0 - t * t / (12.0 * r))
+        },
+        ..,
+        u[0],
+    )
+}
+
+/// The second coordinate depends on the first, and neither has a closed inverse.
+#[sampler(k in 0.0..=10.0)]
+fn chain(u: [Uniform; 2], k: f64) -> Vec2 {
+    let x = u[0] + u[0].powi(5);
+    let y = u[1] + k * u[0] * u[1].exp();
+    Vec2::new(x, y)
+}
+
+/// A planar flow of a pair of normal variables: the coordinates are coupled through w · z.
+#[sampler(k in 0.0..=10.0)]
+fn planar_flow(u: [Uniform; 2], k: f64, w: Vec2, b: f64) -> Vec2 {
+    let r = (-2.0 * (-u[0]).ln_1p()).sqrt();
+    let phi = TAU * u[1];
+    let z = Vec2::new(r * phi.cos(), r * phi.sin());
+    z + k * (w.dot(z) + b).tanh() * w
+}
+
+/// A sum of logarithms has a closed inverse.
+#[sampler]
+fn logistic(u: [Uniform; 1], s: f64) -> f64 {
+    s * (u[0].ln() - (-u[0]).ln_1p())
+}
+
+fn flow() -> PlanarFlow {
+    planar_flow(0.75, Vec2::new(0.5, -2.0), 0.25).unwrap()
+}
+
+#[test]
+fn inverses_pass_the_battery() {
+    for k in [0.0, 0.5, 40.0] {
+        battery::check(&quintic(k).unwrap()).assert_ok();
+    }
+    for h in [1e-10, 0.1, 0.5] {
+        battery::check(&lambert_tail(h).unwrap()).assert_ok();
+    }
+    battery::check(&chain(0.0).unwrap()).assert_ok();
+    battery::check(&chain(2.0).unwrap()).assert_ok();
+}
+
+#[test]
+fn implicit_steps_pass_the_battery() {
+    battery::check(&smoothstep(0.0, 1.0)).assert_ok();
+    battery::check(&smoothstep(2.0, -5.0)).assert_ok();
+    for e in [0.0, 0.6, 0.99] {
+        battery::check(&kepler(e).unwrap()).assert_ok();
+    }
+    battery::check(&hyperexponential(0.3, 2.0, 0.1).unwrap()).assert_ok();
+    battery::check(&student()).assert_ok();
+}
+
+#[test]
+fn coupled_coordinates_pass_the_battery() {
+    battery::check(&flow()).assert_ok();
+    battery::check(&logistic(2.0)).assert_ok();
+}
+
+#[test]
+fn single_precision() {
+    battery::check_f32(&quintic(3.0f32).unwrap()).assert_ok();
+    battery::check_f32(&smoothstep(0.0f32, 1.0)).assert_ok();
+    battery::check_f32(&kepler(0.6f32).unwrap()).assert_ok();
+    battery::check_f32(&hyperexponential(0.25f32, 2.0, 0.125).unwrap()).assert_ok();
+}
+
+/// (u, x, density at x, condition of x, condition of the density).
+type Row = (f64, f64, f64, f64, f64);
+
+fn agrees<S: Sampler<f64, Uniforms = [f64; 1], Point = f64>>(sampler: &S, rows: &[Row]) {
+    for &(u, x, pdf, condition_x, condition_pdf) in rows {
+        let limit = |condition: f64| 1e-12 * condition.max(1.0);
+        let sample = sampler.sample([u]);
+        let error = (sample.value() / x - 1.0).abs();
+        assert!(error <= limit(condition_x), "x at {u:e}: {} for {x}", sample.value());
+        for p in [sampler.pdf(&x).value(), sample.pdf().value()] {
+            let own = if p == sampler.pdf(&x).value() {
+                condition_pdf
+            } else {
+                condition_pdf * condition_x
+            };
+            assert!((p / pdf - 1.0).abs() <= limit(own), "density at {u:e}: {p:e} for {pdf:e}");
+        }
+    }
+}
+
+const LAST: f64 = 1.0 - 1.1102230246251565e-16;
+
+#[test]
+fn reference_values() {
+    agrees(
+        &quintic(3.0).unwrap(),
+        &[
+            (1e-12, 1.9999999999995e-12, 0.500_000_000_000_25, 1.0, 1.0),
+            (0.7, 1.7348382510621702, 0.19268805504077621, 2.1, 1.3),
+        ],
+    );
+    agrees(&quintic(50.0).unwrap(), &[(LAST, 51.693147180559917, 0.0039761431411530832, 4.9, 1.0)]);
+    agrees(&quintic(0.0).unwrap(), &[(0.25, 0.47314355131420976, 0.55555555555555556, 1.0, 1.0)]);
+    agrees(
+        &lambert_tail(1e-10).unwrap(),
+        &[(0.9, 2.1972245778666072, 0.089999999934824732, 4.6, 1.8)],
+    );
+    agrees(
+        &lambert_tail(0.5).unwrap(),
+        &[
+            (LAST, 1.2452225312552521e148, 4.8467297834989178e-166, 1.7e17, 18.0),
+            (1e-6, -7.3051602045196572e21, 1.9611276467640641e-29, 48.0, 6.4),
+        ],
+    );
+    agrees(
+        &lambert_tail(0.3).unwrap(),
+        &[(1e-9, -1.9627594422396835e29, 8.1319664861672272e-40, 65.0, 9.8)],
+    );
+    agrees(
+        &smoothstep(0.0, 1.0),
+        &[
+            (0.5, 0.73361474783713553, 1.6498453493880846, 1.0, 2.1),
+            (1e-18, 7.9370063097756225e-7, 3.7797621496842894e-12, 1.0, 3.0),
+        ],
+    );
+    agrees(&smoothstep(2.0, 5.0), &[(0.3, 3.7944329600611568, 0.43021717832046006, 1.0, 3.9)]);
+    agrees(
+        &kepler(1.0 - 1.0 / 1_048_576.0).unwrap(),
+        &[(1e-9, 0.0027905844022684616, 7.714795111752769e-7, 2.1e5, 2.1e5)],
+    );
+    agrees(&kepler(0.99).unwrap(), &[(0.5, 3.1415926535897932, 0.31671833675287172, 1.0, 1.0)]);
+    agrees(
+        &kepler(0.6).unwrap(),
+        &[(1e-12, 1.5707963267948965e-11, 0.063661977236758138, 1.5, 1.5)],
+    );
+    agrees(
+        &hyperexponential(0.3, 2.0, 0.1).unwrap(),
+        &[
+            (0.6, 5.5962612061078963, 0.040007852792708688, 2.7, 1.0),
+            (1e-18, 1.492537313432836e-18, 0.66999999999999998, 1.0, 1.0),
+        ],
+    );
+    agrees(
+        &hyperexponential(0.0, 1.0, 3.0).unwrap(),
+        &[(0.25, 0.095894024150593642, 2.25, 1.2, 1.0)],
+    );
+    agrees(
+        &student(),
+        &[
+            (0.99, 3.7469473879791958, 0.0086818664474695092, 31.0, 3.9),
+            (0.3, -0.56864906304970548, 0.30876445928200917, 1.8, 1.0),
+            (1e-3, -7.1731822197823084, 0.00052400860207163141, 1.0, 4.7),
+        ],
+    );
+}
+
+#[test]
+fn reference_values_of_the_flow() {
+    let rows = [
+        ([0.3, 0.6], [-0.41445831211481798, -1.5717948371238917], 0.043701677285449585),
+        ([1e-9, 0.2], [0.091830767373097989, -0.3672252583114999], 0.039824458034217882),
+        ([0.999, 0.9], [3.3820496145652548, -3.6847376345902237], 0.00015914519538075168),
+    ];
+    for (u, [x, y], pdf) in rows {
+        let point = flow().sample(u).value();
+        assert!(
+            (point.x / x - 1.0).abs() < 1e-12 && (point.y / y - 1.0).abs() < 1e-12,
+            "{point:?}"
+        );
+        for p in [flow().pdf(&Vec2::new(x, y)).value(), flow().sample(u).pdf().value()] {
+            assert!((p / pdf - 1.0).abs() < 1e-11, "{u:?}: {p:e} for {pdf:e}");
+        }
+    }
+}
+
+#[test]
+fn points_that_are_never_sampled() {
+    let sampler = quintic(3.0).unwrap();
+    for x in [-1e-9, -1.0, 4.8, 1e300, f64::INFINITY, f64::NAN] {
+        assert_eq!(sampler.pdf(&x).value(), 0.0, "{x}");
+    }
+    // Rounding at the border does not count.
+    assert!(sampler.pdf(&0.0).value() > 0.0);
+    let last = sampler.sample([LAST]).value();
+    assert!(sampler.pdf(&last).value() > 0.0);
+    let kepler = kepler(0.6).unwrap();
+    for x in [-1e-9, 6.2832, -1e300, 1e300, f64::NAN] {
+        assert_eq!(kepler.pdf(&x).value(), 0.0, "{x}");
+    }
+}
+
+#[test]
+fn only_what_must_be_is_numerical() {
+    let inverse = |text: &str| text.contains("root(");
+    assert!(inverse(Quintic::<f64>::DERIVATION.inverse));
+    assert!(inverse(PlanarFlow::<f64>::DERIVATION.inverse));
+    for derivation in [
+        Kepler::<f64>::DERIVATION,
+        Smoothstep::<f64>::DERIVATION,
+        Hyperexponential::<f64>::DERIVATION,
+    ] {
+        assert!(derivation.forward.contains("root(") && !inverse(derivation.inverse));
+        assert!(!inverse(derivation.pdf), "{}", derivation.pdf);
+    }
+    assert!(!inverse(Logistic::<f64>::DERIVATION.inverse));
+}
