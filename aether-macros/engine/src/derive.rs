@@ -155,8 +155,16 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     };
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
-    let solutions = find_solutions(problem, &targets)?;
-    let (solutions, check_forward) = prune(problem, solutions, &cases)?;
+    let mut inverse = |numerical| {
+        let solutions = find_solutions(problem, &targets, numerical)?;
+        prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
+    };
+    // A closed form may be missing, or fail where its parts overflow.
+    let (solutions, check_forward) = match inverse(false) {
+        Ok(found) => found,
+        Err(NoInverse::Stuck(_)) => inverse(true).map_err(NoInverse::text)?,
+        Err(NoInverse::Wrong(why)) => inverse(true).map_err(|_| why)?,
+    };
     verify_volume(problem, inner[0], &cases)?;
 
     let measured = |problem: &Problem, unknowns| {
@@ -253,7 +261,27 @@ fn source_of(problem: &mut Problem) -> Source {
     }
 }
 
-fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>, String> {
+/// Why there is no inverse.
+enum NoInverse {
+    /// The solver found none.
+    Stuck(String),
+    /// It found one that is wrong at some point.
+    Wrong(String),
+}
+
+impl NoInverse {
+    fn text(self) -> String {
+        match self {
+            NoInverse::Stuck(text) | NoInverse::Wrong(text) => text,
+        }
+    }
+}
+
+fn find_solutions(
+    problem: &mut Problem,
+    targets: &[Id],
+    numerical: bool,
+) -> Result<Vec<Solution>, NoInverse> {
     let mut outputs = problem.outputs.clone();
     let mut known = targets.to_vec();
     if problem.argument == Some(Kind::Direction) {
@@ -265,13 +293,13 @@ fn find_solutions(problem: &mut Problem, targets: &[Id]) -> Result<Vec<Solution>
         known.push(g.int(1));
     }
     let frames = problem.frames.clone();
-    let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements).map_err(|s| {
+    let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements, numerical).map_err(|s| {
         let way = s.numerical.unwrap_or_else(|| "Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time".into());
-        format!(
+        NoInverse::Stuck(format!(
             "cannot invert this map: stuck at `{}`, which should give {}. {way}",
             s.equation,
             s.unknowns.join(" and ")
-        )
+        ))
     })?;
     let g = &mut problem.graph;
     for s in &mut solutions {

@@ -81,6 +81,8 @@ pub(crate) struct State {
     next_unknown: u8,
     /// Expressions of the unknowns that are positive wherever there is a result.
     positive: Vec<Id>,
+    /// Whether roots without a closed form are wanted.
+    numerical: bool,
 }
 
 /// Upper bound on search steps and on preimages.
@@ -89,19 +91,6 @@ const MAX_PREIMAGES: usize = 16;
 
 /// Solves `targets[i] = outputs[i]` for the unknowns: all preimages, in closed form if there is one.
 pub fn solve(
-    g: &mut Graph,
-    outputs: &[Id],
-    targets: &[Id],
-    unknowns: &[Leaf],
-    frames: &[[[Id; 3]; 3]],
-    positive: &[Id],
-) -> Result<Vec<Solution>, Stuck> {
-    search(g, outputs, targets, unknowns, frames, positive, false)
-        .or_else(|_| search(g, outputs, targets, unknowns, frames, positive, true))
-}
-
-/// The search, with or without roots that have no closed form.
-fn search(
     g: &mut Graph,
     outputs: &[Id],
     targets: &[Id],
@@ -120,6 +109,7 @@ fn search(
         solution: Solution::default(),
         next_unknown: 16,
         positive: positive.to_vec(),
+        numerical,
     };
     let mut open = vec![first];
     let mut done = Vec::new();

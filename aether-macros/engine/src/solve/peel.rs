@@ -4,7 +4,7 @@ mod joint;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Condition, State};
+use super::{Condition, Equation, State};
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
 use crate::jacobian::cost;
 use crate::rational::Q;
@@ -38,7 +38,7 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     });
     for i in order {
         let eq = state.equations[i].clone();
-        let Some((argument, inverses)) = undo(g, eq.known, eq.rhs, eq.modulo_turn) else {
+        let Some((argument, inverses)) = undo(g, &eq, state.numerical) else {
             continue;
         };
         if inverses.len() > most {
@@ -68,7 +68,8 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
 }
 
 /// All solutions y of known = f(y), where rhs = f(y) and y is the only part with unknowns.
-fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec<Inverse>)> {
+fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Inverse>)> {
+    let (known, rhs, modulo_turn) = (eq.known, eq.rhs, eq.modulo_turn);
     if modulo_turn {
         return unwind_turns(g, known, rhs);
     }
@@ -94,13 +95,14 @@ fn undo(g: &mut Graph, known: Id, rhs: Id, modulo_turn: bool) -> Option<(Id, Vec
             let tangent = g.call(Fun::Tan, &[angle]);
             let e = g.int(if top == Fun::Sin { 1 } else { -1 });
             let rhs = g.pow(tangent, e);
-            undo(g, known, rhs, false)
+            undo(g, &Equation { known, rhs, modulo_turn: false }, numerical)
         }
         Node::Product(f) if f.iter().all(|(b, _)| !g.has(*b, UNKNOWNS)) => {
             undo_powers(g, known, &f)
         }
         Node::Sum(c, terms) if c.is_zero() => join_logarithms(g, known, &terms),
-        Node::Product(f) if lambert(g, &f).is_some() => undo_lambert(g, known, &f),
+        // Lambert's function of a power overflows where a root can still be found.
+        Node::Product(f) if !numerical && lambert(g, &f).is_some() => undo_lambert(g, known, &f),
         Node::Product(f) => {
             // √(a/b) is kept as √a/√b: square both sides.
             let halves = f.iter().all(|(b, e)| {
