@@ -2,6 +2,9 @@
 //!
 //! Reference values: 60 digits, by bisection of the forward map and the closed formula of the density.
 
+// References are given with seventeen digits.
+#![allow(clippy::excessive_precision)]
+
 use aether_core::battery;
 use aether_core::prelude::*;
 

@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn outside_the_domain_is_not_a_number() {
         for f in [erf_inv, erfc_inv, normal_quantile] {
-            assert!(f(-1.1).is_nan() && f(2.1).is_nan());
+            assert!(f(-1.1f64).is_nan() && f(2.1f64).is_nan());
         }
         for f in [erf, erfc, normal_cdf, erf_inv, erfc_inv, normal_quantile] {
             assert!(f(f64::NAN).is_nan());

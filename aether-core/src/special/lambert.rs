@@ -45,8 +45,8 @@ mod tests {
     fn special_values() {
         assert_eq!(lambert_w(0.0), 0.0);
         assert_eq!(lambert_w(f64::INFINITY), f64::INFINITY);
-        assert!(lambert_w(-0.4).is_nan() && lambert_w(f64::NAN).is_nan());
+        assert!(lambert_w(-0.4f64).is_nan() && lambert_w(f64::NAN).is_nan());
         assert!((lambert_w(core::f64::consts::E) - 1.0).abs() < 1e-15);
-        assert!((lambert_w(-0.367_879_441_171_442_3) + 1.0).abs() < 3e-8);
+        assert!((lambert_w(-0.367_879_441_171_442_3f64) + 1.0).abs() < 3e-8);
     }
 }
