@@ -177,7 +177,7 @@ fn reference_values() {
         &kepler(1.0 - 1.0 / 1_048_576.0).unwrap(),
         &[(1e-9, 0.0027905844022684616, 7.714795111752769e-7, 2.1e5, 2.1e5)],
     );
-    agrees(&kepler(0.99).unwrap(), &[(0.5, 3.1415926535897932, 0.31671833675287172, 1.0, 1.0)]);
+    agrees(&kepler(0.99).unwrap(), &[(0.5, PI, 0.31671833675287172, 1.0, 1.0)]);
     agrees(
         &kepler(0.6).unwrap(),
         &[(1e-12, 1.5707963267948965e-11, 0.063661977236758138, 1.5, 1.5)],
@@ -233,7 +233,7 @@ fn points_that_are_never_sampled() {
     let last = sampler.sample([LAST]).value();
     assert!(sampler.pdf(&last).value() > 0.0);
     let kepler = kepler(0.6).unwrap();
-    for x in [-1e-9, 6.2832, -1e300, 1e300, f64::NAN] {
+    for x in [-1e-9, 6.3, -1e300, 1e300, f64::NAN] {
         assert_eq!(kepler.pdf(&x).value(), 0.0, "{x}");
     }
 }
