@@ -147,44 +147,33 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
     }
 }
 
-impl<R: Scalar, S: Sampler<R>> Components<R> for &[S] {
-    type Uniforms = S::Uniforms;
-    type Point = S::Point;
-    fn count(&self) -> usize {
-        self.len()
-    }
-    fn forward(&self, index: usize, u: S::Uniforms) -> (S::Point, bool) {
-        self[index].forward(u)
-    }
-    fn pdf(&self, index: usize, x: &S::Point) -> R {
-        self[index].pdf(x).value()
-    }
-    fn pdf_of_uniforms(&self, index: usize, u: S::Uniforms) -> R {
-        self[index].pdf_of_uniforms(u).value()
-    }
-    fn preimages(&self, index: usize, x: &S::Point, visit: impl FnMut(S::Uniforms, bool)) {
-        self[index].preimages(x, visit);
-    }
+macro_rules! indexed {
+    ($([$($length:tt)*] $components:ty;)*) => {
+        $(impl<R: Scalar, S: Sampler<R>, $($length)*> Components<R> for $components {
+            type Uniforms = S::Uniforms;
+            type Point = S::Point;
+            fn count(&self) -> usize {
+                self.len()
+            }
+            fn forward(&self, index: usize, u: S::Uniforms) -> (S::Point, bool) {
+                self[index].forward(u)
+            }
+            fn pdf(&self, index: usize, x: &S::Point) -> R {
+                self[index].pdf(x).value()
+            }
+            fn pdf_of_uniforms(&self, index: usize, u: S::Uniforms) -> R {
+                self[index].pdf_of_uniforms(u).value()
+            }
+            fn preimages(&self, index: usize, x: &S::Point, visit: impl FnMut(S::Uniforms, bool)) {
+                self[index].preimages(x, visit);
+            }
+        })*
+    };
 }
 
-impl<R: Scalar, S: Sampler<R>, const N: usize> Components<R> for [S; N] {
-    type Uniforms = S::Uniforms;
-    type Point = S::Point;
-    fn count(&self) -> usize {
-        N
-    }
-    fn forward(&self, index: usize, u: S::Uniforms) -> (S::Point, bool) {
-        self[index].forward(u)
-    }
-    fn pdf(&self, index: usize, x: &S::Point) -> R {
-        self[index].pdf(x).value()
-    }
-    fn pdf_of_uniforms(&self, index: usize, u: S::Uniforms) -> R {
-        self[index].pdf_of_uniforms(u).value()
-    }
-    fn preimages(&self, index: usize, x: &S::Point, visit: impl FnMut(S::Uniforms, bool)) {
-        self[index].preimages(x, visit);
-    }
+indexed! {
+    [] &[S];
+    [const N: usize] [S; N];
 }
 
 macro_rules! tuples {

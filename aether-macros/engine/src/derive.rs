@@ -129,7 +129,7 @@ pub struct Derived {
     /// Whether a preimage must be mapped forward again to see that it is one.
     pub check_forward: bool,
     /// The scalar parameters that must not be exactly zero, because the formulas have only a limit
-    /// there.
+    /// there; in no order, and one may be named twice.
     pub limits: Vec<u8>,
     /// Worst relative error of the density found on the test points, in `f64`.
     pub worst_error: f64,
@@ -187,14 +187,11 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         let flags = (injective, check_forward);
         preimages.push(finish(problem, s, density, &cases, &mut out_points, flags));
     }
-    let mut limits = parameters_with_limits(&problem.graph, &[own], &unknown_points);
+    let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
     let at_point: Vec<Id> = at_point.collect();
+    let mut limits = parameters_with_limits(&problem.graph, &at_uniforms, &unknown_points);
     limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
-    let at_uniforms: &[Id] = &forward;
-    limits.extend(parameters_with_limits(&problem.graph, at_uniforms, &unknown_points));
-    limits.sort_unstable();
-    limits.dedup();
     Ok(Derived {
         forward,
         preimages,

@@ -19,7 +19,8 @@ pub fn volume(problem: &Problem, point: &Point) -> Option<f64> {
     v.is_finite().then_some(v)
 }
 
-fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
+/// The image of some unknowns, with the parameters of a point.
+pub fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
     let at = |l: Leaf| match l {
         Leaf::Unknown(i) => unknowns[i as usize],
         _ => point.input(l, &[]),

@@ -39,10 +39,9 @@ impl Measure {
         &self.points
     }
 
-    /// For those of the points that `keep` says, with the indices that they have here.
-    pub fn subset(&self, keep: impl Fn(&Inputs) -> bool) -> (Measure, Vec<usize>) {
-        let kept: Vec<usize> = (0..self.points.len()).filter(|&i| keep(&self.points[i])).collect();
-        (Measure::new(kept.iter().map(|&i| self.points[i].clone()).collect()), kept)
+    /// For those of the points that `keep` says.
+    pub fn subset(&self, keep: impl Fn(&Inputs) -> bool) -> Measure {
+        Measure::new(self.points.iter().filter(|p| keep(p)).cloned().collect())
     }
 
     /// The values of an expression in double precision.

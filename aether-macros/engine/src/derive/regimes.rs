@@ -63,8 +63,8 @@ fn near_pole(g: &mut Graph, value: Id, k: u8, side: Q, measure: &Measure) -> Opt
     let root = g.sum(Q::ZERO, &[(side, root)]);
     let replaced = g.substitute(value, &BTreeMap::from([(coordinate, root)]));
     let large = |x: &f64| side.to_f64() * x > 0.5;
-    let (mut here, kept) = measure.subset(|p| p.get(&Leaf::Out(k)).is_some_and(large));
-    if kept.is_empty() {
+    let mut here = measure.subset(|p| p.get(&Leaf::Out(k)).is_some_and(large));
+    if here.points().is_empty() {
         return None;
     }
     let replaced = stabilise_to(g, replaced, &mut here, 4.0 * f64::EPSILON);

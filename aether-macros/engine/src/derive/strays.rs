@@ -6,8 +6,7 @@
 
 use super::cases::{Case, try_exactly};
 use super::{Problem, Target};
-use crate::eval::Evaluator;
-use crate::expr::Leaf;
+use crate::differences::evaluate;
 use crate::number::{Dd, Number};
 use crate::points::{Rng, unit};
 use crate::solve::Solution;
@@ -55,13 +54,9 @@ fn is_wrong(problem: &Problem, stray: &Case, u: &[Dd]) -> bool {
     if problem.argument.is_none() && !u.iter().all(far) {
         return false;
     }
-    let at = |l: Leaf| match l {
-        Leaf::Unknown(i) => u[i as usize],
-        _ => stray.point.input(l, &[]),
-    };
-    let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
-    problem.outputs.iter().zip(&stray.outs).any(|(f, x)| {
-        let y = e.value(*f).to_f64();
+    let image = evaluate(problem, &stray.point, u);
+    image.iter().zip(&stray.outs).any(|(y, x)| {
+        let y = y.to_f64();
         // Where the map has no value nothing is claimed.
         y.is_finite() && (y - x).abs() > 1e-6 * (1.0 + x.abs())
     })

@@ -53,22 +53,18 @@ fn forward(e: &Emitter) -> TokenStream {
         return quote!(let (c, exists) = (forward_0::<R>(&p, &u), exists_0::<R>(&p, &u)););
     }
     let (_, m, _) = e.sizes();
-    let pieces = (0..e.parsed.pieces.len()).map(|j| {
-        let [taken, forward, exists] =
-            ["taken", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
+    let pieces = e.by_piece(|j| {
+        let [forward, exists] = ["forward", "exists"].map(|name| format_ident!("{name}_{j}"));
         quote! {
-            let taken = #taken::<R>(&p, &u);
-            if taken.any() {
-                let y = #forward::<R>(&p, &u);
-                c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-                exists = exists.or(taken.and(#exists::<R>(&p, &u)));
-            }
+            let y = #forward::<R>(&p, &u);
+            c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+            exists = exists.or(taken.and(#exists::<R>(&p, &u)));
         }
     });
     quote! {
         let mut c = [R::ZERO; #m];
         let mut exists = <R::Mask as Mask>::FALSE;
-        #(#pieces)*
+        #pieces
     }
 }
 
@@ -76,18 +72,13 @@ fn jacobian(e: &Emitter) -> TokenStream {
     if e.is_whole() {
         return quote!(volume_0::<R>(&p, &u));
     }
-    let pieces = (0..e.parsed.pieces.len()).map(|j| {
-        let [taken, volume] = ["taken", "volume"].map(|name| format_ident!("{name}_{j}"));
-        quote! {
-            let taken = #taken::<R>(&p, &u);
-            if taken.any() {
-                jacobian = R::select(taken, #volume::<R>(&p, &u), jacobian);
-            }
-        }
+    let pieces = e.by_piece(|j| {
+        let volume = format_ident!("volume_{j}");
+        quote!(jacobian = R::select(taken, #volume::<R>(&p, &u), jacobian);)
     });
     quote! {
         let mut jacobian = R::ZERO;
-        #(#pieces)*
+        #pieces
         jacobian
     }
 }

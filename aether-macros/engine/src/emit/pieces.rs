@@ -62,24 +62,32 @@ impl<'a> Emitter<'a> {
         functions
     }
 
+    /// What is done in each piece that uniforms `u` take, where `taken` says which of them do.
+    pub(super) fn by_piece(&self, then: impl Fn(usize) -> TokenStream) -> TokenStream {
+        let pieces = (0..self.parsed.pieces.len()).map(|j| {
+            let (test, then) = (format_ident!("taken_{j}"), then(j));
+            quote! {
+                let taken = #test::<R>(&p, &u);
+                if taken.any() { #then }
+            }
+        });
+        quote!(#(#pieces)*)
+    }
+
     /// The map of uniforms as a whole.
     fn whole(&self) -> TokenStream {
         let (n, m, p) = self.sizes();
-        let pieces = (0..self.parsed.pieces.len()).map(|j| {
-            let [taken, enter, forward] =
-                ["taken", "enter", "forward"].map(|name| format_ident!("{name}_{j}"));
+        let pieces = self.by_piece(|j| {
+            let [enter, forward] = ["enter", "forward"].map(|name| format_ident!("{name}_{j}"));
             quote! {
-                let taken = #taken::<R>(p, u);
-                if taken.any() {
-                    let y = #forward::<R>(p, &#enter::<R>(p, u));
-                    c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-                }
+                let y = #forward::<R>(p, &#enter::<R>(p, u));
+                c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
             }
         });
         quote! {
             fn whole<R: Real>(p: &[R; #p], u: &[R; #n]) -> [R; #m] {
                 let mut c = [R::of(f64::NAN); #m];
-                #(#pieces)*
+                #pieces
                 c
             }
         }
@@ -89,9 +97,8 @@ impl<'a> Emitter<'a> {
         let (n, m, p) = self.sizes();
         let problem = &piece.problem;
         let g = &problem.graph;
-        let names = ["forward", "exists", "volume", "guards", "enter", "leave", "taken"];
-        let [forward, exists, volume, guards, enter, leave, taken] =
-            names.map(|name| format_ident!("{name}_{j}"));
+        let [forward, exists, volume, leave] =
+            ["forward", "exists", "volume", "leave"].map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::new(g, &at);
         let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
@@ -103,21 +110,9 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let size = code.value(derived.volume);
         let volume_lets = code.statements();
-        let mut code = Code::new(g, &at);
-        let passed = passed(&mut code, &problem.guards);
-        let guard_lets = code.statements();
-        let mut code = Code::new(g, &at);
-        let differences: Vec<TokenStream> =
-            problem.guards.iter().map(|t| code.value(t.difference)).collect();
-        let c = differences.len();
-        let difference_lets = code.statements();
-        let margins = format_ident!("margins_{j}");
-        let at_uniforms = |l: Leaf| input(l, "u");
-        let mut code = Code::new(&piece.graph, &at_uniforms);
-        let taken_tests = self::passed(&mut code, &piece.tests);
-        let taken_lets = code.statements();
         let (into, out, open) = self.segments(problem);
-        let wide = format_ident!("wide_{j}");
+        // One map on the whole of its domain has no borders.
+        let borders = (!self.is_whole()).then(|| self.borders(j, piece, &into, &open));
         quote! {
             #[inline(always)]
             fn #forward<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #m] { #forward_lets [#(#outputs),*] }
@@ -128,6 +123,38 @@ impl<'a> Emitter<'a> {
             }
             #[inline(always)]
             fn #volume<R: Real>(p: &[R; #p], t: &[R; #n]) -> R { #volume_lets #size }
+            #borders
+            #[inline(always)]
+            fn #leave<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #n] { #out }
+        }
+    }
+
+    /// What tells which uniforms, and which unknowns, belong to a piece.
+    fn borders(
+        &self,
+        j: usize,
+        piece: &Piece,
+        into: &TokenStream,
+        open: &TokenStream,
+    ) -> TokenStream {
+        let (n, _, p) = self.sizes();
+        let problem = &piece.problem;
+        let [guards, margins, enter, taken, wide] =
+            ["guards", "margins", "enter", "taken", "wide"].map(|name| format_ident!("{name}_{j}"));
+        let at = |l: Leaf| input(l, "t");
+        let mut code = Code::new(&problem.graph, &at);
+        let passed = passed(&mut code, &problem.guards);
+        let guard_lets = code.statements();
+        let mut code = Code::new(&problem.graph, &at);
+        let differences: Vec<TokenStream> =
+            problem.guards.iter().map(|t| code.value(t.difference)).collect();
+        let c = differences.len();
+        let difference_lets = code.statements();
+        let at_uniforms = |l: Leaf| input(l, "u");
+        let mut code = Code::new(&piece.graph, &at_uniforms);
+        let taken_tests = self::passed(&mut code, &piece.tests);
+        let taken_lets = code.statements();
+        quote! {
             /// Whether unknowns lie in the piece.
             #[inline(always)]
             fn #guards<R: Real>(p: &[R; #p], t: &[R; #n]) -> R::Mask { #guard_lets #passed }
@@ -142,8 +169,6 @@ impl<'a> Emitter<'a> {
             /// Whether the parameters leave the piece any width.
             #[inline(always)]
             fn #wide<R: Real>(p: &[R; #p]) -> R::Mask { let t = [R::ZERO; #n]; #open }
-            #[inline(always)]
-            fn #leave<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #n] { #out }
         }
     }
 

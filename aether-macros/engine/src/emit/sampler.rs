@@ -61,23 +61,20 @@ fn forward(e: &Emitter) -> TokenStream {
             (#made, exists_0::<R>(&p, &u))
         };
     }
-    let pieces = (0..e.parsed.pieces.len()).map(|j| {
-        let [taken, enter, forward, exists] =
-            ["taken", "enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
+    let pieces = e.by_piece(|j| {
+        let [enter, forward, exists] =
+            ["enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
         quote! {
-            let taken = #taken::<R>(&p, &u);
-            if taken.any() {
-                let t = #enter::<R>(&p, &u);
-                let y = ::aether_core::support::closed::<R, #n, #m>(&t, |t| #forward::<R>(&p, t));
-                c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-                exists = exists.or(taken.and(#exists::<R>(&p, &t)));
-            }
+            let t = #enter::<R>(&p, &u);
+            let y = ::aether_core::support::closed::<R, #n, #m>(&t, |t| #forward::<R>(&p, t));
+            c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
         }
     });
     quote! {
         let mut c = [R::ZERO; #m];
         let mut exists = <R::Mask as Mask>::FALSE;
-        #(#pieces)*
+        #pieces
         (#made, exists)
     }
 }
@@ -137,12 +134,12 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let membership = place.derived.check_forward.then(|| {
-        let leads_back = leads_back(e, place);
+        let tracked = tracked(e, place);
         quote! {
             let #strict = if #strict.any()
                 && !::aether_core::support::near::<R, #m>(&#forward::<R>(&p, &#inverse::<R>(&p, &x)), &x)
             {
-                let (tp, tt) = #leads_back;
+                let (tp, tt) = #tracked;
                 #strict.and(::aether_core::support::mask(
                     ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t))))
             } else { #strict };
@@ -157,7 +154,7 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
 }
 
 /// Parameters and unknowns with error bounds.
-fn leads_back(e: &Emitter, place: Place) -> TokenStream {
+fn tracked(e: &Emitter, place: Place) -> TokenStream {
     let inverse = format_ident!("inverse_{}", place.number);
     let tracked = e.tracked();
     quote! {
@@ -176,7 +173,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         ["strict", "possible", "recovered"].map(|name| format_ident!("{name}_{k}"));
     let [forward, margins, leave] =
         ["forward", "margins", "leave"].map(|name| format_ident!("{name}_{j}"));
-    let tracked = leads_back(e, place);
+    let tracked = tracked(e, place);
     let admitted = (!place.problem.guards.is_empty()).then(|| {
         quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))))
     });
