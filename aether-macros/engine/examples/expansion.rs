@@ -62,5 +62,8 @@ fn expand(mut function: syn::ItemFn) -> f64 {
         text.len(),
         function.sig.ident
     );
+    for message in text.split("compile_error").skip(1) {
+        println!("    {}", message.split('"').nth(1).unwrap_or_default().replace("\\n", "\n    "));
+    }
     seconds
 }

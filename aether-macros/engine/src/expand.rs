@@ -4,10 +4,10 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::ItemFn;
 
-use crate::derive::derive;
 use crate::diagnostics::Diagnostics;
 use crate::emit::{Emitter, Texts, compose};
-use crate::parse::{Options, parse, signature};
+use crate::interpret::Item;
+use crate::parse::{Options, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -45,17 +45,8 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         if compose::is_composition(&function) {
             return compose::emit(&function, &signature, &options, &mut errors);
         }
-        let mut parsed = parse(&function, signature, &options, &mut errors)?;
-        let mut derived = Vec::new();
-        for piece in &mut parsed.pieces {
-            match derive(&mut piece.problem) {
-                Ok(d) => derived.push(d),
-                Err(message) => {
-                    errors.error(&function.sig.ident, message);
-                    return None;
-                }
-            }
-        }
+        let Item { mut parsed, derived } =
+            Item::compile(&function, signature, &options, &mut errors)?;
         let texts = Texts::new(&mut parsed.pieces, &derived);
         let emitter = Emitter {
             item: &function,

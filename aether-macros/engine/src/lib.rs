@@ -25,6 +25,7 @@ pub mod eval;
 mod expand;
 pub mod expr;
 mod functions;
+pub mod interpret;
 pub mod interval;
 pub mod jacobian;
 pub mod measure;
