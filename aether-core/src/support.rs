@@ -204,6 +204,12 @@ pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> bool {
     a.iter().zip(b).all(|(x, y)| near(x, y))
 }
 
+/// The largest difference between the numbers of two points.
+#[inline(always)]
+pub fn distance<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
+    a.iter().zip(b).fold(R::ZERO, |m, (a, b)| m.max((*a - *b).abs()))
+}
+
 /// The map at `u`; where a uniform of exactly zero leads to 0/0, its limit from inside.
 #[inline(always)]
 pub fn closed<R: Real, const N: usize, const M: usize>(

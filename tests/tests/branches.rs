@@ -235,3 +235,17 @@ fn no_sample_is_a_value_and_its_mass_is_missing() {
         (0..n).map(|i| flight.pdf(&((f64::from(i) + 0.5) / f64::from(n))).value()).sum();
     assert!((mass / f64::from(n) - escaped).abs() < 1e-7, "{mass}");
 }
+
+/// At the foot of a tent a point is rounded by more than its distance from the foot, but its uniforms
+/// know where it is.
+#[test]
+fn samples_know_their_density_where_the_point_is_rounded() {
+    let near = |a: f64, b: f64| assert!((a - b).abs() <= 1e-14 * b, "{a} is not {b}");
+    let tent = tent(1.0);
+    for u in [1e-30, 1e-12, 0.25, 1.0 - 1e-12, 1.0 - f64::EPSILON / 2.0] {
+        near(tent.sample([u]).pdf().value(), (2.0 * u.min(1.0 - u)).sqrt());
+    }
+    for u in [[0.1, 0.2], [0.9, 0.3], [0.5, 0.5], [1e-20, 0.5]] {
+        near(folded_triangle().sample(u).pdf().value(), 2.0);
+    }
+}

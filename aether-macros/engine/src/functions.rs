@@ -167,6 +167,7 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         }
         (Fun::Tan, Node::Call(Fun::Atan2, a)) if q == Q::ONE => Some(g.div(a[0], a[1])),
         (Fun::Sin | Fun::Cos | Fun::Tan, _) if has_quarter_turns(g, x) => quarter_turns(g, f, x),
+        (Fun::Sin | Fun::Cos | Fun::Tan, Node::Pi) => fraction_of_turn(g, f, q),
         (Fun::Sin | Fun::Cos | Fun::Tan | Fun::Sinh | Fun::Cosh | Fun::Tanh, Node::Call(h, a))
             if q == Q::ONE && a.len() == 1 =>
         {
@@ -276,7 +277,22 @@ fn quarter_turns(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
     }
     let rest: Vec<(Q, Id)> = terms.into_iter().filter(|(_, t)| *t != pi).collect();
     let rest = g.sum(c, &rest);
-    let k = quarters.num().rem_euclid(4);
+    turned(g, f, rest, quarters.num().rem_euclid(4))
+}
+
+/// sin, cos or tan of q π, by an angle of at most an eighth of a turn: so that equal ones are seen to
+/// be equal.
+fn fraction_of_turn(g: &mut Graph, f: Fun, q: Q) -> Option<Id> {
+    let quarters =
+        q.num().checked_mul(4)?.checked_add(q.den())?.div_euclid(q.den().checked_mul(2)?);
+    let rest = q.add(Q::new(-quarters, 2)?)?;
+    let pi = g.pi();
+    let rest = g.sum(Q::ZERO, &[(rest, pi)]);
+    if quarters == 0 { None } else { turned(g, f, rest, quarters.rem_euclid(4)) }
+}
+
+/// sin, cos or tan of an angle and k quarters of a turn, 0 <= k < 4.
+fn turned(g: &mut Graph, f: Fun, rest: Id, k: i128) -> Option<Id> {
     if f == Fun::Tan {
         let t = g.call(Fun::Tan, &[rest]);
         if k % 2 == 0 {

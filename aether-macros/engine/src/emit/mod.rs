@@ -7,6 +7,7 @@ mod interface;
 mod item;
 mod map;
 mod numeric;
+mod own;
 mod pieces;
 mod sampler;
 

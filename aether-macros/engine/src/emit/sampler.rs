@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
+use super::own::own_density;
 use super::pieces::Place;
 
 /// The implementation of the trait for an item whose inverse was derived.
@@ -81,7 +82,7 @@ fn forward(e: &Emitter) -> TokenStream {
 
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// whether it plainly exists, and `recovered_k`, its uniforms if only rounding speaks against it.
-fn existence(e: &Emitter) -> TokenStream {
+pub(super) fn existence(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place));
@@ -240,31 +241,6 @@ fn density(e: &Emitter) -> TokenStream {
         let mut sum = R::ZERO;
         #(#terms)*
         ::aether_core::Density::new(sum)
-    }
-}
-
-/// The density of a sample from its uniforms: the Jacobian there, if there is no other preimage.
-fn own_density(e: &Emitter) -> TokenStream {
-    let (n, m, _) = e.sizes();
-    if e.places().len() > 1 || !e.is_whole() {
-        return quote! {
-            let (point, exists) = ::aether_core::Sampler::forward(self, u);
-            let d = ::aether_core::Sampler::pdf(self, &point).value();
-            ::aether_core::Density::new(R::select(exists, d, R::ZERO))
-        };
-    }
-    let made = e
-        .point(&quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))));
-    quote! {
-        let d = R::ONE / volume_0::<R>(&p, &u);
-        // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
-        // Jacobian; the density at the point knows it.
-        let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
-        if inner.any() {
-            ::aether_core::Density::new(d)
-        } else {
-            ::aether_core::Sampler::pdf(self, &#made)
-        }
     }
 }
 

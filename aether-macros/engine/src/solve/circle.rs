@@ -9,8 +9,8 @@ use crate::expr::{Graph, Id, UNKNOWNS};
 use crate::poly::Expander;
 use crate::rational::Q;
 
-/// Replaces two equations P = A f, Q = A h, where f² + h² = 1 and A ≥ 0, by A = √(P² + Q²) and
-/// f = P / A; h = Q / A is then known too.
+/// Replaces two equations P = A f, Q = A h, where f² + h² = 1, by A = √(P² + Q²) and f = P / A;
+/// h = Q / A is then known too. An A that can be negative may also be -√(P² + Q²).
 pub(super) fn circle_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let n = state.equations.len();
     for i in 0..n {
@@ -20,7 +20,15 @@ pub(super) fn circle_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
                 continue;
             }
             if let Some(split) = pair(g, a.rhs, b.rhs) {
-                return Some(vec![replace(g, state, i, j, split)]);
+                let range = g.range(split.0);
+                let mut signs = Vec::new();
+                if !range.nonpositive() {
+                    signs.push(1);
+                }
+                if !range.nonnegative() {
+                    signs.push(-1);
+                }
+                return Some(signs.iter().map(|s| replace(g, state, i, j, split, *s)).collect());
             }
         }
     }
@@ -30,7 +38,7 @@ pub(super) fn circle_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 /// Writes two expressions as (A, f, h): A f and A h with f² + h² = 1.
 fn pair(g: &mut Graph, left: Id, right: Id) -> Option<(Id, Id, Id)> {
     let amplitude = common(g, left, right)?;
-    if !g.has(amplitude, UNKNOWNS) || !g.range(amplitude).nonnegative() {
+    if !g.has(amplitude, UNKNOWNS) {
         return None;
     }
     let (f, h) = (g.div(left, amplitude), g.div(right, amplitude));
@@ -58,20 +66,24 @@ fn replace(
     i: usize,
     j: usize,
     (amplitude, f, h): (Id, Id, Id),
+    sign: i64,
 ) -> State {
     let mut s = state.clone();
     let (p, q) = (state.equations[i].known, state.equations[j].known);
+    // A negative amplitude is the positive one of the opposite point.
+    let (p, q) = if sign < 0 { (g.neg(p), g.neg(q)) } else { (p, q) };
     let (p2, q2) = (g.powi(p, 2), g.powi(q, 2));
     let sum = g.add(p2, q2);
     let radius = g.sqrt(sum);
-    s.equations[i] = Equation { known: radius, rhs: amplitude, modulo_turn: false };
+    let size = if sign < 0 { g.neg(radius) } else { radius };
+    s.equations[i] = Equation { known: size, rhs: amplitude, modulo_turn: false };
     // The plainer of the two is solved for; the other keeps its sign.
     let (solved, value, test, other) =
         if has_root(g, f) && !has_root(g, h) { (h, q, p, f) } else { (f, p, q, h) };
     let ratio = g.div(value, radius);
     let rest = g.div(test, radius);
     s.equations[j] = Equation { known: ratio, rhs: solved, modulo_turn: false };
-    for (part, value) in [(amplitude, radius), (solved, ratio), (other, rest)] {
+    for (part, value) in [(amplitude, size), (solved, ratio), (other, rest)] {
         s.solution.known.entry(part).or_insert(value);
     }
     if g.range(other).nonnegative() && !g.range(test).nonnegative() {
@@ -80,7 +92,7 @@ fn replace(
     s.solution.steps.push(format!(
         "circle pair: {} = {}, {} = {}",
         show(g, amplitude),
-        show(g, radius),
+        show(g, size),
         show(g, solved),
         show(g, ratio)
     ));

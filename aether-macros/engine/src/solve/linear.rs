@@ -15,6 +15,7 @@ pub(crate) fn linear_system(
     state: &State,
     frames: &[[[Id; 3]; 3]],
 ) -> Option<Vec<State>> {
+    let zero = g.int(0);
     for expand in [false, true] {
         let rows: Vec<Option<Row>> = state
             .equations
@@ -38,6 +39,10 @@ pub(crate) fn linear_system(
                 })
                 .collect();
             let known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
+            // A homogeneous system says how its atoms are related, not that all of them are zero.
+            if known.iter().all(|k| *k == zero) {
+                continue;
+            }
             let Some((values, unused)) = solve_matrix(g, &matrix, &known, frames) else { continue };
             return Some(vec![replace(g, state, &members, &atoms, &values, &unused)]);
         }

@@ -13,6 +13,7 @@ mod numeric;
 mod peel;
 mod polar;
 mod rational;
+mod repeated;
 mod scale;
 
 use std::collections::BTreeMap;
@@ -159,6 +160,7 @@ fn step(
 ) -> Option<Vec<State>> {
     let closed = numeric::undo_root(g, state)
         .or_else(|| normalise::unit_vector(g, state))
+        .or_else(|| repeated::substitute(g, state))
         .or_else(|| peel::unique(g, state))
         .or_else(|| logarithm::combine(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
@@ -212,7 +214,8 @@ fn assign(g: &mut Graph, state: &mut State, leaf: Leaf, value: Id) {
     let map = BTreeMap::from([(variable, value)]);
     for e in &mut state.equations {
         // An equation that only this unknown was left in is a test: keep what it says of the unknown.
-        if g.deps(e.rhs) & UNKNOWNS == leaf_bit(leaf) {
+        // What holds only up to whole turns says nothing of signs, or of what an expression is.
+        if !e.modulo_turn && g.deps(e.rhs) & UNKNOWNS == leaf_bit(leaf) {
             state.solution.known.entry(e.rhs).or_insert(e.known);
             sign_test(g, &mut state.solution.conditions, e);
         }
@@ -232,6 +235,9 @@ fn assign(g: &mut Graph, state: &mut State, leaf: Leaf, value: Id) {
     }
     for c in &mut state.solution.conditions {
         c.0 = g.substitute(c.0, &map);
+    }
+    for p in &mut state.positive {
+        *p = g.substitute(*p, &map);
     }
     state.solution.unknowns.insert(leaf, value);
 }
@@ -312,7 +318,9 @@ fn affine_parts(g: &mut Graph, id: Id) -> (Option<Id>, Id, Id) {
 /// Substitutes auxiliary unknowns away and records what is left as unused.
 fn finish(g: &mut Graph, state: &mut State) {
     for e in std::mem::take(&mut state.equations) {
-        state.solution.known.entry(e.rhs).or_insert(e.known);
+        if !e.modulo_turn {
+            state.solution.known.entry(e.rhs).or_insert(e.known);
+        }
         state.solution.unused.push((e.known, e.rhs));
     }
     // Auxiliary unknowns are no unknowns of the caller.

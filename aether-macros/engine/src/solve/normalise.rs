@@ -17,7 +17,15 @@ pub(super) fn unit_vector(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 /// Any common factor of several equations.
 pub(super) fn common(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let (base, exponent, members) = common_factor(g, state)?;
-    Some(name_factor(g, state, base, exponent, &members))
+    // Equations that say the same of the factor, and nothing else, have no use for a name of it.
+    let plain = g.pow(base, exponent);
+    let mut rests = members.iter().map(|&i| {
+        let rest = g.div(state.equations[i].rhs, plain);
+        super::affine_parts(g, rest).2
+    });
+    let first = rests.next()?;
+    let differ = rests.any(|rest| rest != first);
+    differ.then(|| name_factor(g, state, base, exponent, &members))
 }
 
 /// Gives a common factor a name of its own.

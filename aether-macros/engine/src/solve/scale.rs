@@ -102,7 +102,8 @@ fn replace(
     }
     let leaf = Leaf::Unknown(s.next_unknown);
     s.next_unknown += 1;
-    let inverse = g.leaf(leaf, "μ", Interval::POSITIVE);
+    let positive = g.range(lambda).nonnegative();
+    let inverse = g.leaf(leaf, "μ", if positive { Interval::POSITIVE } else { Interval::ALL });
     for (&atom, &value) in atoms.iter().zip(values) {
         let scaled = g.mul(atom, inverse);
         equation(&mut s, value, scaled);
