@@ -235,6 +235,10 @@ impl Graph {
     pub fn declare_unit(&mut self, coordinates: [Id; 3]) {
         self.units.push(coordinates);
     }
+    /// The triples that were declared so.
+    pub fn units(&self) -> &[[Id; 3]] {
+        &self.units
+    }
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {
         let mut list = terms.to_vec();

@@ -154,20 +154,20 @@ fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>>
 
 /// The roots of a polynomial of degree one or two in `atom`.
 fn polynomial_roots(g: &mut Graph, p: &Poly, atom: Id) -> Option<Vec<Id>> {
-    let c = p.by_powers_of(atom)?;
-    let mut quotient = |num: &Poly, den: &Poly| {
-        let mut e = Expander::new(g);
-        let inverse = {
-            let d = RatFun { num: den.clone(), den: vec![] };
-            e.recip(&d)?
-        };
-        let r = e.mul(&RatFun { num: num.clone(), den: vec![] }, &inverse)?;
-        Some(e.to_expr(&r))
-    };
+    let mut c: Vec<Poly> = p.by_powers_of(atom)?.into_iter().map(|c| modulo_units(g, c)).collect();
+    while c.last().is_some_and(Poly::is_zero) {
+        c.pop();
+    }
     match &c[..] {
-        [c0, c1] => Some(vec![quotient(&c0.scale(Q::int(-1))?, c1)?]),
+        [c0, c1] => Some(vec![quotient(g, &c0.scale(Q::int(-1))?, c1)?]),
+        [c0, c1, c2] if c0.is_zero() => {
+            let other = quotient(g, &c1.scale(Q::int(-1))?, c2)?;
+            Some(vec![g.int(0), other])
+        }
         [c0, c1, c2] => {
             let discriminant = c1.mul(c1)?.sub(&c0.mul(c2)?.scale(Q::int(4))?)?;
+            let discriminant = modulo_units(g, discriminant);
+            let mut quotient = |num: &Poly, den: &Poly| quotient(g, num, den);
             if let Some(root) = discriminant.sqrt() {
                 let minus = c1.scale(Q::int(-1))?;
                 let twice = c2.scale(Q::int(2))?;
@@ -178,6 +178,25 @@ fn polynomial_roots(g: &mut Graph, p: &Poly, atom: Id) -> Option<Vec<Id>> {
             Some(quadratic(g, c0, c1, c2, &discriminant))
         }
         _ => None,
+    }
+}
+
+fn quotient(g: &mut Graph, num: &Poly, den: &Poly) -> Option<Id> {
+    let mut e = Expander::new(g);
+    let inverse = e.recip(&RatFun { num: den.clone(), den: vec![] })?;
+    let r = e.mul(&RatFun { num: num.clone(), den: vec![] }, &inverse)?;
+    Some(e.to_expr(&r))
+}
+
+/// A polynomial in known quantities, shorter by what the lengths of unit vectors say.
+fn modulo_units(g: &mut Graph, p: Poly) -> Poly {
+    let units = g.units().to_vec();
+    let whole = p.to_expr(g);
+    let expander = units.into_iter().fold(Expander::new(g), Expander::unit);
+    let reduced = { expander }.expand(whole).filter(|r| r.den.is_empty());
+    match reduced {
+        Some(r) if r.num.terms(g).len() < p.terms(g).len() => r.num,
+        _ => p,
     }
 }
 
