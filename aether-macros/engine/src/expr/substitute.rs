@@ -71,6 +71,74 @@ impl Graph {
         r
     }
 
+    /// Replaces an expression wherever it occurs, also as some of the factors of a product or as a
+    /// multiple of it among the terms of a sum.
+    pub fn replace_part(&mut self, id: Id, part: Id, value: Id) -> Id {
+        let mut memo = HashMap::from([(part, value)]);
+        self.replace_memo(id, part, value, &mut memo)
+    }
+
+    fn replace_memo(&mut self, id: Id, part: Id, value: Id, memo: &mut HashMap<Id, Id>) -> Id {
+        if let Some(&r) = memo.get(&id) {
+            return r;
+        }
+        // What knows less than the part cannot contain it.
+        if self.deps(part) & !self.deps(id) != 0 {
+            return id;
+        }
+        let taken = self.take_part(id, part, value);
+        let r = match self.node(taken.unwrap_or(id)).clone() {
+            Node::Sum(c, terms) => {
+                let t: Vec<_> = terms
+                    .iter()
+                    .map(|&(q, t)| (q, self.replace_memo(t, part, value, memo)))
+                    .collect();
+                self.sum(c, &t)
+            }
+            Node::Product(factors) => {
+                let replaced =
+                    |g: &mut Graph, id, memo: &mut _| g.replace_memo(id, part, value, memo);
+                let f: Vec<_> = factors
+                    .iter()
+                    .map(|&(b, e)| (replaced(self, b, memo), replaced(self, e, memo)))
+                    .collect();
+                self.product(&f)
+            }
+            Node::Call(f, args) => {
+                let a: Vec<_> =
+                    args.iter().map(|&a| self.replace_memo(a, part, value, memo)).collect();
+                self.call(f, &a)
+            }
+            _ => taken.unwrap_or(id),
+        };
+        memo.insert(id, r);
+        r
+    }
+
+    /// The node with the part taken out of its factors or terms once.
+    fn take_part(&mut self, id: Id, part: Id, value: Id) -> Option<Id> {
+        match (self.node(id).clone(), self.node(part).clone()) {
+            (Node::Product(whole), Node::Product(p)) if p.iter().all(|f| whole.contains(f)) => {
+                let one = self.int(1);
+                let mut rest: Vec<_> = whole.into_iter().filter(|f| !p.contains(f)).collect();
+                rest.push((value, one));
+                Some(self.product(&rest))
+            }
+            (Node::Sum(c, whole), Node::Sum(d, p)) if d.is_zero() => {
+                let (q, t) = *p.first()?;
+                let ratio = whole.iter().find(|(_, w)| *w == t)?.0.mul(q.recip()?)?;
+                let all = p
+                    .iter()
+                    .all(|(q, t)| whole.iter().any(|(r, w)| w == t && q.mul(ratio) == Some(*r)));
+                let mut rest: Vec<_> =
+                    whole.into_iter().filter(|(_, w)| !p.iter().any(|(_, t)| t == w)).collect();
+                rest.push((ratio, value));
+                all.then(|| self.sum(c, &rest))
+            }
+            _ => None,
+        }
+    }
+
     /// b^e where the map knows b^f for some other rational f: (b^f)^(e/f).
     fn inverse_power(&mut self, b: Id, e: Id, map: &BTreeMap<Id, Id>) -> Option<(Id, Id)> {
         let e = self.as_number(e)?;

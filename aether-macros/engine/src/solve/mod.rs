@@ -6,6 +6,7 @@
 //! answers branch, so a map that is many-to-one gets every preimage.
 
 mod circle;
+mod cubic;
 pub(crate) mod linear;
 mod logarithm;
 mod normalise;
@@ -175,6 +176,10 @@ fn step(
         match next {
             Ok(next) => return Some(next),
             Err(reason) => *why = reason,
+        }
+        // Where there is a single root it is better found than computed by Cardano's formula.
+        if let Some(next) = cubic::single_unknown(g, state) {
+            return Some(next);
         }
     }
     closed.or_else(|| rational::eliminate(g, state))

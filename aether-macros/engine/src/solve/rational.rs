@@ -112,7 +112,7 @@ fn roots_in(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Vec<Root>> 
 }
 
 /// The numerator of rhs - known, as a polynomial.
-fn clear(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Poly> {
+pub(super) fn clear(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Poly> {
     let difference = g.sub(rhs, known);
     Some(Expander::new(g).only(open).expand(difference)?.num)
 }

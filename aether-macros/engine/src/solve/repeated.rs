@@ -1,7 +1,5 @@
 //! What one equation says of an expression holds wherever else that expression occurs.
 
-use std::collections::BTreeMap;
-
 use super::{State, sign_test};
 use crate::display::show;
 use crate::expr::{Graph, Node, UNKNOWNS};
@@ -13,10 +11,10 @@ pub(super) fn substitute(g: &mut Graph, state: &State) -> Option<Vec<State>> {
         if e.modulo_turn || matches!(g.node(e.rhs), Node::Leaf(_)) || !g.has(e.rhs, UNKNOWNS) {
             continue;
         }
-        let map = BTreeMap::from([(e.rhs, e.known)]);
+        let (part, value) = (e.rhs, e.known);
         let others = (0..state.equations.len()).filter(|&j| j != i);
         let replaced: Vec<_> = others
-            .map(|j| (j, g.substitute(state.equations[j].rhs, &map)))
+            .map(|j| (j, g.replace_part(state.equations[j].rhs, part, value)))
             .filter(|(j, rhs)| *rhs != state.equations[*j].rhs)
             .collect();
         if replaced.is_empty() {

@@ -1,0 +1,91 @@
+//! Cubic equations in closed form.
+
+use super::rational::clear;
+use super::{Condition, Equation, State};
+use crate::display::show;
+use crate::expr::{Deps, Fun, Graph, Id, UNKNOWNS};
+use crate::rational::Q;
+
+/// Solves an equation that is a cubic polynomial of some part with the only unknown.
+pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    for i in 0..state.equations.len() {
+        let e = state.equations[i].clone();
+        if e.modulo_turn || (g.deps(e.rhs) & UNKNOWNS).count_ones() != 1 {
+            continue;
+        }
+        let Some((atom, roots)) = cubic(g, &e) else { continue };
+        let next = roots.into_iter().map(|(value, condition)| {
+            let mut s = state.clone();
+            s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
+            s.solution.known.entry(atom).or_insert(value);
+            s.solution.conditions.extend(condition.map(Condition));
+            s.solution.steps.push(format!("cubic: {} = {}", show(g, atom), show(g, value)));
+            s
+        });
+        return Some(next.collect());
+    }
+    None
+}
+
+/// The part that the equation is a cubic polynomial of, and its values, each with what must not be
+/// negative for it to be one.
+fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<(Id, Option<Id>)>)> {
+    let polynomial = clear(g, e.known, e.rhs, Deps::MAX)?;
+    let atoms: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
+    let [atom] = atoms[..] else { return None };
+    let c = polynomial.by_powers_of(atom)?;
+    let [d, c, b, a] = &c[..] else { return None };
+    let [d, c, b, a] = [d, c, b, a].map(|p| p.to_expr(g));
+    // With x = t - b / 3 it is t³ + p t + q = 0.
+    let [b, c, d] = [b, c, d].map(|v| g.div(v, a));
+    let b2 = g.powi(b, 2);
+    let p = g.sum(Q::ZERO, &[(Q::ONE, c), (Q::new(-1, 3)?, b2)]);
+    let (b3, bc) = (g.powi(b, 3), g.mul(b, c));
+    let q = g.sum(Q::ZERO, &[(Q::new(2, 27)?, b3), (Q::new(-1, 3)?, bc), (Q::ONE, d)]);
+    let (p3, q2) = (g.powi(p, 3), g.powi(q, 2));
+    let discriminant = g.sum(Q::ZERO, &[(Q::new(1, 27)?, p3), (Q::new(1, 4)?, q2)]);
+    let mut roots = Vec::new();
+    if !g.range(discriminant).nonnegative() {
+        let three = g.neg(discriminant);
+        roots.extend(three_roots(g, p, q)?.map(|t| (t, Some(three))));
+    }
+    if !g.range(discriminant).nonpositive() {
+        roots.push((one_root(g, p, q, discriminant)?, Some(discriminant)));
+    }
+    let shifted = |(t, condition)| (g.sum(Q::ZERO, &[(Q::ONE, t), (q_third(), b)]), condition);
+    Some((atom, roots.into_iter().map(shifted).collect()))
+}
+
+fn q_third() -> Q {
+    Q::new(-1, 3).unwrap_or(Q::ZERO)
+}
+
+/// Viète's roots 2 √(-p/3) cos((acos(3 q / (2 p) √(-3/p)) - 2 π k) / 3).
+fn three_roots(g: &mut Graph, p: Id, q: Id) -> Option<[Id; 3]> {
+    let third = g.sum(Q::ZERO, &[(Q::new(-1, 3)?, p)]);
+    let root = g.sqrt(third);
+    let cube = g.powi(root, -3);
+    let cosine = g.mul(q, cube);
+    let cosine = g.sum(Q::ZERO, &[(Q::HALF.neg(), cosine)]);
+    let angle = g.call(Fun::Acos, &[cosine]);
+    let pi = g.pi();
+    Some([0, 1, 2].map(|k| {
+        let turned =
+            [(q_third().neg(), angle), (q_third().mul(Q::int(2 * k)).unwrap_or(Q::ZERO), pi)];
+        let turned = g.sum(Q::ZERO, &turned);
+        let cosine = g.call(Fun::Cos, &[turned]);
+        let t = g.mul(root, cosine);
+        g.sum(Q::ZERO, &[(Q::int(2), t)])
+    }))
+}
+
+/// Cardano's root, with the sum that does not cancel: C - p / (3 C), C³ = -(q/2 ± √D).
+fn one_root(g: &mut Graph, p: Id, q: Id, discriminant: Id) -> Option<Id> {
+    let root = g.sqrt(discriminant);
+    let sign = g.call(Fun::Sign, &[q]);
+    let away = g.mul(sign, root);
+    let cube = g.sum(Q::ZERO, &[(Q::HALF.neg(), q), (Q::int(-1), away)]);
+    let c = g.call(Fun::Cbrt, &[cube]);
+    let rest = g.div(p, c);
+    Some(g.sum(Q::ZERO, &[(Q::ONE, c), (Q::new(-1, 3)?, rest)]))
+}
