@@ -77,6 +77,8 @@ class Sampler(NamedTuple):
     density: object
     inside: object = lambda x, p: True
     project: object = lambda x, p: x
+    preimages: object = None  # (x, p) -> all uniforms that map to x, where there may be several
+    smooth: object = lambda u, p: True  # whether the map has derivatives at u
 
 
 def truncated_exponential(u, p):
@@ -481,11 +483,15 @@ def area_element(s, u, p):
 
 def check(s, u, p):
     """Stops the script if density and map contradict each other at u."""
-    if not all(0 < t < 1 for t in u):
+    if not all(0 < t < 1 for t in u) or not s.smooth(u, p):
         return
     # Digits enough to tell 1e-300 (1 + 1e-25) from 1e-300 when it is added to 1.
     with mp.workdps(400):
-        gap = abs(s.density(s.sample(u, p), p) * area_element(s, u, p) - 1)
+        x = s.sample(u, p)
+        found = s.preimages(x, p) if s.preimages else [u]
+        if min(norm([a - b for a, b in zip(u, v)]) for v in found) > mpf(10) ** -20:
+            raise SystemExit(f"row {s.row}: {u} is not among its own preimages, {p}")
+        gap = abs(s.density(x, p) / sum(1 / area_element(s, v, p) for v in found) - 1)
     if not gap < mpf(10) ** -15:
         raise SystemExit(f"row {s.row} at u = {u}, {p}: pdf * area element - 1 = {nstr(gap, 5)}")
 

@@ -3,6 +3,7 @@
 #![warn(missing_docs)]
 
 pub mod catalogue;
+pub mod compare;
 pub mod errors;
 pub mod mutation;
 pub mod reference;

@@ -1,6 +1,6 @@
-//! The reference values of the catalogue, `reference/catalogue-e.json`.
+//! The reference values of the catalogue, `reference/catalogue-e.json` and `catalogue-mh.json`.
 //!
-//! Made in high precision by `reference/make_conditions.py`; `reference/README.md` says what each
+//! Made in high precision by `reference/make_conditions.py` and `make_rows.py`; `reference/README.md` says what each
 //! field means. Every entry is read in two versions, one in each precision.
 
 use aether_core::Scalar;
@@ -86,8 +86,20 @@ impl Reference {
     /// # Panics
     /// If the file is damaged.
     pub fn load() -> Self {
-        let text = include_str!("../reference/catalogue-e.json");
-        let entries: Vec<Value> = serde_json::from_str(text).expect("catalogue-e.json is JSON");
+        Self::parse(include_str!("../reference/catalogue-e.json"))
+    }
+
+    /// Reads the file of the samplers with branches, roots and several preimages; it holds double
+    /// precision only.
+    ///
+    /// # Panics
+    /// If the file is damaged.
+    pub fn load_branched() -> Self {
+        Self::parse(include_str!("../reference/catalogue-mh.json"))
+    }
+
+    fn parse(text: &str) -> Self {
+        let entries: Vec<Value> = serde_json::from_str(text).expect("the file is JSON");
         let mut all = Reference::default();
         for entry in &entries {
             if entry["kind"] == "query" {

@@ -3,83 +3,27 @@
 use aether_core::battery::{self, Battery};
 use aether_core::prelude::*;
 use tests::catalogue::*;
-use tests::errors::{Errors, errors, errors_of};
+use tests::compare::{IllConditioned, failures, unnoticed, wrong_densities};
 use tests::mutation::OnePercentOff;
-use tests::reference::{PointEntry, Query, Reference};
-use tests::rows::{FromCoordinates, ROWS, Visitor, visit};
-
-/// Relative error that a well-conditioned value may have in `f64`.
-const TOLERANCE: f64 = 1e-12;
-/// A condition number says what rounding of the inputs may cost, and an implementation that does
-/// not round them loses less: more than this is never excused by it.
-const WORST_CONDITION: f64 = 1e3;
+use tests::reference::Reference;
+use tests::rows::ROWS;
 
 /// Where the loss is real all the same, and the full condition number is the limit.
-const ILL_CONDITIONED: [(u64, &str, &str); 3] = [
+const ILL_CONDITIONED: [IllConditioned; 3] = [
     (1, "sample", "a + (b - a) u next to zero: b - a has been rounded at the size of a"),
     (19, "sample", "a zero of -ln(-ln u): no double represents ln u to more than 53 bits at -1"),
     (57, "pdf(x)", "a nearly singular matrix: its inverse magnifies the rounding of products"),
 ];
 
-/// What fails at an entry.
-fn failures(entry: &PointEntry, e: Errors) -> Vec<String> {
-    let row = entry.inputs.row;
-    let limit = |what: &str, condition: f64| {
-        let excused = ILL_CONDITIONED.iter().any(|(r, w, _)| *r == row && *w == what);
-        TOLERANCE * condition.clamp(1.0, if excused { f64::INFINITY } else { WORST_CONDITION })
-    };
-    let cases = [
-        ("sample", e.sample, limit("sample", entry.condition_sample)),
-        ("pdf(x)", e.pdf, limit("pdf(x)", entry.condition_pdf)),
-        ("sample.pdf()", e.own, limit("sample.pdf()", entry.condition_pdf)),
-    ];
-    let failed = cases.into_iter().filter(|(_, error, limit)| error > limit);
-    failed
-        .map(|(what, error, limit)| {
-            format!(
-                "{} ({}) {what}: {error:.2e} > {limit:.1e} at {entry:?}",
-                entry.inputs.row, entry.inputs.name
-            )
-        })
-        .collect()
-}
-
 #[test]
 fn samples_and_densities_agree_with_the_reference() {
-    let reference = Reference::load();
-    let failed: Vec<String> =
-        reference.points.iter().flat_map(|p| failures(p, errors::<f64>(p))).collect();
+    let failed = failures(&Reference::load(), &ILL_CONDITIONED);
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
-}
-
-struct Ask<'a>(&'a Query);
-
-impl Visitor<f64> for Ask<'_> {
-    type Output = Option<f64>;
-    fn visit<S: Sampler<f64>>(self, sampler: S) -> Option<f64>
-    where
-        S::Point: FromCoordinates<f64>,
-    {
-        S::Point::from_coordinates(&self.0.x).map(|x| sampler.pdf(&x).value())
-    }
 }
 
 #[test]
 fn queries_have_the_density_of_the_reference() {
-    let mut failed = Vec::new();
-    for query in &Reference::load().queries {
-        // A direction off the unit sphere cannot even be written down.
-        let found = visit::<f64, _>(&query.inputs, Ask(query));
-        let right = match found {
-            None => query.pdf == 0.0,
-            Some(p) if query.pdf.is_infinite() => p == query.pdf,
-            Some(p) if query.pdf == 0.0 => p == 0.0,
-            Some(p) => (p - query.pdf).abs() <= TOLERANCE * query.pdf,
-        };
-        if !right {
-            failed.push(format!("density {found:?} at {query:?}"));
-        }
-    }
+    let failed = wrong_densities(&Reference::load());
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
 }
 
@@ -107,32 +51,11 @@ fn every_row_has_reference_values() {
     assert!(reference.points.iter().all(|p| ROWS.contains(&p.inputs.row)));
 }
 
-struct Mutated<'a>(&'a PointEntry);
-
-impl Visitor<f64> for Mutated<'_> {
-    type Output = Errors;
-    fn visit<S: Sampler<f64>>(self, sampler: S) -> Errors
-    where
-        S::Point: FromCoordinates<f64>,
-    {
-        errors_of::<f64, _>(self.0, OnePercentOff(sampler))
-    }
-}
-
 #[test]
 fn a_density_off_by_one_percent_fails_the_comparison_in_every_row() {
     let reference = Reference::load();
-    for row in ROWS {
-        let entries = reference.points.iter().filter(|p| p.inputs.row == row);
-        let (mut noticed, mut positive) = (0, 0);
-        for entry in entries.filter(|p| p.pdf > f64::MIN_POSITIVE && p.pdf.is_finite()) {
-            let found = failures(entry, visit::<f64, _>(&entry.inputs, Mutated(entry)));
-            noticed += usize::from(found.iter().any(|f| f.contains(" pdf(x)")))
-                & usize::from(found.iter().any(|f| f.contains("sample.pdf()")));
-            positive += 1;
-        }
-        assert_eq!(noticed, positive, "row {row}");
-    }
+    let missed: Vec<_> = unnoticed(&reference, &ILL_CONDITIONED).collect();
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 /// The battery in both precisions, for several values of the parameters. Its samplers are the

@@ -1,11 +1,13 @@
 //! Circle pairs: A f and A h with f² + h² = 1 determine A, f and h together.
 //!
 //! The cosine and sine of one angle are such a pair that is known by name ([`super::polar`]); z and
-//! √(1 - z²), or √u and √(1 - u), are pairs as well.
+//! √(1 - z²), or √u and √(1 - u), are pairs as well. So are f and h with α f² + β h² = 1: known
+//! factors may have been moved over before.
 
 use super::{Condition, Equation, State};
+use crate::derivative::derivative;
 use crate::display::show;
-use crate::expr::{Graph, Id, UNKNOWNS};
+use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::poly::Expander;
 use crate::rational::Q;
 
@@ -20,7 +22,7 @@ pub(super) fn circle_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
                 continue;
             }
             if let Some(split) = pair(g, a.rhs, b.rhs) {
-                let range = g.range(split.0);
+                let range = g.range(split.amplitude);
                 let mut signs = Vec::new();
                 if !range.nonpositive() {
                     signs.push(1);
@@ -28,15 +30,23 @@ pub(super) fn circle_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
                 if !range.nonnegative() {
                     signs.push(-1);
                 }
-                return Some(signs.iter().map(|s| replace(g, state, i, j, split, *s)).collect());
+                return Some(signs.iter().map(|s| replace(g, state, i, j, &split, *s)).collect());
             }
         }
     }
     None
 }
 
-/// Writes two expressions as (A, f, h): A f and A h with f² + h² = 1.
-fn pair(g: &mut Graph, left: Id, right: Id) -> Option<(Id, Id, Id)> {
+/// Two expressions A f / √α and A h / √β with f² + h² = 1.
+struct Pair {
+    amplitude: Id,
+    f: Id,
+    h: Id,
+    /// √α and √β.
+    weights: (Id, Id),
+}
+
+fn pair(g: &mut Graph, left: Id, right: Id) -> Option<Pair> {
     let amplitude = common(g, left, right)?;
     if !g.has(amplitude, UNKNOWNS) {
         return None;
@@ -48,7 +58,35 @@ fn pair(g: &mut Graph, left: Id, right: Id) -> Option<(Id, Id, Id)> {
     let (f2, h2) = (g.powi(f, 2), g.powi(h, 2));
     let sum = g.add(f2, h2);
     let sum = Expander::new(g).normal_form(sum)?;
-    (g.as_number(sum) == Some(Q::ONE)).then_some((amplitude, f, h))
+    if g.as_number(sum) == Some(Q::ONE) {
+        let one = g.int(1);
+        return Some(Pair { amplitude, f, h, weights: (one, one) });
+    }
+    let (alpha, beta) = weights(g, f2, h2)?;
+    let weights = (g.sqrt(alpha), g.sqrt(beta));
+    let (f, h) = (g.mul(f, weights.0), g.mul(h, weights.1));
+    Some(Pair { amplitude, f, h, weights })
+}
+
+/// Known α, β >= 0 with α a + β b = 1: what a and b depend on they must depend on in proportion.
+fn weights(g: &mut Graph, a: Id, b: Id) -> Option<(Id, Id)> {
+    let open = g.deps(a) & UNKNOWNS;
+    if open.count_ones() != 1 || g.deps(b) & UNKNOWNS != open {
+        return None;
+    }
+    let unknown = Leaf::Unknown(open.trailing_zeros() as u8);
+    let [da, db] = [a, b].map(|x| derivative(g, x, unknown));
+    let ratio = g.div(db, da);
+    let ratio = g.neg(ratio);
+    let ratio = Expander::new(g).normal_form(ratio)?;
+    let scaled = g.mul(ratio, a);
+    let total = g.add(scaled, b);
+    let total = Expander::new(g).normal_form(total)?;
+    if g.has(ratio, UNKNOWNS) || g.has(total, UNKNOWNS) {
+        return None;
+    }
+    let (alpha, beta) = (g.div(ratio, total), g.powi(total, -1));
+    (g.range(alpha).nonnegative() && g.range(beta).nonnegative()).then_some((alpha, beta))
 }
 
 /// The factors that two expressions share.
@@ -60,16 +98,11 @@ fn common(g: &mut Graph, left: Id, right: Id) -> Option<Id> {
     (!shared.is_empty()).then(|| g.product(&shared))
 }
 
-fn replace(
-    g: &mut Graph,
-    state: &State,
-    i: usize,
-    j: usize,
-    (amplitude, f, h): (Id, Id, Id),
-    sign: i64,
-) -> State {
+fn replace(g: &mut Graph, state: &State, i: usize, j: usize, pair: &Pair, sign: i64) -> State {
     let mut s = state.clone();
-    let (p, q) = (state.equations[i].known, state.equations[j].known);
+    let Pair { amplitude, f, h, weights } = *pair;
+    let p = g.mul(state.equations[i].known, weights.0);
+    let q = g.mul(state.equations[j].known, weights.1);
     // A negative amplitude is the positive one of the opposite point.
     let (p, q) = if sign < 0 { (g.neg(p), g.neg(q)) } else { (p, q) };
     let (p2, q2) = (g.powi(p, 2), g.powi(q, 2));
