@@ -75,8 +75,18 @@ impl<'a> Expander<'a> {
         match self.graph.node(id).clone() {
             Node::Number(q) => Some(RatFun { num: Poly::constant(q), den: vec![] }),
             Node::Sum(c, terms) => {
-                let mut s = RatFun { num: Poly::constant(c), den: vec![] };
-                for (q, t) in terms {
+                // What is known stays together also where it is only a part of the sum.
+                let (open, known): (Vec<_>, Vec<_>) = terms
+                    .into_iter()
+                    .partition(|(_, t)| self.open == Deps::MAX || self.graph.has(*t, self.open));
+                let mut s = match known[..] {
+                    [] => RatFun { num: Poly::constant(c), den: vec![] },
+                    _ => {
+                        let known = self.graph.sum(c, &known);
+                        self.expand(known)?
+                    }
+                };
+                for (q, t) in open {
                     let mut t = self.expand(t)?;
                     t.num = t.num.scale(q)?;
                     s = self.add(&s, &t)?;

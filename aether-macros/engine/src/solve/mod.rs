@@ -5,6 +5,7 @@
 //! system becomes its atoms, a function of a single subexpression is undone. Steps that have several
 //! answers branch, so a map that is many-to-one gets every preimage.
 
+mod angles;
 mod circle;
 mod cubic;
 pub(crate) mod linear;
@@ -16,6 +17,7 @@ mod polar;
 mod rational;
 mod repeated;
 mod scale;
+mod squares;
 
 use std::collections::BTreeMap;
 
@@ -181,6 +183,8 @@ fn step(
         .or_else(|| scale::up_to_scale(g, state, frames))
         .or_else(|| circle::circle_pair(g, state))
         .or_else(|| normalise::common(g, state))
+        .or_else(|| angles::double(g, state))
+        .or_else(|| squares::squares(g, state))
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state));
     if closed.is_none() && numerical {

@@ -104,8 +104,8 @@ fn roots_in(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Vec<Root>> 
             let values = polynomial_roots(g, &polynomial, atom)?;
             Some(values.into_iter().map(|value| Root { atom, value, also: None }).collect())
         }
-        [a, b] if open == Deps::MAX => {
-            radical(g, known, rhs, a, b).or_else(|| radical(g, known, rhs, b, a))
+        [a, b] => {
+            radical(g, known, rhs, [a, b], open).or_else(|| radical(g, known, rhs, [b, a], open))
         }
         _ => None,
     }
@@ -118,12 +118,12 @@ pub(super) fn clear(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Pol
 }
 
 /// Atoms u and t = √(α + β u): substitutes u = (t² - α) / β and solves for t.
-fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>> {
+fn radical(g: &mut Graph, known: Id, rhs: Id, [u, t]: [Id; 2], open: Deps) -> Option<Vec<Root>> {
     let Node::Product(f) = g.node(t).clone() else { return None };
     if f.len() != 1 || g.as_number(f[0].1) != Some(Q::HALF) {
         return None;
     }
-    let radicand = Expander::new(g).expand(f[0].0)?;
+    let radicand = Expander::new(g).only(open).expand(f[0].0)?;
     if !radicand.den.is_empty() {
         return None;
     }
@@ -138,14 +138,14 @@ fn radical(g: &mut Graph, known: Id, rhs: Id, u: Id, t: Id) -> Option<Vec<Root>>
     let top = g.sub(t2, alpha);
     let inner = g.div(top, beta);
     let substituted = g.substitute(rhs, &BTreeMap::from([(t, fresh), (u, inner)]));
-    let polynomial = clear(g, known, substituted, Deps::MAX)?;
+    let polynomial = clear(g, known, substituted, open)?;
     let values = polynomial_roots(g, &polynomial, fresh)?;
     Some(
         values
             .into_iter()
             .map(|v| {
                 let exact = g.substitute(inner, &BTreeMap::from([(fresh, v)]));
-                let simple = Expander::new(g).normal_form(exact).unwrap_or(exact);
+                let simple = Expander::new(g).only(open).normal_form(exact).unwrap_or(exact);
                 Root { atom: u, value: simple, also: Some((t, v)) }
             })
             .collect(),
