@@ -1,0 +1,841 @@
+"""Reference values and condition numbers of samplers with branches, roots and several preimages.
+
+    pip install -r tests/reference/requirements.txt
+    python3 tests/reference/make_rows.py
+
+Writes catalogue-mh.json: the fields of catalogue-e.json, in double precision only. Everything but
+the samplers is make_conditions.py's.
+"""
+
+import json
+import pathlib
+
+from mpmath import acos, asin, atan, atan2, cbrt, cosh, diff, erfc, exp, expm1, floor, inf, log, log1p, mpf, pi, sign, sin, cos, sqrt, tanh
+
+from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, logistic_density, logit, norm,
+                             on_circle, over, query_for, real_power, to_unit_sphere, unit)
+
+OUTPUT = pathlib.Path(__file__).resolve().parent / "catalogue-mh.json"
+
+
+def sub(a, b):
+    """Difference of vectors."""
+    return [s - t for s, t in zip(a, b)]
+
+
+def cross(a, b):
+    """Vector product."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def combine(*terms):
+    """Sum of multiples of vectors."""
+    return [sum(k * v[i] for k, v in terms) for i in range(len(terms[0][1]))]
+
+
+def turn(t):
+    """An angle as a fraction of a turn, in [0, 1)."""
+    t = t / (2 * pi)
+    return t - floor(t)
+
+
+# --- the line ---------------------------------------------------------------
+
+
+def tent(u, p):
+    """Row 6."""
+    r = p["r"]
+    return [r * (sqrt(2 * u[0]) - 1) if u[0] < 0.5 else r * (1 - sqrt(2 * (1 - u[0])))]
+
+
+def triangular(u, p):
+    """Row 7."""
+    a, b, c = p["a"], p["b"], p["c"]
+    below = u[0] * (c - a) < b - a
+    return [a + sqrt(u[0] * (c - a) * (b - a)) if below else c - sqrt((1 - u[0]) * (c - a) * (c - b))]
+
+
+def triangular_density(x, p):
+    """Row 7."""
+    a, b, c = p["a"], p["b"], p["c"]
+    return 2 * ((x[0] - a) / (b - a) if x[0] < b else (c - x[0]) / (c - b)) / (c - a)
+
+
+def laplace(u, p):
+    """Row 17."""
+    return [p["b"] * log(2 * u[0]) if u[0] < 0.5 else -p["b"] * log(2 * (1 - u[0]))]
+
+
+def rational_quadratic(u, p):
+    """Row 32, one segment."""
+    t, s, d0, d1 = u[0], p["s"], p["d0"], p["d1"]
+    return [s * (s * t**2 + d0 * t * (1 - t)) / (s + (d1 + d0 - 2 * s) * t * (1 - t))]
+
+
+def rational_quadratic_density(x, p):
+    """Row 32: the parameter by the conjugate root, and the reciprocal of the derivative."""
+    s, d0, d1 = p["s"], p["d0"], p["d1"]
+    k = d1 + d0 - 2 * s
+    a, b, c = s * (s - d0) + x[0] * k, s * d0 - x[0] * k, -s * x[0]
+    t = 2 * c / (-b - sqrt(b * b - 4 * a * c))
+    return (s + k * t * (1 - t)) ** 2 / (s**2 * (d1 * t**2 + 2 * s * t * (1 - t) + d0 * (1 - t) ** 2))
+
+
+def cosine_preimages(x, p):
+    """Row 33."""
+    return [[acos(x[0]) / (2 * pi)], [1 - acos(x[0]) / (2 * pi)]]
+
+
+def within(low, high):
+    """The interval as a support."""
+    return lambda x, p: low <= x[0] <= high
+
+
+LINE = [
+    Sampler(6, "tent", tent, lambda x, p: (p["r"] - abs(x[0])) / p["r"] ** 2, lambda x, p: abs(x[0]) <= p["r"]),
+    Sampler(7, "triangular", triangular, triangular_density, lambda x, p: p["a"] <= x[0] <= p["c"]),
+    Sampler(15, "student_2", lambda u, p: [(2 * u[0] - 1) / sqrt(2 * u[0] * (1 - u[0]))],
+            lambda x, p: (2 + x[0] ** 2) ** mpf(-1.5)),
+    Sampler(17, "laplace", laplace, lambda x, p: exp(-abs(x[0]) / p["b"]) / (2 * p["b"])),
+    Sampler(32, "rational_quadratic", rational_quadratic, rational_quadratic_density,
+            lambda x, p: 0 <= x[0] <= p["s"]),
+    Sampler(33, "cosine", lambda u, p: [cos(2 * pi * u[0])], lambda x, p: 1 / (pi * sqrt((1 - x[0]) * (1 + x[0]))),
+            within(-1, 1), preimages=cosine_preimages),
+    Sampler(34, "parabola", lambda u, p: [4 * u[0] * (1 - u[0])], lambda x, p: 1 / (2 * sqrt(1 - x[0])), within(0, 1),
+            preimages=lambda x, p: [[(1 - sqrt(1 - x[0])) / 2], [(1 + sqrt(1 - x[0])) / 2]]),
+    Sampler(34, "square", lambda u, p: [(2 * u[0] - 1) ** 2], lambda x, p: 1 / (2 * sqrt(x[0])), within(0, 1),
+            preimages=lambda x, p: [[(1 - sqrt(x[0])) / 2], [(1 + sqrt(x[0])) / 2]]),
+    Sampler(34, "fold", lambda u, p: [abs(2 * u[0] - 1)], lambda x, p: mpf(1), within(0, 1), smooth=lambda u, p: u[0] != 0.5,
+            preimages=lambda x, p: [[(1 - x[0]) / 2], [(1 + x[0]) / 2]]),
+    Sampler(35, "sawtooth", lambda u, p: [3 * u[0] - floor(3 * u[0])], lambda x, p: mpf(1), within(0, 1),
+            preimages=lambda x, p: [[(x[0] + k) / 3] for k in range(3)], smooth=lambda u, p: u[0] > 1e-20),
+]
+
+# --- the plane --------------------------------------------------------------
+
+
+def concentric(u, p=None):
+    """Row 43."""
+    a, b = 2 * u[0] - 1, 2 * u[1] - 1
+    if a == 0 and b == 0:
+        return [mpf(0), mpf(0)]
+    r, t = (a, pi / 4 * b / a) if abs(a) > abs(b) else (b, pi / 2 - pi / 4 * a / b)
+    return [r * cos(t), r * sin(t)]
+
+
+def off_diagonals(u, p):
+    """Row 43: where the map has derivatives."""
+    return abs(2 * u[0] - 1) != abs(2 * u[1] - 1)
+
+
+def in_sector(x, p):
+    """Row 44."""
+    return p["a"] <= norm(x) <= p["b"] and turn(atan2(x[1], x[0]) - p["p"]) * 2 * pi <= p["d"]
+
+
+def annular_sector(u, p):
+    """Row 44."""
+    r, t = sqrt((1 - u[0]) * p["a"] ** 2 + u[0] * p["b"] ** 2), p["p"] + p["d"] * u[1]
+    return [r * cos(t), r * sin(t)]
+
+
+def normals(u):
+    """Two independent standard normal variables."""
+    return on_circle(sqrt(-2 * log1p(-u[0])), u[1])
+
+
+def bivariate_normal(u, p):
+    """Row 50."""
+    x, y = normals(u)
+    return [p["l11"] * x, p["l21"] * x + p["l22"] * y]
+
+
+def bivariate_normal_density(x, p):
+    """Row 50."""
+    z = x[0] / p["l11"]
+    w = (x[1] - p["l21"] * z) / p["l22"]
+    return exp(-(z * z + w * w) / 2) / (2 * pi * p["l11"] * p["l22"])
+
+
+def corners(p):
+    """Row 54."""
+    return [[p[k + "x"], p[k + "y"]] for k in "abcd"]
+
+
+def bilinear_quad(u, p):
+    """Row 54."""
+    s, t = u
+    a, b, c, d = corners(p)
+    return combine(((1 - s) * (1 - t), a), (s * (1 - t), b), (s * t, c), ((1 - s) * t, d))
+
+
+def wedge(a, b):
+    """Vector product of the plane."""
+    return a[0] * b[1] - a[1] * b[0]
+
+
+def bilinear_quad_inverse(x, p):
+    """Row 54: the root inside of the quadratic for t."""
+    a, b, c, d = corners(p)
+    e, f, g, h = sub(b, a), sub(d, a), combine((1, a), (-1, b), (1, c), (-1, d)), sub(x, a)
+    k2, k1, k0 = wedge(g, f), wedge(e, f) + wedge(h, g), wedge(h, e)
+    found = []
+    for side in (-1, 1):
+        bottom = -k1 + side * sqrt(k1 * k1 - 4 * k0 * k2)
+        if bottom == 0:
+            continue
+        t = 2 * k0 / bottom
+        q = combine((1, e), (t, g))
+        i = 0 if abs(q[0]) > abs(q[1]) else 1
+        s = (h[i] - f[i] * t) / q[i]
+        found.append([s, t])
+    return min(found, key=lambda v: max(abs(v[0] - 0.5), abs(v[1] - 0.5)))
+
+
+def bilinear_quad_density(x, p):
+    """Row 54."""
+    a, b, c, d = corners(p)
+    e, f, g = sub(b, a), sub(d, a), combine((1, a), (-1, b), (1, c), (-1, d))
+    s, t = bilinear_quad_inverse(x, p)
+    return 1 / abs(wedge(combine((1, e), (t, g)), combine((1, f), (s, g))))
+
+
+def radial_flow(u, p):
+    """Row 116."""
+    z = normals(u)
+    return combine((1 + p["beta"] / (p["alpha"] + norm(z)), z))
+
+
+def radial_flow_density(x, p):
+    """Row 116."""
+    al, be = p["alpha"], p["beta"]
+    g = norm(x)
+    a = al + be - g
+    r = (sqrt(a * a + 4 * al * g) - a) / 2
+    return exp(-r * r / 2) / (2 * pi) / ((1 + be / (al + r)) * (1 + be * al / (al + r) ** 2))
+
+
+def affine_coupling(u, p):
+    """Row 117."""
+    a = logit(u[0])
+    return [a, logit(u[1]) * exp(p["s"] * tanh(a)) + p["t"] * a * a]
+
+
+def affine_coupling_density(x, p):
+    """Row 117."""
+    k = exp(-p["s"] * tanh(x[0]))
+    return logistic_density(x[0]) * logistic_density((x[1] - p["t"] * x[0] ** 2) * k) * k
+
+
+def complex_square_preimages(x, p):
+    """Row 56."""
+    v = turn(atan2(x[1], x[0])) / 2
+    return [[norm(x), v], [norm(x), v + mpf(1) / 2]]
+
+
+def pentagon(u, p):
+    """Row 52."""
+    k = floor(5 * u[1])
+    t = 5 * u[1] - k
+    a, b = on_circle(mpf(1), k / 5), on_circle(mpf(1), (k + 1) / 5)
+    return combine((sqrt(u[0]) * (1 - t), a), (sqrt(u[0]) * t, b))
+
+
+PLANE = [
+    Sampler(52, "pentagon", pentagon, lambda x, p: 2 / (5 * sin(2 * pi / 5))),
+    Sampler(43, "concentric_disk", concentric, lambda x, p: 1 / pi, lambda x, p: norm(x) <= 1,
+            smooth=off_diagonals),
+    Sampler(44, "annular_sector", annular_sector, lambda x, p: 2 / (p["d"] * (p["b"] - p["a"]) * (p["b"] + p["a"])), in_sector),
+    Sampler(50, "bivariate_normal", bivariate_normal, bivariate_normal_density),
+    Sampler(51, "ggx_slopes", lambda u, p: on_circle(p["alpha"] * sqrt(u[0] / (1 - u[0])), u[1]),
+            lambda x, p: 1 / (pi * p["alpha"] ** 2 * (1 + dot(x, x) / p["alpha"] ** 2) ** 2)),
+    Sampler(54, "bilinear_quad", bilinear_quad, bilinear_quad_density),
+    Sampler(56, "complex_square", lambda u, p: on_circle(u[0], 2 * u[1]),
+            lambda x, p: 1 / (2 * pi * norm(x)) if norm(x) else inf, lambda x, p: norm(x) <= 1,
+            preimages=complex_square_preimages),
+    Sampler(116, "radial_flow", radial_flow, radial_flow_density),
+    Sampler(117, "affine_coupling", affine_coupling, affine_coupling_density),
+]
+
+# --- directions -------------------------------------------------------------
+
+
+def concentric_hemisphere(u, p):
+    """Row 66."""
+    x, y = concentric(u)
+    q = x * x + y * y
+    return [x * sqrt(2 - q), y * sqrt(2 - q), 1 - q]
+
+
+def from_depth(h, v):
+    """The direction at height 1 - h and azimuth 2 pi v."""
+    return on_circle(sqrt(max(mpf(0), h * (2 - h))), v) + [1 - h]
+
+
+def double_lune(u, p):
+    """Row 69."""
+    t = 4 * p["t"] * u[0] - p["t"] if u[0] < 0.5 else 4 * p["t"] * u[0] + pi - 3 * p["t"]
+    return from_height(1 - 2 * u[1], t / (2 * pi))
+
+
+def von_mises_fisher_density(x, p):
+    """Row 74."""
+    return p["kappa"] * exp(p["kappa"] * depth(x) * -1) / (-2 * pi * expm1(-2 * p["kappa"]))
+
+
+def depth(x):
+    """1 - z of a direction, from all of its coordinates."""
+    return 1 - x[2] if x[2] < 0.5 else (x[0] ** 2 + x[1] ** 2) / (1 + x[2])
+
+
+def henyey_greenstein(u, p):
+    """Row 75."""
+    g = p["g"]
+    return from_depth(2 * (1 - g) ** 2 * (1 - u[0]) * (1 + g * u[0]) / (1 - g + 2 * g * u[0]) ** 2, u[1])
+
+
+def henyey_greenstein_density(x, p):
+    """Row 75."""
+    g = p["g"]
+    return (1 - g * g) / (4 * pi * ((1 - g) ** 2 + 2 * g * depth(x)) ** mpf(1.5))
+
+
+def columns(p):
+    """Row 77: the columns of the matrix."""
+    return p["a"], p["b"], p["c"]
+
+
+def transformed_cosine(u, p):
+    """Row 77."""
+    w = on_circle(sqrt(u[0]), u[1]) + [sqrt(1 - u[0])]
+    return unit(combine(*zip(w, columns(p))))
+
+
+def transformed_cosine_density(x, p):
+    """Row 77."""
+    a, b, c = columns(p)
+    det = dot(a, cross(b, c))
+    w = [dot(x, cross(b, c)) / det, dot(x, cross(c, a)) / det, dot(x, cross(a, b)) / det]
+    return w[2] / (pi * abs(det) * norm(w) ** 4)
+
+
+def transformed_upper(x, p):
+    """Row 77."""
+    a, b, c = columns(p)
+    return dot(x, cross(a, b)) * dot(a, cross(b, c)) >= 0
+
+
+def beckmann(u, p):
+    """Row 81."""
+    return unit(on_circle(p["alpha"] * sqrt(-log1p(-u[0])), u[1]) + [mpf(1)])
+
+
+def beckmann_density(x, p):
+    """Row 81."""
+    return exp(-(x[0] ** 2 + x[1] ** 2) / (x[2] * p["alpha"]) ** 2) / (pi * p["alpha"] ** 2 * x[2] ** 3)
+
+
+def ggx(u, p):
+    """Rows 82 and 83."""
+    x, y = on_circle(sqrt(u[0] / (1 - u[0])), u[1])
+    return unit([p.get("ax", p.get("alpha")) * x, p.get("ay", p.get("alpha")) * y, mpf(1)])
+
+
+def ggx_density(x, p):
+    """Rows 82 and 83."""
+    ax, ay = p.get("ax", p.get("alpha")), p.get("ay", p.get("alpha"))
+    return x[2] / (pi * ax * ay * ((x[0] / ax) ** 2 + (x[1] / ay) ** 2 + x[2] ** 2) ** 2)
+
+
+def ashikhmin_shirley(u, p):
+    """Row 84."""
+    nu, nv, t = p["nu"], p["nv"], 2 * pi * u[1]
+    phi = atan2(sqrt(nu + 1) * sin(t), sqrt(nv + 1) * cos(t))
+    n = nu * cos(phi) ** 2 + nv * sin(phi) ** 2
+    return from_height((1 - u[0]) ** (1 / (n + 1)), phi / (2 * pi))
+
+
+def ashikhmin_shirley_density(x, p):
+    """Row 84."""
+    nu, nv = p["nu"], p["nv"]
+    r = x[0] ** 2 + x[1] ** 2
+    n = (nu * x[0] ** 2 + nv * x[1] ** 2) / r if r else mpf(0)
+    return sqrt((nu + 1) * (nv + 1)) / (2 * pi) * real_power(1 - depth(x), n)
+
+
+def mixture(u, p):
+    """Row 91."""
+    if u[0] < p["p"]:
+        return from_height(real_power(u[0] / p["p"], 1 / (p["n"] + 1)), u[1])
+    v = (u[0] - p["p"]) / (1 - p["p"])
+    return on_circle(sqrt(v), u[1]) + [sqrt(1 - v)]
+
+
+def mixture_density(x, p):
+    """Row 91."""
+    return p["p"] * (p["n"] + 1) / (2 * pi) * real_power(x[2], p["n"]) + (1 - p["p"]) * x[2] / pi
+
+
+def mixture_preimages(x, p):
+    """Row 91."""
+    v = turn(atan2(x[1], x[0]))
+    return [[p["p"] * x[2] ** (p["n"] + 1), v], [p["p"] + (1 - p["p"]) * (x[0] ** 2 + x[1] ** 2), v]]
+
+
+def sheen(u, p):
+    """Row 92."""
+    s = real_power(u[0], p["alpha"] / (2 * p["alpha"] + 1))
+    return on_circle(s, u[1]) + [sqrt((1 - s) * (1 + s))]
+
+
+def sheen_density(x, p):
+    """Row 92."""
+    return (2 + 1 / p["alpha"]) * real_power(norm(x[:2]), 1 / p["alpha"]) * x[2] / (2 * pi)
+
+
+def in_view(x, p):
+    """Row 99."""
+    return x[2] > 0 and abs(x[0] / x[2]) <= p["t"] and abs(x[1] / x[2]) <= p["t"] * p["a"]
+
+
+def upper(x, p):
+    """On the upper half of the sphere."""
+    return x[2] >= 0
+
+
+DIRECTIONS = [
+    Sampler(68, "zonal_window", lambda u, p: from_height((1 - u[0]) * p["z0"] + u[0] * p["z1"], (p["p"] + p["d"] * u[1]) / (2 * pi)),
+            lambda x, p: 1 / ((p["z1"] - p["z0"]) * p["d"]), lambda x, p: p["z0"] <= x[2] <= p["z1"], to_unit_sphere),
+    Sampler(65, "cone", lambda u, p: from_depth(p["m"] * u[0], u[1]), lambda x, p: 1 / (2 * pi * p["m"]),
+            lambda x, p: depth(x) <= p["m"], to_unit_sphere),
+    Sampler(66, "concentric_hemisphere", concentric_hemisphere, lambda x, p: 1 / (2 * pi), upper, to_unit_sphere,
+            smooth=off_diagonals),
+    Sampler(69, "double_lune", double_lune, lambda x, p: 1 / (8 * p["t"]),
+            lambda x, p: abs(atan2(x[1], abs(x[0]))) <= p["t"], to_unit_sphere,
+            smooth=lambda u, p: u[0] != 0.5),
+    Sampler(74, "von_mises_fisher", lambda u, p: from_depth(-log1p((1 - u[0]) * expm1(-2 * p["kappa"])) / p["kappa"], u[1]),
+            von_mises_fisher_density, project=to_unit_sphere),
+    Sampler(75, "henyey_greenstein", henyey_greenstein, henyey_greenstein_density, project=to_unit_sphere),
+    Sampler(77, "transformed_cosine", transformed_cosine, transformed_cosine_density, transformed_upper, to_unit_sphere),
+    Sampler(81, "beckmann", beckmann, beckmann_density, upper, to_unit_sphere),
+    Sampler(82, "ggx", ggx, ggx_density, upper, to_unit_sphere),
+    Sampler(83, "anisotropic_ggx", ggx, ggx_density, upper, to_unit_sphere),
+    Sampler(84, "ashikhmin_shirley", ashikhmin_shirley, ashikhmin_shirley_density, upper, to_unit_sphere),
+    Sampler(91, "mixture", mixture, mixture_density, upper, to_unit_sphere, mixture_preimages,
+            lambda u, p: u[0] != p["p"] and 0 < p["p"] < 1),
+    Sampler(92, "sheen", sheen, sheen_density, upper, to_unit_sphere),
+    Sampler(99, "perspective", lambda u, p: unit([p["t"] * (2 * u[0] - 1), p["t"] * p["a"] * (2 * u[1] - 1), mpf(1)]),
+            lambda x, p: 1 / (4 * p["t"] ** 2 * p["a"] * x[2] ** 3), in_view, to_unit_sphere),
+]
+
+# --- space ------------------------------------------------------------------
+
+
+def edges(p):
+    """Two edges of a triangle."""
+    return sub(p["b"], p["a"]), sub(p["c"], p["a"])
+
+
+def on_triangle(b1, b2, p):
+    """The point with these barycentric coordinates."""
+    e, f = edges(p)
+    return combine((1, p["a"]), (b1, e), (b2, f))
+
+
+def barycentric(x, p):
+    """The coordinates of the point of the plane below x."""
+    (e, f), d = edges(p), sub(x, p["a"])
+    n = cross(e, f)
+    return dot(cross(d, f), n) / dot(n, n), dot(cross(e, d), n) / dot(n, n)
+
+
+def triangle(u, p):
+    """Row 47."""
+    s = sqrt(1 - u[0])
+    return on_triangle(s * (1 - u[1]), s * u[1], p)
+
+
+def triangle_heitz(u, p):
+    """Row 48."""
+    u, v = u
+    return on_triangle(v - u / 2, u / 2, p) if v > u else on_triangle(v / 2, u - v / 2, p)
+
+
+def triangle_fold(u, p):
+    """Row 49."""
+    return on_triangle(*(u if u[0] + u[1] <= 1 else [1 - t for t in u]), p)
+
+
+def triangle_fold_preimages(x, p):
+    """Row 49."""
+    b1, b2 = barycentric(x, p)
+    return [[b1, b2], [1 - b1, 1 - b2]]
+
+
+def triangle_density(x, p):
+    """Rows 47 to 49: one over the area."""
+    return 2 / norm(cross(*edges(p)))
+
+
+def in_triangle(x, p):
+    """Rows 47 to 49."""
+    b1, b2 = barycentric(x, p)
+    return b1 >= 0 and b2 >= 0 and b1 + b2 <= 1
+
+
+def to_triangle(x, p):
+    """The point of the plane next to x."""
+    return on_triangle(*barycentric(x, p), p)
+
+
+def axes(p):
+    """Row 94."""
+    return [p["s1"], p["s2"], p["s3"]]
+
+
+def ellipsoid(u, p):
+    """Row 94."""
+    return [s * w for s, w in zip(axes(p), from_height(1 - 2 * u[0], u[1]))]
+
+
+def ellipsoid_density(x, p):
+    """Row 94."""
+    s1, s2, s3 = axes(p)
+    return 1 / (4 * pi * s1 * s2 * s3 * norm([t / s**2 for t, s in zip(x, axes(p))]))
+
+
+def to_ellipsoid(x, p):
+    """The point of the ellipsoid on the ray through x."""
+    return [s * w for s, w in zip(axes(p), unit([t / s for t, s in zip(x, axes(p))]))]
+
+
+def torus(u, p):
+    """Row 96."""
+    y, z = on_circle(p["small"], u[1])
+    return on_circle(p["large"] + y, u[0]) + [z]
+
+
+def to_torus(x, p):
+    """The point of the torus next to x."""
+    r = norm(x[:2])
+    y, z = [p["small"] * t for t in unit([r - p["large"], x[2]])]
+    return [(p["large"] + y) * x[0] / r, (p["large"] + y) * x[1] / r, z]
+
+
+def shell(u, p):
+    """Row 103."""
+    r = cbrt((1 - u[0]) * p["a"] ** 3 + u[0] * p["b"] ** 3)
+    return [r * w for w in from_height(1 - 2 * u[1], u[2])]
+
+
+def tetrahedron(u, p):
+    """Row 104."""
+    r, s = cbrt(u[0]), sqrt(u[1])
+    return combine((1, p["a"]), (r * (1 - s), sub(p["b"], p["a"])), (r * s * (1 - u[2]), sub(p["c"], p["a"])),
+                   (r * s * u[2], sub(p["d"], p["a"])))
+
+
+def tetrahedron_density(x, p):
+    """Row 104."""
+    b, c, d = [sub(p[k], p["a"]) for k in "bcd"]
+    return 6 / abs(dot(b, cross(c, d)))
+
+
+def in_tetrahedron(x, p):
+    """Row 104."""
+    b, c, d = [sub(p[k], p["a"]) for k in "bcd"]
+    h, det = sub(x, p["a"]), dot(b, cross(c, d))
+    w = [dot(h, cross(c, d)) / det, dot(h, cross(d, b)) / det, dot(h, cross(b, c)) / det]
+    return min(w) >= 0 and sum(w) <= 1
+
+
+def simplex(u, p):
+    """Row 105."""
+    x = 1 - sqrt(1 - u[0])
+    y = (1 - x) * u[1]
+    return [x, y, 1 - x - y]
+
+
+def ordered(u, p):
+    """Row 113."""
+    x = logit(u[0])
+    y = x + exp(logit(u[1]))
+    return [x, y, y + exp(logit(u[2]))]
+
+
+def ordered_density(x, p):
+    """Row 113."""
+    y, z = log(x[1] - x[0]), log(x[2] - x[1])
+    return logistic_density(x[0]) * logistic_density(y) * logistic_density(z) * exp(-y - z)
+
+
+def quaternion(u, p):
+    """Row 79."""
+    a, b = on_circle(sqrt(1 - u[0]), u[1]), on_circle(sqrt(u[0]), u[2])
+    return [a[1], a[0], b[1], b[0]]
+
+
+def correlation_factor(u, p):
+    """Row 114."""
+    a, b, c = [2 * t - 1 for t in u]
+    root = [sqrt((1 - t) * (1 + t)) for t in (a, b, c)]
+    return [a, root[0], b, c * root[1], root[1] * root[2]]
+
+
+def correlation_factor_density(x, p):
+    """Row 114."""
+    return x[1] * x[4] / (8 * sqrt((1 - x[2]) * (1 + x[2])))
+
+
+def helix(u, p):
+    """Row 40."""
+    t = p["T"] * u[0]
+    return [p["r"] * cos(t), p["r"] * sin(t), p["c"] * t]
+
+
+def truncated_cone(u, p):
+    """Row 95."""
+    r0, r1 = p["r0"], p["r1"]
+    t = u[0] * (r0 + r1) / (r0 + sqrt((1 - u[0]) * r0**2 + u[0] * r1**2))
+    return on_circle((1 - t) * r0 + t * r1, u[1]) + [p["h"] * t]
+
+
+def to_cone(x, p):
+    """The point at the same height and azimuth."""
+    t = x[2] / p["h"]
+    r = (1 - t) * p["r0"] + t * p["r1"]
+    return [r * x[0] / norm(x[:2]), r * x[1] / norm(x[:2]), x[2]]
+
+
+def onto_plane(u, p):
+    """Row 97."""
+    w = on_circle(sqrt(u[0]), u[1]) + [sqrt(1 - u[0])]
+    return combine((1, p["o"]), (dot(p["n"], sub(p["p0"], p["o"])) / dot(p["n"], w), w))
+
+
+def onto_plane_density(x, p):
+    """Row 97."""
+    d = sub(x, p["o"])
+    return d[2] * abs(dot(d, unit(p["n"]))) / (pi * dot(d, d) ** 2)
+
+
+SPACE = [
+    Sampler(40, "helix", helix, lambda x, p: 1 / (p["T"] * sqrt(p["r"] ** 2 + p["c"] ** 2)),
+            lambda x, p: 0 <= x[2] <= p["c"] * p["T"], lambda x, p: helix([x[2] / (p["c"] * p["T"])], p)),
+    Sampler(95, "truncated_cone", truncated_cone,
+            lambda x, p: 1 / (pi * (p["r0"] + p["r1"]) * sqrt(p["h"] ** 2 + (p["r1"] - p["r0"]) ** 2)),
+            lambda x, p: 0 <= x[2] <= p["h"], to_cone),
+    Sampler(97, "onto_plane", onto_plane, onto_plane_density, lambda x, p: x[2] >= p["o"][2],
+            lambda x, p: combine((1, x), (-dot(sub(x, p["p0"]), p["n"]) / dot(p["n"], p["n"]), p["n"]))),
+    Sampler(47, "triangle", triangle, triangle_density, in_triangle, to_triangle),
+    Sampler(48, "triangle_heitz", triangle_heitz, triangle_density, in_triangle, to_triangle,
+            smooth=lambda u, p: u[0] != u[1]),
+    Sampler(49, "triangle_fold", triangle_fold, triangle_density, in_triangle, to_triangle, triangle_fold_preimages),
+    Sampler(79, "quaternion", quaternion, lambda x, p: 1 / (2 * pi**2), project=to_unit_sphere),
+    Sampler(94, "ellipsoid", ellipsoid, ellipsoid_density, project=to_ellipsoid),
+    Sampler(96, "torus", torus, lambda x, p: 1 / (4 * pi**2 * p["small"] * norm(x[:2])), project=to_torus),
+    Sampler(103, "shell", shell, lambda x, p: 3 / (4 * pi * (p["b"] ** 3 - p["a"] ** 3)),
+            lambda x, p: p["a"] <= norm(x) <= p["b"]),
+    Sampler(104, "tetrahedron", tetrahedron, tetrahedron_density, in_tetrahedron),
+    Sampler(105, "simplex", simplex, lambda x, p: 2 / sqrt(mpf(3)), lambda x, p: min(x) >= 0,
+            lambda x, p: [t - (sum(x) - 1) / 3 for t in x]),
+    Sampler(113, "ordered", ordered, ordered_density, lambda x, p: x[0] < x[1] < x[2]),
+    Sampler(114, "correlation_factor", correlation_factor, correlation_factor_density,
+            project=lambda x, p: unit(x[:2]) + unit(x[2:])),
+]
+
+# --- the points -------------------------------------------------------------
+
+INNER = [[0.3], [0.5], [0.7183098861837907]]
+ENDS = [[0.0], [TINY], [1e-300], [1 - 2.0**-20], [BELOW_ONE]]
+PAIRS = [[0.3, 0.6], [0.7183098861837907, 0.15915494309189535], [TINY, 0.3], [BELOW_ONE, 0.25], [0.5, 0.0], [0.5, BELOW_ONE],
+         [0.0, 0.3]]
+TRIPLES = [[0.3, 0.6, 0.2], [0.7183098861837907, 0.15915494309189535, 0.4], [TINY, 0.3, 0.9], [BELOW_ONE, 0.25, 0.6],
+           [0.5, TINY, 0.1], [0.5, BELOW_ONE, 0.3], [0.2, 0.7, 0.0], [0.2, 0.7, BELOW_ONE]]
+ISOSCELES = {"a": -1.0, "b": 0.5, "c": 3.0}
+RQ = {"s": 1.5, "d0": 2.5, "d1": 0.4}
+SECTOR = {"a": 1.0, "b": 2.0, "p": 2.5, "d": 3.0}
+CHOLESKY = {"l11": 1.5, "l21": -0.7, "l22": 0.4}
+QUAD = {"ax": 0.0, "ay": 0.0, "bx": 2.0, "by": 0.25, "cx": 2.5, "cy": 1.75, "dx": -0.25, "dy": 1.0}
+SQUARE = {"ax": 0.0, "ay": 0.0, "bx": 1.0, "by": 0.0, "cx": 1.0, "cy": 1 + 2.0**-45, "dx": 0.0, "dy": 1.0}
+FLOW = {"alpha": 0.7, "beta": 1.3}
+COUPLING = {"s": 0.9, "t": 0.4}
+MATRIX = {"a": [1.0, 0.1, 0.2], "b": [0.0, 0.5, 0.0], "c": [0.3, 0.0, 1.1]}
+FLAT = {"a": [1e-3, 0.0, 0.0], "b": [0.0, 1.0, 0.0], "c": [0.0, 0.0, 1.0]}
+MIX = {"p": 0.35, "n": 8.0}
+T3 = {"a": [0.0, 0.0, 1.0], "b": [2.0, 0.0, 1.5], "c": [0.3, 1.7, 0.2]}
+SLIVER = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.0, 0.0], "c": [0.5, 1e-9, 0.0]}
+FAR = {"a": [1e6, 1e6, 1e6], "b": [1e6 + 1, 1e6, 1e6], "c": [1e6, 1e6 + 1, 1e6 + 1]}
+CRATE = {"a": [0.0, 0.0, 0.0], "b": [1.0, 0.1, 0.0], "c": [0.2, 1.0, 0.3], "d": [0.1, -0.2, 1.5]}
+
+TILTED = {"o": [0.1, 0.2, 0.0], "p0": [0.0, 0.0, 2.0], "n": [0.2, -0.1, 1.0]}
+DISTANT = {"o": [1e6, 1e6, 0.0], "p0": [1e6, 1e6, 2.0], "n": [0.2, -0.1, 1.0]}
+NEAR = {"o": [0.0, 0.0, 0.0], "p0": [0.0, 0.0, 1e-6], "n": [0.0, 0.0, 1.0]}
+WINDOW = {"z0": -0.2, "z1": 0.7, "p": 2.5, "d": 1.4}
+FRUSTUM = {"r0": 1.0, "r1": 0.25, "h": 2.0}
+COIL = {"r": 1.5, "c": 0.2, "T": 20.0}
+
+POINTS = {
+    "pentagon": over({}, PAIRS[:3] + [[0.7, 0.25], [0.7, 0.5], [0.3, BELOW_ONE]]),
+    "zonal_window": [({"z0": 1 - 2.0**-40, "z1": 1.0, "p": 0.0, "d": 1.0}, [0.5, 0.5])] + over(WINDOW, PAIRS[:5]),
+    "helix": [({"r": 1e6, "c": 1e-3, "T": 20.0}, [0.5])] + over(COIL, INNER + ENDS),
+    "truncated_cone": over(FRUSTUM, PAIRS) + [({"r0": 1.0, "r1": 1.0, "h": 2.0}, [0.3, 0.6]), ({"r0": 1.0, "r1": 0.0, "h": 2.0}, [0.9, 0.6])],
+    "onto_plane": [(DISTANT, [0.3, 0.6]), (NEAR, [0.9999, 0.6])] + over(TILTED, PAIRS[:3] + PAIRS[4:]),
+    "tent": over({"r": 1.0}, [[BELOW_ONE], [1e-30]]) + over({"r": 2.0}, INNER + ENDS) + [({"r": 1e-6}, [0.25]), ({"r": 1e8}, [0.75])],
+    "triangular": over(ISOSCELES, INNER + ENDS + [[0.375]])
+    + [({"a": 0.0, "b": 0.0, "c": 1.0}, [0.3]), ({"a": 0.0, "b": 1.0, "c": 1.0}, [0.3]), ({"a": 0.0, "b": 1.0, "c": 1.0}, [BELOW_ONE]),
+       ({"a": 0.0, "b": 0.0, "c": 1.0}, [0.0])],
+    "student_2": over({}, [[1e-20]] + INNER + ENDS[1:]),
+    "laplace": over({"b": 1.0}, [[BELOW_ONE]]) + over({"b": 1.5}, INNER + ENDS[1:]) + [({"b": 1e-6}, [0.3]), ({"b": 1e8}, [0.9])],
+    "rational_quadratic": over(RQ, INNER + ENDS) + [({"s": 1.0, "d0": 1.0, "d1": 1.0}, [0.3]), ({"s": 2.0, "d0": 2.0, "d1": 0.5}, [0.7]),
+                                                   ({"s": 0.1, "d0": 10.0, "d1": 10.0}, [0.4]), ({"s": 1.0, "d0": 1.0, "d1": 1 + 2.0**-40}, [0.6])],
+    "cosine": over({}, [[1e-9], [0.25]] + INNER[::2] + [[1e-4], [0.9999], [0.75], [0.1]]),
+    "parabola": over({}, [[0.5 - 2.0**-30]] + INNER[::2] + ENDS + [[0.9]]),
+    "square": over({}, INNER[::2] + ENDS + [[0.5 - 2.0**-30], [0.9]]),
+    "fold": over({}, INNER + ENDS + [[0.5 - 2.0**-30], [0.9]]),
+    "sawtooth": over({}, INNER + ENDS + [[0.9]]),
+    "concentric_disk": over({}, [[0.5 + 2.0**-40, 0.5], [0.0, 0.5], [0.5, 0.5]] + PAIRS + [[0.2, 0.9], [0.75, 0.75], [0.25, 0.25], [0.2, 0.4]]),
+    "annular_sector": [({"a": 1.0, "b": 1 + 2.0**-30, "p": 0.0, "d": 1.0}, [0.5, 0.5])] + over(SECTOR, PAIRS)
+    + [({"a": 0.0, "b": 1.0, "p": -1.0, "d": 6.0}, [0.3, 0.9]), ({"a": 3.0, "b": 4.0, "p": 7.0, "d": 1.0}, [0.3, 0.9])],
+    "bivariate_normal": [({"l11": 1.0, "l21": 0.0, "l22": 1.0}, [1e-300, 0.3]), ({"l11": 1.0, "l21": 0.999999999, "l22": 1e-9}, [0.5, 0.25])]
+    + over(CHOLESKY, PAIRS),
+    "ggx_slopes": [({"alpha": 1e-4}, [BELOW_ONE, 0.3])] + over({"alpha": 0.3}, PAIRS) + [({"alpha": 1e3}, [0.3, 0.6])],
+    "bilinear_quad": [(SQUARE, [0.3, 0.7])] + over(QUAD, PAIRS)
+    + [({"ax": 0.0, "ay": 0.0, "bx": 2.0, "by": 0.0, "cx": 3.0, "cy": 1.0, "dx": 1.0, "dy": 1.0}, [0.3, 0.6]),
+       ({"ax": 1e6, "ay": 1e6, "bx": 1e6 + 1, "by": 1e6, "cx": 1e6 + 2, "cy": 1e6 + 2, "dx": 1e6, "dy": 1e6 + 1}, [0.3, 0.6])],
+    "complex_square": over({}, [[0.3, 0.6], [0.7183098861837907, 0.15915494309189535], [TINY, 0.3], [BELOW_ONE, 0.25], [0.5, 0.0], [0.5, BELOW_ONE]]),
+    "radial_flow": over(FLOW, PAIRS) + [({"alpha": 1e-3, "beta": 5.0}, [0.3, 0.6]), ({"alpha": 1.0, "beta": 0.0}, [0.3, 0.6])],
+    "affine_coupling": over(COUPLING, [[0.3, 0.6], [0.7183098861837907, 0.15915494309189535], [TINY, 0.3], [BELOW_ONE, 0.25], [0.5, 0.5], [0.4, BELOW_ONE]])
+    + [({"s": 0.0, "t": 0.0}, [0.3, 0.6]), ({"s": 20.0, "t": -3.0}, [0.3, 0.6])],
+    "cone": [({"m": 5e-19}, [0.5, 0.1])] + over({"m": 0.1}, PAIRS) + [({"m": 2.0}, [0.9, 0.1]), ({"m": 1.0}, [BELOW_ONE, 0.1])],
+    "concentric_hemisphere": over({}, [[0.5 + 2.0**-40, 0.5], [0.0, 0.5], [0.5, 0.5]] + PAIRS + [[0.2, 0.9], [0.2, 0.4]]),
+    "double_lune": over({"t": 0.3}, PAIRS[:4] + [[0.5, BELOW_ONE], [0.9, 0.2]]) + [({"t": 1e-6}, [0.3, 0.6]), ({"t": 1e-6}, [0.8, 0.6])],
+    "von_mises_fisher": [({"kappa": 1e-12}, [0.3, 0.1]), ({"kappa": 1e12}, [0.3, 0.1])] + over({"kappa": 10.0}, PAIRS) + [({"kappa": 500.0}, [0.3, 0.1])],
+    "henyey_greenstein": [({"g": 1e-10}, [0.3, 0.1]), ({"g": 1 - 2.0**-20}, [0.3, 0.1]), ({"g": -(1 - 2.0**-20)}, [1e-9, 0.1])]
+    + over({"g": 0.8}, PAIRS) + [({"g": 0.0}, [0.3, 0.1]), ({"g": -0.5}, [0.3, 0.1])],
+    "transformed_cosine": [(FLAT, [0.3, 0.6])] + over(MATRIX, PAIRS),
+    "beckmann": [({"alpha": 1e-4}, [0.5, 0.1]), ({"alpha": 1.0}, [BELOW_ONE, 0.1])] + over({"alpha": 0.3}, PAIRS),
+    "ggx": [({"alpha": 1e-4}, [0.5, 0.1]), ({"alpha": 1e-4}, [BELOW_ONE, 0.1])] + over({"alpha": 0.2}, PAIRS) + [({"alpha": 2.0}, [0.3, 0.6])],
+    "anisotropic_ggx": [({"ax": 1e-3, "ay": 1.0}, [0.5, 0.13])] + over({"ax": 0.1, "ay": 0.5}, PAIRS),
+    "ashikhmin_shirley": [({"nu": 1.0, "nv": 1e5}, [0.3, 0.26])] + over({"nu": 10.0, "nv": 200.0}, PAIRS + [[0.4, 0.5], [0.3, 0.75]])
+    + [({"nu": 0.0, "nv": 0.0}, [0.3, 0.6]), ({"nu": 1e6, "nv": 1e6}, [0.5, 0.1])],
+    "mixture": over(MIX, [[0.1, 0.6], [0.7183098861837907, 0.15915494309189535], [TINY, 0.3], [BELOW_ONE, 0.25], [0.35, 0.6], [0.5, 0.0], [0.2, BELOW_ONE]])
+    + [({"p": 0.0, "n": 8.0}, [0.3, 0.6]), ({"p": 1.0, "n": 8.0}, [0.3, 0.6]), ({"p": 0.5, "n": 1e6}, [0.3, 0.6])],
+    "sheen": over({"alpha": 0.4}, PAIRS) + [({"alpha": 1e-3}, [0.3, 0.6]), ({"alpha": 100.0}, [0.3, 0.6])],
+    "perspective": [({"t": 1e4, "a": 1.0}, [0.999, 0.2])] + over({"t": 0.7, "a": 0.6}, PAIRS + [[0.5, 0.5]]) + [({"t": 1e-4, "a": 0.5}, [0.3, 0.2])],
+    "triangle": [(SLIVER, [0.3, 0.6]), (FAR, [0.3, 0.6]), (T3, [TINY, 0.5])] + over(T3, PAIRS),
+    "triangle_heitz": [(SLIVER, [0.3, 0.6])] + over(T3, PAIRS + [[0.4, 0.4]]),
+    "triangle_fold": [(SLIVER, [0.3, 0.6])] + over(T3, PAIRS + [[0.9, 0.4]]),
+    "quaternion": over({}, TRIPLES),
+    "ellipsoid": [({"s1": 1.0, "s2": 1.0, "s3": 1e-8}, [0.3, 0.6])] + over({"s1": 2.0, "s2": 1.0, "s3": 0.5}, PAIRS),
+    "torus": over({"large": 2.0, "small": 0.6}, [[0.3, 0.6], [0.7183098861837907, 0.15915494309189535], [TINY, 0.3], [BELOW_ONE, 0.25], [0.4, 0.0],
+                                                 [0.4, 0.5]]) + [({"large": 1.0, "small": 1 - 2.0**-20}, [0.3, 0.5]), ({"large": 1e3, "small": 1e-3}, [0.3, 0.2])],
+    "shell": [({"a": 1.0, "b": 1 + 2.0**-30}, [0.3, 0.2, 0.6])] + over({"a": 0.5, "b": 2.0}, TRIPLES) + [({"a": 0.0, "b": 1.0}, [TINY, 0.2, 0.6])],
+    "tetrahedron": over(CRATE, TRIPLES),
+    "simplex": over({}, PAIRS),
+    "ordered": over({}, TRIPLES[:4] + [[0.5, BELOW_ONE, 0.3], [0.2, 0.7, BELOW_ONE], [0.5, 1e-9, 1e-9]]),
+    "correlation_factor": over({}, [[BELOW_ONE, 0.5, 0.5]] + TRIPLES[:6] + [[0.2, 0.7, BELOW_ONE]]),
+}
+
+NAN, INF = float("nan"), float("inf")
+
+
+def outside(params, *points):
+    """Points without a density."""
+    return [(params, list(x), False) for x in points]
+
+
+def inside(params, *points):
+    """Points with one."""
+    return [(params, list(x), True) for x in points]
+
+
+BELOW = outside({}, (0.0, 0.6, -0.8), (0.0, 0.6, 0.1), (0.0, 0.0, -1.0), (NAN, 0.0, 1.0))
+NORTH = (0.0, 0.0, 1.0)
+
+
+def given(params, queries):
+    """The same queries with other parameters."""
+    return [(params, x, good) for _, x, good in queries]
+
+
+QUERIES = {
+    "pentagon": outside({}, [1.0, 0.1], [-0.9, 0.0], [0.0, 1.0]) + inside({}, [0.1, 0.2], [-0.8, 0.0], [0.0, 0.0]),
+    "zonal_window": outside(WINDOW, [0.6, 0.0, 0.8], [0.6, 0.8, 0.0], [0.0, -1.0, 0.0]) + inside(WINDOW, [-1.0, 0.0, 0.0], [-0.8, 0.0, 0.6]),
+    "helix": outside(COIL, [1.5, 0.0, 0.1], [0.0, 0.0, 1.0], [1.5, 0.0, 5.0]) + inside(COIL, [1.5, 0.0, 0.0]),
+    "truncated_cone": outside(FRUSTUM, [0.5, 0.0, 0.5], [0.0, 0.0, 1.0], [1.0, 0.0, -0.5]) + inside(FRUSTUM, [1.0, 0.0, 0.0], [0.0, -0.625, 1.0]),
+    "onto_plane": outside(NEAR, [0.0, 0.0, -1e-6], [1e-6, 0.0, 2e-6], [NAN, 0.0, 1e-6]) + inside(NEAR, [0.0, 0.0, 1e-6], [1e-6, 1e-6, 1e-6]),
+    "tent": outside({"r": 2.0}, [2.5], [-2.5], [NAN], [INF]) + inside({"r": 2.0}, [0.0], [1.0]),
+    "triangular": outside(ISOSCELES, [-1.5], [3.5], [NAN]) + inside(ISOSCELES, [0.0], [0.75]),
+    "student_2": inside({}, [-1e9], [0.0], [1e9]) + outside({}, [INF], [NAN]),
+    "laplace": inside({"b": 1.0}, [-700.0], [0.0], [700.0]) + outside({"b": 1.0}, [INF], [NAN]),
+    "rational_quadratic": outside(RQ, [-0.1], [1.6], [NAN]) + inside(RQ, [0.0], [0.75]),
+    "cosine": outside({}, [-1.5], [1.5], [NAN]) + inside({}, [0.0], [-0.5], [0.951]),
+    "parabola": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.0], [0.75]),
+    "square": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.01]),
+    "fold": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.5]),
+    "sawtooth": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.5]),
+    "concentric_disk": outside({}, [0.8, 0.8], [-2.0, 0.0], [NAN, 0.0]) + inside({}, [0.0, 0.0], [0.5, 0.5], [-0.5, 0.5], [0.0, -0.9]),
+    "annular_sector": outside(SECTOR, [0.0, 0.0], [1.5, 0.0], [-3.0, 0.0], [0.0, 1.5]) + inside(SECTOR, [-1.5, 0.0], [0.0, -1.5]),
+    "bivariate_normal": inside(CHOLESKY, [0.0, 0.0], [10.0, 1.0]) + outside(CHOLESKY, [NAN, 0.0], [INF, 0.0]),
+    "ggx_slopes": inside({"alpha": 0.3}, [0.0, 0.0], [1e6, 0.0]) + outside({"alpha": 0.3}, [NAN, 0.0]),
+    "bilinear_quad": outside(QUAD, [3.0, 0.0], [-1.0, 0.5], [1.0, 3.0], [NAN, 0.0]) + inside(QUAD, [1.0, 0.75], [0.0, 0.0]),
+    "complex_square": outside({}, [1.5, 0.0], [-0.9, 0.9], [NAN, 0.0]) + inside({}, [0.5, 0.0], [0.0, -0.25]),
+    "radial_flow": inside(FLOW, [0.0, 0.0], [3.0, 4.0]) + outside(FLOW, [NAN, 0.0]),
+    "affine_coupling": inside(COUPLING, [0.0, 0.0], [3.0, -4.0], [-700.0, 0.0]) + outside(COUPLING, [NAN, 0.0]),
+    "cone": given({"m": 0.1}, BELOW) + outside({"m": 0.1}, [0.6, 0.0, 0.8]) + inside({"m": 0.1}, NORTH),
+    "concentric_hemisphere": BELOW + inside({}, NORTH, [0.6, 0.0, 0.8], [0.0, 1.0, 0.0]),
+    "double_lune": outside({"t": 0.3}, [0.0, 0.6, 0.8], [0.0, -1.0, 0.0]) + inside({"t": 0.3}, [0.6, 0.0, 0.8], [-1.0, 0.0, 0.0]),
+    "von_mises_fisher": inside({"kappa": 10.0}, NORTH, [0.0, 0.0, -1.0], [0.6, 0.0, -0.8]) + outside({"kappa": 10.0}, [0.0, 0.6, 0.1]),
+    "henyey_greenstein": inside({"g": 0.8}, NORTH, [0.0, 0.0, -1.0], [0.6, 0.0, -0.8]) + outside({"g": 0.8}, [0.0, 0.6, 0.1]),
+    "transformed_cosine": outside(MATRIX, [0.0, 0.6, -0.8], [0.0, 0.6, 0.1], [0.0, 0.0, -1.0]) + inside(MATRIX, NORTH, [0.6, 0.0, 0.8]),
+    "beckmann": given({"alpha": 0.3}, BELOW) + inside({"alpha": 0.3}, NORTH, [0.6, 0.0, 0.8]),
+    "ggx": given({"alpha": 0.2}, BELOW) + inside({"alpha": 0.2}, NORTH, [0.6, 0.0, 0.8]),
+    "anisotropic_ggx": given({"ax": 0.1, "ay": 0.5}, BELOW) + inside({"ax": 0.1, "ay": 0.5}, NORTH, [0.6, 0.0, 0.8]),
+    "ashikhmin_shirley": given({"nu": 10.0, "nv": 200.0}, BELOW) + inside({"nu": 10.0, "nv": 200.0}, NORTH, [0.6, 0.0, 0.8], [0.0, 0.6, 0.8]),
+    "mixture": given(MIX, BELOW) + inside(MIX, NORTH, [0.6, 0.0, 0.8]),
+    "sheen": given({"alpha": 0.4}, BELOW) + inside({"alpha": 0.4}, [0.6, 0.0, 0.8], [0.0, 0.8, 0.6]),
+    "perspective": given({"t": 0.7, "a": 0.6}, BELOW) + outside({"t": 0.7, "a": 0.6}, [0.6, 0.0, 0.8], [0.6, 0.0, -0.8]) + inside({"t": 0.7, "a": 0.6}, NORTH),
+    "triangle": outside(T3, [0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [0.7, 0.5, 1.0], [NAN, 0.0, 0.0]) + inside(T3, [0.0, 0.0, 1.0], [2.0, 0.0, 1.5], [0.3, 1.7, 0.2], [1.0, 0.0, 1.25]),
+    "triangle_heitz": outside(T3, [0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [0.7, 0.5, 1.0]) + inside(T3, [0.0, 0.0, 1.0], [1.0, 0.0, 1.25]),
+    "triangle_fold": outside(T3, [0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [0.7, 0.5, 1.0]) + inside(T3, [0.0, 0.0, 1.0], [1.0, 0.0, 1.25]),
+    "quaternion": outside({}, [0.5, 0.5, 0.5, 0.6], [0.0, 0.0, 0.0, 0.0]) + inside({}, [0.5, 0.5, 0.5, 0.5], [-0.5, -0.5, 0.5, -0.5], [0.0, 0.0, 0.0, 1.0]),
+    "ellipsoid": outside({"s1": 2.0, "s2": 1.0, "s3": 0.5}, [0.0, 0.0, 0.0], [1.0, 1.0, 1.0]) + inside({"s1": 2.0, "s2": 1.0, "s3": 0.5}, [2.0, 0.0, 0.0], [0.0, 0.0, -0.5]),
+    "torus": outside({"large": 2.0, "small": 0.6}, [2.0, 0.0, 0.0], [0.0, 0.0, 0.0], [2.0, 0.0, 0.5]) + inside({"large": 2.0, "small": 0.6}, [2.0, 0.0, 0.6], [0.0, -2.6, 0.0]),
+    "shell": outside({"a": 0.5, "b": 2.0}, [0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.1, 0.1, 0.1]) + inside({"a": 0.5, "b": 2.0}, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.5]),
+    "tetrahedron": outside(CRATE, [1.0, 1.0, 1.0], [-0.1, 0.0, 0.0], [NAN, 0.0, 0.0]) + inside(CRATE, [0.25, 0.125, 0.25], [0.0, 0.0, 0.0]),
+    "simplex": outside({}, [0.5, 0.5, 0.4], [0.5, 0.75, -0.25], [-0.25, 0.5, 0.75]) + inside({}, [0.25, 0.25, 0.5], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]),
+    "ordered": outside({}, [1.0, 0.0, 2.0], [1.0, 2.0, 1.5]) + inside({}, [-1.0, 0.5, 2.5]),
+    "correlation_factor": outside({}, [0.6, 0.8, 0.6, 0.8, 0.5], [0.6, -0.8, 0.0, 0.0, 1.0]) + inside({}, [0.6, 0.8, 0.0, 0.0, 1.0], [0.0, 1.0, 0.6, 0.0, 0.8]),
+}
+
+
+def with_poles(s):
+    """The sampler with an infinite density where the closed form divides by zero."""
+
+    def density(x, p):
+        try:
+            return s.density(x, p)
+        except ZeroDivisionError:
+            return inf
+
+    return s._replace(density=density)
+
+
+def main():
+    """Computes all entries and writes the file, one entry per line."""
+    entries = []
+    for s in map(with_poles, LINE + PLANE + DIRECTIONS + SPACE):
+        for params, u in POINTS[s.name]:
+            found = entry_for(s, params, u, F64)
+            if found is None:
+                raise SystemExit(f"row {s.row}: {params}, {u} is outside the domain")
+            entries.append({"row": s.row, "name": s.name, "kind": "point"} | found)
+        entries += [query_for(s, params, x, good) for params, x, good in QUERIES[s.name]]
+    lines = ",\n".join(json.dumps(e, allow_nan=False) for e in entries)
+    OUTPUT.write_text("[\n" + lines + "\n]\n")
+    print(f"{len(entries)} entries, {OUTPUT.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    main()

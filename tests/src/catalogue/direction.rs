@@ -1,0 +1,138 @@
+//! Directions.
+
+use aether_core::prelude::*;
+
+/// Row 66: uniform on the hemisphere, by concentric squares.
+#[sampler]
+pub fn concentric_hemisphere(u: [Uniform; 2]) -> Direction {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let (r, theta) = if a.abs() > b.abs() {
+        (a, PI / 4.0 * (b / a))
+    } else {
+        (b, PI / 2.0 - PI / 4.0 * (a / b))
+    };
+    let s = r * (2.0 - r * r).sqrt();
+    Direction::new(s * theta.cos(), s * theta.sin(), 1.0 - r * r)
+}
+
+/// Row 65: uniform on the cone about +z with 1 - cos up to m.
+#[sampler(m in 0.0..=2.0)]
+pub fn cone(u: [Uniform; 2], m: f64) -> Direction {
+    let h = m * u[0];
+    let r = (h * (2.0 - h)).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+}
+
+/// Row 69: uniform on two lunes of half angle t around +x and -x.
+#[sampler(t in 1e-6..=1.5707963267948966)]
+pub fn double_lune(u: [Uniform; 2], t: f64) -> Direction {
+    let theta = if u[0] < 0.5 { 4.0 * t * u[0] - t } else { 4.0 * t * u[0] + PI - 3.0 * t };
+    let z = 1.0 - 2.0 * u[1];
+    let r = (1.0 - z * z).sqrt();
+    Direction::new(r * theta.cos(), r * theta.sin(), z)
+}
+
+/// Row 74: von Mises-Fisher about +z.
+#[sampler(kappa in 1e-12..)]
+pub fn von_mises_fisher(u: [Uniform; 2], kappa: f64) -> Direction {
+    let c = 1.0 + ((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
+    let r = (1.0 - c * c).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+/// Row 75: Henyey-Greenstein about +z, as it is printed everywhere.
+#[sampler(g in -0.9999999..=0.9999999)]
+pub fn henyey_greenstein(u: [Uniform; 2], g: f64) -> Direction {
+    let f = (1.0 - g * g) / (1.0 - g + 2.0 * g * u[0]);
+    let c = (1.0 + g * g - f * f) / (2.0 * g);
+    let r = (1.0 - c * c).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+/// Row 77: a linearly transformed cosine.
+#[sampler]
+pub fn transformed_cosine(u: [Uniform; 2], m: Mat3) -> Direction {
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let w = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt());
+    Direction::from_vec((m * w).normalize())
+}
+
+/// Row 81: normals of Beckmann microfacets.
+#[sampler(alpha in 1e-6..)]
+pub fn beckmann(u: [Uniform; 2], alpha: f64) -> Direction {
+    let t = (-alpha * alpha * (-u[0]).ln_1p()).sqrt();
+    let phi = TAU * u[1];
+    let z = 1.0 / (1.0 + t * t).sqrt();
+    Direction::new(t * z * phi.cos(), t * z * phi.sin(), z)
+}
+
+/// Row 82: normals of GGX microfacets.
+#[sampler(alpha in 1e-6..)]
+pub fn ggx(u: [Uniform; 2], alpha: f64) -> Direction {
+    let r = (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Vec3::new(alpha * r * phi.cos(), alpha * r * phi.sin(), 1.0).normalize())
+}
+
+/// Row 83: normals of anisotropic GGX microfacets.
+#[sampler(ax in 1e-6.., ay in 1e-6..)]
+pub fn anisotropic_ggx(u: [Uniform; 2], ax: f64, ay: f64) -> Direction {
+    let r = (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Vec3::new(ax * r * phi.cos(), ay * r * phi.sin(), 1.0).normalize())
+}
+
+/// Row 84: the half vectors of Ashikhmin and Shirley.
+#[sampler(nu in 0.0.., nv in 0.0..)]
+pub fn ashikhmin_shirley(u: [Uniform; 2], nu: f64, nv: f64) -> Direction {
+    let turn = TAU * u[1];
+    let phi = ((nu + 1.0).sqrt() * turn.sin()).atan2((nv + 1.0).sqrt() * turn.cos());
+    let n = nu * phi.cos().powi(2) + nv * phi.sin().powi(2);
+    let z = (1.0 - u[0]).powf(1.0 / (n + 1.0));
+    let r = (1.0 - z * z).sqrt();
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+/// Row 91: a power cosine with probability p, else a cosine, by one uniform.
+#[sampler(p in 0.0..=1.0, n in 0.0..)]
+pub fn mixture(u: [Uniform; 2], p: f64, n: f64) -> Direction {
+    let phi = TAU * u[1];
+    if u[0] < p {
+        let z = (u[0] / p).powf(1.0 / (n + 1.0));
+        let r = (1.0 - z * z).sqrt();
+        Direction::new(r * phi.cos(), r * phi.sin(), z)
+    } else {
+        let v = (u[0] - p) / (1.0 - p);
+        let r = v.sqrt();
+        Direction::new(r * phi.cos(), r * phi.sin(), (1.0 - v).sqrt())
+    }
+}
+
+/// Row 92: the sheen of Charlie.
+#[sampler(alpha in 1e-3..)]
+pub fn sheen(u: [Uniform; 2], alpha: f64) -> Direction {
+    let s = u[0].powf(alpha / (2.0 * alpha + 1.0));
+    let phi = TAU * u[1];
+    Direction::new(s * phi.cos(), s * phi.sin(), (1.0 - s * s).sqrt())
+}
+
+/// Row 99: the directions of a perspective camera with half width t and aspect ratio a.
+#[sampler(t in 1e-6.., a in 1e-6..)]
+pub fn perspective(u: [Uniform; 2], t: f64, a: f64) -> Direction {
+    Direction::from_vec(
+        Vec3::new(t * (2.0 * u[0] - 1.0), t * a * (2.0 * u[1] - 1.0), 1.0).normalize(),
+    )
+}
+
+/// Row 68: uniform in z between z0 and z1 and in azimuth from p over the angle d.
+#[sampler(z0 in -1.0..=1.0, z1 in -1.0..=1.0, d in 1e-6..=6.283185307179586, where z0 < z1)]
+pub fn zonal_window(u: [Uniform; 2], z0: f64, z1: f64, p: f64, d: f64) -> Direction {
+    let z = (1.0 - u[0]) * z0 + u[0] * z1;
+    let r = (1.0 - z * z).sqrt();
+    let phi = p + d * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}

@@ -1,0 +1,73 @@
+//! The line.
+
+use aether_core::prelude::*;
+
+/// Row 6: a tent of half width r around zero.
+#[sampler(r in 1e-6..)]
+pub fn tent(u: [Uniform; 1], r: f64) -> f64 {
+    if u[0] < 0.5 {
+        r * ((2.0 * u[0]).sqrt() - 1.0)
+    } else {
+        r * (1.0 - (2.0 * (1.0 - u[0])).sqrt())
+    }
+}
+
+/// Row 7: a triangle over [a, c] with its peak at b.
+#[sampler]
+pub fn triangular(u: [Uniform; 1], a: f64, b: f64, c: f64) -> f64 {
+    if u[0] * (c - a) < b - a {
+        a + (u[0] * (c - a) * (b - a)).sqrt()
+    } else {
+        c - ((1.0 - u[0]) * (c - a) * (c - b)).sqrt()
+    }
+}
+
+/// Row 15: Student's t with two degrees of freedom.
+#[sampler]
+pub fn student_2(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0) / (2.0 * u[0] * (1.0 - u[0])).sqrt()
+}
+
+/// Row 17: Laplace with scale b.
+#[sampler(b in 1e-6..)]
+pub fn laplace(u: [Uniform; 1], b: f64) -> f64 {
+    if u[0] < 0.5 { b * (2.0 * u[0]).ln() } else { -b * (2.0 * (1.0 - u[0])).ln() }
+}
+
+/// Row 32: a segment of a rational-quadratic spline of slope s, with the derivatives d0 and d1 at
+/// its ends.
+#[sampler(s in 0.1..=10.0, d0 in 0.1..=10.0, d1 in 0.1..=10.0)]
+pub fn rational_quadratic(u: [Uniform; 1], s: f64, d0: f64, d1: f64) -> f64 {
+    let t = u[0];
+    s * (s * t * t + d0 * t * (1.0 - t)) / (s + (d1 + d0 - 2.0 * s) * t * (1.0 - t))
+}
+
+/// Row 33: the cosine of a uniform angle; two preimages.
+#[sampler]
+pub fn cosine(u: [Uniform; 1]) -> f64 {
+    (TAU * u[0]).cos()
+}
+
+/// Row 34: a parabola; two preimages.
+#[sampler]
+pub fn parabola(u: [Uniform; 1]) -> f64 {
+    4.0 * u[0] * (1.0 - u[0])
+}
+
+/// Row 34: a square about the middle; two preimages.
+#[sampler]
+pub fn square(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0).powi(2)
+}
+
+/// Row 34: a fold in the middle; two preimages.
+#[sampler]
+pub fn fold(u: [Uniform; 1]) -> f64 {
+    (2.0 * u[0] - 1.0).abs()
+}
+
+/// Row 35: a sawtooth; three preimages.
+#[sampler]
+pub fn sawtooth(u: [Uniform; 1]) -> f64 {
+    (3.0 * u[0]).fract()
+}

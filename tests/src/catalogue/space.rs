@@ -1,0 +1,126 @@
+//! Space: surfaces and volumes, and manifolds in more dimensions.
+
+use aether_core::prelude::*;
+
+/// Row 47: uniform on a triangle in space, by a square root.
+#[sampler]
+pub fn triangle(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Surface {
+    let s = (1.0 - u[0]).sqrt();
+    Surface::from_vec(a + s * (1.0 - u[1]) * (b - a) + s * u[1] * (c - a))
+}
+
+/// Row 48: uniform on a triangle in space, with low distortion.
+#[sampler]
+pub fn triangle_heitz(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Surface {
+    let (b1, b2) =
+        if u[1] > u[0] { (u[1] - u[0] / 2.0, u[0] / 2.0) } else { (u[1] / 2.0, u[0] - u[1] / 2.0) };
+    Surface::from_vec(a + b1 * (b - a) + b2 * (c - a))
+}
+
+/// Row 49: uniform on a triangle in space, by a fold; two preimages.
+#[sampler]
+pub fn triangle_fold(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Surface {
+    let (b1, b2) = if u[0] + u[1] <= 1.0 { (u[0], u[1]) } else { (1.0 - u[0], 1.0 - u[1]) };
+    Surface::from_vec(a + b1 * (b - a) + b2 * (c - a))
+}
+
+/// Row 94: an ellipsoid, uniform before it is scaled.
+#[sampler(s1 in 1e-9.., s2 in 1e-9.., s3 in 1e-9..)]
+pub fn ellipsoid(u: [Uniform; 2], s1: f64, s2: f64, s3: f64) -> Surface {
+    let z = 1.0 - 2.0 * u[0];
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    Surface::new(s1 * r * phi.cos(), s2 * r * phi.sin(), s3 * z)
+}
+
+/// Row 96: a torus, uniform in its two angles.
+#[sampler(large in 1.0.., small in 1e-6..=1.0)]
+pub fn torus(u: [Uniform; 2], large: f64, small: f64) -> Surface {
+    let (a, b) = (TAU * u[0], TAU * u[1]);
+    let r = large + small * b.cos();
+    Surface::new(r * a.cos(), r * a.sin(), small * b.sin())
+}
+
+/// Row 103: uniform between two spheres.
+#[sampler(a in 0.0.., b in 1e-6..)]
+pub fn shell(u: [Uniform; 3], a: f64, b: f64) -> Vec3 {
+    let r = ((1.0 - u[0]) * a.powi(3) + u[0] * b.powi(3)).cbrt();
+    let z = 1.0 - 2.0 * u[1];
+    let s = (1.0 - z * z).sqrt();
+    let phi = TAU * u[2];
+    Vec3::new(r * s * phi.cos(), r * s * phi.sin(), r * z)
+}
+
+/// Row 104: uniform in a tetrahedron.
+#[sampler]
+pub fn tetrahedron(u: [Uniform; 3], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Vec3 {
+    let r = u[0].cbrt();
+    let s = u[1].sqrt();
+    a + r * (1.0 - s) * (b - a) + r * s * (1.0 - u[2]) * (c - a) + r * s * u[2] * (d - a)
+}
+
+/// Row 105: uniform on the simplex x + y + z = 1.
+#[sampler]
+pub fn simplex(u: [Uniform; 2]) -> Surface {
+    let x = 1.0 - (1.0 - u[0]).sqrt();
+    let y = (1.0 - x) * u[1];
+    Surface::new(x, y, 1.0 - x - y)
+}
+
+/// Row 113: three numbers in ascending order.
+#[sampler]
+pub fn ordered(u: [Uniform; 3]) -> Vec3 {
+    let z0 = (u[0] / (1.0 - u[0])).ln();
+    let z1 = (u[1] / (1.0 - u[1])).ln();
+    let z2 = (u[2] / (1.0 - u[2])).ln();
+    let x1 = z0;
+    let x2 = x1 + z1.exp();
+    Vec3::new(x1, x2, x2 + z2.exp())
+}
+
+/// Row 79: uniform rotations, as unit quaternions.
+#[sampler]
+pub fn quaternion(u: [Uniform; 3]) -> Embedded<3, 4> {
+    let (a, b) = ((1.0 - u[0]).sqrt(), u[0].sqrt());
+    let (v, w) = (TAU * u[1], TAU * u[2]);
+    Embedded([a * v.sin(), a * v.cos(), b * w.sin(), b * w.cos()])
+}
+
+/// Row 114: Cholesky factors of correlation matrices, (l21, l22, l31, l32, l33).
+#[sampler]
+pub fn correlation_factor(u: [Uniform; 3]) -> Embedded<3, 5> {
+    let (a, b, c) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0, 2.0 * u[2] - 1.0);
+    Embedded([
+        a,
+        (1.0 - a * a).sqrt(),
+        b,
+        c * (1.0 - b * b).sqrt(),
+        (1.0 - b * b).sqrt() * (1.0 - c * c).sqrt(),
+    ])
+}
+
+/// Row 40: a helix.
+#[sampler(r in 1e-3.., c in 1e-3.., turns in 1e-3..)]
+pub fn helix(u: [Uniform; 1], r: f64, c: f64, turns: f64) -> Curve {
+    let t = turns * u[0];
+    Curve::new(r * t.cos(), r * t.sin(), c * t)
+}
+
+/// Row 95: uniform on the side of a truncated cone.
+#[sampler(r0 in 1e-6.., r1 in 0.0.., h in 1e-6..)]
+pub fn truncated_cone(u: [Uniform; 2], r0: f64, r1: f64, h: f64) -> Surface {
+    let t = u[0] * (r0 + r1) / (r0 + ((1.0 - u[0]) * r0 * r0 + u[0] * r1 * r1).sqrt());
+    let r = (1.0 - t) * r0 + t * r1;
+    let phi = TAU * u[1];
+    Surface::new(r * phi.cos(), r * phi.sin(), h * t)
+}
+
+/// Row 97: where a cosine-distributed direction from o meets the plane through p0 with normal n.
+#[sampler]
+pub fn onto_plane(u: [Uniform; 2], o: Vec3, p0: Vec3, n: Vec3) -> Option<Surface> {
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let w = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt());
+    let t = n.dot(p0 - o) / n.dot(w);
+    if t > 0.0 { Some(Surface::from_vec(o + t * w)) } else { None }
+}
