@@ -45,6 +45,7 @@ pub mod density;
 pub mod discrete;
 pub mod estimator;
 pub mod forms;
+pub mod guide;
 pub mod joint;
 pub mod map;
 pub mod mixture;
