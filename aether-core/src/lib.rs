@@ -47,12 +47,15 @@ pub mod estimator;
 pub mod forms;
 pub mod guide;
 pub mod joint;
+pub mod legal;
 pub mod map;
 pub mod mixture;
 pub mod mutation;
 pub mod path_density;
 pub mod point;
 pub mod preimages;
+#[cfg(feature = "proptest")]
+pub mod proptest;
 pub mod real;
 pub mod root;
 pub mod sampler;
@@ -77,6 +80,7 @@ pub use discrete::{
     discrete_weighted, shares,
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
+pub use legal::Legal;
 pub use map::{Map, Then};
 pub use mixture::{Mixture, mixture};
 pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_pdf, mutation};

@@ -1,11 +1,12 @@
 //! `#[sampler]` and `#[map]` from tokens to tokens.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::ItemFn;
 
 use crate::derive::derive;
 use crate::diagnostics::Diagnostics;
+use crate::emit::text::source;
 use crate::emit::{Emitter, Texts, compose};
 use crate::parse::{Options, parse, signature};
 
@@ -69,17 +70,44 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         }
         Some(emitter.emit(sampler))
     });
-    match expanded {
+    let tokens = match expanded {
         Some(tokens) if errors.is_empty() => tokens,
         _ => {
             let rendered = errors.render();
             let fallback = compose::fallback(&function, sampler);
             quote!(#rendered #fallback)
         }
-    }
+    };
+    show_expansion(&function.sig.ident, &tokens);
+    tokens
 }
 
 /// `AETHER_EXPLAIN=name` asks for the derivation of one item from outside.
 fn explained(name: &str) -> bool {
-    std::env::var("AETHER_EXPLAIN").is_ok_and(|v| v == name || v == "all")
+    names(std::env::var("AETHER_EXPLAIN").ok().as_deref(), name)
+}
+
+/// `AETHER_EXPAND=name` prints the code that is emitted for one item to the build's output.
+pub(crate) fn show_expansion(name: &Ident, tokens: &TokenStream) {
+    if names(std::env::var("AETHER_EXPAND").ok().as_deref(), &name.to_string()) {
+        eprintln!("// {name}\n{}", source(tokens));
+    }
+}
+
+/// Whether a variable of the environment names an item: one name, several with commas between them,
+/// or `all`.
+fn names(variable: Option<&str>, name: &str) -> bool {
+    variable.is_some_and(|list| list.split(',').any(|n| n.trim() == name || n.trim() == "all"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_environment_names_items() {
+        assert!(names(Some("lobe"), "lobe") && names(Some("disk, lobe"), "lobe"));
+        assert!(names(Some("all"), "lobe"));
+        assert!(!names(Some("lobes"), "lobe") && !names(Some(""), "lobe") && !names(None, "lobe"));
+    }
 }

@@ -10,6 +10,7 @@ use quote::{ToTokens, quote};
 use syn::visit_mut::VisitMut;
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
+use super::documentation::measures;
 use super::interface::{hidden_body, interface, type_name};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
@@ -173,7 +174,12 @@ pub fn emit(
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
     let args = if generic { quote!(<R>) } else { quote!() };
-    let docs = quote!(#[doc = "\nA composition: densities divide by the change of measure of each map, over all preimages."]);
+    let about = format!(
+        "\nA composition: densities divide by the change of measure of each map, over all preimages. \
+         Measure: {}. Its parts were checked while compiling; the battery checks it as a whole.",
+        measures(signature)
+    );
+    let docs = quote!(#[doc = #about]);
     let interface = interface(item, signature, options, &[], &docs);
     let hidden = hidden_body(item);
     let point = point_type(&signature.space);
