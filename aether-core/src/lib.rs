@@ -17,7 +17,7 @@
 //! assert!((flight.pdf(&t).value() - 2.0 * (-2.0 * t.value()).exp()).abs() < 1e-15);
 //! ```
 //!
-//! Where things are:
+//! The [`guide`] explains the language in chapters. Where things are:
 //!
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`mixture`](mod@mixture),
 //!   [`discrete`](mod@discrete), [`tables`];
@@ -29,7 +29,8 @@
 //!   [`path_density`];
 //! - Markov chains of paths: [`mutation`](mod@mutation);
 //! - uniform random numbers: [`uniform`];
-//! - checks for any sampler, in one line: [`battery`].
+//! - checks for any sampler, in one line: [`battery`];
+//! - which parameters are legal, for generators of tests: [`legal`].
 //!
 //! This crate knows nothing of rendering.
 

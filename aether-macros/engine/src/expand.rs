@@ -3,12 +3,13 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::ItemFn;
+use syn::parse::{Parse, ParseStream};
 
 use crate::derive::derive;
 use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
 use crate::emit::{Emitter, Texts, compose};
-use crate::parse::{Options, parse, signature};
+use crate::parse::{Options, ParamKind, parse, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -22,14 +23,18 @@ pub fn map(attr: TokenStream, item: TokenStream) -> TokenStream {
 
 fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     let mut errors = Diagnostics::new();
-    let Ok(function) = syn::parse2::<ItemFn>(item.clone()) else {
-        // rustc reports the syntax error itself, on the tokens as they are.
-        return item;
+    let function = match syn::parse2::<ItemFn>(item.clone()) {
+        Ok(function) => function,
+        Err(_) => return unreadable(item, sampler),
     };
     let options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
         for d in &options.domains {
-            if !signature.params.iter().any(|p| p.name == d.name) {
+            let parameter = signature.params.iter().find(|p| p.name == d.name);
+            if parameter.is_some_and(|p| p.kind != ParamKind::Scalar) {
+                errors.error(&d.name, format!("`{0}` is no number, and a domain is a range of numbers: write relations of its parts, such as `where {0}.x > 0.0`", d.name));
+            }
+            if parameter.is_none() {
                 let known: Vec<String> =
                     signature.params.iter().map(|p| format!("`{}`", p.name)).collect();
                 let known = if known.is_empty() {
@@ -80,6 +85,41 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     };
     show_expansion(&function.sig.ident, &tokens);
     tokens
+}
+
+/// What is emitted for something that is no function that can be read. rustc reports errors of syntax
+/// itself. A function that is being written has a signature already, so its constructor is emitted, and
+/// its body as it stands, for the editor to complete in.
+fn unreadable(item: TokenStream, sampler: bool) -> TokenStream {
+    if let Ok(other) = syn::parse2::<syn::Item>(item.clone()) {
+        let name = if sampler { "sampler" } else { "map" };
+        let mut errors = Diagnostics::new();
+        errors.error(other, format!("`#[{name}]` belongs on a function, `fn name(…) -> … {{ … }}`: it is the function's body that a density is derived from"));
+        let rendered = errors.render();
+        return quote!(#item #rendered);
+    }
+    match syn::parse2::<Unfinished>(item.clone()) {
+        Ok(Unfinished { function, body }) => compose::fallback_with(&function, &body, sampler),
+        Err(_) => item,
+    }
+}
+
+/// A function whose body is no Rust yet.
+struct Unfinished {
+    /// The function with an empty body.
+    function: ItemFn,
+    /// The body, in braces.
+    body: TokenStream,
+}
+
+impl Parse for Unfinished {
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let attrs = input.call(syn::Attribute::parse_outer)?;
+        let (vis, sig): (syn::Visibility, syn::Signature) = (input.parse()?, input.parse()?);
+        let body: TokenStream = input.parse()?;
+        let tokens = quote!(#(#attrs)* #vis #sig {});
+        Ok(Unfinished { function: syn::parse2(tokens)?, body })
+    }
 }
 
 /// `AETHER_EXPLAIN=name` asks for the derivation of one item from outside.

@@ -1,7 +1,7 @@
 //! What a user sees of an item: the struct and its constructor, and his own function, hidden.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 use syn::{Attribute, ItemFn};
 
 use super::legal::legal;
@@ -176,9 +176,13 @@ fn param_type(kind: ParamKind) -> TokenStream {
 
 /// The user's function under another name: rustc checks its types, and editors complete in it.
 pub fn hidden_body(item: &ItemFn) -> TokenStream {
+    hidden_body_with(item, &item.block.to_token_stream())
+}
+
+/// [`hidden_body`] with the tokens of a body that need not be Rust yet.
+pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
     let inputs = &item.sig.inputs;
     let output = &item.sig.output;
-    let block = &item.block;
     quote! {
         #[allow(unused, clippy::all)]
         fn body(#inputs) #output {

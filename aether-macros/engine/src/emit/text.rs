@@ -93,6 +93,10 @@ fn spaced(token: &TokenTree, next: &TokenTree) -> bool {
     let tight_after = |c: char| matches!(c, '.' | '&' | '!');
     match (token, next) {
         (TokenTree::Punct(p), _) if tight_after(p.as_char()) => false,
+        // Two colons that are no path separator, as in `R: ::core::Copy`.
+        (TokenTree::Punct(p), TokenTree::Punct(n)) if p.as_char() == ':' && n.as_char() == ':' => {
+            true
+        }
         // The second colon of a path.
         (TokenTree::Punct(p), TokenTree::Ident(_)) if p.as_char() == ':' => true,
         (_, TokenTree::Punct(p)) => !tight_before(p.as_char()),
