@@ -14,7 +14,9 @@ fn mistakes_are_explained_where_they_are() {
 #[test]
 fn every_file_says_what_its_mistake_is() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ui");
-    let files = std::fs::read_dir(folder).expect("the folder exists").map(|f| f.expect("is readable").path());
+    let files = std::fs::read_dir(folder)
+        .expect("the folder exists")
+        .map(|f| f.expect("is readable").path());
     let mut count = 0;
     for file in files.filter(|f| f.extension().is_some_and(|e| e == "rs")) {
         let text = std::fs::read_to_string(&file).expect("is text");

@@ -65,7 +65,7 @@ fn a_wrong_attribute_or_signature_keeps_the_body() {
         "fn lobe<T>(u: [Uniform; 1], t: T) -> f64 { 2.0 * u[0] }",
     ] {
         let text = expanded(aether_engine::sampler, "", item);
-        assert!(text.contains("compile_error!") && text.contains("fnbody("), "{item}");
+        assert!(text.contains("compile_error!") && text.contains("fnbody"), "{item}");
         assert_eq!(text.matches("{2.0*u[0]}").count(), 1, "{item}\n{text}");
     }
 }
@@ -93,7 +93,11 @@ fn a_body_that_is_no_rust_yet_is_emitted_as_it_stands() {
 
 #[test]
 fn a_method_stays_a_method() {
-    let text = expanded(aether_engine::sampler, "", "pub fn lobe(&self, u: [Uniform; 1]) -> f64 { self.k * u[0] }");
+    let text = expanded(
+        aether_engine::sampler,
+        "",
+        "pub fn lobe(&self, u: [Uniform; 1]) -> f64 { self.k * u[0] }",
+    );
     assert!(text.contains("pubfnlobe(&self,u:[Uniform;1])->f64{self.k*u[0]}"), "{text}");
     assert!(text.contains("hasno`self`") && !text.contains("const_"), "{text}");
 }

@@ -85,7 +85,7 @@ fn maps_and_compositions_name_their_measures() {
         SurfacePoint::new(eye + t * w, id)
     }";
     let text = documented(aether_engine::map, "", plane);
-    says(&text, &["measure  solid angle to area", "Every point has one preimage in closed form."]);
+    says(&text, &["measure  solid angle to area", "A point has up to 2 preimages in closed form."]);
     let chain = "fn chain(u: [Uniform; 2], n: Direction) -> Direction { rotate(n).apply(&lobe().sample(u)) }";
     says(
         &documented(aether_engine::sampler, "", chain),

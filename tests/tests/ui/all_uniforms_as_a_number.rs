@@ -2,8 +2,8 @@
 use aether_core::prelude::*;
 
 #[sampler]
-fn scaled(u: [Uniform; 1], k: f64) -> f64 {
-    k * u
+fn probability(u: [Uniform; 1]) -> f64 {
+    normal_cdf(u)
 }
 
 fn main() {}

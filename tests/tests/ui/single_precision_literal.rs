@@ -2,8 +2,9 @@
 use aether_core::prelude::*;
 
 #[sampler]
-fn halved(u: [Uniform; 1]) -> f64 {
-    0.5f32 * u[0]
+fn scaled(u: [Uniform; 1], k: f64) -> f64 {
+    let half = 0.5f32;
+    k * u[0]
 }
 
 fn main() {}

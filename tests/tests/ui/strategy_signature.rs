@@ -25,11 +25,6 @@ fn no_vertex(path: &PathView<Spot>) {
 }
 
 #[strategy]
-const fn constant_one(path: &PathView<Spot>) -> Spot {
-    return stop();
-}
-
-#[strategy]
 fn drawing(path: &PathView<Spot>, draw: f64) -> Spot {
     return stop();
 }

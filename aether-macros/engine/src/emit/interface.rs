@@ -183,9 +183,10 @@ pub fn hidden_body(item: &ItemFn) -> TokenStream {
 pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
     let inputs = &item.sig.inputs;
     let output = &item.sig.output;
+    let (generics, conditions) = (&item.sig.generics, &item.sig.generics.where_clause);
     quote! {
         #[allow(unused, clippy::all)]
-        fn body(#inputs) #output {
+        fn body #generics (#inputs) #output #conditions {
             #[allow(unused_imports)]
             use ::aether_core::prelude::*;
             #[allow(unused_imports)]
