@@ -116,7 +116,7 @@ proptest! {
         prop_assert!(a.iter().all(|x| inside(*x)) && b.iter().all(|x| inside(f64::from(*x))));
         // In range and in order: both ends of the interval follow from its samples.
         let (low, high) = (c.sample([0.0]).value(), c.sample([1.0 - 1e-16]).value());
-        prop_assert!(low >= -2.0 && low < 1.0 && low < high);
+        prop_assert!((-2.0..1.0).contains(&low) && low < high);
         prop_assert!(d.sample([0.0]).value() < 1.0);
         let (x, y) = (e.sample([0.25, 0.5]), f.sample([0.25, 0.5]));
         prop_assert!(e.pdf(&x).value() > 0.0 && f.pdf(&y).value() > 0.0);
@@ -189,7 +189,7 @@ fn a_failing_case_is_simplified() {
 #[test]
 fn relations_that_cannot_hold_are_an_error() {
     let error = samplers::<Impossible>().new_tree(&mut TestRunner::deterministic());
-    let text = error.err().expect("nothing is legal").to_string();
+    let text = error.expect_err("nothing is legal").to_string();
     for part in ["`impossible`", "`a < a`", "Declare domains"] {
         assert!(text.contains(part), "{part} is not in: {text}");
     }

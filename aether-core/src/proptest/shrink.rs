@@ -87,7 +87,7 @@ fn simpler<R: Scalar>(p: &Parameter, numbers: &[R]) -> Vec<Vec<R>> {
             vec![vec![o, o, l], vec![l, o, o], vec![o, l, o]]
         }
         ParameterKind::Frame => {
-            let one_at = |i: usize| R::of(if i % 4 == 0 { 1.0 } else { 0.0 });
+            let one_at = |i: usize| if i.is_multiple_of(4) { R::ONE } else { R::ZERO };
             vec![(0..9).map(one_at).collect()]
         }
         ParameterKind::SurfaceId => vec![vec![R::ZERO]],
