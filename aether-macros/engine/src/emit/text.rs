@@ -25,6 +25,8 @@ impl Text {
     fn stream(&mut self, tokens: TokenStream, block: bool) {
         let mut tokens = tokens.into_iter().peekable();
         let mut attribute = false;
+        // Whether the last token was the first colon of two.
+        let mut colon = false;
         while let Some(token) = tokens.next() {
             match &token {
                 TokenTree::Group(group) => {
@@ -46,6 +48,13 @@ impl Text {
                 }
                 TokenTree::Punct(p) => {
                     self.out.push(p.as_char());
+                    let separator = std::mem::replace(
+                        &mut colon,
+                        p.as_char() == ':' && p.spacing() == Spacing::Joint,
+                    );
+                    if separator && p.as_char() == ':' {
+                        continue;
+                    }
                     attribute = p.as_char() == '#' || attribute && p.as_char() == '!';
                     if p.as_char() == ';' && block || p.as_char() == ',' && block && self.depth > 0
                     {
@@ -92,16 +101,25 @@ fn spaced(token: &TokenTree, next: &TokenTree) -> bool {
     let tight_before = |c: char| matches!(c, ',' | ';' | '.' | '?' | ':');
     let tight_after = |c: char| matches!(c, '.' | '&' | '!');
     match (token, next) {
-        (TokenTree::Punct(p), _) if tight_after(p.as_char()) => false,
-        // Two colons that are no path separator, as in `R: ::core::Copy`.
-        (TokenTree::Punct(p), TokenTree::Punct(n)) if p.as_char() == ':' && n.as_char() == ':' => {
-            true
+        (_, TokenTree::Punct(n)) if n.as_char() == ':' && n.spacing() == Spacing::Joint => {
+            begins_path(token)
         }
-        // The second colon of a path.
-        (TokenTree::Punct(p), TokenTree::Ident(_)) if p.as_char() == ':' => true,
+        (TokenTree::Punct(p), _) if tight_after(p.as_char()) => false,
         (_, TokenTree::Punct(p)) => !tight_before(p.as_char()),
         (TokenTree::Ident(_), TokenTree::Group(g)) => g.delimiter() == Delimiter::Brace,
         _ => true,
+    }
+}
+
+/// Whether two colons after this token are the first of a path, `= ::core::fmt`.
+fn begins_path(before: &TokenTree) -> bool {
+    match before {
+        TokenTree::Ident(i) => {
+            let keywords = ["use", "impl", "for", "in", "as", "return", "dyn", "mut", "where"];
+            keywords.iter().any(|word| i == word)
+        }
+        TokenTree::Punct(p) => !matches!(p.as_char(), '<' | '&' | '!'),
+        _ => false,
     }
 }
 
@@ -125,16 +143,20 @@ mod tests {
             #[doc = "A; b { c }"]
             pub struct Flight<R: ::core::Real = f64> { s: R, d: R }
             impl<R> Flight<R> {
-                fn half(&self) -> R { let a = self.s / (2.0 * self.d); if a <= -1.0 { return a; } else { a.abs() } }
+                fn half(&self) -> R { use ::core::fmt::Debug as _; let a = self.s / (2.0 * self.d); if a <= -1.0 { return a; } else { a.abs() } }
             }
         };
         let text = source(&tokens);
         let again: TokenStream = text.parse().expect("the text is Rust");
         assert_eq!(again.to_string(), tokens.to_string());
         let lines: Vec<&str> = text.lines().map(str::trim).collect();
-        for line in
-            [r#"#[doc = "A; b { c }"]"#, "s: R,", "let a = self.s / (2.0 * self.d);", "return a;"]
-        {
+        for line in [
+            r#"#[doc = "A; b { c }"]"#,
+            "s: R,",
+            "let a = self.s / (2.0 * self.d);",
+            "use ::core::fmt::Debug as _;",
+            "return a;",
+        ] {
             assert!(lines.contains(&line), "{line}\nis no line of\n{text}");
         }
         assert!(text.lines().all(|line| line.len() < 60), "{text}");
