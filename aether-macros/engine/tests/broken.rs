@@ -92,6 +92,14 @@ fn a_body_that_is_no_rust_yet_is_emitted_as_it_stands() {
 }
 
 #[test]
+fn a_return_in_the_value_of_a_let_is_no_mistake() {
+    let body = "let x = if u[0] < k { return None; } else { u[0] }; Some(2.0 * x)";
+    let item = format!("fn lobe(u: [Uniform; 1], k: f64) -> Option<f64> {{ {body} }}");
+    let text = expanded(aether_engine::sampler, "k in 0.1..=0.9", &item);
+    assert!(!text.contains("compile_error"), "{text}");
+}
+
+#[test]
 fn a_method_stays_a_method() {
     let text = expanded(
         aether_engine::sampler,

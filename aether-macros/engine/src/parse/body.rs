@@ -274,7 +274,7 @@ impl<'a> Body<'a> {
             return self.error(local, "`let … else` has no meaning here, because every value of a body exists: write `let x = …;`. Where there is no sample, `return None;` from a function that returns an `Option`");
         }
         let mut value = self.expr(&init.expr);
-        if let Some(Value::Unit) = value {
+        if let (Some(Value::Unit), None) = (&value, &self.returned) {
             self.errors.error(&init.expr, "this has no value on one way through it: an `if` needs an `else`, and a block ends with its value, without a semicolon");
             value = None;
         }
