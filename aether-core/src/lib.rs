@@ -17,7 +17,7 @@
 //! assert!((flight.pdf(&t).value() - 2.0 * (-2.0 * t.value()).exp()).abs() < 1e-15);
 //! ```
 //!
-//! Where things are:
+//! The [`guide`] explains the language in chapters. Where things are:
 //!
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`mixture`](mod@mixture),
 //!   [`discrete`](mod@discrete), [`tables`];
@@ -29,7 +29,8 @@
 //!   [`path_density`];
 //! - Markov chains of paths: [`mutation`](mod@mutation);
 //! - uniform random numbers: [`uniform`];
-//! - checks for any sampler, in one line: [`battery`].
+//! - checks for any sampler, in one line: [`battery`];
+//! - which parameters are legal, for generators of tests: [`legal`].
 //!
 //! This crate knows nothing of rendering.
 
@@ -45,13 +46,17 @@ pub mod density;
 pub mod discrete;
 pub mod estimator;
 pub mod forms;
+pub mod guide;
 pub mod joint;
+pub mod legal;
 pub mod map;
 pub mod mixture;
 pub mod mutation;
 pub mod path_density;
 pub mod point;
 pub mod preimages;
+#[cfg(feature = "proptest")]
+pub mod proptest;
 pub mod real;
 pub mod root;
 pub mod sampler;
@@ -76,6 +81,7 @@ pub use discrete::{
     discrete_weighted, shares,
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
+pub use legal::Legal;
 pub use map::{Map, Then};
 pub use mixture::{Mixture, mixture};
 pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_pdf, mutation};

@@ -290,8 +290,13 @@ fn find_solutions(
         known.push(g.int(1));
     }
     let frames = problem.frames.clone();
+    let undeclared = undeclared(problem);
     let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements, numerical).map_err(|s| {
-        let way = s.numerical.unwrap_or_else(|| "Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time".into());
+        let words: Vec<&str> = s.equation.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+        let concerned = undeclared.iter().find(|name| words.contains(&name.as_str()));
+        let declare = concerned.map_or(String::new(), |name| format!("If that depends on the values of `{name}`, declare its domain, as in `#[sampler({name} in 0.1..=10.0)]`. Else write"));
+        let write = if declare.is_empty() { "Write".to_owned() } else { declare };
+        let way = s.numerical.unwrap_or_else(|| format!("{write} the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time"));
         NoInverse::Stuck(format!(
             "cannot invert this map: stuck at `{}`, which should give {}. {way}",
             s.equation,
@@ -309,6 +314,19 @@ fn find_solutions(
         s.conditions = s.conditions.iter().map(|c| Condition(s.spell_out(g, c.0))).collect();
     }
     Ok(solutions)
+}
+
+/// The numbers among the parameters that no domain is declared of.
+fn undeclared(problem: &Problem) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut first = 0;
+    for kind in &problem.kinds {
+        if *kind == Kind::Scalar(None) {
+            names.push(problem.graph.name(Leaf::Param(first)).to_owned());
+        }
+        first += kind.scalars() as u8;
+    }
+    names
 }
 
 /// The texts of the documentation: (forward, inverse, jacobian, density), a line a piece (and a

@@ -1,13 +1,15 @@
 //! `#[sampler]` and `#[map]` from tokens to tokens.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use syn::ItemFn;
+use syn::parse::{Parse, ParseStream};
 
 use crate::diagnostics::Diagnostics;
+use crate::emit::text::source;
 use crate::emit::{Emitter, Texts, compose};
 use crate::interpret::Item;
-use crate::parse::{Options, signature};
+use crate::parse::{Options, ParamKind, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -21,14 +23,18 @@ pub fn map(attr: TokenStream, item: TokenStream) -> TokenStream {
 
 fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     let mut errors = Diagnostics::new();
-    let Ok(function) = syn::parse2::<ItemFn>(item.clone()) else {
-        // rustc reports the syntax error itself, on the tokens as they are.
-        return item;
+    let function = match syn::parse2::<ItemFn>(item.clone()) {
+        Ok(function) => function,
+        Err(_) => return unreadable(item, sampler),
     };
     let options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
         for d in &options.domains {
-            if !signature.params.iter().any(|p| p.name == d.name) {
+            let parameter = signature.params.iter().find(|p| p.name == d.name);
+            if parameter.is_some_and(|p| p.kind != ParamKind::Scalar) {
+                errors.error(&d.name, format!("`{0}` is no number, and a domain is a range of numbers: write relations of its parts, such as `where {0}.x > 0.0`", d.name));
+            }
+            if parameter.is_none() {
                 let known: Vec<String> =
                     signature.params.iter().map(|p| format!("`{}`", p.name)).collect();
                 let known = if known.is_empty() {
@@ -60,17 +66,79 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         }
         Some(emitter.emit(sampler))
     });
-    match expanded {
+    let tokens = match expanded {
         Some(tokens) if errors.is_empty() => tokens,
         _ => {
             let rendered = errors.render();
             let fallback = compose::fallback(&function, sampler);
             quote!(#rendered #fallback)
         }
+    };
+    show_expansion(&function.sig.ident, &tokens);
+    tokens
+}
+
+/// What is emitted for something that is no function that can be read. rustc reports errors of syntax
+/// itself. A function that is being written has a signature already, so its constructor is emitted, and
+/// its body as it stands, for the editor to complete in.
+fn unreadable(item: TokenStream, sampler: bool) -> TokenStream {
+    if let Ok(other) = syn::parse2::<syn::Item>(item.clone()) {
+        let name = if sampler { "sampler" } else { "map" };
+        let mut errors = Diagnostics::new();
+        errors.error(other, format!("`#[{name}]` belongs on a function, `fn name(…) -> … {{ … }}`: it is the function's body that a density is derived from"));
+        let rendered = errors.render();
+        return quote!(#item #rendered);
+    }
+    match syn::parse2::<Unfinished>(item.clone()) {
+        Ok(Unfinished { function, body }) => compose::fallback_with(&function, &body, sampler),
+        Err(_) => item,
+    }
+}
+
+/// A function whose body is no Rust yet.
+struct Unfinished {
+    /// The function with an empty body.
+    function: ItemFn,
+    /// The body, in braces.
+    body: TokenStream,
+}
+
+impl Parse for Unfinished {
+    fn parse(input: ParseStream) -> syn::Result<Self> {
+        let attrs = input.call(syn::Attribute::parse_outer)?;
+        let (vis, sig): (syn::Visibility, syn::Signature) = (input.parse()?, input.parse()?);
+        let body: TokenStream = input.parse()?;
+        let tokens = quote!(#(#attrs)* #vis #sig {});
+        Ok(Unfinished { function: syn::parse2(tokens)?, body })
     }
 }
 
 /// `AETHER_EXPLAIN=name` asks for the derivation of one item from outside.
 fn explained(name: &str) -> bool {
-    std::env::var("AETHER_EXPLAIN").is_ok_and(|v| v == name || v == "all")
+    names(std::env::var("AETHER_EXPLAIN").ok().as_deref(), name)
+}
+
+/// `AETHER_EXPAND=name` prints the code that is emitted for one item to the build's output.
+pub(crate) fn show_expansion(name: &Ident, tokens: &TokenStream) {
+    if names(std::env::var("AETHER_EXPAND").ok().as_deref(), &name.to_string()) {
+        eprintln!("// {name}\n{}", source(tokens));
+    }
+}
+
+/// Whether a variable of the environment names an item: one name, several with commas between them,
+/// or `all`.
+fn names(variable: Option<&str>, name: &str) -> bool {
+    variable.is_some_and(|list| list.split(',').any(|n| n.trim() == name || n.trim() == "all"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_environment_names_items() {
+        assert!(names(Some("lobe"), "lobe") && names(Some("disk, lobe"), "lobe"));
+        assert!(names(Some("all"), "lobe"));
+        assert!(!names(Some("lobes"), "lobe") && !names(Some(""), "lobe") && !names(None, "lobe"));
+    }
 }

@@ -1,3 +1,4 @@
+// A branch that the declared domain excludes.
 use aether_core::prelude::*;
 
 #[sampler(k in 1.0..=2.0)]

@@ -1,3 +1,4 @@
+// A branch with a constant: `min` maps half of the uniforms to a single point.
 use aether_core::prelude::*;
 
 #[sampler]

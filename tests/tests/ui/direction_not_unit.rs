@@ -1,3 +1,4 @@
+// A direction whose coordinates do not have length one.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// A domain of a name that is no parameter, here misspelt.
 use aether_core::prelude::*;
 
 #[sampler(aplha in 0.0..=1.0)]

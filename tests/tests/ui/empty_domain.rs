@@ -1,3 +1,4 @@
+// A domain with its ends exchanged.
 use aether_core::prelude::*;
 
 #[sampler(alpha in 1.0..=0.0)]

@@ -1,3 +1,4 @@
+// Comparing real numbers for equality.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// Fewer uniforms than the space has dimensions: a circle is no part of the plane's area.
 use aether_core::prelude::*;
 
 #[sampler]

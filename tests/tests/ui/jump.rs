@@ -1,3 +1,4 @@
+// A function that jumps, with an unknown number of jumps.
 use aether_core::prelude::*;
 
 #[sampler]

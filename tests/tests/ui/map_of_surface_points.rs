@@ -1,3 +1,4 @@
+// A map of a point of a surface that only its sampler knows.
 use aether_core::prelude::*;
 
 #[map]

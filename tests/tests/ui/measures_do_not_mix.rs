@@ -1,3 +1,4 @@
+// Adding densities with respect to different measures.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// An `if` without `else`: on one way the name has no value.
 use aether_core::prelude::*;
 
 #[sampler]

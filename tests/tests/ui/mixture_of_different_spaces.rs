@@ -1,3 +1,4 @@
+// A mixture of samplers whose points live in different spaces, and of a single one.
 use aether_core::discrete::coin;
 use aether_core::mixture::mixture;
 use aether_core::prelude::*;

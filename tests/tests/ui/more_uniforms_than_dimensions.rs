@@ -1,3 +1,4 @@
+// More uniforms than the space has dimensions: the density would be a marginal.
 use aether_core::prelude::*;
 
 #[sampler]

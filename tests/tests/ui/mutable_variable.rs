@@ -1,3 +1,4 @@
+// Changing a variable.
 use aether_core::prelude::*;
 
 #[sampler]

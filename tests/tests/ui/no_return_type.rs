@@ -1,3 +1,4 @@
+// No return type, and so no space.
 use aether_core::prelude::*;
 
 #[sampler]

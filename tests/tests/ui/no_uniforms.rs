@@ -1,3 +1,4 @@
+// A sampler without uniforms.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// Maps that turn back, or of which there is no proof that they do not.
 use aether_core::prelude::*;
 
 // Turns twice inside.

@@ -1,3 +1,4 @@
+// A `match` whose last arm has a condition.
 use aether_core::prelude::*;
 
 #[sampler]

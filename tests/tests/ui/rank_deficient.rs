@@ -1,3 +1,4 @@
+// Two coordinates that are one and the same: the points lie on a line of the plane.
 use aether_core::prelude::*;
 
 #[sampler]

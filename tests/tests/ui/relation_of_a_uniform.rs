@@ -1,3 +1,4 @@
+// A relation with what is sampled. It would be a branch of the body.
 use aether_core::prelude::*;
 
 #[sampler(where u < a)]

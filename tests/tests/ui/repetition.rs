@@ -1,3 +1,4 @@
+// A loop.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// A result of another space than the signature promises.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// Several mistakes in one body. All of them are reported.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// A parameter in single precision.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// Strategies that hand over to another one too late, or in the middle.
 use aether_core::prelude::*;
 use aether_core::PathView;
 use aether_core::strategy::Vertex;

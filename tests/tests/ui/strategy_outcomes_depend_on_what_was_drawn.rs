@@ -1,3 +1,4 @@
+// A choice whose outcomes, and not only their probabilities, depend on what was drawn.
 use aether_core::prelude::*;
 use aether_core::PathView;
 use aether_core::strategy::Vertex;

@@ -1,3 +1,4 @@
+// A vertex made from a point of another space than its own.
 use aether_core::prelude::*;
 use aether_core::PathView;
 use aether_core::strategy::Vertex;

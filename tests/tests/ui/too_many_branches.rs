@@ -1,3 +1,4 @@
+// Branches that multiply.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// A function of one's own, at a sampled point.
 use aether_core::prelude::*;
 
 fn warp(x: f64) -> f64 {

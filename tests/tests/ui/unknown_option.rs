@@ -1,3 +1,4 @@
+// An option that the attribute does not know.
 use aether_core::prelude::*;
 
 #[sampler(verbose)]

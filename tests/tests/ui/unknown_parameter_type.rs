@@ -1,3 +1,4 @@
+// A parameter that is neither a number nor a vector nor a matrix.
 use aether_core::prelude::*;
 
 #[sampler]

@@ -1,3 +1,4 @@
+// A return type that is no space.
 use aether_core::prelude::*;
 
 #[sampler]

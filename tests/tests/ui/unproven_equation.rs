@@ -1,3 +1,4 @@
+// Equations that may have several solutions, and one that cannot be read.
 use aether_core::prelude::*;
 
 #[sampler]

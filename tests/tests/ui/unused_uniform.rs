@@ -1,3 +1,4 @@
+// A uniform that the result does not depend on.
 use aether_core::prelude::*;
 
 #[sampler]

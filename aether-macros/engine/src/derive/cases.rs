@@ -58,7 +58,7 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
     if out.iter().filter(|c| c.point.interior).all(|c| c.volume == 0.0) {
         let n = problem.outputs.len();
         return Err(format!(
-            "the result does not fill its space: the Jacobian has a rank below the dimension of the returned space. Return a space of lower dimension (a `Surface` or `Curve` instead of a point with {n} free coordinates), or use every uniform in the result"
+            "the result does not fill its space: the Jacobian has a rank below the dimension of the returned space. Return a space of lower dimension (a `Surface` or `Curve` instead of a point with {n} free coordinates), or use every uniform in the result. If there are only a few points, they are atoms: let a `#[strategy]` choose among them"
         ));
     }
     for (_, place) in problem.placed().into_iter().filter(|(p, _)| p.target == Target::Direction) {

@@ -10,7 +10,8 @@ use quote::{ToTokens, quote};
 use syn::visit_mut::VisitMut;
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
-use super::interface::{hidden_body, interface, type_name};
+use super::documentation::measures;
+use super::interface::{hidden_body, hidden_body_with, interface, type_name};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Options, Param, ParamKind, Signature, Source};
@@ -173,7 +174,12 @@ pub fn emit(
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
     let args = if generic { quote!(<R>) } else { quote!() };
-    let docs = quote!(#[doc = "\nA composition: densities divide by the change of measure of each map, over all preimages."]);
+    let about = format!(
+        "\nA composition: densities divide by the change of measure of each map, over all preimages. \
+         Measure: {}. Its parts were checked while compiling; the battery checks it as a whole.",
+        measures(signature)
+    );
+    let docs = quote!(#[doc = #about]);
     let interface = interface(item, signature, options, &[], &docs);
     let hidden = hidden_body(item);
     let point = point_type(&signature.space);
@@ -224,7 +230,17 @@ pub fn emit(
 /// What stands in for an item with errors: the body for the editor, and a constructor and impl that
 /// keep rustc from reporting the same error again at every use.
 pub fn fallback(item: &ItemFn, sampler: bool) -> TokenStream {
-    let hidden = hidden_body(item);
+    fallback_with(item, &item.block.to_token_stream(), sampler)
+}
+
+/// [`fallback`] with the tokens of a body that need not be Rust yet.
+pub fn fallback_with(item: &ItemFn, block: &TokenStream, sampler: bool) -> TokenStream {
+    if item.sig.receiver().is_some() {
+        // Inside of an `impl` only the method itself can stand.
+        let (attrs, vis, sig) = (&item.attrs, &item.vis, &item.sig);
+        return quote!(#(#attrs)* #vis #sig #block);
+    }
+    let hidden = hidden_body_with(item, block);
     let hidden = quote!(#[allow(unused, clippy::all)] const _: () = { #hidden };);
     let mut silent = Diagnostics::new();
     let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else {

@@ -5,7 +5,7 @@ use quote::quote;
 
 use crate::derive::{Derived, Problem, texts};
 use crate::expr::Id;
-use crate::parse::{Piece, Signature};
+use crate::parse::{Piece, Signature, Source};
 
 /// The texts that are shown and kept with an item.
 pub struct Texts {
@@ -29,7 +29,8 @@ impl Texts {
         Texts { forward, inverse, jacobian, pdf, numerical }
     }
 
-    /// `#[doc]` attributes with the derivation.
+    /// `#[doc]` attributes with the derivation, its measure, what was checked, and whether the inverse
+    /// is a formula.
     pub fn attributes(
         &self,
         signature: &Signature,
@@ -48,21 +49,43 @@ impl Texts {
         listed("√det JᵀJ", &self.jacobian);
         if sampler {
             lines.push(format!("pdf      {}", self.pdf));
-            lines.push(format!("measure  {}", signature.space.measure()));
         }
+        lines.push(format!("measure  {}", measures(signature)));
         lines.push("```".to_owned());
         lines.extend(self.numerical.clone());
-        if sampler {
-            lines.push(format!(
-                "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {:.1e}. {}",
-                derived.iter().map(|d| d.worst_error).fold(0.0, f64::max),
-                match derived.iter().map(|d| d.preimages.len()).sum::<usize>() {
-                    1 => "Every point has one preimage.".to_owned(),
-                    n => format!("A point has up to {n} preimages, whose densities add up."),
-                }
-            ));
-        }
+        lines.push(checked(derived, sampler));
+        lines.push(preimages(derived, self.numerical.is_none(), sampler));
         lines.iter().map(|l| quote!(#[doc = #l])).collect()
+    }
+}
+
+/// The measure of a sampler's density, or of both sides of a map.
+pub(super) fn measures(signature: &Signature) -> String {
+    let target = signature.space.measure();
+    match &signature.source {
+        Source::Uniforms { .. } => target.to_owned(),
+        Source::Point { space, .. } => format!("{} to {target}", space.measure()),
+    }
+}
+
+/// What was checked, and the worst error that was seen.
+fn checked(derived: &[Derived], sampler: bool) -> String {
+    if !sampler {
+        return "Checked while compiling against differences of the map itself.".to_owned();
+    }
+    let worst = derived.iter().map(|d| d.worst_error).fold(0.0, f64::max);
+    format!(
+        "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {worst:.1e}."
+    )
+}
+
+/// How many preimages there are, and of what kind.
+fn preimages(derived: &[Derived], closed: bool, sampler: bool) -> String {
+    let form = if closed { " in closed form" } else { "" };
+    match derived.iter().map(|d| d.preimages.len()).sum::<usize>() {
+        1 => format!("Every point has one preimage{form}."),
+        n if sampler => format!("A point has up to {n} preimages{form}, whose densities add up."),
+        n => format!("A point has up to {n} preimages{form}."),
     }
 }
 

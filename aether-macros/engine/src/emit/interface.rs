@@ -1,10 +1,11 @@
 //! What a user sees of an item: the struct and its constructor, and his own function, hidden.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 use syn::{Attribute, ItemFn};
 
-use crate::parse::{Options, ParamKind, Signature};
+use super::legal::legal;
+use crate::parse::{Options, Param, ParamKind, Signature};
 
 /// cosine_hemisphere to CosineHemisphere.
 pub fn type_name(name: &Ident) -> Ident {
@@ -48,15 +49,7 @@ pub fn interface(
         constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
     let values: Vec<TokenStream> =
         constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
-    let plain: Vec<TokenStream> = signature
-        .params
-        .iter()
-        .filter(|p| p.kind == ParamKind::Scalar)
-        .map(|p| {
-            let n = &p.name;
-            quote!(let #n: f64 = #n.to_f64();)
-        })
-        .collect();
+    let plain: Vec<TokenStream> = signature.params.iter().filter_map(in_double).collect();
     let compute = if constants.is_empty() {
         quote!()
     } else {
@@ -112,6 +105,7 @@ pub fn interface(
     } else {
         quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."])
     };
+    let legal = legal(signature, options, generic, !checks.is_empty());
     let struct_doc = format!("The random variable or map that [`{name}`] constructs.");
     quote! {
         #[doc = #struct_doc]
@@ -128,7 +122,30 @@ pub fn interface(
             #compute
             #result
         }
+
+        #legal
     }
+}
+
+/// A parameter in `f64` under its own name, for expressions in plain Rust. Frames stay as they are.
+fn in_double(p: &Param) -> Option<TokenStream> {
+    let name = &p.name;
+    let vector = |v: TokenStream| quote!(::aether_core::Vec3::new(#v.x.to_f64(), #v.y.to_f64(), #v.z.to_f64()));
+    let value = match p.kind {
+        ParamKind::Scalar => quote!(#name.to_f64()),
+        ParamKind::Vec2 => quote!(::aether_core::Vec2::new(#name.x.to_f64(), #name.y.to_f64())),
+        ParamKind::Vec3 => vector(quote!(#name)),
+        ParamKind::Direction => {
+            let v = vector(quote!(#name));
+            quote!(::aether_core::Direction::from_unit(#v))
+        }
+        ParamKind::Mat3 => {
+            let columns = [quote!(#name.x), quote!(#name.y), quote!(#name.z)].map(vector);
+            quote!(::aether_core::Mat3::from_cols(#(#columns),*))
+        }
+        ParamKind::Frame | ParamKind::Identity => return None,
+    };
+    Some(quote!(let #name = #value;))
 }
 
 pub(super) fn bound(x: f64) -> TokenStream {
@@ -159,12 +176,17 @@ fn param_type(kind: ParamKind) -> TokenStream {
 
 /// The user's function under another name: rustc checks its types, and editors complete in it.
 pub fn hidden_body(item: &ItemFn) -> TokenStream {
+    hidden_body_with(item, &item.block.to_token_stream())
+}
+
+/// [`hidden_body`] with the tokens of a body that need not be Rust yet.
+pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
     let inputs = &item.sig.inputs;
     let output = &item.sig.output;
-    let block = &item.block;
+    let (generics, conditions) = (&item.sig.generics, &item.sig.generics.where_clause);
     quote! {
         #[allow(unused, clippy::all)]
-        fn body(#inputs) #output {
+        fn body #generics (#inputs) #output #conditions {
             #[allow(unused_imports)]
             use ::aether_core::prelude::*;
             #[allow(unused_imports)]

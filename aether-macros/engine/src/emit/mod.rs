@@ -5,11 +5,13 @@ pub mod compose;
 mod documentation;
 mod interface;
 mod item;
+mod legal;
 mod map;
 mod numeric;
 mod own;
 mod pieces;
 mod sampler;
+pub mod text;
 
 pub use documentation::Texts;
 pub use item::Emitter;

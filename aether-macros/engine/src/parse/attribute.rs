@@ -64,7 +64,26 @@ impl Parse for Options {
             } else if input.peek(Token![in]) {
                 input.parse::<Token![in]>()?;
                 let range: Expr = input.parse()?;
+                if options.domain(&name.to_string()).is_some() {
+                    return Err(syn::Error::new(
+                        name.span(),
+                        format!(
+                            "`{name}` has a domain already: declare the numbers that lie in both"
+                        ),
+                    ));
+                }
                 options.domains.push(domain(name, &range)?);
+            } else if input.peek(Token![<])
+                || input.peek(Token![>])
+                || input.peek(Token![<=])
+                || input.peek(Token![>=])
+            {
+                return Err(syn::Error::new(
+                    name.span(),
+                    format!(
+                        "a comparison follows `where`, as in `where {name} < b`; the numbers that a parameter may be are a range, as in `{name} in 0.0..=1.0`"
+                    ),
+                ));
             } else {
                 return Err(syn::Error::new(
                     name.span(),
@@ -92,7 +111,7 @@ fn relation(e: Expr) -> syn::Result<Relation> {
         }
         other => Err(syn::Error::new_spanned(
             other,
-            "a relation is one comparison of numbers: `where a < b`; write another `where` for another",
+            "a relation is one comparison of numbers by `<`, `<=`, `>` or `>=`, so that the compiler knows the sign of a difference: `where a < b`; write another `where` for another",
         )),
     }
 }
@@ -101,7 +120,7 @@ fn domain(name: Ident, range: &Expr) -> syn::Result<Domain> {
     let Expr::Range(ExprRange { start, end, limits, .. }) = range else {
         return Err(syn::Error::new_spanned(
             range,
-            "a domain is a range of numbers, such as `0.0..=1.0` or `0.0..`",
+            "a domain is a range of numbers, written as in Rust: `0.0..=1.0` with both ends, `0.0..1.0` without the upper one, `0.0..` for all numbers from zero on",
         ));
     };
     let end_of = |e: &Option<Box<Expr>>, open: f64| e.as_ref().map_or(Ok(open), |e| number(e));
@@ -127,6 +146,9 @@ fn number(e: &Expr) -> syn::Result<f64> {
             other => Err(syn::Error::new_spanned(other, "an end of a domain is a number")),
         },
         Expr::Unary(u) if matches!(u.op, UnOp::Neg(_)) => Ok(-number(&u.expr)?),
-        other => Err(syn::Error::new_spanned(other, "an end of a domain is a literal number")),
+        other => Err(syn::Error::new_spanned(
+            other,
+            "an end of a domain is a literal number, because the compiler of samplers sees names and not their values: write the number here, and a relation, `where alpha < b`, between parameters",
+        )),
     }
 }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
+use syn::visit::Visit;
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
@@ -28,6 +29,8 @@ pub struct Body<'a> {
     pub(super) comparing: bool,
     /// What an early `return` gave.
     returned: Option<Value>,
+    /// The name of the function that is read.
+    pub(super) own_name: String,
     pub(super) bound: u8,
     next_param: u8,
     errors: &'a mut Diagnostics,
@@ -49,6 +52,7 @@ impl<'a> Body<'a> {
             names,
             comparing: false,
             returned: None,
+            own_name: String::new(),
             bound: 0,
             next_param: 0,
             errors,
@@ -203,9 +207,19 @@ impl<'a> Body<'a> {
                     let _ = self.expr(e);
                 }
                 Stmt::Item(syn::Item::Use(_)) => {}
+                Stmt::Macro(m) => {
+                    failed = true;
+                    let _ = self
+                        .expr(&Expr::Macro(syn::ExprMacro { attrs: vec![], mac: m.mac.clone() }));
+                }
+                Stmt::Expr(e, semicolon) if self.errors.is_empty() || i < last => {
+                    failed = true;
+                    self.statement(e, semicolon.is_some() && i == last);
+                }
+                Stmt::Expr(..) => failed = true,
                 other => {
                     failed = true;
-                    self.errors.error(other, "a sampler's body is a chain of `let`s and a result; this statement has no place in it");
+                    self.errors.error(other, "a body is a chain of `let`s and a result; this statement has no place in it: move it out of the function");
                 }
             }
         }
@@ -228,18 +242,57 @@ impl<'a> Body<'a> {
         result
     }
 
+    /// What is wrong with an expression as a statement.
+    fn statement(&mut self, e: &Expr, last: bool) {
+        let assigns = match e {
+            Expr::Assign(_) => true,
+            Expr::Binary(b) => {
+                let text = b.op.to_token_stream().to_string();
+                text.len() > 1
+                    && text.ends_with('=')
+                    && !matches!(text.as_str(), "==" | "<=" | ">=" | "!=")
+            }
+            _ => false,
+        };
+        let message = if assigns {
+            "values do not change here, so that every name stands for one formula: use a new `let` with a new name"
+        } else if last {
+            "the result of the function is its last expression: leave the semicolon after it away"
+        } else {
+            "a body is a chain of `let`s and a result, and a value that is not used has no place in it: give it a name with `let`, or leave it away"
+        };
+        self.errors.error(e, message);
+    }
+
     fn local(&mut self, local: &syn::Local) -> Option<()> {
         let Some(init) = &local.init else {
-            return self.error(local, "give this name its value at once: `let r = …;`");
+            let _ = self.bind(&local.pat, Value::Unknown);
+            return self.error(local, "give this name its value at once, so that it stands for one formula: `let r = …;`, also `let r = if … { … } else { … };`");
         };
         if init.diverge.is_some() {
-            return self.error(local, "`let … else` has no meaning here: every value exists");
+            self.bind_names(&local.pat);
+            return self.error(local, "`let … else` has no meaning here, because every value of a body exists: write `let x = …;`. Where there is no sample, `return None;` from a function that returns an `Option`");
         }
-        let value = self.expr(&init.expr);
+        let mut value = self.expr(&init.expr);
+        if let (Some(Value::Unit), None) = (&value, &self.returned) {
+            self.errors.error(&init.expr, "this has no value on one way through it: an `if` needs an `else`, and a block ends with its value, without a semicolon");
+            value = None;
+        }
         let found = value.is_some();
         // Names are bound in any case, so that one mistake is reported once.
         self.bind(&local.pat, value.unwrap_or(Value::Unknown))?;
         found.then_some(())
+    }
+
+    /// Makes the names of a pattern known without values, so that one mistake is reported once.
+    fn bind_names(&mut self, pat: &Pat) {
+        struct Names<'n>(&'n mut HashMap<String, Value>);
+        impl Visit<'_> for Names<'_> {
+            fn visit_pat_ident(&mut self, name: &syn::PatIdent) {
+                self.0.insert(name.ident.to_string(), Value::Unknown);
+            }
+        }
+        Names(&mut self.names).visit_pat(pat);
     }
 
     pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
@@ -248,7 +301,7 @@ impl<'a> Body<'a> {
                 if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
                     self.names.insert(p.ident.to_string(), value);
                     return self
-                        .error(p, "values do not change here: use a new `let` with a new name");
+                        .error(p, "values do not change here, so that every name stands for one formula: use a new `let` with a new name");
                 }
                 self.names.insert(p.ident.to_string(), value);
                 Some(())
@@ -274,9 +327,22 @@ impl<'a> Body<'a> {
 
     /// `require(a > b)`: the point exists only where it holds.
     fn require(&mut self, call: &syn::ExprCall) -> Option<()> {
-        let [Expr::Binary(b)] = &call.args.iter().collect::<Vec<_>>()[..] else {
-            return self
-                .error(call, "`require` takes one comparison of numbers: `require(t > 0.0)`");
+        let [condition] = &call.args.iter().collect::<Vec<_>>()[..] else {
+            return self.error(call, "`require` takes one condition: `require(t > 0.0)`");
+        };
+        self.require_all(condition)
+    }
+
+    /// One comparison, or several with `&&` between them.
+    fn require_all(&mut self, condition: &Expr) -> Option<()> {
+        let b = match condition {
+            Expr::Paren(inner) => return self.require_all(&inner.expr),
+            Expr::Binary(b) if matches!(b.op, BinOp::And(_)) => {
+                let (left, right) = (self.require_all(&b.left), self.require_all(&b.right));
+                return left.and(right);
+            }
+            Expr::Binary(b) if !matches!(b.op, BinOp::Or(_)) => b,
+            _ => return self.error(condition, "`require` takes comparisons of numbers, with `&&` between them: `require(t > 0.0 && t < 1.0)`. For anything else return an `Option`, and `None` where there is no point"),
         };
         let (left, right) = (self.scalar(&b.left)?, self.scalar(&b.right)?);
         let difference = match b.op {
@@ -290,18 +356,9 @@ impl<'a> Body<'a> {
 
     /// Whether tokens mention a name that depends on the first parameter.
     pub fn depends(&self, tokens: &impl ToTokens) -> bool {
-        fn names(t: TokenStream, visit: &mut impl FnMut(String)) {
-            for tree in t {
-                match tree {
-                    proc_macro2::TokenTree::Ident(i) => visit(i.to_string()),
-                    proc_macro2::TokenTree::Group(g) => names(g.stream(), visit),
-                    _ => {}
-                }
-            }
-        }
         let open = |id: &Id| self.graph.has(*id, UNKNOWNS);
         let mut found = false;
-        names(tokens.to_token_stream(), &mut |name| {
+        each_name(tokens.to_token_stream(), &mut |name| {
             found |= self.names.get(&name).is_some_and(|v| match v {
                 Value::Scalar(id) => open(id),
                 Value::Uniforms(_) => true,
@@ -338,6 +395,17 @@ impl<'a> Body<'a> {
         let found: Option<Vec<_>> = joint.and_then(|parts: Vec<_>| parts.into_iter().collect());
         let Some(found) = found else {
             let what = value.describe();
+            if let Space::Joint(parts) = space {
+                let count = parts.len();
+                let found = match value {
+                    Value::Tuple(values) if values.len() != count => {
+                        format!("a tuple of {}", values.len())
+                    }
+                    Value::Tuple(_) => "a tuple of others".to_owned(),
+                    _ => what.to_owned(),
+                };
+                return self.error(at, format!("the signature promises {count} points, and the result is {found}: return a tuple with a point for each space of the signature, in its order"));
+            }
             return self.error(at, format!("the result is {what}, and the signature promises a different space; construct it, as in `Direction::new(x, y, z)`"));
         };
         for (coordinates, identity) in found {
@@ -345,7 +413,7 @@ impl<'a> Body<'a> {
             identities.extend(identity);
         }
         if outputs.iter().all(|o| !self.graph.has(*o, UNKNOWNS)) {
-            return self.error(at, "the result does not depend on the first parameter at all: it is a constant (an atom), and has no density");
+            return self.error(at, "on one way through the body the result does not depend on the first parameter: it is a single point (an atom), with a probability and no density. Return `None` there, from a function that returns an `Option`, and let a `#[strategy]` choose between the point and the rest");
         }
         Some((outputs, identities))
     }
@@ -364,6 +432,17 @@ fn part(space: &Space, value: &Value) -> Option<(Vec<Id>, Option<TokenStream>)> 
             Some((v.clone(), None))
         }
         _ => None,
+    }
+}
+
+/// Visits every identifier of some tokens.
+pub(super) fn each_name(tokens: TokenStream, visit: &mut impl FnMut(String)) {
+    for tree in tokens {
+        match tree {
+            proc_macro2::TokenTree::Ident(i) => visit(i.to_string()),
+            proc_macro2::TokenTree::Group(g) => each_name(g.stream(), visit),
+            _ => {}
+        }
     }
 }
 

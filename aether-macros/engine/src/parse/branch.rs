@@ -5,7 +5,8 @@
 //! the domain where its comparisons hold, and is solved by itself.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary};
+use syn::visit::Visit;
+use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::body::Body;
 use super::{Test, Value};
@@ -97,6 +98,14 @@ impl Body<'_> {
     /// What a declared relation between parameters says, made known to the graph.
     pub(super) fn relate(&mut self, b: &ExprBinary) -> Option<Test> {
         let strict = matches!(b.op, BinOp::Lt(_) | BinOp::Gt(_));
+        let mut unknown = UnknownNames { known: &self.names, found: vec![], sampled: vec![] };
+        unknown.visit_expr_binary(b);
+        if let Some(name) = unknown.sampled.first().cloned() {
+            return self.error(&name, format!("a relation is between parameters, and `{name}` is what is sampled: write it as a branch of the body"));
+        }
+        if let Some(name) = unknown.found.first().cloned() {
+            return self.error(&name, format!("`{name}` is no parameter, and a relation is between the parameters of the function: add it to them, or write its value"));
+        }
         let difference = self.difference(b)?;
         if self.graph.has(difference, UNKNOWNS) {
             return self.error(b, "a relation is between parameters: this one depends on what is sampled; write it as a branch of the body");
@@ -114,9 +123,21 @@ impl Body<'_> {
     fn difference(&mut self, b: &ExprBinary) -> Option<Id> {
         // Inside a comparison the size of a number is a number like any other.
         let outer = std::mem::replace(&mut self.comparing, true);
-        let (left, right) = (self.scalar(&b.left), self.scalar(&b.right));
+        let (left, right) = (self.expr(&b.left), self.expr(&b.right));
         self.comparing = outer;
-        let (left, right) = (left?, right?);
+        let (left, right) = match (left?, right?) {
+            (Value::Scalar(left), Value::Scalar(right)) => (left, right),
+            (Value::Vector(_) | Value::Point(..), _) | (_, Value::Vector(_) | Value::Point(..)) => {
+                return self.error(b, "vectors have no order: compare coordinates, `a.x < b.x`, or lengths, `a.length() < b.length()`");
+            }
+            (left, right) => {
+                let (left, right) = (left.describe(), right.describe());
+                return self.error(
+                    b,
+                    format!("numbers are compared, and this compares {left} with {right}"),
+                );
+            }
+        };
         let g = &mut self.graph;
         Some(match b.op {
             BinOp::Lt(_) | BinOp::Le(_) => g.sub(right, left),
@@ -229,6 +250,33 @@ impl Body<'_> {
             }
         }
         Some(self.graph.int(last.max(first)))
+    }
+}
+
+/// Finds names that nothing is known of (those in capitals are constants), and uniforms.
+struct UnknownNames<'n> {
+    known: &'n std::collections::HashMap<String, Value>,
+    found: Vec<Ident>,
+    /// Names of arrays of uniforms.
+    sampled: Vec<Ident>,
+}
+
+impl Visit<'_> for UnknownNames<'_> {
+    fn visit_expr_path(&mut self, path: &syn::ExprPath) {
+        if let Some(name) = path.path.get_ident() {
+            let text = name.to_string();
+            if let Some(Value::Uniforms(_)) = self.known.get(&text) {
+                self.sampled.push(name.clone());
+            }
+            if !self.known.contains_key(&text) && text.chars().any(char::is_lowercase) {
+                self.found.push(name.clone());
+            }
+        }
+    }
+
+    // The name of a function is none of a parameter.
+    fn visit_expr_call(&mut self, call: &syn::ExprCall) {
+        call.args.iter().for_each(|argument| self.visit_expr(argument));
     }
 }
 

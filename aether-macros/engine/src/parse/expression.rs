@@ -40,7 +40,7 @@ impl Body<'_> {
             Expr::Array(a) => Some(Value::Vector(a.elems.iter().map(|e| self.scalar(e)).collect::<Option<_>>()?)),
             Expr::MethodCall(m) => methods::method(self, m),
             Expr::Call(c) => methods::call(self, c),
-            Expr::Cast(c) => self.error(c, "numbers are real here; leave the cast away"),
+            Expr::Cast(c) => self.error(c, "all numbers of a body are real and of one precision, which whoever samples chooses, so there is nothing to cast: leave it away. The integer part of a number is `x.floor()`"),
             Expr::If(e) => self.branch(e),
             Expr::Match(e) => self.choice(e),
             Expr::Return(r) => {
@@ -49,14 +49,22 @@ impl Body<'_> {
                 Some(Value::Unit)
             }
             Expr::Closure(_) | Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => {
-                self.error(e, "loops and closures cannot be inverted: write the formula out")
+                self.error(e, "loops and closures cannot be inverted: write the formula out, or give each step a `#[map]` and compose them")
             }
-            Expr::Macro(m) => self.error(m, "macros cannot be read by the compiler of samplers: write the formula out"),
+            Expr::Macro(m) => self.error(m, "a body is read as mathematics and evaluated in other forms, so a macro has no place in it: write the formula out, and print where the sample is used"),
             other => self.error(other, "this expression has no meaning in a sampler or map; use numbers, vectors, `let` and the functions of the language"),
         }
     }
 
     fn literal(&mut self, lit: &Lit) -> Option<Value> {
+        let suffix = match lit {
+            Lit::Float(f) => f.suffix(),
+            Lit::Int(i) => i.suffix(),
+            _ => "",
+        };
+        if !matches!(suffix, "" | "f64") {
+            return self.error(lit, "all numbers of a body are of one precision, which whoever samples chooses: leave the suffix of this literal away");
+        }
         let text = match lit {
             Lit::Float(f) => f.base10_digits().to_owned(),
             Lit::Int(i) => i.base10_digits().to_owned(),
@@ -152,7 +160,7 @@ impl Body<'_> {
         let base = self.expr(&i.expr)?;
         let Expr::Lit(syn::ExprLit { lit: Lit::Int(n), .. }) = &*i.index else {
             return self
-                .error(&i.index, "an index is a number that is known while compiling: `u[0]`");
+                .error(&i.index, "an index says which unknown is meant, so it must be known here: write a literal, `u[0]`");
         };
         let n: usize = n.base10_parse().ok()?;
         let list = match &base {

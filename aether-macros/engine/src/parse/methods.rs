@@ -21,6 +21,9 @@ pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
         Value::Matrix(m) => {
             Some(Value::Matrix(m.map(|c| c.iter().map(|&x| g.mul(x, k)).collect())))
         }
+        Value::Uniforms(_) => {
+            body.error(at, "this is the array of all uniforms; take one of them: `u[0]`")
+        }
         other => {
             let what = other.describe();
             body.error(at, format!("{what} cannot be multiplied"))
@@ -58,13 +61,16 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
             let r = g.powi(*k, -1);
             scale(body, &b.left, left.clone(), r)
         }
+        (BinOp::Mul(_) | BinOp::Div(_), x, y) if x.vector().is_some() && y.vector().is_some() => {
+            body.error(b, "there is more than one product of vectors: write `a.dot(b)`, `a.cross(b)`, or a vector of products of coordinates, `Vec2::new(a.x * b.x, a.y * b.y)`")
+        }
         (BinOp::Add(_) | BinOp::Sub(_) | BinOp::Mul(_) | BinOp::Div(_), ..) => {
             let (x, y) = (left.describe(), right.describe());
             body.error(b, format!("{x} and {y} do not go together here"))
         }
         _ => body.error(
             b.op,
-            "of the operators only + - * / are functions of numbers that can be inverted",
+            "of the operators only + - * / are functions of numbers that can be inverted. The rest of a division is `x.rem_euclid(y)`, and of a division by one `x.fract()`",
         ),
     }
 }
@@ -192,7 +198,7 @@ fn scalar_with_argument(
         "powi" => {
             let n = body.scalar(a)?;
             if body.graph.as_number(n).is_none_or(|q| !q.is_int()) {
-                return body.error(a, "the exponent of `powi` is an integer that is known while compiling; use `powf` for a parameter");
+                return body.error(a, "the exponent of `powi` is an integer that is known while compiling, because it decides how many roots there are; use `powf` for a parameter");
             }
             Some(Value::Scalar(body.graph.pow(x, n)))
         }
@@ -335,7 +341,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let v = vector(body, v)?;
             match body.expr(id)? {
                 Value::Opaque(tokens) => Some(Value::Point(Space::SurfacePoint, v, Some(tokens))),
-                _ => body.error(id, "the identity of a surface is a parameter of type `SurfaceId`"),
+                _ => body.error(id, "the identity of a surface is a parameter of type `SurfaceId`, because densities compare it and know nothing else of the surface: add `id: SurfaceId` to the parameters"),
             }
         }
         ("Mat3", "from_cols", [x, y, z]) => {
@@ -358,11 +364,13 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
 }
 
 fn unknown_function(body: &mut Body, c: &ExprCall, name: &str) -> Option<Value> {
-    let way = if body.depends(&c.args) {
+    let way = if body.own_name == name {
+        "It is this function itself, and a formula cannot contain itself: write the cases out, or let a `#[strategy]` choose among samplers".to_owned()
+    } else if body.depends(&c.args) {
         "Its argument is sampled, so the compiler must see through it: write the formula here, or make it a `#[map]` and `.apply` it".to_owned()
     } else {
         format!(
-            "It does not depend on the first parameter, so it can be computed beforehand: `precomputed({})`",
+            "It does not depend on the first parameter, so if it gives the same number each time it can be computed beforehand: `precomputed({})`. What is random in a sample comes from the uniforms alone",
             c.to_token_stream()
         )
     };

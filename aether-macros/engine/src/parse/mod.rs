@@ -157,6 +157,7 @@ impl Reader<'_> {
         let mut names: HashMap<String, Value> = HashMap::new();
         let (unknowns, argument) = declare_source(&mut graph, &mut names, &self.signature.source);
         let mut body = Body::new(graph, names, way, self.errors);
+        body.own_name = self.signature.name.to_string();
         let (mut kinds, mut frames) = (Vec::new(), Vec::new());
         for p in &self.signature.params {
             body.declare_param(p, self.options, &mut kinds, &mut frames);

@@ -138,22 +138,22 @@ pub struct Signature {
 pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Option<Signature> {
     let before = errors.len();
     let sig = &item.sig;
+    qualifiers(sig, errors);
     if !sig.generics.params.is_empty() {
-        errors.error(&sig.generics, "a sampler or map is generic over its number type by itself: write `f64` and leave the generics away");
-    }
-    for (present, token, word) in [
-        (sig.asyncness.is_some(), quote::quote!(#sig), "async"),
-        (matches!(sig.safety, syn::Safety::Unsafe(_)), quote::quote!(#sig), "unsafe"),
-    ] {
-        if present {
-            errors.error(
-                token,
-                format!("a sampler or map is a plain function of numbers and cannot be `{word}`"),
-            );
-        }
+        let lifetimes = sig.generics.type_params().next().is_none()
+            && sig.generics.const_params().next().is_none();
+        errors.error(&sig.generics, if lifetimes {
+            "points and parameters are values, small ones, so there is nothing to borrow: leave the lifetimes and references away"
+        } else {
+            "a sampler or map is generic over its number type by itself: write `f64` and leave the generics away"
+        });
+        return None;
     }
     let mut inputs = sig.inputs.iter();
     let source = first_input(item, inputs.next(), sampler, errors);
+    if sig.receiver().is_some() {
+        return None;
+    }
     let mut params = Vec::new();
     for input in inputs {
         params.extend(param(input, errors));
@@ -172,12 +172,31 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
     (errors.len() == before).then(|| Signature { name: sig.ident.clone(), source, params, space })
 }
 
+/// Only a plain `fn` can be evaluated in all the ways that the compiler derives.
+fn qualifiers(sig: &syn::Signature, errors: &mut Diagnostics) {
+    let mut refuse = |tokens: proc_macro2::TokenStream, word: &str| {
+        errors.error(tokens, format!("a sampler or map cannot be `{word}`: its body is read as mathematics, and the code that runs is derived from it. Write a plain `fn`"));
+    };
+    if let Some(token) = &sig.asyncness {
+        refuse(quote::quote!(#token), "async");
+    }
+    if let Some(token) = &sig.constness {
+        refuse(quote::quote!(#token), "const");
+    }
+    if let syn::Safety::Unsafe(token) = &sig.safety {
+        refuse(quote::quote!(#token), "unsafe");
+    }
+    if let Some(abi) = &sig.abi {
+        refuse(quote::quote!(#abi), "extern");
+    }
+}
+
 fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Diagnostics) {
     let (k, n) = space.dimensions();
     let output = &item.sig.output;
     let uniforms = if count == 1 { "one uniform".to_owned() } else { format!("{count} uniforms") };
     if count > k {
-        errors.error(output, format!("{uniforms} for a space of dimension {k}: with more uniforms than dimensions the density is a marginal, an integral over the surplus ones, and has no formula. Use {k}, or return a space of higher dimension"));
+        errors.error(output, format!("{uniforms} for a space of dimension {k}: many choices of them lead to the same point, so that its density is a marginal, an integral over the surplus ones, and has no formula. Use {k} (a discrete choice can take what it needs from one of them, with a branch), or return what the others determine too, as a tuple"));
     }
     if count < k {
         let way = if n == 3 && count == 2 {
@@ -187,7 +206,7 @@ fn check_dimensions(item: &ItemFn, count: usize, space: &Space, errors: &mut Dia
         } else {
             "return a space of lower dimension"
         };
-        errors.error(output, format!("{uniforms} cannot fill a space of dimension {k}: the rank of the Jacobian is below it and there is no density. To sample a lower-dimensional set, {way}"));
+        errors.error(output, format!("{uniforms} cannot fill a space of dimension {k}: the rank of the Jacobian is below it and there is no density. To sample a lower-dimensional set, {way}. Single points are atoms, with a probability instead of a density: a `#[strategy]` chooses among them"));
     }
 }
 
@@ -202,20 +221,31 @@ fn first_input(
     } else {
         "the first parameter of a map is the point that it is applied to, such as `w: Direction`"
     };
-    let Some(FnArg::Typed(p)) = input else {
-        match input {
-            Some(i) => errors.error(i, expected),
-            None => errors.error(&item.sig.ident, expected),
+    let p = match input {
+        Some(FnArg::Typed(p)) => p,
+        Some(FnArg::Receiver(own)) => {
+            errors.error(own, "a sampler or map is a free function: it has no `self`. Take the numbers that it needs of `self` as parameters, and move it out of the `impl`");
+            return None;
         }
-        return None;
+        None => {
+            errors.error(&item.sig.ident, expected);
+            return None;
+        }
     };
     let Pat::Ident(name) = &*p.pat else {
-        errors.error(&p.pat, "give this parameter a plain name");
+        errors.error(
+            &p.pat,
+            "give this parameter a plain name, and take it apart in the body: `let [a, b] = u;`",
+        );
         return None;
     };
     let name = name.ident.to_string();
     if !sampler {
         let space = space(&p.ty, errors)?;
+        if let Space::Joint(_) = space {
+            errors.error(&p.ty, "a map takes one point to another, and several points together have no map yet: sample them together by one `#[sampler]` that returns a tuple, or map each by itself");
+            return None;
+        }
         if matches!(space, Space::SurfacePoint | Space::Embedded { .. }) {
             errors.error(&p.ty, "maps of surface points are not supported: a surface's tangent plane is not known from the point alone. Map from a `Direction`, `f64`, `Vec2` or `Vec3`");
             return None;
@@ -229,7 +259,13 @@ fn first_input(
             None
         }
         None => {
-            errors.error(&p.ty, expected);
+            let array = matches!(&*p.ty, Type::Array(_) | Type::Reference(_) | Type::Slice(_));
+            let message = if array {
+                "the number of uniforms is the number of unknowns, which must be known here: write it as a literal, `u: [Uniform; 2]`"
+            } else {
+                expected
+            };
+            errors.error(&p.ty, message);
             None
         }
     }
@@ -248,15 +284,31 @@ fn uniforms(ty: &Type) -> Option<usize> {
     }
 }
 
+/// The types of parameters.
+const PARAMETERS: [&str; 7] = ["f64", "Vec2", "Vec3", "Mat3", "Frame", "Direction", "SurfaceId"];
+
 fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
     let FnArg::Typed(p) = input else {
         errors.error(input, "a sampler or map is a free function: it has no `self`");
         return None;
     };
     let Pat::Ident(name) = &*p.pat else {
-        errors.error(&p.pat, "give this parameter a plain name");
+        errors.error(&p.pat, "give this parameter a plain name: it is a field of the random variable. Several numbers are several parameters, or a `Vec2` or `Vec3`");
         return None;
     };
+    if let Type::Reference(reference) = &*p.ty
+        && PARAMETERS.iter().any(|t| last_segment(&reference.elem).is_some_and(|s| s == *t))
+    {
+        let ty = last_segment(&reference.elem).unwrap_or_default();
+        errors.error(
+            &p.ty,
+            format!(
+                "parameters are values, which the random variable keeps: write `{}: {ty}`",
+                name.ident
+            ),
+        );
+        return None;
+    }
     let kind = match last_segment(&p.ty).as_deref() {
         Some("f64") => ParamKind::Scalar,
         Some("Vec2") => ParamKind::Vec2,

@@ -47,7 +47,7 @@ pub fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> 
     if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
         return body.error(
             c,
-            "`ln_gamma` is a function of parameters only: its derivative is not in the language",
+            "`ln_gamma` is a function of parameters only: its derivative, which the density needs, is not in the language",
         );
     }
     function_of(&mut body.graph, name, argument).map(Value::Scalar)

@@ -57,7 +57,9 @@ pub fn strategy(attr: TokenStream, item: TokenStream) -> TokenStream {
         .filter(|_| diagnostics.is_empty());
     let emitted = item::item(&function, &signature, &documentation, reads, plan.as_ref());
     let errors = diagnostics.render();
-    quote!(#emitted #errors)
+    let tokens = quote!(#emitted #errors);
+    crate::expand::show_expansion(&function.sig.ident, &tokens);
+    tokens
 }
 
 /// Reads the arguments of the attribute.

@@ -1,0 +1,83 @@
+//! The implementation of `Legal`: parameters and their domains as data.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::interface::{bound, type_name};
+use crate::parse::{Options, Param, ParamKind, Signature};
+
+/// Implements `Legal` for an item. `generic` is whether its struct has a number type, `fallible`
+/// whether its constructor returns a `Result`.
+pub fn legal(
+    signature: &Signature,
+    options: &Options,
+    generic: bool,
+    fallible: bool,
+) -> TokenStream {
+    let name = &signature.name;
+    let (ty, text) = (type_name(name), name.to_string());
+    let (bounds, args, real) = if generic {
+        (quote!(<R: ::aether_core::Scalar>), quote!(<R>), quote!(R))
+    } else {
+        (quote!(), quote!(), quote!(f64))
+    };
+    let parameters = signature.params.iter().map(|p| parameter(p, options));
+    let relations = options.relations.iter().map(|r| &r.text);
+    let values = signature.params.iter().map(|p| value(&p.kind));
+    let make = quote!(#name(#(#values),*));
+    let made = if fallible { make } else { quote!(::core::result::Result::Ok(#make)) };
+    quote! {
+        #[automatically_derived]
+        impl #bounds ::aether_core::Legal for #ty #args {
+            type Real = #real;
+            const ITEM: &'static str = #text;
+            const PARAMETERS: &'static [::aether_core::legal::Parameter] = &[#(#parameters),*];
+            const RELATIONS: &'static [&'static str] = &[#(#relations),*];
+            fn from_parameters(
+                numbers: &[#real],
+            ) -> ::core::result::Result<Self, ::aether_core::DomainError> {
+                #[allow(unused_mut, unused_variables)]
+                let mut __numbers = ::aether_core::legal::Numbers::of::<Self>(numbers)?;
+                #made
+            }
+        }
+    }
+}
+
+fn parameter(p: &Param, options: &Options) -> TokenStream {
+    let name = p.name.to_string();
+    let kind = match p.kind {
+        ParamKind::Scalar => quote!(Number),
+        ParamKind::Vec2 => quote!(Vec2),
+        ParamKind::Vec3 => quote!(Vec3),
+        ParamKind::Mat3 => quote!(Mat3),
+        ParamKind::Frame => quote!(Frame),
+        ParamKind::Direction => quote!(Direction),
+        ParamKind::Identity => quote!(SurfaceId),
+    };
+    let domain = match options.domain(&name) {
+        None => quote!(::core::option::Option::None),
+        Some(d) => {
+            let (low, high, closed) = (bound(d.interval.lo), bound(d.interval.hi), d.closed);
+            quote!(::core::option::Option::Some(::aether_core::legal::Domain {
+                low: #low, high: #high, closed: #closed
+            }))
+        }
+    };
+    quote!(::aether_core::legal::Parameter {
+        name: #name, kind: ::aether_core::legal::ParameterKind::#kind, domain: #domain
+    })
+}
+
+/// The next parameter from the numbers.
+fn value(kind: &ParamKind) -> TokenStream {
+    match kind {
+        ParamKind::Scalar => quote!(__numbers.number()),
+        ParamKind::Vec2 => quote!(__numbers.vec2()),
+        ParamKind::Vec3 => quote!(__numbers.vec3()),
+        ParamKind::Mat3 => quote!(__numbers.mat3()),
+        ParamKind::Frame => quote!(__numbers.frame()?),
+        ParamKind::Direction => quote!(__numbers.direction()?),
+        ParamKind::Identity => quote!(__numbers.surface_id()?),
+    }
+}
