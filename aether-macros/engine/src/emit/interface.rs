@@ -47,14 +47,14 @@ pub fn interface(
     let hidden: Vec<Ident> =
         constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
     let values: Vec<TokenStream> =
-        constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
+        constants.iter().map(|(_, code)| quote!(R::Lane::of({ #code }))).collect();
     let plain: Vec<TokenStream> = signature
         .params
         .iter()
         .filter(|p| p.kind == ParamKind::Scalar)
         .map(|p| {
             let n = &p.name;
-            quote!(let #n: f64 = #n.to_f64();)
+            quote!(let #n: f64 = #n.lane(lane).to_f64();)
         })
         .collect();
     let compute = if constants.is_empty() {
@@ -64,7 +64,7 @@ pub fn interface(
         let lets = hidden
             .iter()
             .zip(&values)
-            .map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
+            .map(|(h, v)| quote!(let #h: R = R::from_lanes(|lane| { use ::aether_core::Real as _; #plain #v });));
         quote!(#(#lets)*)
     };
     let checks: Vec<TokenStream> = options
@@ -75,8 +75,8 @@ pub fn interface(
             let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
             let upper = if d.closed { quote!(<=) } else { quote!(<) };
             quote! {
-                {
-                    let value = ::aether_core::Real::to_f64(#field);
+                for lane in 0..<R as ::aether_core::Real>::LANES {
+                    let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
                     if !(value >= #lo && value #upper #hi) {
                         return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
                     }
@@ -88,7 +88,7 @@ pub fn interface(
             let left = &comparison.left;
             quote! {
                 #[allow(unused)]
-                {
+                for lane in 0..<R as ::aether_core::Real>::LANES {
                     use ::aether_core::Real as _;
                     #(#plain)*
                     if !(#comparison) {
