@@ -47,6 +47,7 @@ pub mod discrete;
 pub mod estimator;
 pub mod forms;
 pub mod joint;
+#[cfg(any(feature = "wide", feature = "portable"))]
 mod kernels;
 #[cfg(feature = "wide")]
 pub mod lanes;

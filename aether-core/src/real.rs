@@ -298,14 +298,22 @@ macro_rules! impl_real {
     };
 }
 
-impl_real! { f32; crate::kernels::single_precision! { f32 } }
-impl_real! { f64;
-    #[inline(always)]
-    fn powi(self, exponent: i32) -> f64 {
-        f64::powi(self, exponent)
-    }
-    forward! { f64:
-        cbrt(); exp(); exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin(); acos();
-        atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
-    }
+/// The functions of the standard library, which are those of the host for some of them.
+macro_rules! host {
+    ($t:ident) => {
+        #[inline(always)]
+        fn powi(self, exponent: i32) -> $t {
+            <$t>::powi(self, exponent)
+        }
+        forward! { $t:
+            cbrt(); exp(); exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin();
+            acos(); atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
+        }
+    };
 }
+
+#[cfg(feature = "portable")]
+impl_real! { f32; crate::kernels::single_precision! { f32 } }
+#[cfg(not(feature = "portable"))]
+impl_real! { f32; host! { f32 } }
+impl_real! { f64; host! { f64 } }

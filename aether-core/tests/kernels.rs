@@ -1,6 +1,8 @@
-//! Elementary functions of `f32` on sweeps over all numbers, against double precision.
+//! The functions of lanes on sweeps over all numbers, against double precision.
 
-use aether_core::Real;
+#![cfg(feature = "wide")]
+
+use aether_core::{Lanes, Real};
 
 /// One number in this many is tried; a prime, so that mantissas of all kinds occur.
 const STRIDE: usize = 1021;
@@ -36,23 +38,26 @@ fn ulps(found: f32, exact: f64) -> f64 {
 /// Error of a result that is rounded once, from a kernel that is off by 2^-35.
 const BOUND: f64 = 0.502;
 
-fn assert_close(name: &str, f: fn(f32) -> f32, exact: fn(f64) -> f64) {
-    let (mut worst, mut at) = (0.0, 0.0);
-    for x in sweep() {
-        let error = ulps(f(x), exact(f64::from(x)));
-        if error > worst {
-            (worst, at) = (error, x);
+fn assert_close(name: &str, f: fn(Lanes) -> Lanes, exact: fn(f64) -> f64) {
+    let (mut worst, mut at) = (0.0, (0.0, 0.0));
+    let numbers: Vec<f32> = sweep().collect();
+    for x in numbers.as_chunks::<8>().0 {
+        for (x, y) in x.iter().zip(f(Lanes::new(*x)).to_array()) {
+            let error = ulps(y, exact(f64::from(*x)));
+            if error > worst {
+                (worst, at) = (error, (*x, y));
+            }
         }
     }
-    println!("{name}: {worst:.4} ulp at {at:e}");
-    assert!(worst <= BOUND, "{name}({at:e}) is {:e}: {worst} ulp", f(at));
+    println!("{name}: {worst:.4} ulp at {at:?}");
+    assert!(worst <= BOUND, "{name}({:e}) is {:e}: {worst} ulp", at.0, at.1);
 }
 
 macro_rules! functions {
     ($($name:ident $exact:path;)*) => {
         $(#[test]
         fn $name() {
-            assert_close(stringify!($name), <f32 as Real>::$name, $exact);
+            assert_close(stringify!($name), <Lanes as Real>::$name, $exact);
         })*
     };
 }
@@ -83,67 +88,107 @@ fn acosh_or_nan(x: f64) -> f64 {
 }
 
 /// Pairs of numbers of all sizes, and those of similar size.
-fn pairs() -> impl Iterator<Item = (f32, f32)> {
+fn pairs() -> Vec<(f32, f32)> {
     let special: Vec<f32> = sweep().take(64).collect();
-    let all = special
-        .clone()
-        .into_iter()
-        .flat_map(move |x| special.clone().into_iter().map(move |y| (x, y)));
+    let all = special.iter().flat_map(|x| special.iter().map(|y| (*x, *y)));
     let mut state = 1u64;
-    let mut next = move || {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
         (state >> 32) as u32
     };
-    let random = (0..2_000_000).map(move |i| {
+    let random = (0..2_000_000).map(|i| {
         let (x, y) = (f32::from_bits(next()), next());
         let near = f32::from_bits(x.to_bits() & 0xFF80_0000 | y >> 9);
         (x, if i % 2 == 0 { f32::from_bits(y) } else { near })
     });
-    all.chain(random)
+    all.chain(random).collect()
+}
+
+/// Eight pairs as a pair of lanes.
+fn lanes(pairs: &[(f32, f32); 8]) -> (Lanes, Lanes) {
+    (Lanes::new(pairs.map(|p| p.0)), Lanes::new(pairs.map(|p| p.1)))
 }
 
 fn assert_close_2(
     name: &str,
-    f: fn(f32, f32) -> f32,
+    f: fn(Lanes, Lanes) -> Lanes,
     exact: fn(f64, f64) -> f64,
-    map: fn(f32) -> f32,
+    second: fn(f32) -> f32,
 ) {
-    let (mut worst, mut at) = (0.0, (0.0, 0.0));
-    for (x, y) in pairs() {
-        let y = map(y);
-        let error = ulps(f(x, y), exact(f64::from(x), f64::from(y)));
-        if error > worst {
-            (worst, at) = (error, (x, y));
+    let (mut worst, mut at) = (0.0, (0.0, 0.0, 0.0));
+    let pairs: Vec<(f32, f32)> = pairs().into_iter().map(|(x, y)| (x, second(y))).collect();
+    for eight in pairs.as_chunks::<8>().0 {
+        let (x, y) = lanes(eight);
+        for ((x, y), found) in eight.iter().zip(f(x, y).to_array()) {
+            let error = ulps(found, exact(f64::from(*x), f64::from(*y)));
+            if error > worst {
+                (worst, at) = (error, (*x, *y, found));
+            }
         }
     }
     println!("{name}: {worst:.4} ulp at {at:?}");
-    assert!(worst <= BOUND, "{name}{at:?} is {:e}: {worst} ulp", f(at.0, at.1));
+    assert!(worst <= BOUND, "{name}: {worst} ulp at {at:?}");
 }
 
 #[test]
 fn of_two_numbers() {
-    assert_close_2("atan2", <f32 as Real>::atan2, libm::atan2, |x| x);
-    assert_close_2("hypot", <f32 as Real>::hypot, libm::hypot, |x| x);
-    assert_close_2("powf", <f32 as Real>::powf, libm::pow, |x| x);
+    assert_close_2("atan2", Real::atan2, libm::atan2, |x| x);
+    assert_close_2("hypot", Real::hypot, libm::hypot, |x| x);
+    assert_close_2("powf", Real::powf, libm::pow, |x| x);
     // Exponents for which powers are not all zero or infinite.
-    assert_close_2("powf", <f32 as Real>::powf, libm::pow, |x| (x.abs() + 1.0).log2().copysign(x));
-    assert_close_2("powf", <f32 as Real>::powf, libm::pow, |x| x.abs().log2().round() * 0.5);
+    assert_close_2("powf", Real::powf, libm::pow, |x| (x.abs() + 1.0).log2().copysign(x));
+    assert_close_2("powf", Real::powf, libm::pow, |x| x.abs().log2().round() * 0.5);
+}
+
+/// Equal to the bit, or both NaN; zeros may differ in sign where IEEE 754 leaves it open.
+fn same(a: f32, b: f32, zeros: bool) -> bool {
+    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan() || zeros && a == 0.0 && b == 0.0
+}
+
+/// Arithmetic, comparisons and what else is exact or rounded once: those of `f32`, to the bit.
+#[test]
+fn arithmetic_is_that_of_the_scalar() {
+    type Two<R> = fn(R, R) -> R;
+    let functions: [(Two<Lanes>, Two<f32>, bool); 13] = [
+        (|x, y| x + y, |x, y| x + y, false),
+        (|x, y| x - y, |x, y| x - y, false),
+        (|x, y| x * y, |x, y| x * y, false),
+        (|x, y| x / y, |x, y| x / y, false),
+        (|x, _| -x, |x, _| -x, false),
+        (|x, _| x.sqrt(), |x, _| x.sqrt(), false),
+        (|x, _| x.floor(), |x, _| x.floor(), false),
+        (|x, _| Real::abs(x), |x, _| x.abs(), false),
+        (|x, y| x.copysign(y), |x, y| x.copysign(y), false),
+        (|x, y| x.min(y), |x, y| x.min(y), true),
+        (|x, y| x.max(y), |x, y| x.max(y), true),
+        (|x, _| x.powi(5), |x, _| x * ((x * x) * (x * x)), false),
+        (|x, _| x.powi(-3), |x, _| 1.0 / (x * (x * x)), false),
+    ];
+    for (k, (wide, scalar, zeros)) in functions.into_iter().enumerate() {
+        for eight in pairs().as_chunks::<8>().0 {
+            let (x, y) = lanes(eight);
+            for ((x, y), found) in eight.iter().zip(wide(x, y).to_array()) {
+                let expected = scalar(*x, *y);
+                assert!(same(found, expected, zeros), "{k}: {x:e}, {y:e}: {found:e}, {expected:e}");
+            }
+        }
+    }
 }
 
 #[test]
-fn whole_powers() {
-    for x in sweep().step_by(16) {
-        for n in [-7, -2, -1, 0, 1, 2, 3, 5, 8, 13] {
-            let exact = f64::from(x).powi(n);
-            let y = x.powi(n);
-            let tiny = exact.abs() < 1e-30 || exact.abs() > 1e30;
-            // Each multiplication rounds.
-            assert!(
-                tiny || ulps(y, exact) <= 13.0 || y.is_nan() && x.is_nan(),
-                "{x:e}^{n} is {y:e}"
-            );
-            assert_eq!(Real::powi(x, n).is_nan(), x.is_nan() && n != 0);
-        }
+fn comparisons_are_those_of_the_scalar() {
+    for eight in pairs().as_chunks::<8>().0 {
+        let (x, y) = lanes(eight);
+        let each = |f: fn(f32, f32) -> bool| eight.map(|(x, y)| f(x, y));
+        assert_eq!(x.lt(y).to_array(), each(|x, y| x < y));
+        assert_eq!(x.le(y).to_array(), each(|x, y| x <= y));
+        assert_eq!(Real::gt(x, y).to_array(), each(|x, y| x > y));
+        assert_eq!(Real::ge(x, y).to_array(), each(|x, y| x >= y));
+        assert_eq!(Real::finite(x).to_array(), each(|x, _| x.is_finite()));
+        let smaller = Lanes::select(x.lt(y), x, y).to_array();
+        assert_eq!(
+            smaller.map(f32::to_bits),
+            eight.map(|(x, y)| if x < y { x } else { y }.to_bits())
+        );
     }
 }

@@ -3,6 +3,7 @@
 use core::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::{Double, polynomial};
+use crate::real::Mask;
 
 /// (sin(r) / r - 1) / r² in r², for |r| <= π/4, to 2^-36.
 const SIN: [f64; 4] =
@@ -40,12 +41,6 @@ fn reduced<D: Double>(x: D) -> (D, D) {
     ((x - n * D::of(HIGH)) - n * D::of(LOW), n)
 }
 
-/// n / 2, rounded down.
-#[inline(always)]
-fn half<D: Double>(n: D) -> D {
-    (n * D::of(0.5) - D::of(0.25)).round()
-}
-
 #[inline(always)]
 fn near_zero<D: Double>(r: D) -> (D, D) {
     let (z, one) = (r * r, D::of(1.0));
@@ -59,10 +54,7 @@ fn near_zero<D: Double>(r: D) -> (D, D) {
 fn wave<D: Double>(x: D, quarters: f64) -> D {
     let (r, n) = reduced(x);
     let (sin, cos) = near_zero(r);
-    let n = n + D::of(quarters);
-    let h = half(n);
-    let odd = h.lt(n * D::of(0.5));
-    let minus = half(h).lt(h * D::of(0.5));
+    let (odd, minus) = (n + D::of(quarters)).lowest_bits();
     let v = D::select(odd, cos, sin);
     D::select(minus, -v, v)
 }
@@ -81,37 +73,53 @@ pub(crate) fn cos<D: Double>(x: D) -> D {
 pub(crate) fn tan<D: Double>(x: D) -> D {
     let (r, n) = reduced(x);
     let (sin, cos) = near_zero(r);
-    let odd = half(n).lt(n * D::of(0.5));
+    let (odd, _) = n.lowest_bits();
     let v = D::select(odd, -cos, sin) / D::select(odd, sin, cos);
     v.replace(D::of(LARGE).le(x.abs()), x, libm::tan)
 }
 
-/// The angle of the point (x, y) from the x axis, for y that is not negative.
+/// The inverse tangent of `low / high`, two numbers that are not negative, `low` not the larger one
+/// and `high` not zero.
 #[inline(always)]
-fn angle<D: Double>(y: D, x: D) -> D {
-    // Large enough that a finite number is nothing beside it, small enough to divide.
-    let (a, b) = (y.at_most(1e150), x.abs().at_most(1e150));
-    let steep = b.lt(a);
-    let low = D::select(steep, b, a);
-    let high = D::select(steep, a, b);
-    let high = D::select(high.is(D::of(0.0)), D::of(1.0), high);
+fn eighth<D: Double>(low: D, high: D) -> D {
     let shifted = (high * D::of(EIGHTH)).lt(low);
     let t = D::select(shifted, low - high, low) / D::select(shifted, low + high, high);
     let z = t * t;
-    let v = t + t * z * polynomial(&ATAN, z);
-    let v = D::select(shifted, D::of(FRAC_PI_4) + v, v);
-    let v = D::select(steep, D::of(FRAC_PI_2) - v, v);
-    D::select(D::of(1.0).copysign(x).lt(D::of(0.0)), D::of(PI) - v, v)
+    D::select(shifted, D::of(FRAC_PI_4), D::of(0.0)) + (t + t * z * polynomial(&ATAN, z))
+}
+
+/// The angle of a point in the first quadrant, finite and not zero, from the x axis.
+#[inline(always)]
+fn quarter<D: Double>(y: D, x: D) -> D {
+    let steep = x.lt(y);
+    let v = eighth(D::select(steep, x, y), D::select(steep, y, x));
+    D::select(steep, D::of(FRAC_PI_2) - v, v)
+}
+
+/// An angle from the x axis, or from its negative half.
+#[inline(always)]
+fn turned<D: Double>(angle: D, x: D) -> D {
+    D::select(D::of(1.0).copysign(x).lt(D::of(0.0)), D::of(PI) - angle, angle)
 }
 
 #[inline(always)]
 pub(crate) fn atan2<D: Double>(y: D, x: D) -> D {
-    angle(y.abs(), x).copysign(y)
+    let (a, b) = (y.abs(), x.abs());
+    let ordinary = D::of(0.0).lt(a + b).and((a + b).finite());
+    let v = if ordinary.all() {
+        quarter(a, b)
+    } else {
+        // Large enough that a finite number is nothing beside it, small enough to divide; and an angle
+        // of zero for the point zero.
+        let (a, b) = (a.at_most(1e150), b.at_most(1e150));
+        quarter(a, D::select((a + b).is(D::of(0.0)), D::of(1.0), b))
+    };
+    turned(v, x).copysign(y)
 }
 
 #[inline(always)]
 pub(crate) fn atan<D: Double>(x: D) -> D {
-    atan2(x, D::of(1.0))
+    quarter(x.abs().at_most(1e150), D::of(1.0)).copysign(x)
 }
 
 /// √(1 - x²), exact to rounding.
@@ -122,10 +130,10 @@ fn other_side<D: Double>(x: D) -> D {
 
 #[inline(always)]
 pub(crate) fn asin<D: Double>(x: D) -> D {
-    atan2(x, other_side(x))
+    quarter(x.abs(), other_side(x)).copysign(x)
 }
 
 #[inline(always)]
 pub(crate) fn acos<D: Double>(x: D) -> D {
-    angle(other_side(x), x)
+    turned(quarter(other_side(x), x.abs()), x)
 }

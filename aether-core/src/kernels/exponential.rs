@@ -1,6 +1,6 @@
 //! Exponentials, logarithms, powers and hyperbolic functions.
 
-use core::f64::consts::{LN_2, LOG2_E, SQRT_2};
+use core::f64::consts::{LN_2, LOG2_E};
 
 use super::{Double, polynomial};
 use crate::real::Mask;
@@ -54,18 +54,19 @@ pub(crate) fn exp_m1<D: Double>(x: D) -> D {
 fn logarithm<D: Double>(number: D, x: D) -> D {
     let one = D::of(1.0);
     let (m, e) = number.mantissa_exponent();
-    let upper = D::of(SQRT_2).lt(m);
-    let m = D::select(upper, m * D::of(0.5), m);
-    let e = D::select(upper, e + one, e);
     // Near one, x has digits that the sum has lost.
     let f = D::select(e.is(D::of(0.0)), x, m - one);
     let s = f / (D::of(2.0) + f);
     let z = s * s;
     let v = e * D::of(LN_2) + D::of(2.0) * (s + s * z * polynomial(&LN, z));
+    let inside = D::of(0.0).lt(number).and(number.finite());
+    if inside.all() {
+        return v;
+    }
     let zero = number.is(D::of(0.0));
     let outside = D::select(zero, D::of(f64::NEG_INFINITY), D::of(f64::NAN));
-    let v = D::select(D::of(0.0).lt(number), v, outside);
-    D::select(number.is(D::of(f64::INFINITY)), number, v)
+    let outside = D::select(number.is(D::of(f64::INFINITY)), number, outside);
+    D::select(inside, v, outside)
 }
 
 #[inline(always)]
@@ -95,6 +96,9 @@ pub(crate) fn hypot<D: Double>(x: D, y: D) -> D {
 pub(crate) fn powf<D: Double>(x: D, y: D) -> D {
     let [zero, one, infinity] = [0.0, 1.0, f64::INFINITY].map(D::of);
     let v = exp(y * ln(x.abs()));
+    if zero.lt(x).and(x.finite()).and(y.finite()).all() {
+        return v;
+    }
     // From 2^24 on all numbers in single precision are even.
     let even = |y: D| D::of(16_777_216.0).le(y.abs()).or(y.is(y.round()));
     let (whole, half) = (even(y), even(y * D::of(0.5)));

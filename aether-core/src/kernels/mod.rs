@@ -3,9 +3,12 @@
 //! A kernel computes in double precision and is rounded once, at the end. So its result is off by
 //! little more than half a unit in the last place, there is nothing to lose by underflow or
 //! cancellation, and a polynomial of a few terms is enough. It has no branch that depends on its
-//! argument, but for angles so large that their reduction needs more than a double. It uses no fused
-//! operations and nothing of the host's library: results are the same bits on every machine, and in
-//! every lane.
+//! argument, but for those that are rare: zero, infinity, angles so large that their reduction needs more
+//! than a double. It uses no fused operations and nothing of the host's library: results are the same
+//! bits on every machine, and in every lane.
+//!
+//! `Lanes` computes with them. `f32` does with the feature `portable` only: for one number, the tables
+//! and fused operations of a good host library are faster.
 //!
 //! Reductions: n π/2 is subtracted from angles, n ln 2 from exponents (Cody and Waite 1980); logarithms
 //! are 2 atanh((m - 1) / (m + 1)) of the mantissa m in [1/√2, √2]; an inverse tangent is that of
@@ -51,7 +54,7 @@ pub(crate) trait Double:
     fn copysign(self, sign: Self) -> Self;
     /// 2^self, for whole numbers from -1022 to 1023.
     fn power_of_two(self) -> Self;
-    /// Mantissa in [1, 2) and exponent of a positive normal number.
+    /// Mantissa in [1/√2, √2] and exponent of a positive normal number.
     fn mantissa_exponent(self) -> (Self, Self);
     /// `f(x)` where the mask is true, else `self`.
     fn replace(self, mask: Self::Mask, x: Self, f: fn(f64) -> f64) -> Self;
@@ -59,8 +62,16 @@ pub(crate) trait Double:
     /// The whole number nearest to `self`, if that is below 2^51 in magnitude.
     #[inline(always)]
     fn round(self) -> Self {
-        let shift = Self::of(6_755_399_441_055_744.0);
+        let shift = Self::of(ROUND_SHIFT);
         (self + shift) - shift
+    }
+    /// Of a whole number below 2^51 in magnitude: whether it is odd, and whether its half, rounded
+    /// down, is.
+    #[inline(always)]
+    fn lowest_bits(self) -> (Self::Mask, Self::Mask) {
+        let half = |n: Self| (n * Self::of(0.5) - Self::of(0.25)).round();
+        let h = half(self);
+        (h.lt(self * Self::of(0.5)), half(h).lt(h * Self::of(0.5)))
     }
     /// At most `limit`; NaN stays.
     #[inline(always)]
@@ -73,6 +84,11 @@ pub(crate) trait Double:
     fn at_least(self, limit: f64) -> Self {
         let limit = Self::of(limit);
         Self::select(self.lt(limit), limit, self)
+    }
+    /// Whether it is finite.
+    #[inline(always)]
+    fn finite(self) -> Self::Mask {
+        self.abs().lt(Self::of(f64::INFINITY))
     }
     /// Equality.
     #[inline(always)]
@@ -112,14 +128,19 @@ impl Double for f64 {
         f64::copysign(self, sign)
     }
     #[inline(always)]
+    fn lowest_bits(self) -> (bool, bool) {
+        let bits = (self + ROUND_SHIFT).to_bits();
+        (bits & 1 == 1, bits & 2 == 2)
+    }
+    #[inline(always)]
     fn power_of_two(self) -> f64 {
         f64::from_bits((self + POWER_SHIFT).to_bits() << 52)
     }
     #[inline(always)]
     fn mantissa_exponent(self) -> (f64, f64) {
-        let bits = self.to_bits();
-        let mantissa = f64::from_bits((bits & MANTISSA) | ONE);
-        (mantissa, f64::from_bits((bits >> 52) | EXPONENT) - EXPONENT_SHIFT)
+        let bits = self.to_bits().wrapping_add(ONE - LEAST);
+        let mantissa = f64::from_bits((bits & MANTISSA) + LEAST);
+        (mantissa, f64::from_bits((bits >> 52) | EXPONENT) - POWER_SHIFT)
     }
     #[inline(always)]
     fn replace(self, mask: bool, x: f64, f: fn(f64) -> f64) -> f64 {
@@ -127,16 +148,18 @@ impl Double for f64 {
     }
 }
 
-/// 2^52 plus the bias of exponents: added to n, it leaves the exponent of 2^n in the lowest bits.
+/// 3/2 2^52: the sum with a small number is a whole number, its lowest bits those of the nearest one.
+const ROUND_SHIFT: f64 = 6_755_399_441_055_744.0;
+/// 2^52 plus the bias of exponents: in the sum with n, the lowest bits are the exponent of 2^n.
 pub(crate) const POWER_SHIFT: f64 = 4_503_599_627_370_496.0 + 1023.0;
-/// The bits of a mantissa, of one, and of 2^52.
+/// The bits of a mantissa.
 pub(crate) const MANTISSA: u64 = 0x000F_FFFF_FFFF_FFFF;
 /// The bits of one.
 pub(crate) const ONE: u64 = 0x3FF0_0000_0000_0000;
-/// The bits of 2^52: combined with a biased exponent, they are the number 2^52 + exponent.
+/// The bits of 1/√2.
+pub(crate) const LEAST: u64 = 0x3FE6_A09E_667F_3BCD;
+/// The bits of 2^52; combined with a biased exponent, they are the number 2^52 + exponent.
 pub(crate) const EXPONENT: u64 = 0x4330_0000_0000_0000;
-/// What is to be subtracted then.
-pub(crate) const EXPONENT_SHIFT: f64 = POWER_SHIFT;
 
 /// A rare argument.
 #[cold]

@@ -3,9 +3,7 @@
 use wide::{f64x8, u64x8};
 
 use super::Lanes;
-use crate::kernels::{
-    Double, EXPONENT, EXPONENT_SHIFT, MANTISSA, ONE, POWER_SHIFT, Single, outside,
-};
+use crate::kernels::{Double, EXPONENT, LEAST, MANTISSA, ONE, POWER_SHIFT, Single, outside};
 use crate::real::Mask;
 
 /// Eight numbers in double precision.
@@ -102,10 +100,10 @@ impl Double for Eight {
     }
     #[inline(always)]
     fn mantissa_exponent(self) -> (Self, Self) {
-        let bits = self.0.to_bits();
-        let mantissa = f64x8::from_bits((bits & u64x8::splat(MANTISSA)) | u64x8::splat(ONE));
+        let bits = self.0.to_bits() + u64x8::splat(ONE - LEAST);
+        let mantissa = f64x8::from_bits((bits & u64x8::splat(MANTISSA)) + u64x8::splat(LEAST));
         let exponent = f64x8::from_bits((bits >> 52) | u64x8::splat(EXPONENT));
-        (Eight(mantissa), Eight(exponent - f64x8::splat(EXPONENT_SHIFT)))
+        (Eight(mantissa), Eight(exponent - f64x8::splat(POWER_SHIFT)))
     }
     #[inline(always)]
     fn replace(self, mask: EightMask, x: Self, f: fn(f64) -> f64) -> Self {

@@ -41,6 +41,8 @@
 //! Tables, mixtures and strategies choose by what they drew, so they are for scalars only.
 
 mod double;
+#[cfg(test)]
+mod tests;
 
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
