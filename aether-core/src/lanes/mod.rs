@@ -27,9 +27,15 @@
 //!
 //! # One lane is one scalar
 //!
-//! Every lane has the bits that `f32` has on the same input: arithmetic is not fused, and elementary
-//! functions are the same kernels in double precision, for eight numbers or for one. That holds for
-//! points outside the support, on its border and for NaN as well. What happens rarely (a point that only
+//! A lane has what `f32` has on the same input, for points outside the support, on its border and for NaN
+//! as well. Arithmetic, square roots and choices have the same bits, because nothing is fused. Elementary
+//! functions are kernels of this crate, evaluated in double precision and rounded once: within 0.51 ulp
+//! of the exact value for every argument, `powf` and `atan2` included. (The arguments of sines are
+//! reduced exactly, however large.) `f32` has the functions of the host, so results may differ by their
+//! errors; with the feature `portable`, `f32` has these kernels too, and all results have the same bits.
+//! The functions of [`special`](crate::special) and numerical roots are one algorithm over any number.
+//!
+//! What happens rarely (a point that only
 //! rounding has put outside, a membership that needs error bounds) is decided for each lane alone, by the
 //! code that decides it for a scalar; where no lane needs it, nothing of it runs.
 //!
@@ -39,6 +45,20 @@
 //! What there is of a sample, and of each of its preimages, is told by a [`LaneMask`]
 //! ([`Sample::is_valid`](crate::Sample::is_valid), [`Sampler::preimages`](crate::Sampler::preimages)).
 //! Tables, mixtures and strategies choose by what they drew, so they are for scalars only.
+//!
+//! # Uniforms
+//!
+//! An array of eight sources is a source of lanes: lane i gets what source i yields.
+//!
+//! ```
+//! use aether_core::{Lanes, Sobol, draw_uniforms};
+//!
+//! let mut sources: [Sobol; 8] = core::array::from_fn(|i| Sobol::new(7, 0, i as u32));
+//! let u: [Lanes; 2] = draw_uniforms(&mut sources);
+//! let mut fourth = Sobol::new(7, 0, 3);
+//! let alone: [f32; 2] = draw_uniforms(&mut fourth);
+//! assert_eq!(u.map(|u| u.to_array()[3]), alone);
+//! ```
 
 mod double;
 #[cfg(test)]
@@ -50,6 +70,7 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 use wide::f32x8;
 
 use crate::real::{Mask, Real};
+use crate::uniform::UniformSource;
 
 /// Eight numbers in single precision.
 #[derive(Clone, Copy, Default)]
@@ -286,4 +307,14 @@ impl Real for Lanes {
         Lanes(self.0.sqrt())
     }
     crate::kernels::single_precision! { Lanes }
+}
+
+/// A source for each lane.
+impl<S: UniformSource<f32>> UniformSource<Lanes> for [S; 8] {
+    fn next(&mut self) -> Lanes {
+        Lanes::new(self.each_mut().map(UniformSource::next))
+    }
+    fn start(&mut self, block: u32) {
+        self.iter_mut().for_each(|source| source.start(block));
+    }
 }
