@@ -181,7 +181,7 @@ fn polynomial<D: Double, const N: usize>(c: &[f64; N], t: D) -> D {
         sum
     };
     let (last, other) = (chain(N - 1), chain(N - 2));
-    if N % 2 == 0 { other + last * t } else { last + other * t }
+    if N.is_multiple_of(2) { other + last * t } else { last + other * t }
 }
 
 /// x^n by repeated squaring.
@@ -214,15 +214,15 @@ macro_rules! single_precision {
     ($t:ident: $($unary:ident)*; $($binary:ident($argument:ident))*) => {
         $(#[inline]
         fn $unary(self) -> $t {
-            crate::kernels::Single::narrow(crate::kernels::$unary(
-                crate::kernels::Single::widen(self),
+            crate::kernels::SinglePrecision::narrow(crate::kernels::$unary(
+                crate::kernels::SinglePrecision::widen(self),
             ))
         })*
         $(#[inline]
         fn $binary(self, $argument: $t) -> $t {
-            crate::kernels::Single::narrow(crate::kernels::$binary(
-                crate::kernels::Single::widen(self),
-                crate::kernels::Single::widen($argument),
+            crate::kernels::SinglePrecision::narrow(crate::kernels::$binary(
+                crate::kernels::SinglePrecision::widen(self),
+                crate::kernels::SinglePrecision::widen($argument),
             ))
         })*
     };
@@ -230,7 +230,7 @@ macro_rules! single_precision {
 pub(crate) use single_precision;
 
 /// A number in single precision.
-pub(crate) trait Single {
+pub(crate) trait SinglePrecision {
     /// The same in double precision.
     type Wide: Double;
     /// Exactly.
@@ -239,7 +239,7 @@ pub(crate) trait Single {
     fn narrow(wide: Self::Wide) -> Self;
 }
 
-impl Single for f32 {
+impl SinglePrecision for f32 {
     type Wide = f64;
     #[inline(always)]
     fn widen(self) -> f64 {

@@ -3,7 +3,9 @@
 use wide::{f64x8, u64x8};
 
 use super::Lanes;
-use crate::kernels::{Double, EXPONENT, LEAST, MANTISSA, ONE, POWER_SHIFT, Single, outside};
+use crate::kernels::{
+    Double, EXPONENT, LEAST, MANTISSA, ONE, POWER_SHIFT, SinglePrecision, outside,
+};
 use crate::real::Mask;
 
 /// Eight numbers in double precision.
@@ -119,7 +121,7 @@ fn each(kept: Eight, mask: EightMask, x: Eight, f: fn(f64) -> f64) -> Eight {
     Eight(f64x8::new(core::array::from_fn(number)))
 }
 
-impl Single for Lanes {
+impl SinglePrecision for Lanes {
     type Wide = Eight;
     #[inline(always)]
     fn widen(self) -> Eight {

@@ -1,7 +1,7 @@
 //! One number and eight go through the same kernels: their bits are the same.
 
 use super::Lanes;
-use crate::kernels::{self, Single};
+use crate::kernels::{self, SinglePrecision};
 use crate::real::Real;
 
 /// One number in this many is tried.

@@ -3,7 +3,8 @@
 use std::fmt::Debug;
 
 use aether_core::{
-    Direction, Embedded, Lanes, Mask, Point, Real, Sampler, SurfaceId, SurfacePoint, Vec2, Vec3,
+    Direction, Embedded, Lanes, Map, Mask, Point, Real, Sampler, SurfaceId, SurfacePoint, Vec2,
+    Vec3,
 };
 
 /// A point made of coordinates as they stand.
@@ -163,13 +164,24 @@ fn lanes<const N: usize>(rows: &[[f32; N]; 8]) -> [Lanes; N] {
     core::array::from_fn(|k| Lanes::new(rows.map(|row| row[k])))
 }
 
-/// Samples, densities and preimages on lanes, each lane against the scalar.
+/// The condition of coordinate k of a map's image at the sample that it is applied to: the condition of
+/// a composition is the sum over its stages.
+pub fn condition_after<S, M, const N: usize>(first: &S, map: &M, u: &[f32; N], k: usize) -> f64
+where
+    S: Sampler<f32, Uniforms = [f32; N]>,
+    M: Map<f64, Source: Raw<f64>>,
+{
+    let x = first.sample(*u).value().coordinates();
+    condition(x.as_ref(), |x| map.apply(&Raw::raw(x)).coordinates().as_ref()[k])
+}
+
+/// Samples, densities and preimages on lanes, each lane against the scalar. `later` is the condition of
+/// the stages that follow the first, for each coordinate.
 pub fn compare<const N: usize, S, W, D>(
     name: &'static str,
     exact: Exact,
-    single: &S,
-    wide: &W,
-    fine: &D,
+    (single, wide, fine): (&S, &W, &D),
+    later: impl Fn(&[f32; N], usize) -> f64,
 ) where
     S: Sampler<f32, Uniforms = [f32; N], Point: Raw<f32>>,
     W: Sampler<Lanes, Uniforms = [Lanes; N], Point: Raw<Lanes>>,
@@ -178,7 +190,7 @@ pub fn compare<const N: usize, S, W, D>(
     let bits = exact == Exact::Yes || cfg!(feature = "portable");
     let mut checker = Checker { name, bits, worst: 0.0 };
     for u in uniforms::<N>().as_chunks::<8>().0 {
-        samples(&mut checker, u, single, wide, fine);
+        samples(&mut checker, u, (single, wide, fine), &later);
     }
     let all = points(single);
     let mut counts = [0; 2];
@@ -194,9 +206,8 @@ pub fn compare<const N: usize, S, W, D>(
 fn samples<const N: usize, S, W, D>(
     checker: &mut Checker,
     u: &[[f32; N]; 8],
-    single: &S,
-    wide: &W,
-    fine: &D,
+    (single, wide, fine): (&S, &W, &D),
+    later: impl Fn(&[f32; N], usize) -> f64,
 ) where
     S: Sampler<f32, Uniforms = [f32; N], Point: Raw<f32>>,
     W: Sampler<Lanes, Uniforms = [Lanes; N], Point: Raw<Lanes>>,
@@ -215,6 +226,7 @@ fn samples<const N: usize, S, W, D>(
         for (k, c) in alone.value().coordinates().as_ref().iter().enumerate() {
             checker.values("the sample", u, x.as_ref()[k].lane(i), *c, || {
                 condition(u, |u| fine.sample(array(u)).value().coordinates().as_ref()[k])
+                    + later(u, k)
             });
         }
         // The density may be computed at the sample, whose coordinates have been rounded.
