@@ -140,24 +140,25 @@ fn points<const N: usize, S: Sampler<f32, Uniforms = [f32; N]>>(sampler: &S) -> 
     all
 }
 
-/// How much larger the relative change of a value is than that of the inputs it comes from: the sum,
-/// over the inputs, of the change that one unit in the last place makes, in units of the value.
-fn condition(inputs: &[f32], f: impl Fn(&[f64]) -> f64) -> f64 {
+/// How much larger the relative change of a value is than that of each input it comes from: the change
+/// that one unit in the last place of the input makes, in units of the value.
+fn conditions(inputs: &[f32], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut at: Vec<f64> = inputs.iter().map(|x| f64::from(*x)).collect();
     let value = f(&at);
-    let mut sum = 0.0;
-    for i in 0..at.len() {
-        let x = inputs[i];
-        let change = |y: f32, at: &mut Vec<f64>| {
-            at[i] = f64::from(y);
-            let change = (f(at) - value).abs();
-            at[i] = f64::from(x);
-            if change.is_nan() { f64::INFINITY } else { change }
-        };
-        sum += change(x.next_up(), &mut at).max(change(x.next_down(), &mut at));
-    }
     let size = value.abs().max(f64::from(f32::MIN_POSITIVE)) * f64::from(f32::EPSILON);
-    if value == 0.0 && sum == 0.0 { 0.0 } else { sum / size }
+    let mut change = |i: usize, y: f32| {
+        at[i] = f64::from(y);
+        let change = (f(&at) - value).abs() / size;
+        at[i] = f64::from(inputs[i]);
+        if change.is_nan() { f64::INFINITY } else { change }
+    };
+    let each = inputs.iter().enumerate();
+    each.map(|(i, x)| change(i, x.next_up()).max(change(i, x.next_down()))).collect()
+}
+
+/// The condition with respect to all inputs.
+fn condition(inputs: &[f32], f: impl Fn(&[f64]) -> f64) -> f64 {
+    conditions(inputs, f).iter().sum()
 }
 
 fn lanes<const N: usize>(rows: &[[f32; N]; 8]) -> [Lanes; N] {
@@ -223,18 +224,18 @@ fn samples<const N: usize, S, W, D>(
             assert_eq!(own.lane(i), 0.0);
             continue;
         }
-        for (k, c) in alone.value().coordinates().as_ref().iter().enumerate() {
-            checker.values("the sample", u, x.as_ref()[k].lane(i), *c, || {
-                condition(u, |u| fine.sample(array(u)).value().coordinates().as_ref()[k])
-                    + later(u, k)
-            });
+        let coordinates = alone.value().coordinates();
+        let of_sample = |k: usize| {
+            condition(u, |u| fine.sample(array(u)).value().coordinates().as_ref()[k]) + later(u, k)
+        };
+        for (k, c) in coordinates.as_ref().iter().enumerate() {
+            checker.values("the sample", u, x.as_ref()[k].lane(i), *c, || of_sample(k));
         }
-        // The density may be computed at the sample, whose coordinates have been rounded.
+        // The density may be computed at the sample, which has the errors of the sample.
         checker.values("sample.pdf()", u, own.lane(i), alone.pdf().value(), || {
-            condition(u, |u| fine.sample(array(u)).pdf().value())
-                + condition(alone.value().coordinates().as_ref(), |x| {
-                    fine.pdf(&Raw::raw(x)).value()
-                })
+            let at_sample = conditions(coordinates.as_ref(), |x| fine.pdf(&Raw::raw(x)).value());
+            let at_sample = at_sample.iter().enumerate().map(|(k, c)| c * of_sample(k).max(1.0));
+            condition(u, |u| fine.sample(array(u)).pdf().value()) + at_sample.sum::<f64>()
         });
     }
 }
