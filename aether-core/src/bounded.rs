@@ -2,7 +2,7 @@
 
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use crate::real::{Real, Scalar};
+use crate::real::{Real, Scalar, Single};
 use crate::special::Function;
 
 /// A value and a first-order bound on its absolute error (running error analysis).
@@ -137,16 +137,8 @@ macro_rules! steep {
     };
 }
 
-/// Comparisons look at values alone.
-impl<R: Scalar> Real for Bounded<R> {
-    type Mask = bool;
+impl<R: Scalar> Single for Bounded<R> {
     type Tracked = Self;
-    const ZERO: Self = Bounded { value: R::ZERO, error: R::ZERO };
-    const ONE: Self = Bounded { value: R::ONE, error: R::ZERO };
-    const EPSILON: Self = Bounded { value: R::EPSILON, error: R::ZERO };
-    const INFINITY: Self = Bounded { value: R::INFINITY, error: R::ZERO };
-    const MIN_POSITIVE: Self = Bounded { value: R::MIN_POSITIVE, error: R::ZERO };
-
     #[inline]
     fn track(self) -> Self {
         self
@@ -154,6 +146,31 @@ impl<R: Scalar> Real for Bounded<R> {
     #[inline]
     fn value_and_error(tracked: Self) -> (Self, Self) {
         (Self::exact(tracked.value), Self::exact(tracked.error))
+    }
+}
+
+/// Comparisons look at values alone.
+impl<R: Scalar> Real for Bounded<R> {
+    type Mask = bool;
+    type Lane = Self;
+    const LANES: usize = 1;
+    const ZERO: Self = Bounded { value: R::ZERO, error: R::ZERO };
+    const ONE: Self = Bounded { value: R::ONE, error: R::ZERO };
+    const EPSILON: Self = Bounded { value: R::EPSILON, error: R::ZERO };
+    const INFINITY: Self = Bounded { value: R::INFINITY, error: R::ZERO };
+    const MIN_POSITIVE: Self = Bounded { value: R::MIN_POSITIVE, error: R::ZERO };
+
+    #[inline]
+    fn lane(self, _: usize) -> Self {
+        self
+    }
+    #[inline]
+    fn with_lane(self, _: usize, value: Self) -> Self {
+        value
+    }
+    #[inline]
+    fn exact(self) -> Self {
+        Self::exact(self.value)
     }
     #[inline]
     fn of(x: f64) -> Self {

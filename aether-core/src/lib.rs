@@ -23,6 +23,7 @@
 //!   [`discrete`](mod@discrete), [`tables`];
 //! - steps without a closed form: [`root`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
+//! - eight samples at once: `lanes`, with the feature `wide`;
 //! - paths: [`strategy`](mod@strategy) with its special [`forms`], [`sequence`];
 //! - functions beyond the elementary ones, such as [`special::erf`]: [`special`];
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
@@ -48,6 +49,10 @@ pub mod estimator;
 pub mod forms;
 pub mod guide;
 pub mod joint;
+#[cfg(any(feature = "wide", feature = "portable"))]
+mod kernels;
+#[cfg(feature = "wide")]
+pub mod lanes;
 pub mod legal;
 pub mod map;
 pub mod mixture;
@@ -81,6 +86,8 @@ pub use discrete::{
     discrete_weighted, shares,
 };
 pub use estimator::{Estimator, PathIntegrand, Value};
+#[cfg(feature = "wide")]
+pub use lanes::{LaneMask, Lanes};
 pub use legal::Legal;
 pub use map::{Map, Then};
 pub use mixture::{Mixture, mixture};
@@ -88,7 +95,7 @@ pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_p
 pub use path_density::PathDensity;
 pub use point::{Curve, Direction, Embedded, Includes, Point, Surface, SurfaceId, SurfacePoint};
 pub use preimages::Preimages;
-pub use real::{Mask, Real, Scalar};
+pub use real::{Mask, Real, Scalar, Single};
 pub use root::solve;
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};

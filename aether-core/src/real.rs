@@ -18,6 +18,15 @@ pub trait Mask: Copy + Debug {
     fn not(self) -> Self;
     /// Whether any lane is true.
     fn any(self) -> bool;
+    /// Whether every lane is true.
+    #[inline(always)]
+    fn all(self) -> bool {
+        !self.not().any()
+    }
+    /// The truth value of lane `i`.
+    fn lane(self, i: usize) -> bool;
+    /// The mask with another truth value in lane `i`.
+    fn with_lane(self, i: usize, value: bool) -> Self;
 }
 
 impl Mask for bool {
@@ -39,13 +48,21 @@ impl Mask for bool {
     fn any(self) -> bool {
         self
     }
+    #[inline(always)]
+    fn lane(self, _: usize) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn with_lane(self, _: usize, value: bool) -> bool {
+        value
+    }
 }
 
 /// A real number as the language sees it.
 ///
-/// Implemented by `f32`, `f64` and [`Bounded`] (a value with a running
-/// error bound). Comparisons return a [`Mask`] and branches are [`Real::select`], so that the same
-/// emitted code can run on lanes.
+/// Implemented by `f32`, `f64`, [`Bounded`] (a value with a running error bound) and, with the feature
+/// `wide`, by `Lanes` (eight `f32`). Comparisons return a [`Mask`] and branches are [`Real::select`],
+/// so that the same emitted code runs on all of them.
 pub trait Real:
     Copy
     + Debug
@@ -66,8 +83,10 @@ pub trait Real:
 {
     /// What comparisons return.
     type Mask: Mask;
-    /// This number with a bound on its error, for the rare points where rounding decides.
-    type Tracked: Real<Mask = bool>;
+    /// The number in one lane; a single number is its own and only lane.
+    type Lane: Single;
+    /// How many lanes there are.
+    const LANES: usize;
     /// Zero.
     const ZERO: Self;
     /// One.
@@ -79,13 +98,23 @@ pub trait Real:
     /// The smallest positive number that is represented to full precision.
     const MIN_POSITIVE: Self;
 
-    /// The number with an error bound of one rounding.
-    fn track(self) -> Self::Tracked;
-    /// Value and error bound of a tracked number.
-    fn value_and_error(tracked: Self::Tracked) -> (Self, Self);
+    /// The number in lane `i`, which is less than [`Real::LANES`].
+    fn lane(self, i: usize) -> Self::Lane;
+    /// This, with another number in lane `i`.
+    fn with_lane(self, i: usize, value: Self::Lane) -> Self;
+    /// From the number of each lane.
+    #[inline(always)]
+    fn from_lanes(mut number: impl FnMut(usize) -> Self::Lane) -> Self {
+        (0..Self::LANES).fold(Self::ZERO, |all, i| all.with_lane(i, number(i)))
+    }
+    /// The value without what is known of its error.
+    #[inline(always)]
+    fn exact(self) -> Self {
+        self
+    }
     /// The number nearest to `x`.
     fn of(x: f64) -> Self;
-    /// The value as `f64` (of the first lane, for lanes).
+    /// The value as `f64`; that of the first lane, if there are several.
     fn to_f64(self) -> f64;
     /// `self < other`; false for NaN, like all comparisons here.
     fn lt(self, other: Self) -> Self::Mask;
@@ -173,8 +202,18 @@ pub trait Real:
     }
 }
 
-/// A [`Real`] that is one number, so that it can be compared with `<` and used in plain Rust code.
-pub trait Scalar: Real<Mask = bool> + PartialOrd + core::iter::Sum {
+/// A [`Real`] of one lane, whose rounding errors can be followed.
+pub trait Single: Real<Mask = bool, Lane = Self> {
+    /// This number with a bound on its error, for the rare points where rounding decides.
+    type Tracked: Real<Mask = bool>;
+    /// The number with an error bound of one rounding.
+    fn track(self) -> Self::Tracked;
+    /// Value and error bound of a tracked number.
+    fn value_and_error(tracked: Self::Tracked) -> (Self, Self);
+}
+
+/// A [`Single`] number that can be compared with `<` and used in plain Rust code.
+pub trait Scalar: Single + PartialOrd + core::iter::Sum {
     /// The largest number below this one.
     fn next_below(self) -> Self;
 }
@@ -199,15 +238,9 @@ macro_rules! forward {
 }
 
 macro_rules! impl_real {
-    ($t:ident) => {
-        impl Real for $t {
-            type Mask = bool;
+    ($t:ident; $($functions:tt)*) => {
+        impl Single for $t {
             type Tracked = Bounded<$t>;
-            const ZERO: $t = 0.0;
-            const ONE: $t = 1.0;
-            const EPSILON: $t = $t::EPSILON;
-            const INFINITY: $t = $t::INFINITY;
-            const MIN_POSITIVE: $t = $t::MIN_POSITIVE;
             #[inline(always)]
             fn track(self) -> Bounded<$t> {
                 Bounded::rounded(self)
@@ -215,6 +248,25 @@ macro_rules! impl_real {
             #[inline(always)]
             fn value_and_error(tracked: Bounded<$t>) -> ($t, $t) {
                 (tracked.value, tracked.error)
+            }
+        }
+
+        impl Real for $t {
+            type Mask = bool;
+            type Lane = $t;
+            const LANES: usize = 1;
+            const ZERO: $t = 0.0;
+            const ONE: $t = 1.0;
+            const EPSILON: $t = $t::EPSILON;
+            const INFINITY: $t = $t::INFINITY;
+            const MIN_POSITIVE: $t = $t::MIN_POSITIVE;
+            #[inline(always)]
+            fn lane(self, _: usize) -> $t {
+                self
+            }
+            #[inline(always)]
+            fn with_lane(self, _: usize, value: $t) -> $t {
+                value
             }
             #[inline(always)]
             fn of(x: f64) -> $t {
@@ -240,18 +292,28 @@ macro_rules! impl_real {
             fn finite(self) -> bool {
                 self.is_finite()
             }
-            #[inline(always)]
-            fn powi(self, exponent: i32) -> $t {
-                <$t>::powi(self, exponent)
-            }
-            forward! { $t:
-                abs(); min(other); max(other); floor(); copysign(sign); sqrt(); cbrt(); exp();
-                exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin(); acos();
-                atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
-            }
+            forward! { $t: abs(); min(other); max(other); floor(); copysign(sign); sqrt(); }
+            $($functions)*
         }
     };
 }
 
-impl_real!(f32);
-impl_real!(f64);
+/// The functions of the standard library, which are those of the host for some of them.
+macro_rules! host {
+    ($t:ident) => {
+        #[inline(always)]
+        fn powi(self, exponent: i32) -> $t {
+            <$t>::powi(self, exponent)
+        }
+        forward! { $t:
+            cbrt(); exp(); exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin();
+            acos(); atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
+        }
+    };
+}
+
+#[cfg(feature = "portable")]
+impl_real! { f32; crate::kernels::single_precision! { f32 } }
+#[cfg(not(feature = "portable"))]
+impl_real! { f32; host! { f32 } }
+impl_real! { f64; host! { f64 } }

@@ -63,7 +63,7 @@ pub fn root_inside<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) ->
 pub fn root_or_beyond<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
     let (at_lo, at_hi) = (f(lo).0, f(hi).0);
     let (below, above) = (at_lo.ge(target), at_hi.le(target));
-    let scale = (hi - lo) / exact(at_hi - at_lo);
+    let scale = (hi - lo) / (at_hi - at_lo).exact();
     let usable = scale.gt(R::ZERO).and(scale.finite());
     let scale = R::select(usable, scale, hi - lo);
     let beyond = R::select(below, lo - (at_lo - target) * scale, hi + (target - at_hi) * scale);
@@ -73,30 +73,26 @@ pub fn root_or_beyond<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R)
     R::select(below.or(above), beyond, bracketed(f, target, lo, hi))
 }
 
-/// The value without what is known of its error.
-fn exact<R: Real>(x: R) -> R {
-    R::value_and_error(x.track()).0
-}
-
 /// Newton's method inside a bracket that only shrinks, with a step of bisection wherever Newton's
 /// would leave it or is slow. For tracked numbers, the error of the root is that of the equation over
 /// the slope.
 fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
-    let goal = exact(target);
+    let goal = target.exact();
     let huge = R::MIN_POSITIVE.recip();
-    let (mut a, mut b) = (exact(lo).max(-huge), exact(hi).min(huge));
-    let mut t = exact(first(a, b));
+    let (mut a, mut b) = (lo.exact().max(-huge), hi.exact().min(huge));
+    let mut t = first(a, b).exact();
     let mut last = b - a;
     let mut done = goal.le(goal).not();
     for _ in 0..MAX_STEPS {
         let (y, slope) = f(t);
-        let (y, slope) = (exact(y), exact(slope));
+        let (y, slope) = (y.exact(), slope.exact());
         // Where the function is no number (infinity less infinity), it is the outer end that moves.
         let known = y.le(y);
         let over = y.gt(goal).or(known.not().and(b.abs().gt(a.abs())));
+        // A lane that is done stays as it is while others go on.
+        b = R::select(over.and(done.not()), t, b);
+        a = R::select(over.or(done), a, t);
         done = done.or(y.le(goal).and(y.ge(goal)));
-        b = R::select(over, t, b);
-        a = R::select(over, a, t);
         let newton = step(t, y, goal, slope);
         let size = (newton - t).abs();
         let steady = size.le(last * R::of(0.75));
@@ -105,7 +101,7 @@ fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
         let settled = rounding.or(size.le(t.abs() * R::EPSILON * R::of(4.0)));
         let within = newton.gt(a).and(newton.lt(b));
         let usable = within.and(steady.or(settled));
-        let next = exact(R::select(usable, newton, middle(a, b)));
+        let next = R::select(usable, newton, middle(a, b)).exact();
         let moved = (next - t).abs();
         t = R::select(done.or(settled.and(within.not())), t, next);
         done = done.or(settled);

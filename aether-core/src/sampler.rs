@@ -7,7 +7,7 @@ use crate::density::Density;
 use crate::map::{Map, Then};
 use crate::point::Point;
 use crate::preimages::Preimages;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 
 /// A uniform random number in [0, 1) as the body of a sampler sees it.
 pub type Uniform = f64;
@@ -98,11 +98,15 @@ pub trait Sampler<R: Real>: Copy {
         Sample { sampler: *self, uniforms: u, value, valid }
     }
 
-    /// The uniforms that map to `x`: every preimage, none outside the support.
-    fn invert(&self, x: &Self::Point) -> Preimages<Self::Uniforms> {
+    /// The uniforms that map to `x`: every preimage, none outside the support. Where there are several
+    /// lanes, [`Sampler::preimages`] tells in which of them each preimage exists.
+    fn invert(&self, x: &Self::Point) -> Preimages<Self::Uniforms>
+    where
+        R: Real<Mask = bool>,
+    {
         let mut found = Preimages::new();
         self.preimages(x, |u, valid| {
-            if valid.any() {
+            if valid {
                 found.push(u);
             }
         });

@@ -1,6 +1,6 @@
 //! What emitted code calls. Not part of the public interface.
 
-use crate::real::{Mask, Real};
+use crate::real::{Mask, Real, Single};
 pub use crate::root::{root_inside, root_or_beyond};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
@@ -46,7 +46,7 @@ pub fn cos_pi<R: Real>(x: R) -> R {
 pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce() -> R) -> R {
     if !mask.any() {
         no()
-    } else if !mask.not().any() {
+    } else if mask.all() {
         yes()
     } else {
         R::select(mask, yes(), no())
@@ -88,21 +88,21 @@ pub fn mask<M: Mask>(all: bool) -> M {
 
 /// Numbers with error bounds of one rounding.
 #[inline]
-pub fn track<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
+pub fn track<R: Single, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
     x.map(R::track)
 }
 
 /// The coordinates of a direction with error bounds: rotations round them relative to one, not to
 /// each coordinate.
 #[inline]
-pub fn track_unit<R: Real, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
+pub fn track_unit<R: Single, const N: usize>(x: &[R; N]) -> [R::Tracked; N] {
     let rounding = R::ONE.track() - R::ONE.track();
     x.map(|x| x.track() + rounding)
 }
 
 /// The same where only some of the coordinates are those of directions.
 #[inline]
-pub fn track_some<R: Real, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R::Tracked; N] {
+pub fn track_some<R: Single, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R::Tracked; N] {
     let (plain, unit_vector) = (track(x), track_unit(x));
     core::array::from_fn(|i| if unit[i] { unit_vector[i] } else { plain[i] })
 }
@@ -115,11 +115,94 @@ pub fn flat<R: Real, P: crate::point::Point<R>, const M: usize>(point: &P) -> [R
     core::array::from_fn(|i| all[i])
 }
 
+/// The numbers in lane `i`.
+#[inline]
+pub fn lane<R: Real, const N: usize>(x: &[R; N], i: usize) -> [R::Lane; N] {
+    x.map(|x| x.lane(i))
+}
+
+/// Where `wanted` is true: whether the test of that lane's parameters and point succeeds.
+#[inline(always)]
+pub fn member<R: Real, const M: usize, const P: usize>(
+    wanted: R::Mask,
+    p: &[R; P],
+    x: &[R; M],
+    test: impl Fn(&[R::Lane; P], &[R::Lane; M]) -> bool,
+) -> R::Mask {
+    let mut found = R::Mask::FALSE;
+    if wanted.any() {
+        for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
+            found = found.with_lane(i, test(&lane(p, i), &lane(x, i)));
+        }
+    }
+    found
+}
+
+/// Uniforms that count although they came out beyond their interval, and in which lanes they do.
+pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, [R; N])>;
+
+/// Where `wanted` is true: the uniforms that `recover` finds in that lane, if it finds any.
+#[inline(always)]
+pub fn recovered<R: Real, const N: usize>(
+    wanted: R::Mask,
+    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+) -> Recovered<R, N> {
+    if wanted.any() { recover_lanes::<R, N>(wanted, recover) } else { None }
+}
+
+#[cold]
+fn recover_lanes<R: Real, const N: usize>(
+    wanted: R::Mask,
+    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+) -> Recovered<R, N> {
+    let mut found: Recovered<R, N> = None;
+    for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
+        if let Some(u) = recover(i) {
+            let (mask, all) = found.unwrap_or((R::Mask::FALSE, [R::ZERO; N]));
+            let all = core::array::from_fn(|k| all[k].with_lane(i, u[k]));
+            found = Some((mask.with_lane(i, true), all));
+        }
+    }
+    found
+}
+
+/// The lanes of recovered uniforms.
+#[inline(always)]
+pub fn lanes_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> R::Mask {
+    recovered.map_or(R::Mask::FALSE, |(mask, _)| mask)
+}
+
+/// Whether the uniforms recovered in lane `i` are these.
+pub fn recovered_as<R: Real, const N: usize>(
+    recovered: &Recovered<R, N>,
+    i: usize,
+    u: &[R::Lane; N],
+) -> bool {
+    recovered.is_some_and(|(mask, v)| mask.lane(i) && coincide(&lane(&v, i), u))
+}
+
+/// The recovered uniforms in their lanes, others where they lie plainly inside.
+#[inline(always)]
+pub fn merged<R: Real, const N: usize>(
+    recovered: Recovered<R, N>,
+    inside: R::Mask,
+    plain: impl FnOnce() -> [R; N],
+) -> [R; N] {
+    match recovered {
+        None => plain(),
+        Some((_, u)) if !inside.any() => u,
+        Some((mask, u)) => {
+            let plain = plain();
+            core::array::from_fn(|k| R::select(mask, u[k], plain[k]))
+        }
+    }
+}
+
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map
 /// leads back to the point whatever its value.
 #[cold]
-pub fn recover<R: Real, const N: usize, const M: usize>(
+pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
@@ -145,7 +228,7 @@ pub fn recover<R: Real, const N: usize, const M: usize>(
 
 /// Whether margins are positive, but for their error bounds.
 #[cold]
-pub fn admits<R: Real, const N: usize>(margins: [R::Tracked; N]) -> bool {
+pub fn admits<R: Single, const N: usize>(margins: [R::Tracked; N]) -> bool {
     margins.into_iter().all(|margin| {
         let (value, error) = R::value_and_error(margin);
         value.to_f64() >= -SLACK * error.to_f64()
@@ -170,17 +253,13 @@ pub fn below_one<R: Real>(u: R) -> R {
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
 /// without error bounds.
 #[inline(always)]
-pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> bool {
+pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     let tolerance = R::of(SLACK) * R::EPSILON;
-    let all = a
-        .iter()
-        .zip(b)
-        .fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())));
-    all.any()
+    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())))
 }
 
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.
-pub fn leads_back<R: Real, const N: usize, const M: usize>(
+pub fn leads_back<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
@@ -199,9 +278,9 @@ pub fn leads_back<R: Real, const N: usize, const M: usize>(
 }
 
 /// Two recovered preimages that are one: equal to within rounding in every uniform.
-pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> bool {
-    let near = |x: &R, y: &R| (x.to_f64() - y.to_f64()).abs() <= 64.0 * R::EPSILON.to_f64();
-    a.iter().zip(b).all(|(x, y)| near(x, y))
+pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R::Mask {
+    let near = R::of(64.0) * R::EPSILON;
+    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(near)))
 }
 
 /// The largest difference between the numbers of two points.
@@ -216,8 +295,18 @@ pub fn closed<R: Real, const N: usize, const M: usize>(
     u: &[R; N],
     forward: impl Fn(&[R; N]) -> [R; M],
 ) -> [R; M] {
+    closed_where(R::Mask::TRUE, u, forward)
+}
+
+/// The same; what comes out where the mask is false does not matter.
+#[inline(always)]
+pub fn closed_where<R: Real, const N: usize, const M: usize>(
+    wanted: R::Mask,
+    u: &[R; N],
+    forward: impl Fn(&[R; N]) -> [R; M],
+) -> [R; M] {
     let x = forward(u);
-    if finite::<R>(&x).any() { x } else { from_inside(u, x, forward) }
+    if finite::<R>(&x).or(wanted.not()).all() { x } else { from_inside(u, x, forward) }
 }
 
 #[cold]

@@ -3,5 +3,5 @@
 use crate::real::Real;
 
 pub(super) fn ln_gamma<R: Real>(x: R) -> R {
-    R::of(libm::lgamma(x.to_f64()))
+    R::from_lanes(|i| R::Lane::of(libm::lgamma(x.lane(i).to_f64())))
 }

@@ -103,8 +103,7 @@ function! {
     lambert_w(; x) LambertW = lambert::lambert_w
 }
 function! {
-    /// ln Γ(x) for x > 0, of parameters: it has no derivative in the language. All lanes get the
-    /// value of the first.
+    /// ln Γ(x) for x > 0, of parameters: it has no derivative in the language.
     ///
     /// Error: at most 1.5 ulp in `f64`, 0.6 in `f32`.
     ln_gamma(; x) LnGamma = gamma::ln_gamma

@@ -1,7 +1,7 @@
 //! Two variables, one drawn given the other.
 
 use crate::density::Density;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::sampler::{PdfOf, Sampler};
 use crate::vec::Vec2;
 
@@ -29,8 +29,9 @@ impl<S, F> Dependent<S, F> {
     }
 }
 
-impl<R: Real, S, F> Sampler<R> for Dependent<S, F>
+impl<R, S, F> Sampler<R> for Dependent<S, F>
 where
+    R: Real<Mask = bool>,
     S: Sampler<R, Uniforms = [R; 1], Point = R>,
     F: Family<R>,
 {
@@ -38,13 +39,13 @@ where
     type Point = Vec2<R>;
 
     #[inline]
-    fn forward(&self, u: [R; 2]) -> (Vec2<R>, R::Mask) {
+    fn forward(&self, u: [R; 2]) -> (Vec2<R>, bool) {
         let (y, first) = self.y.forward([u[1]]);
         match self.x.given(y) {
-            None => (Vec2::new(R::ZERO, y), R::Mask::FALSE),
+            None => (Vec2::new(R::ZERO, y), false),
             Some(member) => {
                 let (x, second) = member.forward([u[0]]);
-                (Vec2::new(x, y), first.and(second))
+                (Vec2::new(x, y), first && second)
             }
         }
     }
@@ -64,10 +65,10 @@ where
     }
 
     #[inline]
-    fn preimages(&self, p: &Vec2<R>, mut visit: impl FnMut([R; 2], R::Mask)) {
+    fn preimages(&self, p: &Vec2<R>, mut visit: impl FnMut([R; 2], bool)) {
         let Some(member) = self.x.given(p.y) else { return };
         self.y.preimages(&p.y, |v, outer| {
-            member.preimages(&p.x, |u, inner| visit([u[0], v[0]], outer.and(inner)));
+            member.preimages(&p.x, |u, inner| visit([u[0], v[0]], outer && inner));
         });
     }
 }

@@ -14,7 +14,8 @@ use crate::sampler::Uniforms;
 
 /// A source of uniform random numbers in [0, 1).
 ///
-/// Any closure `FnMut() -> R` is a source too (it ignores [`UniformSource::start`]).
+/// Any closure `FnMut() -> R` is a source too (it ignores [`UniformSource::start`]). Lanes take eight
+/// sources, one each.
 ///
 /// ```
 /// use aether_core::uniform::{Sobol, UniformSource, draw_uniforms};

@@ -2,7 +2,7 @@
 //! Good Algorithms for Random Number Generation").
 
 use super::{UniformSource, combine, unit};
-use crate::real::Real;
+use crate::real::Single;
 
 const MULTIPLIER: u64 = 6_364_136_223_846_793_005;
 
@@ -63,7 +63,7 @@ impl Pcg32 {
 }
 
 /// Draws 32 bits for a type of `f32`'s precision, 64 bits for a finer one.
-impl<R: Real> UniformSource<R> for Pcg32 {
+impl<R: Single> UniformSource<R> for Pcg32 {
     #[inline]
     fn next(&mut self) -> R {
         let high = u64::from(self.next_u32()) << 32;

@@ -2,7 +2,7 @@
 //! Scrambling", JCGT 9(4)).
 
 use super::{UniformSource, combine, mix, unit};
-use crate::real::Real;
+use crate::real::Single;
 
 /// How many dimensions are stratified jointly; later ones are padded with shuffled copies.
 const JOINT: usize = 4;
@@ -107,7 +107,7 @@ impl Sobol {
     }
 }
 
-impl<R: Real> UniformSource<R> for Sobol {
+impl<R: Single> UniformSource<R> for Sobol {
     #[inline]
     fn next(&mut self) -> R {
         let dimension = self.drawn as usize % JOINT;

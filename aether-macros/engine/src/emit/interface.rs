@@ -48,7 +48,7 @@ pub fn interface(
     let hidden: Vec<Ident> =
         constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
     let values: Vec<TokenStream> =
-        constants.iter().map(|(_, code)| quote!(R::of({ #code }))).collect();
+        constants.iter().map(|(_, code)| quote!(R::Lane::of({ #code }))).collect();
     let plain: Vec<TokenStream> = signature.params.iter().filter_map(in_double).collect();
     let compute = if constants.is_empty() {
         quote!()
@@ -57,7 +57,7 @@ pub fn interface(
         let lets = hidden
             .iter()
             .zip(&values)
-            .map(|(h, v)| quote!(let #h: R = { use ::aether_core::Real as _; #plain #v };));
+            .map(|(h, v)| quote!(let #h: R = R::from_lanes(|lane| { use ::aether_core::Real as _; #plain #v });));
         quote!(#(#lets)*)
     };
     let checks: Vec<TokenStream> = options
@@ -68,8 +68,8 @@ pub fn interface(
             let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
             let upper = if d.closed { quote!(<=) } else { quote!(<) };
             quote! {
-                {
-                    let value = ::aether_core::Real::to_f64(#field);
+                for lane in 0..<R as ::aether_core::Real>::LANES {
+                    let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
                     if !(value >= #lo && value #upper #hi) {
                         return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
                     }
@@ -81,7 +81,7 @@ pub fn interface(
             let left = &comparison.left;
             quote! {
                 #[allow(unused)]
-                {
+                for lane in 0..<R as ::aether_core::Real>::LANES {
                     use ::aether_core::Real as _;
                     #(#plain)*
                     if !(#comparison) {
@@ -127,13 +127,21 @@ pub fn interface(
     }
 }
 
-/// A parameter in `f64` under its own name, for expressions in plain Rust. Frames stay as they are.
+/// A lane of a parameter in `f64` under its own name, for expressions in plain Rust. Frames stay as they
+/// are.
 fn in_double(p: &Param) -> Option<TokenStream> {
     let name = &p.name;
-    let vector = |v: TokenStream| quote!(::aether_core::Vec3::new(#v.x.to_f64(), #v.y.to_f64(), #v.z.to_f64()));
+    let double = |v: TokenStream| quote!(#v.lane(lane).to_f64());
+    let vector = |v: TokenStream| {
+        let [x, y, z] = [quote!(x), quote!(y), quote!(z)].map(|c| double(quote!(#v.#c)));
+        quote!(::aether_core::Vec3::new(#x, #y, #z))
+    };
     let value = match p.kind {
-        ParamKind::Scalar => quote!(#name.to_f64()),
-        ParamKind::Vec2 => quote!(::aether_core::Vec2::new(#name.x.to_f64(), #name.y.to_f64())),
+        ParamKind::Scalar => double(quote!(#name)),
+        ParamKind::Vec2 => {
+            let [x, y] = [quote!(x), quote!(y)].map(|c| double(quote!(#name.#c)));
+            quote!(::aether_core::Vec2::new(#x, #y))
+        }
         ParamKind::Vec3 => vector(quote!(#name)),
         ParamKind::Direction => {
             let v = vector(quote!(#name));

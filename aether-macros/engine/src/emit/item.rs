@@ -81,13 +81,13 @@ impl Emitter<'_> {
     pub(super) fn tracked(&self) -> TokenStream {
         let parts = self.signature().space.parts();
         match &parts[..] {
-            [Space::Direction] => quote!(::aether_core::support::track_unit(&x)),
-            _ if !parts.contains(&Space::Direction) => quote!(::aether_core::support::track(&x)),
+            [Space::Direction] => quote!(::aether_core::support::track_unit(x)),
+            _ if !parts.contains(&Space::Direction) => quote!(::aether_core::support::track(x)),
             _ => {
                 let unit = parts
                     .iter()
                     .flat_map(|part| vec![*part == Space::Direction; part.dimensions().1]);
-                quote!(::aether_core::support::track_some(&x, &[#(#unit),*]))
+                quote!(::aether_core::support::track_some(x, &[#(#unit),*]))
             }
         }
     }
@@ -128,8 +128,8 @@ impl Emitter<'_> {
             #interface
             #[allow(clippy::all, clippy::pedantic, unused, non_snake_case)]
             const _: () = {
-                use ::aether_core::{Real as _, Mask as _, Point as _};
-                use ::aether_core::real::{Mask, Real};
+                use ::aether_core::{Real as _, Mask as _, Single as _, Point as _};
+                use ::aether_core::real::{Mask, Real, Single};
                 #hidden
                 #functions
                 #derivation

@@ -16,7 +16,11 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let visits = visits(e, source);
     let (forward, jacobian) = (forward(e), jacobian(e));
     let coordinates = e.coordinates();
+    let members = e.places().into_iter().filter(|place| place.derived.check_forward);
+    let members = members.map(|place| e.member(place, &quote!(::aether_core::support::track(x))));
     quote! {
+        #(#members)*
+
         #[automatically_derived]
         impl<R: Real> ::aether_core::Map<R> for #ty #args {
             type Source = #source_ty;
@@ -85,22 +89,18 @@ fn jacobian(e: &Emitter) -> TokenStream {
 
 fn visits(e: &Emitter, source: &Space) -> TokenStream {
     let belongs = e.belongs();
-    let (n, m, _) = e.sizes();
+    let (_, m, s) = e.sizes();
     let each = e.places().into_iter().map(|place| {
         let (k, j) = (place.number, place.piece);
         let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
-        let (forward, guards) = (format_ident!("forward_{j}"), format_ident!("guards_{j}"));
+        let guards = format_ident!("guards_{j}");
         let guarded =
             (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
         let made = point(source, &quote!(u), None);
+        let member = format_ident!("member_{k}");
         let membership = place.derived.check_forward.then(|| {
             quote! {
-                let ok = if ok.any() {
-                    let (tp, tx) = (::aether_core::support::track(&p), ::aether_core::support::track(&x));
-                    let tu = #inverse::<R::Tracked>(&tp, &tx);
-                    ok.and(::aether_core::support::mask(
-                        ::aether_core::support::leads_back::<R, #n, #m>(tu, &x, |u| #forward::<R::Tracked>(&tp, u))))
-                } else { ok };
+                let ok = ok.and(::aether_core::support::member::<R, #m, #s>(ok, &p, &x, #member::<R::Lane>));
             }
         });
         quote! {

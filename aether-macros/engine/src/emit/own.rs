@@ -20,10 +20,11 @@ fn single(e: &Emitter) -> TokenStream {
         // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
         // Jacobian; the density at the point knows it.
         let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
-        if inner.any() {
+        if inner.all() {
             ::aether_core::Density::new(d)
         } else {
-            ::aether_core::Sampler::pdf(self, &#made)
+            let limit = ::aether_core::Sampler::pdf(self, &#made).value();
+            ::aether_core::Density::new(R::select(inner, d, limit))
         }
     }
 }
@@ -31,6 +32,7 @@ fn single(e: &Emitter) -> TokenStream {
 /// Of the preimages in the piece that `u` takes, the nearest is `u` itself: its density is that of
 /// the uniforms, not of the rounded point.
 fn among_several(e: &Emitter) -> TokenStream {
+    let (n, _, _) = e.sizes();
     let coordinates = e.coordinates();
     let existence = existence(e);
     let jacobians = jacobians(e);
@@ -40,9 +42,9 @@ fn among_several(e: &Emitter) -> TokenStream {
         let [leave, taken] = ["leave", "taken"].map(|name| format_ident!("{name}_{}", place.piece));
         let mine = (!e.is_whole()).then(|| quote!(.and(#taken::<R>(&p, &u))));
         quote! {
-            let inside = #strict.or(::aether_core::support::mask(#recovered.is_some())) #mine;
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered)) #mine;
             let #distance = if inside.any() {
-                let v = #recovered.unwrap_or_else(|| #leave::<R>(&p, &#inverse::<R>(&p, &x)));
+                let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
                 R::select(inside, ::aether_core::support::distance(&u, &v), R::INFINITY)
             } else {
                 R::INFINITY
@@ -56,7 +58,8 @@ fn among_several(e: &Emitter) -> TokenStream {
         quote! {
             let itself = #distance.le(nearest).and(#distance.lt(R::INFINITY)).and(counted.not());
             counted = counted.or(itself);
-            let other = #strict.or(::aether_core::support::mask(#recovered.is_some())).and(itself.not());
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
+            let other = inside.and(itself.not());
             if other.any() {
                 let d = #density::<R>(&p, &x);
                 sum += R::select(other.and(d.gt(R::ZERO)), d, R::ZERO);

@@ -247,6 +247,22 @@ impl<'a> Emitter<'a> {
         }
     }
 
+    /// Whether a point lies on the manifold to within error bounds, those of its coordinates `tracked`.
+    pub(super) fn member(&self, place: Place, tracked: &TokenStream) -> TokenStream {
+        let (n, m, s) = self.sizes();
+        let [member, inverse] =
+            ["member", "inverse"].map(|name| format_ident!("{name}_{}", place.number));
+        let forward = format_ident!("forward_{}", place.piece);
+        quote! {
+            #[cold]
+            fn #member<R: Single>(p: &[R; #s], x: &[R; #m]) -> bool {
+                let (tp, tx) = (::aether_core::support::track(p), #tracked);
+                let tt = #inverse::<R::Tracked>(&tp, &tx);
+                ::aether_core::support::leads_back::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
+            }
+        }
+    }
+
     /// The unknowns that have to be tested: those whose range is not settled by interval arithmetic,
     /// and all of them where the piece has tests of its own.
     fn checked(&self, place: Place) -> Vec<usize> {

@@ -18,7 +18,10 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let own = own_density(e);
     let visits = visits(e);
     let coordinates = e.coordinates();
+    let exceptions = exceptions(e);
     quote! {
+        #exceptions
+
         #[automatically_derived]
         impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
             type Uniforms = [R; #n];
@@ -67,7 +70,7 @@ fn forward(e: &Emitter) -> TokenStream {
             ["enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
         quote! {
             let t = #enter::<R>(&p, &u);
-            let y = ::aether_core::support::closed::<R, #n, #m>(&t, |t| #forward::<R>(&p, t));
+            let y = ::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t));
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
             exists = exists.or(taken.and(#exists::<R>(&p, &t)));
         }
@@ -81,7 +84,7 @@ fn forward(e: &Emitter) -> TokenStream {
 }
 
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
-/// whether it plainly exists, and `recovered_k`, its uniforms if only rounding speaks against it.
+/// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     let places = e.places();
@@ -108,13 +111,13 @@ fn once(place: Place, places: &[Place]) -> TokenStream {
             ["strict", "inverse"].map(|n| format_ident!("{n}_{}", other.number));
         let leave_other = format_ident!("leave_{}", other.piece);
         quote! {
-            let #strict = if #strict.and(#strict_other).any()
-                && ::aether_core::support::coincide(
+            let both = #strict.and(#strict_other);
+            let #strict = if both.any() {
+                let same = ::aether_core::support::coincide(
                     &#leave::<R>(&p, &#inverse::<R>(&p, &x)),
                     &#leave_other::<R>(&p, &#inverse_other::<R>(&p, &x)),
-                )
-            {
-                #strict.and(#strict_other.not())
+                );
+                #strict.and(both.and(same).not())
             } else {
                 #strict
             };
@@ -125,7 +128,7 @@ fn once(place: Place, places: &[Place]) -> TokenStream {
 
 fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let (k, j) = (place.number, place.piece);
-    let (n, m, _) = e.sizes();
+    let (_, m, s) = e.sizes();
     let [support, inverse, strict, possible] =
         ["support", "inverse", "strict", "possible"].map(|name| format_ident!("{name}_{k}"));
     let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
@@ -134,15 +137,14 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let confined = place.problem.segments.iter().any(Option::is_some);
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
+    let member = format_ident!("member_{k}");
     let membership = place.derived.check_forward.then(|| {
-        let tracked = tracked(e, place);
         quote! {
-            let #strict = if #strict.any()
-                && !::aether_core::support::near::<R, #m>(&#forward::<R>(&p, &#inverse::<R>(&p, &x)), &x)
-            {
-                let (tp, tt) = #tracked;
-                #strict.and(::aether_core::support::mask(
-                    ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t))))
+            let #strict = if #strict.any() {
+                let back = #forward::<R>(&p, &#inverse::<R>(&p, &x));
+                let near = ::aether_core::support::near::<R, #m>(&back, &x);
+                #strict.and(near.or(::aether_core::support::member::<R, #m, #s>(
+                    #strict.and(near.not()), &p, &x, #member::<R::Lane>)))
             } else { #strict };
         }
     });
@@ -154,82 +156,88 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     }
 }
 
-/// Parameters and unknowns with error bounds.
-fn tracked(e: &Emitter, place: Place) -> TokenStream {
-    let inverse = format_ident!("inverse_{}", place.number);
+/// What is decided with error bounds, and so for each lane alone: whether a point that does not
+/// plainly lie on the manifold is a member of it, and whether only rounding has put it outside.
+fn exceptions(e: &Emitter) -> TokenStream {
+    let functions = e.places().into_iter().map(|place| {
+        let member = place.derived.check_forward.then(|| e.member(place, &e.tracked()));
+        let rounded = rounded(e, place);
+        quote!(#member #rounded)
+    });
+    quote!(#(#functions)*)
+}
+
+fn rounded(e: &Emitter, place: Place) -> TokenStream {
+    let (k, j) = (place.number, place.piece);
+    let (n, m, s) = e.sizes();
+    let [inverse, rounded, member] =
+        ["inverse", "rounded", "member"].map(|name| format_ident!("{name}_{k}"));
+    let [forward, margins, leave, taken] =
+        ["forward", "margins", "leave", "taken"].map(|name| format_ident!("{name}_{j}"));
     let tracked = e.tracked();
+    let guarded = !place.problem.guards.is_empty();
+    let admitted = guarded.then(|| {
+        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))))
+    });
+    let membership = place.derived.check_forward.then(|| quote!(.filter(|_| #member::<R>(p, x))));
+    // Across a jump there is another point: what rounding carried over a border has to lead back.
+    let landed = guarded.then(|| {
+        quote! {
+            .filter(|u| #taken::<R>(p, u)
+                || ::aether_core::support::leads_back::<R, #n, #m>(
+                    u.map(|u| u.track()), x, |u| whole::<R::Tracked>(&tp, u)))
+        }
+    });
     quote! {
-        {
-            let (tp, tx) = (::aether_core::support::track(&p), #tracked);
+        /// The uniforms of a preimage that lies outside by no more than rounding.
+        #[cold]
+        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m]) -> Option<[R; #n]> {
+            let (tp, tx) = (::aether_core::support::track(p), #tracked);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
-            (tp, tt)
+            ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
+                #admitted
+                #membership
+                .map(|t| #leave::<R>(p, &t))
+                #landed
         }
     }
 }
 
 fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
-    let (k, j) = (place.number, place.piece);
-    let (n, m, _) = e.sizes();
-    let [strict, possible, recovered] =
-        ["strict", "possible", "recovered"].map(|name| format_ident!("{name}_{k}"));
-    let [forward, margins, leave] =
-        ["forward", "margins", "leave"].map(|name| format_ident!("{name}_{j}"));
-    let tracked = tracked(e, place);
-    let admitted = (!place.problem.guards.is_empty()).then(|| {
-        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))))
-    });
-    let membership = place.derived.check_forward.then(|| {
-        quote! {
-            .filter(|_| ::aether_core::support::leads_back::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t)))
-        }
-    });
-    // Across a jump there is another point: what rounding carried over a border has to lead back.
-    let taken = format_ident!("taken_{j}");
-    let landed = (!place.problem.guards.is_empty()).then(|| {
-        quote! {
-            .filter(|u| #taken::<R>(&p, u).any()
-                || ::aether_core::support::leads_back::<R, #n, #m>(
-                    u.map(Real::track), &x, |u| whole::<R::Tracked>(&tp, u)))
-        }
-    });
+    let k = place.number;
+    let (n, _, _) = e.sizes();
+    let [strict, possible, recovered, rounded] =
+        ["strict", "possible", "recovered", "rounded"].map(|name| format_ident!("{name}_{k}"));
     // A preimage that was accepted by tolerance and equals one that counts already counts once.
     let again = places.iter().filter(|other| other.number != k).map(|other| {
         let [inverse, strict, recovered] =
             ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
         let leave = format_ident!("leave_{}", other.piece);
-        let earlier = (other.number < k).then(|| {
-            quote! {
-                .filter(|u| !#recovered.as_ref().is_some_and(|v| ::aether_core::support::coincide(v, u)))
-            }
-        });
+        let earlier = (other.number < k)
+            .then(|| quote!(|| ::aether_core::support::recovered_as::<R, #n>(&#recovered, i, u)));
         quote! {
-            .filter(|u| !(#strict.any()
-                && ::aether_core::support::coincide(&#leave::<R>(&p, &#inverse::<R>(&p, &x)), u)))
-            #earlier
+            .filter(|u| !((#strict.lane(i)
+                && ::aether_core::support::coincide(
+                    &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), u))
+                #earlier))
         }
     });
     quote! {
-        let #recovered: Option<[R; #n]> = if #possible.any() && !#strict.any() {
-            let (tp, tt) = #tracked;
-            ::aether_core::support::recover::<R, #n, #m>(tt, &x, |t| #forward::<R::Tracked>(&tp, t))
-                #admitted
-                #membership
-                .map(|t| #leave::<R>(&p, &t))
-                #landed
-                #(#again)*
-        } else {
-            None
-        };
+        let #recovered = ::aether_core::support::recovered::<R, #n>(#possible.and(#strict.not()), |i| {
+            let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
+            #rounded::<R::Lane>(&p, &x) #(#again)*
+        });
     }
 }
 
 fn density(e: &Emitter) -> TokenStream {
     let existence = existence(e);
+    let (n, _, _) = e.sizes();
     let terms = e.places().into_iter().map(|place| {
         let [density, strict, recovered] =
             ["density", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
         quote! {
-            let inside = #strict.or(::aether_core::support::mask(#recovered.is_some()));
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             if inside.any() {
                 let d = #density::<R>(&p, &x);
                 sum += R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
@@ -246,17 +254,20 @@ fn density(e: &Emitter) -> TokenStream {
 
 fn visits(e: &Emitter) -> TokenStream {
     let existence = existence(e);
+    let (n, _, _) = e.sizes();
     let each = e.places().into_iter().map(|place| {
         let [inverse, strict, recovered] =
             ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
         let leave = format_ident!("leave_{}", place.piece);
         quote! {
-            if let Some(u) = #recovered {
-                visit(u, <R::Mask as Mask>::TRUE);
-            } else if #strict.any() {
-                // The most accurate form may round to one where a shorter one does not.
-                let t = #inverse::<R>(&p, &x).map(::aether_core::support::below_one);
-                visit(#leave::<R>(&p, &t), #strict);
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
+            if inside.any() {
+                let u = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || {
+                    // The most accurate form may round to one where a shorter one does not.
+                    let t = #inverse::<R>(&p, &x).map(::aether_core::support::below_one);
+                    #leave::<R>(&p, &t)
+                });
+                visit(u, inside);
             }
         }
     });

@@ -27,9 +27,11 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
     None
 }
 
-/// The part that the equation is a cubic polynomial of, and its values, each with what must not be
-/// negative for it to be one.
-fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<(Id, Option<Id>)>)> {
+/// A value, and what must not be negative for it to be a root.
+type Root = (Id, Option<Id>);
+
+/// The part that the equation is a cubic polynomial of, and its values.
+fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<Root>)> {
     let polynomial = clear(g, e.known, e.rhs, Deps::MAX)?;
     let atoms: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
     let [atom] = atoms[..] else { return None };
