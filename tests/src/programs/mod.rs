@@ -1,0 +1,18 @@
+//! Random samplers, as Rust source: programs that somebody could have written, made by proptest.
+//!
+//! A [`Plan`] is what proptest composes: a list of steps (affine, polar, power, exponential,
+//! normalise, rotate, reflect, branch, fold) from the uniforms to a point of some space. [`write()`]
+//! turns it into a function; it knows the range of every coordinate, so that what it writes is defined almost
+//! everywhere, depends on every uniform, and has full rank. [`choose`] picks the programs of the suite.
+
+mod choose;
+mod plan;
+mod range;
+mod scalar;
+mod scribe;
+mod spread;
+
+pub use choose::plans;
+pub use plan::{Finish, Plan, Step, plan};
+pub use range::Range;
+pub use scribe::{Program, write};
