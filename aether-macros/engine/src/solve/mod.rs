@@ -12,6 +12,7 @@ mod normalise;
 mod numeric;
 mod peel;
 mod polar;
+mod quadric;
 mod rational;
 mod scale;
 
@@ -120,6 +121,11 @@ pub fn solve(
             return Err(stuck(g, &state, unknowns, None));
         }
         strip_all(g, &mut state);
+        // A length must be seen before a pair takes part of the vector apart.
+        if let Some(next) = quadric::normalised(g, &state) {
+            open.extend(next.into_iter().rev());
+            continue;
+        }
         // A pair must be seen before one of its members is solved through another equation.
         if let Some(next) = polar::polar_pair(g, &state) {
             open.extend(next.into_iter().rev());

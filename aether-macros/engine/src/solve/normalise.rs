@@ -8,10 +8,18 @@ use crate::rational::Q;
 
 /// Outputs that are divided by a common length, √(a sum): before anything else takes the root apart.
 pub(super) fn unit_vector(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let (length, members) = common_length(g, state)?;
+    let square = g.powi(length, 2);
+    let exponent = g.number(Q::HALF.neg());
+    Some(name_factor(g, state, square, exponent, &members))
+}
+
+/// The length √(a sum) that outputs are divided by, and the equations of these.
+pub(super) fn common_length(g: &mut Graph, state: &State) -> Option<(Id, Vec<usize>)> {
     let (base, exponent, members) = common_factor(g, state)?;
     let is_length =
         g.as_number(exponent) == Some(Q::HALF.neg()) && matches!(g.node(base), Node::Sum(..));
-    is_length.then(|| name_factor(g, state, base, exponent, &members))
+    is_length.then(|| (g.sqrt(base), members))
 }
 
 /// Any common factor of several equations.
