@@ -199,7 +199,7 @@ pub fn plan(core: bool) -> impl Strategy<Value = Plan> {
             let least = usize::from(matches!(finish, Finish::Flat(..)));
             (prop::collection::vec(step, least..=most), Just(finish))
         })
-        .prop_flat_map(|(steps, finish)| {
+        .prop_flat_map(move |(steps, finish)| {
             (any::<u32>(), prop::bool::weighted(if core { 1.0 } else { 0.9 })).prop_map(move |(names, declared)| Plan {
                 steps: steps.clone(),
                 finish: finish.clone(),

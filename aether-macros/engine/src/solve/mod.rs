@@ -120,12 +120,13 @@ pub fn solve(
         if steps > MAX_STEPS || done.len() >= MAX_PREIMAGES {
             return Err(stuck(g, &state, unknowns, None));
         }
-        strip_all(g, &mut state);
-        // A length must be seen before a pair takes part of the vector apart.
+        // A length must be seen before a pair takes part of the vector apart, and with all
+        // known factors of its coordinates in their place.
         if let Some(next) = quadric::normalised(g, &state) {
             open.extend(next.into_iter().rev());
             continue;
         }
+        strip_all(g, &mut state);
         // A pair must be seen before one of its members is solved through another equation.
         if let Some(next) = polar::polar_pair(g, &state) {
             open.extend(next.into_iter().rev());

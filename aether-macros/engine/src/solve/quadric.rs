@@ -4,13 +4,13 @@
 //! X_i = T_i / |T| and Q(T) = 0 with a polynomial Q of degree two: T = λ X, so that λ = |T| is a root of
 //! the quadratic equation Q(λ X) = 0, and all T_i are known.
 
-use super::normalise::common_length;
+use super::normalise::common_lengths;
 use super::scale::named;
 use super::{Condition, Equation, State, affine_parts};
 use crate::display::show;
 use crate::expr::{Graph, Id, UNKNOWNS};
 use crate::jacobian::simplify;
-use crate::poly::{Expander, RatFun};
+use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
 
 /// Pairs of coordinates whose products are the terms of degree two.
@@ -33,7 +33,12 @@ struct Coordinate {
 
 /// Finds |T| if T lies on a quadric: one or two answers.
 pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let (length, members) = common_length(g, state)?;
+    let lengths = common_lengths(g, state);
+    lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members))
+}
+
+/// The same for outputs that are divided by this length.
+fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Option<Vec<State>> {
     let [i, j, k] = members[..] else { return None };
     let mut coordinates = Vec::new();
     for equation in [i, j, k] {
@@ -160,7 +165,28 @@ fn sphere(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     })
 }
 
-/// The one relation of degree two with rational coefficients between three polynomials.
+/// The numerators of rational functions, all brought to the same denominator.
+fn over_common_denominator(expander: &mut Expander, functions: &[RatFun]) -> Option<Vec<Poly>> {
+    let mut common: Vec<(Poly, u32)> = Vec::new();
+    for (factor, exponent) in functions.iter().flat_map(|f| &f.den) {
+        match common.iter_mut().find(|(p, _)| p == factor) {
+            Some((_, most)) => *most = (*most).max(*exponent),
+            None => common.push((factor.clone(), *exponent)),
+        }
+    }
+    let plain = |num: Poly| RatFun { num, den: vec![] };
+    let numerator = |f: &RatFun| {
+        let mut product = plain(f.num.clone());
+        for (factor, most) in &common {
+            let has = f.den.iter().find(|(p, _)| p == factor).map_or(0, |(_, e)| *e);
+            product = expander.mul(&product, &plain(factor.powi(most - has)?))?;
+        }
+        Some(product.num)
+    };
+    functions.iter().map(numerator).collect()
+}
+
+/// The one relation of degree two with rational coefficients between three coordinates.
 fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     let mut expander = Expander::new(g);
     let [x, y, z] = rests.map(|r| expander.expand(r));
@@ -170,11 +196,9 @@ fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
         columns.push(expander.mul(&first[i], &first[j])?);
     }
     columns.extend(first);
-    if columns.iter().any(|c| !c.den.is_empty()) {
-        return None;
-    }
-    let mut columns: Vec<Vec<(Q, Id)>> = columns.iter().map(|c| c.num.terms(g)).collect();
-    columns.push(vec![(Q::ONE, g.int(1))]);
+    columns.push(RatFun { num: Poly::constant(Q::ONE), den: vec![] });
+    let numerators = over_common_denominator(&mut expander, &columns)?;
+    let columns: Vec<Vec<(Q, Id)>> = numerators.iter().map(|p| p.terms(g)).collect();
     let k = null_vector(&columns)?;
     let constant = g.number(k[9]);
     Some(Quadric {
