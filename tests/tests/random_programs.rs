@@ -52,7 +52,7 @@ where
 
 /// The frame that the programs with such a parameter are given.
 fn frame() -> Frame {
-    Frame::from_normal(Direction::from_vec(Vec3::new(0.48, 0.64, 0.6)))
+    Frame::around(Direction::from_vec(Vec3::new(0.48, 0.64, 0.6)))
 }
 
 /// What the checks at single points found.

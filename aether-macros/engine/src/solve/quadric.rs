@@ -39,19 +39,30 @@ pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 
 /// The same for outputs that are divided by this length.
 fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Option<Vec<State>> {
-    let [i, j, k] = members[..] else { return None };
     let mut coordinates = Vec::new();
-    for equation in [i, j, k] {
-        let t = g.mul(state.equations[equation].rhs, length);
+    let mut plain = None;
+    for &equation in members {
+        let e = &state.equations[equation];
+        let t = g.mul(e.rhs, length);
         if !g.has(t, UNKNOWNS) {
-            return None;
+            if !state.lengths_first {
+                return None;
+            }
+            // This coordinate alone gives the length.
+            plain = plain.or_else(|| Some((equation, g.div(t, e.known))));
+            continue;
         }
         let (constant, factor, rest) = affine_parts(g, t);
         let constant = constant.unwrap_or_else(|| g.int(0));
         coordinates.push(Coordinate { equation, constant, factor, rest });
     }
-    let quadric = quadric(g, &mut coordinates)?;
-    let lengths = lengths(g, state, &quadric, &coordinates);
+    let lengths = match plain {
+        Some((_, value)) => vec![value],
+        None => {
+            let quadric = quadric(g, &mut coordinates)?;
+            lengths(g, state, &quadric, &coordinates)
+        }
+    };
     let next = lengths.into_iter().map(|value| {
         let mut s = state.clone();
         s.solution.steps.push(format!("on a quadric: {} = {}", show(g, length), show(g, value)));
@@ -62,6 +73,9 @@ fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Optio
         s.solution.known.insert(length, value);
         let inverse = (g.powi(length, -1), g.powi(value, -1));
         s.solution.known.insert(inverse.0, inverse.1);
+        if let Some((used, _)) = plain {
+            s.equations[used].rhs = s.equations[used].known;
+        }
         for c in &coordinates {
             let e = &mut s.equations[c.equation];
             let t = g.mul(value, e.known);
