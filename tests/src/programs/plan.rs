@@ -194,17 +194,18 @@ pub fn plan(core: bool) -> impl Strategy<Value = Plan> {
             };
             let one = (0..3usize, scalar(core)).prop_map(|(i, s)| Step::One(i, s));
             let both = (0..3usize, pair(core)).prop_map(|(i, s)| Step::Two(i, s));
-            let step =
-                if two { prop_oneof![3 => one, 2 => both].boxed() } else { one.boxed() };
+            let step = if two { prop_oneof![3 => one, 2 => both].boxed() } else { one.boxed() };
             let least = usize::from(matches!(finish, Finish::Flat(..)));
             (prop::collection::vec(step, least..=most), Just(finish))
         })
         .prop_flat_map(move |(steps, finish)| {
-            (any::<u32>(), prop::bool::weighted(if core { 1.0 } else { 0.9 })).prop_map(move |(names, declared)| Plan {
-                steps: steps.clone(),
-                finish: finish.clone(),
-                names,
-                declared,
-            })
+            (any::<u32>(), prop::bool::weighted(if core { 1.0 } else { 0.9 })).prop_map(
+                move |(names, declared)| Plan {
+                    steps: steps.clone(),
+                    finish: finish.clone(),
+                    names,
+                    declared,
+                },
+            )
         })
 }

@@ -54,9 +54,9 @@ impl Range {
             product(self.high, other.low),
             product(self.high, other.high),
         ];
-        all.into_iter().skip(1).fold(Range::new(all[0], all[0]), |r, x| {
-            Range::new(r.low.min(x), r.high.max(x))
-        })
+        all.into_iter()
+            .skip(1)
+            .fold(Range::new(all[0], all[0]), |r, x| Range::new(r.low.min(x), r.high.max(x)))
     }
 
     /// Values of a monotone function.

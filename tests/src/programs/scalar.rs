@@ -91,7 +91,11 @@ impl Scribe {
             }
             _ => {
                 let one = Range::new(1.0, 1.0);
-                self.set(i, format!("{} / (1.0 + {x})", k.text), range.plus(one).monotone(f64::recip).times(k.range));
+                self.set(
+                    i,
+                    format!("{} / (1.0 + {x})", k.text),
+                    range.plus(one).monotone(f64::recip).times(k.range),
+                );
             }
         }
     }
@@ -112,16 +116,40 @@ impl Scribe {
         let x = self.operand(i);
         match form {
             0 => self.set_call(i, format!("{x}.exp()"), range.monotone(f64::exp)),
-            1 => self.set(i, format!("{x}.exp_m1() / {}", k.text), range.monotone(f64::exp_m1).times(k.range.monotone(f64::recip))),
-            2 => self.set(i, format!("-(-{x}).ln_1p() / {}", k.text), range.monotone(|x| -(-x).ln_1p()).times(k.range.monotone(f64::recip))),
-            3 => self.set(i, format!("-{} * (1.0 - {x}).ln()", k.text), range.monotone(|x| -(-x).ln_1p()).times(k.range)),
-            4 => self.set(i, format!("{} * {x}.ln_1p()", k.text), range.monotone(f64::ln_1p).times(k.range)),
+            1 => self.set(
+                i,
+                format!("{x}.exp_m1() / {}", k.text),
+                range.monotone(f64::exp_m1).times(k.range.monotone(f64::recip)),
+            ),
+            2 => self.set(
+                i,
+                format!("-(-{x}).ln_1p() / {}", k.text),
+                range.monotone(|x| -(-x).ln_1p()).times(k.range.monotone(f64::recip)),
+            ),
+            3 => self.set(
+                i,
+                format!("-{} * (1.0 - {x}).ln()", k.text),
+                range.monotone(|x| -(-x).ln_1p()).times(k.range),
+            ),
+            4 => self.set(
+                i,
+                format!("{} * {x}.ln_1p()", k.text),
+                range.monotone(f64::ln_1p).times(k.range),
+            ),
             5 => {
                 let x = self.name(i, "t");
-                self.set_call(i, format!("({x} / (1.0 - {x})).ln()"), range.monotone(|x| (x / (1.0 - x)).ln()));
+                self.set_call(
+                    i,
+                    format!("({x} / (1.0 - {x})).ln()"),
+                    range.monotone(|x| (x / (1.0 - x)).ln()),
+                );
             }
             6 => self.set_call(i, format!("{x}.tanh()"), range.monotone(f64::tanh)),
-            7 => self.set_call(i, format!("({} * {x}).sinh()", k.text), range.times(k.range).monotone(f64::sinh)),
+            7 => self.set_call(
+                i,
+                format!("({} * {x}).sinh()", k.text),
+                range.times(k.range).monotone(f64::sinh),
+            ),
             8 => {
                 // The exponential distribution cut at k.
                 let end = Range::new(0.0, k.range.high);
@@ -143,9 +171,17 @@ impl Scribe {
             0 => self.set_call(i, format!("(PI * {x}).sin()"), range.monotone(|x| (pi * x).sin())),
             1 => self.set_call(i, format!("(PI * {x}).cos()"), range.monotone(|x| (pi * x).cos())),
             2 => self.set_call(i, format!("(PI * {x}).sin()"), Range::new(0.0, 1.0)),
-            3 => self.set_call(i, format!("(0.75 * PI * {x}).tan()"), range.monotone(|x| (0.75 * pi * x).tan())),
+            3 => self.set_call(
+                i,
+                format!("(0.75 * PI * {x}).tan()"),
+                range.monotone(|x| (0.75 * pi * x).tan()),
+            ),
             4 => self.set_call(i, format!("(TAU * {x}).cos()"), Range::new(-1.0, 1.0)),
-            _ => self.set_call(i, format!("(2.0 * {x} - 1.0).asin()"), range.monotone(|x| (2.0 * x - 1.0).asin())),
+            _ => self.set_call(
+                i,
+                format!("(2.0 * {x} - 1.0).asin()"),
+                range.monotone(|x| (2.0 * x - 1.0).asin()),
+            ),
         }
     }
 
@@ -182,7 +218,11 @@ impl Scribe {
             _ => {
                 let x = self.operand(i);
                 let shifted = format!("({x} - {middle})").replace("- -", "+ ");
-                self.set_call(i, format!("{shifted}.cosh()"), Range::new(1.0, moved.size().high.cosh()));
+                self.set_call(
+                    i,
+                    format!("{shifted}.cosh()"),
+                    Range::new(1.0, moved.size().high.cosh()),
+                );
             }
         }
     }
@@ -190,14 +230,21 @@ impl Scribe {
     /// Below and above a threshold.
     fn branch(&mut self, i: usize, at: f64, form: u8) {
         let straddled = self.range(i).low < at - 0.1 && self.range(i).high > at + 0.1;
-        if !self.exact(i) || (!straddled || self.range(i).low < 0.0 || self.range(i).high > 1.0) && !self.fit_exactly(i, 0.0, 1.0) {
+        if !self.exact(i)
+            || (!straddled || self.range(i).low < 0.0 || self.range(i).high > 1.0)
+                && !self.fit_exactly(i, 0.0, 1.0)
+        {
             return;
         }
         let x = self.name(i, "t");
         let c = literal(at);
         let rest = literal(1.0 - at);
         let (low, high, ends) = match form {
-            0 => (format!("({x} / {c}).sqrt() - 1.0"), format!("(({x} - {c}) / {rest}).sqrt()"), (-1.0, 1.0)),
+            0 => (
+                format!("({x} / {c}).sqrt() - 1.0"),
+                format!("(({x} - {c}) / {rest}).sqrt()"),
+                (-1.0, 1.0),
+            ),
             1 => (format!("2.0 * {x}"), format!("0.5 - {x}"), (-0.5, 2.0 * at)),
             2 => (format!("({x} / {c}).powi(2)"), format!("1.0 + {x}"), (0.0, 2.0)),
             3 => (format!("-(1.0 - {x} / {c}).ln_1p()"), format!("{x} - {c}"), (-1.0, 1.0)),

@@ -79,7 +79,14 @@ impl Scribe {
                 exact: true,
             })
             .collect();
-        Scribe { coordinates, lines: vec![], used: vec![], parameters: [false; 3], names, straddles: false }
+        Scribe {
+            coordinates,
+            lines: vec![],
+            used: vec![],
+            parameters: [false; 3],
+            names,
+            straddles: false,
+        }
     }
 
     /// The next of the plan's coin flips.
@@ -251,7 +258,11 @@ impl Scribe {
         let range = self.range(i);
         if range.low >= 0.0 {
             let x = self.name(i, "t");
-            self.set(i, format!("{x} / (1.0 + {x})"), range.monotone(|x| if x.is_infinite() { 1.0 } else { x / (1.0 + x) }));
+            self.set(
+                i,
+                format!("{x} / (1.0 + {x})"),
+                range.monotone(|x| if x.is_infinite() { 1.0 } else { x / (1.0 + x) }),
+            );
         } else if range.high <= 0.0 {
             let x = self.operand(i);
             self.set_call(i, format!("{x}.exp()"), range.monotone(f64::exp));

@@ -7,11 +7,8 @@ use super::scribe::{Scribe, literal};
 /// Rational points of the unit circle, cosine and sine.
 const CIRCLE: [(f64, f64); 3] = [(0.8, 0.6), (0.6, 0.8), (0.28, 0.96)];
 /// Vectors of length one.
-const NORMALS: [&str; 3] = [
-    "Vec3::new(0.6, 0.0, 0.8)",
-    "Vec3::new(2.0, 1.0, 2.0) / 3.0",
-    "Vec3::new(0.48, 0.64, 0.6)",
-];
+const NORMALS: [&str; 3] =
+    ["Vec3::new(0.6, 0.0, 0.8)", "Vec3::new(2.0, 1.0, 2.0) / 3.0", "Vec3::new(0.48, 0.64, 0.6)"];
 /// Vectors shorter than one.
 const OFFSETS: [&str; 3] =
     ["Vec3::new(0.0, 0.0, 0.5)", "Vec3::new(0.3, -0.2, 0.4)", "Vec3::new(-0.4, 0.1, 0.0)"];
@@ -28,10 +25,14 @@ impl Scribe {
             Pair::Polar(form) => self.polar(i, j, form),
             Pair::Rotate(k, form) => {
                 let (s, c) = self.sine_and_cosine(k, form);
-                self.combine(i, j, |x, y| [format!("{c} * {x} - {s} * {y}"), format!("{s} * {x} + {c} * {y}")]);
+                self.combine(i, j, |x, y| {
+                    [format!("{c} * {x} - {s} * {y}"), format!("{s} * {x} + {c} * {y}")]
+                });
             }
             Pair::Reflect(0) => {
-                self.combine(i, j, |x, y| [format!("0.28 * {x} + 0.96 * {y}"), format!("0.96 * {x} - 0.28 * {y}")]);
+                self.combine(i, j, |x, y| {
+                    [format!("0.28 * {x} + 0.96 * {y}"), format!("0.96 * {x} - 0.28 * {y}")]
+                });
             }
             Pair::Reflect(_) => self.reflect_plane(i, j),
             Pair::Shear(k, form) => self.shear(i, j, k, form),
@@ -134,7 +135,11 @@ impl Scribe {
             1 if ri.is_finite() => {
                 let size = ri.size();
                 let square = Range::new(size.low * size.low, size.high * size.high);
-                self.set(j, format!("{y} + {} * {x} * {x}", k.text), rj.plus(square.times(k.range)));
+                self.set(
+                    j,
+                    format!("{y} + {} * {x} * {x}", k.text),
+                    rj.plus(square.times(k.range)),
+                );
             }
             2 if ri.low >= 0.0 => {
                 let stretch = ri.plus(Range::new(1.0, 1.0));
@@ -142,7 +147,11 @@ impl Scribe {
             }
             3 if ri.low >= 0.0 => {
                 let stretch = ri.plus(k.range);
-                self.set(j, format!("{y} / ({} + {x})", k.text), rj.times(stretch.monotone(f64::recip)));
+                self.set(
+                    j,
+                    format!("{y} / ({} + {x})", k.text),
+                    rj.times(stretch.monotone(f64::recip)),
+                );
             }
             _ if ri.is_finite() => {
                 self.set(j, format!("{y} - (2.0 * {x}).sin()"), rj.plus(Range::new(-1.0, 1.0)));
@@ -173,9 +182,21 @@ impl Scribe {
         let (x, y) = (self.name(i, "x"), self.name(j, "y"));
         let (test, low, high) = match form {
             0 => (format!("{x} < {y}"), format!("({x}, {y})"), format!("({x} + 1.0, 2.0 * {y})")),
-            1 => (format!("{x} + {y} < 0.6"), format!("({x}, {y})"), format!("(0.6 - {y}, 0.6 - {x})")),
-            2 => (format!("{y} > 0.3"), format!("({x} + {y}, {y})"), format!("({x} - {y}, 1.5 * {y})")),
-            _ => (format!("{x} < 0.5 && {y} < 0.5"), format!("(2.0 * {x}, {y})"), format!("({y}, {x} + 2.0)")),
+            1 => (
+                format!("{x} + {y} < 0.6"),
+                format!("({x}, {y})"),
+                format!("(0.6 - {y}, 0.6 - {x})"),
+            ),
+            2 => (
+                format!("{y} > 0.3"),
+                format!("({x} + {y}, {y})"),
+                format!("({x} - {y}, 1.5 * {y})"),
+            ),
+            _ => (
+                format!("{x} < 0.5 && {y} < 0.5"),
+                format!("(2.0 * {x}, {y})"),
+                format!("({y}, {x} + 2.0)"),
+            ),
         };
         let (p, q) = (self.fresh("p"), self.fresh("q"));
         self.line(format!("let ({p}, {q}) = if {test} {{ {low} }} else {{ {high} }};"));
@@ -212,7 +233,10 @@ impl Scribe {
 
     /// The sine and the cosine of the second coordinate, as an angle of up to one turn.
     fn angle(&mut self, i: usize) -> String {
-        if self.range(i).is_finite() && self.range(i).width() <= 6.28 && !self.range(i).within(0.0, 1.0) {
+        if self.range(i).is_finite()
+            && self.range(i).width() <= 6.28
+            && !self.range(i).within(0.0, 1.0)
+        {
             return self.name(i, "phi");
         }
         self.fit(i, 0.0, 1.0);
@@ -236,11 +260,14 @@ impl Scribe {
             }
             1 => {
                 self.fit(0, 0.0, 1.0);
-                self.straddles = self.exact(0) && self.range(0).low < 0.4 && self.range(0).high > 0.6;
+                self.straddles =
+                    self.exact(0) && self.range(0).low < 0.4 && self.range(0).high > 0.6;
                 let t = self.operand(0);
                 let theta = self.bind("theta", &format!("PI * {t}"));
                 let phi = self.angle(1);
-                format!("Vec3::new({theta}.sin() * {phi}.cos(), {theta}.sin() * {phi}.sin(), {theta}.cos())")
+                format!(
+                    "Vec3::new({theta}.sin() * {phi}.cos(), {theta}.sin() * {phi}.sin(), {theta}.cos())"
+                )
             }
             2 => format!("Vec3::new({}, {}, 1.0).normalize()", self.text(0), self.text(1)),
             _ => {

@@ -39,9 +39,8 @@ fn deviations(case: &Case, factor: f64) -> Vec<f64> {
     for (low, high) in [(0.01, 0.99), (0.1, 0.6), (0.4, 0.9)] {
         let ends: Vec<(f64, f64)> =
             (0..axes).map(|k| (quantile(k, low), quantile(k, high))).collect();
-        let inside = |x: &&Vec<f64>| {
-            x.iter().zip(&ends).all(|(x, (low, high))| (low..high).contains(&x))
-        };
+        let inside =
+            |x: &&Vec<f64>| x.iter().zip(&ends).all(|(x, (low, high))| (low..high).contains(&x));
         let share = samples.iter().filter(inside).count() as f64 / SAMPLES as f64;
         let size: f64 = ends.iter().map(|(low, high)| high - low).product();
         let (mut sum, mut squares) = (0.0, 0.0);

@@ -183,9 +183,10 @@ fn flat(problem: &Problem, case: &Case) -> bool {
             let inwards = if u[i].to_f64() < 0.6 { STEP } else { -STEP };
             u[i] = u[i] + Dd::from_f64(inwards);
             let moved = evaluate(problem, &case.point, &u);
-            moved.iter().zip(&case.outs).all(|(y, x)| {
-                (y.to_f64() - x).abs() <= 4.0 * f64::EPSILON * (x.abs().max(STEP))
-            })
+            moved
+                .iter()
+                .zip(&case.outs)
+                .all(|(y, x)| (y.to_f64() - x).abs() <= 4.0 * f64::EPSILON * (x.abs().max(STEP)))
         })
 }
 

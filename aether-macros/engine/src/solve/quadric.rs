@@ -106,8 +106,7 @@ fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
 /// The positive roots of the quadratic equation for the length.
 fn lengths(g: &mut Graph, state: &State, quadric: &Quadric, c: &[Coordinate]) -> Vec<Id> {
     // rest = λ p - d.
-    let p: Vec<Id> =
-        c.iter().map(|c| g.div(state.equations[c.equation].known, c.factor)).collect();
+    let p: Vec<Id> = c.iter().map(|c| g.div(state.equations[c.equation].known, c.factor)).collect();
     let d: Vec<Id> = c.iter().map(|c| g.div(c.constant, c.factor)).collect();
     let (mut first, mut second, mut third) = (Vec::new(), Vec::new(), Vec::new());
     for (&(i, j), &q) in PAIRS.iter().zip(&quadric.squares).filter(|(_, q)| !q.is_zero()) {
@@ -236,8 +235,7 @@ fn null_vector(columns: &[Vec<(Q, Id)>]) -> Option<Vec<Q>> {
         let Some(at) = (done..rows.len()).find(|&r| !rows[r][column].is_zero()) else { continue };
         rows.swap(done, at);
         let inverse = rows[done][column].recip()?;
-        let pivot: Vec<Q> =
-            rows[done].iter().map(|x| x.mul(inverse)).collect::<Option<_>>()?;
+        let pivot: Vec<Q> = rows[done].iter().map(|x| x.mul(inverse)).collect::<Option<_>>()?;
         for (r, row) in rows.iter_mut().enumerate() {
             let factor = row[column];
             if r == done {
