@@ -5,7 +5,9 @@
 pub mod catalogue;
 pub mod compare;
 pub mod errors;
+pub mod forward;
 pub mod mutation;
+pub mod programs;
 pub mod reference;
 pub mod renders;
 pub mod rows;

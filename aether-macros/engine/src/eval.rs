@@ -136,8 +136,9 @@ fn half_turns<T: Number>(x: T, quarter: i64) -> T {
     let half = T::from_f64(0.5);
     let n = (x * two + half).floor();
     let r = T::pi() * (x - n * half);
-    let k = (n.to_f64() as i64 + quarter).rem_euclid(4);
-    match k {
+    // A number of quarters beyond all integers is a multiple of four.
+    let k = (n.to_f64() as i64).rem_euclid(4) + quarter;
+    match k % 4 {
         0 => r.sin(),
         1 => r.cos(),
         2 => -r.sin(),

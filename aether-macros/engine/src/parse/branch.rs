@@ -4,6 +4,8 @@
 //! again with the other outcome. Every way through is a *piece*, a map without branches on the part of
 //! the domain where its comparisons hold, and is solved by itself.
 
+use std::collections::BTreeMap;
+
 use quote::ToTokens;
 use syn::visit::Visit;
 use syn::{BinOp, Expr, ExprBinary, Ident};
@@ -35,19 +37,33 @@ pub struct Way {
     implied: Vec<usize>,
     /// What has to hold for a point to take this way, with the place of the comparison.
     pub(super) tests: Vec<(usize, Test)>,
+    /// Comparisons made on this reading: difference, whether strict, and the outcome.
+    made: Vec<(Id, bool, bool)>,
+    /// First and last integer of each `floor`, by the place of its first comparison: later readings
+    /// know more of its argument, and have to make the same comparisons.
+    spans: BTreeMap<usize, (i64, i64)>,
+    /// Whether a comparison was found to have the other outcome wherever this way leads.
+    pub(super) impossible: bool,
 }
 
 impl Way {
     /// The same way again, from the start, where some of the tests need not be made.
     pub(super) fn again(&self, implied: Vec<usize>) -> Way {
-        Way { outcomes: self.outcomes.clone(), position: 0, implied, tests: vec![] }
+        Way {
+            outcomes: self.outcomes.clone(),
+            implied,
+            spans: self.spans.clone(),
+            ..Way::default()
+        }
     }
 
     /// The next way, in the order of a depth-first search; `None` after the last.
     pub(super) fn next(mut self) -> Option<Way> {
         while let Some(last) = self.outcomes.pop() {
             if last.open && last.holds {
+                let place = self.outcomes.len();
                 self.outcomes.push(Outcome { holds: false, open: false });
+                self.spans.retain(|begin, _| *begin <= place);
                 return Some(self.again(vec![]));
             }
         }
@@ -56,9 +72,24 @@ impl Way {
 }
 
 impl Body<'_> {
+    /// What an earlier comparison of the same two numbers says of this one.
+    fn repeated(&mut self, difference: Id, strict: bool) -> Option<bool> {
+        let negated = self.graph.neg(difference);
+        self.way.made.iter().find_map(|&(made, was_strict, held)| {
+            if made == difference && (was_strict == strict || held == was_strict) {
+                Some(held)
+            } else if made == negated && (was_strict != strict || held == was_strict) {
+                Some(!held)
+            } else {
+                None
+            }
+        })
+    }
+
     /// Whether `difference > 0` (`>= 0` if not strict) on this way.
     pub(super) fn decide(&mut self, difference: Id, strict: bool) -> bool {
-        let settled = settled(self.graph.range(difference), strict);
+        let repeated = self.repeated(difference, strict);
+        let settled = repeated.or_else(|| settled(self.graph.range(difference), strict));
         let place = self.way.position;
         self.way.position += 1;
         let outcome = match self.way.outcomes.get(place) {
@@ -69,6 +100,8 @@ impl Body<'_> {
                 outcome
             }
         };
+        self.way.impossible |= settled.is_some_and(|holds| holds != outcome.holds);
+        self.way.made.push((difference, strict, outcome.holds));
         if settled.is_none() {
             let g = &mut self.graph;
             let difference = if outcome.holds { difference } else { g.neg(difference) };
@@ -241,7 +274,8 @@ impl Body<'_> {
         if !range.width().is_finite() || range.width() > MAX_STEPS {
             return self.error(at, "this jumps at every integer, and how many its argument passes is not known (or too many): declare the domains of the parameters, as in `#[sampler(k in 1.0..=8.0)]`");
         }
-        let (first, last) = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
+        let span = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
+        let (first, last) = *self.way.spans.entry(self.way.position).or_insert(span);
         for k in first..last {
             let above = self.graph.int(k + 1);
             let difference = self.graph.sub(above, x);

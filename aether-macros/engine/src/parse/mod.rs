@@ -129,6 +129,9 @@ impl Reader<'_> {
         } else {
             self.read(first.way.again(vec![]), &[])?
         };
+        if second.way.impossible {
+            return Some(None);
+        }
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
         let problem = Problem {

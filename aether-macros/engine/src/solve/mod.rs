@@ -14,6 +14,7 @@ mod normalise;
 mod numeric;
 mod peel;
 mod polar;
+mod quadric;
 mod rational;
 mod repeated;
 mod scale;
@@ -62,7 +63,8 @@ pub struct Solution {
 impl Solution {
     /// An expression with the names replaced by what they stand for.
     pub fn spell_out(&self, g: &mut Graph, id: Id) -> Id {
-        if self.names.is_empty() { id } else { g.substitute(id, &self.names) }
+        // A name may stand for an expression with an earlier name in it.
+        (0..self.names.len()).fold(id, |id, _| g.substitute(id, &self.names))
     }
 }
 
@@ -87,6 +89,8 @@ pub(crate) struct State {
     positive: Vec<Id>,
     /// Whether roots without a closed form are wanted.
     numerical: bool,
+    /// Whether one known coordinate of a normalised vector may give its length before all else.
+    lengths_first: bool,
 }
 
 /// Upper bound on search steps and on preimages.
@@ -103,7 +107,7 @@ pub fn solve(
     positive: &[Id],
     numerical: bool,
 ) -> Result<Vec<Solution>, Stuck> {
-    let equations = targets
+    let equations: Vec<Equation> = targets
         .iter()
         .zip(outputs)
         .map(|(&known, &rhs)| Equation { known, rhs, modulo_turn: false })
@@ -114,7 +118,20 @@ pub fn solve(
         next_unknown: 16,
         positive: positive.to_vec(),
         numerical,
+        lengths_first: false,
     };
+    let again = State { lengths_first: true, ..first.clone() };
+    search(g, first, unknowns, frames)
+        .or_else(|stuck| search(g, again, unknowns, frames).map_err(|_| stuck))
+}
+
+/// Applies rules until every branch of the search has all unknowns.
+fn search(
+    g: &mut Graph,
+    first: State,
+    unknowns: &[Leaf],
+    frames: &[[[Id; 3]; 3]],
+) -> Result<Vec<Solution>, Stuck> {
     let mut open = vec![first];
     let mut done = Vec::new();
     let mut steps = 0;
@@ -122,6 +139,12 @@ pub fn solve(
         steps += 1;
         if steps > MAX_STEPS || done.len() >= MAX_PREIMAGES {
             return Err(stuck(g, &state, unknowns, None));
+        }
+        // A length must be seen before a pair takes part of the vector apart, and with all
+        // known factors of its coordinates in their place.
+        if let Some(next) = quadric::normalised(g, &state) {
+            open.extend(next.into_iter().rev());
+            continue;
         }
         strip_all(g, &mut state);
         // A pair must be seen before one of its members is solved through another equation.
@@ -154,7 +177,7 @@ pub fn solve(
             }
         }
         let mut why = None;
-        if let Some(next) = step(g, &state, frames, numerical, &mut why) {
+        if let Some(next) = step(g, &state, frames, &mut why) {
             open.extend(next.into_iter().rev());
             continue;
         }
@@ -171,7 +194,6 @@ fn step(
     g: &mut Graph,
     state: &State,
     frames: &[[[Id; 3]; 3]],
-    numerical: bool,
     why: &mut Option<String>,
 ) -> Option<Vec<State>> {
     let closed = numeric::undo_root(g, state)
@@ -187,7 +209,7 @@ fn step(
         .or_else(|| squares::squares(g, state))
         .or_else(|| peel::branching(g, state))
         .or_else(|| rational::single_unknown(g, state));
-    if closed.is_none() && numerical {
+    if closed.is_none() && state.numerical {
         let next =
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
         match next {

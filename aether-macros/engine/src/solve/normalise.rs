@@ -9,9 +9,22 @@ use crate::rational::Q;
 /// Outputs that are divided by a common length, √(a sum): before anything else takes the root apart.
 pub(super) fn unit_vector(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let (base, exponent, members) = common_factor(g, state)?;
-    let is_length =
-        g.as_number(exponent) == Some(Q::HALF.neg()) && matches!(g.node(base), Node::Sum(..));
-    is_length.then(|| name_factor(g, state, base, exponent, &members))
+    is_length(g, base, exponent).then(|| name_factor(g, state, base, exponent, &members))
+}
+
+/// The lengths √(a sum) that outputs are divided by, each with the equations of these.
+pub(super) fn common_lengths(g: &mut Graph, state: &State) -> Vec<(Id, Vec<usize>)> {
+    let mut found = Vec::new();
+    for (base, exponent, members) in common_factors(g, state) {
+        if is_length(g, base, exponent) {
+            found.push((g.sqrt(base), members));
+        }
+    }
+    found
+}
+
+fn is_length(g: &Graph, base: Id, exponent: Id) -> bool {
+    g.as_number(exponent) == Some(Q::HALF.neg()) && matches!(g.node(base), Node::Sum(..))
 }
 
 /// Any common factor of several equations.
@@ -78,15 +91,27 @@ fn name_factor(
     vec![s]
 }
 
-/// A factor that at least two equations share, with the equations that have it.
+/// The factor that most equations share.
 fn common_factor(g: &mut Graph, state: &State) -> Option<(Id, Id, Vec<usize>)> {
+    let mut best: Option<(Id, Id, Vec<usize>)> = None;
+    for found in common_factors(g, state) {
+        if best.as_ref().is_none_or(|(_, _, m)| found.2.len() > m.len()) {
+            best = Some(found);
+        }
+    }
+    best
+}
+
+/// Factors that at least two equations share, each with the equations that have it.
+fn common_factors(g: &mut Graph, state: &State) -> Vec<(Id, Id, Vec<usize>)> {
     let among: Vec<usize> =
         (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
-    let mut best: Option<(Id, Id, Vec<usize>)> = None;
+    let mut found: Vec<(Id, Id, Vec<usize>)> = Vec::new();
     for &i in &among {
         for (b, e) in g.factors(state.equations[i].rhs) {
+            let known = found.iter().any(|(base, exponent, _)| (*base, *exponent) == (b, e));
             // A lone unknown is an atom of its own, not a factor to take out.
-            if !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {
+            if known || !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {
                 continue;
             }
             let members: Vec<usize> = among
@@ -94,10 +119,10 @@ fn common_factor(g: &mut Graph, state: &State) -> Option<(Id, Id, Vec<usize>)> {
                 .copied()
                 .filter(|&j| g.factors(state.equations[j].rhs).contains(&(b, e)))
                 .collect();
-            if members.len() >= 2 && best.as_ref().is_none_or(|(_, _, m)| members.len() > m.len()) {
-                best = Some((b, e, members));
+            if members.len() >= 2 {
+                found.push((b, e, members));
             }
         }
     }
-    best
+    found
 }

@@ -115,7 +115,7 @@ fn replace(
 }
 
 /// A short name for a long value, so that what follows stays as short as without the matrix.
-fn named(g: &mut Graph, s: &mut State, value: Id) -> Id {
+pub(super) fn named(g: &mut Graph, s: &mut State, value: Id) -> Id {
     const NAMES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
     let k = s.solution.names.len();
     if cost(g, value) < 12 || k == NAMES.len() {

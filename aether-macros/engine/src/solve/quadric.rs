@@ -1,0 +1,259 @@
+//! A vector that is normalised and would, if it were not, lie on a quadric: a unit vector that was
+//! moved or stretched, and normalised again.
+//!
+//! X_i = T_i / |T| and Q(T) = 0 with a polynomial Q of degree two: T = λ X, so that λ = |T| is a root of
+//! the quadratic equation Q(λ X) = 0, and all T_i are known.
+
+use super::normalise::common_lengths;
+use super::scale::named;
+use super::{Condition, Equation, State, affine_parts};
+use crate::display::show;
+use crate::expr::{Graph, Id, UNKNOWNS};
+use crate::jacobian::simplify;
+use crate::poly::{Expander, Poly, RatFun};
+use crate::rational::Q;
+
+/// Pairs of coordinates whose products are the terms of degree two.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// Σ squares r_i r_j + Σ linear r_i + constant = 0.
+struct Quadric {
+    squares: [Q; 6],
+    linear: [Q; 3],
+    constant: Id,
+}
+
+/// One coordinate of T: constant + factor · rest, where only the rest is unknown.
+struct Coordinate {
+    equation: usize,
+    constant: Id,
+    factor: Id,
+    rest: Id,
+}
+
+/// Finds |T| if T lies on a quadric: one or two answers.
+pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let lengths = common_lengths(g, state);
+    lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members))
+}
+
+/// The same for outputs that are divided by this length.
+fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Option<Vec<State>> {
+    let mut coordinates = Vec::new();
+    let mut plain = None;
+    for &equation in members {
+        let e = &state.equations[equation];
+        let t = g.mul(e.rhs, length);
+        if !g.has(t, UNKNOWNS) {
+            if !state.lengths_first {
+                return None;
+            }
+            // This coordinate alone gives the length.
+            plain = plain.or_else(|| Some((equation, g.div(t, e.known))));
+            continue;
+        }
+        let (constant, factor, rest) = affine_parts(g, t);
+        let constant = constant.unwrap_or_else(|| g.int(0));
+        coordinates.push(Coordinate { equation, constant, factor, rest });
+    }
+    let lengths = match plain {
+        Some((_, value)) => vec![value],
+        None => {
+            let quadric = quadric(g, &mut coordinates)?;
+            lengths(g, state, &quadric, &coordinates)
+        }
+    };
+    let next = lengths.into_iter().map(|value| {
+        let mut s = state.clone();
+        s.solution.steps.push(format!("on a quadric: {} = {}", show(g, length), show(g, value)));
+        if !g.range(value).nonnegative() {
+            s.solution.conditions.push(Condition(value));
+        }
+        let value = named(g, &mut s, value);
+        s.solution.known.insert(length, value);
+        let inverse = (g.powi(length, -1), g.powi(value, -1));
+        s.solution.known.insert(inverse.0, inverse.1);
+        if let Some((used, _)) = plain {
+            s.equations[used].rhs = s.equations[used].known;
+        }
+        for c in &coordinates {
+            let e = &mut s.equations[c.equation];
+            let t = g.mul(value, e.known);
+            let open = g.sub(t, c.constant);
+            let known = g.div(open, c.factor);
+            *e = Equation { known, rhs: c.rest, modulo_turn: false };
+            s.solution.known.entry(c.rest).or_insert(known);
+        }
+        s
+    });
+    Some(next.collect())
+}
+
+/// The quadric of T, or of T without its known factors.
+fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
+    let [x, y, z] = &coordinates[..] else { return None };
+    let rests = [x.rest, y.rest, z.rest];
+    let whole = [x, y, z].map(|c| g.mul(c.factor, c.rest));
+    if let Some(found) = sphere(g, whole) {
+        for (c, open) in coordinates.iter_mut().zip(whole) {
+            (c.factor, c.rest) = (g.int(1), open);
+        }
+        return Some(found);
+    }
+    sphere(g, rests).or_else(|| relation(g, rests))
+}
+
+/// The positive roots of the quadratic equation for the length.
+fn lengths(g: &mut Graph, state: &State, quadric: &Quadric, c: &[Coordinate]) -> Vec<Id> {
+    // rest = λ p - d.
+    let p: Vec<Id> = c.iter().map(|c| g.div(state.equations[c.equation].known, c.factor)).collect();
+    let d: Vec<Id> = c.iter().map(|c| g.div(c.constant, c.factor)).collect();
+    let (mut first, mut second, mut third) = (Vec::new(), Vec::new(), Vec::new());
+    for (&(i, j), &q) in PAIRS.iter().zip(&quadric.squares).filter(|(_, q)| !q.is_zero()) {
+        let mut add = |terms: &mut Vec<(Q, Id)>, sign: i64, x: Id, y: Id| {
+            let product = g.mul(x, y);
+            let k = g.number(q);
+            let product = g.mul(k, product);
+            terms.push((Q::int(sign), product));
+        };
+        add(&mut first, 1, p[i], p[j]);
+        add(&mut second, -1, p[i], d[j]);
+        add(&mut second, -1, p[j], d[i]);
+        add(&mut third, 1, d[i], d[j]);
+    }
+    for (i, &l) in quadric.linear.iter().enumerate().filter(|(_, l)| !l.is_zero()) {
+        second.push((l, p[i]));
+        third.push((l.neg(), d[i]));
+    }
+    third.push((Q::ONE, quadric.constant));
+    let [a, b, c] = [first, second, third].map(|terms| {
+        let sum = g.sum(Q::ZERO, &terms);
+        simplify(g, sum, None)
+    });
+    quadratic(g, a, b, c)
+}
+
+/// The roots of a x² + b x + c that may be positive.
+fn quadratic(g: &mut Graph, a: Id, b: Id, c: Id) -> Vec<Id> {
+    let zero = g.int(0);
+    let minus_b = g.neg(b);
+    if a == zero {
+        let c = g.neg(c);
+        return vec![g.div(c, b)];
+    }
+    if c == zero {
+        return vec![g.div(minus_b, a)];
+    }
+    if b == zero {
+        let square = g.div(c, a);
+        let square = g.neg(square);
+        return vec![g.sqrt(square)];
+    }
+    let (half, ac) = (g.number(Q::HALF), g.mul(a, c));
+    let middle = g.mul(half, minus_b);
+    let square = g.mul(middle, middle);
+    let discriminant = g.sub(square, ac);
+    let root = g.sqrt(discriminant);
+    let (up, down) = (g.add(middle, root), g.sub(middle, root));
+    let (larger, smaller) = (g.div(up, a), g.div(down, a));
+    // Roots of different signs: only one is a length.
+    let (ra, rc) = (g.range(a), g.range(c));
+    match (ra.nonnegative() && rc.hi < 0.0, ra.nonpositive() && rc.lo > 0.0) {
+        (true, _) => vec![larger],
+        (_, true) => vec![smaller],
+        _ => vec![larger, smaller],
+    }
+}
+
+/// A sphere around the origin.
+fn sphere(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
+    let squares = rests.map(|r| (Q::ONE, g.powi(r, 2)));
+    let sum = g.sum(Q::ZERO, &squares);
+    let radius = simplify(g, sum, None);
+    let (one, zero) = (Q::ONE, Q::ZERO);
+    (!g.has(radius, UNKNOWNS)).then(|| Quadric {
+        squares: [one, one, one, zero, zero, zero],
+        linear: [zero; 3],
+        constant: g.neg(radius),
+    })
+}
+
+/// The numerators of rational functions, all brought to the same denominator.
+fn over_common_denominator(expander: &mut Expander, functions: &[RatFun]) -> Option<Vec<Poly>> {
+    let mut common: Vec<(Poly, u32)> = Vec::new();
+    for (factor, exponent) in functions.iter().flat_map(|f| &f.den) {
+        match common.iter_mut().find(|(p, _)| p == factor) {
+            Some((_, most)) => *most = (*most).max(*exponent),
+            None => common.push((factor.clone(), *exponent)),
+        }
+    }
+    let plain = |num: Poly| RatFun { num, den: vec![] };
+    let numerator = |f: &RatFun| {
+        let mut product = plain(f.num.clone());
+        for (factor, most) in &common {
+            let has = f.den.iter().find(|(p, _)| p == factor).map_or(0, |(_, e)| *e);
+            product = expander.mul(&product, &plain(factor.powi(most - has)?))?;
+        }
+        Some(product.num)
+    };
+    functions.iter().map(numerator).collect()
+}
+
+/// The one relation of degree two with rational coefficients between three coordinates.
+fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
+    let mut expander = Expander::new(g);
+    let [x, y, z] = rests.map(|r| expander.expand(r));
+    let first = [x?, y?, z?];
+    let mut columns: Vec<RatFun> = Vec::new();
+    for (i, j) in PAIRS {
+        columns.push(expander.mul(&first[i], &first[j])?);
+    }
+    columns.extend(first);
+    columns.push(RatFun { num: Poly::constant(Q::ONE), den: vec![] });
+    let numerators = over_common_denominator(&mut expander, &columns)?;
+    let columns: Vec<Vec<(Q, Id)>> = numerators.iter().map(|p| p.terms(g)).collect();
+    let k = null_vector(&columns)?;
+    let constant = g.number(k[9]);
+    Some(Quadric {
+        squares: [k[0], k[1], k[2], k[3], k[4], k[5]],
+        linear: [k[6], k[7], k[8]],
+        constant,
+    })
+}
+
+/// The coefficients of the linear combination of polynomials that is zero, if there is just one.
+fn null_vector(columns: &[Vec<(Q, Id)>]) -> Option<Vec<Q>> {
+    let mut monomials: Vec<Id> = columns.iter().flatten().map(|(_, m)| *m).collect();
+    monomials.sort();
+    monomials.dedup();
+    let entry = |m: Id, p: &[(Q, Id)]| p.iter().find(|t| t.1 == m).map_or(Q::ZERO, |t| t.0);
+    let mut rows: Vec<Vec<Q>> =
+        monomials.iter().map(|&m| columns.iter().map(|p| entry(m, p)).collect()).collect();
+    let mut pivots = Vec::new();
+    for column in 0..columns.len() {
+        let done = pivots.len();
+        let Some(at) = (done..rows.len()).find(|&r| !rows[r][column].is_zero()) else { continue };
+        rows.swap(done, at);
+        let inverse = rows[done][column].recip()?;
+        let pivot: Vec<Q> = rows[done].iter().map(|x| x.mul(inverse)).collect::<Option<_>>()?;
+        for (r, row) in rows.iter_mut().enumerate() {
+            let factor = row[column];
+            if r == done {
+                row.clone_from(&pivot);
+            } else if !factor.is_zero() {
+                for (x, p) in row.iter_mut().zip(&pivot) {
+                    *x = x.add(p.mul(factor)?.neg())?;
+                }
+            }
+        }
+        pivots.push(column);
+    }
+    let mut free = (0..columns.len()).filter(|c| !pivots.contains(c));
+    let (one, None) = (free.next()?, free.next()) else { return None };
+    let mut vector = vec![Q::ZERO; columns.len()];
+    vector[one] = Q::ONE;
+    for (row, column) in rows.iter().zip(&pivots) {
+        vector[*column] = row[one].neg();
+    }
+    Some(vector)
+}

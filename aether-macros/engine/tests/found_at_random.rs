@@ -1,0 +1,63 @@
+//! Programs that random search found to be refused, or compiled wrongly, and what is right for them.
+
+use aether_engine::interpret::Item;
+
+fn compile(item: &str) -> Item {
+    let tokens = item.parse().expect("tokens");
+    Item::new(Default::default(), tokens, true).unwrap_or_else(|e| panic!("{item}: {e}"))
+}
+
+/// Comparisons are made in the same order when the range of `floor`'s argument is known better.
+#[test]
+fn floor_before_another_comparison() {
+    let item = compile(
+        "fn teeth(u: [Uniform; 1]) -> f64 { let t = (3.0 * u[0]).fract(); t.max(1.0 - t) }",
+    );
+    for k in 0..100 {
+        let u = (f64::from(k) + 0.37) / 100.0;
+        let t = (3.0 * u).fract();
+        let x = item.forward(&[], &[u]).expect("a value")[0];
+        assert!((x - t.max(1.0 - t)).abs() < 1e-12, "{u}: {x}");
+        assert_eq!(item.preimages(&[], &[x]).len(), 6);
+        assert!((item.pdf(&[], &[x]) - 2.0).abs() < 1e-12);
+    }
+}
+
+/// The second comparison of the same two numbers has one outcome.
+#[test]
+fn the_larger_and_the_smaller_uniform() {
+    let item = compile(
+        "fn sorted(u: [Uniform; 2]) -> Vec2 { Vec2::new(u[0].max(u[1]), u[0].min(u[1])) }",
+    );
+    assert_eq!(item.parsed.pieces.len(), 2);
+    assert!((item.pdf(&[], &[0.7, 0.2]) - 2.0).abs() < 1e-12);
+}
+
+/// Unit vectors that are moved or stretched and normalised again: λ X lies on a quadric.
+#[test]
+fn normalised_again() {
+    let unit = "let r = (1.0 - u[0] * u[0]).sqrt(); let phi = TAU * u[1];
+        let v = Vec3::new(r * phi.cos(), r * phi.sin(), u[0]);";
+    for last in [
+        "(v + Vec3::new(0.0, 0.0, 0.5)).normalize()",
+        "(v + Vec3::new(0.3, -0.2, 0.4)).normalize()",
+        "Vec3::new(3.0 * v.x, 0.6 * v.y, v.z).normalize()",
+    ] {
+        let item = compile(&format!(
+            "fn moved(u: [Uniform; 2]) -> Direction {{ {unit} Direction::from_vec({last}) }}"
+        ));
+        let u = [0.3, 0.6];
+        let x = item.forward(&[], &u).expect("a value");
+        let found = item.preimages(&[], &x);
+        assert!(found.len() == 1 && (found[0][0] - 0.3).abs() < 1e-9, "{last}: {found:?}");
+    }
+}
+
+/// At the border of a power no inverse can recover the uniform from the rotated point.
+#[test]
+fn a_power_rotated() {
+    compile(
+        "fn turned(u: [Uniform; 2]) -> Vec2 { let x = u[0] * u[0];
+            Vec2::new(0.6 * x - 0.8 * u[1], 0.8 * x + 0.6 * u[1]) }",
+    );
+}
