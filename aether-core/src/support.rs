@@ -74,6 +74,48 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     u.iter().fold(R::Mask::TRUE, |m, u| m.and(u.ge(R::ZERO)).and(u.lt(R::ONE)))
 }
 
+/// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
+/// one may be anywhere.
+#[inline(always)]
+pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
+    let slack = R::of(1.0 / 256.0);
+    let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
+    u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()))
+}
+
+/// Whether some number is undetermined: 0/0 at a pole, an axis, a corner.
+pub fn undetermined<R: Real, const N: usize>(u: &[R; N]) -> bool {
+    u.iter().any(|u| u.ge(*u).not().any())
+}
+
+/// A density that is 0/0 at a point, by its values beside it.
+#[inline(always)]
+pub fn limit<R: Real, const M: usize>(
+    wanted: R::Mask,
+    x: &[R; M],
+    density: impl Fn(&[R; M]) -> R,
+) -> R {
+    let d = density(x);
+    let undefined = wanted.and(d.ge(d).not());
+    if undefined.any() { beside(d, x, density) } else { d }
+}
+
+#[cold]
+fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
+    let size = x.iter().fold(R::ZERO, |m, x| m.max(x.abs()));
+    let tiny = R::EPSILON * R::EPSILON;
+    let tiny = R::select(size.gt(R::ZERO), size * tiny, tiny);
+    // Mostly it is a coordinate of exactly zero, else some coincidence of the parameters.
+    let off_axis = x.map(|x| R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), x, tiny));
+    let mut first = density(&off_axis);
+    if first.ge(first).not().any() {
+        let step = R::of(8.0) * R::EPSILON * size;
+        let moved = core::array::from_fn(|i| off_axis[i] + R::of(i as f64 + 1.0) * step);
+        first = R::select(first.ge(first), first, density(&moved));
+    }
+    R::select(d.ge(d), d, first)
+}
+
 /// Whether every number is finite.
 #[inline(always)]
 pub fn finite<R: Real>(x: &[R]) -> R::Mask {
@@ -231,7 +273,8 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
 pub fn admits<R: Single, const N: usize>(margins: [R::Tracked; N]) -> bool {
     margins.into_iter().all(|margin| {
         let (value, error) = R::value_and_error(margin);
-        value.to_f64() >= -SLACK * error.to_f64()
+        // What depends on an undetermined uniform says nothing.
+        value.to_f64().is_nan() || value.to_f64() >= -SLACK * error.to_f64()
     })
 }
 
@@ -317,8 +360,14 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
 ) -> [R; M] {
     // Far below any uniform that a generator makes, far above what underflows when squared.
     let tiny = R::EPSILON * R::EPSILON;
-    let [near, nearer] =
-        [tiny, tiny * tiny].map(|t| forward(&u.map(|u| R::select(u.gt(R::ZERO), u, t))));
+    let at_zero = [tiny, tiny * tiny].map(|t| u.map(|u| R::select(u.gt(R::ZERO), u, t)));
+    // In the middle of its range a uniform cannot be moved by less than its rounding.
+    let small = R::EPSILON.sqrt();
+    let inner: [[R; N]; 2] = [small, small * small.sqrt()]
+        .map(|t| core::array::from_fn(|i| u[i] * (R::ONE - R::of(i as f64 + 1.0) * t)));
+    let zero = u.iter().fold(R::Mask::FALSE, |m, u| m.or(u.gt(R::ZERO).not()));
+    let [near, nearer] = [0, 1]
+        .map(|k| forward(&core::array::from_fn(|i| R::select(zero, at_zero[k][i], inner[k][i]))));
     core::array::from_fn(|i| {
         // What still shrinks with the uniform, by whatever power, tends to zero.
         let vanishes = nearer[i].abs().lt(near[i].abs() * R::of(1e-3));

@@ -26,9 +26,8 @@ fn floor_before_another_comparison() {
 /// The second comparison of the same two numbers has one outcome.
 #[test]
 fn the_larger_and_the_smaller_uniform() {
-    let item = compile(
-        "fn sorted(u: [Uniform; 2]) -> Vec2 { Vec2::new(u[0].max(u[1]), u[0].min(u[1])) }",
-    );
+    let item =
+        compile("fn sorted(u: [Uniform; 2]) -> Vec2 { Vec2::new(u[0].max(u[1]), u[0].min(u[1])) }");
     assert_eq!(item.parsed.pieces.len(), 2);
     assert!((item.pdf(&[], &[0.7, 0.2]) - 2.0).abs() < 1e-12);
 }
@@ -60,4 +59,20 @@ fn a_power_rotated() {
         "fn turned(u: [Uniform; 2]) -> Vec2 { let x = u[0] * u[0];
             Vec2::new(0.6 * x - 0.8 * u[1], 0.8 * x + 0.6 * u[1]) }",
     );
+}
+
+/// A factor of zero hides that the unknown occurs elsewhere: the equation is not one in 1 - u.
+#[test]
+fn an_unknown_inside_and_outside_of_a_factor() {
+    let item = compile(
+        "fn f(u: [Uniform; 1]) -> f64 { (1.0 - u[0]).sqrt() * (-(1.0 + u[0]).sqrt()).exp() }",
+    );
+    for u in [0.03, 0.4, 0.97] {
+        let at = |u: f64| item.forward(&[], &[u]).expect("a value")[0];
+        let (x, h) = (at(u), 1e-6);
+        let found = item.preimages(&[], &[x]);
+        assert!(found.len() == 1 && (found[0][0] - u).abs() < 1e-12, "{u}: {found:?}");
+        let slope = (at(u - h) - at(u + h)) / (2.0 * h);
+        assert!((item.pdf(&[], &[x]) * slope - 1.0).abs() < 1e-6);
+    }
 }

@@ -112,6 +112,8 @@ fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>
 pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<Dd>> {
     let at = |l: Leaf| match l {
         Leaf::Out(i) => case.exact_outs[i as usize],
+        // An answer in terms of the question is none.
+        Leaf::Unknown(_) => Dd::from_f64(f64::NAN),
         _ => case.point.input(l, &[]),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);

@@ -32,7 +32,7 @@ fn single(e: &Emitter) -> TokenStream {
 /// Of the preimages in the piece that `u` takes, the nearest is `u` itself: its density is that of
 /// the uniforms, not of the rounded point.
 fn among_several(e: &Emitter) -> TokenStream {
-    let (n, _, _) = e.sizes();
+    let (n, m, _) = e.sizes();
     let coordinates = e.coordinates();
     let existence = existence(e);
     let jacobians = jacobians(e);
@@ -40,12 +40,15 @@ fn among_several(e: &Emitter) -> TokenStream {
         let [distance, strict, recovered, inverse] = ["distance", "strict", "recovered", "inverse"]
             .map(|name| format_ident!("{name}_{}", place.number));
         let [leave, taken] = ["leave", "taken"].map(|name| format_ident!("{name}_{}", place.piece));
-        let mine = (!e.is_whole()).then(|| quote!(.and(#taken::<R>(&p, &u))));
+        // On a border `u` itself may have been found in the other piece.
+        let mine = (!e.is_whole()).then(|| {
+            quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::coincide(&u, &v))))
+        });
         quote! {
-            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered)) #mine;
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             let #distance = if inside.any() {
                 let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
-                R::select(inside, ::aether_core::support::distance(&u, &v), R::INFINITY)
+                R::select(inside #mine, ::aether_core::support::distance(&u, &v), R::INFINITY)
             } else {
                 R::INFINITY
             };
@@ -61,7 +64,7 @@ fn among_several(e: &Emitter) -> TokenStream {
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             let other = inside.and(itself.not());
             if other.any() {
-                let d = #density::<R>(&p, &x);
+                let d = ::aether_core::support::limit::<R, #m>(other, &x, |x| #density::<R>(&p, x));
                 sum += R::select(other.and(d.gt(R::ZERO)), d, R::ZERO);
             }
         }

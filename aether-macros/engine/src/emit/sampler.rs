@@ -150,7 +150,7 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     });
     quote! {
         let (checked, ok) = #support::<R>(&p, &x);
-        let #possible = ok.and(belongs) #wide;
+        let #possible = ok.and(belongs).and(::aether_core::support::about_unit::<R, _>(&checked)) #wide;
         let #strict = #possible.and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
     }
@@ -222,24 +222,39 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
                 #earlier))
         }
     });
+    // Where a whole border leads to one point, as a corner does, the pieces that have it there are one.
+    let inverse = format_ident!("inverse_{k}");
+    let others = places.iter().filter(|other| other.number != k).map(|other| {
+        let [strict, recovered] =
+            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
+        let earlier = (other.number < k)
+            .then(|| quote!(.or(::aether_core::support::lanes_of::<R, #n>(&#recovered))));
+        quote!(|| #strict #earlier.lane(i))
+    });
+    let alone = (places.len() > 1).then(|| {
+        quote! {
+            .filter(|_| !(::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x))
+                && (false #(#others)*)))
+        }
+    });
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#possible.and(#strict.not()), |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            #rounded::<R::Lane>(&p, &x) #(#again)*
+            #rounded::<R::Lane>(&p, &x) #(#again)* #alone
         });
     }
 }
 
 fn density(e: &Emitter) -> TokenStream {
     let existence = existence(e);
-    let (n, _, _) = e.sizes();
+    let (n, m, _) = e.sizes();
     let terms = e.places().into_iter().map(|place| {
         let [density, strict, recovered] =
             ["density", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
         quote! {
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             if inside.any() {
-                let d = #density::<R>(&p, &x);
+                let d = ::aether_core::support::limit::<R, #m>(inside, &x, |x| #density::<R>(&p, x));
                 sum += R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
             }
         }

@@ -69,9 +69,10 @@ fn innermost(g: &mut Graph, rhs: Id, leaf: Id) -> Option<Id> {
     }
     parts.retain(|p| *p != rhs);
     parts.sort_by_key(|p| crate::jacobian::cost(g, *p));
+    // A name, not zero: a product with zero would say that nothing else is left.
+    let name = g.leaf(Leaf::Unknown(23), "t", Interval::ALL);
     parts.into_iter().find(|&p| {
-        let zero = g.int(0);
-        let without = g.substitute(rhs, &[(p, zero)].into());
+        let without = g.substitute(rhs, &[(p, name)].into());
         !g.has(without, open)
     })
 }

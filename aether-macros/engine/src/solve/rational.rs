@@ -40,7 +40,9 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
                 show(g, atom),
                 show(g, value)
             ));
-            if g.range(atom).nonnegative() && !g.range(value).nonnegative() {
+            // The range of a uniform is tested anyhow.
+            let uniform = matches!(g.node(atom), Node::Leaf(Leaf::Unknown(i)) if *i < 16);
+            if !uniform && g.range(atom).nonnegative() && !g.range(value).nonnegative() {
                 s.solution.conditions.push(Condition(value));
             }
             s
