@@ -50,6 +50,7 @@ impl<R: Scalar> Visitor<R> for Measured<'_> {
         let readings = [Some(entry.pdf_at_rounded), entry.pdf_at_projected];
         let pdf = S::Point::from_coordinates(&rounded)
             .map_or(f64::NAN, |point| sampler.pdf(&point).value().to_f64());
+        let own = sample.pdf().value().to_f64();
         Errors {
             sample: distance(&x, &entry.x, floor),
             pdf: readings
@@ -57,7 +58,12 @@ impl<R: Scalar> Visitor<R> for Measured<'_> {
                 .flatten()
                 .map(|expected| distance(&[pdf], &[expected], floor))
                 .fold(f64::INFINITY, f64::min),
-            own: distance(&[sample.pdf().value().to_f64()], &[entry.pdf], floor),
+            // Where the rounded sample lies on a pole, the shares of its other preimages are infinite.
+            own: if entry.pdf_at_rounded.is_infinite() && own == f64::INFINITY {
+                0.0
+            } else {
+                distance(&[own], &[entry.pdf], floor)
+            },
         }
     }
 }

@@ -283,8 +283,13 @@ fn quarter_turns(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
 /// sin, cos or tan of q π, by an angle of at most an eighth of a turn: so that equal ones are seen to
 /// be equal.
 fn fraction_of_turn(g: &mut Graph, f: Fun, q: Q) -> Option<Id> {
-    let quarters =
-        q.num().checked_mul(4)?.checked_add(q.den())?.div_euclid(q.den().checked_mul(2)?);
+    if q == Q::new(1, 4)? {
+        let half = g.number(Q::HALF);
+        return Some(if f == Fun::Tan { g.int(1) } else { g.sqrt(half) });
+    }
+    // The least number of quarters that leaves no more than an eighth.
+    let excess = q.num().checked_mul(4)?.checked_sub(q.den())?;
+    let quarters = -(-excess).div_euclid(q.den().checked_mul(2)?);
     let rest = q.add(Q::new(-quarters, 2)?)?;
     let pi = g.pi();
     let rest = g.sum(Q::ZERO, &[(rest, pi)]);

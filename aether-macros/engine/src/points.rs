@@ -82,10 +82,9 @@ impl Rng {
     }
 }
 
-/// Uniforms that are tried in every position: both ends approached, the middle and a quarter, where
-/// sines and cosines vanish.
-const EXTREMES: [f64; 7] =
-    [8.673617379884035e-19, 1e-9, 0.5, 0.999, 1.0 - 1e-9, 1.0 - 1.1102230246251565e-16, 0.25];
+/// Uniforms that are tried in every position: both ends approached, and the middle.
+const EXTREMES: [f64; 6] =
+    [8.673617379884035e-19, 1e-9, 0.5, 0.999, 1.0 - 1e-9, 1.0 - 1.1102230246251565e-16];
 
 /// Rounds of points with parameters of their own; a few more follow with stress.
 const ROUNDS: usize = 8;
@@ -129,7 +128,7 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
     }
     for (k, e) in EXTREMES.iter().enumerate() {
         let position = k % unknowns.max(1);
-        let interior = *e == 0.5 || *e == 0.25;
+        let interior = *e == 0.5;
         let mut u: Vec<f64> = (0..unknowns).map(|_| 0.05 + 0.9 * rng.uniform()).collect();
         if let Some(x) = u.get_mut(position) {
             *x = *e;

@@ -22,7 +22,8 @@ fn derivation(body: &str) -> Result<String, String> {
 }
 
 /// Bodies with the number of preimages that a point can have.
-const BODIES: [(&str, usize); 69] = [
+const BODIES: [(&str, usize); 70] = [
+    ("u * (0.25 * PI).sin() + (1.25 * PI).cos() * (2.25 * PI).tan()", 1),
     ("(a * u).exp()", 1),
     ("(a * u).exp2()", 1),
     ("(a * u).exp_m1()", 1),

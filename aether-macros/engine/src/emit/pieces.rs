@@ -220,6 +220,7 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let conditions: Vec<TokenStream> =
             preimage.conditions.iter().map(|&c| code.value(c)).collect();
+        let tests = conditions.len();
         let requirements: Vec<TokenStream> =
             preimage.requirements.iter().map(|&c| code.value(c)).collect();
         let uniforms: Vec<TokenStream> =
@@ -238,9 +239,14 @@ impl<'a> Emitter<'a> {
             #[inline(always)]
             fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
             #[inline(always)]
-            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask) {
+            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask, R::Mask) {
                 #support_lets
-                ([#(#uniforms),*], <R::Mask as Mask>::TRUE #(.and(#conditions.ge(#least)))* #(.and(#requirements.gt(R::ZERO)))*)
+                let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
+                let tests: [R; #tests] = [#(#conditions),*];
+                let plain = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.ge(#least)));
+                // A test that is 0/0, in a corner, says nothing.
+                let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(#least).not()));
+                ([#(#uniforms),*], plain, possible)
             }
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }

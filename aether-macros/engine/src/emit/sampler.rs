@@ -149,9 +149,9 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
         }
     });
     quote! {
-        let (checked, ok) = #support::<R>(&p, &x);
+        let (checked, plain, ok) = #support::<R>(&p, &x);
         let #possible = ok.and(belongs).and(::aether_core::support::about_unit::<R, _>(&checked)) #wide;
-        let #strict = #possible.and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
+        let #strict = #possible.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
     }
 }
