@@ -2,7 +2,7 @@
 
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
-use crate::reference::PointEntry;
+use crate::reference::{Inputs, PointEntry};
 use crate::rows::{FromCoordinates, Visitor, visit};
 
 /// Relative errors at one entry of the reference data; infinite where a value is missing or NaN.
@@ -16,55 +16,75 @@ pub struct Errors {
     pub own: f64,
 }
 
-/// The errors of the catalogue's sampler at an entry, in the precision `R`.
-pub fn errors<R: Scalar>(entry: &PointEntry) -> Errors {
-    visit::<R, _>(&entry.inputs, Measured(entry))
+/// What a sampler of the catalogue says of uniforms and of a point.
+#[derive(Clone, Debug)]
+pub struct Values {
+    /// The sample of the uniforms.
+    pub sample: Vec<f64>,
+    /// `sampler.pdf(x)`; `None` if the space has no such point.
+    pub pdf: Option<f64>,
+    /// `sample.pdf()`.
+    pub own: f64,
 }
 
-/// The errors of another sampler at an entry.
-pub fn errors_of<R: Scalar, S: Sampler<R>>(entry: &PointEntry, sampler: S) -> Errors
-where
-    S::Point: FromCoordinates<R>,
-{
-    Visitor::<R>::visit(Measured(entry), sampler)
+/// Evaluates the sampler that `inputs` name, in the precision `R`, for the uniforms `u` and the point `x`.
+///
+/// All that the tests ask of a sampler is asked here, so that it is compiled once.
+pub fn values<R: Scalar>(inputs: &Inputs, u: &[f64], x: &[f64]) -> Values {
+    visit::<R, _>(inputs, Evaluate { u, x })
 }
 
-struct Measured<'a>(&'a PointEntry);
+struct Evaluate<'a> {
+    u: &'a [f64],
+    x: &'a [f64],
+}
 
-impl<R: Scalar> Visitor<R> for Measured<'_> {
-    type Output = Errors;
+impl<R: Scalar> Visitor<R> for Evaluate<'_> {
+    type Output = Values;
 
-    fn visit<S: Sampler<R>>(self, sampler: S) -> Errors
+    fn visit<S: Sampler<R>>(self, sampler: S) -> Values
     where
         S::Point: FromCoordinates<R>,
     {
-        let entry = self.0;
-        let u = S::Uniforms::from_fn(|i| R::of(entry.u[i]));
+        let u = S::Uniforms::from_fn(|i| R::of(self.u.get(i).copied().unwrap_or(0.5)));
         let sample = sampler.sample(u);
-        let x: Vec<f64> = sample.coordinates().as_ref().iter().map(|c| c.to_f64()).collect();
-        let rounded: Vec<R> = entry.rounded.iter().map(|c| R::of(*c)).collect();
-        // The smallest normal number: below it the format has an absolute rounding error.
-        let floor = if R::EPSILON.to_f64() < 1e-10 { f64::MIN_POSITIVE } else { 1.2e-38 };
-        // Rounding takes a sample off its manifold: the density there may be that of the closed form
-        // at the coordinates as they are, or that of the nearest point of the manifold.
-        let readings = [Some(entry.pdf_at_rounded), entry.pdf_at_projected];
-        let pdf = S::Point::from_coordinates(&rounded)
-            .map_or(f64::NAN, |point| sampler.pdf(&point).value().to_f64());
-        let own = sample.pdf().value().to_f64();
-        Errors {
-            sample: distance(&x, &entry.x, floor),
-            pdf: readings
-                .into_iter()
-                .flatten()
-                .map(|expected| distance(&[pdf], &[expected], floor))
-                .fold(f64::INFINITY, f64::min),
-            // Where the rounded sample lies on a pole, the shares of its other preimages are infinite.
-            own: if entry.pdf_at_rounded.is_infinite() && own == f64::INFINITY {
-                0.0
-            } else {
-                distance(&[own], &[entry.pdf], floor)
-            },
+        let x: Vec<R> = self.x.iter().map(|c| R::of(*c)).collect();
+        Values {
+            sample: sample.coordinates().as_ref().iter().map(|c| c.to_f64()).collect(),
+            pdf: S::Point::from_coordinates(&x).map(|x| sampler.pdf(&x).value().to_f64()),
+            own: sample.pdf().value().to_f64(),
         }
+    }
+}
+
+/// The errors of the catalogue's sampler at an entry, in the precision `R`.
+pub fn errors<R: Scalar>(entry: &PointEntry) -> Errors {
+    errors_off_by::<R>(entry, 1.0)
+}
+
+/// The same for densities multiplied by `factor`, a deliberate mistake.
+pub fn errors_off_by<R: Scalar>(entry: &PointEntry, factor: f64) -> Errors {
+    let found = values::<R>(&entry.inputs, &entry.u, &entry.rounded);
+    // The smallest normal number: below it the format has an absolute rounding error.
+    let floor = if R::EPSILON.to_f64() < 1e-10 { f64::MIN_POSITIVE } else { 1.2e-38 };
+    // Rounding takes a sample off its manifold: the density there may be that of the closed form
+    // at the coordinates as they are, or that of the nearest point of the manifold.
+    let readings = [Some(entry.pdf_at_rounded), entry.pdf_at_projected];
+    let pdf = factor * found.pdf.unwrap_or(f64::NAN);
+    let own = factor * found.own;
+    Errors {
+        sample: distance(&found.sample, &entry.x, floor),
+        pdf: readings
+            .into_iter()
+            .flatten()
+            .map(|expected| distance(&[pdf], &[expected], floor))
+            .fold(f64::INFINITY, f64::min),
+        // Where the rounded sample lies on a pole, the shares of its other preimages are infinite.
+        own: if entry.pdf_at_rounded.is_infinite() && own == f64::INFINITY {
+            0.0
+        } else {
+            distance(&[own], &[entry.pdf], floor)
+        },
     }
 }
 

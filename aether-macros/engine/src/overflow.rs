@@ -27,10 +27,14 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
             let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuild(g, t, memo))).collect();
             g.sum(c, &terms)
         }
-        Node::Product(factors) => quotient(g, id, &factors).unwrap_or_else(|| {
-            let factors: Vec<_> = factors.iter().map(|&(b, e)| (rebuild(g, b, memo), e)).collect();
-            g.product(&factors)
-        }),
+        Node::Product(factors) => {
+            let whole = together(g, factors.clone());
+            quotient(g, id, &whole).unwrap_or_else(|| {
+                let factors: Vec<_> =
+                    factors.iter().map(|&(b, e)| (rebuild(g, b, memo), e)).collect();
+                g.product(&factors)
+            })
+        }
         Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0]).unwrap_or(id),
         Node::Call(f, args) => {
             let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo)).collect();
@@ -65,6 +69,24 @@ fn reversed(g: &mut Graph, id: Id, a: Id, sign: &mut Q) -> Id {
     }
     *sign = sign.neg();
     flipped
+}
+
+/// Divisors (e^b + 1)(e^b - 1), which had been taken apart, as e^2b - 1.
+fn together(g: &mut Graph, mut factors: Vec<(Id, Id)>) -> Vec<(Id, Id)> {
+    let minus_one = g.int(-1);
+    let one = g.int(1);
+    let divisors = factors.clone().into_iter().filter(|(_, e)| *e == minus_one);
+    for (less, _) in divisors {
+        let Node::Call(Fun::ExpM1, args) = g.node(less).clone() else { continue };
+        let exp = g.call(Fun::Exp, &args);
+        let more = g.add(one, exp);
+        if factors.contains(&(more, minus_one)) {
+            factors.retain(|&(b, e)| e != minus_one || (b != less && b != more));
+            let twice = g.sum(Q::ZERO, &[(Q::int(2), args[0])]);
+            factors.push((g.call(Fun::ExpM1, &[twice]), minus_one));
+        }
+    }
+    factors
 }
 
 /// … / (e^b - 1), with exponentials in the numerator.

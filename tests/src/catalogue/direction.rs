@@ -36,10 +36,10 @@ pub fn double_lune(u: [Uniform; 2], t: f64) -> Direction {
 /// Row 74: von Mises-Fisher about +z.
 #[sampler(kappa in 1e-12..)]
 pub fn von_mises_fisher(u: [Uniform; 2], kappa: f64) -> Direction {
-    let h = -((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
-    let r = (h * (2.0 - h)).sqrt();
+    let c = 1.0 + ((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
+    let r = (1.0 - c * c).sqrt();
     let phi = TAU * u[1];
-    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
 }
 
 /// Row 75: Henyey-Greenstein about +z, as it is printed everywhere.

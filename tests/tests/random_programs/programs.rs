@@ -2055,14 +2055,24 @@ pub mod wide_048 {
     }
 }
 
-// wide_049 is refused: cannot invert this map: stuck at `4 x / 5 = asin(-1 + 2 u₁) μ μ`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let v = Vec3::new((2.0 * u[0] - 1.0).asin(), 1.5, u[1].tanh()).normalize();
-//     let (s, c) = (0.25 * PI).sin_cos();
-//     let v1 = Vec3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z);
-//     Direction::from_vec(Vec3::new(1.25 * v1.x, 0.25 * v1.y, v1.z).normalize())
-// }
+pub mod wide_049 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new((2.0 * u[0] - 1.0).asin(), 1.5, u[1].tanh()).normalize();
+        let (s, c) = (0.25 * PI).sin_cos();
+        let v1 = Vec3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z);
+        Direction::from_vec(Vec3::new(1.25 * v1.x, 0.25 * v1.y, v1.z).normalize())
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new((2.0 * u[0] - 1.0).asin(), 1.5, u[1].tanh()).normalize();
+        let (s, c) = (0.25 * PI).sin_cos();
+        let v1 = Vec3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z);
+        Direction::from_vec(Vec3::new(1.25 * v1.x, 0.25 * v1.y, v1.z).normalize())
+    }
+}
 
 pub mod wide_050 {
     use super::*;
@@ -2092,14 +2102,24 @@ pub mod wide_051 {
     }
 }
 
-// wide_052 is refused: cannot invert this map: stuck at `-3 z / 2 = (sin(2 u₁ π) y sin(3 x / y) - 3 cos(2 u₁ π) x / 2) / sin(2 u₁ π)`, which should give u₁ and u₂. `(sin(2 u₁ π) y sin(3 x / y) - 3 cos(2 u₁ π) x / 2) / sin(2 u₁ π)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u₁: there is none for u₁ in [0.000000, 0.500000], x in [0.500000, 1.000000], y in [-1.000000, 1.000000]. If it does, narrow the domains of the parameters, or write one sampler for each piece on which the map is monotone
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let r = u[1].sqrt();
-//     let phi = TAU * u[0];
-//     let x = r * phi.sin();
-//     Direction::from_vec(Vec3::new(x, 1.5, (r * phi.cos()) - (2.0 * x).sin()).normalize())
-// }
+pub mod wide_052 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let r = u[1].sqrt();
+        let phi = TAU * u[0];
+        let x = r * phi.sin();
+        Direction::from_vec(Vec3::new(x, 1.5, (r * phi.cos()) - (2.0 * x).sin()).normalize())
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let r = u[1].sqrt();
+        let phi = TAU * u[0];
+        let x = r * phi.sin();
+        Direction::from_vec(Vec3::new(x, 1.5, (r * phi.cos()) - (2.0 * x).sin()).normalize())
+    }
+}
 
 pub mod wide_053 {
     use super::*;
@@ -2587,7 +2607,7 @@ pub mod wide_079 {
     }
 }
 
-// wide_080 is refused: cannot invert this map: stuck at `1/2 + sin(x) / 2 = sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)`, which should give u. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_080 is refused: cannot invert this map: stuck at `1/2 + sin(x) / 2 = sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)`, which should give u. `sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u: there is none for u in [0.820312, 0.824219]. If it does, narrow the domains of the parameters, or write one sampler for each piece on which the map is monotone
 // #[sampler]
 // pub fn compiled(u: [Uniform; 1]) -> f64 {
 //     let t = -(-u[0]).ln_1p() / 0.3;
@@ -3209,7 +3229,7 @@ pub mod wide_113 {
     }
 }
 
-// wide_114 is refused: cannot invert this map: stuck at `2/3 + x = u₁² μ √(1 + u₁² + (8/9 + 4 x / 3 + 4 u₁ (2/3 + x) / 3 - 4 u₁ (2/3 + z) / 3 - 4 u₁² (2/3 + z) / 3)² / (4/9 + 2 x / 3 - 2 u₁ (2/3 + z) / 3)²) (8 x / 45 + 4 u₁ (2/3 + x) (2/3 + z) / 15 + 4 x² / 15 - 8 u₁ (2/3 + z) / 45 - 4 x (2/3 + x) / 15 - 4 u₁ x (2/3 + z) / 15) / (4/9 + 4 u₁² / 45 + 4 x / 3 + 16 u₁ (2/3 + x) / 15 + x² + 4 u₁² x / 15 + u₁² x² / 5 + 8 u₁ x (2/3 + x) / 5 + 4 u₁² (2/3 + x)²  … (650 characters)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_114 is refused: the derived inverse does not recover its own input: u = [0.9762141264689097, 0.4562353359281042] with parameters [] maps to [0.660962982376074, 0.28713664604512684, 0.6933112449877625], which maps back to []. If this point lies outside what the map is meant for, declare the domain of the parameters
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let v = Vec3::new(u[0], u[1], 1.0).normalize();
@@ -4109,13 +4129,22 @@ pub mod wide_160 {
     }
 }
 
-// wide_161 is refused: cannot invert this map: stuck at `3 z / (4 x) = atan(u₂) / sin(u₁ π)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let x = (PI * u[0]).sin();
-//     let v = Vec3::new(x, 1.5, u[1].atan()).normalize();
-//     Direction::from_vec(Vec3::new(0.75 * v.x, 3.0 * v.y, v.z).normalize())
-// }
+pub mod wide_161 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let x = (PI * u[0]).sin();
+        let v = Vec3::new(x, 1.5, u[1].atan()).normalize();
+        Direction::from_vec(Vec3::new(0.75 * v.x, 3.0 * v.y, v.z).normalize())
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let x = (PI * u[0]).sin();
+        let v = Vec3::new(x, 1.5, u[1].atan()).normalize();
+        Direction::from_vec(Vec3::new(0.75 * v.x, 3.0 * v.y, v.z).normalize())
+    }
+}
 
 pub mod wide_162 {
     use super::*;
@@ -4220,28 +4249,53 @@ pub mod wide_166 {
     }
 }
 
-// wide_167 is refused: cannot invert this map: stuck at `a = u₁ μ μ`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let v = Vec3::new(u[0], 1.5, u[1]).normalize();
-//     let v1 = Vec3::new(0.3 * v.x, 2.0 * v.y, v.z).normalize();
-//     let n = Vec3::new(0.48, 0.64, 0.6);
-//     Direction::from_vec(v1 - 2.0 * v1.dot(n) * n)
-// }
+pub mod wide_167 {
+    use super::*;
 
-// wide_168 is refused: cannot invert this map: stuck at `0 = a λ - u₂ μ μ`, which should give u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler(b in 0.5..=2.0)]
-// pub fn compiled(u: [Uniform; 2], b: f64) -> Direction {
-//     let x = match u[0] < 0.4 { true => 2.0 * u[0], false => 0.5 - u[0] };
-//     let r = u[1];
-//     let phi = PI * x;
-//     let (sin, cos) = phi.sin_cos();
-//     let y = r * cos;
-//     let v = Vec3::new(r * sin, y, 1.0).normalize();
-//     let v1 = Vec3::new(b * v.x, 2.5 * v.y, v.z).normalize();
-//     let o = Vec3::new(0.48, 0.64, 0.6);
-//     Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
-// }
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new(u[0], 1.5, u[1]).normalize();
+        let v1 = Vec3::new(0.3 * v.x, 2.0 * v.y, v.z).normalize();
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        Direction::from_vec(v1 - 2.0 * v1.dot(n) * n)
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new(u[0], 1.5, u[1]).normalize();
+        let v1 = Vec3::new(0.3 * v.x, 2.0 * v.y, v.z).normalize();
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        Direction::from_vec(v1 - 2.0 * v1.dot(n) * n)
+    }
+}
+
+pub mod wide_168 {
+    use super::*;
+
+    #[sampler(b in 0.5..=2.0)]
+    pub fn compiled(u: [Uniform; 2], b: f64) -> Direction {
+        let x = match u[0] < 0.4 { true => 2.0 * u[0], false => 0.5 - u[0] };
+        let r = u[1];
+        let phi = PI * x;
+        let (sin, cos) = phi.sin_cos();
+        let y = r * cos;
+        let v = Vec3::new(r * sin, y, 1.0).normalize();
+        let v1 = Vec3::new(b * v.x, 2.5 * v.y, v.z).normalize();
+        let o = Vec3::new(0.48, 0.64, 0.6);
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+
+    pub fn plain(u: [Uniform; 2], b: f64) -> Direction {
+        let x = match u[0] < 0.4 { true => 2.0 * u[0], false => 0.5 - u[0] };
+        let r = u[1];
+        let phi = PI * x;
+        let (sin, cos) = phi.sin_cos();
+        let y = r * cos;
+        let v = Vec3::new(r * sin, y, 1.0).normalize();
+        let v1 = Vec3::new(b * v.x, 2.5 * v.y, v.z).normalize();
+        let o = Vec3::new(0.48, 0.64, 0.6);
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+}
 
 pub mod wide_169 {
     use super::*;
@@ -4306,7 +4360,7 @@ pub mod wide_171 {
     }
 }
 
-// wide_172 is refused: cannot invert this map: stuck at `2/3 + frame.xx x + frame.xy y + frame.xz z = u₁² μ √(9/4 + u₁² + (2/3 + frame.xx x + frame.xy y + frame.xz z + 4 u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z) / 3 - u₁ (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) - 4 u₁² (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) / 3)² / (8/9 + 4 frame.xx x / 3 + 4 frame.xy y / 3 + 4 frame.xz z / 3 - 4 u₁ (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.y … (3473 characters)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_172 is refused: cannot invert this map: stuck at `0 = (4 (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 3 + 32 u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 9 + 64 u₁² (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 27 + u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z) (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) (8/9 + 4 frame.xx x / 3 + 4 frame.xy y / 3 + 4 frame.xz z / 3) + 8 u₁² (2/3 + frame.xx x + frame.xy y + fr … (2837 characters)`, which should give u₁ and u₂. `(4 (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 3 + 32 u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 9 + 64 u₁² (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 27 + u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z) (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) (8/9 + 4 frame.xx x / 3 + 4 frame.xy y / 3 + 4 frame.xz z / 3) + 8 u₁² (2/3 + frame.xx x + frame.xy y + fr … (2837 characters)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u₁: there is none for u₁ in [0.000000, 1.000000], x in [-1.000000, 1.000000], y in [-1.000000, 1.000000], z in [-1.000000, 1.000000], frame.xx in [1.000000, 2.000000], frame.xy in [-∞, ∞], frame.xz in [0.000000, ∞], frame.yx in [-∞, ∞], frame.yy in [-∞, 0.000000], frame.yz in [-∞, 0.000000], frame.zx in [0.000000, 1.000000], frame.zy in [0.000000, ∞], frame.zz in [-1.000000, 0.000000]. If it does, declare a domain of `frame.xx` in which it is monotone, as in `#[sampler(frame.xx in 0.0..=10.0)]`
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2], frame: Frame) -> Direction {
 //     let v = Vec3::new(u[0], 1.5, u[1]).normalize();
@@ -4340,7 +4394,7 @@ pub mod wide_173 {
     }
 }
 
-// wide_174 is refused: cannot invert this map: stuck at `cbrt(x) = sin((-1/2 + 29 expm1(u) / (100 a)) π)`, which should give u. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_174 is refused: cannot invert this map: stuck at `cbrt(x) = sin((-1/2 + 29 expm1(u) / (100 a)) π)`, which should give u. If that depends on the values of `a`, declare its domain, as in `#[sampler(a in 0.1..=10.0)]`. Else write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 1], a: f64) -> f64 {
 //     let x = u[0].exp_m1() / a;
@@ -4348,22 +4402,40 @@ pub mod wide_173 {
 //     (PI * x1).sin().powi(3)
 // }
 
-// wide_175 is refused: cannot invert this map: stuck at `-2 expm1(5 turn(atan2((frame.xx (frame.zz y / 2 - frame.zy z / 2) + frame.zx (frame.xy z - frame.xz y) / 2 - x (frame.xy frame.zz / 2 - frame.xz frame.zy / 2)) / (frame.xx (frame.yy frame.zz / 2 - frame.yz frame.zy / 2) + frame.zx (frame.xy frame.yz - frame.xz frame.yy) / 2 - frame.yx (frame.xy frame.zz / 2 - frame.xz frame.zy / 2)), (x (frame.yy frame.zz / 2 - frame.yz frame.zy / 2) + f … (1624 characters) = (cos(2 u₂ π) (1 - 2 (1 - turn(atan2((frame.xx (frame.yy z - frame.yz y) + x (frame.xy frame.yz - frame.xz frame.yy) - frame.yx (frame.xy z - frame.xz y)) / (frame.xx (frame.yy frame.zz / 2 - frame.yz frame.zy / 2) + frame.zx (frame.xy frame.yz - frame.xz frame.yy) / 2 - frame.yx (frame.xy frame.zz / 2 - frame.xz frame.zy / 2)), -4 + 2 √((x (frame.yy frame.zz / 2 - frame.yz frame.zy / 2)  … (1013 characters)`, which should give u₁ and u₂. `(cos(2 u₂ π) (1 - 2 (1 - turn(atan2((frame.xx (frame.yy z - frame.yz y) + x (frame.xy frame.yz - frame.xz frame.yy) - frame.yx (frame.xy z - frame.xz y)) / (frame.xx (frame.yy frame.zz / 2 - frame.yz frame.zy / 2) + frame.zx (frame.xy frame.yz - frame.xz frame.yy) / 2 - frame.yx (frame.xy frame.zz / 2 - frame.xz frame.zy / 2)), -4 + 2 √((x (frame.yy frame.zz / 2 - frame.yz frame.zy / 2)  … (1013 characters)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u₂: there is none for u₂ in [0.000000, 1.000000], x in [-∞, ∞], y in [-∞, ∞], z in [-∞, ∞], frame.xx in [-∞, ∞], frame.xy in [-∞, ∞], frame.xz in [-∞, ∞], frame.yx in [-∞, ∞], frame.yy in [-∞, ∞], frame.yz in [-∞, ∞], frame.zx in [-∞, ∞], frame.zy in [-∞, ∞], frame.zz in [-∞, ∞]. If it does, declare a domain of `frame.xx` in which it is monotone, as in `#[sampler(frame.xx in 0.0..=10.0)]`
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2], frame: Frame) -> Surface {
-//     let r = u[0].sqrt();
-//     let phi = TAU * u[1];
-//     let y = r * phi.sin();
-//     let x = 0.5 * (r * phi.cos()) + 0.5;
-//     let root = (0.5 * y + 0.5).sqrt();
-//     let y1 = 1.0 - root;
-//     let x1 = x * root;
-//     let phi1 = TAU * (0.8 * x1.ln_1p());
-//     let phi2 = TAU * y1;
-//     let r1 = 2.0 + 0.5 * phi2.cos();
-//     let v = Vec3::new(r1 * phi1.cos(), r1 * phi1.sin(), 0.5 * phi2.sin());
-//     Surface::from_vec(frame.to_world(v))
-// }
+pub mod wide_175 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2], frame: Frame) -> Surface {
+        let r = u[0].sqrt();
+        let phi = TAU * u[1];
+        let y = r * phi.sin();
+        let x = 0.5 * (r * phi.cos()) + 0.5;
+        let root = (0.5 * y + 0.5).sqrt();
+        let y1 = 1.0 - root;
+        let x1 = x * root;
+        let phi1 = TAU * (0.8 * x1.ln_1p());
+        let phi2 = TAU * y1;
+        let r1 = 2.0 + 0.5 * phi2.cos();
+        let v = Vec3::new(r1 * phi1.cos(), r1 * phi1.sin(), 0.5 * phi2.sin());
+        Surface::from_vec(frame.to_world(v))
+    }
+
+    pub fn plain(u: [Uniform; 2], frame: Frame) -> Surface {
+        let r = u[0].sqrt();
+        let phi = TAU * u[1];
+        let y = r * phi.sin();
+        let x = 0.5 * (r * phi.cos()) + 0.5;
+        let root = (0.5 * y + 0.5).sqrt();
+        let y1 = 1.0 - root;
+        let x1 = x * root;
+        let phi1 = TAU * (0.8 * x1.ln_1p());
+        let phi2 = TAU * y1;
+        let r1 = 2.0 + 0.5 * phi2.cos();
+        let v = Vec3::new(r1 * phi1.cos(), r1 * phi1.sin(), 0.5 * phi2.sin());
+        Surface::from_vec(frame.to_world(v))
+    }
+}
 
 pub mod wide_176 {
     use super::*;
@@ -4732,8 +4804,10 @@ pub fn all() -> Vec<Case> {
         case("wide_046", wide_046::compiled(1.3).expect("in the domain"), |u| wide_046::plain(u, 1.3)),
         case("wide_047", wide_047::compiled(), |u| wide_047::plain(u)),
         case("wide_048", wide_048::compiled(0.8).expect("in the domain"), |u| wide_048::plain(u, 0.8)),
+        case("wide_049", wide_049::compiled(), |u| wide_049::plain(u)),
         case("wide_050", wide_050::compiled(), |u| wide_050::plain(u)),
         case("wide_051", wide_051::compiled(), |u| wide_051::plain(u)),
+        case("wide_052", wide_052::compiled(), |u| wide_052::plain(u)),
         case("wide_053", wide_053::compiled(), |u| wide_053::plain(u)),
         case("wide_054", wide_054::compiled(), |u| wide_054::plain(u)),
         case("wide_056", wide_056::compiled(), |u| wide_056::plain(u)),
@@ -4836,15 +4910,19 @@ pub fn all() -> Vec<Case> {
         case("wide_158", wide_158::compiled(1.3).expect("in the domain"), |u| wide_158::plain(u, 1.3)),
         case("wide_159", wide_159::compiled(), |u| wide_159::plain(u)),
         case("wide_160", wide_160::compiled(1.3).expect("in the domain"), |u| wide_160::plain(u, 1.3)),
+        case("wide_161", wide_161::compiled(), |u| wide_161::plain(u)),
         case("wide_162", wide_162::compiled(), |u| wide_162::plain(u)),
         case("wide_163", wide_163::compiled(0.8).expect("in the domain"), |u| wide_163::plain(u, 0.8)),
         case("wide_164", wide_164::compiled(1.3).expect("in the domain"), |u| wide_164::plain(u, 1.3)),
         case("wide_165", wide_165::compiled(), |u| wide_165::plain(u)),
         case("wide_166", wide_166::compiled(), |u| wide_166::plain(u)),
+        case("wide_167", wide_167::compiled(), |u| wide_167::plain(u)),
+        case("wide_168", wide_168::compiled(1.3).expect("in the domain"), |u| wide_168::plain(u, 1.3)),
         case("wide_169", wide_169::compiled(0.8).expect("in the domain"), |u| wide_169::plain(u, 0.8)),
         case("wide_170", wide_170::compiled(1.3).expect("in the domain"), |u| wide_170::plain(u, 1.3)),
         case("wide_171", wide_171::compiled(), |u| wide_171::plain(u)),
         case("wide_173", wide_173::compiled(), |u| wide_173::plain(u)),
+        case("wide_175", wide_175::compiled(frame()), |u| wide_175::plain(u, frame())),
         case("wide_176", wide_176::compiled(), |u| wide_176::plain(u)),
         case("wide_177", wide_177::compiled(), |u| wide_177::plain(u)),
         case("wide_178", wide_178::compiled(), |u| wide_178::plain(u)),
