@@ -714,6 +714,18 @@ def to_light(x, p):
     return combine((1, centre(p)), (p["r"], unit(sub(x, centre(p)))))
 
 
+def cosine_direction(u):
+    """Row 63."""
+    return on_circle(sqrt(u[0]), u[1]) + [sqrt(1 - u[0])]
+
+
+def chained_frames(u, p):
+    """Row 102: the frame turns z to the first direction about the axis that is orthogonal to both."""
+    n, w = cosine_direction(u[:2]), cosine_direction(u[2:])
+    along = (w[0] * n[0] + w[1] * n[1]) / (1 + n[2])
+    return n + [w[0] + (w[2] - along) * n[0], w[1] + (w[2] - along) * n[1], w[2] * n[2] - w[0] * n[0] - w[1] * n[1]]
+
+
 def scattering_vertex(u, p):
     """Row 106."""
     t = -log1p(u[0] * expm1(-p["s"] * p["d"])) / p["s"]
@@ -747,6 +759,8 @@ def stick_breaking_density(x, p):
 
 SPACE = [
     Sampler(98, "sphere_light", sphere_light, sphere_light_density, on_near_side, to_light),
+    Sampler(102, "chained_frames", chained_frames, lambda x, p: x[2] * dot(x[:3], x[3:]) / pi**2,
+            lambda x, p: x[2] >= 0 and dot(x[:3], x[3:]) >= 0, lambda x, p: unit(x[:3]) + unit(x[3:])),
     Sampler(106, "scattering_vertex", scattering_vertex, scattering_vertex_density,
             lambda x, p: norm(sub(x, p["o"])) <= p["d"]),
     Sampler(111, "stick_breaking", stick_breaking, stick_breaking_density, lambda x, p: min(x) >= 0,
@@ -820,6 +834,8 @@ POINTS = {
     "rayleigh": over({}, [[1e-18, 0.1]] + PAIRS + [[0.5, 0.1], [0.01, 0.7], [1e-300, 0.4]]),
     "sphere_light": [({"m": 5e-19, "d": 1e6, "r": 1e-3}, [0.3, 0.6]), ({"m": 0.998, "d": 1.000001, "r": 1.0}, [0.5, 0.6])] + over(BULB, PAIRS)
     + [({"m": 0.05, "d": 2.0, "r": 1.0}, [0.3, 0.6])],
+    "chained_frames": over({}, [[0.3, 0.6, 0.2, 0.9], [0.7183098861837907, 0.15915494309189535, 0.4, 0.3], [TINY, 0.3, 0.9, 0.6], [0.9, 0.6, TINY, 0.1],
+                                [BELOW_ONE, 0.25, 0.6, 0.1], [0.3, 0.6, BELOW_ONE, 0.7], [0.5, 0.0, 0.5, 0.0], [0.0, 0.3, 0.2, 0.4], [0.2, 0.4, 0.0, 0.3]]),
     "scattering_vertex": [({"o": [1e6, 0.0, 0.0], "s": 0.8, "d": 1e-3, "g": 0.9}, [0.5, 0.3, 0.6])] + over(HAZE, TRIPLES)
     + over(FOG, TRIPLES[:2] + TRIPLES[3:]),
     "stick_breaking": over({}, [[1e-12, 0.5, BELOW_ONE]] + TRIPLES + [[0.0, 0.3, 0.6], [0.5, 0.0, 0.5]]),
@@ -913,6 +929,9 @@ QUERIES = {
     "complex_square_xy": outside({}, [1.5, 0.0], [-0.9, 0.9], [NAN, 0.0]) + inside({}, [0.5, 0.0], [0.0, -0.25], [-0.5, 0.0]),
     "rayleigh": inside({}, NORTH, [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [1.0, 0.0, 0.0]) + outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),
     "sphere_light": outside(BULB, [0.0, 0.0, 2.0], [0.0, 0.0, 0.6], [0.75, 0.0, 1.25], [0.45, 0.0, 1.85], [NAN, 0.0, 0.5]) + inside(BULB, [0.0, 0.0, 0.5]),
+    "chained_frames": outside({}, [0.0, 0.6, -0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.1, 0.0, 0.0, 1.0], [0.0, 0.6, 0.8, 0.0, 0.6, 0.1],
+                              [NAN, 0.0, 1.0, 0.0, 0.0, 1.0])
+    + inside({}, [0.0, 0.6, 0.8, 0.0, 0.0, 1.0], [0.6, 0.0, 0.8, 0.8, 0.0, 0.6], [0.6, 0.0, 0.8, 0.96, 0.0, -0.28]),
     "scattering_vertex": outside(HAZE, [2.5, 0.0, 0.0], [0.0, 0.0, -2.25], [NAN, 0.0, 0.0]) + inside(HAZE, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.5, -0.25, 0.25]),
     "stick_breaking": outside({}, [0.5, 0.5, 0.5, 0.5], [0.5, 0.75, -0.25, 0.0], [0.25, 0.25, 0.25, 0.3])
     + inside({}, [0.25, 0.25, 0.25, 0.25], [0.5, 0.125, 0.125, 0.25], [0.0, 0.5, 0.25, 0.25]),

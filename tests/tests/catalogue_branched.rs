@@ -122,6 +122,7 @@ mod double_precision {
         row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
         row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
         row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
+        row_102_chained_frames: chained_frames();
         row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
         row_111_stick_breaking: stick_breaking();
         row_117_affine_coupling: affine_coupling(0.875, 0.5);
@@ -170,6 +171,7 @@ mod single_precision {
         row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
         row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
         row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
+        row_102_chained_frames: chained_frames();
         row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
         row_111_stick_breaking: stick_breaking();
         row_117_affine_coupling: affine_coupling(0.875, 0.5);

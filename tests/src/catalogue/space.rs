@@ -160,3 +160,18 @@ pub fn stick_breaking(u: [Uniform; 3]) -> Embedded<3, 4> {
     let x3 = z3 * (1.0 - z1) * (1.0 - z2);
     Embedded([x1, x2, x3, (1.0 - z1) * (1.0 - z2) * (1.0 - z3)])
 }
+
+/// Row 102: a cosine-distributed direction about +z, and a second one about the first, in the frame that
+/// turns +z to it the shortest way.
+#[sampler]
+pub fn chained_frames(u: [Uniform; 4]) -> (Direction, Direction) {
+    let (r, phi) = (u[0].sqrt(), TAU * u[1]);
+    let (x, y, z) = (r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt());
+    let k = 1.0 / (1.0 + z);
+    let (s, psi) = (u[2].sqrt(), TAU * u[3]);
+    let (a, b, c) = (s * psi.cos(), s * psi.sin(), (1.0 - u[2]).sqrt());
+    let first = Vec3::new(x, y, z);
+    let right = Vec3::new(1.0 - x * x * k, -x * y * k, -x);
+    let up = Vec3::new(-x * y * k, 1.0 - y * y * k, -y);
+    (Direction::from_vec(first), Direction::from_vec(a * right + b * up + c * first))
+}

@@ -108,6 +108,7 @@ fn space<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
         "truncated_cone" => visitor.visit(right(truncated_cone(p("r0"), p("r1"), p("h")))),
         "onto_plane" => visitor.visit(onto_plane(v("o"), v("p0"), v("n"))),
         "sphere_light" => visitor.visit(right(sphere_light(p("m"), p("d"), p("r")))),
+        "chained_frames" => visitor.visit(chained_frames()),
         "scattering_vertex" => {
             visitor.visit(right(scattering_vertex(v("o"), p("s"), p("d"), p("g"))))
         }
