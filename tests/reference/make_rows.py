@@ -4,17 +4,21 @@
     python3 tests/reference/make_rows.py
 
 Writes catalogue-mh.json: the fields of catalogue-e.json, in double precision only. Everything but
-the samplers is make_conditions.py's.
+the samplers is make_conditions.py's, at 400 digits instead of 80: the uniform 1e-300 is added to
+1 here, and what it changes must have digits left. A coordinate that is below all of them, such as
+the cosine of a rounded quarter turn, is an exact 0.
 """
 
 import json
 import pathlib
 
-from mpmath import acos, asin, atan, atan2, cbrt, cosh, diff, erfc, exp, expm1, floor, inf, log, log1p, mpf, pi, sign, sin, cos, sqrt, tanh
+from mpmath import acos, atan2, cbrt, cos, exp, expm1, floor, inf, log, log1p, mp, mpf, pi, sin, sqrt, tanh
 
-from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, logistic_density, logit, norm,
+from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, linear, logistic_density, logit, norm,
                              on_circle, over, query_for, real_power, to_unit_sphere, unit)
 
+mp.dps = 400
+NOISE = mpf(10) ** -390
 OUTPUT = pathlib.Path(__file__).resolve().parent / "catalogue-mh.json"
 
 
@@ -86,6 +90,22 @@ def cosine_preimages(x, p):
     return [[acos(x[0]) / (2 * pi)], [1 - acos(x[0]) / (2 * pi)]]
 
 
+def cubic_angle(x):
+    """Row 36: a third of the angle with cosine 1 - 32 x; the cubic of (1 - cos t) / 2 is (1 - cos 3t) / 32."""
+    return acos(1 - 32 * x[0]) / 3
+
+
+def cubic_preimages(x, p):
+    """Row 36."""
+    t = cubic_angle(x)
+    return [[sin(a / 2) ** 2] for a in (t, 2 * pi / 3 - t, 2 * pi / 3 + t)]
+
+
+def cubic_density(x, p):
+    """Row 36: the sum over the three preimages."""
+    return 4 * sin(cubic_angle(x) + pi / 3) / (3 * sqrt(x[0] * (1 - 16 * x[0])))
+
+
 def within(low, high):
     """The interval as a support."""
     return lambda x, p: low <= x[0] <= high
@@ -109,6 +129,8 @@ LINE = [
             preimages=lambda x, p: [[(1 - x[0]) / 2], [(1 + x[0]) / 2]]),
     Sampler(35, "sawtooth", lambda u, p: [3 * u[0] - floor(3 * u[0])], lambda x, p: mpf(1), within(0, 1),
             preimages=lambda x, p: [[(x[0] + k) / 3] for k in range(3)], smooth=lambda u, p: u[0] > 1e-20),
+    Sampler(36, "cubic", lambda u, p: [u[0] * (u[0] * (u[0] - mpf(3) / 2) + mpf(9) / 16)], cubic_density, within(0, mpf(1) / 16),
+            preimages=cubic_preimages, smooth=lambda u, p: u[0] > 1e-20 and u[0] not in (0.25, 0.75)),
 ]
 
 # --- the plane --------------------------------------------------------------
@@ -241,7 +263,45 @@ def pentagon(u, p):
     return combine((sqrt(u[0]) * (1 - t), a), (sqrt(u[0]) * t, b))
 
 
+def elliptical_grid(u, p):
+    """Row 46."""
+    a, b = 2 * u[0] - 1, 2 * u[1] - 1
+    return [a * sqrt(1 - b * b / 2), b * sqrt(1 - a * a / 2)]
+
+
+def elliptical_grid_density(x, p):
+    """Row 46: by the closed inverse."""
+    d, root = x[0] ** 2 - x[1] ** 2, sqrt(mpf(8))
+    a = (sqrt(2 + d + root * x[0]) - sqrt(2 + d - root * x[0])) / 2
+    b = (sqrt(2 - d + root * x[1]) - sqrt(2 - d - root * x[1])) / 2
+    return sqrt((1 - a * a / 2) * (1 - b * b / 2)) / (4 - 2 * a * a - 2 * b * b)
+
+
+def complex_square_xy(u, p):
+    """Row 56, from uniform points of the disk."""
+    x, y = on_circle(sqrt(u[0]), u[1])
+    return [x * x - y * y, 2 * x * y]
+
+
+def bilinear_density(u, p):
+    """Row 53."""
+    a, b = p["w00"] + p["w10"], p["w01"] + p["w11"]
+    y = linear(u[1:], {"a": a, "b": b})[0]
+    c, d = (1 - y) * p["w00"] + y * p["w01"], (1 - y) * p["w10"] + y * p["w11"]
+    return linear(u[:1], {"a": c, "b": d}) + [y]
+
+
+def bilinear_density_density(x, p):
+    """Row 53."""
+    (s, t), w = x, [p[k] for k in ("w00", "w10", "w01", "w11")]
+    return 4 * ((1 - t) * ((1 - s) * w[0] + s * w[1]) + t * ((1 - s) * w[2] + s * w[3])) / sum(w)
+
+
 PLANE = [
+    Sampler(46, "elliptical_grid", elliptical_grid, elliptical_grid_density, lambda x, p: norm(x) <= 1),
+    Sampler(53, "bilinear_density", bilinear_density, bilinear_density_density, lambda x, p: min(x) >= 0 and max(x) <= 1),
+    Sampler(56, "complex_square_xy", complex_square_xy, lambda x, p: 1 / (2 * pi * norm(x)), lambda x, p: norm(x) <= 1,
+            preimages=complex_square_preimages),
     Sampler(52, "pentagon", pentagon, lambda x, p: 2 / (5 * sin(2 * pi / 5))),
     Sampler(43, "concentric_disk", concentric, lambda x, p: 1 / pi, lambda x, p: norm(x) <= 1,
             smooth=off_diagonals),
@@ -403,7 +463,16 @@ def upper(x, p):
     return x[2] >= 0
 
 
+def rayleigh(u, p):
+    """Row 76, by the real root of c^3 + 3 c + 4 = 8 u."""
+    b = 4 * u[0] - 2
+    t = cbrt(abs(b) + sqrt(b * b + 1))
+    c = t - 1 / t
+    return from_height(mpf(-1) if u[0] == 0 else c if b > 0 else -c, u[1])
+
+
 DIRECTIONS = [
+    Sampler(76, "rayleigh", rayleigh, lambda x, p: 3 * (1 + (1 - depth(x)) ** 2) / (16 * pi), project=to_unit_sphere),
     Sampler(68, "zonal_window", lambda u, p: from_height((1 - u[0]) * p["z0"] + u[0] * p["z1"], (p["p"] + p["d"] * u[1]) / (2 * pi)),
             lambda x, p: 1 / ((p["z1"] - p["z0"]) * p["d"]), lambda x, p: p["z0"] <= x[2] <= p["z1"], to_unit_sphere),
     Sampler(65, "cone", lambda u, p: from_depth(p["m"] * u[0], u[1]), lambda x, p: 1 / (2 * pi * p["m"]),
@@ -565,8 +634,7 @@ def ordered(u, p):
 
 def ordered_density(x, p):
     """Row 113."""
-    y, z = log(x[1] - x[0]), log(x[2] - x[1])
-    return logistic_density(x[0]) * logistic_density(y) * logistic_density(z) * exp(-y - z)
+    return logistic_density(x[0]) / ((1 + x[1] - x[0]) * (1 + x[2] - x[1])) ** 2
 
 
 def quaternion(u, p):
@@ -619,7 +687,84 @@ def onto_plane_density(x, p):
     return d[2] * abs(dot(d, unit(p["n"]))) / (pi * dot(d, d) ** 2)
 
 
+def centre(p):
+    """Row 98."""
+    return [mpf(0), mpf(0), p["d"]]
+
+
+def sphere_light(u, p):
+    """Row 98: the near one of the two points of the sphere in the direction."""
+    w = from_depth(p["m"] * u[0], u[1])
+    d, r = p["d"], p["r"]
+    return combine(((d * d - r * r) / (d * w[2] + sqrt(r * r - d * d * (w[0] ** 2 + w[1] ** 2))), w))
+
+
+def sphere_light_density(x, p):
+    """Row 98: the density of the cone times the cosine at the sphere over the squared distance."""
+    return abs(dot(x, sub(x, centre(p)))) / (2 * pi * p["m"] * p["r"] * norm(x) ** 3)
+
+
+def on_near_side(x, p):
+    """Row 98: in the cone, and before the horizon."""
+    return depth(unit(x)) <= p["m"] and dot(x, sub(x, centre(p))) <= 0
+
+
+def to_light(x, p):
+    """Row 98: the point of the sphere nearest to x."""
+    return combine((1, centre(p)), (p["r"], unit(sub(x, centre(p)))))
+
+
+def cosine_direction(u):
+    """Row 63."""
+    return on_circle(sqrt(u[0]), u[1]) + [sqrt(1 - u[0])]
+
+
+def chained_frames(u, p):
+    """Row 102: the frame turns z to the first direction about the axis that is orthogonal to both."""
+    n, w = cosine_direction(u[:2]), cosine_direction(u[2:])
+    along = (w[0] * n[0] + w[1] * n[1]) / (1 + n[2])
+    return n + [w[0] + (w[2] - along) * n[0], w[1] + (w[2] - along) * n[1], w[2] * n[2] - w[0] * n[0] - w[1] * n[1]]
+
+
+def scattering_vertex(u, p):
+    """Row 106."""
+    t = -log1p(u[0] * expm1(-p["s"] * p["d"])) / p["s"]
+    return combine((1, p["o"]), (t, henyey_greenstein(u[1:], p)))
+
+
+def scattering_vertex_density(x, p):
+    """Row 106."""
+    d = sub(x, p["o"])
+    t = norm(d)
+    return p["s"] * exp(-p["s"] * t) / -expm1(-p["s"] * p["d"]) * henyey_greenstein_density(unit(d), p) / t**2
+
+
+def stick_breaking(u, p):
+    """Row 111: three breaks, the k-th of logit(u) - log(4 - k)."""
+    x, rest = [], mpf(1)
+    for k, t in zip((3, 2, 1), u):
+        x.append(rest * t / (t + k * (1 - t)))
+        rest *= k * (1 - t) / (t + k * (1 - t))
+    return x + [rest]
+
+
+def stick_breaking_density(x, p):
+    """Row 111."""
+    density = mpf(1) / 2
+    for i, k in enumerate((3, 2, 1)):
+        rest = sum(x[i:])
+        density *= k / (rest * (1 + (k - 1) * x[i] / rest) ** 2)
+    return density
+
+
 SPACE = [
+    Sampler(98, "sphere_light", sphere_light, sphere_light_density, on_near_side, to_light),
+    Sampler(102, "chained_frames", chained_frames, lambda x, p: x[2] * dot(x[:3], x[3:]) / pi**2,
+            lambda x, p: x[2] >= 0 and dot(x[:3], x[3:]) >= 0, lambda x, p: unit(x[:3]) + unit(x[3:])),
+    Sampler(106, "scattering_vertex", scattering_vertex, scattering_vertex_density,
+            lambda x, p: norm(sub(x, p["o"])) <= p["d"]),
+    Sampler(111, "stick_breaking", stick_breaking, stick_breaking_density, lambda x, p: min(x) >= 0,
+            lambda x, p: [t - (sum(x) - 1) / 4 for t in x]),
     Sampler(40, "helix", helix, lambda x, p: 1 / (p["T"] * sqrt(p["r"] ** 2 + p["c"] ** 2)),
             lambda x, p: 0 <= x[2] <= p["c"] * p["T"], lambda x, p: helix([x[2] / (p["c"] * p["T"])], p)),
     Sampler(95, "truncated_cone", truncated_cone,
@@ -673,9 +818,27 @@ DISTANT = {"o": [1e6, 1e6, 0.0], "p0": [1e6, 1e6, 2.0], "n": [0.2, -0.1, 1.0]}
 NEAR = {"o": [0.0, 0.0, 0.0], "p0": [0.0, 0.0, 1e-6], "n": [0.0, 0.0, 1.0]}
 WINDOW = {"z0": -0.2, "z1": 0.7, "p": 2.5, "d": 1.4}
 FRUSTUM = {"r0": 1.0, "r1": 0.25, "h": 2.0}
+WEIGHTS = {"w00": 1.0, "w10": 3.0, "w01": 5.0, "w11": 7.0}
+CORNER = {"w00": 0.0, "w10": 0.0, "w01": 0.0, "w11": 1.0}
+BULB = {"m": 0.2 - 2.0**-40, "d": 1.25, "r": 0.75}
+HAZE = {"o": [0.0, 0.0, 0.0], "s": 0.8, "d": 2.0, "g": 0.6}
+FOG = {"o": [1.0, 2.0, -0.5], "s": 3.0, "d": 10.0, "g": 0.3}
 COIL = {"r": 1.5, "c": 0.2, "T": 20.0}
 
 POINTS = {
+    "cubic": over({}, INNER + ENDS + [[0.1], [0.9], [0.25], [0.75], [0.25 + 2.0**-20]]),
+    "elliptical_grid": over({}, [[1 - 2.0**-20, 1 - 2.0**-20], [0.5 + 2.0**-30, 0.7]] + PAIRS + [[0.5, 0.5], [0.001, 0.999]]),
+    "bilinear_density": over(WEIGHTS, PAIRS) + over(CORNER, [[1e-12, 1e-12], [0.3, 0.6]])
+    + over({"w00": 1.0, "w10": 1.0, "w01": 1.0, "w11": 1.0}, PAIRS[:2]) + over({"w00": 1.0, "w10": 0.0, "w01": 0.0, "w11": 1.0}, PAIRS[:2]),
+    "complex_square_xy": over({}, PAIRS[:-1]),
+    "rayleigh": over({}, [[1e-18, 0.1]] + PAIRS + [[0.5, 0.1], [0.01, 0.7], [1e-300, 0.4]]),
+    "sphere_light": [({"m": 5e-19, "d": 1e6, "r": 1e-3}, [0.3, 0.6]), ({"m": 0.998, "d": 1.000001, "r": 1.0}, [0.5, 0.6])] + over(BULB, PAIRS)
+    + [({"m": 0.05, "d": 2.0, "r": 1.0}, [0.3, 0.6])],
+    "chained_frames": over({}, [[0.3, 0.6, 0.2, 0.9], [0.7183098861837907, 0.15915494309189535, 0.4, 0.3], [TINY, 0.3, 0.9, 0.6], [0.9, 0.6, TINY, 0.1],
+                                [BELOW_ONE, 0.25, 0.6, 0.1], [0.3, 0.6, BELOW_ONE, 0.7], [0.5, 0.0, 0.5, 0.0], [0.0, 0.3, 0.2, 0.4], [0.2, 0.4, 0.0, 0.3]]),
+    "scattering_vertex": [({"o": [1e6, 0.0, 0.0], "s": 0.8, "d": 1e-3, "g": 0.9}, [0.5, 0.3, 0.6])] + over(HAZE, TRIPLES)
+    + over(FOG, TRIPLES[:2] + TRIPLES[3:]),
+    "stick_breaking": over({}, [[1e-12, 0.5, BELOW_ONE]] + TRIPLES + [[0.0, 0.3, 0.6], [0.5, 0.0, 0.5]]),
     "pentagon": over({}, PAIRS[:3] + [[0.7, 0.25], [0.7, 0.5], [0.3, BELOW_ONE]]),
     "zonal_window": [({"z0": 1 - 2.0**-40, "z1": 1.0, "p": 0.0, "d": 1.0}, [0.5, 0.5])] + over(WINDOW, PAIRS[:5]),
     "helix": [({"r": 1e6, "c": 1e-3, "T": 20.0}, [0.5])] + over(COIL, INNER + ENDS),
@@ -760,6 +923,18 @@ def given(params, queries):
 
 
 QUERIES = {
+    "cubic": outside({}, [-0.01], [0.07], [NAN]) + inside({}, [0.03125], [0.001], [0.0624]),
+    "elliptical_grid": outside({}, [0.8, 0.8], [-2.0, 0.0], [NAN, 0.0]) + inside({}, [0.0, 0.0], [0.5, 0.5], [-0.5, 0.5], [0.0, -0.9]),
+    "bilinear_density": outside(WEIGHTS, [-0.1, 0.5], [0.5, 1.1], [NAN, 0.5]) + inside(WEIGHTS, [0.0, 0.0], [0.25, 0.75]),
+    "complex_square_xy": outside({}, [1.5, 0.0], [-0.9, 0.9], [NAN, 0.0]) + inside({}, [0.5, 0.0], [0.0, -0.25], [-0.5, 0.0]),
+    "rayleigh": inside({}, NORTH, [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [1.0, 0.0, 0.0]) + outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),
+    "sphere_light": outside(BULB, [0.0, 0.0, 2.0], [0.0, 0.0, 0.6], [0.75, 0.0, 1.25], [0.45, 0.0, 1.85], [NAN, 0.0, 0.5]) + inside(BULB, [0.0, 0.0, 0.5]),
+    "chained_frames": outside({}, [0.0, 0.6, -0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.1, 0.0, 0.0, 1.0], [0.0, 0.6, 0.8, 0.0, 0.6, 0.1],
+                              [NAN, 0.0, 1.0, 0.0, 0.0, 1.0])
+    + inside({}, [0.0, 0.6, 0.8, 0.0, 0.0, 1.0], [0.6, 0.0, 0.8, 0.8, 0.0, 0.6], [0.6, 0.0, 0.8, 0.96, 0.0, -0.28]),
+    "scattering_vertex": outside(HAZE, [2.5, 0.0, 0.0], [0.0, 0.0, -2.25], [NAN, 0.0, 0.0]) + inside(HAZE, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.5, -0.25, 0.25]),
+    "stick_breaking": outside({}, [0.5, 0.5, 0.5, 0.5], [0.5, 0.75, -0.25, 0.0], [0.25, 0.25, 0.25, 0.3])
+    + inside({}, [0.25, 0.25, 0.25, 0.25], [0.5, 0.125, 0.125, 0.25], [0.0, 0.5, 0.25, 0.25]),
     "pentagon": outside({}, [1.0, 0.1], [-0.9, 0.0], [0.0, 1.0]) + inside({}, [0.1, 0.2], [-0.8, 0.0], [0.0, 0.0]),
     "zonal_window": outside(WINDOW, [0.6, 0.0, 0.8], [0.6, 0.8, 0.0], [0.0, -1.0, 0.0]) + inside(WINDOW, [-1.0, 0.0, 0.0], [-0.8, 0.0, 0.6]),
     "helix": outside(COIL, [1.5, 0.0, 0.1], [0.0, 0.0, 1.0], [1.5, 0.0, 5.0]) + inside(COIL, [1.5, 0.0, 0.0]),
@@ -810,8 +985,11 @@ QUERIES = {
 }
 
 
-def with_poles(s):
-    """The sampler with an infinite density where the closed form divides by zero."""
+def cleaned(s):
+    """The sampler with exact zeros, and an infinite density where the closed form divides by zero."""
+
+    def sample(u, p):
+        return [t if abs(t) > NOISE else mpf(0) for t in s.sample(u, p)]
 
     def density(x, p):
         try:
@@ -819,17 +997,19 @@ def with_poles(s):
         except ZeroDivisionError:
             return inf
 
-    return s._replace(density=density)
+    return s._replace(sample=sample, density=density)
 
 
 def main():
     """Computes all entries and writes the file, one entry per line."""
     entries = []
-    for s in map(with_poles, LINE + PLANE + DIRECTIONS + SPACE):
+    for s in map(cleaned, LINE + PLANE + DIRECTIONS + SPACE):
         for params, u in POINTS[s.name]:
             found = entry_for(s, params, u, F64)
             if found is None:
                 raise SystemExit(f"row {s.row}: {params}, {u} is outside the domain")
+            if "nan" in found.values():
+                raise SystemExit(f"row {s.row}: {params}, {u} has no density")
             entries.append({"row": s.row, "name": s.name, "kind": "point"} | found)
         entries += [query_for(s, params, x, good) for params, x, good in QUERIES[s.name]]
     lines = ",\n".join(json.dumps(e, allow_nan=False) for e in entries)

@@ -142,15 +142,20 @@ mod double_precision {
         row_33_cosine: cosine();
         row_34_folds: parabola(), square(), fold();
         row_35_sawtooth: sawtooth();
+        row_36_cubic: cubic();
         row_43_concentric_disk: concentric_disk();
+        row_46_elliptical_grid: elliptical_grid();
         row_44_annular_sector: right(annular_sector(1.0, 2.0, 2.5, 3.0));
         row_50_bivariate_normal: right(bivariate_normal(1.5, -0.75, 0.5));
         row_51_ggx_slopes: right(ggx_slopes(0.25));
+        row_53_bilinear_density: right(bilinear_density(1.0, 3.0, 5.0, 7.0)), right(bilinear_density(1.0, 1.0, 1.0, 1.0));
         row_56_complex_square: complex_square();
+        row_56_complex_square_xy: complex_square_xy();
         row_65_cone: right(cone(0.125)), right(cone(2.0));
         row_66_concentric_hemisphere: concentric_hemisphere();
         row_74_von_mises_fisher: right(von_mises_fisher(10.0)), right(von_mises_fisher(0.01));
         row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
+        row_76_rayleigh: rayleigh();
         row_77_transformed_cosine: transformed_cosine(matrix());
         row_81_beckmann: right(beckmann(0.25));
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
@@ -170,6 +175,10 @@ mod double_precision {
         row_52_pentagon: pentagon();
         row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
         row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
+        row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
+        row_102_chained_frames: chained_frames();
+        row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
+        row_111_stick_breaking: stick_breaking();
         row_117_affine_coupling: affine_coupling(0.875, 0.5);
     }
 }
@@ -186,12 +195,16 @@ mod single_precision {
         row_32_rational_quadratic: right(rational_quadratic(1.5, 2.5, 0.5));
         row_35_sawtooth: sawtooth();
         row_43_concentric_disk: concentric_disk();
+        row_46_elliptical_grid: elliptical_grid();
         row_50_bivariate_normal: right(bivariate_normal(1.5, -0.75, 0.5));
         row_51_ggx_slopes: right(ggx_slopes(0.25));
+        row_53_bilinear_density: right(bilinear_density(1.0, 3.0, 5.0, 7.0)), right(bilinear_density(1.0, 1.0, 1.0, 1.0));
         row_56_complex_square: complex_square();
+        row_56_complex_square_xy: complex_square_xy();
         row_65_cone: right(cone(0.125)), right(cone(2.0));
         row_66_concentric_hemisphere: concentric_hemisphere();
         row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
+        row_76_rayleigh: rayleigh();
         row_77_transformed_cosine: transformed_cosine(matrix());
         row_81_beckmann: right(beckmann(0.25));
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
@@ -211,6 +224,10 @@ mod single_precision {
         row_52_pentagon: pentagon();
         row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
         row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
+        row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
+        row_102_chained_frames: chained_frames();
+        row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
+        row_111_stick_breaking: stick_breaking();
         row_117_affine_coupling: affine_coupling(0.875, 0.5);
     }
 }

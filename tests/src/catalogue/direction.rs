@@ -136,3 +136,14 @@ pub fn zonal_window(u: [Uniform; 2], z0: f64, z1: f64, p: f64, d: f64) -> Direct
     let phi = p + d * u[1];
     Direction::new(r * phi.cos(), r * phi.sin(), z)
 }
+
+/// Row 76: Rayleigh's phase function about +z.
+#[sampler]
+pub fn rayleigh(u: [Uniform; 2]) -> Direction {
+    let b = 4.0 * u[0] - 2.0;
+    let t = (b + (b * b + 1.0).sqrt()).cbrt();
+    let c = t - 1.0 / t;
+    let r = (1.0 - c * c).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}

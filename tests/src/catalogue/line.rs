@@ -71,3 +71,9 @@ pub fn fold(u: [Uniform; 1]) -> f64 {
 pub fn sawtooth(u: [Uniform; 1]) -> f64 {
     (3.0 * u[0]).fract()
 }
+
+/// Row 36: a cubic that turns twice; three preimages.
+#[sampler]
+pub fn cubic(u: [Uniform; 1]) -> f64 {
+    u[0].powi(3) - 1.5 * u[0].powi(2) + 0.5625 * u[0]
+}

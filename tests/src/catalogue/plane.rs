@@ -80,3 +80,29 @@ pub fn pentagon(u: [Uniform; 2]) -> Vec2 {
     let r = u[0].sqrt();
     Vec2::new(r * ((1.0 - t) * a.cos() + t * b.cos()), r * ((1.0 - t) * a.sin() + t * b.sin()))
 }
+
+/// Row 46: a disk, by the elliptical grid.
+#[sampler]
+pub fn elliptical_grid(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    Vec2::new(a * (1.0 - b * b / 2.0).sqrt(), b * (1.0 - a * a / 2.0).sqrt())
+}
+
+/// Row 53: density proportional to the bilinear interpolation of four corners.
+#[sampler(w00 in 0.0.., w10 in 0.0.., w01 in 0.0.., w11 in 0.0..)]
+pub fn bilinear_density(u: [Uniform; 2], w00: f64, w10: f64, w01: f64, w11: f64) -> Vec2 {
+    let (a, b) = (w00 + w10, w01 + w11);
+    let y = u[1] * (a + b) / (a + ((1.0 - u[1]) * a * a + u[1] * b * b).sqrt());
+    let (c, d) = ((1.0 - y) * w00 + y * w01, (1.0 - y) * w10 + y * w11);
+    let x = u[0] * (c + d) / (c + ((1.0 - u[0]) * c * c + u[0] * d * d).sqrt());
+    Vec2::new(x, y)
+}
+
+/// Row 56: the complex square of a uniform disk, in Cartesian coordinates; two preimages.
+#[sampler]
+pub fn complex_square_xy(u: [Uniform; 2]) -> Vec2 {
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let (x, y) = (r * phi.cos(), r * phi.sin());
+    Vec2::new(x * x - y * y, 2.0 * x * y)
+}

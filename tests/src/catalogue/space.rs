@@ -124,3 +124,54 @@ pub fn onto_plane(u: [Uniform; 2], o: Vec3, p0: Vec3, n: Vec3) -> Option<Surface
     let t = n.dot(p0 - o) / n.dot(w);
     if t > 0.0 { Some(Surface::from_vec(o + t * w)) } else { None }
 }
+
+/// Row 98: the near side of a sphere light with radius r at the distance d on the z axis, seen from the
+/// origin in a cone with 1 - cos up to m. The cone must not be wider than the sphere.
+#[sampler(m in 1e-30..=1.0, d in 1e-9.., r in 1e-9.., where r < d)]
+pub fn sphere_light(u: [Uniform; 2], m: f64, d: f64, r: f64) -> Surface {
+    let h = m * u[0];
+    let s = (h * (2.0 - h)).sqrt();
+    let phi = TAU * u[1];
+    let z = 1.0 - h;
+    let b = d * z;
+    let t = (d * d - r * r) / (b + (r * r - d * d * s * s).sqrt());
+    Surface::new(t * s * phi.cos(), t * s * phi.sin(), t * z)
+}
+
+/// Row 106: a scattering vertex, a free flight of at most d from o in a Henyey-Greenstein direction.
+#[sampler(s in 1e-3.., d in 1e-3.., g in 0.001..=0.999)]
+pub fn scattering_vertex(u: [Uniform; 3], o: Vec3, s: f64, d: f64, g: f64) -> Vec3 {
+    let t = -(u[0] * (-s * d).exp_m1()).ln_1p() / s;
+    let f = (1.0 - g * g) / (1.0 - g + 2.0 * g * u[1]);
+    let c = (1.0 + g * g - f * f) / (2.0 * g);
+    let r = (1.0 - c * c).sqrt();
+    let phi = TAU * u[2];
+    o + t * Vec3::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+/// Row 111: a stick broken into four parts, which add up to 1.
+#[sampler]
+pub fn stick_breaking(u: [Uniform; 3]) -> Embedded<3, 4> {
+    let z1 = 1.0 / (1.0 + 3.0 * (1.0 - u[0]) / u[0]);
+    let z2 = 1.0 / (1.0 + 2.0 * (1.0 - u[1]) / u[1]);
+    let z3 = u[2];
+    let x1 = z1;
+    let x2 = z2 * (1.0 - z1);
+    let x3 = z3 * (1.0 - z1) * (1.0 - z2);
+    Embedded([x1, x2, x3, (1.0 - z1) * (1.0 - z2) * (1.0 - z3)])
+}
+
+/// Row 102: a cosine-distributed direction about +z, and a second one about the first, in the frame that
+/// turns +z to it the shortest way.
+#[sampler]
+pub fn chained_frames(u: [Uniform; 4]) -> (Direction, Direction) {
+    let (r, phi) = (u[0].sqrt(), TAU * u[1]);
+    let (x, y, z) = (r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt());
+    let k = 1.0 / (1.0 + z);
+    let (s, psi) = (u[2].sqrt(), TAU * u[3]);
+    let (a, b, c) = (s * psi.cos(), s * psi.sin(), (1.0 - u[2]).sqrt());
+    let first = Vec3::new(x, y, z);
+    let right = Vec3::new(1.0 - x * x * k, -x * y * k, -x);
+    let up = Vec3::new(-x * y * k, 1.0 - y * y * k, -y);
+    (Direction::from_vec(first), Direction::from_vec(a * right + b * up + c * first))
+}

@@ -9,7 +9,7 @@ use crate::reference::Inputs;
 /// Visits the sampler that an entry is about, by its name.
 pub(super) fn visit<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
     match entry.row {
-        0..=35 => line(entry, visitor),
+        0..=36 => line(entry, visitor),
         43..=46 | 50..=56 | 116..=117 => plane(entry, visitor),
         65..=77 | 81..=92 | 99 => direction(entry, visitor),
         _ => space(entry, visitor),
@@ -36,6 +36,7 @@ fn line<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
         "parabola" => visitor.visit(parabola()),
         "square" => visitor.visit(square()),
         "fold" => visitor.visit(fold()),
+        "cubic" => visitor.visit(cubic()),
         "sawtooth" => visitor.visit(sawtooth()),
         _ => unknown(entry),
     }
@@ -53,6 +54,12 @@ fn plane<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
             let (a, b) = (corner("ax", "ay"), corner("bx", "by"));
             visitor.visit(bilinear_quad(a, b, corner("cx", "cy"), corner("dx", "dy")))
         }
+        "elliptical_grid" => visitor.visit(elliptical_grid()),
+        "bilinear_density" => {
+            let sampler = bilinear_density(p("w00"), p("w10"), p("w01"), p("w11"));
+            visitor.visit(right(sampler))
+        }
+        "complex_square_xy" => visitor.visit(complex_square_xy()),
         "complex_square" => visitor.visit(complex_square()),
         "radial_flow" => visitor.visit(right(radial_flow(p("alpha"), p("beta")))),
         "pentagon" => visitor.visit(pentagon()),
@@ -70,6 +77,7 @@ fn direction<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output 
         "double_lune" => visitor.visit(right(double_lune(p("t")))),
         "von_mises_fisher" => visitor.visit(right(von_mises_fisher(p("kappa")))),
         "henyey_greenstein" => visitor.visit(right(henyey_greenstein(p("g")))),
+        "rayleigh" => visitor.visit(rayleigh()),
         "transformed_cosine" => {
             visitor.visit(transformed_cosine(Mat3::from_cols(v("a"), v("b"), v("c"))))
         }
@@ -99,6 +107,12 @@ fn space<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
         "helix" => visitor.visit(right(helix(p("r"), p("c"), p("T")))),
         "truncated_cone" => visitor.visit(right(truncated_cone(p("r0"), p("r1"), p("h")))),
         "onto_plane" => visitor.visit(onto_plane(v("o"), v("p0"), v("n"))),
+        "sphere_light" => visitor.visit(right(sphere_light(p("m"), p("d"), p("r")))),
+        "chained_frames" => visitor.visit(chained_frames()),
+        "scattering_vertex" => {
+            visitor.visit(right(scattering_vertex(v("o"), p("s"), p("d"), p("g"))))
+        }
+        "stick_breaking" => visitor.visit(stick_breaking()),
         "simplex" => visitor.visit(simplex()),
         "ordered" => visitor.visit(ordered()),
         "quaternion" => visitor.visit(quaternion()),

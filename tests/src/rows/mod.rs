@@ -50,6 +50,12 @@ where
     }
 }
 
+impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some((Direction::from_coordinates(&x[..3])?, Direction::from_coordinates(&x[3..])?))
+    }
+}
+
 /// Something to be done with a sampler of any space.
 pub trait Visitor<R: Scalar> {
     /// What comes out.
