@@ -4,7 +4,7 @@
 //! `reference/catalogue-mh.json`.
 
 mod direction;
-mod easy;
+pub mod easy;
 mod line;
 mod plane;
 mod space;

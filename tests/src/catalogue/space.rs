@@ -127,7 +127,7 @@ pub fn onto_plane(u: [Uniform; 2], o: Vec3, p0: Vec3, n: Vec3) -> Option<Surface
 
 /// Row 98: the near side of a sphere light with radius r at the distance d on the z axis, seen from the
 /// origin in a cone with 1 - cos up to m. The cone must not be wider than the sphere.
-#[sampler(m in 1e-30..=1.0, d in 1e-9.., r in 1e-9.., where r < d)]
+#[sampler(m in 1e-19..=1.0, d in 1e-9.., r in 1e-9.., where r < d)]
 pub fn sphere_light(u: [Uniform; 2], m: f64, d: f64, r: f64) -> Surface {
     let h = m * u[0];
     let s = (h * (2.0 - h)).sqrt();

@@ -14,7 +14,7 @@ use aether_core::prelude::*;
 use aether_core::{LaneMask, Lanes, Mask};
 use compare::{Exact, compare, condition_after};
 use samplers::*;
-use tests::catalogue::*;
+use tests::catalogue::easy::*;
 
 fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
     made.expect("the parameters are in their domain")
