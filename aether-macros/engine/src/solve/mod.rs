@@ -163,13 +163,6 @@ fn search(
         settle(g, &mut state);
         if unknowns.iter().all(|u| state.solution.unknowns.contains_key(u)) {
             finish(g, &mut state);
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "DONE {:#?} {:?}",
-                    state.solution.steps,
-                    state.solution.conditions.iter().map(|c| show(g, c.0)).collect::<Vec<_>>()
-                );
-            }
             done.push(state.solution);
             continue;
         }
@@ -177,12 +170,6 @@ fn search(
         if let Some(next) = polar::polar_pair(g, &state) {
             open.extend(next.into_iter().rev());
             continue;
-        }
-        if std::env::var("DBG").is_ok() {
-            eprintln!("STATE {:?}", state.solution.steps.last());
-            for e in &state.equations {
-                eprintln!("  {} = {} {}", show(g, e.known), show(g, e.rhs), e.modulo_turn);
-            }
         }
         let mut why = None;
         if let Some(next) = step(g, &state, frames, &mut why) {
