@@ -17,8 +17,7 @@ struct Group {
 
 /// The equations with sets of them taken apart; `None` if there is nothing to take apart.
 pub(super) fn decoupled(g: &mut Graph, state: &State) -> Option<State> {
-    let rows: Vec<(Q, Vec<(Q, Id)>)> =
-        state.equations.iter().map(|e| terms(g, e.rhs)).collect();
+    let rows: Vec<(Q, Vec<(Q, Id)>)> = state.equations.iter().map(|e| terms(g, e.rhs)).collect();
     let groups = groups(&rows)?;
     let mut next = state.clone();
     let mut found = false;
@@ -27,10 +26,8 @@ pub(super) fn decoupled(g: &mut Graph, state: &State) -> Option<State> {
         if members[0] != first || members.len() < 2 || own.len() != members.len() {
             continue;
         }
-        let matrix: Vec<Vec<Q>> = members
-            .iter()
-            .map(|&m| own.iter().map(|&k| groups[k].column[m]).collect())
-            .collect();
+        let matrix: Vec<Vec<Q>> =
+            members.iter().map(|&m| own.iter().map(|&k| groups[k].column[m]).collect()).collect();
         let Some(inverse) = inverse(&matrix) else { continue };
         for (i, row) in inverse.iter().enumerate() {
             let mut sum = Vec::new();
@@ -112,8 +109,11 @@ fn component(first: usize, groups: &[Group]) -> (Vec<usize>, Vec<usize>) {
 fn inverse(matrix: &[Vec<Q>]) -> Option<Vec<Vec<Q>>> {
     let n = matrix.len();
     let unit = |i: usize| (0..n).map(move |j| if i == j { Q::ONE } else { Q::ZERO });
-    let mut rows: Vec<Vec<Q>> =
-        matrix.iter().enumerate().map(|(i, r)| r.iter().copied().chain(unit(i)).collect()).collect();
+    let mut rows: Vec<Vec<Q>> = matrix
+        .iter()
+        .enumerate()
+        .map(|(i, r)| r.iter().copied().chain(unit(i)).collect())
+        .collect();
     for column in 0..n {
         let pivot = (column..n).find(|&i| !rows[i][column].is_zero())?;
         rows.swap(column, pivot);

@@ -7,6 +7,8 @@ use crate::samplers::Spelling;
 
 /// Points that are compared, each with parameters of its own.
 const POINTS: usize = 20;
+/// So many of them have to exist, where the map is not defined everywhere.
+const ENOUGH: usize = 5;
 /// Allowed difference of images, relative to their size.
 const IMAGES: f64 = 1e-12;
 /// Allowed relative difference of densities.
@@ -20,15 +22,25 @@ const BORDER: f64 = 0.02;
 pub fn difference(plain: &Item, other: &Item, spelling: &Spelling) -> Option<String> {
     let problem = &plain.parsed.pieces[0].problem;
     let mut rng = Rng::new(0x5be1);
-    (0..POINTS).find_map(|_| {
+    let mut compared = 0;
+    let found = (0..POINTS).find_map(|_| {
         let p = parameters(&mut rng, &problem.kinds);
         let u: Vec<f64> = problem
             .unknowns
             .iter()
             .map(|_| BORDER + (1.0 - 2.0 * BORDER) * rng.uniform())
             .collect();
+        compared += usize::from(image(plain, &p, &u).is_some());
         at(plain, other, spelling, &p, &u).map(|what| format!("parameters {p:?}, u {u:?}: {what}"))
-    })
+    });
+    let few =
+        || (compared < ENOUGH).then(|| format!("there are points at {compared} uniforms only"));
+    found.or_else(few)
+}
+
+/// The image of uniforms: where a formula has no value there is no point.
+fn image(item: &Item, p: &[f64], u: &[f64]) -> Option<Vec<f64>> {
+    item.forward(p, u).filter(|x| !x.iter().any(|x| x.is_nan()))
 }
 
 fn at(plain: &Item, other: &Item, spelling: &Spelling, p: &[f64], u: &[f64]) -> Option<String> {
@@ -37,9 +49,7 @@ fn at(plain: &Item, other: &Item, spelling: &Spelling, p: &[f64], u: &[f64]) -> 
         (spelling.uniforms)(&mut u);
         u
     };
-    // Where a formula has no value there is no point.
-    let image = |item: &Item, u: &[f64]| item.forward(p, u).filter(|x| !x.iter().any(|x| x.is_nan()));
-    let (x, y) = match (image(plain, u), image(other, &changed(u))) {
+    let (x, y) = match (image(plain, p, u), image(other, p, &changed(u))) {
         (None, None) => return None,
         (Some(x), Some(y)) => (x, y),
         (x, y) => return Some(format!("the image is {y:?}, that of the original {x:?}")),

@@ -54,8 +54,11 @@ fn transformed(
     if maps.iter().all(Option::is_none) {
         return None;
     }
-    let maps: Vec<Affine> =
-        maps.into_iter().zip(&parts).map(|(m, s)| m.unwrap_or_else(|| Affine::identity(s))).collect();
+    let maps: Vec<Affine> = maps
+        .into_iter()
+        .zip(&parts)
+        .map(|(m, s)| m.unwrap_or_else(|| Affine::identity(s)))
+        .collect();
     let point = |e: &Expr| match e {
         Expr::Tuple(t) => {
             let part = |((e, s), m): ((&Expr, &Space), &Affine)| moved(e, s, m);

@@ -74,8 +74,11 @@ impl Spelling {
 /// x → matrix · x + shift, and by how much it stretches the measure of the space.
 #[derive(Clone)]
 pub struct Affine {
+    /// The matrix.
     pub rows: Vec<Vec<f64>>,
+    /// What is added.
     pub shift: Vec<f64>,
+    /// The measure of an image over that of the original.
     pub stretch: f64,
 }
 
