@@ -139,7 +139,8 @@ impl Body<'_> {
         if let Some(name) = unknown.found.first().cloned() {
             return self.error(&name, format!("`{name}` is no parameter, and a relation is between the parameters of the function: add it to them, or write its value"));
         }
-        let difference = self.difference(b)?;
+        let (larger, smaller) = self.operands(b)?;
+        let difference = self.graph.sub(larger, smaller);
         if self.graph.has(difference, UNKNOWNS) {
             return self.error(b, "a relation is between parameters: this one depends on what is sampled; write it as a branch of the body");
         }
@@ -148,12 +149,17 @@ impl Body<'_> {
     }
 
     fn comparison(&mut self, b: &ExprBinary, strict: bool) -> Option<Value> {
-        let difference = self.difference(b)?;
-        Some(Value::Bool(self.decide(difference, strict)))
+        let (larger, smaller) = self.operands(b)?;
+        let difference = self.graph.sub(larger, smaller);
+        let holds = self.decide(difference, strict);
+        // The difference may no longer show what was compared.
+        let (larger, smaller) = if holds { (larger, smaller) } else { (smaller, larger) };
+        assume_order(&mut self.graph, larger, smaller);
+        Some(Value::Bool(holds))
     }
 
-    /// What is positive if the comparison holds.
-    fn difference(&mut self, b: &ExprBinary) -> Option<Id> {
+    /// What is larger and what is smaller if the comparison holds.
+    fn operands(&mut self, b: &ExprBinary) -> Option<(Id, Id)> {
         // Inside a comparison the size of a number is a number like any other.
         let outer = std::mem::replace(&mut self.comparing, true);
         let (left, right) = (self.expr(&b.left), self.expr(&b.right));
@@ -171,10 +177,9 @@ impl Body<'_> {
                 );
             }
         };
-        let g = &mut self.graph;
         Some(match b.op {
-            BinOp::Lt(_) | BinOp::Le(_) => g.sub(right, left),
-            _ => g.sub(left, right),
+            BinOp::Lt(_) | BinOp::Le(_) => (right, left),
+            _ => (left, right),
         })
     }
 
@@ -331,15 +336,28 @@ fn assume_nonnegative(g: &mut Graph, difference: Id) {
     let below: Vec<(Q, Id)> = below.into_iter().map(|(q, t)| (q.neg(), t)).collect();
     let (up, down) = if c.is_negative() { (Q::ZERO, c.neg()) } else { (c, Q::ZERO) };
     let (larger, smaller) = (g.sum(up, &above), g.sum(down, &below));
-    // From X - Y >= 0 with X, Y >= 0: Y / X is at most one; from |x| >= |y|: y / x is within one.
+    assume_order(g, larger, smaller);
+}
+
+/// From X >= Y >= 0: Y / X is at most one; from |x| >= |y|: y / x is within one.
+fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
+    let zero = g.int(0);
+    if larger == zero || smaller == zero {
+        return;
+    }
+    if !(g.range(larger).nonnegative() && g.range(smaller).nonnegative()) {
+        return;
+    }
     let plain = |g: &Graph, id: Id| match g.node(id) {
         Node::Call(Fun::Abs, args) => (args[0], true),
         _ => (id, false),
     };
     let ((x, signed_x), (y, signed_y)) = (plain(g, larger), plain(g, smaller));
-    if !(g.range(larger).nonnegative() && g.range(smaller).nonnegative()) {
-        return;
-    }
     let lowest = if signed_x || signed_y { -1.0 } else { 0.0 };
-    g.assume_quotient(y, x, Interval::new(lowest, 1.0));
+    // A sum and its negative are two expressions.
+    for (sign_x, sign_y) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
+        let signed = |g: &mut Graph, sign, id| g.sum(Q::ZERO, &[(Q::int(sign), id)]);
+        let (x, y) = (signed(g, sign_x, x), signed(g, sign_y, y));
+        g.assume_quotient(y, x, Interval::new(lowest, 1.0).scale((sign_x * sign_y) as f64));
+    }
 }

@@ -75,7 +75,15 @@ fn weights(g: &mut Graph, a: Id, b: Id) -> Option<(Id, Id)> {
         return None;
     }
     let unknown = Leaf::Unknown(open.trailing_zeros() as u8);
-    let [da, db] = [a, b].map(|x| derivative(g, x, unknown));
+    let mut slope = |x| {
+        let slope = derivative(g, x, unknown);
+        Expander::new(g).normal_form(slope)
+    };
+    let (da, db) = (slope(a)?, slope(b)?);
+    // What the unknown only seems to occur in says nothing of it.
+    if [da, db].iter().any(|d| g.as_number(*d).is_some_and(Q::is_zero)) {
+        return None;
+    }
     let ratio = g.div(db, da);
     let ratio = g.neg(ratio);
     let ratio = Expander::new(g).normal_form(ratio)?;

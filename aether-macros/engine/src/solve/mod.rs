@@ -8,6 +8,7 @@
 mod angles;
 mod circle;
 mod cubic;
+mod decouple;
 pub(crate) mod linear;
 mod logarithm;
 mod normalise;
@@ -87,6 +88,8 @@ pub(crate) struct State {
     next_unknown: u8,
     /// Expressions of the unknowns that are positive wherever there is a result.
     positive: Vec<Id>,
+    /// Right sides of equations by which an unknown was eliminated from the others.
+    eliminated: Vec<Id>,
     /// Whether roots without a closed form are wanted.
     numerical: bool,
     /// Whether one known coordinate of a normalised vector may give its length before all else.
@@ -117,12 +120,17 @@ pub fn solve(
         solution: Solution::default(),
         next_unknown: 16,
         positive: positive.to_vec(),
+        eliminated: vec![],
         numerical,
         lengths_first: false,
     };
     let again = State { lengths_first: true, ..first.clone() };
-    search(g, first, unknowns, frames)
-        .or_else(|stuck| search(g, again, unknowns, frames).map_err(|_| stuck))
+    let sheared = decouple::decoupled(g, &first);
+    search(g, first, unknowns, frames).or_else(|stuck| {
+        search(g, again, unknowns, frames)
+            .or_else(|_| search(g, sheared.ok_or(())?, unknowns, frames).map_err(|_| ()))
+            .map_err(|()| stuck)
+    })
 }
 
 /// Applies rules until every branch of the search has all unknowns.
@@ -155,13 +163,6 @@ fn search(
         settle(g, &mut state);
         if unknowns.iter().all(|u| state.solution.unknowns.contains_key(u)) {
             finish(g, &mut state);
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "DONE {:#?} {:?}",
-                    state.solution.steps,
-                    state.solution.conditions.iter().map(|c| show(g, c.0)).collect::<Vec<_>>()
-                );
-            }
             done.push(state.solution);
             continue;
         }
@@ -169,12 +170,6 @@ fn search(
         if let Some(next) = polar::polar_pair(g, &state) {
             open.extend(next.into_iter().rev());
             continue;
-        }
-        if std::env::var("DBG").is_ok() {
-            eprintln!("STATE {:?}", state.solution.steps.last());
-            for e in &state.equations {
-                eprintln!("  {} = {} {}", show(g, e.known), show(g, e.rhs), e.modulo_turn);
-            }
         }
         let mut why = None;
         if let Some(next) = step(g, &state, frames, &mut why) {

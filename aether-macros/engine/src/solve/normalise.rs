@@ -85,6 +85,12 @@ fn name_factor(
     if positive {
         s.solution.conditions.push(Condition(lambda));
     }
+    // An unknown that is in the factor alone is found from it: 1 = λ · factor.
+    let elsewhere = s.equations.iter().fold(0, |deps, e| deps | g.deps(e.rhs));
+    if g.deps(factor) & UNKNOWNS & !elsewhere != 0 {
+        let (known, rhs) = (g.int(1), g.mul(lambda, factor));
+        s.equations.push(Equation { known, rhs, modulo_turn: false });
+    }
     let inverse = g.powi(lambda, -1);
     s.solution.known.insert(factor, inverse);
     s.solution.steps.push(format!("common factor: 1/λ = {}", show(g, factor)));

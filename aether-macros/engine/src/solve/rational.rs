@@ -237,7 +237,8 @@ fn without_signs(g: &mut Graph, root: Id) -> Id {
 pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     for i in 0..state.equations.len() {
         let eq = state.equations[i].clone();
-        if eq.modulo_turn {
+        // What an equation gave another one holds already: doing it again leads round in circles.
+        if eq.modulo_turn || state.eliminated.contains(&eq.rhs) {
             continue;
         }
         for (leaf, atom) in isolatable(g, eq.known, eq.rhs) {
@@ -277,6 +278,7 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
             s.solution.steps.push(format!("elimination: {} = {}", show(g, atom), show(g, value)));
             // The eliminated equation comes last: it is solved once the others are.
             let last = s.equations.remove(i);
+            s.eliminated.push(last.rhs);
             s.equations.push(last);
             return Some(vec![s]);
         }

@@ -110,6 +110,9 @@ fn replace(
         s.solution.steps.push(format!("up to scale: {} = {}", show(g, scaled), show(g, value)));
     }
     let reciprocal = g.powi(inverse, -1);
+    for e in &mut s.equations {
+        e.rhs = g.substitute(e.rhs, &[(lambda, reciprocal)].into());
+    }
     s.solution.known.insert(lambda, reciprocal);
     Some(vec![s])
 }
