@@ -8,7 +8,8 @@ mod ratfun;
 
 use std::cmp::Ordering;
 
-use crate::expr::{Graph, Id};
+use crate::expr::{Deps, Graph, Id};
+use crate::hash::Map;
 use crate::rational::Q;
 
 pub use ratfun::{Expander, RatFun};
@@ -39,10 +40,30 @@ pub fn start_budget() {
 }
 
 /// Takes steps from the budget; `None` when it is used up.
-fn spend(steps: usize) -> Option<()> {
-    let left = BUDGET.get().checked_sub(steps as u64);
+fn spend(steps: u64) -> Option<()> {
+    let left = BUDGET.get().checked_sub(steps);
     BUDGET.set(left.unwrap_or(0));
     left.map(drop)
+}
+
+/// A result with the steps that it took. Whoever meets it again spends them again, so that the budget
+/// bounds the search and not only the arithmetic.
+type Taken<T> = (Option<T>, u64);
+
+/// The result of `work` and what it took, or nothing if the budget ended on the way.
+fn metered<T>(work: impl FnOnce() -> Option<T>) -> (Option<T>, Option<u64>) {
+    let before = BUDGET.get();
+    let result = work();
+    let left = BUDGET.get();
+    (result, (left > 0).then_some(before - left))
+}
+
+/// What expressions are as rational functions, without relations of the caller's: by expression and
+/// the inputs that sums are multiplied out for.
+#[derive(Default)]
+pub struct Known {
+    functions: Map<(Id, Deps), Taken<RatFun>>,
+    normal: Map<(Id, Deps), Taken<Id>>,
 }
 
 impl Poly {
@@ -80,7 +101,7 @@ impl Poly {
     }
     /// Sum.
     pub fn add(&self, o: &Poly) -> Option<Poly> {
-        spend(self.len() + o.len())?;
+        spend((self.len() + o.len()) as u64)?;
         let r = merge(self.0.clone(), o.0.clone())?;
         (r.len() <= MAX_TERMS).then_some(Poly(r))
     }
@@ -108,7 +129,7 @@ impl Poly {
     }
     /// Product, before any relation is applied.
     pub fn mul(&self, o: &Poly) -> Option<Poly> {
-        spend(self.len() * o.len())?;
+        spend((self.len() * o.len()) as u64)?;
         let mut r = Vec::new();
         for (m, q) in &self.0 {
             r = merge(r, o.times_term(m, *q)?.0)?;
@@ -134,7 +155,7 @@ impl Poly {
                 return (quotient.len() <= MAX_TERMS).then_some(Poly(quotient));
             };
             let (m, q) = (over(m, lead)?, q.mul(over_k)?);
-            spend(rest.len() + 2 * d.len() + quotient.len() + 1)?;
+            spend((rest.len() + 2 * d.len() + quotient.len() + 1) as u64)?;
             let taken = d.times_term(&m, q.neg())?;
             rest = Poly(merge(rest.0, taken.0)?);
             if rest.len() > MAX_TERMS {

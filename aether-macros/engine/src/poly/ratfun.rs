@@ -1,6 +1,6 @@
 //! Rational functions, and expressions as rational functions of their atoms.
 
-use super::{Poly, half};
+use super::{Poly, half, metered, spend};
 use crate::expr::{Deps, Fun, Graph, Id, Node};
 use crate::jacobian::cost;
 use crate::rational::Q;
@@ -47,9 +47,22 @@ impl<'a> Expander<'a> {
 
     /// The normal form of an expression, if it stays small.
     pub fn normal_form(&mut self, id: Id) -> Option<Id> {
-        let r = self.expand(id)?;
-        let r = self.cancel(r)?;
-        Some(self.to_expr(&r))
+        let key = (id, self.open);
+        if self.squares.is_empty()
+            && let Some(&(known, steps)) = self.graph.expanded.normal.get(&key)
+        {
+            spend(steps)?;
+            return known;
+        }
+        let (normal, steps) = metered(|| {
+            let r = self.expand(id)?;
+            let r = self.cancel(r)?;
+            Some(self.to_expr(&r))
+        });
+        if let (true, Some(steps)) = (self.squares.is_empty(), steps) {
+            self.graph.expanded.normal.insert(key, (normal, steps));
+        }
+        normal
     }
 
     /// The expression of a rational function.
@@ -63,6 +76,23 @@ impl<'a> Expander<'a> {
 
     /// Numerator and factored denominator.
     pub fn expand(&mut self, id: Id) -> Option<RatFun> {
+        let composed = matches!(self.graph.node(id), Node::Sum(..) | Node::Product(_));
+        if !composed || !self.squares.is_empty() {
+            return self.expand_node(id);
+        }
+        let key = (id, self.open);
+        if let Some((known, steps)) = self.graph.expanded.functions.get(&key) {
+            spend(*steps)?;
+            return known.clone();
+        }
+        let (function, steps) = metered(|| self.expand_node(id));
+        if let Some(steps) = steps {
+            self.graph.expanded.functions.insert(key, (function.clone(), steps));
+        }
+        function
+    }
+
+    fn expand_node(&mut self, id: Id) -> Option<RatFun> {
         if self.open != Deps::MAX
             && !self.graph.has(id, self.open)
             && matches!(self.graph.node(id), Node::Sum(..))
