@@ -1,7 +1,7 @@
 //! Symbolic derivatives.
 
-use crate::hash::Map;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, leaf_bit};
+use crate::hash::Map;
 use crate::rational::Q;
 
 /// ∂ id / ∂ x.

@@ -218,11 +218,7 @@ impl Poly {
                 None => false,
             });
         }
-        let k = if self.0.iter().all(|(_, q)| q.abs() == k.abs()) {
-            *k
-        } else {
-            Q::ONE
-        };
+        let k = if self.0.iter().all(|(_, q)| q.abs() == k.abs()) { *k } else { Q::ONE };
         let rest = self
             .0
             .iter()

@@ -26,9 +26,8 @@ fn floor_before_another_comparison() {
 /// The second comparison of the same two numbers has one outcome.
 #[test]
 fn the_larger_and_the_smaller_uniform() {
-    let item = compile(
-        "fn sorted(u: [Uniform; 2]) -> Vec2 { Vec2::new(u[0].max(u[1]), u[0].min(u[1])) }",
-    );
+    let item =
+        compile("fn sorted(u: [Uniform; 2]) -> Vec2 { Vec2::new(u[0].max(u[1]), u[0].min(u[1])) }");
     assert_eq!(item.parsed.pieces.len(), 2);
     assert!((item.pdf(&[], &[0.7, 0.2]) - 2.0).abs() < 1e-12);
 }

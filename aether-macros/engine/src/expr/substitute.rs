@@ -13,12 +13,7 @@ impl Graph {
         self.substitute_memo(id, map, &mut memo)
     }
 
-    fn substitute_memo(
-        &mut self,
-        id: Id,
-        map: &BTreeMap<Id, Id>,
-        memo: &mut Map<Id, Id>,
-    ) -> Id {
+    fn substitute_memo(&mut self, id: Id, map: &BTreeMap<Id, Id>, memo: &mut Map<Id, Id>) -> Id {
         if let Some(&r) = map.get(&id) {
             return r;
         }
