@@ -35,7 +35,7 @@ impl Hasher for Quick {
         self.write_u64(u64::from(x));
     }
     fn write_u64(&mut self, x: u64) {
-        self.0 = (((self.0 << 23) | (self.0 >> 41)) ^ x).wrapping_mul(FACTOR);
+        self.0 = (self.0.rotate_left(23) ^ x).wrapping_mul(FACTOR);
     }
     fn write_u128(&mut self, x: u128) {
         self.write_u64(x as u64);
