@@ -1,16 +1,15 @@
 //! Symbolic derivatives.
 
-use std::collections::HashMap;
-
 use crate::expr::{Fun, Graph, Id, Leaf, Node, leaf_bit};
+use crate::hash::Map;
 use crate::rational::Q;
 
 /// ∂ id / ∂ x.
 pub fn derivative(g: &mut Graph, id: Id, x: Leaf) -> Id {
-    derive(g, id, x, &mut HashMap::new())
+    derive(g, id, x, &mut Map::default())
 }
 
-fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut HashMap<Id, Id>) -> Id {
+fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
     if !g.has(id, leaf_bit(x)) {
         return g.int(0);
     }

@@ -1,21 +1,20 @@
 //! Numerical evaluation of expressions at any precision.
 
-use std::collections::HashMap;
-
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::hash::Map;
 use crate::number::Number;
 
 /// Evaluates several expressions that share their subexpressions.
 pub struct Evaluator<'a, T> {
     graph: &'a Graph,
     inputs: &'a dyn Fn(Leaf) -> T,
-    memo: HashMap<Id, T>,
+    memo: Map<Id, T>,
 }
 
 impl<'a, T: Number> Evaluator<'a, T> {
     /// An evaluator at the point given by `inputs`.
     pub fn new(graph: &'a Graph, inputs: &'a dyn Fn(Leaf) -> T) -> Self {
-        Evaluator { graph, inputs, memo: HashMap::new() }
+        Evaluator { graph, inputs, memo: Map::default() }
     }
 
     /// The value of an expression.

@@ -12,8 +12,9 @@ mod sum;
 
 pub use root::{BOUNDS, Root};
 
-use std::collections::HashMap;
+use std::cell::RefCell;
 
+use crate::hash::Map;
 use crate::interval::Interval;
 use crate::rational::Q;
 
@@ -127,12 +128,16 @@ pub struct Graph {
     nodes: Vec<Node>,
     ranges: Vec<Interval>,
     deps: Vec<Deps>,
-    index: HashMap<Node, Id>,
-    leaf_ranges: HashMap<Leaf, Interval>,
-    names: HashMap<Leaf, String>,
+    index: Map<Node, Id>,
+    leaf_ranges: Map<Leaf, Interval>,
+    names: Map<Leaf, String>,
     units: Vec<[Id; 3]>,
     /// Known ranges of quotients: numerator, denominator.
     quotients: Vec<(Id, Id, Interval)>,
+    /// What [`crate::poly`] made of expressions, as long as ranges stay what they are.
+    pub(crate) expanded: crate::poly::Known,
+    /// Work to evaluate expressions, by [`crate::jacobian::cost`].
+    pub(crate) costs: RefCell<Map<Id, usize>>,
 }
 
 impl Graph {
@@ -159,6 +164,7 @@ impl Graph {
     }
     /// Makes it known that an expression lies in `interval`, for it and all that contains it.
     pub fn assume(&mut self, id: Id, interval: Interval) {
+        self.expanded = Default::default();
         let first = id.0 as usize;
         self.ranges[first] = self.ranges[first].intersection(interval);
         for i in first + 1..self.nodes.len() {

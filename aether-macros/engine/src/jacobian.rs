@@ -1,7 +1,10 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
+use std::hash::BuildHasherDefault;
+
 use crate::derivative::derivative;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
+use crate::hash::Quick;
 use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::linear::{cross, determinant, dot};
@@ -199,7 +202,16 @@ pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
 
 /// A rough count of the work to evaluate an expression, shared parts counted once.
 pub fn cost(g: &Graph, id: Id) -> usize {
-    let mut seen = std::collections::HashSet::new();
+    if let Some(&known) = g.costs.borrow().get(&id) {
+        return known;
+    }
+    let total = counted(g, id);
+    g.costs.borrow_mut().insert(id, total);
+    total
+}
+
+fn counted(g: &Graph, id: Id) -> usize {
+    let mut seen = std::collections::HashSet::<Id, BuildHasherDefault<Quick>>::default();
     let mut open = vec![id];
     let mut total = 0;
     while let Some(id) = open.pop() {

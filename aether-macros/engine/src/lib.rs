@@ -25,6 +25,7 @@ pub mod eval;
 mod expand;
 pub mod expr;
 mod functions;
+mod hash;
 pub mod interpret;
 pub mod interval;
 pub mod jacobian;

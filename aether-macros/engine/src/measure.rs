@@ -1,15 +1,15 @@
 //! How accurate a form of an expression is: its values in double precision against double-double, at
 //! many points at once.
 
-use std::collections::HashMap;
 use std::rc::Rc;
 
 use crate::eval::node_value;
 use crate::expr::{Graph, Id, Leaf, children};
+use crate::hash::Map;
 use crate::number::{Dd, Number};
 
 /// An input assignment in double precision.
-pub type Inputs = HashMap<Leaf, f64>;
+pub type Inputs = Map<Leaf, f64>;
 
 /// How inaccurate a form is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,31 +54,52 @@ impl Measure {
         self.exact.values(g, id, &self.points).iter().map(|x| x.to_f64()).collect()
     }
 
-    /// How far a form is from the true values. Points whose truth is not finite are left out, and a
-    /// value that is no number is infinitely wrong.
+    /// How far a form is from the true values, over all points.
     pub fn loss(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Loss {
-        self.loss_where(g, form, truth, |_| true)
+        self.errors(g, form, truth).loss()
     }
 
-    /// The same over those of the points that `keep` says.
-    pub fn loss_where(
-        &mut self,
-        g: &Graph,
-        form: Id,
-        truth: &[f64],
-        keep: impl Fn(&Inputs) -> bool,
-    ) -> Loss {
+    /// How far a form is from the true values at each point.
+    pub fn errors(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Errors {
         let values = self.double.values(g, form, &self.points);
-        let (mut bits, mut worst, mut count) = (0.0, 0.0f64, 0);
-        for ((v, t), point) in values.iter().zip(truth).zip(&self.points) {
-            if !t.is_finite() || !keep(point) {
-                continue;
+        let error = |(v, t): (&f64, &f64)| {
+            if v == t && t.is_finite() {
+                return Some((0.0, 0.0));
             }
-            let e = if v == t { 0.0 } else { ((v - t) / t).abs() };
+            if !t.is_finite() {
+                return None;
+            }
+            let e = ((v - t) / t).abs();
             let e = if e.is_finite() { e } else { 1e300 };
-            bits += libm::log2(1.0 + e / f64::EPSILON);
-            worst = worst.max(e);
-            count += 1;
+            Some((e, libm::log2(1.0 + e / f64::EPSILON)))
+        };
+        Errors(values.iter().zip(truth).map(error).collect())
+    }
+}
+
+/// Relative errors of a form and the bits that they lose, one a point. Points whose truth is not finite
+/// are left out, and a value that is no number is infinitely wrong.
+pub struct Errors(Vec<Option<(f64, f64)>>);
+
+impl Errors {
+    /// Over all points.
+    pub fn loss(&self) -> Loss {
+        self.over(|_| true)
+    }
+
+    /// Over those of the points for which `kept` is `side`.
+    pub fn loss_where(&self, kept: &[bool], side: bool) -> Loss {
+        self.over(|k| kept[k] == side)
+    }
+
+    fn over(&self, keep: impl Fn(usize) -> bool) -> Loss {
+        let (mut bits, mut worst, mut count) = (0.0, 0.0f64, 0);
+        for (k, error) in self.0.iter().enumerate() {
+            if let (Some((e, lost)), true) = (error, keep(k)) {
+                bits += lost;
+                worst = worst.max(*e);
+                count += 1;
+            }
         }
         Loss { bits: bits / f64::from(count.max(1)), worst }
     }
@@ -86,12 +107,12 @@ impl Measure {
 
 /// Values by node, one a point.
 struct Table<T> {
-    known: HashMap<Id, Rc<[T]>>,
+    known: Map<Id, Rc<[T]>>,
 }
 
 impl<T: Number> Table<T> {
     fn new() -> Self {
-        Table { known: HashMap::new() }
+        Table { known: Map::default() }
     }
 
     fn values(&mut self, g: &Graph, id: Id, points: &[Inputs]) -> Rc<[T]> {

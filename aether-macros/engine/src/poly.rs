@@ -6,9 +6,10 @@
 
 mod ratfun;
 
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
 
-use crate::expr::{Graph, Id};
+use crate::expr::{Deps, Graph, Id};
+use crate::hash::Map;
 use crate::rational::Q;
 
 pub use ratfun::{Expander, RatFun};
@@ -16,9 +17,10 @@ pub use ratfun::{Expander, RatFun};
 /// A monomial: (atom, exponent) pairs, largest atom first; exponents positive.
 type Mono = Vec<(Id, u32)>;
 
-/// A polynomial with rational coefficients, by monomial in lexicographic order.
+/// A polynomial with rational coefficients: its terms by monomial in lexicographic order, each monomial
+/// once and no coefficient zero. Multiplying by a monomial keeps the order.
 #[derive(Clone, PartialEq, Debug, Default)]
-pub struct Poly(BTreeMap<Mono, Q>);
+pub struct Poly(Vec<(Mono, Q)>);
 
 /// Work limit: polynomials with more terms than this are given up.
 const MAX_TERMS: usize = 120;
@@ -38,24 +40,44 @@ pub fn start_budget() {
 }
 
 /// Takes steps from the budget; `None` when it is used up.
-fn spend(steps: usize) -> Option<()> {
-    let left = BUDGET.get().checked_sub(steps as u64);
+fn spend(steps: u64) -> Option<()> {
+    let left = BUDGET.get().checked_sub(steps);
     BUDGET.set(left.unwrap_or(0));
     left.map(drop)
 }
 
+/// A result with the steps that it took. Whoever meets it again spends them again, so that the budget
+/// bounds the search and not only the arithmetic.
+type Taken<T> = (Option<T>, u64);
+
+/// The result of `work` and what it took, or nothing if the budget ended on the way.
+fn metered<T>(work: impl FnOnce() -> Option<T>) -> (Option<T>, Option<u64>) {
+    let before = BUDGET.get();
+    let result = work();
+    let left = BUDGET.get();
+    (result, (left > 0).then_some(before - left))
+}
+
+/// What expressions are as rational functions, without relations of the caller's: by expression and
+/// the inputs that sums are multiplied out for.
+#[derive(Default)]
+pub struct Known {
+    functions: Map<(Id, Deps), Taken<RatFun>>,
+    normal: Map<(Id, Deps), Taken<Id>>,
+}
+
 impl Poly {
+    /// A single term.
+    fn term(m: Mono, q: Q) -> Poly {
+        if q.is_zero() { Poly::default() } else { Poly(vec![(m, q)]) }
+    }
     /// A constant.
     pub fn constant(q: Q) -> Poly {
-        let mut p = Poly::default();
-        if !q.is_zero() {
-            p.0.insert(Vec::new(), q);
-        }
-        p
+        Poly::term(Vec::new(), q)
     }
     /// A single atom.
     pub fn atom(a: Id) -> Poly {
-        Poly(BTreeMap::from([(vec![(a, 1)], Q::ONE)]))
+        Poly::term(vec![(a, 1)], Q::ONE)
     }
     /// Whether this is the zero polynomial.
     pub fn is_zero(&self) -> bool {
@@ -73,29 +95,33 @@ impl Poly {
     pub fn as_constant(&self) -> Option<Q> {
         match self.0.len() {
             0 => Some(Q::ZERO),
-            1 => self.0.get(&Vec::new()).copied(),
+            1 => self.0[0].0.is_empty().then_some(self.0[0].1),
             _ => None,
         }
     }
     /// Sum.
     pub fn add(&self, o: &Poly) -> Option<Poly> {
-        spend(self.len() + o.len())?;
-        let mut r = self.clone();
-        for (m, q) in &o.0 {
-            let e = r.0.entry(m.clone()).or_insert(Q::ZERO);
-            *e = e.add(*q)?;
-        }
-        r.0.retain(|_, q| !q.is_zero());
-        (r.len() <= MAX_TERMS).then_some(r)
+        spend((self.len() + o.len()) as u64)?;
+        let r = merge(self.0.clone(), o.0.clone())?;
+        (r.len() <= MAX_TERMS).then_some(Poly(r))
     }
     /// Multiple.
     pub fn scale(&self, k: Q) -> Option<Poly> {
-        let mut r = Poly::default();
-        for (m, q) in &self.0 {
-            r.0.insert(m.clone(), q.mul(k)?);
+        if k == Q::ONE {
+            return Some(self.clone());
         }
-        r.0.retain(|_, q| !q.is_zero());
-        Some(r)
+        self.times_term(&[], k)
+    }
+    /// Product with one term.
+    fn times_term(&self, m: &[(Id, u32)], k: Q) -> Option<Poly> {
+        if k.is_zero() {
+            return Some(Poly::default());
+        }
+        let mut r = Vec::with_capacity(self.len());
+        for (n, q) in &self.0 {
+            r.push((times(m, n), q.mul(k)?));
+        }
+        Some(Poly(r))
     }
     /// Difference.
     pub fn sub(&self, o: &Poly) -> Option<Poly> {
@@ -103,19 +129,15 @@ impl Poly {
     }
     /// Product, before any relation is applied.
     pub fn mul(&self, o: &Poly) -> Option<Poly> {
-        spend(self.len() * o.len())?;
-        let mut r = Poly::default();
+        spend((self.len() * o.len()) as u64)?;
+        let mut r = Vec::new();
         for (m, q) in &self.0 {
-            for (n, p) in &o.0 {
-                let e = r.0.entry(times(m, n)).or_insert(Q::ZERO);
-                *e = e.add(q.mul(*p)?)?;
-            }
+            r = merge(r, o.times_term(m, *q)?.0)?;
             if r.len() > 4 * MAX_TERMS {
                 return None;
             }
         }
-        r.0.retain(|_, q| !q.is_zero());
-        (r.len() <= MAX_TERMS).then_some(r)
+        (r.len() <= MAX_TERMS).then_some(Poly(r))
     }
     /// Power.
     pub fn powi(&self, n: u32) -> Option<Poly> {
@@ -123,29 +145,37 @@ impl Poly {
     }
     /// The quotient, if the division leaves no remainder.
     pub fn exact_div(&self, d: &Poly) -> Option<Poly> {
-        let (lead, k) = d.0.iter().next_back()?;
+        let (lead, k) = d.0.last()?;
+        let over_k = k.recip()?;
         let mut rest = self.clone();
-        let mut quotient = Poly::default();
+        let mut quotient = Vec::new();
         for _ in 0..4 * MAX_TERMS {
-            let Some((m, q)) = rest.0.iter().next_back() else { return Some(quotient) };
-            let t = Poly(BTreeMap::from([(over(m, lead)?, q.mul(k.recip()?)?)]));
-            rest = rest.sub(&t.mul(d)?)?;
-            quotient = quotient.add(&t)?;
+            let Some((m, q)) = rest.0.last() else {
+                quotient.reverse();
+                return (quotient.len() <= MAX_TERMS).then_some(Poly(quotient));
+            };
+            let (m, q) = (over(m, lead)?, q.mul(over_k)?);
+            spend((rest.len() + 2 * d.len() + quotient.len() + 1) as u64)?;
+            let taken = d.times_term(&m, q.neg())?;
+            rest = Poly(merge(rest.0, taken.0)?);
+            if rest.len() > MAX_TERMS {
+                return None;
+            }
+            // Leading terms only get smaller.
+            quotient.push((m, q));
         }
         None
     }
     /// The polynomial whose square this is, with a positive leading coefficient.
     pub fn sqrt(&self) -> Option<Poly> {
-        let (lead, k) = self.0.iter().next_back()?;
-        let half: Option<Mono> =
-            lead.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect();
-        let mut root = Poly(BTreeMap::from([(half?, k.sqrt()?)]));
+        let (lead, k) = self.0.last()?;
+        let mut root = Poly::term(half(lead)?, k.sqrt()?);
         let twice = root.scale(Q::int(2))?;
-        let (m2, k2) = twice.0.iter().next_back().map(|(m, q)| (m.clone(), *q))?;
+        let (m2, k2) = twice.0.last()?;
         for _ in 0..MAX_TERMS {
             let rest = self.sub(&root.mul(&root)?)?;
-            let Some((m, q)) = rest.0.iter().next_back() else { return Some(root) };
-            let t = Poly(BTreeMap::from([(over(m, &m2)?, q.mul(k2.recip()?)?)]));
+            let Some((m, q)) = rest.0.last() else { return Some(root) };
+            let t = Poly::term(over(m, m2)?, q.mul(k2.recip()?)?);
             root = root.add(&t)?;
         }
         None
@@ -159,37 +189,36 @@ impl Poly {
             if out.len() <= degree {
                 out.resize(degree + 1, Poly::default());
             }
-            out[degree] = out[degree].add(&Poly(BTreeMap::from([(rest, *q)])))?;
+            out[degree] = out[degree].add(&Poly::term(rest, *q))?;
         }
         Some(out)
     }
     /// The atoms that occur.
     pub fn atoms(&self) -> Vec<Id> {
-        let mut a: Vec<Id> = self.0.keys().flatten().map(|(a, _)| *a).collect();
+        let mut a: Vec<Id> = self.0.iter().flat_map(|(m, _)| m).map(|(a, _)| *a).collect();
         a.sort();
         a.dedup();
         a
     }
     /// Splits off the largest monomial and rational content that divide every term.
     fn content(&self) -> (Q, Mono, Poly) {
-        let Some((first, k)) = self.0.iter().next_back() else {
+        let Some((first, k)) = self.0.last() else {
             return (Q::ONE, Vec::new(), self.clone());
         };
         let mut common = first.clone();
-        for m in self.0.keys() {
-            common = common
-                .iter()
-                .filter_map(|(a, e)| {
-                    let other = m.iter().find(|(b, _)| b == a).map_or(0, |(_, e)| *e);
-                    (other > 0).then_some((*a, (*e).min(other)))
-                })
-                .collect();
+        for (m, _) in &self.0 {
+            if common.is_empty() {
+                break;
+            }
+            common.retain_mut(|(a, e)| match m.iter().find(|(b, _)| b == a) {
+                Some((_, other)) => {
+                    *e = (*e).min(*other);
+                    true
+                }
+                None => false,
+            });
         }
-        let k = if self.0.values().all(|q| q.abs() == k.abs()) || self.0.len() == 1 {
-            *k
-        } else {
-            Q::ONE
-        };
+        let k = if self.0.iter().all(|(_, q)| q.abs() == k.abs()) { *k } else { Q::ONE };
         let rest = self
             .0
             .iter()
@@ -245,21 +274,92 @@ impl Poly {
     }
 }
 
-fn times(a: &Mono, b: &Mono) -> Mono {
-    let mut r: BTreeMap<Id, u32> = a.iter().copied().collect();
-    for (x, e) in b {
-        *r.entry(*x).or_insert(0) += e;
+/// The sum of two lists of terms in order.
+fn merge(a: Vec<(Mono, Q)>, b: Vec<(Mono, Q)>) -> Option<Vec<(Mono, Q)>> {
+    if a.is_empty() || b.is_empty() {
+        return Some(if a.is_empty() { b } else { a });
     }
-    r.into_iter().rev().collect()
+    let mut r = Vec::with_capacity(a.len() + b.len());
+    let (mut a, mut b) = (a.into_iter(), b.into_iter());
+    let (mut x, mut y) = (a.next(), b.next());
+    while let (Some((m, p)), Some((n, q))) = (&x, &y) {
+        match order(m, n) {
+            Ordering::Less => r.extend(std::mem::replace(&mut x, a.next())),
+            Ordering::Greater => r.extend(std::mem::replace(&mut y, b.next())),
+            Ordering::Equal => {
+                let q = p.add(*q)?;
+                let m = std::mem::replace(&mut x, a.next()).map(|t| t.0);
+                r.extend(m.filter(|_| !q.is_zero()).map(|m| (m, q)));
+                y = b.next();
+            }
+        }
+    }
+    r.extend(x.into_iter().chain(a));
+    r.extend(y.into_iter().chain(b));
+    Some(r)
 }
 
-fn over(a: &Mono, b: &Mono) -> Option<Mono> {
-    let mut r: BTreeMap<Id, u32> = a.iter().copied().collect();
-    for (x, e) in b {
-        let have = r.get_mut(x)?;
-        *have = have.checked_sub(*e)?;
+/// The lexicographic order of monomials.
+fn order(a: &[(Id, u32)], b: &[(Id, u32)]) -> Ordering {
+    let mut k = 0;
+    while k < a.len() && k < b.len() {
+        let (x, y) = (a[k], b[k]);
+        if x.0.0 != y.0.0 {
+            return x.0.0.cmp(&y.0.0);
+        }
+        if x.1 != y.1 {
+            return x.1.cmp(&y.1);
+        }
+        k += 1;
     }
-    Some(r.into_iter().rev().filter(|(_, e)| *e > 0).collect())
+    a.len().cmp(&b.len())
+}
+
+/// The product of two monomials.
+fn times(a: &[(Id, u32)], b: &[(Id, u32)]) -> Mono {
+    let mut r = Vec::with_capacity(a.len() + b.len());
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        let (x, y) = (a[i], b[j]);
+        match x.0.0.cmp(&y.0.0) {
+            Ordering::Greater => {
+                r.push(x);
+                i += 1;
+            }
+            Ordering::Less => {
+                r.push(y);
+                j += 1;
+            }
+            Ordering::Equal => {
+                r.push((x.0, x.1 + y.1));
+                i += 1;
+                j += 1;
+            }
+        }
+    }
+    r.extend_from_slice(&a[i..]);
+    r.extend_from_slice(&b[j..]);
+    r
+}
+
+/// The quotient of two monomials, if it is one.
+fn over(a: &[(Id, u32)], b: &[(Id, u32)]) -> Option<Mono> {
+    let mut r = Vec::with_capacity(a.len());
+    let mut j = 0;
+    for &(x, e) in a {
+        let below = if j < b.len() && b[j].0.0 == x.0 { b[j].1 } else { 0 };
+        j += usize::from(below > 0);
+        match e.checked_sub(below)? {
+            0 => {}
+            left => r.push((x, left)),
+        }
+    }
+    (j == b.len()).then_some(r)
+}
+
+/// The square root of a monomial, if it is one.
+fn half(m: &[(Id, u32)]) -> Option<Mono> {
+    m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect()
 }
 
 #[cfg(test)]

@@ -5,11 +5,10 @@
 //! test points and compared with double-double; a form is taken if it is clearly more accurate.
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
-use std::collections::HashMap;
-
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::hash::Map;
 use crate::jacobian::{cost, factor_out};
-use crate::measure::{Inputs, Loss, Measure};
+use crate::measure::{Errors, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
 
@@ -28,7 +27,7 @@ pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> 
     if measure.loss(g, id, &truth).worst <= good {
         return id;
     }
-    Search { measure, good, turns: true, memo: HashMap::new() }.rebuild(g, id, 3)
+    Search { measure, good, turns: true, memo: Map::default() }.rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
@@ -44,7 +43,7 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure)
     if worst.fold(0.0, nan_max) <= GOOD {
         return coordinates.to_vec();
     }
-    let mut search = Search { measure, good: GOOD, turns: false, memo: HashMap::new() };
+    let mut search = Search { measure, good: GOOD, turns: false, memo: Map::default() };
     coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
 }
 
@@ -59,7 +58,7 @@ struct Search<'a> {
     good: f64,
     /// Whether sines and cosines of fractions of a turn may be taken as such.
     turns: bool,
-    memo: HashMap<Id, Id>,
+    memo: Map<Id, Id>,
 }
 
 impl Search<'_> {
@@ -91,25 +90,26 @@ impl Search<'_> {
     /// The cheapest among the most accurate forms; a form must be clearly better to be taken.
     fn best_form(&mut self, g: &mut Graph, original: Id, rebuilt: Id, depth: u8) -> Id {
         let truth = self.measure.truths(g, original);
-        let mut forms = vec![original];
+        let mut forms = vec![(original, self.measure.errors(g, original, &truth))];
         if rebuilt != original {
-            forms.push(rebuilt);
+            forms.push((rebuilt, self.measure.errors(g, rebuilt, &truth)));
         }
-        let worst = |s: &mut Self, g: &Graph, forms: &[Id]| {
-            let losses = forms.iter().map(|&f| s.measure.loss(g, f, &truth).worst);
-            losses.fold(f64::INFINITY, f64::min)
+        let worst = |forms: &[(Id, Errors)]| {
+            forms.iter().map(|f| f.1.loss().worst).fold(f64::INFINITY, f64::min)
         };
-        if worst(self, g, &forms) > self.good && depth > 0 {
+        if worst(&forms) > self.good && depth > 0 {
             for form in other_forms(g, original, self.turns) {
                 // The parts of a new form deserve a look of their own.
-                forms.push(self.rebuild_children(g, form, depth - 1));
+                let form = self.rebuild_children(g, form, depth - 1);
+                forms.push((form, self.measure.errors(g, form, &truth)));
             }
-            if worst(self, g, &forms) > self.good {
-                forms.extend(self.by_sign(g, &forms, &truth));
+            if worst(&forms) > self.good
+                && let Some(form) = self.by_sign(g, &forms)
+            {
+                forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
-        let scored: Vec<(Id, f64)> =
-            forms.iter().map(|&f| (f, self.measure.loss(g, f, &truth).bits)).collect();
+        let scored: Vec<(Id, f64)> = forms.iter().map(|f| (f.0, f.1.loss().bits)).collect();
         let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
         scored
             .iter()
@@ -120,36 +120,25 @@ impl Search<'_> {
 
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
-    fn by_sign(&mut self, g: &mut Graph, forms: &[Id], truth: &[f64]) -> Option<Id> {
+    fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Errors)]) -> Option<Id> {
         let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
         inputs.sort_unstable();
         for leaf in inputs {
             let range = g.leaf_range(leaf);
-            let varies = g.has(forms[0], crate::expr::leaf_bit(leaf));
+            let varies = g.has(forms[0].0, crate::expr::leaf_bit(leaf));
             if !varies || range.lo >= 0.0 || range.hi <= 0.0 {
                 continue;
             }
-            let above = |p: &Inputs| p.get(&leaf).is_some_and(|x| *x > 0.0);
-            let yes = self.best_where(g, forms, truth, above)?;
-            let no = self.best_where(g, forms, truth, |p| !above(p))?;
+            let points = self.measure.points().iter();
+            let above: Vec<bool> = points.map(|p| p.get(&leaf).is_some_and(|x| *x > 0.0)).collect();
+            let yes = best_where(forms, &above, true)?;
+            let no = best_where(forms, &above, false)?;
             if yes.0 != no.0 && yes.1.worst.max(no.1.worst) <= self.good {
                 let test = g.get_leaf(leaf);
                 return Some(g.if_positive(test, yes.0, no.0));
             }
         }
         None
-    }
-
-    /// The form that is most accurate over some of the points.
-    fn best_where(
-        &mut self,
-        g: &Graph,
-        forms: &[Id],
-        truth: &[f64],
-        keep: impl Fn(&Inputs) -> bool,
-    ) -> Option<(Id, Loss)> {
-        let scored = forms.iter().map(|&f| (f, self.measure.loss_where(g, f, truth, &keep)));
-        scored.min_by(|a, b| a.1.bits.total_cmp(&b.1.bits))
     }
 
     fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
@@ -176,6 +165,12 @@ impl Search<'_> {
             _ => form,
         }
     }
+}
+
+/// The form that is most accurate over those of the points for which `kept` is `side`.
+fn best_where(forms: &[(Id, Errors)], kept: &[bool], side: bool) -> Option<(Id, Loss)> {
+    let scored = forms.iter().map(|(f, errors)| (*f, errors.loss_where(kept, side)));
+    scored.min_by(|a, b| a.1.bits.total_cmp(&b.1.bits))
 }
 
 /// Other forms of a node that are equal in exact arithmetic.

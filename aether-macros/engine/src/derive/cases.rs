@@ -1,8 +1,6 @@
 //! Trying an item out while it is compiled: the points, what the map is there, which of the solver's
 //! answers occur, and whether the derivatives are right.
 
-use std::collections::HashMap;
-
 use super::{Problem, Target};
 use crate::differences::evaluate;
 use crate::eval::Evaluator;
@@ -88,7 +86,7 @@ fn on_this_way(problem: &Problem, point: &Point) -> bool {
 }
 
 pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {
-    let mut map = HashMap::new();
+    let mut map = Inputs::default();
     if unknowns {
         for (i, v) in case.point.unknowns.iter().enumerate() {
             map.insert(Leaf::Unknown(i as u8), v.to_f64());

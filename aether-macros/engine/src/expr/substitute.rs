@@ -1,23 +1,19 @@
 //! Replacing subexpressions.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use super::{Graph, Id, Node, Root};
+use crate::hash::Map;
 use crate::rational::Q;
 
 impl Graph {
     /// Rebuilds an expression with some subexpressions replaced (the largest match wins).
     pub fn substitute(&mut self, id: Id, map: &BTreeMap<Id, Id>) -> Id {
-        let mut memo = HashMap::new();
+        let mut memo = Map::default();
         self.substitute_memo(id, map, &mut memo)
     }
 
-    fn substitute_memo(
-        &mut self,
-        id: Id,
-        map: &BTreeMap<Id, Id>,
-        memo: &mut HashMap<Id, Id>,
-    ) -> Id {
+    fn substitute_memo(&mut self, id: Id, map: &BTreeMap<Id, Id>, memo: &mut Map<Id, Id>) -> Id {
         if let Some(&r) = map.get(&id) {
             return r;
         }
@@ -74,11 +70,11 @@ impl Graph {
     /// Replaces an expression wherever it occurs, also as some of the factors of a product or as a
     /// multiple of it among the terms of a sum.
     pub fn replace_part(&mut self, id: Id, part: Id, value: Id) -> Id {
-        let mut memo = HashMap::from([(part, value)]);
+        let mut memo = Map::from_iter([(part, value)]);
         self.replace_memo(id, part, value, &mut memo)
     }
 
-    fn replace_memo(&mut self, id: Id, part: Id, value: Id, memo: &mut HashMap<Id, Id>) -> Id {
+    fn replace_memo(&mut self, id: Id, part: Id, value: Id, memo: &mut Map<Id, Id>) -> Id {
         if let Some(&r) = memo.get(&id) {
             return r;
         }

@@ -1,8 +1,6 @@
 //! Rational functions, and expressions as rational functions of their atoms.
 
-use std::collections::BTreeMap;
-
-use super::{Mono, Poly};
+use super::{Poly, half, metered, spend};
 use crate::expr::{Deps, Fun, Graph, Id, Node};
 use crate::jacobian::cost;
 use crate::rational::Q;
@@ -33,7 +31,7 @@ impl<'a> Expander<'a> {
 
     /// Adds the relation x² + y² + z² = 1 between three atoms.
     pub fn unit(mut self, [x, y, z]: [Id; 3]) -> Self {
-        let square = |a: Id| Poly(BTreeMap::from([(vec![(a, 2)], Q::int(-1))]));
+        let square = |a: Id| Poly::term(vec![(a, 2)], Q::int(-1));
         let one = Poly::constant(Q::ONE);
         if let Some(p) = one.add(&square(x)).and_then(|p| p.add(&square(y))) {
             self.squares.push((z, p));
@@ -49,9 +47,22 @@ impl<'a> Expander<'a> {
 
     /// The normal form of an expression, if it stays small.
     pub fn normal_form(&mut self, id: Id) -> Option<Id> {
-        let r = self.expand(id)?;
-        let r = self.cancel(r)?;
-        Some(self.to_expr(&r))
+        let key = (id, self.open);
+        if self.squares.is_empty()
+            && let Some(&(known, steps)) = self.graph.expanded.normal.get(&key)
+        {
+            spend(steps)?;
+            return known;
+        }
+        let (normal, steps) = metered(|| {
+            let r = self.expand(id)?;
+            let r = self.cancel(r)?;
+            Some(self.to_expr(&r))
+        });
+        if let (true, Some(steps)) = (self.squares.is_empty(), steps) {
+            self.graph.expanded.normal.insert(key, (normal, steps));
+        }
+        normal
     }
 
     /// The expression of a rational function.
@@ -65,6 +76,23 @@ impl<'a> Expander<'a> {
 
     /// Numerator and factored denominator.
     pub fn expand(&mut self, id: Id) -> Option<RatFun> {
+        let composed = matches!(self.graph.node(id), Node::Sum(..) | Node::Product(_));
+        if !composed || !self.squares.is_empty() {
+            return self.expand_node(id);
+        }
+        let key = (id, self.open);
+        if let Some((known, steps)) = self.graph.expanded.functions.get(&key) {
+            spend(*steps)?;
+            return known.clone();
+        }
+        let (function, steps) = metered(|| self.expand_node(id));
+        if let Some(steps) = steps {
+            self.graph.expanded.functions.insert(key, (function.clone(), steps));
+        }
+        function
+    }
+
+    fn expand_node(&mut self, id: Id) -> Option<RatFun> {
         if self.open != Deps::MAX
             && !self.graph.has(id, self.open)
             && matches!(self.graph.node(id), Node::Sum(..))
@@ -267,18 +295,17 @@ impl<'a> Expander<'a> {
     fn reduce(&mut self, p: Poly) -> Option<Poly> {
         let mut p = p;
         for _ in 0..40 {
-            let Some((m, q, square, i)) = p.0.iter().find_map(|(m, q)| {
+            let Some((k, i, square)) = p.0.iter().enumerate().find_map(|(k, (m, _))| {
                 m.iter().enumerate().find_map(|(i, (a, e))| {
-                    (*e >= 2).then(|| self.square_of(*a)).flatten().map(|s| (m.clone(), *q, s, i))
+                    (*e >= 2).then(|| self.square_of(*a)).flatten().map(|s| (k, i, s))
                 })
             }) else {
                 return Some(p);
             };
-            p.0.remove(&m);
-            let mut rest = m.clone();
+            let (mut rest, q) = p.0.remove(k);
             rest[i].1 -= 2;
             rest.retain(|(_, e)| *e > 0);
-            p = p.add(&square.mul(&Poly(BTreeMap::from([(rest, q)])))?)?;
+            p = p.add(&square.mul(&Poly::term(rest, q))?)?;
         }
         None
     }
@@ -287,12 +314,13 @@ impl<'a> Expander<'a> {
         if let Some((_, p)) = self.squares.iter().find(|(a, _)| *a == atom) {
             return Some(p.clone());
         }
-        match self.graph.node(atom).clone() {
+        match self.graph.node(atom) {
             Node::Product(f) if f.len() == 1 && self.graph.as_number(f[0].1) == Some(Q::HALF) => {
                 let r = self.expand(f[0].0)?;
                 r.den.is_empty().then_some(r.num)
             }
             Node::Call(Fun::Cos, args) => {
+                let args = args.clone();
                 let s = self.graph.call(Fun::Sin, &args);
                 let s2 = Poly::atom(s).mul(&Poly::atom(s))?;
                 Poly::constant(Q::ONE).sub(&s2)
@@ -308,7 +336,7 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
     let mut out: Vec<(Poly, u32)> = common.iter().map(|(a, e)| (Poly::atom(*a), e * k)).collect();
     if rest.as_constant().is_none() {
         for f in difference_of_squares(&rest) {
-            let lead = f.0.iter().next_back().map(|(_, q)| *q)?;
+            let lead = f.0.last().map(|(_, q)| *q)?;
             out.push((f.scale(lead.recip()?)?, k));
         }
     }
@@ -317,13 +345,8 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
 
 /// a² - b² as (a - b)(a + b), where both are squares of monomials.
 fn difference_of_squares(p: &Poly) -> Vec<Poly> {
-    let terms: Vec<_> = p.0.iter().collect();
-    if let [(m, q), (n, r)] = terms[..] {
-        let root = |m: &Mono, q: Q| {
-            let half: Option<Mono> =
-                m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect();
-            Some(Poly(BTreeMap::from([(half?, q.sqrt()?)])))
-        };
+    if let [(m, q), (n, r)] = &p.0[..] {
+        let root = |m: &[(Id, u32)], q: Q| Some(Poly::term(half(m)?, q.sqrt()?));
         let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };
         if pos.1.is_negative() || !neg.1.is_negative() {
             return vec![p.clone()];
