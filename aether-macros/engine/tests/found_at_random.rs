@@ -76,3 +76,21 @@ fn an_unknown_inside_and_outside_of_a_factor() {
         assert!((item.pdf(&[], &[x]) * slope - 1.0).abs() < 1e-6);
     }
 }
+
+/// A product of two auxiliary unknowns is known, and neither of them alone: the density must do
+/// without.
+#[test]
+fn a_product_of_auxiliary_unknowns() {
+    let item = compile(
+        "fn f(u: [Uniform; 2]) -> Direction {
+            let v = Vec3::new((2.0 * u[0] - 1.0).asin(), 1.5, u[1].tanh()).normalize();
+            let (s, c) = (0.25 * PI).sin_cos();
+            let w = Vec3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z);
+            Direction::from_vec(Vec3::new(1.25 * w.x, 0.25 * w.y, w.z).normalize())
+        }",
+    );
+    let x = item.forward(&[], &[0.3, 0.6]).expect("a value");
+    let found = item.preimages(&[], &x);
+    assert!((found[0][0] - 0.3).abs() < 1e-12 && (found[0][1] - 0.6).abs() < 1e-12, "{found:?}");
+    assert!(item.pdf(&[], &x).is_finite() && item.pdf(&[], &x) > 0.0);
+}

@@ -35,7 +35,18 @@ const FILES: [&str; 9] = [
 ];
 
 /// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const KNOWN: [(&str, &str, &str); 0] = [];
+const LOST: &str =
+    "the stick breaking, as written, takes its remainder as one minus the first stick";
+const COUPLED: &str = "flight and phase function together, scaled, are not taken apart";
+const KNOWN: [(&str, &str, &str); 7] = [
+    ("space::scattering_vertex", "mirrored and scaled", COUPLED),
+    ("space::scattering_vertex", "scaled", COUPLED),
+    ("space::stick_breaking", "all of these", LOST),
+    ("space::stick_breaking", "mirrored and permuted", LOST),
+    ("space::stick_breaking", "mirrored and scaled", LOST),
+    ("space::stick_breaking", "mirrored", LOST),
+    ("space::stick_breaking", "scaled", LOST),
+];
 
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {

@@ -943,16 +943,28 @@ pub mod core_049 {
     }
 }
 
-// core_050 is refused: cannot invert this map: stuck at `1 / a = 5 y λ / (6 u₂ μ)`, which should give u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let r = u[1];
-//     let phi = TAU * u[0];
-//     let (sin, cos) = phi.sin_cos();
-//     let x = r * sin;
-//     let v = Vec3::new(x, 1.5, r * cos).normalize();
-//     Direction::from_vec(Vec3::new(0.3 * v.x, 0.8 * v.y, v.z).normalize())
-// }
+pub mod core_050 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let r = u[1];
+        let phi = TAU * u[0];
+        let (sin, cos) = phi.sin_cos();
+        let x = r * sin;
+        let v = Vec3::new(x, 1.5, r * cos).normalize();
+        Direction::from_vec(Vec3::new(0.3 * v.x, 0.8 * v.y, v.z).normalize())
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let r = u[1];
+        let phi = TAU * u[0];
+        let (sin, cos) = phi.sin_cos();
+        let x = r * sin;
+        let v = Vec3::new(x, 1.5, r * cos).normalize();
+        Direction::from_vec(Vec3::new(0.3 * v.x, 0.8 * v.y, v.z).normalize())
+    }
+}
 
 pub mod core_051 {
     use super::*;
@@ -4750,6 +4762,7 @@ pub fn all() -> Vec<Case> {
         case("core_047", core_047::compiled(), |u| core_047::plain(u)),
         case("core_048", core_048::compiled(), |u| core_048::plain(u)),
         case("core_049", core_049::compiled(1.3).expect("in the domain"), |u| core_049::plain(u, 1.3)),
+        case("core_050", core_050::compiled(), |u| core_050::plain(u)),
         case("core_051", core_051::compiled(), |u| core_051::plain(u)),
         case("core_052", core_052::compiled(), |u| core_052::plain(u)),
         case("core_053", core_053::compiled(), |u| core_053::plain(u)),

@@ -6,7 +6,7 @@ use super::cases::Case;
 use super::regimes::best_coordinates;
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::jacobian::{cost, simplify};
 use crate::measure::{Loss, Measure};
 use crate::overflow::guard;
@@ -80,6 +80,8 @@ pub(super) fn density(
     if let Some(&first) = candidates.first() {
         candidates.extend(through_its_square(g, first));
     }
+    // What is known of a part may be in terms of auxiliary unknowns that were never settled.
+    candidates.retain(|&c| !g.has(c, UNKNOWNS));
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -138,7 +140,8 @@ pub(super) fn finish(
         .map(|&r| {
             let known = g.substitute(r, &s.known);
             let known = s.spell_out(g, known);
-            g.substitute(known, &map)
+            let known = g.substitute(known, &map);
+            if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
         })
         .collect();
     let mut unknowns = tested.clone();
