@@ -6,6 +6,7 @@
 #[rustfmt::skip]
 #[path = "random_programs/programs.rs"]
 #[allow(missing_docs, clippy::all, unused_parens)]
+#[allow(unused_variables, clippy::all)]
 mod programs;
 
 use aether_core::battery::{Kind, Space};

@@ -234,7 +234,7 @@ impl Scribe {
     /// The sine and the cosine of the second coordinate, as an angle of up to one turn.
     fn angle(&mut self, i: usize) -> String {
         if self.range(i).is_finite()
-            && self.range(i).width() <= 6.28
+            && self.range(i).width() <= 6.25
             && !self.range(i).within(0.0, 1.0)
         {
             return self.name(i, "phi");

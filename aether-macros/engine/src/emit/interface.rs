@@ -116,7 +116,7 @@ pub fn interface(
         #docs
         #errors
         #(#other)*
-        #[allow(clippy::too_many_arguments, clippy::manual_range_contains)]
+        #[allow(clippy::too_many_arguments, clippy::manual_range_contains, clippy::approx_constant)]
         #vis fn #name #bounds (#(#names: #types),*) -> #returns {
             #(#checks)*
             #compute

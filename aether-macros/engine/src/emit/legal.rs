@@ -28,6 +28,7 @@ pub fn legal(
     let made = if fallible { make } else { quote!(::core::result::Result::Ok(#make)) };
     quote! {
         #[automatically_derived]
+        #[allow(clippy::approx_constant)]
         impl #bounds ::aether_core::Legal for #ty #args {
             type Real = #real;
             const ITEM: &'static str = #text;
