@@ -5,8 +5,7 @@
 
 #[rustfmt::skip]
 #[path = "random_programs/programs.rs"]
-#[allow(missing_docs, clippy::all, unused_parens)]
-#[allow(unused_variables, clippy::all)]
+#[allow(missing_docs, clippy::all, unused_parens, unused_variables)]
 mod programs;
 
 use aether_core::battery::{Kind, Space};
@@ -14,16 +13,18 @@ use aether_core::prelude::*;
 use aether_core::{Pcg32, Uniforms, draw_uniforms};
 use tests::forward::{Search, distance, norm, volume};
 
+type Function<T> = Box<dyn Fn(&[f64]) -> T>;
+
 /// A compiled program with its types erased, and the same function as plain Rust.
 pub struct Case {
     name: &'static str,
     uniforms: usize,
     kind: Kind,
-    plain: Box<dyn Fn(&[f64]) -> Vec<f64>>,
-    forward: Box<dyn Fn(&[f64]) -> Vec<f64>>,
-    own: Box<dyn Fn(&[f64]) -> f64>,
-    pdf: Box<dyn Fn(&[f64]) -> f64>,
-    invert: Box<dyn Fn(&[f64]) -> Vec<Vec<f64>>>,
+    plain: Function<Vec<f64>>,
+    forward: Function<Vec<f64>>,
+    own: Function<f64>,
+    pdf: Function<f64>,
+    invert: Function<Vec<Vec<f64>>>,
 }
 
 fn coordinates<P: Point<f64>>(x: &P) -> Vec<f64> {
@@ -114,7 +115,8 @@ impl Case {
             for p in [(self.own)(&u), (self.pdf)(&x)] {
                 let gap = (mutate(p, all.len()) / expected - 1.0).abs();
                 // A NaN is not right.
-                if !(gap <= 1e-6 + 10.0 * error) {
+                let agrees = gap <= 1e-6 + 10.0 * error;
+                if !agrees {
                     return Err(format!(
                         "{x:?} of {u:?} has density {p}, by differences {expected} (relative error \
                          {error:.0e}); preimages {found:?}, by search {all:?}"
@@ -141,7 +143,8 @@ fn density(f: &dyn Fn(&[f64]) -> Option<Vec<f64>>, preimages: &[Vec<f64>]) -> Op
             return None;
         }
         let (stretch, error) = volume(f, u)?;
-        if stretch < 1e-5 || !(error < 1e-6) {
+        let precise = error < 1e-6;
+        if stretch < 1e-5 || !precise {
             return None;
         }
         sum += 1.0 / stretch;
