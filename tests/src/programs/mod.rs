@@ -4,7 +4,7 @@
 //! normalise, rotate, reflect, branch, fold) from the uniforms to a point of some space. [`write()`]
 //! turns it into a function; it knows the range of every coordinate, so that what it writes is defined almost
 //! everywhere, depends on every uniform, and has full rank. [`suite`] has the programs of the
-//! test, and [`file`] their source.
+//! test, and [`file()`] their source.
 
 mod choose;
 mod plan;
