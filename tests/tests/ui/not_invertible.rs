@@ -3,8 +3,8 @@ use aether_core::prelude::*;
 
 // Turns twice inside.
 #[sampler]
-fn cubic(u: [Uniform; 1]) -> f64 {
-    u[0].powi(3) - 1.5 * u[0].powi(2) + 0.5625 * u[0]
+fn twice(u: [Uniform; 1]) -> f64 {
+    u[0].powi(5) - 1.5 * u[0].powi(2) + 0.5625 * u[0]
 }
 
 // Increases for positive factors only.

@@ -335,7 +335,7 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
     let (_, common, rest) = p.content();
     let mut out: Vec<(Poly, u32)> = common.iter().map(|(a, e)| (Poly::atom(*a), e * k)).collect();
     if rest.as_constant().is_none() {
-        for f in difference_of_squares(&rest) {
+        for f in two_factors(&rest).unwrap_or_else(|| vec![rest.clone()]) {
             let lead = f.0.last().map(|(_, q)| *q)?;
             out.push((f.scale(lead.recip()?)?, k));
         }
@@ -343,21 +343,36 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
     Some(out)
 }
 
+/// The two factors of a polynomial, if there are any that these rules find: a² - b² with monomials a and
+/// b, and a quadratic in one of the atoms whose discriminant is a square.
+fn two_factors(p: &Poly) -> Option<Vec<Poly>> {
+    difference_of_squares(p).or_else(|| p.atoms().iter().find_map(|&a| of_quadratic(p, a)))
+}
+
 /// a² - b² as (a - b)(a + b), where both are squares of monomials.
-fn difference_of_squares(p: &Poly) -> Vec<Poly> {
-    if let [(m, q), (n, r)] = &p.0[..] {
-        let root = |m: &[(Id, u32)], q: Q| Some(Poly::term(half(m)?, q.sqrt()?));
-        let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };
-        if pos.1.is_negative() || !neg.1.is_negative() {
-            return vec![p.clone()];
-        }
-        if let (Some(a), Some(b)) = (root(pos.0, *pos.1), root(neg.0, neg.1.neg()))
-            && let (Some(s), Some(d)) = (a.add(&b), a.sub(&b))
-        {
-            return vec![d, s];
-        }
+fn difference_of_squares(p: &Poly) -> Option<Vec<Poly>> {
+    let [(m, q), (n, r)] = &p.0[..] else { return None };
+    let root = |m: &[(Id, u32)], q: Q| Some(Poly::term(half(m)?, q.sqrt()?));
+    let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };
+    if pos.1.is_negative() || !neg.1.is_negative() {
+        return None;
     }
-    vec![p.clone()]
+    let (a, b) = (root(pos.0, *pos.1)?, root(neg.0, neg.1.neg())?);
+    Some(vec![a.sub(&b)?, a.add(&b)?])
+}
+
+/// The two factors of a polynomial of degree two in `x` whose discriminant is a square.
+fn of_quadratic(p: &Poly, x: Id) -> Option<Vec<Poly>> {
+    let powers = p.by_powers_of(x)?;
+    let [c0, c1, c2] = &powers[..] else { return None };
+    let discriminant = c1.mul(c1)?.sub(&c0.mul(c2)?.scale(Q::int(4))?)?;
+    let twice = c2.mul(&Poly::atom(x))?.scale(Q::int(2))?.add(c1)?;
+    let root = discriminant.sqrt()?;
+    // Their product is 4 c₂ times too large; what is too much of it is a monomial or no factor.
+    let factor = |s: Poly| twice.add(&s).map(|f| f.content().2);
+    let (a, b) = (factor(root.scale(Q::int(-1))?)?, factor(root)?);
+    p.exact_div(&a)?.exact_div(&b)?.as_constant()?;
+    Some(vec![a, b])
 }
 
 impl RatFun {
