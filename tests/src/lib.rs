@@ -9,7 +9,6 @@ pub mod forward;
 pub mod mutation;
 pub mod programs;
 pub mod reference;
-pub mod renders;
 pub mod rows;
 
 /// The front page: its examples are tests.

@@ -2,7 +2,7 @@
 //!
 //! Each file of `tests/ui` begins with the mistake that it makes; beside it is the message. Every text
 //! says what is wrong, why, and what to write instead. After a change of a text:
-//! `TRYBUILD=overwrite cargo test -p tests --test compile_fail`, then read the difference.
+//! `TRYBUILD=overwrite cargo test -p aether-core --test compile_fail`, then read the difference.
 
 use std::path::Path;
 

@@ -18,7 +18,7 @@ use integrators::vertex::SceneVertex;
 use integrators::world::World;
 
 fn directory() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests")
 }
 
 /// Loads `tests/scenes/NAME.xml`.

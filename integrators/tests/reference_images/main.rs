@@ -11,10 +11,12 @@
 //! score is then -4.76, the distance of the reference from black, whatever the number of samples.
 //! The limit is at 5.5.
 
+mod scenes;
+
 use integrators::image::block_test::{BlockScore, holm};
 use integrators::render::Film;
 use integrators::scene::SamplerKind::{Independent, LowDiscrepancy};
-use tests::renders::{MisjudgingTracer, Reference, film, path_traced, scene, scores};
+use scenes::{MisjudgingTracer, Reference, film, path_traced, scene, scores};
 
 /// The scenes with a stored image, and samples per pixel.
 const SCENES: [(&str, u32); 13] = [
