@@ -42,14 +42,29 @@ impl<'w, 's> Radiance<'w, 's> {
             .then(surface.seen_from(eye.position));
         let filter = self.world.scene.film.filter;
         let centre = (self.pixel.0 as f32 + 0.5, self.pixel.1 as f32 + 0.5);
+        // A point that the filter's rim was sampled for may come back on the other side of it.
+        let (reach, error) = (filter.radius(), self.film_error(eye, seen));
+        let profile = |x: f32, error: f32| {
+            filter.profile(if x.abs() <= reach + error { x.clamp(-reach, reach) } else { x })
+        };
         let mut importance = 0.0;
         to_surface.preimages(&seen.point(), |film: Vec2<f32>, exists| {
-            let response = filter.profile(film.x - centre.0) * filter.profile(film.y - centre.1);
+            let response =
+                profile(film.x - centre.0, error.x) * profile(film.y - centre.1, error.y);
             if exists && response > 0.0 {
                 importance += response * self.world.filter_scale / to_surface.jacobian(&film);
             }
         });
         importance
+    }
+
+    /// By how much rounding of the surface point and of its direction can move a film point, in pixels:
+    /// much only for long lenses.
+    fn film_error(&self, eye: &SceneVertex, seen: &SceneVertex) -> Vec2<f32> {
+        let size = eye.position.abs().max_element() + seen.position.abs().max_element();
+        let angle = 4.0 * f32::EPSILON * (1.0 + size / seen.position.distance(eye.position));
+        let scale = self.world.film_scale();
+        Vec2::new(angle / scale.x, angle / scale.y)
     }
 
     /// Scattering at `here` between its neighbours, times the cosines and inverse square distance of

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::{Filter, Scene, ShapeKind};
@@ -24,8 +24,9 @@ pub fn json(scene: &Scene) -> Value {
         (kind.name().to_owned(), json!(count))
     });
     let kinds = kinds.filter(|(_, count)| *count != json!(0));
-    let bounds = (!scene.primitives.is_empty())
-        .then(|| json!({"min": vector(scene.bounds.min), "max": vector(scene.bounds.max)}));
+    let bounds = (!scene.primitives.is_empty()).then(
+        || json!({"min": place(scene, scene.bounds.min), "max": place(scene, scene.bounds.max)}),
+    );
     let camera = &scene.camera;
     json!({
         "shapes": kinds.collect::<serde_json::Map<_, _>>(),
@@ -39,7 +40,7 @@ pub fn json(scene: &Scene) -> Value {
         "emitters": emitters(scene),
         "camera": {
             "type": "perspective",
-            "origin": vector(camera.origin),
+            "origin": place(scene, camera.origin),
             "forward": vector(camera.forward),
             "up": vector(camera.up),
             "right": vector(camera.right),
@@ -73,6 +74,7 @@ pub fn summary(scene: &Scene) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<12}{value}");
     };
+    let in_file = |point: Vec3| (scene.origin + point.as_dvec3()).as_vec3();
     let kinds = KINDS.iter().filter_map(|kind| {
         let count = scene.shapes.iter().filter(|s| s.kind == *kind).count();
         (count > 0).then(|| format!("{count} {}", kind.name()))
@@ -94,7 +96,10 @@ pub fn summary(scene: &Scene) -> String {
     }
     let camera = &scene.camera;
     let fov = 2.0 * camera.tan_x.atan().to_degrees();
-    line("camera", format!("at {} towards {}, {fov:.2}° wide", camera.origin, camera.forward));
+    line(
+        "camera",
+        format!("at {} towards {}, {fov:.2}° wide", in_file(camera.origin), camera.forward),
+    );
     line(
         "film",
         format!("{} x {}, {}", scene.film.width, scene.film.height, filter(scene.film.filter)),
@@ -116,7 +121,7 @@ pub fn summary(scene: &Scene) -> String {
         format!("{}, max depth {depth}, roulette from {}", integrator.name, integrator.rr_depth),
     );
     if !scene.primitives.is_empty() {
-        line("bounds", format!("{} to {}", scene.bounds.min, scene.bounds.max));
+        line("bounds", format!("{} to {}", in_file(scene.bounds.min), in_file(scene.bounds.max)));
     }
     text
 }
@@ -168,6 +173,14 @@ fn emitters(scene: &Scene) -> Vec<Value> {
         })
     });
     shapes.collect()
+}
+
+/// A point in the world of the file.
+fn place(scene: &Scene, point: Vec3) -> Value {
+    if scene.origin == DVec3::ZERO {
+        return vector(point);
+    }
+    json!((scene.origin + point.as_dvec3()).to_array())
 }
 
 fn vector(v: Vec3) -> Value {

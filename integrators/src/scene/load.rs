@@ -7,10 +7,10 @@ use glam::{DVec3, Vec3};
 
 use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
-use super::load_settings::{read_integrator, read_sensor};
+use super::load_settings::{Sensor, read_integrator, read_sensor};
 use super::model::{Bounds, Bsdf, Emitter, Shape};
 use super::settings::Integrator;
-use super::shapes::{self, Geometry};
+use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::trace::Tracer;
 use super::{Scene, xml};
 
@@ -60,8 +60,16 @@ impl Scene {
 /// A scene under construction.
 struct Builder<'a> {
     document: &'a Document,
+    pending: Vec<Pending<'a>>,
     scene: Parts,
     bsdf_indices: HashMap<ObjectId, u32>,
+}
+
+/// A shape that waits until it is known where the scene has its zero.
+struct Pending<'a> {
+    source: Source,
+    shape: Shape,
+    property: &'a Property,
 }
 
 #[derive(Default)]
@@ -76,7 +84,12 @@ struct Parts {
 }
 
 fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneError> {
-    let mut builder = Builder { document, scene: Parts::default(), bsdf_indices: HashMap::new() };
+    let mut builder = Builder {
+        document,
+        pending: Vec::new(),
+        scene: Parts::default(),
+        bsdf_indices: HashMap::new(),
+    };
     let root = document.query(0);
     let mut sensor = None;
     for (property, id) in root.children() {
@@ -99,10 +112,11 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
     root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter"])?;
-    let (camera, film, sampler) = sensor.ok_or_else(|| {
+    let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
-    let parts = builder.scene;
+    let (parts, origin) = builder.parts()?;
+    camera.origin = (position - origin).as_vec3();
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     Ok(Scene {
@@ -118,6 +132,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         film,
         sampler,
         integrator,
+        origin,
         bounds,
         degenerate_triangles: parts.degenerate,
     })
@@ -131,10 +146,10 @@ fn lone_emitter(query: &Query) -> SceneError {
     }
 }
 
-impl Builder<'_> {
-    fn shape(&mut self, query: &Query, property: &Property) -> Result<(), SceneError> {
+impl<'a> Builder<'a> {
+    fn shape(&mut self, query: &Query, property: &'a Property) -> Result<(), SceneError> {
         let kind = shapes::kind(query)?;
-        let geometry = shapes::build(kind, query)?;
+        let source = shapes::read(kind, query)?;
         let emission = match query.child("emitter")? {
             Some(id) => Some(read_area(&self.document.query(id))?),
             None => None,
@@ -148,24 +163,38 @@ impl Builder<'_> {
             }),
         };
         query.finish(&["bsdf", "emitter"])?;
-        let parts = &mut self.scene;
-        let total = parts.primitives.len() + geometry.primitives.len();
-        if total >= u32::MAX as usize {
-            return Err(property.place.error("the scene has too many primitives"));
-        }
-        let index = parts.shapes.len();
+        let index = self.pending.len();
         let name = query.object.id.clone();
         let shape = Shape {
             name: name.unwrap_or_else(|| format!("{}-{index}", kind.name())),
             kind,
             bsdf,
             emission,
-            first_primitive: parts.primitives.len() as u32,
-            primitive_count: geometry.primitives.len() as u32,
-            first_normals: (!geometry.normals.is_empty()).then_some(parts.normals.len() as u32),
+            first_primitive: 0,
+            primitive_count: 0,
+            first_normals: None,
         };
-        parts.add(shape, geometry);
+        self.pending.push(Pending { source, shape, property });
         Ok(())
+    }
+
+    /// All shapes as primitives, and where they have their zero in the file's world.
+    fn parts(mut self) -> Result<(Parts, DVec3), SceneError> {
+        let origin = shapes::origin(self.pending.iter().map(|p| &p.source));
+        for Pending { source, shape, property } in self.pending {
+            let geometry = source.geometry(origin).ok_or_else(|| {
+                property.place.error(format!(
+                    "too small or too large: coordinates must be at most {MAX_COORDINATE:e} and areas \
+                     representable; scale the scene"
+                ))
+            })?;
+            let total = self.scene.primitives.len() + geometry.primitives.len();
+            if total >= u32::MAX as usize {
+                return Err(property.place.error("the scene has too many primitives"));
+            }
+            self.scene.add(shape, geometry);
+        }
+        Ok((self.scene, origin))
     }
 
     fn add_bsdf(&mut self, bsdf: Bsdf) -> u32 {
@@ -200,8 +229,11 @@ impl Builder<'_> {
 }
 
 impl Parts {
-    fn add(&mut self, shape: Shape, geometry: Geometry) {
+    fn add(&mut self, mut shape: Shape, geometry: Geometry) {
         let index = self.shapes.len() as u32;
+        shape.first_primitive = self.primitives.len() as u32;
+        shape.primitive_count = geometry.primitives.len() as u32;
+        shape.first_normals = (!geometry.normals.is_empty()).then_some(self.normals.len() as u32);
         for (offset, primitive) in geometry.primitives.into_iter().enumerate() {
             if let Some(radiance) = shape.emission.filter(|radiance| *radiance != Vec3::ZERO) {
                 self.emitters.push(Emitter {

@@ -1,6 +1,6 @@
 //! From `<sensor>` and `<integrator>` to the settings of a scene.
 
-use glam::{DMat4, Vec2};
+use glam::{DMat4, DVec3, Vec2};
 
 use super::camera::{self, Camera};
 use super::document::{Document, Query};
@@ -9,12 +9,24 @@ use super::settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 
 const MAX_FILM_SIZE: i64 = 1 << 16;
 
+/// What a `<sensor>` says.
+pub struct Sensor {
+    /// The camera, its origin still that of the file.
+    pub camera: Camera,
+    /// Where the camera is in the file's world.
+    pub position: DVec3,
+    /// The film.
+    pub film: Film,
+    /// The sampler.
+    pub sampler: Sampler,
+}
+
 /// The camera of a `<sensor>`, with its film and sampler. A `size` takes the place of the film's.
 pub fn read_sensor(
     document: &Document,
     query: &Query,
     size: Option<(u32, u32)>,
-) -> Result<(Camera, Film, Sampler), SceneError> {
+) -> Result<Sensor, SceneError> {
     if query.object.plugin != "perspective" {
         return Err(query.unsupported("perspective"));
     }
@@ -29,15 +41,15 @@ pub fn read_sensor(
         Some(id) => read_sampler(&document.query(id))?,
         None => Sampler { kind: SamplerKind::Independent, sample_count: 4, seed: 0 },
     };
-    let camera = read_camera(query, film)?;
+    let (camera, position) = read_camera(query, film)?;
     // A pinhole is in focus everywhere, and rays start at it, not at the near plane.
     query.ignore(&["near_clip", "far_clip", "focus_distance"]);
     query.ignore(&["shutter_open", "shutter_close"]);
     query.finish(&["film", "sampler"])?;
-    Ok((camera, film, sampler))
+    Ok(Sensor { camera, position, film, sampler })
 }
 
-fn read_camera(query: &Query, film: Film) -> Result<Camera, SceneError> {
+fn read_camera(query: &Query, film: Film) -> Result<(Camera, DVec3), SceneError> {
     let aspect = f64::from(film.width) / f64::from(film.height);
     let fov = query.float("fov")?;
     let axis = query.string("fov_axis")?.unwrap_or("x");
@@ -60,7 +72,7 @@ fn read_camera(query: &Query, film: Film) -> Result<Camera, SceneError> {
     let [left, up, forward] = axes.map(|axis| axis.as_vec3());
     let tan_x = (0.5 * fov).to_radians().tan();
     let offset = |name| query.float(name).map(|x| x.unwrap_or(0.0) as f32);
-    Ok(Camera {
+    let camera = Camera {
         origin: origin.as_vec3(),
         right: -left,
         up,
@@ -73,7 +85,8 @@ fn read_camera(query: &Query, film: Film) -> Result<Camera, SceneError> {
             offset("principal_point_offset_x")?,
             offset("principal_point_offset_y")?,
         ),
-    })
+    };
+    Ok((camera, origin))
 }
 
 fn read_film(document: &Document, query: &Query) -> Result<Film, SceneError> {

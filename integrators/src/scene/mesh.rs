@@ -10,7 +10,7 @@ pub const NO_NORMAL: u32 = u32::MAX;
 /// A mesh as its file describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions.
+    /// Vertex positions: as in the file, after [`Mesh::move_to_world`] in the world.
     pub positions: Vec<DVec3>,
     /// Vertex normals, of any length.
     pub normals: Vec<DVec3>,
@@ -27,6 +27,15 @@ impl Mesh {
             let fan = [corners[0], corners[i], corners[i + 1]];
             self.triangles.push(fan.map(|corner| corner.0));
             self.normal_triangles.push(fan.map(|corner| corner.1));
+        }
+    }
+}
+
+impl Mesh {
+    /// Brings the vertices to the world.
+    pub fn move_to_world(&mut self, placement: &Placement) {
+        for p in &mut self.positions {
+            *p = placement.to_world.transform_point3(*p);
         }
     }
 }
@@ -71,11 +80,10 @@ pub struct Triangles {
     pub degenerate: usize,
 }
 
-/// Places a mesh in the world. Unless `face_normals` is set, a mesh that brings no normals gets
-/// smooth ones, as in Mitsuba.
-pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangles {
-    let to_world = |p: &DVec3| placement.to_world.transform_point3(*p);
-    let positions: Vec<DVec3> = mesh.positions.iter().map(to_world).collect();
+/// The triangles of a mesh whose vertices are in the world, seen from `origin`. Unless `face_normals` is
+/// set, a mesh that brings no normals gets smooth ones, as in Mitsuba.
+pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVec3) -> Triangles {
+    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| *p - origin).collect();
     let reverse = placement.reverses_winding();
     let orient = |t: [u32; 3]| if reverse { [t[0], t[2], t[1]] } else { t };
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().copied().map(orient).collect();
@@ -159,6 +167,12 @@ mod tests {
 
     fn placement(to_world: DMat4, flip_normals: bool) -> Placement {
         Placement { to_world, flip_normals }
+    }
+
+    fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangles {
+        let mut mesh = mesh.clone();
+        mesh.move_to_world(placement);
+        super::place(&mesh, placement, face_normals, DVec3::ZERO)
     }
 
     #[test]

@@ -31,7 +31,7 @@ mod load_tests;
 #[cfg(test)]
 mod trace_tests;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 pub use camera::Camera;
 pub use error::SceneError;
@@ -63,6 +63,9 @@ pub struct Scene {
     pub sampler: Sampler,
     /// What the file wants to render with.
     pub integrator: Integrator,
+    /// Where in the file's world the coordinates of everything here have their zero: in the middle of a
+    /// scene that lies further from the file's zero than it extends, otherwise there.
+    pub origin: DVec3,
     /// The box around all primitives; [`Bounds::EMPTY`] if there are none.
     pub bounds: Bounds,
     /// How many triangles were left out because they have no area.

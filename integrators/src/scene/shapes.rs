@@ -13,7 +13,7 @@ use super::values::relative_determinant;
 use super::{obj, ply};
 
 /// Coordinates beyond this have areas that overflow f32.
-const MAX_COORDINATE: f64 = 1e15;
+pub const MAX_COORDINATE: f64 = 1e15;
 
 /// The primitives of a shape.
 #[derive(Debug, Default)]
@@ -39,8 +39,33 @@ pub fn kind(query: &Query) -> Result<ShapeKind, SceneError> {
     })
 }
 
-/// Builds a shape in the world.
-pub fn build(kind: ShapeKind, query: &Query) -> Result<Geometry, SceneError> {
+/// A shape in the world, in double precision and not yet moved to where the scene has its zero.
+#[derive(Debug)]
+pub enum Source {
+    /// Triangles.
+    Mesh {
+        /// Vertices in the world.
+        mesh: Mesh,
+        /// For normals and winding.
+        placement: Placement,
+        /// Whether the triangles are flat.
+        face_normals: bool,
+    },
+    /// A sphere.
+    Sphere {
+        /// The centre.
+        center: DVec3,
+        /// The radius.
+        radius: f64,
+        /// Whether the normals point to the centre.
+        flipped: bool,
+    },
+    /// The unit disk in the plane z = 0, and where it went.
+    Disk(Placement),
+}
+
+/// Reads a shape and places it in the world.
+pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
     let placement = Placement {
         to_world: query.transform("to_world")?.unwrap_or(DMat4::IDENTITY),
         flip_normals: query.boolean("flip_normals")?.unwrap_or(false),
@@ -50,30 +75,79 @@ pub fn build(kind: ShapeKind, query: &Query) -> Result<Geometry, SceneError> {
     }
     // These concern only features that do not exist here.
     query.ignore(&["silhouette_sampling_weight"]);
-    let geometry = match kind {
-        ShapeKind::Rectangle => triangles(mesh::place(&rectangle(), &placement, true)),
-        ShapeKind::Cube => triangles(mesh::place(&cube(), &placement, true)),
+    let in_world = |mut mesh: Mesh, face_normals| {
+        mesh.move_to_world(&placement);
+        Source::Mesh { mesh, placement, face_normals }
+    };
+    Ok(match kind {
+        ShapeKind::Rectangle => in_world(rectangle(), true),
+        ShapeKind::Cube => in_world(cube(), true),
         ShapeKind::Sphere => sphere(query, &placement)?,
-        ShapeKind::Disk => disk(&placement),
+        ShapeKind::Disk => Source::Disk(placement),
         ShapeKind::Obj | ShapeKind::Ply => {
             let face_normals = query.boolean("face_normals")?.unwrap_or(false);
             query.ignore(&["flip_tex_coords"]);
-            triangles(mesh::place(&read(kind, query)?, &placement, face_normals))
+            in_world(read_mesh(kind, query)?, face_normals)
         }
-    };
-    let representable = |p: &Primitive| {
-        let bounds = p.bounds();
-        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
-        // Written so that NaN is refused.
-        f64::from(largest) <= MAX_COORDINATE && p.area() >= f32::MIN_POSITIVE
-    };
-    if !geometry.primitives.iter().all(representable) {
-        return Err(query.object.place.error(format!(
-            "too small or too large: coordinates must be at most {MAX_COORDINATE:e} and areas \
-             representable; scale the scene"
-        )));
+    })
+}
+
+/// Where a scene has its zero: that of the file, unless its shapes lie further from there than they
+/// extend. Then it is in their middle, so that single precision does for their coordinates.
+pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
+    let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let [min, max] =
+        sources.map(Source::bounds).fold(empty, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let (middle, extent) = (0.5 * (min + max), (max - min).max_element());
+    if middle.is_finite() && middle.abs().max_element() > extent { middle } else { DVec3::ZERO }
+}
+
+impl Source {
+    /// The corners of a box around the shape.
+    fn bounds(&self) -> [DVec3; 2] {
+        match self {
+            Source::Mesh { mesh, .. } => {
+                let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+                mesh.positions.iter().fold(empty, |[min, max], p| [min.min(*p), max.max(*p)])
+            }
+            Source::Sphere { center, radius, .. } => [*center - *radius, *center + *radius],
+            Source::Disk(placement) => {
+                let m = placement.to_world;
+                let (center, reach) = (m.w_axis.truncate(), (m.x_axis.abs() + m.y_axis.abs()));
+                [center - reach.truncate(), center + reach.truncate()]
+            }
+        }
     }
-    Ok(geometry)
+
+    /// The primitives, with `origin` as zero. `None` if coordinates or areas leave the range in which
+    /// single precision can compute with them.
+    pub fn geometry(&self, origin: DVec3) -> Option<Geometry> {
+        let geometry = match self {
+            Source::Mesh { mesh, placement, face_normals } => {
+                triangles(mesh::place(mesh, placement, *face_normals, origin))
+            }
+            Source::Sphere { center, radius, flipped } => Geometry::of(Primitive::Sphere {
+                center: (*center - origin).as_vec3(),
+                radius: *radius as f32,
+                flipped: *flipped,
+            }),
+            Source::Disk(placement) => disk(placement, origin),
+        };
+        let representable = |p: &Primitive| {
+            let bounds = p.bounds();
+            let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+            // Written so that NaN is refused.
+            f64::from(largest) <= MAX_COORDINATE && p.area() >= f32::MIN_POSITIVE
+        };
+        geometry.primitives.iter().all(representable).then_some(geometry)
+    }
+}
+
+impl Geometry {
+    /// A single primitive.
+    fn of(primitive: Primitive) -> Geometry {
+        Geometry { primitives: vec![primitive], ..Geometry::default() }
+    }
 }
 
 fn triangles(placed: Triangles) -> Geometry {
@@ -85,7 +159,7 @@ fn triangles(placed: Triangles) -> Geometry {
     }
 }
 
-fn read(kind: ShapeKind, query: &Query) -> Result<Mesh, SceneError> {
+fn read_mesh(kind: ShapeKind, query: &Query) -> Result<Mesh, SceneError> {
     let name = query.string("filename")?;
     let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
     let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
@@ -122,7 +196,7 @@ fn cube() -> Mesh {
     mesh
 }
 
-fn sphere(query: &Query, placement: &Placement) -> Result<Geometry, SceneError> {
+fn sphere(query: &Query, placement: &Placement) -> Result<Source, SceneError> {
     let center = query.vector("center")?.unwrap_or(DVec3::ZERO);
     let radius = query.float("radius")?.unwrap_or(1.0);
     if radius <= 0.0 {
@@ -141,28 +215,22 @@ fn sphere(query: &Query, placement: &Placement) -> Result<Geometry, SceneError> 
     }
     // As in Mitsuba, a mirror image of a sphere is turned inside out.
     let mirrored = relative_determinant(&m) < 0.0;
-    Ok(Geometry {
-        primitives: vec![Primitive::Sphere {
-            center: m.transform_point3(center).as_vec3(),
-            radius: (radius * scale) as f32,
-            flipped: placement.flip_normals != mirrored,
-        }],
-        ..Geometry::default()
+    Ok(Source::Sphere {
+        center: m.transform_point3(center),
+        radius: radius * scale,
+        flipped: placement.flip_normals != mirrored,
     })
 }
 
-fn disk(placement: &Placement) -> Geometry {
+fn disk(placement: &Placement, origin: DVec3) -> Geometry {
     let m = placement.to_world;
     let normal = (placement.normal_matrix() * DVec3::Z).normalize();
-    Geometry {
-        primitives: vec![Primitive::Disk {
-            center: m.w_axis.truncate().as_vec3(),
-            normal: normal.as_vec3(),
-            u_axis: m.x_axis.truncate().as_vec3(),
-            v_axis: m.y_axis.truncate().as_vec3(),
-        }],
-        ..Geometry::default()
-    }
+    Geometry::of(Primitive::Disk {
+        center: (m.w_axis.truncate() - origin).as_vec3(),
+        normal: normal.as_vec3(),
+        u_axis: m.x_axis.truncate().as_vec3(),
+        v_axis: m.y_axis.truncate().as_vec3(),
+    })
 }
 
 #[cfg(test)]
@@ -174,7 +242,7 @@ mod tests {
 
     #[test]
     fn cubes_face_outwards() {
-        let cube = mesh::place(&cube(), &IDENTITY, true);
+        let cube = mesh::place(&cube(), &IDENTITY, true, DVec3::ZERO);
         assert_eq!(cube.vertices.len(), 12);
         for triangle in &cube.vertices {
             let normal = unit_normal(triangle).unwrap();
@@ -186,14 +254,17 @@ mod tests {
 
     #[test]
     fn rectangles_and_disks_face_up_even_mirrored() {
-        let rectangle = mesh::place(&rectangle(), &IDENTITY, true);
+        let rectangle = mesh::place(&rectangle(), &IDENTITY, true, DVec3::ZERO);
         assert!(rectangle.vertices.iter().all(|t| unit_normal(t) == Some(glam::Vec3::Z)));
         let mirrored =
             Placement { to_world: DMat4::from_scale(DVec3::new(-1.0, 2.0, 1.0)), ..IDENTITY };
-        let Primitive::Disk { normal, .. } = disk(&mirrored).primitives[0] else {
+        let Primitive::Disk { normal, .. } = disk(&mirrored, DVec3::ZERO).primitives[0] else {
             panic!("a disk is a disk");
         };
         assert_eq!(normal, glam::Vec3::Z);
-        assert!((disk(&mirrored).primitives[0].area() - 2.0 * std::f32::consts::PI).abs() < 1e-6);
+        assert!(
+            (disk(&mirrored, DVec3::ZERO).primitives[0].area() - 2.0 * std::f32::consts::PI).abs()
+                < 1e-6
+        );
     }
 }

@@ -11,6 +11,8 @@
 //! score is then -4.76, the distance of the reference from black, whatever the number of samples.
 //! The limit is at 5.5.
 
+#[path = "../common/mod.rs"]
+mod common;
 mod scenes;
 
 use integrators::image::block_test::{BlockScore, holm};

@@ -9,13 +9,15 @@ use integrators::image::RgbImage;
 use integrators::image::block_test::{BlockScore, BlockTestOptions, block_scores};
 use integrators::image::exr::Exr;
 use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
-use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
+use integrators::render::{AnyKernel, Film, Worker};
 use integrators::scene::{SamplerKind, Scene};
 use integrators::strategies::{
     Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
 use integrators::vertex::SceneVertex;
 use integrators::world::World;
+
+pub use crate::common::{film, settings};
 
 fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests")
@@ -56,28 +58,6 @@ impl Reference {
         let image = |value| RgbImage::filled(64, 64, value);
         Reference { rgb: image(value), variance: image([0.0; 3]) }
     }
-}
-
-/// The settings that a scene asks for.
-pub fn settings(scene: &Scene) -> PathSettings {
-    let integrator = &scene.integrator;
-    PathSettings {
-        max_depth: integrator.max_depth,
-        rr_depth: integrator.rr_depth,
-        hide_emitters: integrator.hide_emitters,
-    }
-}
-
-/// Renders with a kernel: so many samples for each pixel, on so many threads (`None`: all cores).
-///
-/// # Panics
-/// If a sample is not finite.
-pub fn film(kernel: &dyn AnyKernel, scene: &Scene, samples: u32, threads: Option<usize>) -> Film {
-    let size = (scene.film.width, scene.film.height);
-    let budget = Budget::Samples(samples);
-    let rendered = render(kernel, &RenderSettings { size, budget, threads }, &());
-    assert_eq!(rendered.invalid_samples, 0, "samples that are NaN or infinite");
-    rendered.film
 }
 
 /// Renders with the path tracer as the program does.

@@ -1,0 +1,27 @@
+//! Renders of scenes as the program makes them.
+
+use integrators::path::PathSettings;
+use integrators::render::{AnyKernel, Budget, Film, RenderSettings, render};
+use integrators::scene::Scene;
+
+/// The settings that a scene asks for.
+pub fn settings(scene: &Scene) -> PathSettings {
+    let integrator = &scene.integrator;
+    PathSettings {
+        max_depth: integrator.max_depth,
+        rr_depth: integrator.rr_depth,
+        hide_emitters: integrator.hide_emitters,
+    }
+}
+
+/// Renders with a kernel: so many samples for each pixel, on so many threads (`None`: all cores).
+///
+/// # Panics
+/// If a sample is not finite.
+pub fn film(kernel: &dyn AnyKernel, scene: &Scene, samples: u32, threads: Option<usize>) -> Film {
+    let size = (scene.film.width, scene.film.height);
+    let budget = Budget::Samples(samples);
+    let rendered = render(kernel, &RenderSettings { size, budget, threads }, &());
+    assert_eq!(rendered.invalid_samples, 0, "samples that are NaN or infinite");
+    rendered.film
+}

@@ -1,0 +1,155 @@
+//! Slivers, fans, cameras in walls, walls in one plane with lights, normals that face away.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use integrators::scene::Scene;
+
+use super::{assert_mean, camera, rendered, scene};
+
+/// A furnace: what reflects half and emits half looks like 1 from everywhere, whatever its shape.
+const WHITE: &str = r#"<bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+    <emitter type="area"><rgb name="radiance" value="0.5"/></emitter>"#;
+
+/// A mesh in a file of its own, and the shape that reads it.
+fn mesh(name: &str, obj: &str) -> String {
+    let folder = std::env::temp_dir().join(format!("aether-extremes-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder for the mesh");
+    let path = folder.join(name);
+    std::fs::write(&path, obj).expect("the mesh is written");
+    let path = path.display();
+    format!(
+        r#"<shape type="obj"><string name="filename" value="{path}"/>
+            <boolean name="face_normals" value="true"/>{WHITE}</shape>"#
+    )
+}
+
+/// The cube [-1, 1]³ seen from inside, each face a fan of `n` triangles round a corner that lies
+/// `offset` from one edge: the triangles at that edge are slivers.
+fn fans(n: usize, offset: f64) -> String {
+    let mut text = String::new();
+    let mut count = 0;
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let mut vertex = |p: f64, q: f64| {
+                let mut v = [0.0; 3];
+                (v[axis], v[(axis + 1) % 3], v[(axis + 2) % 3]) = (side, p, q);
+                writeln!(text, "v {} {} {}", v[0], v[1], v[2]).expect("text");
+            };
+            vertex(0.0, -1.0 + offset);
+            // Round the square, the same points on shared edges of the cube.
+            let step = |k: usize| -1.0 + 2.0 * (k as f64) / (n as f64);
+            for k in 0..n {
+                vertex(step(k), -1.0);
+            }
+            for k in 0..n {
+                vertex(1.0, step(k));
+            }
+            for k in 0..n {
+                vertex(-step(k), 1.0);
+            }
+            for k in 0..n {
+                vertex(-1.0, -step(k));
+            }
+            for k in 0..4 * n {
+                let (a, b) = (count + 2 + k, count + 2 + (k + 1) % (4 * n));
+                // Facing inwards.
+                let (a, b) = if side > 0.0 { (b, a) } else { (a, b) };
+                writeln!(text, "f {} {a} {b}", count + 1).expect("text");
+            }
+            count += 1 + 4 * n;
+        }
+    }
+    text
+}
+
+fn inside() -> String {
+    camera([0.2, -0.3, 0.1], [0.0, 0.5, -0.1], 120.0)
+}
+
+#[test]
+fn fans_of_slivers_are_a_closed_furnace() {
+    // 400 triangles share a corner; those at the edge are 1e9 times as long as they are wide.
+    for (n, offset) in [(100, 1e-9), (100, 0.5), (3, 1e-7), (100, 1e-5)] {
+        let mut scene =
+            scene(&inside(), 16, -1, &mesh(&format!("{n}-{offset}.obj"), &fans(n, offset)));
+        scene.integrator.rr_depth = 5;
+        println!("{} triangles, {} left out", scene.primitives.len(), scene.degenerate_triangles);
+        let film = rendered(&mut scene, 256, 1);
+        assert_mean(&format!("fans of {n}, offset {offset:e}"), &film, 1.0);
+    }
+}
+
+#[test]
+fn triangles_without_area_are_left_out_with_a_count() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 0 0\nf 1 2 3\nf 1 1 4\nf 2 4 5\nf 1 2 4\n";
+    let scene = scene(&inside(), 4, 2, &mesh("flat.obj", obj));
+    assert_eq!((scene.primitives.len(), scene.degenerate_triangles), (1, 3));
+}
+
+/// A camera exactly on a wall, in a corner of the room, or in the plane of a light sees a furnace or
+/// black, but never something else.
+#[test]
+fn cameras_in_walls() {
+    let room =
+        format!(r#"<shape type="cube"><boolean name="flip_normals" value="true"/>{WHITE}</shape>"#);
+    for origin in [[1.0, 0.0, 0.0], [1.0, 1.0, -1.0], [0.0, -1.0, 0.25]] {
+        let mut scene = scene(&camera(origin, [0.1, 0.2, 0.0], 40.0), 8, -1, &room);
+        scene.integrator.rr_depth = 5;
+        let film = rendered(&mut scene, 64, 1);
+        for pixel in film.pixels() {
+            let mean = pixel.mean()[0];
+            assert!((0.0..1.5).contains(&mean), "{origin:?}: {mean}");
+        }
+    }
+}
+
+/// A light in the same plane as the wall that it hangs on: the wall gets nothing from it, and each
+/// pixel shows one or the other.
+#[test]
+fn a_light_in_the_plane_of_a_wall() {
+    let elements = r#"
+        <shape type="rectangle"><scale value="1"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+        <shape type="rectangle"><transform name="to_world"><scale value="0.5"/></transform>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>"#
+        .replace(r#"<scale value="1"/>"#, "");
+    let mut scene = scene(&camera([0.0, -2.0, 2.0], [0.0; 3], 50.0), 16, 4, &elements);
+    let film = rendered(&mut scene, 64, 1);
+    for pixel in film.pixels() {
+        let mean = pixel.mean()[0];
+        assert!((0.0..=3.0).contains(&mean), "{mean}");
+    }
+}
+
+/// Shading normals that face away from the viewer or lie in the surface: dark perhaps, never NaN and
+/// never brighter than what they could reflect.
+#[test]
+fn shading_normals_that_face_away() {
+    let obj = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 -1\nvn 1 0 0\nvn 0 0 1\nvn 0 1 1e-20\n\
+               f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n";
+    let bent = mesh("bent.obj", obj).replace(r#"<boolean name="face_normals" value="true"/>"#, "");
+    let sky = format!(
+        r#"<shape type="sphere"><boolean name="flip_normals" value="true"/>
+            <float name="radius" value="10"/>{WHITE}</shape>"#
+    );
+    for origin in [[0.0, 0.0, 3.0], [3.0, 0.0, 1e-4], [0.0, 0.0, -3.0], [2.0, 1.0, 0.0]] {
+        let mut scene =
+            scene(&camera(origin, [0.1, 0.0, 0.0], 60.0), 16, 6, &(sky.clone() + &bent));
+        let film = rendered(&mut scene, 64, 1);
+        for pixel in film.pixels() {
+            let mean = pixel.mean()[0];
+            assert!(mean.is_finite() && (0.0..8.0).contains(&mean), "{origin:?}: {mean}");
+        }
+    }
+}
+
+/// The file is refused where single precision cannot compute with it, and says so.
+#[test]
+fn coordinates_out_of_range_are_an_error() {
+    let huge = r#"<scene version="3.0.0"><sensor type="perspective"/><shape type="sphere">
+        <float name="radius" value="1e30"/></shape></scene>"#;
+    let error = Scene::from_str(huge, Path::new("."), &[]).err().expect("refused").to_string();
+    assert!(error.contains("too small or too large") && error.contains("scene.xml:"), "{error}");
+}
