@@ -80,7 +80,15 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
 
     #[inline(always)]
     fn pdf_of_uniforms(&self, u: S::Uniforms) -> PdfOf<Self, R> {
-        self.pdf(&self.forward(u).0)
+        let x = self.first.forward(u).0;
+        let y = self.second.forward(&x).0;
+        let mut preimages = 0;
+        self.second.preimages(&y, |_, _| preimages += 1);
+        // Where other points have the same image, only inversion finds them.
+        if preimages > 1 {
+            return self.pdf(&y);
+        }
+        Density::new(self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x))
     }
 
     #[inline(always)]

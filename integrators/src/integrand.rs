@@ -62,7 +62,7 @@ impl<'w, 's> Radiance<'w, 's> {
     /// much only for long lenses.
     fn film_error(&self, eye: &SceneVertex, seen: &SceneVertex) -> Vec2<f32> {
         let size = eye.position.abs().max_element() + seen.position.abs().max_element();
-        let angle = 4.0 * f32::EPSILON * (1.0 + size / seen.position.distance(eye.position));
+        let angle = 8.0 * f32::EPSILON * (1.0 + size / seen.position.distance(eye.position));
         let scale = self.world.film_scale();
         Vec2::new(angle / scale.x, angle / scale.y)
     }

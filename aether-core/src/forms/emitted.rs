@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use crate::discrete::{Discrete, FixedOutcomes};
+use crate::discrete::{Choice, Discrete, FixedOutcomes};
 use crate::map::Map;
 use crate::point::Includes;
 use crate::real::{Real, Scalar};
@@ -26,6 +26,67 @@ pub fn draw<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>(
 pub fn mapped<R: Scalar, M: Map<R>>(map: &M, x: &M::Source) -> Option<M::Target> {
     let (y, valid) = map.forward(x);
     valid.then_some(y)
+}
+
+/// A sample of `sampler` with its density, told from the uniforms.
+#[inline(always)]
+pub fn draw_with_density<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>(
+    sampler: &S,
+    uniforms: &mut U,
+) -> Option<(S::Point, Option<R>)> {
+    let u = draw_uniforms::<R, S::Uniforms>(uniforms);
+    let (point, valid) = sampler.forward(u);
+    valid.then(|| (point, Some(sampler.pdf_of_uniforms(u).value())))
+}
+
+/// The image of `x`, if there is one, and its density if that of `x` is known and nothing else is mapped
+/// to it.
+#[inline(always)]
+pub fn mapped_with_density<R: Scalar, M: Map<R>>(
+    map: &M,
+    x: &M::Source,
+    density: Option<R>,
+) -> Option<(M::Target, Option<R>)> {
+    let (y, valid) = map.forward(x);
+    let mut preimages = 0;
+    map.preimages(&y, |_, _| preimages += 1);
+    let density = density.filter(|_| preimages == 1).map(|p| p / map.jacobian(x));
+    valid.then_some((y, density))
+}
+
+/// The product of what is known of a density.
+#[inline(always)]
+pub fn own_times<R: Scalar>(own: Option<R>, factor: Option<R>) -> Option<R> {
+    Some(product(own?, factor?))
+}
+
+/// What is known, if the rule tells of the vertex that it came from outcome `index` and no other.
+#[inline(always)]
+pub fn if_identified<R, V, I: IntoIterator<Item = usize>>(
+    own: Option<R>,
+    vertex: &V,
+    rule: impl Fn(&V) -> I,
+    index: usize,
+) -> Option<R> {
+    own.filter(|_| identify(vertex, rule).eq([index]))
+}
+
+/// The probability of the only outcome that leads anywhere; `None` if there may be others.
+#[inline(always)]
+pub fn only<'d, R: Scalar, D: Discrete<R>>(
+    distribution: &'d D,
+    leads: impl Fn(D::Item<'d>) -> bool,
+) -> Option<R> {
+    if distribution.len() > 2 {
+        return None;
+    }
+    let (mut count, mut probability) = (0, R::ZERO);
+    distribution.for_each(|item, p| {
+        if leads(item) {
+            (count, probability) = (count + 1, p);
+        }
+    });
+    (count == 1).then_some(probability)
 }
 
 /// The locally constant value that `target` came from; `call` only names its type and is not called.
@@ -88,10 +149,15 @@ impl<T> OutcomesOf<T> {
     }
 }
 
-/// An outcome drawn from `distribution`.
+/// An outcome drawn from `distribution`: the choice, and what was chosen.
 #[inline(always)]
-pub fn outcome<R: Scalar, D: FixedOutcomes<R>>(distribution: &D, u: R) -> D::Outcome {
-    D::outcome(distribution.sample(u).index)
+pub fn outcome<'d, R: Scalar, D: FixedOutcomes<R>>(
+    distribution: &'d D,
+    u: R,
+) -> (Choice<D::Item<'d>, R>, D::Outcome) {
+    let choice = distribution.sample(u);
+    let outcome = D::outcome(choice.index);
+    (choice, outcome)
 }
 
 /// The vertex that another strategy yields for the same path.

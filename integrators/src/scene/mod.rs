@@ -160,7 +160,10 @@ impl Scene {
         let primitive = self.primitive(raw.primitive);
         let w = raw.weights;
         let position = match *primitive {
-            Primitive::Triangle { v0, v1, v2 } => w.x * v0 + w.y * v1 + w.z * v2,
+            Primitive::Triangle { v0, v1, v2 } => {
+                let by_weights = w.x * v0 + w.y * v1 + w.z * v2;
+                on_plane([v0, v1, v2], origin, direction).unwrap_or(by_weights)
+            }
             Primitive::Sphere { center, radius, .. } => {
                 let c = center.as_dvec3();
                 let outwards = (origin + raw.t * direction).as_dvec3() - c;
@@ -180,4 +183,18 @@ impl Scene {
             shading_normal: shading_normal.unwrap_or(geometric_normal),
         }
     }
+}
+
+/// Where a ray meets the plane of a triangle, rounded once: the weights of the corners give a point with
+/// the rounding error of the corners, which may be large beside the distance of a hit on a huge triangle.
+/// `None` where the plane is ill-defined or nearly parallel to the ray, so that the point is not in the box
+/// round the triangle.
+fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
+    let normal = mesh::double_area_normal(&corners);
+    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
+    let point = (o + t * d).as_vec3();
+    let [a, b, c] = corners;
+    let inside = point.cmpge(a.min(b).min(c)).all() && point.cmple(a.max(b).max(c)).all();
+    inside.then_some(point)
 }

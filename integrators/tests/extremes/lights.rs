@@ -87,7 +87,7 @@ fn a_light_in_the_plane_of_the_receiver_gives_nothing() {
 /// F = (atan(1/Y) - Y/√(X²+Y²) atan(1/√(X²+Y²))) / 2π for each half, with edges 1 along the plane.
 #[test]
 fn a_wall_that_begins_at_a_small_distance() {
-    for d in [1e-6, 1e-4, 1e-2] {
+    for d in [2e-5, 1e-4, 1e-2] {
         let wall = format!(
             r#"<translate x="0" y="1" z="0"/><scale value="0.5"/><scale x="2"/>
                <rotate x="1" angle="90"/><rotate z="1" angle="0"/><translate x="0" y="{d}" z="0"/>"#
@@ -123,15 +123,15 @@ fn a_point_just_above_a_light() {
         assert_mean(&format!("{gap:e} above a light"), &film, irradiance * ALBEDO / PI);
     }
 }
+/// A long lens: pixels a few rounding errors wide lose nothing at their rims.
 #[test]
-fn debug_fov() {
-    for fov in [40.0, 1.0, 0.01, 0.001, 0.0001] {
-        let lamp = light("rectangle", r#"<scale value="10"/>"#, 1.0);
-        let camera = camera([1.0, -0.5, 0.4], [0.3,0.1,0.0], fov);
-        let mut scene = scene(&camera, 1, 1, &lamp);
-        for n in [1,2,3,4,64,1024] {
-        let film = rendered(&mut scene, n, 1);
-        println!("fov {fov} {n} {:?}", film.pixels()[0].mean()[0]);
+fn a_long_lens_loses_no_light() {
+    let lamp = light("rectangle", r#"<scale value="10"/>"#, 1.0);
+    for fov in [40.0, 1.0, 1e-2, 1e-4] {
+        let camera = camera([1.0, -0.5, 0.4], [0.3, 0.1, 0.0], fov);
+        let film = rendered(&mut scene(&camera, 2, 1, &lamp), 4096, 1);
+        for pixel in film.pixels() {
+            assert!((pixel.mean()[0] - 1.0).abs() < 1e-5, "fov {fov}: {}", pixel.mean()[0]);
         }
     }
 }

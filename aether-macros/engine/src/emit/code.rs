@@ -155,7 +155,8 @@ impl<'a> Code<'a> {
         let mut parts = Parts::default();
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
-        for (b, e) in factors {
+        let quotients = self.powers_of_quotients(factors, &mut parts);
+        for (b, e) in factors.iter().filter(|(_, e)| !quotients.contains(&self.size(*e))) {
             let base = self.reference(*b);
             match self.graph.as_number(*e) {
                 Some(q) if q.abs() == Q::HALF && roots == 1 => {
@@ -170,6 +171,31 @@ impl<'a> Code<'a> {
             }
         }
         parts.finish()
+    }
+
+    /// The size of an integer exponent from two on.
+    fn size(&self, e: Id) -> Option<i128> {
+        self.graph.as_number(e).filter(|q| q.is_int()).map(|q| q.abs().num()).filter(|n| *n > 1)
+    }
+
+    /// Factors with the same power above and below the line, as a power of the quotient: it stays in range
+    /// where the powers do not. The powers for which there are such factors.
+    fn powers_of_quotients(&self, factors: &[(Id, Id)], parts: &mut Parts) -> Vec<Option<i128>> {
+        let mut found = Vec::new();
+        for power in factors.iter().filter_map(|(_, e)| self.size(*e)) {
+            let mut quotient = Parts::default();
+            for (b, e) in factors.iter().filter(|(_, e)| self.size(*e) == Some(power)) {
+                let below = self.graph.as_number(*e).is_some_and(Q::is_negative);
+                quotient.push_whole(self.reference(*b), below);
+            }
+            let mixed = !quotient.top.is_empty() && !quotient.bottom.is_empty();
+            if mixed && !found.contains(&Some(power)) {
+                let (quotient, power_of) = (quotient.finish(), integer_power(&quote!(q), power));
+                parts.top.push(quote!({ let q = #quotient; #power_of }));
+                found.push(Some(power));
+            }
+        }
+        found
     }
 
     /// √base; a sum of squares small enough to underflow is computed again on another scale.
