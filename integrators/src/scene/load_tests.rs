@@ -120,7 +120,8 @@ fn transforms_compose_in_file_order() {
     let Primitive::Sphere { center, radius, flipped } = scene.primitives[0] else {
         panic!("not a sphere");
     };
-    assert!((center - vec3(10.0, 2.0, 0.0)).length() < 1e-6);
+    let in_file = scene.origin.as_vec3() + center;
+    assert!((in_file - vec3(10.0, 2.0, 0.0)).length() < 1e-6);
     assert_eq!((radius, flipped), (1.0, false));
 }
 

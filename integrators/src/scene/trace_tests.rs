@@ -280,7 +280,7 @@ fn surfaces_do_not_hit_themselves() {
     for scale in [1e-6, 1.0, 1e6] {
         let scene = room(scale);
         let mut random = Random(5);
-        let center = scale * Vec3::new(5.0, -7.0, 3.0);
+        let center = (f64::from(scale) * DVec3::new(5.0, -7.0, 3.0) - scene.origin).as_vec3();
         let mut last: Option<Hit> = None;
         let (mut escaped, mut near, mut hidden) = (0, 0, 0);
         for _ in 0..100_000 {
