@@ -69,8 +69,8 @@ pub(super) fn density(
     for &v in volumes {
         let p = g.powi(v, -1);
         for map in [&s.known, &only] {
-            let mut direct = g.substitute(p, map);
-            // What one substitution uncovers another may know.
+            let known = recognised(g, p, map);
+            let mut direct = g.substitute(known, map);
             direct = g.substitute(direct, &only);
             let tidy = simplify(g, direct, None);
             candidates.push(s.spell_out(g, direct));
@@ -105,6 +105,23 @@ pub(super) fn density(
     }
     let (best, error) = pick(g, &all, &truth, measure);
     (guard(g, best), error)
+}
+
+/// An expression with what a solution knows of more than single unknowns put in, the longest first:
+/// it must be done while the unknowns that it is recognised by are there.
+fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
+    let mut composed = known.clone();
+    composed.retain(|id, _| !matches!(g.node(*id), Node::Leaf(_)));
+    let mut longest: Vec<(Id, Id)> = composed.iter().map(|(part, value)| (*part, *value)).collect();
+    longest.sort_by_key(|(part, _)| std::cmp::Reverse(cost(g, *part)));
+    // What one replacement uncovers another may know.
+    for _ in 0..2 {
+        for &(part, value) in &longest {
+            id = g.replace_part(id, part, value);
+        }
+        id = g.substitute(id, &composed);
+    }
+    id
 }
 
 /// √(p²), where the square is free of roots that the expression has: products of several roots
