@@ -5,7 +5,7 @@ use std::hash::BuildHasherDefault;
 use crate::derivative::derivative;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::hash::Quick;
-use crate::poly::Expander;
+use crate::poly::{Expander, paired};
 use crate::rational::Q;
 use crate::solve::linear::{cross, determinant, dot};
 
@@ -197,7 +197,7 @@ pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
             best = n;
         }
     }
-    best
+    paired(g, best)
 }
 
 /// A rough count of the work to evaluate an expression, shared parts counted once.

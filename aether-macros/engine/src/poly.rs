@@ -4,6 +4,7 @@
 //! of square roots and of cosines are reduced, and a caller may add relations of his own (the
 //! coordinates of a direction have squares that add up to one).
 
+mod pairs;
 mod ratfun;
 
 use std::cmp::Ordering;
@@ -12,6 +13,7 @@ use crate::expr::{Deps, Graph, Id};
 use crate::hash::Map;
 use crate::rational::Q;
 
+pub use pairs::paired;
 pub use ratfun::{Expander, RatFun};
 
 /// A monomial: (atom, exponent) pairs, largest atom first; exponents positive.
