@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
+use super::parts::Whole;
 use super::regimes::best_coordinates;
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::jacobian::{cost, simplify};
 use crate::measure::{Loss, Measure};
+use crate::number::Number;
 use crate::overflow::guard;
+use crate::poly::Expander;
 use crate::solve::Solution;
 use crate::stabilise::stabilise;
 
@@ -26,6 +29,27 @@ fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], measure: &mut Measure) 
         .min_by_key(|s| s.2)
         .or(scored.first())
         .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst))
+}
+
+/// Coordinates one by one in their most accurate form: as written, tidied or stabilised.
+pub(super) fn accurate(
+    g: &mut Graph,
+    written: &[Id],
+    tidied: &[Id],
+    measure: &mut Measure,
+) -> Vec<Id> {
+    let mut best = |(&written, &tidied): (&Id, &Id)| {
+        let truth = measure.truths(g, written);
+        let forms = [written, tidied, stabilise(g, tidied, measure)];
+        pick(g, &forms, &truth, measure).0
+    };
+    written.iter().zip(tidied).map(&mut best).collect()
+}
+
+/// Forms of an expression of the point in which constants are what the coordinates add up to.
+fn in_parts(g: &mut Graph, whole: &Whole, id: Id) -> Vec<Id> {
+    let normal = Expander::new(g).normal_form(id);
+    [Some(id), normal].into_iter().flatten().map(|form| whole.put_into(g, form)).collect()
 }
 
 pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut Measure) -> Id {
@@ -58,7 +82,7 @@ fn divides_by_the_point(g: &Graph, id: Id) -> bool {
 pub(super) fn density(
     problem: &mut Problem,
     s: &Solution,
-    volumes: &[Id],
+    (volumes, whole): (&[Id], Option<&Whole>),
     cases: &[Case],
     measure: &mut Measure,
     injective: bool,
@@ -82,6 +106,9 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
+    if let Some(whole) = whole {
+        candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
+    }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -135,7 +162,7 @@ fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
 pub(super) fn finish(
     problem: &mut Problem,
     s: &Solution,
-    density: Id,
+    (density, whole): (Id, Option<&Whole>),
     cases: &[Case],
     measure: &mut Measure,
     (injective, check_forward): (bool, bool),
@@ -144,9 +171,17 @@ pub(super) fn finish(
     let tested: Vec<Id> = problem
         .unknowns
         .iter()
-        .map(|l| {
-            let stable = stabilise(g, s.unknowns[l], measure);
-            guard(g, stable)
+        .enumerate()
+        .map(|(i, l)| {
+            let mut best = stabilise(g, s.unknowns[l], measure);
+            if let Some(whole) = whole {
+                let truth: Vec<f64> =
+                    cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+                let mut forms = in_parts(g, whole, s.unknowns[l]);
+                forms.push(best);
+                best = pick(g, &forms, &truth, measure).0;
+            }
+            guard(g, best)
         })
         .collect();
     let map: BTreeMap<Id, Id> =
