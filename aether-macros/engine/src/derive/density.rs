@@ -92,6 +92,7 @@ pub(super) fn density(
     let mut candidates = Vec::new();
     for &v in volumes {
         let p = g.powi(v, -1);
+        let p = s.names.iter().fold(p, |p, (&name, &value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {
             let known = recognised(g, p, map);
             let mut direct = g.substitute(known, map);

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::{Condition, Equation, State};
+use super::{Condition, Equation, State, scale};
 use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
-use crate::poly::{Expander, Poly, RatFun};
+use crate::poly::{Expander, Poly, RatFun, coefficients};
 use crate::rational::Q;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
@@ -231,6 +231,35 @@ fn without_signs(g: &mut Graph, root: Id) -> Id {
         .collect();
     let body = g.product(&factors);
     g.sum(Q::ZERO, &[(q, body)])
+}
+
+/// Gives the coefficients of polynomial equations in several unknowns names, where they are sums. Multiplied
+/// out in all that follows, these would become long, and cancel: b - a and c - d of the corners a, b, c
+/// and d are small where the corners are not.
+pub(super) fn name_coefficients(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let mut next = state.clone();
+    let mut sums = 0;
+    for e in next.equations.iter_mut().filter(|e| !e.modulo_turn) {
+        if (g.deps(e.rhs) & UNKNOWNS).count_ones() < 2 {
+            continue;
+        }
+        let difference = g.sub(e.rhs, e.known);
+        let mut terms = Vec::new();
+        for (open, known) in coefficients(g, difference)? {
+            let long = matches!(g.node(known), Node::Sum(c, t) if t.len() + usize::from(!c.is_zero()) > 1);
+            let value = match (long, next.solution.names.iter().find(|(_, v)| **v == known)) {
+                (true, Some((name, _))) => *name,
+                (true, None) => {
+                    sums += 1;
+                    scale::next_name(g, &mut next.solution, known)?
+                }
+                (false, _) => known,
+            };
+            terms.push((Q::ONE, g.mul(value, open)));
+        }
+        *e = Equation { known: g.int(0), rhs: g.sum(Q::ZERO, &terms), modulo_turn: false };
+    }
+    (sums > 0).then(|| vec![next])
 }
 
 /// Isolates one unknown of an equation with several and substitutes it into the others.
