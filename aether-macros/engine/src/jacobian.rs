@@ -5,7 +5,7 @@ use std::hash::BuildHasherDefault;
 use crate::derivative::derivative;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::hash::Quick;
-use crate::poly::{Expander, collected, paired};
+use crate::poly::{Expander, gathered, paired};
 use crate::rational::Q;
 use crate::solve::linear::{cross, determinant, dot};
 
@@ -69,31 +69,17 @@ pub fn volume(
         Source::Free if m == n => {
             let d = determinant(g, &columns);
             let tidy = simplify(g, d, None);
-            let mut candidates = vec![d, tidy];
-            candidates.extend(of_collected(g, &columns));
-            let sizes = candidates.into_iter().map(|d| g.call(crate::expr::Fun::Abs, &[d]));
-            let sizes: Vec<Id> = sizes.collect();
-            Ok(distinct(sizes))
+            let gather = |g: &mut Graph, c: &Vec<Id>| c.iter().map(|&f| gathered(g, f)).collect();
+            let columns: Vec<Vec<Id>> = columns.iter().map(|c| gather(g, c)).collect();
+            let short = determinant(g, &columns);
+            let candidates = [d, tidy, short].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            Ok(distinct(candidates.to_vec()))
         }
         Source::Free if n < m => embedded(g, &columns),
         Source::Free => Err(format!(
             "{n} uniforms for a point with {m} coordinates: more uniforms than dimensions give a marginal density, which is an integral and no formula"
         )),
     }
-}
-
-/// The determinant of polynomials with what is known in them collected.
-fn of_collected(g: &mut Graph, columns: &[Vec<Id>]) -> Option<Id> {
-    if columns.len() < 2 || !columns.iter().flatten().any(|c| has_parameters(g, *c)) {
-        return None;
-    }
-    let column = |g: &mut Graph, c: &Vec<Id>| c.iter().map(|&f| collected(g, f)).collect();
-    let columns: Vec<Vec<Id>> = columns.iter().map(|c| column(g, c)).collect::<Option<_>>()?;
-    Some(determinant(g, &columns))
-}
-
-fn has_parameters(g: &Graph, id: Id) -> bool {
-    g.has(id, !(UNKNOWNS | crate::expr::OUTS))
 }
 
 /// The volume of a normalised vector T / |T|: |T · (∂T × ∂T)| / |T|³, where the vector product spans

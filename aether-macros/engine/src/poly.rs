@@ -15,7 +15,7 @@ use crate::expr::{Deps, Graph, Id};
 use crate::hash::Map;
 use crate::rational::Q;
 
-pub use collect::{coefficients, collected};
+pub use collect::{coefficients, gathered};
 pub use dependence::parts_of_one;
 pub use pairs::paired;
 pub use ratfun::{Expander, RatFun};

@@ -90,9 +90,11 @@ pub(super) fn density(
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
+    let mut names: Vec<(Id, Id)> = s.names.iter().map(|(name, value)| (*name, *value)).collect();
+    names.sort_by_key(|(_, value)| std::cmp::Reverse(cost(g, *value)));
     for &v in volumes {
         let p = g.powi(v, -1);
-        let p = s.names.iter().fold(p, |p, (&name, &value)| g.replace_part(p, value, name));
+        let p = names.iter().fold(p, |p, &(name, value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {
             let known = recognised(g, p, map);
             let mut direct = g.substitute(known, map);

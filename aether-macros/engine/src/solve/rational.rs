@@ -203,8 +203,13 @@ fn modulo_units(g: &mut Graph, p: Poly) -> Poly {
 }
 
 /// Both roots in the form 2c₀ / (-c₁ ∓ √D): the sum below does not cancel for one of the signs.
-fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, _c2: &Poly, discriminant: &Poly) -> Vec<Id> {
-    let (c0, c1, d) = (c0.to_expr(g), c1.to_expr(g), discriminant.to_expr(g));
+///
+/// The discriminant is multiplied out only where that makes it shorter.
+fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly) -> Vec<Id> {
+    let (c0, c1, c2, open) = (c0.to_expr(g), c1.to_expr(g), c2.to_expr(g), discriminant.to_expr(g));
+    let (square, other) = (g.powi(c1, 2), g.mul(c0, c2));
+    let composed = g.sum(Q::ZERO, &[(Q::ONE, square), (Q::int(-4), other)]);
+    let d = if cost(g, composed) < cost(g, open) { composed } else { open };
     let root = g.sqrt(d);
     let root = without_signs(g, root);
     let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
