@@ -109,11 +109,15 @@ impl Search<'_> {
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
-        let scored: Vec<(Id, f64)> = forms.iter().map(|f| (f.0, f.1.loss().bits)).collect();
-        let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
+        let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
+        let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
+        let close = |s: &&(Id, Loss)| s.1.bits <= least + 0.4;
+        // What is good at every point goes before what is only good on average.
+        let everywhere = scored.iter().filter(close).any(|s| s.1.worst <= self.good);
         scored
             .iter()
-            .filter(|s| s.1 <= least + 0.4)
+            .filter(close)
+            .filter(|s| !everywhere || s.1.worst <= self.good)
             .min_by_key(|s| cost(g, s.0))
             .map_or(original, |s| s.0)
     }
