@@ -181,10 +181,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
         let injective = solutions.len() == 1;
-        let (density, error) = density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);
+        let (density, error) =
+            density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
-        let preimage = finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
+        let preimage =
+            finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
         preimages.push(preimage);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();

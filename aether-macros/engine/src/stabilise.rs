@@ -59,7 +59,8 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure)
 fn by_turns(g: &mut Graph, id: Id) -> Id {
     let (q, body) = g.split(id);
     let factors = g.factors(body);
-    let turned = factors.into_iter().map(|(b, e)| (of_turn(g, b).unwrap_or(b), e)).collect::<Vec<_>>();
+    let turned =
+        factors.into_iter().map(|(b, e)| (of_turn(g, b).unwrap_or(b), e)).collect::<Vec<_>>();
     let body = g.product(&turned);
     g.sum(Q::ZERO, &[(q, body)])
 }

@@ -178,8 +178,7 @@ pub(super) fn finish(
         .map(|(i, l)| {
             let mut best = stabilise(g, s.unknowns[l], measure);
             if let Some(whole) = whole {
-                let truth: Vec<f64> =
-                    cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+                let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
                 let mut forms = in_parts(g, whole, s.unknowns[l]);
                 forms.push(best);
                 best = pick(g, &forms, &truth, measure).0;

@@ -33,8 +33,7 @@ impl Whole {
         let tidy: Vec<Id> = problem.outputs.iter().map(|&o| tidied(g, o)).collect();
         let usable = (0..tidy.len()).filter(|&i| !self.0[i].is_zero());
         let left_out = usable.max_by_key(|&i| cost(g, tidy[i])).unwrap_or(0);
-        let kept: Vec<Id> =
-            (0..tidy.len()).filter(|i| *i != left_out).map(|i| tidy[i]).collect();
+        let kept: Vec<Id> = (0..tidy.len()).filter(|i| *i != left_out).map(|i| tidy[i]).collect();
         let mut columns = Vec::new();
         for &u in &problem.unknowns {
             let slopes: Vec<Id> = kept.iter().map(|&f| derivative(g, f, u)).collect();
@@ -98,7 +97,11 @@ impl Whole {
 fn positive(g: &mut Graph, base: Id, exponent: Id) -> Vec<(Id, Id)> {
     let whole = g.as_number(exponent).is_some_and(Q::is_int);
     match g.node(base) {
-        Node::Sum(c, terms) if whole && (c.is_zero() || c.is_negative()) && terms.iter().all(|t| t.0.is_negative()) => {
+        Node::Sum(c, terms)
+            if whole
+                && (c.is_zero() || c.is_negative())
+                && terms.iter().all(|t| t.0.is_negative()) =>
+        {
             vec![(g.neg(base), exponent), (g.int(-1), exponent)]
         }
         _ => vec![(base, exponent)],
@@ -130,7 +133,8 @@ pub(super) fn tidied(g: &mut Graph, id: Id) -> Id {
             }
         }
         Node::Product(factors) => {
-            let factors: Vec<(Id, Id)> = factors.into_iter().map(|(b, e)| (tidied(g, b), e)).collect();
+            let factors: Vec<(Id, Id)> =
+                factors.into_iter().map(|(b, e)| (tidied(g, b), e)).collect();
             g.product(&factors)
         }
         Node::Call(f, args) => {

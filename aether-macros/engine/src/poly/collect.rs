@@ -10,16 +10,14 @@ pub fn coefficients(g: &mut Graph, id: Id) -> Option<Vec<(Id, Id)>> {
     let function = Expander::new(g).expand(id).filter(|f| f.den.is_empty())?;
     let mut groups: Vec<(Mono, Vec<(Mono, Q)>)> = Vec::new();
     for (m, q) in function.num.0 {
-        let (open, known): (Mono, Mono) =
-            m.into_iter().partition(|(a, _)| g.has(*a, UNKNOWNS));
+        let (open, known): (Mono, Mono) = m.into_iter().partition(|(a, _)| g.has(*a, UNKNOWNS));
         match groups.iter_mut().find(|(o, _)| *o == open) {
             Some((_, terms)) => terms.push((known, q)),
             None => groups.push((open, vec![(known, q)])),
         }
     }
     let mut expression = |(open, known): (Mono, Vec<(Mono, Q)>)| {
-        let factors: Vec<(Id, Id)> =
-            open.iter().map(|(a, e)| (*a, g.int(i64::from(*e)))).collect();
+        let factors: Vec<(Id, Id)> = open.iter().map(|(a, e)| (*a, g.int(i64::from(*e)))).collect();
         let terms = Poly(known).terms(g);
         (g.product(&factors), g.sum(Q::ZERO, &terms))
     };

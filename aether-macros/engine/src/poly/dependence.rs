@@ -8,15 +8,13 @@ use crate::rational::Q;
 /// numbers.
 pub fn parts_of_one(g: &mut Graph, expressions: &[Id]) -> Option<Vec<Q>> {
     let mut e = Expander::new(g);
-    let functions: Vec<RatFun> =
-        expressions.iter().map(|&x| e.expand(x)).collect::<Option<_>>()?;
+    let functions: Vec<RatFun> = expressions.iter().map(|&x| e.expand(x)).collect::<Option<_>>()?;
     let columns = over_one_denominator(&functions)?;
     let mut monomials: Vec<&Mono> = columns.iter().flat_map(|p| &p.0).map(|(m, _)| m).collect();
     monomials.sort();
     monomials.dedup();
-    let coefficient = |p: &Poly, m: &Mono| {
-        p.0.iter().find(|(n, _)| n == m).map_or(Q::ZERO, |(_, q)| *q)
-    };
+    let coefficient =
+        |p: &Poly, m: &Mono| p.0.iter().find(|(n, _)| n == m).map_or(Q::ZERO, |(_, q)| *q);
     let rows: Vec<Vec<Q>> =
         monomials.iter().map(|m| columns.iter().map(|p| coefficient(p, m)).collect()).collect();
     let kernel = kernel(rows, columns.len())?;

@@ -251,7 +251,8 @@ pub(super) fn name_coefficients(g: &mut Graph, state: &State) -> Option<Vec<Stat
         let difference = g.sub(e.rhs, e.known);
         let mut terms = Vec::new();
         for (open, known) in coefficients(g, difference)? {
-            let long = matches!(g.node(known), Node::Sum(c, t) if t.len() + usize::from(!c.is_zero()) > 1);
+            let long =
+                matches!(g.node(known), Node::Sum(c, t) if t.len() + usize::from(!c.is_zero()) > 1);
             let value = match (long, next.solution.names.iter().find(|(_, v)| **v == known)) {
                 (true, Some((name, _))) => *name,
                 (true, None) => {
