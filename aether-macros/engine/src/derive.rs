@@ -4,6 +4,7 @@ mod cases;
 mod density;
 mod joint;
 mod limits;
+mod parts;
 mod regimes;
 mod strays;
 
@@ -19,7 +20,7 @@ use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
 use cases::{cases, inputs, prune, verify_volume};
-use density::{density, finish, pick_volume};
+use density::{accurate, density, finish, pick_volume};
 use limits::parameters_with_limits;
 
 /// What the type of the result guarantees.
@@ -142,16 +143,10 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     crate::poly::start_budget();
     let targets = declare_outputs(problem);
     all_used(problem)?;
-    let source = source_of(problem);
-    let inner = match joint::volume(problem) {
-        Some(volume) => volume?,
-        None => volume(
-            &mut problem.graph,
-            &problem.outputs,
-            &problem.unknowns,
-            source,
-            &problem.frames,
-        )?,
+    let whole = parts::whole(problem);
+    let (outputs, inner) = match &whole {
+        Some(whole) => whole.volume(problem),
+        None => (problem.outputs.clone(), any_volume(problem)?),
     };
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
@@ -172,8 +167,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     };
     let mut unknown_points = measured(problem, true);
     let mut out_points = measured(problem, false);
-    let outputs = problem.outputs.clone();
-    let forward = stabilise_point(&mut problem.graph, &outputs, &mut unknown_points);
+    let written = problem.outputs.clone();
+    let forward = match &whole {
+        // Each part counts, however small.
+        Some(_) => accurate(&mut problem.graph, &written, &outputs, &mut unknown_points),
+        None => stabilise_point(&mut problem.graph, &written, &mut unknown_points),
+    };
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();
@@ -182,10 +181,13 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
         let injective = solutions.len() == 1;
-        let (density, error) = density(problem, s, &volumes, &cases, &mut out_points, injective);
+        let (density, error) =
+            density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
-        preimages.push(finish(problem, s, density, &cases, &mut out_points, flags));
+        let preimage =
+            finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
+        preimages.push(preimage);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
@@ -201,6 +203,16 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst_error: worst,
         steps,
     })
+}
+
+/// Equal expressions for √det(JᵀJ).
+fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
+    if let Some(volume) = joint::volume(problem) {
+        return volume;
+    }
+    let source = source_of(problem);
+    let g = &mut problem.graph;
+    volume(g, &problem.outputs, &problem.unknowns, source, &problem.frames)
 }
 
 /// Volumes in terms of the uniforms, where the unknowns run over segments of them.

@@ -5,7 +5,7 @@ use std::hash::BuildHasherDefault;
 use crate::derivative::derivative;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::hash::Quick;
-use crate::poly::Expander;
+use crate::poly::{Expander, gathered, paired};
 use crate::rational::Q;
 use crate::solve::linear::{cross, determinant, dot};
 
@@ -69,7 +69,10 @@ pub fn volume(
         Source::Free if m == n => {
             let d = determinant(g, &columns);
             let tidy = simplify(g, d, None);
-            let candidates = [d, tidy].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            let gather = |g: &mut Graph, c: &Vec<Id>| c.iter().map(|&f| gathered(g, f)).collect();
+            let columns: Vec<Vec<Id>> = columns.iter().map(|c| gather(g, c)).collect();
+            let short = determinant(g, &columns);
+            let candidates = [d, tidy, short].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
             Ok(distinct(candidates.to_vec()))
         }
         Source::Free if n < m => embedded(g, &columns),
@@ -197,7 +200,7 @@ pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
             best = n;
         }
     }
-    best
+    paired(g, best)
 }
 
 /// A rough count of the work to evaluate an expression, shared parts counted once.

@@ -4,6 +4,9 @@
 //! of square roots and of cosines are reduced, and a caller may add relations of his own (the
 //! coordinates of a direction have squares that add up to one).
 
+mod collect;
+mod dependence;
+mod pairs;
 mod ratfun;
 
 use std::cmp::Ordering;
@@ -12,6 +15,9 @@ use crate::expr::{Deps, Graph, Id};
 use crate::hash::Map;
 use crate::rational::Q;
 
+pub use collect::{coefficients, gathered};
+pub use dependence::parts_of_one;
+pub use pairs::paired;
 pub use ratfun::{Expander, RatFun};
 
 /// A monomial: (atom, exponent) pairs, largest atom first; exponents positive.

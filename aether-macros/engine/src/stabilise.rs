@@ -32,7 +32,15 @@ pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> 
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
 /// whole needs it: an error counts relative to the length of the vector.
+///
+/// On a line a coordinate's zeros are the point's, and no point that is tried may be one: sines and
+/// cosines of fractions of a turn are taken as such.
 pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure) -> Vec<Id> {
+    let by_turns = match *coordinates {
+        [single] => vec![by_turns(g, single)],
+        _ => coordinates.to_vec(),
+    };
+    let coordinates = &by_turns[..];
     let truth: Vec<Vec<f64>> = coordinates.iter().map(|&c| measure.truths(g, c)).collect();
     let values: Vec<_> = coordinates.iter().map(|&c| measure.values(g, c)).collect();
     let worst = (0..measure.points().len()).map(|k| {
@@ -45,6 +53,25 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure)
     }
     let mut search = Search { measure, good: GOOD, turns: false, memo: Map::default() };
     coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
+}
+
+/// A product with sines and cosines of fractions of a turn for those of the angle.
+fn by_turns(g: &mut Graph, id: Id) -> Id {
+    let (q, body) = g.split(id);
+    let factors = g.factors(body);
+    let turned =
+        factors.into_iter().map(|(b, e)| (of_turn(g, b).unwrap_or(b), e)).collect::<Vec<_>>();
+    let body = g.product(&turned);
+    g.sum(Q::ZERO, &[(q, body)])
+}
+
+/// The sine or cosine of a fraction of a turn.
+fn of_turn(g: &mut Graph, id: Id) -> Option<Id> {
+    let Node::Call(f @ (Fun::Sin | Fun::Cos), args) = g.node(id).clone() else { return None };
+    let pi = g.pi();
+    let fraction = g.div(args[0], pi);
+    let plain = !crate::expr::children(g.node(fraction)).contains(&pi);
+    plain.then(|| g.call(if f == Fun::Sin { Fun::SinPi } else { Fun::CosPi }, &[fraction]))
 }
 
 /// The larger of two errors; not a number is the largest of all.
@@ -109,11 +136,15 @@ impl Search<'_> {
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
-        let scored: Vec<(Id, f64)> = forms.iter().map(|f| (f.0, f.1.loss().bits)).collect();
-        let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
+        let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
+        let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
+        let close = |s: &&(Id, Loss)| s.1.bits <= least + 0.4;
+        // What is good at every point goes before what is only good on average.
+        let everywhere = scored.iter().filter(close).any(|s| s.1.worst <= self.good);
         scored
             .iter()
-            .filter(|s| s.1 <= least + 0.4)
+            .filter(close)
+            .filter(|s| !everywhere || s.1.worst <= self.good)
             .min_by_key(|s| cost(g, s.0))
             .map_or(original, |s| s.0)
     }
@@ -207,13 +238,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 }
             }
         }
-        Node::Call(f @ (Fun::Sin | Fun::Cos), args) if turns => {
-            let pi = g.pi();
-            let fraction = g.div(args[0], pi);
-            if !crate::expr::children(g.node(fraction)).contains(&pi) {
-                out.push(g.call(if f == Fun::Sin { Fun::SinPi } else { Fun::CosPi }, &[fraction]));
-            }
-        }
+        Node::Call(Fun::Sin | Fun::Cos, _) if turns => out.extend(of_turn(g, id)),
         _ => {}
     }
     out.retain(|f| *f != id);

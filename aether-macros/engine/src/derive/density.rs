@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
+use super::parts::Whole;
 use super::regimes::best_coordinates;
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::jacobian::{cost, simplify};
 use crate::measure::{Loss, Measure};
+use crate::number::Number;
 use crate::overflow::guard;
+use crate::poly::Expander;
 use crate::solve::Solution;
 use crate::stabilise::stabilise;
 
@@ -26,6 +29,27 @@ fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], measure: &mut Measure) 
         .min_by_key(|s| s.2)
         .or(scored.first())
         .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst))
+}
+
+/// Coordinates one by one in their most accurate form: as written, tidied or stabilised.
+pub(super) fn accurate(
+    g: &mut Graph,
+    written: &[Id],
+    tidied: &[Id],
+    measure: &mut Measure,
+) -> Vec<Id> {
+    let mut best = |(&written, &tidied): (&Id, &Id)| {
+        let truth = measure.truths(g, written);
+        let forms = [written, tidied, stabilise(g, tidied, measure)];
+        pick(g, &forms, &truth, measure).0
+    };
+    written.iter().zip(tidied).map(&mut best).collect()
+}
+
+/// Forms of an expression of the point in which constants are what the coordinates add up to.
+fn in_parts(g: &mut Graph, whole: &Whole, id: Id) -> Vec<Id> {
+    let normal = Expander::new(g).normal_form(id);
+    [Some(id), normal].into_iter().flatten().map(|form| whole.put_into(g, form)).collect()
 }
 
 pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut Measure) -> Id {
@@ -58,7 +82,7 @@ fn divides_by_the_point(g: &Graph, id: Id) -> bool {
 pub(super) fn density(
     problem: &mut Problem,
     s: &Solution,
-    volumes: &[Id],
+    (volumes, whole): (&[Id], Option<&Whole>),
     cases: &[Case],
     measure: &mut Measure,
     injective: bool,
@@ -66,11 +90,14 @@ pub(super) fn density(
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
+    let mut names: Vec<(Id, Id)> = s.names.iter().map(|(name, value)| (*name, *value)).collect();
+    names.sort_by_key(|(_, value)| std::cmp::Reverse(cost(g, *value)));
     for &v in volumes {
         let p = g.powi(v, -1);
+        let p = names.iter().fold(p, |p, &(name, value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {
-            let mut direct = g.substitute(p, map);
-            // What one substitution uncovers another may know.
+            let known = recognised(g, p, map);
+            let mut direct = g.substitute(known, map);
             direct = g.substitute(direct, &only);
             let tidy = simplify(g, direct, None);
             candidates.push(s.spell_out(g, direct));
@@ -82,6 +109,9 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
+    if let Some(whole) = whole {
+        candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
+    }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -107,6 +137,23 @@ pub(super) fn density(
     (guard(g, best), error)
 }
 
+/// An expression with what a solution knows of more than single unknowns put in, the longest first:
+/// it must be done while the unknowns that it is recognised by are there.
+fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
+    let mut composed = known.clone();
+    composed.retain(|id, _| !matches!(g.node(*id), Node::Leaf(_)));
+    let mut longest: Vec<(Id, Id)> = composed.iter().map(|(part, value)| (*part, *value)).collect();
+    longest.sort_by_key(|(part, _)| std::cmp::Reverse(cost(g, *part)));
+    // What one replacement uncovers another may know.
+    for _ in 0..2 {
+        for &(part, value) in &longest {
+            id = g.replace_part(id, part, value);
+        }
+        id = g.substitute(id, &composed);
+    }
+    id
+}
+
 /// √(p²), where the square is free of roots that the expression has: products of several roots
 /// simplify only together.
 fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
@@ -118,7 +165,7 @@ fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
 pub(super) fn finish(
     problem: &mut Problem,
     s: &Solution,
-    density: Id,
+    (density, whole): (Id, Option<&Whole>),
     cases: &[Case],
     measure: &mut Measure,
     (injective, check_forward): (bool, bool),
@@ -127,9 +174,16 @@ pub(super) fn finish(
     let tested: Vec<Id> = problem
         .unknowns
         .iter()
-        .map(|l| {
-            let stable = stabilise(g, s.unknowns[l], measure);
-            guard(g, stable)
+        .enumerate()
+        .map(|(i, l)| {
+            let mut best = stabilise(g, s.unknowns[l], measure);
+            if let Some(whole) = whole {
+                let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+                let mut forms = in_parts(g, whole, s.unknowns[l]);
+                forms.push(best);
+                best = pick(g, &forms, &truth, measure).0;
+            }
+            guard(g, best)
         })
         .collect();
     let map: BTreeMap<Id, Id> =

@@ -42,9 +42,11 @@ fn has_limit(g: &Graph, formula: Id, parameter: Leaf, points: &[Inputs]) -> bool
     // One point of each round of parameters is enough.
     for inputs in points.iter().step_by(7).filter(|p| p.contains_key(&parameter)) {
         let [near, nearer, there] = [1e8 * TINY, TINY, 0.0].map(|x| value(inputs, x));
-        undetermined += usize::from(there.is_nan());
-        settled += usize::from((near - nearer).abs() <= 1e-9 * nearer.abs());
+        if there.is_nan() {
+            undetermined += 1;
+            settled += usize::from((near - nearer).abs() <= 1e-9 * nearer.abs());
+        }
     }
     // A few points may have no limit of their own (the edge of a support that shrinks).
-    undetermined > 0 && 2 * settled > undetermined
+    2 * settled > undetermined
 }

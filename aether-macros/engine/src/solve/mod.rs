@@ -216,7 +216,9 @@ fn step(
             return Some(next);
         }
     }
-    closed.or_else(|| rational::eliminate(g, state))
+    closed
+        .or_else(|| rational::name_coefficients(g, state))
+        .or_else(|| rational::eliminate(g, state))
 }
 
 /// Moves known parts of all equations over.

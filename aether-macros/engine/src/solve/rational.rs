@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::{Condition, Equation, State};
+use super::{Condition, Equation, State, scale};
 use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
-use crate::poly::{Expander, Poly, RatFun};
+use crate::poly::{Expander, Poly, RatFun, coefficients};
 use crate::rational::Q;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
@@ -203,8 +203,13 @@ fn modulo_units(g: &mut Graph, p: Poly) -> Poly {
 }
 
 /// Both roots in the form 2c₀ / (-c₁ ∓ √D): the sum below does not cancel for one of the signs.
-fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, _c2: &Poly, discriminant: &Poly) -> Vec<Id> {
-    let (c0, c1, d) = (c0.to_expr(g), c1.to_expr(g), discriminant.to_expr(g));
+///
+/// The discriminant is multiplied out only where that makes it shorter.
+fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly) -> Vec<Id> {
+    let (c0, c1, c2, open) = (c0.to_expr(g), c1.to_expr(g), c2.to_expr(g), discriminant.to_expr(g));
+    let (square, other) = (g.powi(c1, 2), g.mul(c0, c2));
+    let composed = g.sum(Q::ZERO, &[(Q::ONE, square), (Q::int(-4), other)]);
+    let d = if cost(g, composed) < cost(g, open) { composed } else { open };
     let root = g.sqrt(d);
     let root = without_signs(g, root);
     let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
@@ -231,6 +236,36 @@ fn without_signs(g: &mut Graph, root: Id) -> Id {
         .collect();
     let body = g.product(&factors);
     g.sum(Q::ZERO, &[(q, body)])
+}
+
+/// Gives the coefficients of polynomial equations in several unknowns names, where they are sums. Multiplied
+/// out in all that follows, these would become long, and cancel: b - a and c - d of the corners a, b, c
+/// and d are small where the corners are not.
+pub(super) fn name_coefficients(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let mut next = state.clone();
+    let mut sums = 0;
+    for e in next.equations.iter_mut().filter(|e| !e.modulo_turn) {
+        if (g.deps(e.rhs) & UNKNOWNS).count_ones() < 2 {
+            continue;
+        }
+        let difference = g.sub(e.rhs, e.known);
+        let mut terms = Vec::new();
+        for (open, known) in coefficients(g, difference)? {
+            let long =
+                matches!(g.node(known), Node::Sum(c, t) if t.len() + usize::from(!c.is_zero()) > 1);
+            let value = match (long, next.solution.names.iter().find(|(_, v)| **v == known)) {
+                (true, Some((name, _))) => *name,
+                (true, None) => {
+                    sums += 1;
+                    scale::next_name(g, &mut next.solution, known)?
+                }
+                (false, _) => known,
+            };
+            terms.push((Q::ONE, g.mul(value, open)));
+        }
+        *e = Equation { known: g.int(0), rhs: g.sum(Q::ZERO, &terms), modulo_turn: false };
+    }
+    (sums > 0).then(|| vec![next])
 }
 
 /// Isolates one unknown of an equation with several and substitutes it into the others.

@@ -1,7 +1,7 @@
 //! Linear systems that are known up to a common scale: λ X = M a, with the atoms a and λ unknown.
 
 use super::linear::{self, Row};
-use super::{Equation, State};
+use super::{Equation, Solution, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
@@ -119,16 +119,22 @@ fn replace(
 
 /// A short name for a long value, so that what follows stays as short as without the matrix.
 pub(super) fn named(g: &mut Graph, s: &mut State, value: Id) -> Id {
-    const NAMES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
-    let k = s.solution.names.len();
-    if cost(g, value) < 12 || k == NAMES.len() {
+    if cost(g, value) < 12 {
         return value;
     }
+    next_name(g, &mut s.solution, value).unwrap_or(value)
+}
+
+/// The next name, for a value; `None` if none is left.
+pub(super) fn next_name(g: &mut Graph, solution: &mut Solution, value: Id) -> Option<Id> {
+    const NAMES: [&str; 8] = ["a", "b", "c", "d", "e", "f", "g", "h"];
+    let k = solution.names.len();
+    let letter = NAMES.get(k)?;
     let range = g.range(value);
-    let name = g.leaf(Leaf::Out(FIRST_NAME + k as u8), NAMES[k], range);
-    s.solution.steps.push(format!("{} = {}", NAMES[k], show(g, value)));
-    s.solution.names.insert(name, value);
-    name
+    let name = g.leaf(Leaf::Out(FIRST_NAME + k as u8), letter, range);
+    solution.steps.push(format!("{letter} = {}", show(g, value)));
+    solution.names.insert(name, value);
+    Some(name)
 }
 
 /// Whether an equation says that the squares of exactly these atoms add up to one.
