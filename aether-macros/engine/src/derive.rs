@@ -156,6 +156,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
     let mut inverse = |numerical| {
+        // The search must not fail because the Jacobian is long.
+        crate::poly::start_budget();
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
     };

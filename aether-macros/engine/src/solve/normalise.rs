@@ -113,18 +113,22 @@ fn common_factors(g: &mut Graph, state: &State) -> Vec<(Id, Id, Vec<usize>)> {
     let among: Vec<usize> =
         (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
     let mut found: Vec<(Id, Id, Vec<usize>)> = Vec::new();
+    // A rational factor makes a sum of an expression: what it is a factor of is looked at.
+    let factors: Vec<Vec<(Id, Id)>> = (0..state.equations.len())
+        .map(|i| {
+            let (_, body) = g.split(state.equations[i].rhs);
+            g.factors(body)
+        })
+        .collect();
     for &i in &among {
-        for (b, e) in g.factors(state.equations[i].rhs) {
+        for &(b, e) in &factors[i] {
             let known = found.iter().any(|(base, exponent, _)| (*base, *exponent) == (b, e));
             // A lone unknown is an atom of its own, not a factor to take out.
             if known || !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {
                 continue;
             }
-            let members: Vec<usize> = among
-                .iter()
-                .copied()
-                .filter(|&j| g.factors(state.equations[j].rhs).contains(&(b, e)))
-                .collect();
+            let members: Vec<usize> =
+                among.iter().copied().filter(|&j| factors[j].contains(&(b, e))).collect();
             if members.len() >= 2 {
                 found.push((b, e, members));
             }

@@ -129,7 +129,9 @@ fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)>
         return Some((rhs, single(known)));
     }
     if range.width().is_finite() && range.width() <= 64.0 * TAU {
-        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo) };
+        // A window is cut open in the middle of its complement, where no rounding error leads.
+        let gap = (TAU - range.width()).max(0.0);
+        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo - 0.5 * gap) };
         let offset = g.sub(known, shift);
         let turned = g.call(Fun::Turn, &[offset]);
         let base = g.add(turned, shift);
