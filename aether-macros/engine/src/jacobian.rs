@@ -1,5 +1,7 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
+mod cylinder;
+
 use std::hash::BuildHasherDefault;
 
 use crate::derivative::derivative;
@@ -72,7 +74,11 @@ pub fn volume(
             let candidates = [d, tidy].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
             Ok(distinct(candidates.to_vec()))
         }
-        Source::Free if n < m => embedded(g, &columns),
+        Source::Free if n < m => {
+            let mut candidates = cylinder::volume(g, outputs, unknowns).unwrap_or_default();
+            candidates.extend(embedded(g, &columns)?);
+            Ok(distinct(candidates))
+        }
         Source::Free => Err(format!(
             "{n} uniforms for a point with {m} coordinates: more uniforms than dimensions give a marginal density, which is an integral and no formula"
         )),
