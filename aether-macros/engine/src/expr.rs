@@ -338,12 +338,13 @@ impl Graph {
     /// A quotient of two sums of the same terms among the factors, with the range of their quotient.
     fn quotient_of_sums(&self, factors: &[(Id, Id)]) -> Option<(Vec<Id>, Interval)> {
         let sums = |power: i64| {
-            factors.iter().filter(move |(_, e)| self.as_number(*e) == Some(Q::int(power))).filter_map(
-                |(b, _)| match self.node(*b) {
+            factors
+                .iter()
+                .filter(move |(_, e)| self.as_number(*e) == Some(Q::int(power)))
+                .filter_map(|(b, _)| match self.node(*b) {
                     Node::Sum(c, terms) => Some((*b, c, terms)),
                     _ => None,
-                },
-            )
+                })
         };
         sums(1).find_map(|(top, c, above)| {
             sums(-1).find_map(|(bottom, d, below)| {
@@ -352,9 +353,9 @@ impl Graph {
                 if above.iter().any(|(_, t)| below.iter().all(|b| b.1 != *t)) {
                     return None;
                 }
-                let terms = below.iter().map(|(q, t)| (coefficient(*t), q.to_f64(), self.range(*t)));
-                let range =
-                    Interval::quotient_of_sums((c.to_f64(), d.to_f64()), terms.collect())?;
+                let terms =
+                    below.iter().map(|(q, t)| (coefficient(*t), q.to_f64(), self.range(*t)));
+                let range = Interval::quotient_of_sums((c.to_f64(), d.to_f64()), terms.collect())?;
                 Some((vec![top, bottom], range))
             })
         })

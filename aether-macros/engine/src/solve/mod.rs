@@ -18,6 +18,7 @@ mod polar;
 mod quadric;
 mod rational;
 mod repeated;
+mod ruled;
 mod scale;
 mod squares;
 
@@ -216,7 +217,7 @@ fn step(
             return Some(next);
         }
     }
-    closed.or_else(|| rational::eliminate(g, state))
+    closed.or_else(|| ruled::ruled(g, state)).or_else(|| rational::eliminate(g, state))
 }
 
 /// Moves known parts of all equations over.
