@@ -183,6 +183,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let mut steps = Vec::new();
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
+        crate::poly::start_budget();
         let injective = solutions.len() == 1;
         let (density, error) = density(problem, s, &volumes, &cases, &mut out_points, injective);
         worst = worst.max(error);

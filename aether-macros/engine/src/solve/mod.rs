@@ -177,7 +177,6 @@ fn search(
             open.extend(next.into_iter().rev());
             continue;
         }
-        if std::env::var("DBG").is_ok() { eprintln!("STUCK"); for s in &state.solution.steps { eprintln!("   . {s}"); } for e in &state.equations { let r = g.range(e.rhs); eprintln!("   EQ {} = {} {} {:?}", show(g, e.known), show(g, e.rhs), e.modulo_turn, r); } }
         return Err(stuck(g, &state, unknowns, why));
     }
     Ok(done)
