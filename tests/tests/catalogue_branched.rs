@@ -162,6 +162,17 @@ fn matrix<R: Scalar>() -> Mat3<R> {
     Mat3::from_cols(v(1.0, 0.125, 0.25), v(0.0, 0.5, 0.0), v(0.25, 0.0, 1.0))
 }
 
+/// A patch that is not flat.
+fn patch<R: Scalar>() -> BilinearPatch<R> {
+    let v = |x, y, z| Vec3::new(R::of(x), R::of(y), R::of(z));
+    let [a, b] = [v(0.0, 0.0, 0.0), v(2.0, 0.25, 0.5)];
+    bilinear_patch(a, b, v(2.5, 1.75, -0.25), v(-0.25, 1.0, 0.75))
+}
+
+fn view<R: Scalar>() -> Direction<R> {
+    Direction::from_vec(Vec3::new(R::of(0.48), R::of(0.64), R::of(0.6)))
+}
+
 #[test]
 fn row_68_zonal_window() {
     fn check<R: Scalar>(window: &impl Sampler<R, Point = Direction<R>>) {
@@ -193,10 +204,12 @@ mod double_precision {
         row_50_bivariate_normal: right(bivariate_normal(1.5, -0.75, 0.5));
         row_51_ggx_slopes: right(ggx_slopes(0.25));
         row_53_bilinear_density: right(bilinear_density(1.0, 3.0, 5.0, 7.0));
+        row_54_bilinear_patch: patch();
         row_56_complex_square: complex_square();
         row_56_complex_square_xy: complex_square_xy();
         row_65_cone: right(cone(0.125)), right(cone(2.0));
         row_66_concentric_hemisphere: concentric_hemisphere();
+        row_67_equal_area_octahedral: equal_area_octahedral();
         row_74_von_mises_fisher: right(von_mises_fisher(10.0)), right(von_mises_fisher(0.01));
         row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
         row_76_rayleigh: rayleigh();
@@ -205,6 +218,9 @@ mod double_precision {
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
         row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
         row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
+        row_86_visible_normals: right(visible_normals(0.25, view()));
+        row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
+        row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view())), right(refracted_ggx(0.25, 0.75, view()));
         row_92_sheen: right(sheen(0.5));
         row_99_perspective: right(perspective(0.75, 0.5));
         row_47_triangle: triangle(corners()[0], corners()[1], corners()[2]);
@@ -241,10 +257,12 @@ mod single_precision {
         row_50_bivariate_normal: right(bivariate_normal(1.5, -0.75, 0.5));
         row_51_ggx_slopes: right(ggx_slopes(0.25));
         row_53_bilinear_density: right(bilinear_density(1.0, 3.0, 5.0, 7.0));
+        row_54_bilinear_patch: patch();
         row_56_complex_square: complex_square();
         row_56_complex_square_xy: complex_square_xy();
         row_65_cone: right(cone(0.125)), right(cone(2.0));
         row_66_concentric_hemisphere: concentric_hemisphere();
+        row_67_equal_area_octahedral: equal_area_octahedral();
         row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
         row_76_rayleigh: rayleigh();
         row_77_transformed_cosine: transformed_cosine(matrix());
@@ -252,6 +270,9 @@ mod single_precision {
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
         row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
         row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
+        row_86_visible_normals: right(visible_normals(0.25, view()));
+        row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
+        row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view())), right(refracted_ggx(0.25, 0.75, view()));
         row_92_sheen: right(sheen(0.5));
         row_99_perspective: right(perspective(0.75, 0.5));
         row_47_triangle: triangle(corners()[0], corners()[1], corners()[2]);
