@@ -20,6 +20,7 @@ mod rational;
 mod repeated;
 mod ruled;
 mod scale;
+mod sine;
 mod squares;
 
 use std::collections::BTreeMap;
@@ -204,7 +205,8 @@ fn step(
         .or_else(|| angles::double(g, state))
         .or_else(|| squares::squares(g, state))
         .or_else(|| peel::branching(g, state))
-        .or_else(|| rational::single_unknown(g, state));
+        .or_else(|| rational::single_unknown(g, state))
+        .or_else(|| sine::single_angle(g, state));
     if closed.is_none() && state.numerical {
         let next =
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
