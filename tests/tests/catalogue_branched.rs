@@ -218,6 +218,7 @@ mod double_precision {
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
         row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
         row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
+        row_85_visible_normals_disk: right(visible_normals_disk(0.25, view()));
         row_86_visible_normals: right(visible_normals(0.25, view()));
         row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
         row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view())), right(refracted_ggx(0.25, 0.75, view()));
@@ -270,6 +271,7 @@ mod single_precision {
         row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
         row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
         row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
+        row_85_visible_normals_disk: right(visible_normals_disk(0.25, view()));
         row_86_visible_normals: right(visible_normals(0.25, view()));
         row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
         row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view())), right(refracted_ggx(0.25, 0.75, view()));
