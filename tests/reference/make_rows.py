@@ -470,19 +470,8 @@ def visible_normals(u, p):
     return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
 
 
-def visible_normals_disk(u, p):
-    """Row 85: a point of the disk, its height moved, on the hemisphere around the stretched direction."""
-    v = unit([p["alpha"] * p["w"][0], p["alpha"] * p["w"][1], p["w"][2]])
-    first = unit([-v[1], v[0], mpf(0)])
-    a, b = on_circle(sqrt(u[0]), u[1])
-    s = (1 + v[2]) / 2
-    c = (1 - s) * sqrt(1 - a * a) + s * b
-    n = combine((a, first), (c, cross(v, first)), (sqrt(1 - a * a - c * c), v))
-    return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
-
-
 def visible_normals_density(x, p):
-    """Rows 85 and 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
+    """Row 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
     a, w = p["alpha"], p["w"]
     d = 1 / (pi * a**2 * ((x[0] ** 2 + x[1] ** 2) / a**2 + x[2] ** 2) ** 2)
     return 2 * dot(w, x) * d / (w[2] + norm([a * w[0], a * w[1], w[2]]))
@@ -554,7 +543,6 @@ def rayleigh(u, p):
 DIRECTIONS = [
     Sampler(67, "equal_area_octahedral", octahedral, lambda x, p: 1 / (4 * pi), project=to_unit_sphere,
             smooth=lambda u, p: 0.5 not in u and abs(2 * u[0] - 1) + abs(2 * u[1] - 1) != 1),
-    Sampler(85, "visible_normals_disk", visible_normals_disk, visible_normals_density, lambda x, p: x[2] >= 0 and dot(x, p["w"]) >= 0, to_unit_sphere),
     Sampler(86, "visible_normals", visible_normals, visible_normals_density, lambda x, p: x[2] >= 0 and dot(x, p["w"]) >= 0, to_unit_sphere),
     Sampler(89, "reflected_ggx", reflected_ggx, reflected_ggx_density, project=to_unit_sphere),
     Sampler(90, "refracted_ggx", refracted_ggx, refracted_ggx_density, is_refracted, to_unit_sphere),
@@ -958,7 +946,6 @@ OUT_OF_GLASS = {"alpha": 0.1, "eta": 0.75, "w": [0.28, 0.0, 0.96]}
 
 POINTS = {
     "equal_area_octahedral": over({}, [[0.5, 0.5 + 2.0**-50]] + PAIRS[:4] + [[0.2, 0.9], [0.9, 0.2], [0.6, 0.7], [0.1, 0.2], [0.45, 0.3], [0.999, 0.998]]),
-    "visible_normals_disk": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])],
     "visible_normals": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.5, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6])]
     + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])],
     "reflected_ggx": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6]), ({"alpha": 1.0, "w": [0.8, 0.0, 0.6]}, [0.9, 0.4])],
@@ -1062,7 +1049,6 @@ def given(params, queries):
 
 QUERIES = {
     "equal_area_octahedral": outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside({}, [0.6, 0.48, 0.64], [-0.6, 0.48, -0.64], [0.6, -0.48, -0.64], [-0.48, -0.64, 0.6]),
-    "visible_normals_disk": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8]),
     "visible_normals": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
     "reflected_ggx": inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, -0.64, 0.6], [-0.6, 0.0, -0.8]) + outside(VIEW, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),
     "refracted_ggx": outside(GLASS, NORTH, [0.6, 0.0, 0.8], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(GLASS, [0.0, 0.0, -1.0], [-0.6, 0.0, -0.8]),

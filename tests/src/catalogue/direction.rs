@@ -163,20 +163,6 @@ pub fn equal_area_octahedral(u: [Uniform; 2]) -> Direction {
     )
 }
 
-/// Row 85: normals of GGX that are visible from w, by a disk whose parts are moved; not for w = +z.
-#[sampler(alpha in 1e-3..=1.0, where w.z > 0.0)]
-pub fn visible_normals_disk(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
-    let v = Vec3::new(alpha * w.x, alpha * w.y, w.z).normalize();
-    let t1 = Vec3::new(-v.y, v.x, 0.0).normalize();
-    let t2 = v.cross(t1);
-    let (r, phi) = (u[0].sqrt(), TAU * u[1]);
-    let (a, b) = (r * phi.cos(), r * phi.sin());
-    let s = 0.5 * (1.0 + v.z);
-    let c = (1.0 - s) * (1.0 - a * a).sqrt() + s * b;
-    let n = a * t1 + c * t2 + (1.0 - a * a - c * c).sqrt() * v;
-    Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
-}
-
 /// Row 86: normals of GGX that are visible from w, by a spherical cap.
 #[sampler(alpha in 1e-4..=1.0, where w.z > 0.0)]
 pub fn visible_normals(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {

@@ -79,7 +79,6 @@ fn direction<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output 
     let w = |name: &str| Direction::from_vec(v(name));
     match entry.name.as_str() {
         "equal_area_octahedral" => visitor.visit(equal_area_octahedral()),
-        "visible_normals_disk" => visitor.visit(right(visible_normals_disk(p("alpha"), w("w")))),
         "visible_normals" => visitor.visit(right(visible_normals(p("alpha"), w("w")))),
         "reflected_ggx" => visitor.visit(right(reflected_ggx(p("alpha"), w("w")))),
         "refracted_ggx" => visitor.visit(right(refracted_ggx(p("alpha"), p("eta"), w("w")))),

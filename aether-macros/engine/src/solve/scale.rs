@@ -5,7 +5,7 @@ use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
-use crate::jacobian::{cost, simplify};
+use crate::jacobian::cost;
 use crate::rational::Q;
 
 /// Outputs from this number on are names for long expressions.
@@ -78,17 +78,11 @@ fn replace(
         s.solution.known.entry(rhs).or_insert(known);
         s.equations.push(Equation { known, rhs, modulo_turn: false });
     };
-    let radius = match length {
-        Some(length) => {
-            s.equations.remove(length);
-            Some(g.int(1))
-        }
-        None => sphere(g, atoms),
-    };
-    if let Some(radius) = radius {
+    if let Some(length) = length {
+        s.equations.remove(length);
         let squared = linear::dot(g, values, values);
-        let ratio = g.div(radius, squared);
-        let scale = g.sqrt(ratio);
+        let minus_half = g.number(Q::HALF.neg());
+        let scale = g.pow(squared, minus_half);
         let negative = g.neg(scale);
         let scales = if positive { vec![scale] } else { vec![scale, negative] };
         let solved = scales.into_iter().map(|scale| {
@@ -121,14 +115,6 @@ fn replace(
     }
     s.solution.known.insert(lambda, reciprocal);
     Some(vec![s])
-}
-
-/// What the squares of the atoms add up to, if that is known: coordinates of a unit vector in some frame.
-fn sphere(g: &mut Graph, atoms: &[Id]) -> Option<Id> {
-    let squares: Vec<(Q, Id)> = atoms.iter().map(|&a| (Q::ONE, g.powi(a, 2))).collect();
-    let sum = g.sum(Q::ZERO, &squares);
-    let sum = simplify(g, sum, None);
-    (atoms.len() == 3 && !g.has(sum, UNKNOWNS)).then_some(sum)
 }
 
 /// A short name for a long value, so that what follows stays as short as without the matrix.
