@@ -453,6 +453,75 @@ def sheen_density(x, p):
     return (2 + 1 / p["alpha"]) * real_power(norm(x[:2]), 1 / p["alpha"]) * x[2] / (2 * pi)
 
 
+def octahedral(u, p):
+    """Row 67."""
+    a, b = 2 * u[0] - 1, 2 * u[1] - 1
+    s = 1 - abs(a) - abs(b)
+    r = 1 - abs(s)
+    phi = pi / 4 * ((abs(b) - abs(a)) / r + 1)
+    h, one = r * sqrt(2 - r * r), lambda t: -1 if t < 0 else 1
+    return [one(a) * h * cos(phi), one(b) * h * sin(phi), one(s) * (1 - r * r)]
+
+
+def visible_normals(u, p):
+    """Row 86: a point of the spherical cap, added to the stretched direction."""
+    v = unit([p["alpha"] * p["w"][0], p["alpha"] * p["w"][1], p["w"][2]])
+    n = unit(combine((1, from_height(1 - u[1] * (1 + v[2]), u[0])), (1, v)))
+    return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
+
+
+def visible_normals_density(x, p):
+    """Row 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
+    a, w = p["alpha"], p["w"]
+    d = 1 / (pi * a**2 * ((x[0] ** 2 + x[1] ** 2) / a**2 + x[2] ** 2) ** 2)
+    return 2 * dot(w, x) * d / (w[2] + norm([a * w[0], a * w[1], w[2]]))
+
+
+def half_of_reflection(x, p):
+    """Row 89: the half vector, on the upper side."""
+    h = unit(combine((1, x), (1, p["w"])))
+    return h if h[2] >= 0 else combine((-1, h))
+
+
+def reflected_ggx(u, p):
+    """Row 89."""
+    h = ggx(u, p)
+    return combine((2 * dot(h, p["w"]), h), (-1, p["w"]))
+
+
+def reflected_ggx_density(x, p):
+    """Row 89."""
+    h = half_of_reflection(x, p)
+    return ggx_density(h, p) / (4 * abs(dot(p["w"], h)))
+
+
+def half_of_refraction(x, p):
+    """Row 90: the half vector on the side of w."""
+    h = unit(combine((p["eta"], x), (1, p["w"])))
+    return h if p["eta"] < 1 else combine((-1, h))
+
+
+def refracted_ggx(u, p):
+    """Row 90."""
+    h = ggx(u, p)
+    c = dot(h, p["w"])
+    root = sqrt(1 - (1 - c * c) / p["eta"] ** 2)
+    return combine((c / p["eta"] - root, h), (-1 / p["eta"], p["w"]))
+
+
+def refracted_ggx_density(x, p):
+    """Row 90."""
+    h = half_of_refraction(x, p)
+    inner, outer = dot(p["w"], h), p["eta"] * dot(x, h)
+    return ggx_density(h, p) * p["eta"] * abs(outer) / (inner + outer) ** 2
+
+
+def is_refracted(x, p):
+    """Row 90: the half vector is above the surface, w and x on its two sides."""
+    h = half_of_refraction(x, p)
+    return h[2] >= 0 and dot(p["w"], h) >= 0 and dot(x, h) <= 0
+
+
 def in_view(x, p):
     """Row 99."""
     return x[2] > 0 and abs(x[0] / x[2]) <= p["t"] and abs(x[1] / x[2]) <= p["t"] * p["a"]
@@ -472,6 +541,11 @@ def rayleigh(u, p):
 
 
 DIRECTIONS = [
+    Sampler(67, "equal_area_octahedral", octahedral, lambda x, p: 1 / (4 * pi), project=to_unit_sphere,
+            smooth=lambda u, p: 0.5 not in u and abs(2 * u[0] - 1) + abs(2 * u[1] - 1) != 1),
+    Sampler(86, "visible_normals", visible_normals, visible_normals_density, lambda x, p: x[2] >= 0 and dot(x, p["w"]) >= 0, to_unit_sphere),
+    Sampler(89, "reflected_ggx", reflected_ggx, reflected_ggx_density, project=to_unit_sphere),
+    Sampler(90, "refracted_ggx", refracted_ggx, refracted_ggx_density, is_refracted, to_unit_sphere),
     Sampler(76, "rayleigh", rayleigh, lambda x, p: 3 * (1 + (1 - depth(x)) ** 2) / (16 * pi), project=to_unit_sphere),
     Sampler(68, "zonal_window", lambda u, p: from_height((1 - u[0]) * p["z0"] + u[0] * p["z1"], (p["p"] + p["d"] * u[1]) / (2 * pi)),
             lambda x, p: 1 / ((p["z1"] - p["z0"]) * p["d"]), lambda x, p: p["z0"] <= x[2] <= p["z1"], to_unit_sphere),
@@ -757,7 +831,45 @@ def stick_breaking_density(x, p):
     return density
 
 
+def patch_edges(p):
+    """Row 54 in space: the two edges from a, and what makes the patch no parallelogram."""
+    a, b, c, d = [p[k] for k in "abcd"]
+    return sub(b, a), sub(d, a), combine((1, a), (-1, b), (1, c), (-1, d))
+
+
+def bilinear_patch(u, p):
+    """Row 54 in space."""
+    e, f, g = patch_edges(p)
+    return combine((1, p["a"]), (u[0], e), (u[1], f), (u[0] * u[1], g))
+
+
+def patch_normal(s, t, p):
+    """Row 54 in space: the normal, as long as the area is stretched."""
+    e, f, g = patch_edges(p)
+    return cross(combine((1, e), (t, g)), combine((1, f), (s, g)))
+
+
+def bilinear_patch_inverse(x, p):
+    """Row 54 in space: along the normal in the middle; the root inside."""
+    e, f, g = patch_edges(p)
+    h, n, half = sub(x, p["a"]), patch_normal(mpf(1) / 2, mpf(1) / 2, p), mpf(1) / 2
+    k0, k2 = -dot(n, cross(e, h)), dot(n, cross(g, f))
+    k1 = dot(n, cross(e, f)) - dot(n, cross(g, h))
+    found = []
+    for side in (-1, 1):
+        bottom = -k1 + side * sqrt(k1 * k1 - 4 * k0 * k2)
+        if bottom == 0:
+            continue
+        t = 2 * k0 / bottom
+        q = cross(combine((1, e), (t, g)), n)
+        found.append([dot(sub(h, combine((t, f))), cross(n, q)) / dot(combine((1, e), (t, g)), cross(n, q)), t])
+    return min(found, key=lambda v: max(abs(v[0] - half), abs(v[1] - half)))
+
+
 SPACE = [
+    Sampler(54, "bilinear_patch", bilinear_patch, lambda x, p: 1 / norm(patch_normal(*bilinear_patch_inverse(x, p), p)),
+            lambda x, p: all(0 <= t <= 1 for t in bilinear_patch_inverse(x, p)),
+            lambda x, p: bilinear_patch(bilinear_patch_inverse(x, p), p)),
     Sampler(98, "sphere_light", sphere_light, sphere_light_density, on_near_side, to_light),
     Sampler(102, "chained_frames", chained_frames, lambda x, p: x[2] * dot(x[:3], x[3:]) / pi**2,
             lambda x, p: x[2] >= 0 and dot(x[:3], x[3:]) >= 0, lambda x, p: unit(x[:3]) + unit(x[3:])),
@@ -825,7 +937,20 @@ HAZE = {"o": [0.0, 0.0, 0.0], "s": 0.8, "d": 2.0, "g": 0.6}
 FOG = {"o": [1.0, 2.0, -0.5], "s": 3.0, "d": 10.0, "g": 0.3}
 COIL = {"r": 1.5, "c": 0.2, "T": 20.0}
 
+SADDLE = {"a": [0.0, 0.0, 0.0], "b": [2.0, 0.25, 0.5], "c": [2.5, 1.75, -0.25], "d": [-0.25, 1.0, 0.75]}
+TILTED_QUAD = {"a": [1.0, 0.0, 0.0], "b": [3.0, 0.0, 1.0], "c": [4.0, 2.0, 2.5], "d": [1.0, 1.0, 0.5]}
+WALL = {"a": [0.5, 0.0, 0.0], "b": [0.5, 2.0, 0.0], "c": [0.5, 2.0, 1.0], "d": [0.5, 0.0, 1.0]}
+VIEW = {"alpha": 0.3, "w": [0.48, 0.64, 0.6]}
+GLASS = {"alpha": 0.3, "eta": 1.5, "w": [0.48, 0.0, 0.8772684879784525]}
+OUT_OF_GLASS = {"alpha": 0.1, "eta": 0.75, "w": [0.28, 0.0, 0.96]}
+
 POINTS = {
+    "equal_area_octahedral": over({}, [[0.5, 0.5 + 2.0**-50]] + PAIRS[:4] + [[0.2, 0.9], [0.9, 0.2], [0.6, 0.7], [0.1, 0.2], [0.45, 0.3], [0.999, 0.998]]),
+    "visible_normals": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.5, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6])]
+    + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])],
+    "reflected_ggx": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6]), ({"alpha": 1.0, "w": [0.8, 0.0, 0.6]}, [0.9, 0.4])],
+    "refracted_ggx": over(GLASS, PAIRS[:3] + PAIRS[4:5]) + over(OUT_OF_GLASS, PAIRS[:2]),
+    "bilinear_patch": over(SADDLE, PAIRS) + over(TILTED_QUAD, PAIRS[:3]) + over(WALL, PAIRS[:3]),
     "cubic": over({}, INNER + ENDS + [[0.1], [0.9], [0.25], [0.75], [0.25 + 2.0**-20]]),
     "elliptical_grid": over({}, [[1 - 2.0**-20, 1 - 2.0**-20], [0.5 + 2.0**-30, 0.7]] + PAIRS + [[0.5, 0.5], [0.001, 0.999]]),
     "bilinear_density": over(WEIGHTS, PAIRS) + over(CORNER, [[1e-12, 1e-12], [0.3, 0.6]])
@@ -923,6 +1048,12 @@ def given(params, queries):
 
 
 QUERIES = {
+    "equal_area_octahedral": outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside({}, [0.6, 0.48, 0.64], [-0.6, 0.48, -0.64], [0.6, -0.48, -0.64], [-0.48, -0.64, 0.6]),
+    "visible_normals": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
+    "reflected_ggx": inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, -0.64, 0.6], [-0.6, 0.0, -0.8]) + outside(VIEW, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),
+    "refracted_ggx": outside(GLASS, NORTH, [0.6, 0.0, 0.8], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(GLASS, [0.0, 0.0, -1.0], [-0.6, 0.0, -0.8]),
+    "bilinear_patch": outside(SADDLE, [3.0, 0.0, 0.0], [1.0, 0.75, 1.0], [NAN, 0.0, 0.0]) + inside(WALL, [0.5, 1.0, 0.5], [0.5, 0.25, 0.75])
+    + outside(WALL, [0.5, 2.5, 0.5], [0.75, 1.0, 0.5], [0.5, 1.0, -0.25]),
     "cubic": outside({}, [-0.01], [0.07], [NAN]) + inside({}, [0.03125], [0.001], [0.0624]),
     "elliptical_grid": outside({}, [0.8, 0.8], [-2.0, 0.0], [NAN, 0.0]) + inside({}, [0.0, 0.0], [0.5, 0.5], [-0.5, 0.5], [0.0, -0.9]),
     "bilinear_density": outside(WEIGHTS, [-0.1, 0.5], [0.5, 1.1], [NAN, 0.5]) + inside(WEIGHTS, [0.0, 0.0], [0.25, 0.75]),

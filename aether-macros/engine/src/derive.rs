@@ -151,6 +151,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
     let mut inverse = |numerical| {
+        // The search must not fail because the Jacobian is long.
+        crate::poly::start_budget();
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
     };
@@ -180,6 +182,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let mut steps = Vec::new();
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
+        crate::poly::start_budget();
         let injective = solutions.len() == 1;
         let (density, error) =
             density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);

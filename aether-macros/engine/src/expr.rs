@@ -325,12 +325,38 @@ impl Graph {
             .find(|(a, b, _)| power(*a) == Some(Q::ONE) && power(*b) == Some(minus));
         let (skipped, first) = match known {
             Some((a, b, range)) => (vec![*a, *b], *range),
-            None => (vec![], Interval::point(1.0)),
+            None => self.quotient_of_sums(factors).unwrap_or((vec![], Interval::point(1.0))),
         };
         factors.iter().filter(|(b, _)| !skipped.contains(b)).fold(first, |p, (b, e)| {
             p.mul(match self.as_number(*e) {
                 Some(q) => self.range(*b).pow(q.to_f64()),
                 None => self.range(*b).powers(self.range(*e)),
+            })
+        })
+    }
+
+    /// A quotient of two sums of the same terms among the factors, with the range of their quotient.
+    fn quotient_of_sums(&self, factors: &[(Id, Id)]) -> Option<(Vec<Id>, Interval)> {
+        let sums = |power: i64| {
+            factors
+                .iter()
+                .filter(move |(_, e)| self.as_number(*e) == Some(Q::int(power)))
+                .filter_map(|(b, _)| match self.node(*b) {
+                    Node::Sum(c, terms) => Some((*b, c, terms)),
+                    _ => None,
+                })
+        };
+        sums(1).find_map(|(top, c, above)| {
+            sums(-1).find_map(|(bottom, d, below)| {
+                let coefficient =
+                    |t: Id| above.iter().find(|a| a.1 == t).map_or(0.0, |(q, _)| q.to_f64());
+                if above.iter().any(|(_, t)| below.iter().all(|b| b.1 != *t)) {
+                    return None;
+                }
+                let terms =
+                    below.iter().map(|(q, t)| (coefficient(*t), q.to_f64(), self.range(*t)));
+                let range = Interval::quotient_of_sums((c.to_f64(), d.to_f64()), terms.collect())?;
+                Some((vec![top, bottom], range))
             })
         })
     }

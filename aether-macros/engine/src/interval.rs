@@ -103,6 +103,29 @@ impl Interval {
         let (lo, hi) = (self.lo, self.hi);
         hull(&[(lo, e.lo), (lo, e.hi), (hi, e.lo), (hi, e.hi)].map(|(b, e)| libm::pow(b, e)))
     }
+    /// (c + Σ aᵢ tᵢ) / (d + Σ bᵢ tᵢ), if the denominator is not negative where the tᵢ (with aᵢ, bᵢ and
+    /// their ranges) are at the ends that make it smallest. With sᵢ >= 0 for the distances from these ends
+    /// the quotient lies between those of the coefficients.
+    pub fn quotient_of_sums(
+        (mut c, mut d): (f64, f64),
+        terms: Vec<(f64, f64, Interval)>,
+    ) -> Option<Interval> {
+        let mut ratios = Vec::new();
+        for (a, b, t) in terms {
+            let (end, sign) = if b > 0.0 { (t.lo, 1.0) } else { (t.hi, -1.0) };
+            if !end.is_finite() {
+                return None;
+            }
+            (c, d) = (c + a * end, d + b * end);
+            ratios.push(sign * a / b.abs());
+        }
+        match (c == 0.0, d == 0.0) {
+            (true, true) => {}
+            (_, false) if d > 0.0 => ratios.push(c / d),
+            _ => return None,
+        }
+        Some(hull(&ratios))
+    }
     /// The angles atan2(y, x) of points to the right of the ordinate.
     pub fn quadrants(y: Interval, x: Interval) -> Interval {
         // At the origin the angle is zero; it grows with y, and shrinks towards zero with x.
@@ -197,6 +220,23 @@ mod tests {
         assert_eq!(Interval::quadrants(i(-1.0, 1.0), i(1.0, 5.0)), i(-quarter, quarter));
         assert_eq!(Interval::quadrants(i(1.0, 2.0), i(0.0, 1.0)), i(quarter, FRAC_PI_2));
         assert!(Interval::quadrants(i(0.0, 1.0), Interval::POSITIVE).lo == 0.0);
+    }
+
+    #[test]
+    fn quotients_of_sums() {
+        let i = Interval::new;
+        let of = |constants, terms: &[(f64, f64, Interval)]| {
+            Interval::quotient_of_sums(constants, terms.to_vec())
+        };
+        // (t - s) / (t + s), with both ends where numerator and denominator vanish.
+        let u = i(0.0, 1.0);
+        assert_eq!(of((0.0, 0.0), &[(1.0, 1.0, u), (-1.0, 1.0, u)]), Some(i(-1.0, 1.0)));
+        assert_eq!(of((0.0, 2.0), &[(1.0, -1.0, u), (-1.0, -1.0, u)]), Some(i(-1.0, 1.0)));
+        // (3 + t) / (1 + t) falls from 3 towards 1.
+        assert_eq!(of((3.0, 1.0), &[(1.0, 1.0, u)]), Some(i(1.0, 3.0)));
+        // A pole, and a denominator without a sign.
+        assert_eq!(of((1.0, 0.0), &[(1.0, 1.0, u)]), None);
+        assert_eq!(of((1.0, -1.0), &[(1.0, 1.0, u)]), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
+mod cylinder;
+
 use std::hash::BuildHasherDefault;
 
 use crate::derivative::derivative;
@@ -75,7 +77,11 @@ pub fn volume(
             let candidates = [d, tidy, short].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
             Ok(distinct(candidates.to_vec()))
         }
-        Source::Free if n < m => embedded(g, &columns),
+        Source::Free if n < m => {
+            let mut candidates = cylinder::volume(g, outputs, unknowns).unwrap_or_default();
+            candidates.extend(embedded(g, &columns)?);
+            Ok(distinct(candidates))
+        }
         Source::Free => Err(format!(
             "{n} uniforms for a point with {m} coordinates: more uniforms than dimensions give a marginal density, which is an integral and no formula"
         )),
@@ -86,11 +92,13 @@ pub fn volume(
 /// the image of the unknowns (or of the tangent plane of a direction).
 fn normalised(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) -> Option<Vec<Id>> {
     let minus_half = g.number(Q::HALF.neg());
-    let (base, _) = g.factors(outputs[0]).into_iter().find(|&(b, e)| {
+    let shared = g.factors(outputs[0]).into_iter().filter(|&(b, e)| {
         e == minus_half
             && g.has(b, UNKNOWNS)
             && outputs[1..].iter().all(|o| g.factors(*o).contains(&(b, e)))
-    })?;
+    });
+    // Of nested lengths the outermost, which has the others in it.
+    let (base, _) = shared.collect::<Vec<_>>().into_iter().max_by_key(|&(b, _)| cost(g, b))?;
     let root = g.pow(base, minus_half);
     let t: Vec<Id> = outputs.iter().map(|&o| g.div(o, root)).collect();
     let squared = dot(g, &t, &t);
@@ -99,6 +107,12 @@ fn normalised(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) 
     if !g.as_number(gap).is_some_and(Q::is_zero) {
         return None;
     }
+    // A factor of the whole vector, such as an earlier length of it, does not turn it.
+    let bodies: Vec<Id> = t.iter().map(|&t| g.split(t).1).collect();
+    let mut common = g.factors(bodies[0]);
+    common.retain(|f| bodies[1..].iter().all(|b| g.factors(*b).contains(f)));
+    let common = g.product(&common);
+    let t: Vec<Id> = t.iter().map(|&t| g.div(t, common)).collect();
     let columns: Vec<Vec<Id>> =
         unknowns.iter().map(|&u| t.iter().map(|&f| derivative(g, f, u)).collect()).collect();
     let (normal, unit) = match source {
@@ -110,6 +124,9 @@ fn normalised(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) 
     let tidy = simplify(g, triple, unit);
     let cubed = g.number(Q::new(-3, 2)?);
     let over = g.pow(base, cubed);
+    let cube = g.powi(common, 3);
+    let cube = g.call(crate::expr::Fun::Abs, &[cube]);
+    let over = g.mul(cube, over);
     let candidates = [tidy, triple].map(|d| {
         let size = g.call(crate::expr::Fun::Abs, &[d]);
         g.mul(size, over)

@@ -94,3 +94,38 @@ fn a_product_of_auxiliary_unknowns() {
     assert!((found[0][0] - 0.3).abs() < 1e-12 && (found[0][1] - 0.6).abs() < 1e-12, "{found:?}");
     assert!(item.pdf(&[], &x).is_finite() && item.pdf(&[], &x) > 0.0);
 }
+
+/// What uniforms map to leads back to them.
+fn leads_back(item: &str) {
+    let item = compile(item);
+    for u in [[0.3, 0.6], [0.71, 0.16], [0.05, 0.93]] {
+        let x = item.forward(&[], &u).expect("a value");
+        let found = item.preimages(&[], &x);
+        let near = |v: &Vec<f64>| (v[0] - u[0]).abs() < 1e-9 && (v[1] - u[1]).abs() < 1e-9;
+        assert!(found.iter().any(near), "{u:?}: {found:?}");
+    }
+}
+
+/// Lengths that are divided by, where coordinates have rational factors, and where lengths are nested.
+#[test]
+fn stretched_spheres() {
+    leads_back(
+        "fn stretched(u: [Uniform; 2]) -> Direction { let z = 2.0 * u[0] - 1.0;
+            let r = (1.0 - z * z).sqrt(); let phi = TAU * u[1];
+            Direction::from_vec(Vec3::new(2.5 * r * phi.cos(), 2.0 * r * phi.sin(), z).normalize()) }",
+    );
+    leads_back(
+        "fn moved(u: [Uniform; 2]) -> Direction { let v = Vec3::new(u[0], 1.5, u[1]).normalize();
+            Direction::from_vec((v + Vec3::new(0.0, 0.0, 0.5)).normalize()) }",
+    );
+}
+
+/// A window of angles that begins at no multiple of a quarter turn, at its very beginning.
+#[test]
+fn the_first_angle_of_a_window() {
+    leads_back(
+        "fn window(u: [Uniform; 2]) -> Direction { let r = u[0];
+            let (sin, cos) = (TAU * ((u[1] + 0.5) / 1.7)).sin_cos();
+            Direction::from_vec(Vec3::new(r * cos, 1.5, r * sin).normalize()) }",
+    );
+}

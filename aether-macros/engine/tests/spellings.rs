@@ -35,10 +35,7 @@ const FILES: [&str; 9] = [
 ];
 
 /// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const COUPLED: &str = "flight and phase function together, scaled, are not taken apart";
-const KNOWN: [(&str, &str, &str); 2] = [
-    ("space::scattering_vertex", "mirrored and scaled", COUPLED),
-    ("space::scattering_vertex", "scaled", COUPLED),
+const KNOWN: [(&str, &str, &str); 0] = [
 ];
 
 /// The spellings of a sampler.

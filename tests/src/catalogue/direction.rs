@@ -147,3 +147,53 @@ pub fn rayleigh(u: [Uniform; 2]) -> Direction {
     let phi = TAU * u[1];
     Direction::new(r * phi.cos(), r * phi.sin(), c)
 }
+
+/// Row 67: uniform on the sphere, by the equal-area octahedral map of the square.
+#[sampler]
+pub fn equal_area_octahedral(u: [Uniform; 2]) -> Direction {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let s = 1.0 - a.abs() - b.abs();
+    let r = 1.0 - s.abs();
+    let phi = PI / 4.0 * ((b.abs() - a.abs()) / r + 1.0);
+    let h = r * (2.0 - r * r).sqrt();
+    Direction::new(
+        (h * phi.cos()).copysign(a),
+        (h * phi.sin()).copysign(b),
+        s.signum() * (1.0 - r * r),
+    )
+}
+
+/// Row 86: normals of GGX that are visible from w, by a spherical cap.
+#[sampler(alpha in 1e-4..=1.0, where w.z > 0.0)]
+pub fn visible_normals(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
+    let v = Vec3::new(alpha * w.x, alpha * w.y, w.z).normalize();
+    let z = 1.0 - u[1] * (1.0 + v.z);
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[0];
+    let n = (Vec3::new(r * phi.cos(), r * phi.sin(), z) + v).normalize();
+    Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
+}
+
+/// Row 89: w reflected about a normal of GGX.
+#[sampler(alpha in 1e-4..=1.0)]
+pub fn reflected_ggx(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
+    let r = alpha * (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    let h = Vec3::new(r * phi.cos(), r * phi.sin(), 1.0).normalize();
+    Direction::from_vec(2.0 * h.dot(w) * h - w)
+}
+
+/// Row 90: w refracted at a normal of GGX on its side, into a medium with the relative index eta.
+#[sampler(alpha in 1e-4..=1.0, eta in 0.25..=4.0)]
+pub fn refracted_ggx(u: [Uniform; 2], alpha: f64, eta: f64, w: Direction) -> Option<Direction> {
+    let r = alpha * (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    let h = Vec3::new(r * phi.cos(), r * phi.sin(), 1.0).normalize();
+    let c = h.dot(w);
+    let k = 1.0 - (1.0 - c * c) / (eta * eta);
+    if c > 0.0 && k > 0.0 {
+        Some(Direction::from_vec(((c - eta * k.sqrt()) * h - w) / eta))
+    } else {
+        None
+    }
+}

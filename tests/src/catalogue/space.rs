@@ -175,3 +175,10 @@ pub fn chained_frames(u: [Uniform; 4]) -> (Direction, Direction) {
     let up = Vec3::new(-x * y * k, 1.0 - y * y * k, -y);
     (Direction::from_vec(first), Direction::from_vec(a * right + b * up + c * first))
 }
+
+/// Row 54 in space: a bilinear patch, which need not be flat.
+#[sampler]
+pub fn bilinear_patch(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Surface {
+    let (s, t) = (u[0], u[1]);
+    Surface::from_vec((1.0 - s) * (1.0 - t) * a + s * (1.0 - t) * b + s * t * c + (1.0 - s) * t * d)
+}

@@ -1,6 +1,6 @@
 //! The rows of `reference/catalogue-mh.json`.
 
-use aether_core::{DomainError, Mat3, Scalar, Vec2, Vec3};
+use aether_core::{Direction, DomainError, Mat3, Scalar, Vec2, Vec3};
 
 use super::Visitor;
 use crate::catalogue::*;
@@ -54,6 +54,11 @@ fn plane<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
             let (a, b) = (corner("ax", "ay"), corner("bx", "by"));
             visitor.visit(bilinear_quad(a, b, corner("cx", "cy"), corner("dx", "dy")))
         }
+        "bilinear_patch" => {
+            let corner = |name: &str| Vec3::from_array(entry.vector::<R>(name));
+            let [a, b, c, d] = ["a", "b", "c", "d"].map(corner);
+            visitor.visit(bilinear_patch(a, b, c, d))
+        }
         "elliptical_grid" => visitor.visit(elliptical_grid()),
         "bilinear_density" => {
             let sampler = bilinear_density(p("w00"), p("w10"), p("w01"), p("w11"));
@@ -71,7 +76,12 @@ fn plane<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
 fn direction<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
     let p = |name: &str| entry.scalar::<R>(name);
     let v = |name: &str| Vec3::from_array(entry.vector::<R>(name));
+    let w = |name: &str| Direction::from_vec(v(name));
     match entry.name.as_str() {
+        "equal_area_octahedral" => visitor.visit(equal_area_octahedral()),
+        "visible_normals" => visitor.visit(right(visible_normals(p("alpha"), w("w")))),
+        "reflected_ggx" => visitor.visit(right(reflected_ggx(p("alpha"), w("w")))),
+        "refracted_ggx" => visitor.visit(right(refracted_ggx(p("alpha"), p("eta"), w("w")))),
         "cone" => visitor.visit(right(cone(p("m")))),
         "concentric_hemisphere" => visitor.visit(concentric_hemisphere()),
         "double_lune" => visitor.visit(right(double_lune(p("t")))),

@@ -1553,18 +1553,32 @@ pub mod wide_021 {
     }
 }
 
-// wide_022 is refused: cannot invert this map: stuck at `nothing determines u₂`, which should give u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let x = 2.0 * u[0] / 1.0 - 1.0;
-//     let x1 = 2.0 * u[1] / 1.0 - 1.0;
-//     let (p, q) = if x1 < 0.5 && x < 0.5 { (2.0 * x1, x) } else { (x, x1 + 2.0) };
-//     let y = (1.7 * p).sinh();
-//     let y1 = 0.13 * y - 0.05;
-//     let v = Vec3::new(0.3 * (q + 1.5), y1, 1.0).normalize();
-//     let o = Vec3::new(0.6, 0.0, 0.8);
-//     Direction::from_vec(2.0 * o.dot(v) * v - o)
-// }
+pub mod wide_022 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let x = 2.0 * u[0] / 1.0 - 1.0;
+        let x1 = 2.0 * u[1] / 1.0 - 1.0;
+        let (p, q) = if x1 < 0.5 && x < 0.5 { (2.0 * x1, x) } else { (x, x1 + 2.0) };
+        let y = (1.7 * p).sinh();
+        let y1 = 0.13 * y - 0.05;
+        let v = Vec3::new(0.3 * (q + 1.5), y1, 1.0).normalize();
+        let o = Vec3::new(0.6, 0.0, 0.8);
+        Direction::from_vec(2.0 * o.dot(v) * v - o)
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let x = 2.0 * u[0] / 1.0 - 1.0;
+        let x1 = 2.0 * u[1] / 1.0 - 1.0;
+        let (p, q) = if x1 < 0.5 && x < 0.5 { (2.0 * x1, x) } else { (x, x1 + 2.0) };
+        let y = (1.7 * p).sinh();
+        let y1 = 0.13 * y - 0.05;
+        let v = Vec3::new(0.3 * (q + 1.5), y1, 1.0).normalize();
+        let o = Vec3::new(0.6, 0.0, 0.8);
+        Direction::from_vec(2.0 * o.dot(v) * v - o)
+    }
+}
 
 pub mod wide_023 {
     use super::*;
@@ -1655,7 +1669,7 @@ pub mod wide_027 {
     }
 }
 
-// wide_028 is refused: cannot invert this map: stuck at `x / 10 + 2 y / 5 = √(1 - 9 u₁² cos(2 u₂ π)² / 100) cos(u₁³ sin(2 u₂ π)³) y - √(1 - 9 u₁² cos(2 u₂ π)² / 100) sin(u₁³ sin(2 u₂ π)³) x`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_028 is refused: the derived inverse does not recover its own input: u = [0.9762141264689097, 0.4562353359281042] with parameters [] maps to [0.8776002888634931, 0.18495149046268464, -0.4422789607954972], which maps back to []. If this point lies outside what the map is meant for, declare the domain of the parameters
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let r = u[0];
@@ -1847,17 +1861,30 @@ pub mod wide_037 {
     }
 }
 
-// wide_038 is refused: cannot invert this map: stuck at `0 = 337 sin(u₁ π) cos(2 u₂ π) y / 625 + 384 sin(u₁ π) cos(2 u₂ π) (3/5 + x) / 625 + 96 cos(u₁ π) (3/5 + x) / 125 - 384 sin(u₁ π) sin(2 u₂ π) y / 625 - 72 cos(u₁ π) y / 125 - 113 sin(u₁ π) sin(2 u₂ π) (3/5 + x) / 625`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let theta = PI * u[0];
-//     let phi = TAU * u[1];
-//     let v = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-//     let n = Vec3::new(0.48, 0.64, 0.6);
-//     let v1 = v - 2.0 * v.dot(n) * n;
-//     let o = Vec3::new(0.6, 0.0, 0.8);
-//     Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
-// }
+pub mod wide_038 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let theta = PI * u[0];
+        let phi = TAU * u[1];
+        let v = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = v - 2.0 * v.dot(n) * n;
+        let o = Vec3::new(0.6, 0.0, 0.8);
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let theta = PI * u[0];
+        let phi = TAU * u[1];
+        let v = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = v - 2.0 * v.dot(n) * n;
+        let o = Vec3::new(0.6, 0.0, 0.8);
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+}
 
 pub mod wide_039 {
     use super::*;
@@ -2619,7 +2646,7 @@ pub mod wide_079 {
     }
 }
 
-// wide_080 is refused: cannot invert this map: stuck at `1/2 + sin(x) / 2 = sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)`, which should give u. `sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u: there is none for u in [0.820312, 0.824219]. If it does, narrow the domains of the parameters, or write one sampler for each piece on which the map is monotone
+// wide_080 is refused: cannot invert this map: stuck at `1/2 + sin(x) / 2 = sin(ln1p(-u)⁴ π / (3/10 - ln1p(-u))⁴)`, which should give u. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 1]) -> f64 {
 //     let t = -(-u[0]).ln_1p() / 0.3;
@@ -3058,17 +3085,30 @@ pub mod wide_103 {
     }
 }
 
-// wide_104 is refused: cannot invert this map: stuck at `0 = 96 u₁ (2/3 + x) / 125 + 384 √(1 - u₁²) cos(2 u₂ π) (2/3 + x) / 625 + 337 √(1 - u₁²) cos(2 u₂ π) (1/3 + y) / 625 - 113 √(1 - u₁²) sin(2 u₂ π) (2/3 + x) / 625 - 72 u₁ (1/3 + y) / 125 - 384 √(1 - u₁²) sin(2 u₂ π) (1/3 + y) / 625`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let r = (1.0 - u[0] * u[0]).sqrt();
-//     let phi = TAU * u[1];
-//     let v = Vec3::new(r * phi.cos(), r * phi.sin(), u[0]);
-//     let n = Vec3::new(0.48, 0.64, 0.6);
-//     let v1 = v - 2.0 * v.dot(n) * n;
-//     let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
-//     Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
-// }
+pub mod wide_104 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let r = (1.0 - u[0] * u[0]).sqrt();
+        let phi = TAU * u[1];
+        let v = Vec3::new(r * phi.cos(), r * phi.sin(), u[0]);
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = v - 2.0 * v.dot(n) * n;
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let r = (1.0 - u[0] * u[0]).sqrt();
+        let phi = TAU * u[1];
+        let v = Vec3::new(r * phi.cos(), r * phi.sin(), u[0]);
+        let n = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = v - 2.0 * v.dot(n) * n;
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        Direction::from_vec(2.0 * o.dot(v1) * v1 - o)
+    }
+}
 
 pub mod wide_105 {
     use super::*;
@@ -3241,13 +3281,22 @@ pub mod wide_113 {
     }
 }
 
-// wide_114 is refused: the derived inverse does not recover its own input: u = [0.9762141264689097, 0.4562353359281042] with parameters [] maps to [0.660962982376074, 0.28713664604512684, 0.6933112449877625], which maps back to []. If this point lies outside what the map is meant for, declare the domain of the parameters
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2]) -> Direction {
-//     let v = Vec3::new(u[0], u[1], 1.0).normalize();
-//     let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
-//     Direction::from_vec(2.0 * o.dot(v) * v - o)
-// }
+pub mod wide_114 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new(u[0], u[1], 1.0).normalize();
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        Direction::from_vec(2.0 * o.dot(v) * v - o)
+    }
+
+    pub fn plain(u: [Uniform; 2]) -> Direction {
+        let v = Vec3::new(u[0], u[1], 1.0).normalize();
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        Direction::from_vec(2.0 * o.dot(v) * v - o)
+    }
+}
 
 pub mod wide_115 {
     use super::*;
@@ -4372,14 +4421,24 @@ pub mod wide_171 {
     }
 }
 
-// wide_172 is refused: cannot invert this map: stuck at `0 = (4 (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 3 + 32 u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 9 + 64 u₁² (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 27 + u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z) (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) (8/9 + 4 frame.xx x / 3 + 4 frame.xy y / 3 + 4 frame.xz z / 3) + 8 u₁² (2/3 + frame.xx x + frame.xy y + fr … (2837 characters)`, which should give u₁ and u₂. `(4 (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 3 + 32 u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 9 + 64 u₁² (2/3 + frame.xx x + frame.xy y + frame.xz z)³ / 27 + u₁ (2/3 + frame.xx x + frame.xy y + frame.xz z) (2/9 + 2 frame.yx x / 3 + 2 frame.yy y / 3 + 2 frame.yz z / 3) (8/9 + 4 frame.xx x / 3 + 4 frame.xy y / 3 + 4 frame.xz z / 3) + 8 u₁² (2/3 + frame.xx x + frame.xy y + fr … (2837 characters)` has no closed inverse, and a numerical one needs a proof that it always increases or always decreases with u₁: there is none for u₁ in [0.000000, 1.000000], x in [-1.000000, 1.000000], y in [-1.000000, 1.000000], z in [-1.000000, 1.000000], frame.xx in [1.000000, 2.000000], frame.xy in [-∞, ∞], frame.xz in [0.000000, ∞], frame.yx in [-∞, ∞], frame.yy in [-∞, 0.000000], frame.yz in [-∞, 0.000000], frame.zx in [0.000000, 1.000000], frame.zy in [0.000000, ∞], frame.zz in [-1.000000, 0.000000]. If it does, declare a domain of `frame.xx` in which it is monotone, as in `#[sampler(frame.xx in 0.0..=10.0)]`
-// #[sampler]
-// pub fn compiled(u: [Uniform; 2], frame: Frame) -> Direction {
-//     let v = Vec3::new(u[0], 1.5, u[1]).normalize();
-//     let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
-//     let v1 = 2.0 * o.dot(v) * v - o;
-//     Direction::from_vec(frame.to_world(v1))
-// }
+pub mod wide_172 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 2], frame: Frame) -> Direction {
+        let v = Vec3::new(u[0], 1.5, u[1]).normalize();
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        let v1 = 2.0 * o.dot(v) * v - o;
+        Direction::from_vec(frame.to_world(v1))
+    }
+
+    pub fn plain(u: [Uniform; 2], frame: Frame) -> Direction {
+        let v = Vec3::new(u[0], 1.5, u[1]).normalize();
+        let o = Vec3::new(2.0, 1.0, 2.0) / 3.0;
+        let v1 = 2.0 * o.dot(v) * v - o;
+        Direction::from_vec(frame.to_world(v1))
+    }
+}
 
 pub mod wide_173 {
     use super::*;
@@ -4794,6 +4853,7 @@ pub fn all() -> Vec<Case> {
         case("wide_019", wide_019::compiled(), |u| wide_019::plain(u)),
         case("wide_020", wide_020::compiled(), |u| wide_020::plain(u)),
         case("wide_021", wide_021::compiled(1.3).expect("in the domain"), |u| wide_021::plain(u, 1.3)),
+        case("wide_022", wide_022::compiled(), |u| wide_022::plain(u)),
         case("wide_023", wide_023::compiled(), |u| wide_023::plain(u)),
         case("wide_024", wide_024::compiled(), |u| wide_024::plain(u)),
         case("wide_025", wide_025::compiled(), |u| wide_025::plain(u)),
@@ -4807,6 +4867,7 @@ pub fn all() -> Vec<Case> {
         case("wide_035", wide_035::compiled(), |u| wide_035::plain(u)),
         case("wide_036", wide_036::compiled(), |u| wide_036::plain(u)),
         case("wide_037", wide_037::compiled(0.8, 1.3).expect("in the domain"), |u| wide_037::plain(u, 0.8, 1.3)),
+        case("wide_038", wide_038::compiled(), |u| wide_038::plain(u)),
         case("wide_039", wide_039::compiled(), |u| wide_039::plain(u)),
         case("wide_040", wide_040::compiled(0.8).expect("in the domain"), |u| wide_040::plain(u, 0.8)),
         case("wide_041", wide_041::compiled(), |u| wide_041::plain(u)),
@@ -4869,6 +4930,7 @@ pub fn all() -> Vec<Case> {
         case("wide_101", wide_101::compiled(1.3).expect("in the domain"), |u| wide_101::plain(u, 1.3)),
         case("wide_102", wide_102::compiled(), |u| wide_102::plain(u)),
         case("wide_103", wide_103::compiled(), |u| wide_103::plain(u)),
+        case("wide_104", wide_104::compiled(), |u| wide_104::plain(u)),
         case("wide_105", wide_105::compiled(), |u| wide_105::plain(u)),
         case("wide_106", wide_106::compiled(), |u| wide_106::plain(u)),
         case("wide_107", wide_107::compiled(), |u| wide_107::plain(u)),
@@ -4878,6 +4940,7 @@ pub fn all() -> Vec<Case> {
         case("wide_111", wide_111::compiled(1.3).expect("in the domain"), |u| wide_111::plain(u, 1.3)),
         case("wide_112", wide_112::compiled(), |u| wide_112::plain(u)),
         case("wide_113", wide_113::compiled(), |u| wide_113::plain(u)),
+        case("wide_114", wide_114::compiled(), |u| wide_114::plain(u)),
         case("wide_115", wide_115::compiled(), |u| wide_115::plain(u)),
         case("wide_116", wide_116::compiled(), |u| wide_116::plain(u)),
         case("wide_117", wide_117::compiled(frame()), |u| wide_117::plain(u, frame())),
@@ -4934,6 +4997,7 @@ pub fn all() -> Vec<Case> {
         case("wide_169", wide_169::compiled(0.8).expect("in the domain"), |u| wide_169::plain(u, 0.8)),
         case("wide_170", wide_170::compiled(1.3).expect("in the domain"), |u| wide_170::plain(u, 1.3)),
         case("wide_171", wide_171::compiled(), |u| wide_171::plain(u)),
+        case("wide_172", wide_172::compiled(frame()), |u| wide_172::plain(u, frame())),
         case("wide_173", wide_173::compiled(), |u| wide_173::plain(u)),
         case("wide_175", wide_175::compiled(frame()), |u| wide_175::plain(u, frame())),
         case("wide_176", wide_176::compiled(), |u| wide_176::plain(u)),

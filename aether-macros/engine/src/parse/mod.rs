@@ -121,7 +121,7 @@ impl Reader<'_> {
             return Some(None);
         }
         let cut = segments.iter().any(Option::is_some);
-        let tests = first.way.tests.iter().map(|(_, t)| *t).collect();
+        let ends_of_segments = implied.clone();
         let second = if cut {
             let ends: Vec<Option<(Segment, &Graph)>> =
                 segments.iter().map(|s| s.map(|s| (s, &first.graph))).collect();
@@ -132,6 +132,11 @@ impl Reader<'_> {
         if second.way.impossible {
             return Some(None);
         }
+        // What the segments settle need not be tested, and might be denied by a rounding.
+        let open = |place: &usize| {
+            ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
+        };
+        let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
         let problem = Problem {

@@ -18,7 +18,9 @@ mod polar;
 mod quadric;
 mod rational;
 mod repeated;
+mod ruled;
 mod scale;
+mod sine;
 mod squares;
 
 use std::collections::BTreeMap;
@@ -203,7 +205,8 @@ fn step(
         .or_else(|| angles::double(g, state))
         .or_else(|| squares::squares(g, state))
         .or_else(|| peel::branching(g, state))
-        .or_else(|| rational::single_unknown(g, state));
+        .or_else(|| rational::single_unknown(g, state))
+        .or_else(|| sine::single_angle(g, state));
     if closed.is_none() && state.numerical {
         let next =
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
@@ -217,6 +220,7 @@ fn step(
         }
     }
     closed
+        .or_else(|| ruled::ruled(g, state))
         .or_else(|| rational::name_coefficients(g, state))
         .or_else(|| rational::eliminate(g, state))
 }

@@ -8,8 +8,11 @@ use crate::rational::Q;
 
 /// Outputs that are divided by a common length, √(a sum): before anything else takes the root apart.
 pub(super) fn unit_vector(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let (base, exponent, members) = common_factor(g, state)?;
-    is_length(g, base, exponent).then(|| name_factor(g, state, base, exponent, &members))
+    let (factors, members) = common_factor(g, state)?;
+    factors
+        .iter()
+        .any(|&(b, e)| is_length(g, b, e))
+        .then(|| name_factor(g, state, &factors, &members))
 }
 
 /// The lengths √(a sum) that outputs are divided by, each with the equations of these.
@@ -29,16 +32,16 @@ fn is_length(g: &Graph, base: Id, exponent: Id) -> bool {
 
 /// Any common factor of several equations.
 pub(super) fn common(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let (base, exponent, members) = common_factor(g, state)?;
+    let (factors, members) = common_factor(g, state)?;
     // Equations that say the same of the factor, and nothing else, have no use for a name of it.
-    let plain = g.pow(base, exponent);
+    let plain = g.product(&factors);
     let mut rests = members.iter().map(|&i| {
         let rest = g.div(state.equations[i].rhs, plain);
         super::affine_parts(g, rest).2
     });
     let first = rests.next()?;
     let differ = rests.any(|rest| rest != first);
-    differ.then(|| name_factor(g, state, base, exponent, &members))
+    differ.then(|| name_factor(g, state, &factors, &members))
 }
 
 /// Gives a common factor a name of its own.
@@ -48,14 +51,13 @@ pub(super) fn common(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 fn name_factor(
     g: &mut Graph,
     state: &State,
-    base: Id,
-    exponent: Id,
+    factors: &[(Id, Id)],
     members: &[usize],
 ) -> Vec<State> {
     let mut s = state.clone();
     let leaf = Leaf::Unknown(s.next_unknown);
     s.next_unknown += 1;
-    let plain = g.pow(base, exponent);
+    let plain = g.product(factors);
     // A known multiple of the factor may be required to be positive: then that is the better name.
     let required = state.positive.iter().find_map(|&r| {
         let multiple = g.div(r, plain);
@@ -97,15 +99,13 @@ fn name_factor(
     vec![s]
 }
 
-/// The factor that most equations share.
-fn common_factor(g: &mut Graph, state: &State) -> Option<(Id, Id, Vec<usize>)> {
-    let mut best: Option<(Id, Id, Vec<usize>)> = None;
-    for found in common_factors(g, state) {
-        if best.as_ref().is_none_or(|(_, _, m)| found.2.len() > m.len()) {
-            best = Some(found);
-        }
-    }
-    best
+/// The factor that most equations share, with all others that the same equations share.
+fn common_factor(g: &mut Graph, state: &State) -> Option<(Vec<(Id, Id)>, Vec<usize>)> {
+    let all = common_factors(g, state);
+    let most = all.iter().map(|(_, _, m)| m.len()).max()?;
+    let members = all.iter().find(|(_, _, m)| m.len() == most)?.2.clone();
+    let shared = all.into_iter().filter(|(_, _, m)| *m == members);
+    Some((shared.map(|(b, e, _)| (b, e)).collect(), members))
 }
 
 /// Factors that at least two equations share, each with the equations that have it.
@@ -113,18 +113,22 @@ fn common_factors(g: &mut Graph, state: &State) -> Vec<(Id, Id, Vec<usize>)> {
     let among: Vec<usize> =
         (0..state.equations.len()).filter(|&i| !state.equations[i].modulo_turn).collect();
     let mut found: Vec<(Id, Id, Vec<usize>)> = Vec::new();
+    // A rational factor makes a sum of an expression: what it is a factor of is looked at.
+    let factors: Vec<Vec<(Id, Id)>> = (0..state.equations.len())
+        .map(|i| {
+            let (_, body) = g.split(state.equations[i].rhs);
+            g.factors(body)
+        })
+        .collect();
     for &i in &among {
-        for (b, e) in g.factors(state.equations[i].rhs) {
+        for &(b, e) in &factors[i] {
             let known = found.iter().any(|(base, exponent, _)| (*base, *exponent) == (b, e));
             // A lone unknown is an atom of its own, not a factor to take out.
             if known || !g.has(b, UNKNOWNS) || matches!(g.node(b), Node::Leaf(_)) {
                 continue;
             }
-            let members: Vec<usize> = among
-                .iter()
-                .copied()
-                .filter(|&j| g.factors(state.equations[j].rhs).contains(&(b, e)))
-                .collect();
+            let members: Vec<usize> =
+                among.iter().copied().filter(|&j| factors[j].contains(&(b, e))).collect();
             if members.len() >= 2 {
                 found.push((b, e, members));
             }

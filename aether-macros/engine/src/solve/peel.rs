@@ -103,6 +103,12 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
         Node::Sum(c, terms) if c.is_zero() => join_logarithms(g, known, &terms),
         // Lambert's function of a power overflows where a root can still be found.
         Node::Product(f) if !numerical && lambert(g, &f).is_some() => undo_lambert(g, known, &f),
+        Node::Product(f) if f.iter().all(|(_, e)| g.as_number(*e).is_some_and(Q::is_even)) => {
+            let half = g.number(Q::HALF);
+            let halved: Vec<(Id, Id)> = f.iter().map(|&(b, e)| (b, g.mul(e, half))).collect();
+            let (base, two) = (g.product(&halved), g.int(2));
+            Some((base, undo_power(g, known, base, two)))
+        }
         Node::Product(f) => {
             // √(a/b) is kept as √a/√b: square both sides.
             let halves = f.iter().all(|(b, e)| {
@@ -129,7 +135,9 @@ fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)>
         return Some((rhs, single(known)));
     }
     if range.width().is_finite() && range.width() <= 64.0 * TAU {
-        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo) };
+        // A window is cut open in the middle of its complement, where no rounding error leads.
+        let gap = (TAU - range.width()).max(0.0);
+        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo - 0.5 * gap) };
         let offset = g.sub(known, shift);
         let turned = g.call(Fun::Turn, &[offset]);
         let base = g.add(turned, shift);

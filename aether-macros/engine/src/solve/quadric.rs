@@ -9,7 +9,7 @@ use super::scale::named;
 use super::{Condition, Equation, State, affine_parts};
 use crate::display::show;
 use crate::expr::{Graph, Id, UNKNOWNS};
-use crate::jacobian::simplify;
+use crate::jacobian::{cost, factor_out, simplify};
 use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
 
@@ -33,7 +33,9 @@ struct Coordinate {
 
 /// Finds |T| if T lies on a quadric: one or two answers.
 pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let lengths = common_lengths(g, state);
+    let mut lengths = common_lengths(g, state);
+    // The outermost first: the others are parts of it.
+    lengths.sort_by_key(|(length, _)| std::cmp::Reverse(cost(g, *length)));
     lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members))
 }
 
@@ -94,13 +96,18 @@ fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
     let [x, y, z] = &coordinates[..] else { return None };
     let rests = [x.rest, y.rest, z.rest];
     let whole = [x, y, z].map(|c| g.mul(c.factor, c.rest));
-    if let Some(found) = sphere(g, whole) {
-        for (c, open) in coordinates.iter_mut().zip(whole) {
-            (c.factor, c.rest) = (g.int(1), open);
-        }
-        return Some(found);
+    let stretched = |g: &mut Graph| sphere(g, rests).or_else(|| relation(g, rests));
+    let found = match sphere(g, whole) {
+        None => match stretched(g) {
+            None => relation(g, whole)?,
+            found => return found,
+        },
+        Some(found) => found,
+    };
+    for (c, open) in coordinates.iter_mut().zip(whole) {
+        (c.factor, c.rest) = (g.int(1), open);
     }
-    sphere(g, rests).or_else(|| relation(g, rests))
+    Some(found)
 }
 
 /// The positive roots of the quadratic equation for the length.
@@ -169,6 +176,8 @@ fn quadratic(g: &mut Graph, a: Id, b: Id, c: Id) -> Vec<Id> {
 fn sphere(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     let squares = rests.map(|r| (Q::ONE, g.powi(r, 2)));
     let sum = g.sum(Q::ZERO, &squares);
+    // What was divided by its own length shows without multiplying out.
+    let sum = factor_out(g, sum);
     let radius = simplify(g, sum, None);
     let (one, zero) = (Q::ONE, Q::ZERO);
     (!g.has(radius, UNKNOWNS)).then(|| Quadric {
@@ -201,7 +210,7 @@ fn over_common_denominator(expander: &mut Expander, functions: &[RatFun]) -> Opt
 
 /// The one relation of degree two with rational coefficients between three coordinates.
 fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
-    let mut expander = Expander::new(g);
+    let mut expander = Expander::new(g).only(UNKNOWNS);
     let [x, y, z] = rests.map(|r| expander.expand(r));
     let first = [x?, y?, z?];
     let mut columns: Vec<RatFun> = Vec::new();

@@ -24,6 +24,11 @@ pub(super) fn substitute(g: &mut Graph, state: &State) -> Option<Vec<State>> {
         s.solution.steps.push(format!("{} = {} everywhere", show(g, e.rhs), show(g, e.known)));
         for (j, rhs) in replaced {
             sign_test(g, &mut s.solution.conditions, &s.equations[j]);
+            // The window of an angle does not follow from what is put in its place.
+            if s.equations[j].modulo_turn && g.has(rhs, UNKNOWNS) {
+                let range = g.range(s.equations[j].rhs);
+                g.assume(rhs, range);
+            }
             s.equations[j].rhs = rhs;
         }
         return Some(vec![s]);
