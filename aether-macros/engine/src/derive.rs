@@ -10,7 +10,7 @@ mod strays;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::interval::Interval;
-use crate::jacobian::{Source, simplify, volume};
+use crate::jacobian::{Source, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Piece, Segment, Space, Test};
@@ -143,7 +143,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let targets = declare_outputs(problem);
     all_used(problem)?;
     let source = source_of(problem);
-    let inner = match joint::volume(problem) {
+    let inner = match joint::volume(problem).or_else(|| area(problem)) {
         Some(volume) => volume?,
         None => volume(
             &mut problem.graph,
@@ -201,6 +201,14 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst_error: worst,
         steps,
     })
+}
+
+/// The area that the direction of a sampler covers, where height and azimuth tell it. That it has unit
+/// length is tried at the points, like everything else.
+fn area(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
+    let free = problem.argument.is_none() && problem.is_direction();
+    let mut area = || sphere::area(&mut problem.graph, &problem.outputs, &problem.unknowns);
+    if free { area().map(Ok) } else { None }
 }
 
 /// Volumes in terms of the uniforms, where the unknowns run over segments of them.

@@ -1,5 +1,7 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
+pub mod sphere;
+
 use std::hash::BuildHasherDefault;
 
 use crate::derivative::derivative;

@@ -13,7 +13,7 @@ use crate::poly::Expander;
 use crate::rational::Q;
 
 /// Errors up to this many units in the last place are not worth a rewrite.
-const GOOD: f64 = 64.0 * f64::EPSILON;
+pub(crate) const GOOD: f64 = 64.0 * f64::EPSILON;
 
 /// The expression with every part in its most accurate form.
 pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
-use super::regimes::best_coordinates;
+use super::regimes::{best_coordinates, best_forms};
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
@@ -63,6 +63,7 @@ pub(super) fn density(
     measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
+    let direction = problem.is_direction() && problem.argument.is_none();
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
@@ -103,7 +104,11 @@ pub(super) fn density(
             all.extend(forms.into_iter().filter(|&f| !divides_by_the_point(g, f)));
         }
     }
-    let (best, error) = pick(g, &all, &truth, measure);
+    let (mut best, mut error) = pick(g, &all, &truth, measure);
+    if direction && injective && error > 64.0 * f64::EPSILON {
+        best = best_forms(g, best, &truth, measure);
+        error = measure.loss(g, best, &truth).worst;
+    }
     (guard(g, best), error)
 }
 
