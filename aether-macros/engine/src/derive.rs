@@ -155,6 +155,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     };
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
+    // Without a short Jacobian there is a long one; without an inverse there is nothing.
+    crate::poly::refill_budget();
     let mut inverse = |numerical| {
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)

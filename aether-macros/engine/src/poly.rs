@@ -40,6 +40,11 @@ pub fn start_budget() {
     BUDGET.set(STEPS);
 }
 
+/// Leaves at least half of the budget to what follows, whatever was spent before.
+pub fn refill_budget() {
+    BUDGET.set(BUDGET.get().max(STEPS / 2));
+}
+
 /// Takes steps from the budget; `None` when it is used up.
 fn spend(steps: u64) -> Option<()> {
     let left = BUDGET.get().checked_sub(steps);

@@ -5,6 +5,8 @@
 //! test points and compared with double-double; a form is taken if it is clearly more accurate.
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
+mod exponential;
+
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::hash::Map;
 use crate::jacobian::{cost, factor_out};
@@ -14,6 +16,9 @@ use crate::rational::Q;
 
 /// Errors up to this many units in the last place are not worth a rewrite.
 pub(crate) const GOOD: f64 = 64.0 * f64::EPSILON;
+
+/// How much larger the worst error of a form may be that is as good as another on average.
+const FAR: f64 = 256.0;
 
 /// The expression with every part in its most accurate form.
 pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
@@ -109,11 +114,12 @@ impl Search<'_> {
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
-        let scored: Vec<(Id, f64)> = forms.iter().map(|f| (f.0, f.1.loss().bits)).collect();
-        let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
-        scored
-            .iter()
-            .filter(|s| s.1 <= least + 0.4)
+        let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
+        let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
+        let good = || scored.iter().filter(|s| s.1.bits <= least + 0.4);
+        let worst = good().map(|s| s.1.worst).fold(f64::INFINITY, f64::min).max(self.good);
+        good()
+            .filter(|s| s.1.worst <= FAR * worst)
             .min_by_key(|s| cost(g, s.0))
             .map_or(original, |s| s.0)
     }
@@ -179,6 +185,8 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
+            out.extend(exponential::weighted_mean(g, c, &terms));
+            out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
@@ -196,6 +204,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 out.push(g.call(Fun::Ln1p, &[rest]));
             }
         }
+        Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
         Node::Product(factors) => {
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };

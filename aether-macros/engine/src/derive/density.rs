@@ -129,14 +129,9 @@ pub(super) fn finish(
     (injective, check_forward): (bool, bool),
 ) -> Preimage {
     let g = &mut problem.graph;
-    let tested: Vec<Id> = problem
-        .unknowns
-        .iter()
-        .map(|l| {
-            let stable = stabilise(g, s.unknowns[l], measure);
-            guard(g, stable)
-        })
-        .collect();
+    let stable: Vec<Id> =
+        problem.unknowns.iter().map(|l| stabilise(g, s.unknowns[l], measure)).collect();
+    let tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
     let map: BTreeMap<Id, Id> =
         problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
@@ -152,7 +147,8 @@ pub(super) fn finish(
     let mut unknowns = tested.clone();
     if problem.is_direction() && problem.argument.is_none() && injective {
         for (i, value) in unknowns.iter_mut().enumerate() {
-            *value = best_coordinates(problem, i, *value, cases, measure);
+            let best = best_coordinates(problem, i, stable[i], cases, measure);
+            *value = guard(&mut problem.graph, best);
         }
     }
     Preimage {

@@ -5,7 +5,7 @@ use crate::expr::Id;
 use crate::rational::Q;
 
 /// Polynomials with more terms than this are left whole.
-const MOST_TERMS: usize = 40;
+const MOST_TERMS: usize = 20;
 
 impl Poly {
     /// Factors with their exponents, without a constant factor; atoms come first. What is not found to
@@ -17,6 +17,10 @@ impl Poly {
         let mut open = vec![(rest, 1)];
         while let Some((p, e)) = open.pop() {
             if p.as_constant().is_some() {
+                continue;
+            }
+            if p.len() > MOST_TERMS {
+                found.push((p, e));
                 continue;
             }
             let p = p.monic().unwrap_or(p);
@@ -106,9 +110,6 @@ fn of_quadratic(p: &Poly, x: Id) -> Option<Vec<Poly>> {
 /// A factor that one coefficient of the powers of some atom has, and with it the whole polynomial; and
 /// what is left.
 fn coefficient_factor(p: &Poly) -> Option<Vec<Poly>> {
-    if p.len() > MOST_TERMS {
-        return None;
-    }
     p.atoms().into_iter().find_map(|x| {
         let powers = p.by_powers_of(x)?;
         let shortest = powers.iter().filter(|c| !c.is_zero()).min_by_key(|c| c.len())?;

@@ -24,6 +24,9 @@ pub struct Expander<'a> {
     open: Deps,
 }
 
+/// Denominators with more terms than this are not multiplied by their conjugates.
+const CONJUGATED: usize = 5;
+
 impl<'a> Expander<'a> {
     /// An expander without relations.
     pub fn new(graph: &'a mut Graph) -> Self {
@@ -294,6 +297,9 @@ impl<'a> Expander<'a> {
 
     /// num / (a + b √c) as num (a - b √c) / (a² - b² c), if that division leaves no remainder.
     fn over_conjugate(&mut self, num: &Poly, den: &Poly) -> Option<Poly> {
+        if den.len() > CONJUGATED || num.len() > 10 * CONJUGATED {
+            return None;
+        }
         let root = den.atoms().into_iter().find(|a| num.contains(*a) && self.is_root(*a))?;
         let powers = den.by_powers_of(root)?;
         let [a, b] = &powers[..] else { return None };
