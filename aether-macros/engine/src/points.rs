@@ -88,6 +88,8 @@ const EXTREMES: [f64; 6] =
 
 /// Rounds of points with parameters of their own; a few more follow with stress.
 const ROUNDS: usize = 8;
+/// The one of them whose parameters are close to zero, if zero lies inside of their domain.
+const LEAST: usize = 6;
 
 /// Enough points where a condition narrows the choice.
 const ENOUGH: usize = 80;
@@ -215,6 +217,8 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
         ROUNDS.. if d.hi == f64::INFINITY && round < ROUNDS + 4 => {
             hi * libm::pow(1e3, (round - ROUNDS + 1) as f64) * (0.5 + rng.uniform())
         }
+        // What may be zero may be close to it.
+        LEAST if d.lo < 0.0 && d.hi > 0.0 => 1e-9 * (lo + (hi - lo) * rng.uniform()),
         0 if d.lo.is_finite() && d.lo != 0.0 => lo,
         1 if d.hi.is_finite() && d.hi != 0.0 => hi,
         _ if lo > 0.0 => lo * libm::pow(hi / lo, rng.uniform()),

@@ -4,7 +4,6 @@
 //! small; near the other, 1 - r is, and t + ln(1 + (1 - r)(e^-t - 1)) is the same.
 
 use crate::expr::{Fun, Graph, Id, Node};
-use crate::overflow::guard;
 use crate::rational::Q;
 
 /// r and t of an expression r (e^t - 1).
@@ -60,7 +59,12 @@ pub(super) fn other_end(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
         let back = g.call(Fun::ExpM1, &[back]);
         let inner = g.mul(rest, back);
         let other = g.call(Fun::Ln1p, &[inner]);
-        let other = guard(g, other);
+        // Where e^-t is infinite: 1/∞ = 0.
+        let size = g.call(Fun::Abs, &[back]);
+        let finite = g.powi(size, -1);
+        let plain = by_size(g, log, args[0]).unwrap_or(log);
+        let plain = g.sub(plain, t);
+        let other = g.if_positive(finite, other, plain);
         let others = terms.iter().filter(|x| **x != (q, log) && **x != (taken, part));
         let kept: Vec<(Q, Id)> = others.copied().chain([(q, other)]).collect();
         Some(g.sum(c, &kept))
