@@ -143,7 +143,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let targets = declare_outputs(problem);
     all_used(problem)?;
     let source = source_of(problem);
-    let inner = match joint::volume(problem).or_else(|| area(problem)) {
+    let inner = match joint::volume(problem).or_else(|| spherical(problem)) {
         Some(volume) => volume?,
         None => volume(
             &mut problem.graph,
@@ -205,12 +205,14 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     })
 }
 
-/// The area that the direction of a sampler covers, where height and azimuth tell it. That it has unit
-/// length is tried at the points, like everything else.
-fn area(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
-    let free = problem.argument.is_none() && problem.is_direction();
-    let mut area = || sphere::area(&mut problem.graph, &problem.outputs, &problem.unknowns);
-    if free { area().map(Ok) } else { None }
+/// The volume of what is written in spherical coordinates. That a direction has unit length is tried at
+/// the points, like everything else.
+fn spherical(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
+    if problem.argument.is_some() {
+        return None;
+    }
+    let covered = if problem.is_direction() { sphere::area } else { sphere::volume };
+    covered(&mut problem.graph, &problem.outputs, &problem.unknowns).map(Ok)
 }
 
 /// Volumes in terms of the uniforms, where the unknowns run over segments of them.

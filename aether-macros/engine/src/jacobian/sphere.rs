@@ -1,11 +1,15 @@
-//! The change of measure of a direction in terms of its height and its azimuth.
+//! The change of measure of a direction in terms of its height and its azimuth, and of points at
+//! distances in such directions.
 //!
 //! A unit vector (A cos t, A sin t, h) covers the area |∂(h, t)|: that of a cylinder around the sphere
 //! (Archimedes). How A follows from h does not matter, so none of its roots is ever differentiated.
 
 use super::{distinct, simplify};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::poly::Expander;
+use crate::rational::Q;
+use crate::solve::linear::determinant;
 use crate::solve::polar::with_factor;
 
 /// Equal expressions for the area that a unit vector covers, if two of its coordinates are a cosine and
@@ -13,7 +17,7 @@ use crate::solve::polar::with_factor;
 pub fn area(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>> {
     let (&[_, _, _], &[u, v]) = (outputs, unknowns) else { return None };
     let (height, angle) = [(0, 1, 2), (1, 2, 0), (2, 0, 1)].iter().find_map(|&(i, j, k)| {
-        let angle = shared_angle(g, outputs[i], outputs[j])?;
+        let (angle, _) = shared(g, outputs[i], outputs[j])?;
         Some((outputs[k], angle))
     })?;
     let mut slopes = |x| [u, v].map(|l| derivative(g, x, l));
@@ -24,11 +28,97 @@ pub fn area(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>>
     Some(distinct([tidy, d].map(|d| g.call(Fun::Abs, &[d])).to_vec()))
 }
 
-/// The t of A cos t and A sin t, in any order.
-fn shared_angle(g: &mut Graph, a: Id, b: Id) -> Option<Id> {
-    [(a, b), (b, a)].into_iter().find_map(|(x, y)| {
+/// The t and the A of A cos t and A sin t, in any order.
+fn shared(g: &mut Graph, a: Id, b: Id) -> Option<(Id, Id)> {
+    let ((p, a), (q, b)) = (g.split(a), g.split(b));
+    let (angle, amplitude) = [(a, b), (b, a)].into_iter().find_map(|(x, y)| {
         let sines = with_factor(g, y, Fun::Sin);
-        let pair = with_factor(g, x, Fun::Cos).into_iter().find(|p| sines.contains(p));
-        pair.map(|(angle, _)| angle)
+        with_factor(g, x, Fun::Cos).into_iter().find(|p| sines.contains(p))
+    })?;
+    (p.abs() == q.abs()).then(|| (angle, g.sum(Q::ZERO, &[(p, amplitude)])))
+}
+
+/// A point c + ρ (a cos t, a sin t, h), in any order of the coordinates, with a² + h² = 1.
+struct Spherical {
+    distance: Id,
+    height: Id,
+    angle: Id,
+}
+
+/// The volume of points in spherical coordinates, |∂(ρ, h, t)| ρ²; or the area of a surface of revolution
+/// ρ(u), h(u), t(v), which is ρ² √((ρ'/ρ)² (1 - h²) + h'²) |t'|.
+pub fn volume(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>> {
+    let Spherical { distance, height, angle } = spherical(g, outputs)?;
+    let squared = g.powi(distance, 2);
+    match *unknowns {
+        [_, _, _] => {
+            let rows = [distance, height, angle]
+                .map(|x| unknowns.iter().map(|&l| derivative(g, x, l)).collect::<Vec<_>>());
+            let d = determinant(g, &rows);
+            let tidy = simplify(g, d, None);
+            let forms = [tidy, d].map(|d| {
+                let size = g.call(Fun::Abs, &[d]);
+                g.mul(squared, size)
+            });
+            Some(distinct(forms.to_vec()))
+        }
+        [u, v] => {
+            let (along, around) = if g.has(angle, leaf_bit(v)) { (u, v) } else { (v, u) };
+            let (other, own) = (leaf_bit(along), leaf_bit(around));
+            if g.has(angle, other) || g.has(distance, own) || g.has(height, own) {
+                return None;
+            }
+            let turned = derivative(g, angle, around);
+            let turned = g.call(Fun::Abs, &[turned]);
+            let slope = derivative(g, distance, along);
+            let slope = g.div(slope, distance);
+            let slope = simplify(g, slope, None);
+            let (rise, h2) = (derivative(g, height, along), g.powi(height, 2));
+            let one = g.int(1);
+            let a2 = g.sub(one, h2);
+            let (slope2, rise2) = (g.powi(slope, 2), g.powi(rise, 2));
+            let outwards = g.mul(slope2, a2);
+            let length = g.add(outwards, rise2);
+            let tidy = simplify(g, length, None);
+            let forms = [tidy, length].map(|l| {
+                let length = g.sqrt(l);
+                let area = g.mul(squared, length);
+                g.mul(area, turned)
+            });
+            Some(distinct(forms.to_vec()))
+        }
+        _ => None,
+    }
+}
+
+fn spherical(g: &mut Graph, outputs: &[Id]) -> Option<Spherical> {
+    let &[_, _, _] = outputs else { return None };
+    let parts: Vec<Id> = outputs.iter().map(|&o| open_part(g, o)).collect();
+    [(0, 1, 2), (1, 2, 0), (2, 0, 1)].iter().find_map(|&(i, j, k)| {
+        let (angle, amplitude) = shared(g, parts[i], parts[j])?;
+        let (q, body) = g.split(parts[k]);
+        let (p, amplitude) = g.split(amplitude);
+        let height = g.factors(body);
+        let common: Vec<(Id, Id)> =
+            g.factors(amplitude).into_iter().filter(|f| height.contains(f)).collect();
+        let distance = g.product(&common);
+        let (a, h) = (g.div(amplitude, distance), g.div(body, distance));
+        let (a, h) = (g.sum(Q::ZERO, &[(p, a)]), g.sum(Q::ZERO, &[(q, h)]));
+        let (a2, h2) = (g.powi(a, 2), g.powi(h, 2));
+        let sum = g.add(a2, h2);
+        // Up to a known factor, which belongs to the distance.
+        let sum = Expander::new(g).normal_form(sum).filter(|s| !g.has(*s, UNKNOWNS))?;
+        let length = g.sqrt(sum);
+        if !g.has(distance, UNKNOWNS) || !g.has(h, UNKNOWNS) {
+            return None;
+        }
+        Some(Spherical { distance: g.mul(distance, length), height: g.div(h, length), angle })
     })
+}
+
+/// A coordinate without the summands that are known.
+fn open_part(g: &mut Graph, id: Id) -> Id {
+    let Node::Sum(_, terms) = g.node(id).clone() else { return id };
+    let (open, known): (Vec<_>, Vec<_>) = terms.into_iter().partition(|(_, t)| g.has(*t, UNKNOWNS));
+    if known.is_empty() { id } else { g.sum(Q::ZERO, &open) }
 }
