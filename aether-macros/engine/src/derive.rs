@@ -156,7 +156,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
     // Without a short Jacobian there is a long one; without an inverse there is nothing.
-    crate::poly::refill_budget();
+    crate::poly::refill_budget(2);
     let mut inverse = |numerical| {
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
@@ -184,9 +184,11 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
         let injective = solutions.len() == 1;
+        crate::poly::refill_budget(4);
         let (density, error) = density(problem, s, &volumes, &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
+        crate::poly::refill_budget(8);
         preimages.push(finish(problem, s, density, &cases, &mut out_points, flags));
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();

@@ -40,9 +40,9 @@ pub fn start_budget() {
     BUDGET.set(STEPS);
 }
 
-/// Leaves at least half of the budget to what follows, whatever was spent before.
-pub fn refill_budget() {
-    BUDGET.set(BUDGET.get().max(STEPS / 2));
+/// Leaves at least one of `parts` of the budget to what follows, whatever was spent before.
+pub fn refill_budget(parts: u64) {
+    BUDGET.set(BUDGET.get().max(STEPS / parts));
 }
 
 /// Takes steps from the budget; `None` when it is used up.

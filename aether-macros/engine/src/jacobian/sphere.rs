@@ -6,7 +6,7 @@
 
 use super::{distinct, simplify};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::linear::determinant;
@@ -80,7 +80,8 @@ pub fn volume(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id
             let outwards = g.mul(slope2, a2);
             let length = g.add(outwards, rise2);
             let tidy = simplify(g, length, None);
-            let forms = [tidy, length].map(|l| {
+            let under = over_roots(g, length, distance).unwrap_or(length);
+            let forms = [under, tidy, length].map(|l| {
                 let length = g.sqrt(l);
                 let area = g.mul(squared, length);
                 g.mul(area, turned)
@@ -89,6 +90,25 @@ pub fn volume(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id
         }
         _ => None,
     }
+}
+
+/// p / q for an expression that is one, where q is under a root of `rooted`: q as it was written, not
+/// multiplied out.
+fn over_roots(g: &mut Graph, id: Id, rooted: Id) -> Option<Id> {
+    let mut open = vec![rooted];
+    while let Some(part) = open.pop() {
+        if let Node::Product(factors) = g.node(part).clone() {
+            for (b, e) in factors {
+                if g.as_number(e).is_some_and(|q| q.den() == 2) && g.has(b, UNKNOWNS) {
+                    let top = g.mul(id, b);
+                    let top = Expander::new(g).normal_form(top)?;
+                    return (!g.has(top, UNKNOWNS)).then(|| g.div(top, b));
+                }
+            }
+        }
+        open.extend(children(g.node(part)));
+    }
+    None
 }
 
 fn spherical(g: &mut Graph, outputs: &[Id]) -> Option<Spherical> {
