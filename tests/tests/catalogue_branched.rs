@@ -19,10 +19,16 @@ const ILL_CONDITIONED: [IllConditioned; 1] = [(
 type Shortfall = (&'static str, fn(&Inputs, &[f64], &[f64]) -> bool, &'static str);
 const SHORTFALLS: &[Shortfall] = &[
     ("cosine", |_, u, _| u == [0.25] || u == [0.75], "its zeros: the cosine of a rounded angle"),
+    ("fold", |_, u, _| u == [0.5], "at the fold the density is that of one side"),
     (
         "bilinear_quad",
         |p, u, x| p.scalar::<f64>("ax") == 1e6 || u.is_empty() && x == [0.0, 0.0],
         "coordinates are squared before corners are subtracted; a corner is 0/0",
+    ),
+    (
+        "mixture",
+        |_, u, x| x[..2] == [0.0, 0.0] || u.first().is_some_and(|u| *u > 1.0 - 1e-9),
+        "the pole itself, which both pieces share; the last uniforms of a piece",
     ),
     ("ordered", |_, u, _| u.get(1).is_some_and(|u| *u > 0.999), "neighbours within one rounding"),
     (
@@ -52,6 +58,25 @@ const SHORTFALLS: &[Shortfall] = &[
             w("w00") + w("w10") == w("w01") + w("w11")
         },
         "no density at all: the inverse divides by the difference of two sums of parameters",
+    ),
+    (
+        "rayleigh",
+        |_, u, _| u.first().is_some_and(|u| *u < 1e-9 || *u > 1.0 - 1e-9),
+        "the poles: 1 - c^2 of a rounded c",
+    ),
+    (
+        "sphere_light",
+        |p, u, _| {
+            let far = p.scalar::<f64>("d") > 50.0 * p.scalar::<f64>("r");
+            let rim = u.first().is_some_and(|u| *u > 1.0 - 1e-9);
+            far || rim || p.scalar::<f64>("d") < 1.2
+        },
+        "far away, at its rim and close to it, where the density needs differences of squares",
+    ),
+    (
+        "chained_frames",
+        |_, u, _| u.get(2).is_some_and(|u| *u > 1.0 - 1e-9),
+        "the grazing second direction",
     ),
     (
         "stick_breaking",

@@ -93,6 +93,7 @@ pub(super) fn density(
     };
     let mut all = candidates.clone();
     if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
+        crate::poly::refill_budget(8);
         for &c in candidates.iter().take(3) {
             all.push(stabilise(g, c, measure));
         }

@@ -12,20 +12,44 @@ use crate::rational::Q;
 use crate::solve::linear::determinant;
 use crate::solve::polar::with_factor;
 
-/// Equal expressions for the area that a unit vector covers, if two of its coordinates are a cosine and
-/// a sine with the same amplitude.
+/// Equal expressions for the area that a unit vector covers, if two of its coordinates tell an azimuth.
 pub fn area(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>> {
     let (&[_, _, _], &[u, v]) = (outputs, unknowns) else { return None };
-    let (height, angle) = [(0, 1, 2), (1, 2, 0), (2, 0, 1)].iter().find_map(|&(i, j, k)| {
-        let (angle, _) = shared(g, outputs[i], outputs[j])?;
-        Some((outputs[k], angle))
-    })?;
-    let mut slopes = |x| [u, v].map(|l| derivative(g, x, l));
-    let ([h_u, h_v], [t_u, t_v]) = (slopes(height), slopes(angle));
+    let (height, [t_u, t_v]) =
+        [(0, 1, 2), (1, 2, 0), (2, 0, 1)].iter().find_map(|&(i, j, k)| {
+            let turned = turned(g, outputs[i], outputs[j], [u, v])?;
+            Some((outputs[k], turned))
+        })?;
+    let [h_u, h_v] = [u, v].map(|l| derivative(g, height, l));
     let (first, second) = (g.mul(h_u, t_v), g.mul(h_v, t_u));
     let d = g.sub(first, second);
     let tidy = simplify(g, d, None);
     Some(distinct([tidy, d].map(|d| g.call(Fun::Abs, &[d])).to_vec()))
+}
+
+/// The derivatives of the angle of a vector (a, b) in the plane: of t where it is A cos t and A sin t, else
+/// (f h' - h f') / (f² + h²) where it is A f and A h, with f and h of the same single unknown.
+fn turned(g: &mut Graph, a: Id, b: Id, unknowns: [Leaf; 2]) -> Option<[Id; 2]> {
+    if let Some((angle, _)) = shared(g, a, b) {
+        return Some(unknowns.map(|l| derivative(g, angle, l)));
+    }
+    let other = g.factors(b);
+    let common: Vec<(Id, Id)> = g.factors(a).into_iter().filter(|x| other.contains(x)).collect();
+    let common = g.product(&common);
+    let (f, h) = (g.div(a, common), g.div(b, common));
+    let open = g.deps(f) & UNKNOWNS;
+    if open.count_ones() != 1 || g.deps(h) & UNKNOWNS != open {
+        return None;
+    }
+    let (f2, h2) = (g.powi(f, 2), g.powi(h, 2));
+    let bottom = g.add(f2, h2);
+    Some(unknowns.map(|l| {
+        let (df, dh) = (derivative(g, f, l), derivative(g, h, l));
+        let (first, second) = (g.mul(f, dh), g.mul(h, df));
+        let top = g.sub(first, second);
+        let top = simplify(g, top, None);
+        g.div(top, bottom)
+    }))
 }
 
 /// The t and the A of A cos t and A sin t, in any order.
