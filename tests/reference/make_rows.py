@@ -1116,6 +1116,15 @@ QUERIES = {
 }
 
 
+# Samplers that are in the catalogue in a second spelling too, as they are usually printed.
+AS_PRINTED = ["von_mises_fisher", "henyey_greenstein"]
+
+
+def spellings(s):
+    """The sampler under all of its names."""
+    return [s, s._replace(name=s.name + "_as_printed")] if s.name in AS_PRINTED else [s]
+
+
 def cleaned(s):
     """The sampler with exact zeros, and an infinite density where the closed form divides by zero."""
 
@@ -1134,15 +1143,16 @@ def cleaned(s):
 def main():
     """Computes all entries and writes the file, one entry per line."""
     entries = []
-    for s in map(cleaned, LINE + PLANE + DIRECTIONS + SPACE):
-        for params, u in POINTS[s.name]:
+    for s in (cleaned(t) for s in LINE + PLANE + DIRECTIONS + SPACE for t in spellings(s)):
+        name = s.name.removesuffix("_as_printed")
+        for params, u in POINTS[name]:
             found = entry_for(s, params, u, F64)
             if found is None:
                 raise SystemExit(f"row {s.row}: {params}, {u} is outside the domain")
             if "nan" in found.values():
                 raise SystemExit(f"row {s.row}: {params}, {u} has no density")
             entries.append({"row": s.row, "name": s.name, "kind": "point"} | found)
-        entries += [query_for(s, params, x, good) for params, x, good in QUERIES[s.name]]
+        entries += [query_for(s, params, x, good) for params, x, good in QUERIES[name]]
     lines = ",\n".join(json.dumps(e, allow_nan=False) for e in entries)
     OUTPUT.write_text("[\n" + lines + "\n]\n")
     print(f"{len(entries)} entries, {OUTPUT.stat().st_size} bytes")

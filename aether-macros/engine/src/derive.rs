@@ -11,7 +11,7 @@ mod strays;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::interval::Interval;
-use crate::jacobian::{Source, simplify, volume};
+use crate::jacobian::{Source, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Piece, Segment, Space, Test};
@@ -150,6 +150,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     };
     let volumes = per_uniform(problem, &inner);
     let cases = cases(problem, volumes[0])?;
+    // Without a short Jacobian there is a long one; without an inverse there is nothing.
+    crate::poly::refill_budget(2);
     let mut inverse = |numerical| {
         // The search must not fail because the Jacobian is long.
         crate::poly::start_budget();
@@ -184,10 +186,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         steps.extend(s.steps.iter().cloned());
         crate::poly::start_budget();
         let injective = solutions.len() == 1;
+        crate::poly::refill_budget(4);
         let (density, error) =
             density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
+        crate::poly::refill_budget(8);
         let preimage =
             finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
         preimages.push(preimage);
@@ -210,12 +214,22 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
 
 /// Equal expressions for √det(JᵀJ).
 fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
-    if let Some(volume) = joint::volume(problem) {
+    if let Some(volume) = joint::volume(problem).or_else(|| spherical(problem)) {
         return volume;
     }
     let source = source_of(problem);
     let g = &mut problem.graph;
     volume(g, &problem.outputs, &problem.unknowns, source, &problem.frames)
+}
+
+/// The volume of what is written in spherical coordinates. That a direction has unit length is tried at
+/// the points, like everything else.
+fn spherical(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
+    if problem.argument.is_some() {
+        return None;
+    }
+    let covered = if problem.is_direction() { sphere::area } else { sphere::volume };
+    covered(&mut problem.graph, &problem.outputs, &problem.unknowns).map(Ok)
 }
 
 /// Volumes in terms of the uniforms, where the unknowns run over segments of them.

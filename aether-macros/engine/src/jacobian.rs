@@ -1,6 +1,7 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
 mod cylinder;
+pub mod sphere;
 
 use std::hash::BuildHasherDefault;
 

@@ -35,6 +35,10 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
                 g.product(&factors)
             })
         }
+        Node::If(test, yes, no) => {
+            let [yes, no] = [yes, no].map(|side| rebuild(g, side, memo));
+            g.if_positive(test, yes, no)
+        }
         Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0]).unwrap_or(id),
         Node::Call(f, args) => {
             let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo)).collect();

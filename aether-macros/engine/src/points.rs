@@ -88,6 +88,8 @@ const EXTREMES: [f64; 6] =
 
 /// Rounds of points with parameters of their own; a few more follow with stress.
 const ROUNDS: usize = 8;
+/// The one of them whose parameters are close to zero, if zero lies inside of their domain.
+const LEAST: usize = 6;
 
 /// Enough points where a condition narrows the choice.
 const ENOUGH: usize = 80;
@@ -105,7 +107,11 @@ pub fn sampler_points(
 ) -> Vec<Point> {
     let mut rng = Rng::new(0xae7e);
     let mut points = Vec::new();
-    let few = if kinds.contains(&Kind::Scalar(None)) { ROUNDS + 4 } else { ROUNDS };
+    let open = |kind: &Kind| match kind {
+        Kind::Scalar(domain) => domain.is_none_or(|d| d.hi == f64::INFINITY),
+        _ => false,
+    };
+    let few = if kinds.iter().any(open) { ROUNDS + 4 } else { ROUNDS };
     let rounds = if guarded { MOST_ROUNDS } else { few };
     for round in 0..rounds {
         if round >= few && points.iter().filter(|p: &&Point| !p.stress).count() >= ENOUGH {
@@ -207,6 +213,12 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };
     let hi = if d.hi.is_finite() { d.hi } else { 10.0f64.max(2.0 * lo) };
     match round {
+        // What is declared without an upper end may be very large.
+        ROUNDS.. if d.hi == f64::INFINITY && round < ROUNDS + 4 => {
+            hi * libm::pow(1e3, (round - ROUNDS + 1) as f64) * (0.5 + rng.uniform())
+        }
+        // What may be zero may be close to it.
+        LEAST if d.lo < 0.0 && d.hi > 0.0 => 1e-9 * (lo + (hi - lo) * rng.uniform()),
         0 if d.lo.is_finite() && d.lo != 0.0 => lo,
         1 if d.hi.is_finite() && d.hi != 0.0 => hi,
         _ if lo > 0.0 => lo * libm::pow(hi / lo, rng.uniform()),

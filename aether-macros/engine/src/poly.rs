@@ -6,6 +6,7 @@
 
 mod collect;
 mod dependence;
+mod factor;
 mod pairs;
 mod ratfun;
 
@@ -43,6 +44,11 @@ const STEPS: u64 = 400_000;
 /// Starts the budget of an item.
 pub fn start_budget() {
     BUDGET.set(STEPS);
+}
+
+/// Leaves at least one of `parts` of the budget to what follows, whatever was spent before.
+pub fn refill_budget(parts: u64) {
+    BUDGET.set(BUDGET.get().max(STEPS / parts));
 }
 
 /// Takes steps from the budget; `None` when it is used up.
@@ -199,6 +205,10 @@ impl Poly {
         }
         Some(out)
     }
+    /// Whether an atom occurs.
+    fn contains(&self, x: Id) -> bool {
+        self.0.iter().any(|(m, _)| m.iter().any(|(a, _)| *a == x))
+    }
     /// The atoms that occur.
     pub fn atoms(&self) -> Vec<Id> {
         let mut a: Vec<Id> = self.0.iter().flat_map(|(m, _)| m).map(|(a, _)| *a).collect();
@@ -224,7 +234,11 @@ impl Poly {
                 None => false,
             });
         }
-        let k = if self.0.iter().all(|(_, q)| q.abs() == k.abs()) { *k } else { Q::ONE };
+        // The divisor of all coefficients, with a sign that leaves the leading one positive; if there is
+        // a constant term, that one.
+        let size = self.integral().map_or(Q::ONE, |(size, _)| size);
+        let sign = self.0.iter().find(|(m, _)| m.is_empty()).map_or(*k, |(_, q)| *q);
+        let k = if sign.is_negative() { size.neg() } else { size };
         let rest = self
             .0
             .iter()
@@ -250,6 +264,12 @@ impl Poly {
     /// The polynomial to a power, as factors of a product: content, common atoms and the rest, the
     /// rest with a sign that makes it positive where that is known.
     fn factors(&self, g: &mut Graph, power: i64) -> Vec<(Id, Id)> {
+        let parts = self.split();
+        if parts.iter().filter(|(p, _)| p.len() > 1).map(|(_, e)| e).sum::<u32>() > 1
+            && let Some(factors) = self.in_parts(g, &parts, power)
+        {
+            return factors;
+        }
         let (mut k, common, rest) = self.content();
         let mut factors = Vec::new();
         for (a, e) in common {
@@ -277,6 +297,24 @@ impl Poly {
         let k = g.number(k);
         factors.push((k, e));
         factors
+    }
+}
+
+impl Poly {
+    /// The polynomial to a power as a product of parts, which multiply to it but for a constant.
+    fn in_parts(&self, g: &mut Graph, parts: &[(Poly, u32)], power: i64) -> Option<Vec<(Id, Id)>> {
+        let mut rest = self.clone();
+        let mut factors = Vec::new();
+        for (part, e) in parts {
+            for _ in 0..*e {
+                rest = rest.exact_div(part)?;
+            }
+            factors.extend(part.factors(g, power * i64::from(*e)));
+        }
+        let k = g.number(rest.as_constant()?);
+        let e = g.int(power);
+        factors.push((k, e));
+        Some(factors)
     }
 }
 

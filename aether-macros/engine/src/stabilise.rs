@@ -5,6 +5,8 @@
 //! test points and compared with double-double; a form is taken if it is clearly more accurate.
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
+mod exponential;
+
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::hash::Map;
 use crate::jacobian::{cost, factor_out};
@@ -13,7 +15,10 @@ use crate::poly::Expander;
 use crate::rational::Q;
 
 /// Errors up to this many units in the last place are not worth a rewrite.
-const GOOD: f64 = 64.0 * f64::EPSILON;
+pub(crate) const GOOD: f64 = 64.0 * f64::EPSILON;
+
+/// How much larger the worst error of a form may be that is as good as another on average.
+const FAR: f64 = 256.0;
 
 /// The expression with every part in its most accurate form.
 pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
@@ -138,15 +143,11 @@ impl Search<'_> {
         }
         let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
         let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
-        let close = |s: &&(Id, Loss)| s.1.bits <= least + 0.4;
+        let good = || scored.iter().filter(|s| s.1.bits <= least + 0.4);
+        let worst = good().map(|s| s.1.worst).fold(f64::INFINITY, f64::min);
         // What is good at every point goes before what is only good on average.
-        let everywhere = scored.iter().filter(close).any(|s| s.1.worst <= self.good);
-        scored
-            .iter()
-            .filter(close)
-            .filter(|s| !everywhere || s.1.worst <= self.good)
-            .min_by_key(|s| cost(g, s.0))
-            .map_or(original, |s| s.0)
+        let limit = if worst <= self.good { self.good } else { FAR * worst };
+        good().filter(|s| s.1.worst <= limit).min_by_key(|s| cost(g, s.0)).map_or(original, |s| s.0)
     }
 
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
@@ -210,6 +211,8 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
+            out.extend(exponential::weighted_mean(g, c, &terms));
+            out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
@@ -227,6 +230,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 out.push(g.call(Fun::Ln1p, &[rest]));
             }
         }
+        Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
         Node::Product(factors) => {
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };

@@ -33,18 +33,37 @@ pub fn double_lune(u: [Uniform; 2], t: f64) -> Direction {
     Direction::new(r * theta.cos(), r * theta.sin(), z)
 }
 
-/// Row 74: von Mises-Fisher about +z.
+/// Row 74: von Mises-Fisher about +z, by the depth below the pole.
 #[sampler(kappa in 1e-12..)]
 pub fn von_mises_fisher(u: [Uniform; 2], kappa: f64) -> Direction {
+    let m = -((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
+    let r = (m * (2.0 - m)).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - m)
+}
+
+/// Row 74 by the cosine, as it is printed.
+#[sampler(kappa in 1e-12..)]
+pub fn von_mises_fisher_as_printed(u: [Uniform; 2], kappa: f64) -> Direction {
     let c = 1.0 + ((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
     let r = (1.0 - c * c).sqrt();
     let phi = TAU * u[1];
     Direction::new(r * phi.cos(), r * phi.sin(), c)
 }
 
-/// Row 75: Henyey-Greenstein about +z, as it is printed everywhere.
+/// Row 75: Henyey-Greenstein about +z, by the depth below the pole.
 #[sampler(g in -0.9999999..=0.9999999)]
 pub fn henyey_greenstein(u: [Uniform; 2], g: f64) -> Direction {
+    let f = 1.0 - g + 2.0 * g * u[0];
+    let m = 2.0 * (1.0 - g).powi(2) * (1.0 - u[0]) * (1.0 + g * u[0]) / f.powi(2);
+    let r = (m * (2.0 - m)).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - m)
+}
+
+/// Row 75 by the cosine, as it is printed everywhere.
+#[sampler(g in -0.9999999..=0.9999999)]
+pub fn henyey_greenstein_as_printed(u: [Uniform; 2], g: f64) -> Direction {
     let f = (1.0 - g * g) / (1.0 - g + 2.0 * g * u[0]);
     let c = (1.0 + g * g - f * f) / (2.0 * g);
     let r = (1.0 - c * c).sqrt();

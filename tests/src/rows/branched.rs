@@ -87,6 +87,12 @@ fn direction<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output 
         "double_lune" => visitor.visit(right(double_lune(p("t")))),
         "von_mises_fisher" => visitor.visit(right(von_mises_fisher(p("kappa")))),
         "henyey_greenstein" => visitor.visit(right(henyey_greenstein(p("g")))),
+        "von_mises_fisher_as_printed" => {
+            visitor.visit(right(von_mises_fisher_as_printed(p("kappa"))))
+        }
+        "henyey_greenstein_as_printed" => {
+            visitor.visit(right(henyey_greenstein_as_printed(p("g"))))
+        }
         "rayleigh" => visitor.visit(rayleigh()),
         "transformed_cosine" => {
             visitor.visit(transformed_cosine(Mat3::from_cols(v("a"), v("b"), v("c"))))

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cases::Case;
 use super::parts::Whole;
-use super::regimes::best_coordinates;
+use super::regimes::{best_coordinates, best_forms};
 use super::{Preimage, Problem};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
@@ -87,6 +87,7 @@ pub(super) fn density(
     measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
+    let direction = problem.is_direction() && problem.argument.is_none();
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
@@ -122,6 +123,7 @@ pub(super) fn density(
     };
     let mut all = candidates.clone();
     if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
+        crate::poly::refill_budget(8);
         for &c in candidates.iter().take(3) {
             all.push(stabilise(g, c, measure));
         }
@@ -133,7 +135,11 @@ pub(super) fn density(
             all.extend(forms.into_iter().filter(|&f| !divides_by_the_point(g, f)));
         }
     }
-    let (best, error) = pick(g, &all, &truth, measure);
+    let (mut best, mut error) = pick(g, &all, &truth, measure);
+    if direction && injective && error > 64.0 * f64::EPSILON {
+        best = best_forms(g, best, &truth, measure);
+        error = measure.loss(g, best, &truth).worst;
+    }
     (guard(g, best), error)
 }
 
@@ -171,21 +177,20 @@ pub(super) fn finish(
     (injective, check_forward): (bool, bool),
 ) -> Preimage {
     let g = &mut problem.graph;
-    let tested: Vec<Id> = problem
+    let stable: Vec<Id> = problem
         .unknowns
         .iter()
         .enumerate()
         .map(|(i, l)| {
-            let mut best = stabilise(g, s.unknowns[l], measure);
-            if let Some(whole) = whole {
-                let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
-                let mut forms = in_parts(g, whole, s.unknowns[l]);
-                forms.push(best);
-                best = pick(g, &forms, &truth, measure).0;
-            }
-            guard(g, best)
+            let best = stabilise(g, s.unknowns[l], measure);
+            let Some(whole) = whole else { return best };
+            let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+            let mut forms = in_parts(g, whole, s.unknowns[l]);
+            forms.push(best);
+            pick(g, &forms, &truth, measure).0
         })
         .collect();
+    let tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
     let map: BTreeMap<Id, Id> =
         problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
@@ -201,7 +206,8 @@ pub(super) fn finish(
     let mut unknowns = tested.clone();
     if problem.is_direction() && problem.argument.is_none() && injective {
         for (i, value) in unknowns.iter_mut().enumerate() {
-            *value = best_coordinates(problem, i, *value, cases, measure);
+            let best = best_coordinates(problem, i, stable[i], cases, measure);
+            *value = guard(&mut problem.graph, best);
         }
     }
     Preimage {

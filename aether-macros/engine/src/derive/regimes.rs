@@ -9,14 +9,22 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::cases::Case;
-use crate::expr::{Graph, Id, Leaf, leaf_bit};
-use crate::measure::Measure;
+use crate::expr::{Graph, Id, Leaf, Node, leaf_bit};
+use crate::hash::Map;
+use crate::interval::Interval;
+use crate::measure::{Inputs, Measure};
 use crate::number::Number;
+use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
-use crate::stabilise::stabilise_to;
+use crate::stabilise::{GOOD, stabilise_to};
 
 /// Bits of accuracy, on average over the points, below which another form is not worth its length.
 const GAIN: f64 = 0.5;
+/// The same for the worst error near the pole, as a factor.
+const LEAP: f64 = 16.0;
+
+/// The depth below a pole, while forms are made.
+const DEPTH: Leaf = Leaf::Unknown(22);
 
 /// The value of unknown number `index` in terms of the coordinates that are best conditioned.
 pub(super) fn best_coordinates(
@@ -27,16 +35,25 @@ pub(super) fn best_coordinates(
     measure: &mut Measure,
 ) -> Id {
     let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[index].to_f64()).collect();
-    let g = &mut problem.graph;
+    best_forms(&mut problem.graph, value, &truth, measure)
+}
+
+/// The value of an expression of a direction's coordinates, in terms of those that are best conditioned.
+pub(super) fn best_forms(g: &mut Graph, value: Id, truth: &[f64], measure: &mut Measure) -> Id {
     let mut best = value;
     for k in 0..3u8 {
         if !g.has(value, leaf_bit(Leaf::Out(k))) {
             continue;
         }
         for side in [Q::ONE, Q::int(-1)] {
-            let Some(form) = near_pole(g, best, k, side, measure) else { continue };
-            let (old, new) = (measure.loss(g, best, &truth), measure.loss(g, form, &truth));
-            if new.bits + GAIN < old.bits && new.worst <= old.worst {
+            let Some(form) = near_pole(g, (value, best), k, side, measure) else { continue };
+            let near: Vec<bool> = measure.points().iter().map(|p| beyond(p, k, side)).collect();
+            let (old, new) = (measure.errors(g, best, truth), measure.errors(g, form, truth));
+            let better = new.loss().bits + GAIN < old.loss().bits;
+            let (old, new) = (old.loss_where(&near, true), new.loss_where(&near, true));
+            let saves = old.worst > GOOD && LEAP * new.worst < old.worst && new.bits <= old.bits;
+            // Where not even one digit is right, there is nothing to lose.
+            if (better || saves) && (new.worst <= old.worst || old.worst > 0.5) {
                 best = form;
             }
         }
@@ -45,28 +62,94 @@ pub(super) fn best_coordinates(
 }
 
 /// The value with coordinate `k` computed from the other two where it is above a half (side 1) or
-/// below minus a half (side -1).
-fn near_pole(g: &mut Graph, value: Id, k: u8, side: Q, measure: &Measure) -> Option<Id> {
+/// below minus a half (side -1): as one minus the depth below the pole, which they tell to full precision.
+/// Elsewhere it is `rest`.
+fn near_pole(
+    g: &mut Graph,
+    (value, rest): (Id, Id),
+    k: u8,
+    side: Q,
+    measure: &Measure,
+) -> Option<Id> {
     let coordinate = g.get_leaf(Leaf::Out(k));
-    let minus_half = g.number(Q::HALF.neg());
     let signed = g.sum(Q::ZERO, &[(side, coordinate)]);
+    let minus_half = g.number(Q::HALF.neg());
     let test = g.add(signed, minus_half);
     let others: Vec<(Q, Id)> = (0..3u8)
         .filter(|i| *i != k)
         .map(|i| {
             let c = g.get_leaf(Leaf::Out(i));
-            (Q::int(-1), g.powi(c, 2))
+            (Q::ONE, g.powi(c, 2))
         })
         .collect();
-    let squared = g.sum(Q::ONE, &others);
-    let root = g.sqrt(squared);
-    let root = g.sum(Q::ZERO, &[(side, root)]);
-    let replaced = g.substitute(value, &BTreeMap::from([(coordinate, root)]));
-    let large = |x: &f64| side.to_f64() * x > 0.5;
-    let mut here = measure.subset(|p| p.get(&Leaf::Out(k)).is_some_and(large));
+    let top = g.sum(Q::ZERO, &others);
+    let bottom = g.sum(Q::ONE, &[(Q::ONE, signed)]);
+    let depth = g.div(top, bottom);
+    let mut here = measure.subset(|p| beyond(p, k, side));
     if here.points().is_empty() {
         return None;
     }
+    let d = g.leaf(DEPTH, "depth", Interval::new(0.0, 0.5));
+    let height = g.sum(side, &[(side.neg(), d)]);
+    let replaced = in_depth(g, value, coordinate, height, &mut Map::default());
+    let replaced = g.substitute(replaced, &BTreeMap::from([(d, depth)]));
     let replaced = stabilise_to(g, replaced, &mut here, 4.0 * f64::EPSILON);
-    Some(g.if_positive(test, replaced, value))
+    Some(g.if_positive(test, replaced, rest))
+}
+
+/// Whether coordinate `k` is above a half, or below minus a half.
+fn beyond(point: &Inputs, k: u8, side: Q) -> bool {
+    point.get(&Leaf::Out(k)).is_some_and(|x| side.to_f64() * x > 0.5)
+}
+
+/// An expression of the coordinate in terms of the depth: sums that it occurs in are sorted by powers
+/// of the depth, with coefficients in factors, because what cancels is their constant.
+fn in_depth(g: &mut Graph, id: Id, coordinate: Id, height: Id, memo: &mut Map<Id, Id>) -> Id {
+    if id == coordinate {
+        return height;
+    }
+    if !g.has(id, g.deps(coordinate)) {
+        return id;
+    }
+    if let Some(&known) = memo.get(&id) {
+        return known;
+    }
+    let mut part = |g: &mut Graph, id| in_depth(g, id, coordinate, height, memo);
+    let made = match g.node(id).clone() {
+        Node::Sum(c, terms) => {
+            let single = c.is_zero() && terms.len() == 1;
+            let terms: Vec<_> = terms.into_iter().map(|(q, t)| (q, part(g, t))).collect();
+            let sum = g.sum(c, &terms);
+            if single { sum } else { by_powers(g, sum).unwrap_or(sum) }
+        }
+        Node::Product(factors) => {
+            let factors: Vec<_> =
+                factors.into_iter().map(|(b, e)| (part(g, b), part(g, e))).collect();
+            g.product(&factors)
+        }
+        Node::Call(f, args) => {
+            let args: Vec<_> = args.into_iter().map(|a| part(g, a)).collect();
+            g.call(f, &args)
+        }
+        // What was decided for another side of the sphere stays.
+        _ => id,
+    };
+    memo.insert(id, made);
+    made
+}
+
+/// A sum by powers of the depth, if it is a quotient of polynomials in it.
+fn by_powers(g: &mut Graph, sum: Id) -> Option<Id> {
+    let d = g.get_leaf(DEPTH);
+    let whole = Expander::new(g).expand(sum)?;
+    let bottom = RatFun { num: Poly::constant(Q::ONE), den: whole.den };
+    let mut terms = Vec::new();
+    for (power, c) in whole.num.by_powers_of(d)?.into_iter().enumerate() {
+        let c = c.to_expr(g);
+        let power = g.powi(d, power as i64);
+        terms.push((Q::ONE, g.mul(c, power)));
+    }
+    let top = g.sum(Q::ZERO, &terms);
+    let bottom = Expander::new(g).to_expr(&bottom);
+    Some(g.mul(top, bottom))
 }

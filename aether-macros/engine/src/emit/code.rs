@@ -91,7 +91,9 @@ impl<'a> Code<'a> {
                     }
                     Fun::Pow1p => {
                         let e = self.reference(args[1]);
-                        quote!((#e * #a.ln_1p()).exp())
+                        // 1 to any power is 1, as for `powf`.
+                        let one = quote!(#a.ge(R::ZERO).and(#a.le(R::ZERO)));
+                        quote!(R::select(#one, R::ONE, (#e * #a.ln_1p()).exp()))
                     }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
@@ -134,10 +136,9 @@ impl<'a> Code<'a> {
     }
 
     fn sum(&self, c: Q, terms: &[(Q, Id)]) -> TokenStream {
-        let mut ordered: Vec<&(Q, Id)> = terms.iter().collect();
-        ordered.sort_by_key(|(q, _)| q.is_negative());
+        // In the order in which forms were measured: (1 - u) + u p is not (1 + u p) - u.
         let mut out: Option<TokenStream> = (!c.is_zero()).then(|| rational(c));
-        for (q, t) in ordered {
+        for (q, t) in terms {
             let t = self.reference(*t);
             let size = q.abs();
             let term = if size == Q::ONE { t } else { times(size, &t) };

@@ -33,6 +33,7 @@ impl Graph {
                 self.collect_factor(&mut collect, e, one);
             }
         }
+        self.sizes(&mut collect);
         self.absorb(&mut collect);
         let mut list = Vec::new();
         let mut again = Vec::new();
@@ -63,6 +64,20 @@ impl Graph {
             body
         } else {
             self.sum(Q::ZERO, &[(collect.coefficient, body)])
+        }
+    }
+
+    /// |x| √x = x √x: what is under a root is not negative.
+    fn sizes(&mut self, collect: &mut Collect) {
+        let bases: Vec<Id> = collect.factors.keys().copied().collect();
+        for size in bases {
+            let Node::Call(Fun::Abs, args) = self.node(size).clone() else { continue };
+            let Some(exponents) = collect.factors.get(&args[0]) else { continue };
+            let e = self.sum(Q::ZERO, exponents);
+            if self.as_number(e).is_some_and(|q| q.den() == 2) {
+                let moved = collect.factors.remove(&size).unwrap_or_default();
+                collect.factors.entry(args[0]).or_default().extend(moved);
+            }
         }
     }
 

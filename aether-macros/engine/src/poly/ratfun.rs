@@ -1,6 +1,7 @@
 //! Rational functions, and expressions as rational functions of their atoms.
 
-use super::{Poly, half, metered, spend};
+use super::factor::two_factors;
+use super::{Poly, metered, spend};
 use crate::expr::{Deps, Fun, Graph, Id, Node};
 use crate::jacobian::cost;
 use crate::rational::Q;
@@ -22,6 +23,9 @@ pub struct Expander<'a> {
     /// Sums that depend on none of these inputs are atoms.
     open: Deps,
 }
+
+/// Denominators with more terms than this are not multiplied by their conjugates.
+const CONJUGATED: usize = 5;
 
 impl<'a> Expander<'a> {
     /// An expander without relations.
@@ -278,7 +282,7 @@ impl<'a> Expander<'a> {
         }
         for (d, e) in &mut r.den {
             while *e > 0 {
-                match r.num.exact_div(d) {
+                match r.num.exact_div(d).or_else(|| self.over_conjugate(&r.num, d)) {
                     Some(q) => {
                         r.num = q;
                         *e -= 1;
@@ -289,6 +293,24 @@ impl<'a> Expander<'a> {
         }
         r.den.retain(|(_, e)| *e > 0);
         Some(r)
+    }
+
+    /// num / (a + b √c) as num (a - b √c) / (a² - b² c), if that division leaves no remainder.
+    fn over_conjugate(&mut self, num: &Poly, den: &Poly) -> Option<Poly> {
+        if den.len() > CONJUGATED || num.len() > 10 * CONJUGATED {
+            return None;
+        }
+        let root = den.atoms().into_iter().find(|a| num.contains(*a) && self.is_root(*a))?;
+        let powers = den.by_powers_of(root)?;
+        let [a, b] = &powers[..] else { return None };
+        let conjugate = a.sub(&b.mul(&Poly::atom(root))?)?;
+        let norm = self.reduce(den.mul(&conjugate)?)?;
+        self.reduce(num.mul(&conjugate)?)?.exact_div(&norm)
+    }
+
+    fn is_root(&self, atom: Id) -> bool {
+        let half = |e| self.graph.as_number(e) == Some(Q::HALF);
+        matches!(self.graph.node(atom), Node::Product(f) if f.len() == 1 && half(f[0].1))
     }
 
     /// Applies √x·√x = x, cos² = 1 - sin², and the caller's relations.
@@ -341,38 +363,6 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
         }
     }
     Some(out)
-}
-
-/// The two factors of a polynomial, if there are any that these rules find: a² - b² with monomials a and
-/// b, and a quadratic in one of the atoms whose discriminant is a square.
-fn two_factors(p: &Poly) -> Option<Vec<Poly>> {
-    difference_of_squares(p).or_else(|| p.atoms().iter().find_map(|&a| of_quadratic(p, a)))
-}
-
-/// a² - b² as (a - b)(a + b), where both are squares of monomials.
-fn difference_of_squares(p: &Poly) -> Option<Vec<Poly>> {
-    let [(m, q), (n, r)] = &p.0[..] else { return None };
-    let root = |m: &[(Id, u32)], q: Q| Some(Poly::term(half(m)?, q.sqrt()?));
-    let (pos, neg) = if r.is_negative() { ((m, q), (n, r)) } else { ((n, r), (m, q)) };
-    if pos.1.is_negative() || !neg.1.is_negative() {
-        return None;
-    }
-    let (a, b) = (root(pos.0, *pos.1)?, root(neg.0, neg.1.neg())?);
-    Some(vec![a.sub(&b)?, a.add(&b)?])
-}
-
-/// The two factors of a polynomial of degree two in `x` whose discriminant is a square.
-fn of_quadratic(p: &Poly, x: Id) -> Option<Vec<Poly>> {
-    let powers = p.by_powers_of(x)?;
-    let [c0, c1, c2] = &powers[..] else { return None };
-    let discriminant = c1.mul(c1)?.sub(&c0.mul(c2)?.scale(Q::int(4))?)?;
-    let twice = c2.mul(&Poly::atom(x))?.scale(Q::int(2))?.add(c1)?;
-    let root = discriminant.sqrt()?;
-    // Their product is 4 c₂ times too large; what is too much of it is a monomial or no factor.
-    let factor = |s: Poly| twice.add(&s).map(|f| f.content().2);
-    let (a, b) = (factor(root.scale(Q::int(-1))?)?, factor(root)?);
-    p.exact_div(&a)?.exact_div(&b)?.as_constant()?;
-    Some(vec![a, b])
 }
 
 impl RatFun {

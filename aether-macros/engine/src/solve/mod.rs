@@ -14,7 +14,7 @@ mod logarithm;
 mod normalise;
 mod numeric;
 mod peel;
-mod polar;
+pub(crate) mod polar;
 mod quadric;
 mod rational;
 mod repeated;

@@ -23,7 +23,7 @@ pub(super) fn polar_pair(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 }
 
 /// All ways to write an expression as f(angle) · rest.
-fn with_factor(g: &mut Graph, id: Id, f: Fun) -> Vec<(Id, Id)> {
+pub(crate) fn with_factor(g: &mut Graph, id: Id, f: Fun) -> Vec<(Id, Id)> {
     let one = g.int(1);
     let factors = g.factors(id);
     let mut found = Vec::new();

@@ -69,10 +69,17 @@ fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
     match together {
         Some(r) if !r.iter().any(|r| has_root(g, r)) => Some(r),
         other => match roots_in(g, known, rhs, Deps::MAX) {
-            Some(r) if other.is_none() || !r.iter().any(|r| has_root(g, r)) => Some(r),
+            Some(r) if other.as_ref().is_none_or(|o| shorter(g, &r, o)) => Some(r),
+            Some(r) if !r.iter().any(|r| has_root(g, r)) => Some(r),
             _ => other,
         },
     }
+}
+
+/// Whether the first answers take less computing than the second.
+fn shorter(g: &Graph, first: &[Root], second: &[Root]) -> bool {
+    let work = |roots: &[Root]| roots.iter().map(|r| cost(g, r.value)).sum::<usize>();
+    work(first) < work(second)
 }
 
 /// The same for known = √… times something rational: both sides squared. Which of the roots have the
@@ -206,20 +213,61 @@ fn modulo_units(g: &mut Graph, p: Poly) -> Poly {
 ///
 /// The discriminant is multiplied out only where that makes it shorter.
 fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly) -> Vec<Id> {
-    let (c0, c1, c2, open) = (c0.to_expr(g), c1.to_expr(g), c2.to_expr(g), discriminant.to_expr(g));
-    let (square, other) = (g.powi(c1, 2), g.mul(c0, c2));
-    let composed = g.sum(Q::ZERO, &[(Q::ONE, square), (Q::int(-4), other)]);
-    let d = if cost(g, composed) < cost(g, open) { composed } else { open };
-    let root = g.sqrt(d);
+    // √D = s √r, of which both signs are taken.
+    let composed = composed(g, c0, c1, c2);
+    let whole = || (Poly::constant(Q::ONE), discriminant.clone());
+    let (s, r) = discriminant.square_part().unwrap_or_else(whole);
+    let (c0, c1, s) = without_common(c0, c1, &s);
+    let halved = c1.exact_div(&r).filter(|_| r.as_constant().is_none());
+    let (scale, r) = r.integral().unwrap_or((Q::ONE, r));
+    let (c0, s, mut under) = (c0.to_expr(g), s.to_expr(g), r.to_expr(g));
+    let plain = r == *discriminant && scale == Q::ONE;
+    if plain && cost(g, composed) < cost(g, under) {
+        under = composed;
+    }
+    let scale = g.number(scale);
+    let scale = g.sqrt(scale);
+    let root = g.sqrt(under);
+    let root = g.mul(scale, root);
     let root = without_signs(g, root);
     let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
+    // -c₁ ∓ s √r, or √r times a sum where c₁ is a multiple of r.
+    let (outside, c1, s) = match halved {
+        Some(c) => {
+            let c = c.to_expr(g);
+            (root, g.mul(c, root), s)
+        }
+        None => (g.int(1), c1.to_expr(g), g.mul(s, root)),
+    };
     [Q::ONE, Q::int(-1)]
         .into_iter()
         .map(|sign| {
-            let bottom = g.sum(Q::ZERO, &[(Q::int(-1), c1), (sign, root)]);
+            let bottom = g.sum(Q::ZERO, &[(Q::int(-1), c1), (sign, s)]);
+            let bottom = g.mul(outside, bottom);
             g.div(top, bottom)
         })
         .collect()
+}
+
+/// c₁² - 4 c₀ c₂, not multiplied out.
+fn composed(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly) -> Id {
+    let (c0, c1, c2) = (c0.to_expr(g), c1.to_expr(g), c2.to_expr(g));
+    let (square, other) = (g.powi(c1, 2), g.mul(c0, c2));
+    g.sum(Q::ZERO, &[(Q::ONE, square), (Q::int(-4), other)])
+}
+
+/// Three polynomials without the factors of the third that divide them all.
+fn without_common(c0: &Poly, c1: &Poly, s: &Poly) -> (Poly, Poly, Poly) {
+    let mut all = (c0.clone(), c1.clone(), s.clone());
+    for (factor, e) in s.split() {
+        for _ in 0..e {
+            let divided =
+                (all.0.exact_div(&factor), all.1.exact_div(&factor), all.2.exact_div(&factor));
+            let (Some(a), Some(b), Some(c)) = divided else { break };
+            all = (a, b, c);
+        }
+    }
+    all
 }
 
 /// √(x² d) as x √d: where both signs of a root are taken, neither needs the size of x, and each of
