@@ -43,7 +43,8 @@ fn a_right_strategy_has_all_items() {
         "pub fn scatter < 'scene > (scene : & 'scene Scene , q : f64) -> Scatter < 'scene >",
         ":: aether_core :: strategy :: Strategy < Hit > for Scatter < 'scene >",
         "vertices : 1usize , length : false",
-        "Drawn :: new (Hit :: new (hit , __point_1)) . visible ()",
+        "let vertex = Hit :: new (hit , __point_1) ;",
+        "Drawn { value : own , .. drawn } . visible ()",
         "recall (target , || { let w = :: aether_core :: forms :: emitted :: point_of",
         "true && :: core :: ptr :: eq (self . scene , other . scene) && self . q == other . q",
         "locally constant `hit` of `scene.cast(here, &w)`, read from the vertex",
@@ -296,7 +297,7 @@ fn what_follows_a_branch_moves_into_its_arms() {
         Hit::at(w)
     });
     assert_eq!(errors(&text), [""; 0]);
-    assert_eq!(text.matches("Drawn :: new (Hit :: at (w))").count(), 2);
+    assert_eq!(text.matches("let vertex = Hit :: at (w) ;").count(), 2);
     let confused = quote! {
         let n = 1.0;
         if choose(coin(q)) { let n = 2.0; log(n); }

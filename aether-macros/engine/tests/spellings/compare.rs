@@ -92,6 +92,11 @@ fn parameters(rng: &mut Rng, kinds: &[Kind]) -> Vec<f64> {
                 let diagonal = |i: usize| if i.is_multiple_of(4) { 1.6 } else { 0.0 };
                 (0..9).map(|i| rng.uniform() - 0.5 + diagonal(i)).collect()
             }
+            Kind::Direction => {
+                let v: Vec<f64> = (0..3).map(|_| 2.0 * rng.uniform() - 1.0).collect();
+                let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+                v.iter().map(|x| x / length).collect()
+            }
             other => panic!("no rule to draw {other:?}"),
         })
         .collect();
