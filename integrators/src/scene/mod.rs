@@ -162,7 +162,12 @@ impl Scene {
         let position = match *primitive {
             Primitive::Triangle { v0, v1, v2 } => {
                 let by_weights = w.x * v0 + w.y * v1 + w.z * v2;
-                on_plane([v0, v1, v2], origin, direction).unwrap_or(by_weights)
+                let size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
+                // The weights give a point with the rounding error of the corners, large beside the
+                // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
+                let is_huge = size > 8.0 * (origin.abs().max_element() + raw.t);
+                let on_plane = || on_plane([v0, v1, v2], origin, direction);
+                is_huge.then(on_plane).flatten().unwrap_or(by_weights)
             }
             Primitive::Sphere { center, radius, .. } => {
                 let c = center.as_dvec3();
@@ -185,10 +190,8 @@ impl Scene {
     }
 }
 
-/// Where a ray meets the plane of a triangle, rounded once: the weights of the corners give a point with
-/// the rounding error of the corners, which may be large beside the distance of a hit on a huge triangle.
-/// `None` where the plane is ill-defined or nearly parallel to the ray, so that the point is not in the box
-/// round the triangle.
+/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or nearly
+/// parallel to the ray, so that the point is not in the box round the triangle.
 fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
     let [o, d] = [origin, direction].map(Vec3::as_dvec3);
     let normal = mesh::double_area_normal(&corners);

@@ -99,8 +99,11 @@ fn name_factor(
     vec![s]
 }
 
+/// Factors, base and exponent, and the equations that share them.
+type Shared = (Vec<(Id, Id)>, Vec<usize>);
+
 /// The factor that most equations share, with all others that the same equations share.
-fn common_factor(g: &mut Graph, state: &State) -> Option<(Vec<(Id, Id)>, Vec<usize>)> {
+fn common_factor(g: &mut Graph, state: &State) -> Option<Shared> {
     let all = common_factors(g, state);
     let most = all.iter().map(|(_, _, m)| m.len()).max()?;
     let members = all.iter().find(|(_, _, m)| m.len() == most)?.2.clone();
