@@ -52,12 +52,6 @@ impl Reference {
         let variance = exr.variance.unwrap_or_else(|| panic!("{name} has no variance"));
         Reference { rgb: exr.rgb, variance }
     }
-
-    /// The same exact answer in each of the 64x64 pixels.
-    pub fn constant(value: [f32; 3]) -> Self {
-        let image = |value| RgbImage::filled(64, 64, value);
-        Reference { rgb: image(value), variance: image([0.0; 3]) }
-    }
 }
 
 /// Renders with the path tracer as the program does.
