@@ -3,16 +3,21 @@
 //!
 //! A file becomes a [`scene`], the scene a [`world`] that strategies can sample. [`samplers`] and
 //! [`strategies`] say how paths are made, [`integrand`] what is integrated, and [`path`] puts them
-//! together; none of the three knows of the others' business, and no density is written by hand.
+//! together; none of the three knows of the others' business, and no density is written by hand. All of
+//! them are generic over the [`kind`] of scene: what a scene does not need is not compiled. [`scattering`]
+//! is what surfaces do with light.
 //! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, and
 //! [`cli`] is the program.
 
 pub mod cli;
 pub mod image;
 pub mod integrand;
+pub mod kind;
+pub mod lights;
 pub mod path;
 pub mod render;
 pub mod samplers;
+pub mod scattering;
 pub mod scene;
 pub mod strategies;
 pub mod vertex;

@@ -5,10 +5,10 @@ use aether_core::{
 };
 use glam::Vec3;
 
+use crate::integrand::Radiance;
+use crate::kind::{self, Everything, NotCovered, SceneKind};
 use crate::render::{AnyKernel, Worker};
 use crate::scene::{SamplerKind, Scene};
-
-use crate::integrand::Radiance;
 use crate::strategies::{
     PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
@@ -28,7 +28,7 @@ pub struct PathSettings {
 }
 
 /// The paths of one sample.
-pub type PathArena<'a> = Arena<SceneVertex, PathStrategies<'a>>;
+pub type PathArena<'a, K = Everything> = Arena<SceneVertex<K>, PathStrategies<'a, K>>;
 
 /// The strategies that a path is extended with: how to scatter, and how to reach a light.
 #[derive(Clone, Copy, Debug)]
@@ -43,16 +43,19 @@ pub struct Techniques<B, L> {
 ///
 /// `S` is the set of strategies that the paths are made of; a user's own set and his own
 /// [`Techniques`] work as well as the renderer's.
-pub fn radiance<'a, S, B, L>(
-    world: &'a World<'a>,
+pub fn radiance<'a, K, S, B, L>(
+    world: &'a World<'a, K>,
     settings: &PathSettings,
     techniques: &Techniques<B, L>,
-    arena: &Arena<SceneVertex, S>,
+    arena: &Arena<SceneVertex<K>, S>,
     uniforms: &mut impl UniformSource<f32>,
     pixel: Pixel,
 ) -> Vec3
 where
-    S: Strategy<SceneVertex> + From<SampleCamera<'a, 'a>> + From<SampleCameraDirection<'a, 'a>>,
+    K: SceneKind,
+    S: Strategy<SceneVertex<K>>
+        + From<SampleCamera<'a, 'a, K>>
+        + From<SampleCameraDirection<'a, 'a, K>>,
     B: Clone + Into<S>,
     L: Clone + Into<S>,
 {
@@ -80,21 +83,44 @@ where
 }
 
 /// The path tracer as the render engine calls it: one sample of one pixel at a time.
-pub struct PathTracer<'s> {
-    world: World<'s>,
+pub struct PathTracer<'s, K: SceneKind = Everything> {
+    world: World<'s, K>,
     settings: PathSettings,
     seed: u64,
 }
 
-impl<'s> PathTracer<'s> {
+/// A path tracer for a scene, compiled for as little as the scene needs; the same seed gives the same
+/// image.
+///
+/// # Errors
+/// If there is something in the scene that no precompiled kind has.
+pub fn path_tracer<'s>(
+    scene: &'s Scene,
+    settings: PathSettings,
+    seed: u64,
+) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
+    struct Make<'s>(&'s Scene, PathSettings, u64);
+    impl<'s> kind::WithKind for Make<'s> {
+        type Output = Box<dyn AnyKernel + 's>;
+        fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
+            Ok(Box::new(PathTracer::<K>::new(self.0, self.1, self.2)?))
+        }
+    }
+    kind::smallest(scene, Make(scene, settings, seed))
+}
+
+impl<'s, K: SceneKind> PathTracer<'s, K> {
     /// A path tracer for a scene; the same seed gives the same image.
-    pub fn new(scene: &'s Scene, settings: PathSettings, seed: u64) -> Self {
-        PathTracer { world: World::new(scene), settings, seed }
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene, settings: PathSettings, seed: u64) -> Result<Self, NotCovered> {
+        Ok(PathTracer { world: World::new(scene)?, settings, seed })
     }
 
     fn sample<'a>(
         &'a self,
-        arena: &mut PathArena<'a>,
+        arena: &mut PathArena<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
     ) -> [f32; 3] {
@@ -106,9 +132,9 @@ impl<'s> PathTracer<'s> {
     }
 }
 
-impl AnyKernel for PathTracer<'_> {
+impl<K: SceneKind> AnyKernel for PathTracer<'_, K> {
     fn worker(&self) -> Worker<'_> {
-        let mut arena = PathArena::new();
+        let mut arena = PathArena::<K>::new();
         let width = u64::from(self.world.scene.film.width);
         let independent = self.world.scene.sampler.kind == SamplerKind::Independent;
         Box::new(move |pixel, sample| {

@@ -101,3 +101,12 @@ pub fn hit_plane(
     require(t > 0.0);
     SurfacePoint::new(origin + t * w, id)
 }
+
+/// All directions alike.
+#[sampler]
+pub fn uniform_directions(u: [Uniform; 2]) -> Direction {
+    let z = 1.0 - 2.0 * u[0];
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}

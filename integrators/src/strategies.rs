@@ -1,19 +1,30 @@
 //! How light paths are extended, one vertex at a time: the strategies of the surface renderer.
+//!
+//! Each is written for all kinds of scenes. What a kind leaves out has no values, so that the branches
+//! for it are never taken and are not compiled into a program for that kind.
 
 use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
 
+use crate::kind::{Everything, SceneKind};
+use crate::lights::Light;
 use crate::samplers::*;
+use crate::scattering::Lobe;
+use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
+use crate::scattering::fresnel;
 use crate::scene::{Filter, Primitive};
-use crate::vertex::{Pinhole, SceneVertex, Surface};
-use crate::world::{Light, World};
+use crate::vertex::{Lamp, Pinhole, SceneVertex, Seen};
+use crate::world::World;
 
 /// A pixel of the image: column and row.
 pub type Pixel = (u32, u32);
 
 /// The camera's pinhole: an atom.
 #[strategy]
-pub fn sample_camera(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVertex {
+pub fn sample_camera<K: SceneKind>(
+    path: &PathView<SceneVertex<K>>,
+    world: &World<'_, K>,
+) -> SceneVertex<K> {
     let pinhole: Pinhole = constant(Some(world.pinhole()));
     SceneVertex::pinhole(pinhole)
 }
@@ -21,11 +32,11 @@ pub fn sample_camera(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVe
 /// A point of the film about the pixel's centre, distributed like the reconstruction filter, and
 /// what the camera sees there.
 #[strategy]
-pub fn sample_camera_direction(
-    path: &PathView<SceneVertex>,
-    world: &World<'_>,
+pub fn sample_camera_direction<K: SceneKind>(
+    path: &PathView<SceneVertex<K>>,
+    world: &World<'_, K>,
     pixel: Pixel,
-) -> SceneVertex {
+) -> SceneVertex<K> {
     let eye = given(path.last());
     let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
     let film = match world.scene.film.filter {
@@ -45,63 +56,133 @@ pub fn sample_camera_direction(
     };
     let direction = pinhole(world.film_centre(), world.film_scale()).apply(&film);
     let w = rotate(world.camera_frame).apply(&direction);
-    let hit: Surface = constant(world.cast(&eye, &w));
-    let point = hit.seen_from(eye.position).apply(&w);
-    SceneVertex::hit(hit, point)
+    let seen: Seen<K> = constant(world.cast(&eye, &w));
+    match seen {
+        Seen::Surface(hit) => {
+            let point = hit.seen_from(eye.position).apply(&w);
+            SceneVertex::hit(hit, point)
+        }
+        Seen::Sky(sky) => SceneVertex::sky(sky, w),
+    }
 }
 
-/// Scatters at the last vertex and finds what the ray meets. From the vertex number `rr_depth` on,
-/// the path may end: Russian roulette with the albedo as the probability to go on.
+/// Scatters at the last vertex by one of the lobes of its material, and finds what the ray meets. From
+/// the vertex number `rr_depth` on, the path may end: Russian roulette with the albedo as the
+/// probability to go on.
 #[strategy]
-pub fn sample_bsdf(path: &PathView<SceneVertex>, world: &World<'_>, rr_depth: u32) -> SceneVertex {
+pub fn sample_bsdf<K: SceneKind>(
+    path: &PathView<SceneVertex<K>>,
+    world: &World<'_, K>,
+    rr_depth: u32,
+) -> SceneVertex<K> {
     let here = given(path.last());
     let before = given(path.back(1));
-    let surface = given(here.surface);
-    let lambert = given(world.scattering(&surface, before.position));
-    let survival = if path.len() > rr_depth as usize { lambert.survival() } else { 1.0 };
+    let scattering = given(world.scattering(&here, &before));
+    let survival = if path.len() > rr_depth as usize {
+        scattering.albedo().max_element().min(0.95)
+    } else {
+        1.0
+    };
     let survives = choose(coin(survival));
     if !survives {
         return stop();
     }
-    let local = draw(cosine_hemisphere());
-    let w = rotate(lambert.frame()).apply(&local);
-    let hit: Surface = constant(world.cast(&here, &w));
-    let point = hit.seen_from(here.position).apply(&w);
-    SceneVertex::hit(hit, point)
+    let lobe = choose(scattering.lobes()).identified_by(|v: &SceneVertex<K>| {
+        scattering.leading_to(Some(v.direction_from(here.position)))
+    });
+    let frame = scattering.frame;
+    let w = match lobe {
+        Lobe::Nothing => return stop(),
+        Lobe::Mirror(_) | Lobe::Refraction(..) | Lobe::Passage(_) => {
+            let along = given(scattering.direction(&lobe));
+            let found: Seen<K> = constant(world.cast_along(&here, along));
+            return SceneVertex::found(found, along);
+        }
+        Lobe::Matte(_) => {
+            let local = draw(cosine_hemisphere());
+            rotate(frame).apply(&local)
+        }
+        Lobe::Facets(_, roughness) => {
+            let normals = given(HalfVectors::new(&roughness, scattering.view));
+            let m = draw(normals);
+            rotate(frame).apply(&reflect(scattering.view).apply(&m))
+        }
+        Lobe::Interface(_, roughness, eta) => {
+            let view = scattering.view;
+            let normals = given(HalfVectors::new(&roughness, view));
+            let m = draw(normals);
+            let reflects = choose(coin(fresnel::dielectric(m.dot(view).clamp(0.0, 1.0), eta).0));
+            if reflects {
+                rotate(frame).apply(&reflect(view).apply(&m))
+            } else if eta >= 1.0 {
+                let refraction = given(refract_in(view, 1.0 / eta).ok());
+                rotate(frame).apply(&refraction.apply(&m))
+            } else {
+                let refraction = given(refract_out(view, 1.0 / eta).ok());
+                rotate(frame).apply(&refraction.apply(&m))
+            }
+        }
+    };
+    let seen: Seen<K> = constant(world.cast(&here, &w));
+    match seen {
+        Seen::Surface(hit) => {
+            let point = hit.seen_from(here.position).apply(&w);
+            SceneVertex::hit(hit, point)
+        }
+        Seen::Sky(sky) => SceneVertex::sky(sky, w),
+    }
 }
 
 /// A light, chosen by its power, and a point on it.
 #[strategy]
-pub fn sample_light(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVertex {
-    let lights = given(world.lights.as_ref());
-    let light: &Light = choose(lights)
-        .identified_by(|v: &SceneVertex| v.surface.and_then(|s| s.emitter).map(|e| e as usize));
-    let id = SurfaceId(light.emitter.primitive);
-    let point = match light.shape {
-        Primitive::Triangle { v0, v1, v2 } => {
-            draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
+pub fn sample_light<K: SceneKind>(
+    path: &PathView<SceneVertex<K>>,
+    world: &World<'_, K>,
+) -> SceneVertex<K> {
+    let lights = given(world.lights.choice.as_ref());
+    let light = choose(lights).identified_by(|v: &SceneVertex<K>| world.lights.index_of(v));
+    match light {
+        Light::Area(_, light) => {
+            let id = SurfaceId(light.emitter.primitive);
+            let point = match light.shape {
+                Primitive::Triangle { v0, v1, v2 } => {
+                    draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
+                }
+                Primitive::Sphere { center, radius, .. } => {
+                    draw(uniform_sphere_surface(center.into(), radius, id))
+                }
+                Primitive::Disk { center, u_axis, v_axis, .. } => {
+                    draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
+                }
+            };
+            SceneVertex::on(world.light_surface(light, point.position.into()))
         }
-        Primitive::Sphere { center, radius, .. } => {
-            draw(uniform_sphere_surface(center.into(), radius, id))
+        Light::Sky(sky) => {
+            let w = draw(uniform_directions());
+            SceneVertex::sky(*sky, w)
         }
-        Primitive::Disk { center, u_axis, v_axis, .. } => {
-            draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
+        Light::Bulb(present, index, position) => {
+            let lamp: Lamp<K> = constant(Some(Lamp::Bulb(*present, *index, *position)));
+            SceneVertex::lamp(lamp)
         }
-    };
-    SceneVertex::on(world.light_surface(light, point.position.into()))
+        Light::Distant(present, index, towards) => {
+            let lamp: Lamp<K> = constant(Some(Lamp::Distant(*present, *index, *towards)));
+            SceneVertex::lamp(lamp)
+        }
+    }
 }
 
 strategies! {
     /// How the integrators make their paths.
     #[derive(Clone)]
-    pub enum PathStrategies<'a> for SceneVertex {
+    pub enum PathStrategies<'a, K: SceneKind = Everything> for SceneVertex<K> {
         /// The pinhole.
-        Camera(SampleCamera<'a, 'a>),
+        Camera(SampleCamera<'a, 'a, K>),
         /// What the camera sees.
-        CameraDirection(SampleCameraDirection<'a, 'a>),
+        CameraDirection(SampleCameraDirection<'a, 'a, K>),
         /// Scattering.
-        Bsdf(SampleBsdf<'a, 'a>),
+        Bsdf(SampleBsdf<'a, 'a, K>),
         /// Next-event estimation.
-        Light(SampleLight<'a, 'a>),
+        Light(SampleLight<'a, 'a, K>),
     }
 }

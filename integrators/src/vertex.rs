@@ -1,13 +1,14 @@
 //! The vertices of light paths, and what external code tells about them.
 
 use aether_core::prelude::*;
-use aether_core::{Recall, Vertex};
+use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
+use crate::kind::{Either, Everything, SceneKind};
 use crate::samplers::{HitPlane, hit_plane};
 use crate::scene::PrimitiveId;
 
-/// What a ray cast found: a piece of surface, constant near the sample.
+/// A piece of surface, as a ray cast found it: constant near the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
     /// Where the ray met it.
@@ -30,6 +31,18 @@ impl Surface {
     }
 }
 
+/// Whether a kind of scene has light from all around.
+pub type SkyOf<K> = <K as SceneKind>::Constant;
+
+/// What lies in some direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen<K: SceneKind = Everything> {
+    /// A surface.
+    Surface(Surface),
+    /// Nothing but the sky.
+    Sky(SkyOf<K>),
+}
+
 /// The pinhole of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinhole {
@@ -37,35 +50,109 @@ pub struct Pinhole {
     pub position: Vector,
 }
 
-/// A vertex of a light path: the pinhole, or a point of a surface.
+/// A light that is an atom: which of the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneVertex {
-    /// Where it is.
-    pub position: Vector,
-    /// The surface that it lies on; none for the pinhole.
-    pub surface: Option<Surface>,
+pub enum Lamp<K: SceneKind = Everything> {
+    /// A point, at a position.
+    Bulb(K::Point, u32, Vector),
+    /// Infinitely far away, in a direction of unit length.
+    Distant(K::Directional, u32, Vector),
 }
 
-impl SceneVertex {
+/// What kind of place a vertex is at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place<K: SceneKind = Everything> {
+    /// The pinhole.
+    Camera,
+    /// A point of a surface.
+    Surface(Surface),
+    /// Infinitely far away: the position is a direction.
+    Sky(SkyOf<K>),
+    /// A point light, by its number.
+    Bulb(K::Point, u32),
+    /// A light infinitely far away, by its number: the position is a direction.
+    Distant(K::Directional, u32),
+}
+
+/// A vertex of a light path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneVertex<K: SceneKind = Everything> {
+    /// Where it is; for a place infinitely far away the direction there, of unit length.
+    pub position: Vector,
+    /// What is there.
+    pub place: Place<K>,
+}
+
+impl<K: SceneKind> SceneVertex<K> {
     /// The vertex at a pinhole.
     pub fn pinhole(pinhole: Pinhole) -> Self {
-        SceneVertex { position: pinhole.position, surface: None }
+        SceneVertex { position: pinhole.position, place: Place::Camera }
     }
 
     /// The vertex where a ray met a surface. The ray caster computes the position on the primitive,
     /// more accurately than along the ray: `point`, the same position in the language, gives way.
     pub fn hit(surface: Surface, _point: SurfacePoint<f32>) -> Self {
-        SceneVertex { position: surface.position, surface: Some(surface) }
+        Self::on(surface)
     }
 
     /// A vertex on a surface that was chosen rather than found: a point of a light.
     pub fn on(surface: Surface) -> Self {
-        SceneVertex { position: surface.position, surface: Some(surface) }
+        SceneVertex { position: surface.position, place: Place::Surface(surface) }
+    }
+
+    /// The sky in some direction.
+    pub fn sky(sky: SkyOf<K>, w: Direction<f32>) -> Self {
+        SceneVertex { position: w.vec().into(), place: Place::Sky(sky) }
+    }
+
+    /// What a ray in a direction of unit length that nothing was drawn for has met.
+    pub fn found(seen: Seen<K>, w: Vector) -> Self {
+        match seen {
+            Seen::Surface(surface) => Self::on(surface),
+            Seen::Sky(sky) => SceneVertex { position: w, place: Place::Sky(sky) },
+        }
+    }
+
+    /// A light that is an atom.
+    pub fn lamp(lamp: Lamp<K>) -> Self {
+        match lamp {
+            Lamp::Bulb(present, index, position) => {
+                SceneVertex { position, place: Place::Bulb(present, index) }
+            }
+            Lamp::Distant(present, index, position) => {
+                SceneVertex { position, place: Place::Distant(present, index) }
+            }
+        }
+    }
+
+    /// The surface that it lies on, if it does.
+    #[inline]
+    pub fn surface(&self) -> Option<Surface> {
+        match self.place {
+            Place::Surface(surface) => Some(surface),
+            _ => None,
+        }
     }
 
     /// The primitive that the vertex lies on.
     pub fn primitive(&self) -> Option<PrimitiveId> {
-        self.surface.map(|s| s.primitive)
+        self.surface().map(|s| s.primitive)
+    }
+
+    /// Whether it is infinitely far away.
+    #[inline]
+    pub fn is_infinite(&self) -> bool {
+        matches!(self.place, Place::Sky(_) | Place::Distant(..))
+    }
+
+    /// The direction, of unit length, in which the vertex is seen from a point; zero from where it is.
+    #[inline]
+    pub fn direction_from(&self, origin: Vector) -> Vector {
+        if self.is_infinite() {
+            self.position
+        } else {
+            (self.position - origin).normalize_or_zero()
+        }
     }
 }
 
@@ -74,24 +161,83 @@ pub fn surface_id(primitive: PrimitiveId) -> SurfaceId {
     SurfaceId(primitive.0)
 }
 
-impl Vertex for SceneVertex {
+/// The space that vertices live in: surfaces, and the sphere of directions for what is infinitely far.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spot<K: SceneKind = Everything> {
+    /// A point of a surface.
+    Surface(SurfacePoint<f32>),
+    /// A direction.
+    Infinite(Either<SkyOf<K>, K::Directional>, Direction<f32>),
+}
+
+impl<K: SceneKind> Includes<SurfacePoint<f32>> for Spot<K> {
+    #[inline]
+    fn part(&self) -> Option<SurfacePoint<f32>> {
+        match self {
+            Spot::Surface(point) => Some(*point),
+            Spot::Infinite(..) => None,
+        }
+    }
+}
+
+impl<K: SceneKind> Includes<Direction<f32>> for Spot<K> {
+    #[inline]
+    fn part(&self) -> Option<Direction<f32>> {
+        match self {
+            Spot::Surface(_) => None,
+            Spot::Infinite(_, w) => Some(*w),
+        }
+    }
+}
+
+impl<K: SceneKind> Vertex for SceneVertex<K> {
     type Real = f32;
-    type Point = SurfacePoint<f32>;
+    type Point = Spot<K>;
 
-    fn point(&self) -> SurfacePoint<f32> {
+    #[inline]
+    fn point(&self) -> Spot<K> {
+        use crate::kind::Presence;
+        if self.is_infinite()
+            && let Some(present) = <Either<SkyOf<K>, K::Directional> as Presence>::VALUE
+        {
+            return Spot::Infinite(present, Direction::from_unit(self.position.into()));
+        }
         let id = self.primitive().map_or(SurfaceId(u32::MAX), surface_id);
-        SurfacePoint::new(self.position.into(), id)
+        Spot::Surface(SurfacePoint::new(self.position.into(), id))
     }
 }
 
-impl Recall<Surface> for SceneVertex {
+impl<K: SceneKind> Recall<Seen<K>> for SceneVertex<K> {
+    #[inline]
+    fn recall(&self) -> Option<Seen<K>> {
+        match self.place {
+            Place::Surface(surface) => Some(Seen::Surface(surface)),
+            Place::Sky(sky) => Some(Seen::Sky(sky)),
+            _ => None,
+        }
+    }
+}
+
+impl<K: SceneKind> Recall<Surface> for SceneVertex<K> {
+    #[inline]
     fn recall(&self) -> Option<Surface> {
-        self.surface
+        self.surface()
     }
 }
 
-impl Recall<Pinhole> for SceneVertex {
+impl<K: SceneKind> Recall<Pinhole> for SceneVertex<K> {
     fn recall(&self) -> Option<Pinhole> {
-        self.surface.is_none().then_some(Pinhole { position: self.position })
+        let here = Pinhole { position: self.position };
+        matches!(self.place, Place::Camera).then_some(here)
+    }
+}
+
+impl<K: SceneKind> Recall<Lamp<K>> for SceneVertex<K> {
+    fn recall(&self) -> Option<Lamp<K>> {
+        match self.place {
+            Place::Bulb(present, index) => Some(Lamp::Bulb(present, index, self.position)),
+            Place::Distant(present, index) => Some(Lamp::Distant(present, index, self.position)),
+            _ => None,
+        }
     }
 }

@@ -1,29 +1,22 @@
-//! A scene with what sampling needs beside it: the lights as a discrete distribution, frames.
+//! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
-use aether_core::discrete::{Choices, discrete_weighted};
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
-use crate::scene::{Camera, Emitter, Filter, Primitive, PrimitiveId, Scene};
-use crate::vertex::{Pinhole, SceneVertex, Surface};
-
-/// An emissive primitive as light sampling sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Light {
-    /// Its place in the list of emitters.
-    pub index: u32,
-    /// The emitter.
-    pub emitter: Emitter,
-    /// Its geometry.
-    pub shape: Primitive,
-}
+use crate::kind::{Everything, NotCovered, Presence, SceneKind};
+use crate::lights::{AreaLight, Lights};
+use crate::scattering::{Material, Scattering};
+use crate::scene::{Camera, Filter, PrimitiveId, Scene};
+use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
-pub struct World<'s> {
+pub struct World<'s, K: SceneKind = Everything> {
     /// The scene.
     pub scene: &'s Scene,
-    /// The lights, chosen in proportion to their power; none if nothing emits.
-    pub lights: Option<Choices<Vec<Light>, Light, f32>>,
+    /// The lights.
+    pub lights: Lights<K>,
+    /// The materials, in the order of the scene's.
+    materials: Vec<Material<K>>,
     /// Which light each primitive is.
     light_of: Vec<Option<u32>>,
     /// The camera's axes: right, down, forward.
@@ -32,22 +25,21 @@ pub struct World<'s> {
     pub filter_scale: f32,
 }
 
-impl<'s> World<'s> {
+impl<'s, K: SceneKind> World<'s, K> {
     /// Prepares a scene.
-    pub fn new(scene: &'s Scene) -> Self {
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene) -> Result<Self, NotCovered> {
         let mut light_of = vec![None; scene.primitives.len()];
-        let mut lights = Vec::new();
         for (index, emitter) in (0..).zip(&scene.emitters) {
             light_of[emitter.primitive as usize] = Some(index);
-            let shape = scene.primitives[emitter.primitive as usize];
-            lights.push(Light { index, emitter: *emitter, shape });
         }
-        let powers: Vec<f32> = lights.iter().map(|l| l.emitter.power().element_sum()).collect();
-        // No emitter, or only black ones: there is nothing to choose from.
-        let lights = discrete_weighted(lights, powers).ok();
+        let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
         let camera_frame = camera_frame(&scene.camera);
         let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
-        World { scene, lights, light_of, camera_frame, filter_scale }
+        let lights = Lights::new(scene)?;
+        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale })
     }
 
     /// The pinhole of the camera.
@@ -56,42 +48,76 @@ impl<'s> World<'s> {
     }
 
     /// What a ray from a vertex in direction `w` meets first.
-    pub fn cast(&self, from: &SceneVertex, w: &Direction<f32>) -> Option<Surface> {
-        let hit = self.scene.intersect(from.position, w.vec().into(), from.primitive())?;
-        Some(Surface {
-            position: hit.position,
-            normal: hit.geometric_normal,
-            shading: hit.shading_normal,
-            primitive: hit.primitive,
-            emitter: self.light_of[hit.primitive.0 as usize],
-        })
+    pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
+        self.cast_along(from, w.vec().into())
+    }
+
+    /// The same for a vector.
+    pub fn cast_along(&self, from: &SceneVertex<K>, w: Vec3) -> Option<Seen<K>> {
+        match self.scene.intersect(from.position, w, from.primitive()) {
+            Some(hit) => Some(Seen::Surface(Surface {
+                position: hit.position,
+                normal: hit.geometric_normal,
+                shading: hit.shading_normal,
+                primitive: hit.primitive,
+                emitter: self.light_of[hit.primitive.0 as usize],
+            })),
+            // Without a sky that shines there is nothing to see.
+            None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
+        }
+    }
+
+    /// The surface that a ray from a vertex in direction `w` meets first.
+    pub fn hit(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Surface> {
+        match self.cast(from, w)? {
+            Seen::Surface(surface) => Some(surface),
+            Seen::Sky(_) => None,
+        }
+    }
+
+    /// Whether nothing lies between two vertices.
+    pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
+        if to.is_infinite() {
+            return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
+        }
+        self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
     }
 
     /// The piece of surface of a light at a point of it.
-    pub fn light_surface(&self, light: &Light, position: Vec3) -> Surface {
+    pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
         Surface { position, normal, shading: normal, primitive, emitter: Some(light.index) }
     }
 
-    /// Radiance that a vertex emits towards a point, in linear Rec. 709.
-    pub fn emitted(&self, vertex: &SceneVertex, towards: Vec3) -> Vec3 {
-        let Some(surface) = vertex.surface else { return Vec3::ZERO };
-        match surface.emitter {
-            Some(e) if surface.normal.dot(towards - vertex.position) > 0.0 => {
-                self.scene.emitters[e as usize].radiance
-            }
-            _ => Vec3::ZERO,
+    /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
+    /// parallel light irradiance.
+    pub fn emitted(&self, vertex: &SceneVertex<K>, towards: &SceneVertex<K>) -> Vec3 {
+        let w = || (towards.position - vertex.position).normalize_or_zero();
+        match vertex.place {
+            Place::Camera => Vec3::ZERO,
+            Place::Surface(surface) => match surface.emitter {
+                Some(e) if surface.normal.dot(towards.position - vertex.position) > 0.0 => {
+                    self.scene.emitters[e as usize].radiance
+                }
+                _ => Vec3::ZERO,
+            },
+            Place::Sky(_) => self.scene.sky.map_or(Vec3::ZERO, |sky| sky.radiance),
+            Place::Bulb(_, index) => self.scene.bulbs[index as usize].intensity_towards(w()),
+            Place::Distant(_, index) => self.scene.distant[index as usize].irradiance,
         }
     }
 
-    /// How a surface scatters light that arrives from or leaves towards `other`: `None` if that side
-    /// is black.
-    pub fn scattering(&self, surface: &Surface, other: Vec3) -> Option<Lambert> {
-        let bsdf = self.scene.bsdf(surface.primitive);
-        let front = surface.shading.dot(other - surface.position) > 0.0;
-        let normal = if front { surface.shading } else { -surface.shading };
-        (front || bsdf.two_sided).then_some(Lambert { albedo: bsdf.reflectance, normal })
+    /// How the surface at a vertex scatters light to or from another vertex: `None` if there is no
+    /// surface or if that side is black.
+    pub fn scattering(
+        &self,
+        here: &SceneVertex<K>,
+        other: &SceneVertex<K>,
+    ) -> Option<Scattering<'_, K>> {
+        let surface = here.surface()?;
+        let material = &self.materials[self.scene.shape(surface.primitive).bsdf as usize];
+        Scattering::new(material, surface.shading, other.direction_from(here.position))
     }
 
     /// The point of the film that the camera's axis goes through, in pixels.
@@ -104,28 +130,6 @@ impl<'s> World<'s> {
     pub fn film_scale(&self) -> Vec2<f32> {
         let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
         Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
-    }
-}
-
-/// A Lambertian surface as seen from one side.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lambert {
-    /// The fraction of light that it reflects.
-    pub albedo: Vec3,
-    /// The shading normal on the side of the viewer.
-    pub normal: Vec3,
-}
-
-impl Lambert {
-    /// The frame about the normal.
-    pub fn frame(&self) -> Frame<f32> {
-        let n = self.normal;
-        Frame::around(Direction::new(n.x, n.y, n.z))
-    }
-
-    /// The probability to survive Russian roulette here.
-    pub fn survival(&self) -> f32 {
-        self.albedo.max_element().min(0.95)
     }
 }
 

@@ -32,33 +32,45 @@
 /// path.append(Start).append(Walk(&1.0)).sample(&mut || 0.5);
 /// assert_eq!(path.len(), 2);
 /// ```
+///
+/// After its lifetimes the enum may have type parameters, each with one bound:
+/// `enum Strategies<'a, K: SceneKind> for Hit<K>`.
 #[macro_export]
 macro_rules! strategies {
-    (@conversions $generics:tt $name:ident $($variant:ident($strategy:ty))+) => {
-        $($crate::strategies! { @conversion $generics $name $variant($strategy) })+
+    (@conversions $generics:tt $arguments:tt $name:ident $($variant:ident($strategy:ty))+) => {
+        $($crate::strategies! { @conversion $generics $arguments $name $variant($strategy) })+
     };
-    (@conversion [$($generics:tt)*] $name:ident $variant:ident($strategy:ty)) => {
-        impl $($generics)* From<$strategy> for $name $($generics)* {
+    (
+        @conversion [$($generics:tt)*] [$($arguments:tt)*]
+        $name:ident $variant:ident($strategy:ty)
+    ) => {
+        impl $($generics)* From<$strategy> for $name $($arguments)* {
             fn from(strategy: $strategy) -> Self { $name::$variant(strategy) }
         }
     };
     (
         $(#[$meta:meta])*
-        $visibility:vis enum $name:ident $(<$($lifetime:lifetime),+>)? for $vertex:ty {
+        $visibility:vis enum $name:ident
+            $(<$($lifetime:lifetime),+ $(, $parameter:ident: $bound:path $(= $default:ty)?)*>)?
+            for $vertex:ty
+        {
             $($(#[$variant_meta:meta])* $variant:ident($strategy:ty)),+ $(,)?
         }
     ) => {
         $(#[$meta])*
-        $visibility enum $name $(<$($lifetime),+>)? {
+        $visibility enum $name $(<$($lifetime),+ $(, $parameter: $bound $(= $default)?)*>)? {
             $($(#[$variant_meta])* #[allow(missing_docs)] $variant($strategy),)+
         }
 
         $crate::strategies! {
-            @conversions [$(<$($lifetime),+>)?] $name $($variant($strategy))+
+            @conversions
+            [$(<$($lifetime),+ $(, $parameter: $bound)*>)?]
+            [$(<$($lifetime),+ $(, $parameter)*>)?]
+            $name $($variant($strategy))+
         }
 
-        impl $(<$($lifetime),+>)? $crate::strategy::Strategy<$vertex>
-            for $name $(<$($lifetime),+>)?
+        impl $(<$($lifetime),+ $(, $parameter: $bound)*>)? $crate::strategy::Strategy<$vertex>
+            for $name $(<$($lifetime),+ $(, $parameter)*>)?
         {
             const ATOMS: $crate::strategy::Atoms = $crate::strategy::Atoms::NONE
                 $(.and(<$strategy as $crate::strategy::Strategy<$vertex>>::ATOMS))+;

@@ -7,6 +7,8 @@
 //! density of the mixture is derived from the sampling code, and so are the weights against light
 //! sampling.
 //!
+//! The program names the kind of scenes that it is for. Nothing else is compiled into it: no glass, no sky.
+//!
 //! Renders the Cornell box twice, with the renderer's scattering and with the new one, and compares.
 
 use std::path::Path;
@@ -14,10 +16,12 @@ use std::path::Path;
 use aether_core::prelude::*;
 use aether_core::{Arena, PathView, Pcg32, coin, strategies};
 use integrators::image::exr::Exr;
+use integrators::kind::NotCovered;
 use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
 use integrators::samplers::rotate;
 use integrators::scene::Scene;
+use integrators::scene_kind;
 use integrators::strategies::{
     Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
@@ -33,13 +37,18 @@ fn power_cosine(u: [Uniform; 2], exponent: f64) -> Direction {
     Direction::new(r * phi.cos(), r * phi.sin(), z)
 }
 
+scene_kind! {
+    /// Rooms of matte walls, with lamps.
+    struct Rooms: Diffuse, Area;
+}
+
 /// Looks up, and finds what the ray meets.
 #[strategy]
-fn look_up(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVertex {
+fn look_up(path: &PathView<SceneVertex<Rooms>>, world: &World<'_, Rooms>) -> SceneVertex<Rooms> {
     let here = given(path.last());
     let local = draw(power_cosine(8.0f32));
     let w = rotate(Frame::around(Direction::new(0.0, 1.0, 0.0))).apply(&local);
-    let hit: Surface = constant(world.cast(&here, &w));
+    let hit: Surface = constant(world.hit(&here, &w));
     let point = hit.seen_from(here.position).apply(&w);
     SceneVertex::hit(hit, point)
 }
@@ -47,11 +56,11 @@ fn look_up(path: &PathView<SceneVertex>, world: &World<'_>) -> SceneVertex {
 /// Scatters like the material or looks up.
 #[strategy]
 fn scatter_or_look_up(
-    path: &PathView<SceneVertex>,
-    world: &World<'_>,
+    path: &PathView<SceneVertex<Rooms>>,
+    world: &World<'_, Rooms>,
     rr_depth: u32,
     upwards: f32,
-) -> SceneVertex {
+) -> SceneVertex<Rooms> {
     if choose(coin(upwards)) {
         delegate(look_up(world))
     } else {
@@ -62,17 +71,17 @@ fn scatter_or_look_up(
 strategies! {
     /// What the paths of this program are made of.
     #[derive(Clone)]
-    enum Strategies<'a> for SceneVertex {
-        Camera(SampleCamera<'a, 'a>),
-        CameraDirection(SampleCameraDirection<'a, 'a>),
+    enum Strategies<'a> for SceneVertex<Rooms> {
+        Camera(SampleCamera<'a, 'a, Rooms>),
+        CameraDirection(SampleCameraDirection<'a, 'a, Rooms>),
         Scatter(ScatterOrLookUp<'a, 'a>),
-        Light(SampleLight<'a, 'a>),
+        Light(SampleLight<'a, 'a, Rooms>),
     }
 }
 
 /// The path tracer with the new strategy, as the render engine calls it.
 struct Upward<'s> {
-    world: World<'s>,
+    world: World<'s, Rooms>,
     settings: PathSettings,
     seed: u64,
 }
@@ -80,7 +89,7 @@ struct Upward<'s> {
 impl Upward<'_> {
     fn sample<'a>(
         &'a self,
-        arena: &mut Arena<SceneVertex, Strategies<'a>>,
+        arena: &mut Arena<SceneVertex<Rooms>, Strategies<'a>>,
         (x, y): Pixel,
         sample: u32,
     ) -> [f32; 3] {
@@ -104,17 +113,17 @@ impl AnyKernel for Upward<'_> {
 }
 
 /// Renders the scene with the renderer's strategies, and with the new one.
-fn both(scene: &Scene, samples: u32) -> [Film; 2] {
+fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
     let settings = PathSettings {
         max_depth: scene.integrator.max_depth,
         rr_depth: scene.integrator.rr_depth,
         hide_emitters: scene.integrator.hide_emitters,
     };
-    let standard = PathTracer::new(scene, settings, 1);
-    let upward = Upward { world: World::new(scene), settings, seed: 2 };
+    let standard = PathTracer::<Rooms>::new(scene, settings, 1)?;
+    let upward = Upward { world: World::new(scene)?, settings, seed: 2 };
     let size = (scene.film.width, scene.film.height);
     let effort = RenderSettings { size, budget: Budget::Samples(samples), threads: None };
-    [render(&standard, &effort, &()).film, render(&upward, &effort, &()).film]
+    Ok([render(&standard, &effort, &()).film, render(&upward, &effort, &()).film])
 }
 
 /// The mean of all pixels and channels, and its standard error.
@@ -138,7 +147,7 @@ fn cornell_box(side: u32) -> Scene {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = cornell_box(128);
-    let [standard, upward] = both(&scene, 32);
+    let [standard, upward] = both(&scene, 32)?;
     for (name, film) in [("standard", &standard), ("looking up", &upward)] {
         let (mean, error) = mean_and_error(film);
         println!("{name:<12} mean {mean:.4} ± {error:.4}");
@@ -153,7 +162,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 #[test]
 fn the_strategy_does_not_change_the_expected_image() {
-    let [standard, upward] = both(&cornell_box(32), 64).map(|film| mean_and_error(&film));
+    let [standard, upward] = both(&cornell_box(32), 64).unwrap().map(|film| mean_and_error(&film));
     let error = standard.1.hypot(upward.1);
     assert!((standard.0 - upward.0).abs() < 4.0 * error, "{standard:?}, {upward:?}");
     assert!(error < 0.02 * standard.0, "too few samples to tell: {standard:?}, {upward:?}");

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::arguments::{RenderArguments, check_size};
-use crate::path::{PathSettings, PathTracer};
+use crate::path::{PathSettings, path_tracer};
 use crate::render::AnyKernel;
 use crate::scene::Scene;
 
@@ -59,7 +59,7 @@ pub(super) fn kernel_for<'a>(
                 rr_depth: plan.rr_depth,
                 hide_emitters: scene.integrator.hide_emitters,
             };
-            Ok(Box::new(PathTracer::new(scene, settings, plan.seed)))
+            path_tracer(scene, settings, plan.seed).map_err(|e| Failure::new(e.to_string()))
         }
         unknown => {
             let message = format!("integrator `{unknown}` is not supported; supported: path");

@@ -1,11 +1,13 @@
 //! What is in a scene, for people and for programs.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::{Filter, Scene, ShapeKind};
+use crate::kind;
 
 const KINDS: [ShapeKind; 6] = [
     ShapeKind::Rectangle,
@@ -33,11 +35,20 @@ pub fn json(scene: &Scene) -> Value {
         "primitives": scene.primitives.len(),
         "smooth_triangles": scene.normals.len(),
         "degenerate_triangles": scene.degenerate_triangles,
-        "bsdfs": {
-            "diffuse": scene.bsdfs.iter().filter(|b| !b.two_sided).count(),
-            "twosided": scene.bsdfs.iter().filter(|b| b.two_sided).count(),
-        },
+        "bsdfs": bsdfs(scene).into_iter().map(|(name, n)| (name.to_owned(), json!(n)))
+            .collect::<serde_json::Map<_, _>>(),
         "emitters": emitters(scene),
+        "lights": {
+            "constant": usize::from(scene.sky.is_some()),
+            "point": scene.bulbs.iter().filter(|bulb| bulb.cone.is_none()).count(),
+            "spot": scene.bulbs.iter().filter(|bulb| bulb.cone.is_some()).count(),
+            "directional": scene.distant.len(),
+        },
+        "kind": kind_of(scene).map(|kind| json!({
+            "name": kind.name,
+            "has": kind.has,
+            "left_out": kind.left_out,
+        })),
         "camera": {
             "type": "perspective",
             "origin": place(scene, camera.origin),
@@ -74,7 +85,7 @@ pub fn summary(scene: &Scene) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<12}{value}");
     };
-    let in_file = |point: Vec3| (scene.origin + point.as_dvec3()).as_vec3();
+    let in_file = |point: Vec3| scene.in_file(point).as_vec3();
     let kinds = KINDS.iter().filter_map(|kind| {
         let count = scene.shapes.iter().filter(|s| s.kind == *kind).count();
         (count > 0).then(|| format!("{count} {}", kind.name()))
@@ -87,12 +98,22 @@ pub fn summary(scene: &Scene) -> String {
         "primitives",
         format!("{} ({smooth} smooth, {dropped} degenerate left out)", scene.primitives.len()),
     );
-    let two_sided = scene.bsdfs.iter().filter(|b| b.two_sided).count();
-    line("materials", format!("{} diffuse ({two_sided} two-sided)", scene.bsdfs.len()));
+    let materials = bsdfs(scene).into_iter().map(|(name, count)| format!("{count} {name}"));
+    line("materials", materials.collect::<Vec<_>>().join(", "));
     for shape in emissive_shapes(scene) {
         let [r, g, b] = shape.power;
         let power = format!("power {r:.4} {g:.4} {b:.4} over {} primitives", shape.primitives);
         line("emitter", format!("{}: {power}", shape.name));
+    }
+    let bulbs = scene.bulbs.len();
+    for (count, name) in [
+        (usize::from(scene.sky.is_some()), "sky"),
+        (bulbs, "point"),
+        (scene.distant.len(), "parallel"),
+    ] {
+        if count > 0 {
+            line("light", format!("{count} {name}"));
+        }
     }
     let camera = &scene.camera;
     let fov = 2.0 * camera.tan_x.atan().to_degrees();
@@ -120,10 +141,43 @@ pub fn summary(scene: &Scene) -> String {
         "integrator",
         format!("{}, max depth {depth}, roulette from {}", integrator.name, integrator.rr_depth),
     );
+    if let Some(kind) = kind_of(scene) {
+        line("kind", format!("{}: {}", kind.name, kind.has.join(", ")));
+        line("left out", kind.left_out.join(", "));
+    }
     if !scene.primitives.is_empty() {
         line("bounds", format!("{} to {}", in_file(scene.bounds.min), in_file(scene.bounds.max)));
     }
     text
+}
+
+/// How many materials there are of each plugin type.
+fn bsdfs(scene: &Scene) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for bsdf in &scene.bsdfs {
+        *counts.entry(bsdf.name()).or_default() += 1;
+    }
+    counts
+}
+
+/// What a render of a scene is compiled for.
+struct Kind {
+    name: &'static str,
+    has: Vec<&'static str>,
+    left_out: Vec<&'static str>,
+}
+
+/// The smallest precompiled kind that covers a scene.
+fn kind_of(scene: &Scene) -> Option<Kind> {
+    struct Describe;
+    impl kind::WithKind for Describe {
+        type Output = Kind;
+        fn with<K: kind::SceneKind>(self) -> Result<Kind, kind::NotCovered> {
+            let (has, left_out) = kind::FEATURES.iter().partition(|name| kind::has::<K>(name));
+            Ok(Kind { name: K::NAME, has, left_out })
+        }
+    }
+    kind::smallest(scene, Describe).ok()
 }
 
 fn filter(filter: Filter) -> String {
@@ -180,7 +234,7 @@ fn place(scene: &Scene, point: Vec3) -> Value {
     if scene.origin == DVec3::ZERO {
         return vector(point);
     }
-    json!((scene.origin + point.as_dvec3()).to_array())
+    json!(scene.in_file(point).to_array())
 }
 
 fn vector(v: Vec3) -> Value {

@@ -5,18 +5,18 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use super::bsdf::{Bsdf, Diffuse};
 use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
+use super::lights::{Bulb, Distant, Sky};
+use super::load_bsdf;
+use super::load_lights::{Lone, read_area, read_lone};
 use super::load_settings::{Sensor, read_integrator, read_sensor};
-use super::model::{Bounds, Bsdf, Emitter, Shape};
+use super::model::{Bounds, Emitter, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::trace::Tracer;
 use super::{Scene, xml};
-
-/// The linear Rec. 709 colour of a constant emission spectrum of 1 (illuminant E; a constant
-/// reflectance is simply grey). From Mitsuba 3.9.1.
-const ILLUMINANT_E: DVec3 = DVec3::new(1.204_793_9, 0.948_291, 0.908_916_06);
 
 impl Scene {
     /// Loads a Mitsuba 3 XML file with all that it refers to. Each of `defines` is the name and
@@ -63,6 +63,9 @@ struct Builder<'a> {
     pending: Vec<Pending<'a>>,
     scene: Parts,
     bsdf_indices: HashMap<ObjectId, u32>,
+    sky: Option<Sky>,
+    bulbs: Vec<(Bulb, DVec3)>,
+    distant: Vec<Distant>,
 }
 
 /// A shape that waits until it is known where the scene has its zero.
@@ -89,6 +92,9 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         pending: Vec::new(),
         scene: Parts::default(),
         bsdf_indices: HashMap::new(),
+        sky: None,
+        bulbs: Vec::new(),
+        distant: Vec::new(),
     };
     let root = document.query(0);
     let mut sensor = None;
@@ -97,7 +103,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         match query.object.tag.as_str() {
             "shape" => builder.shape(&query, property)?,
             "bsdf" => drop(builder.bsdf(id)?),
-            "emitter" => return Err(lone_emitter(&query)),
+            "emitter" => builder.light(&query)?,
             "sensor" => {
                 let read = read_sensor(document, &query, size)?;
                 // As Mitsuba does, the first of several sensors is used.
@@ -115,7 +121,13 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
+    let (sky, distant) = (builder.sky, std::mem::take(&mut builder.distant));
+    let bulbs = std::mem::take(&mut builder.bulbs);
     let (parts, origin) = builder.parts()?;
+    let bulbs = bulbs
+        .into_iter()
+        .map(|(bulb, place)| Bulb { position: (place - origin).as_vec3(), ..bulb });
+    let bulbs = bulbs.collect();
     camera.origin = (position - origin).as_vec3();
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
@@ -128,6 +140,9 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         normals: parts.normals,
         bsdfs: parts.bsdfs,
         emitters: parts.emitters,
+        sky,
+        bulbs,
+        distant,
         camera,
         film,
         sampler,
@@ -138,15 +153,20 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     })
 }
 
-fn lone_emitter(query: &Query) -> SceneError {
-    if query.object.plugin == "area" {
-        query.error_at("", "an area emitter must stand inside a <shape>")
-    } else {
-        query.unsupported("area, inside a <shape>")
-    }
-}
-
 impl<'a> Builder<'a> {
+    fn light(&mut self, query: &Query) -> Result<(), SceneError> {
+        match read_lone(query)? {
+            Lone::Sky(sky) => {
+                if self.sky.replace(sky).is_some() {
+                    return Err(query.error_at("", "a second sky; only one is allowed"));
+                }
+            }
+            Lone::Bulb(bulb, position) => self.bulbs.push((bulb, position)),
+            Lone::Distant(light) => self.distant.push(light),
+        }
+        Ok(())
+    }
+
     fn shape(&mut self, query: &Query, property: &'a Property) -> Result<(), SceneError> {
         let kind = shapes::kind(query)?;
         let source = shapes::read(kind, query)?;
@@ -157,10 +177,9 @@ impl<'a> Builder<'a> {
         let bsdf = match query.child("bsdf")? {
             Some(id) => self.bsdf(id)?,
             // Mitsuba's default; a shape that only emits reflects nothing.
-            None => self.add_bsdf(Bsdf {
+            None => self.add_bsdf(Bsdf::Diffuse(Diffuse {
                 reflectance: Vec3::splat(if emission.is_some() { 0.0 } else { 0.5 }),
-                two_sided: false,
-            }),
+            })),
         };
         query.finish(&["bsdf", "emitter"])?;
         let index = self.pending.len();
@@ -206,22 +225,7 @@ impl<'a> Builder<'a> {
         if let Some(&index) = self.bsdf_indices.get(&id) {
             return Ok(index);
         }
-        let query = self.document.query(id);
-        let bsdf = match query.object.plugin.as_str() {
-            "diffuse" => read_diffuse(&query)?,
-            "twosided" => {
-                let inner = query.child("bsdf")?;
-                let inner = inner.ok_or_else(|| query.error_at("", "needs a nested <bsdf>"))?;
-                query.ignore(&["allow_transmission"]);
-                query.finish(&["bsdf"])?;
-                let inner = self.document.query(inner);
-                if inner.object.plugin != "diffuse" {
-                    return Err(inner.unsupported("diffuse, inside twosided"));
-                }
-                Bsdf { two_sided: true, ..read_diffuse(&inner)? }
-            }
-            _ => return Err(query.unsupported("diffuse, twosided")),
-        };
+        let bsdf = load_bsdf::read(self.document, id)?;
         let index = self.add_bsdf(bsdf);
         self.bsdf_indices.insert(id, index);
         Ok(index)
@@ -248,42 +252,5 @@ impl Parts {
         self.normals.extend(geometry.normals);
         self.degenerate += geometry.degenerate;
         self.shapes.push(shape);
-    }
-}
-
-fn read_diffuse(query: &Query) -> Result<Bsdf, SceneError> {
-    reject_texture(query, "reflectance")?;
-    let reflectance = query.color("reflectance", DVec3::ONE)?;
-    let reflectance = reflectance.unwrap_or(DVec3::splat(0.5));
-    if reflectance.min_element() < 0.0 || reflectance.max_element() > 1.0 {
-        return Err(query
-            .error_at("reflectance", format!("the reflectance {reflectance} must lie in [0, 1]")));
-    }
-    query.finish(&[])?;
-    Ok(Bsdf { reflectance: reflectance.as_vec3(), two_sided: false })
-}
-
-fn read_area(query: &Query) -> Result<Vec3, SceneError> {
-    if query.object.plugin != "area" {
-        return Err(query.unsupported("area"));
-    }
-    reject_texture(query, "radiance")?;
-    let radiance = query.color("radiance", ILLUMINANT_E)?.unwrap_or(DVec3::ONE);
-    if radiance.min_element() < 0.0 || radiance.max_element() > 1e18 {
-        let message = format!("the radiance {radiance} must lie in [0, 1e18]");
-        return Err(query.error_at("radiance", message));
-    }
-    query.ignore(&["sampling_weight"]);
-    query.finish(&[])?;
-    Ok(radiance.as_vec3())
-}
-
-/// Colours that vary over the surface are a likely wish; say so plainly.
-fn reject_texture(query: &Query, name: &str) -> Result<(), SceneError> {
-    match query.children().find(|(property, _)| property.name == name) {
-        Some((property, _)) => Err(property.place.error(format!(
-            "textures are not supported; supported for \"{name}\": rgb, spectrum, float"
-        ))),
-        None => Ok(()),
     }
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{Vec3, vec2, vec3};
 
+use super::bsdf::Diffuse;
 use super::*;
 
 fn load(body: &str) -> Result<Scene, String> {
@@ -15,6 +16,10 @@ fn load_with(body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
     let defines: Vec<(String, String)> =
         defines.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
     Scene::from_str(&xml, Path::new("."), &defines).map_err(|e| e.to_string())
+}
+
+fn diffuse(reflectance: Vec3) -> Bsdf {
+    Bsdf::Diffuse(Diffuse { reflectance })
 }
 
 const SENSOR: &str = "<sensor type=\"perspective\"/>";
@@ -54,7 +59,7 @@ fn cornell_box_is_as_mitsuba_has_it() {
         assert!(hit.geometric_normal.dot(axis) < -0.3, "{axis}: {hit:?}");
     }
     let red = scene.intersect(vec3(0.0, 0.9, 0.9), -Vec3::X, None).unwrap();
-    assert_eq!(scene.bsdf(red.primitive).reflectance, vec3(0.570068, 0.0430135, 0.0443706));
+    assert_eq!(*scene.bsdf(red.primitive), diffuse(vec3(0.570068, 0.0430135, 0.0443706)));
     let summary = inspect::summary(&scene);
     assert!(summary.contains("6 rectangle, 2 cube"), "{summary}");
     let json = inspect::json(&scene);
@@ -102,8 +107,7 @@ fn defaults_are_mitsubas() {
     assert_eq!(scene.film.filter, Filter::Gaussian { stddev: 0.5 });
     assert_eq!(scene.sampler.sample_count, 4);
     assert_eq!(scene.integrator, Integrator::default());
-    let black = |x| Bsdf { reflectance: Vec3::splat(x), two_sided: false };
-    assert_eq!(scene.bsdfs, [black(0.5), black(0.0)]);
+    assert_eq!(scene.bsdfs, [0.5, 0.0].map(|x| diffuse(Vec3::splat(x))));
     assert_eq!(scene.emitters[0].radiance, Vec3::ONE);
     assert!((scene.camera.tan_x - (38.1848_f32 / 2.0).to_radians().tan()).abs() < 1e-6);
 }
@@ -137,8 +141,8 @@ fn materials_are_shared_and_two_sided() {
     .unwrap();
     assert_eq!(scene.bsdfs.len(), 2);
     assert_eq!([0, 1, 2].map(|i| scene.shapes[i].bsdf), [0, 1, 1]);
-    assert_eq!(scene.bsdfs[0].reflectance, Vec3::X);
-    assert!(scene.bsdfs[0].two_sided && !scene.bsdfs[1].two_sided);
+    let red = || diffuse(Vec3::X);
+    assert_eq!(scene.bsdfs, [Bsdf::TwoSided(Box::new([red(), red()])), red()]);
 }
 
 #[test]
@@ -162,7 +166,7 @@ fn includes_and_paths_are_followed() {
     assert_eq!(scene.primitives.len(), 2);
     assert_eq!(scene.degenerate_triangles, 1);
     assert_eq!(scene.normals.len(), 2);
-    assert_eq!(scene.bsdfs[0].reflectance, Vec3::splat(0.25));
+    assert_eq!(scene.bsdfs[0], diffuse(Vec3::splat(0.25)));
     let hit = scene.intersect(vec3(0.2, 0.2, -1.0), Vec3::Z, None).unwrap();
     assert_eq!(hit.geometric_normal, Vec3::Z);
     assert!(hit.shading_normal != hit.geometric_normal);

@@ -5,13 +5,18 @@
 //! what is supported instead. Conventions are Mitsuba's: see [`Primitive`], [`ShapeKind`],
 //! [`Camera`] and [`Filter`].
 
+pub mod bsdf;
 pub mod camera;
 pub mod document;
 pub mod error;
 mod files;
 mod hit;
+mod indices;
 pub mod inspect;
+pub mod lights;
 mod load;
+mod load_bsdf;
+mod load_lights;
 mod load_settings;
 mod mesh;
 pub mod model;
@@ -33,9 +38,11 @@ mod trace_tests;
 
 use glam::{DVec3, Vec3};
 
+pub use bsdf::Bsdf;
 pub use camera::Camera;
 pub use error::SceneError;
-pub use model::{Bounds, Bsdf, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
+pub use lights::{Bulb, Distant, Sky};
+pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 
 use trace::{End, RawHit, Tracer};
@@ -55,6 +62,12 @@ pub struct Scene {
     pub bsdfs: Vec<Bsdf>,
     /// The emissive primitives, one entry for each.
     pub emitters: Vec<Emitter>,
+    /// Light from all around, if there is any.
+    pub sky: Option<Sky>,
+    /// Lights that are points.
+    pub bulbs: Vec<Bulb>,
+    /// Parallel lights.
+    pub distant: Vec<Distant>,
     /// The camera.
     pub camera: Camera,
     /// The image.
@@ -94,6 +107,11 @@ impl Scene {
     /// A primitive.
     pub fn primitive(&self, id: PrimitiveId) -> &Primitive {
         &self.primitives[id.0 as usize]
+    }
+
+    /// A point in the coordinates of the file.
+    pub fn in_file(&self, point: Vec3) -> DVec3 {
+        self.origin + point.as_dvec3()
     }
 
     /// The unit normal of a primitive at a point of it.

@@ -159,16 +159,6 @@ pub struct Shape {
     pub first_normals: Option<u32>,
 }
 
-/// A Lambertian reflector: `reflectance / π` on the side of the normal, on both sides if
-/// `two_sided`, otherwise black from behind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bsdf {
-    /// Albedo in linear Rec. 709, each channel in [0, 1].
-    pub reflectance: Vec3,
-    /// Whether the back reflects too.
-    pub two_sided: bool,
-}
-
 /// An emissive primitive. It emits from the side that its normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emitter {

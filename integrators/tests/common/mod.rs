@@ -1,6 +1,6 @@
 //! Renders of scenes as the program makes them.
 
-use integrators::path::PathSettings;
+use integrators::path::{self, PathSettings};
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, render};
 use integrators::scene::Scene;
 
@@ -12,6 +12,14 @@ pub fn settings(scene: &Scene) -> PathSettings {
         rr_depth: integrator.rr_depth,
         hide_emitters: integrator.hide_emitters,
     }
+}
+
+/// The path tracer as the program makes it.
+///
+/// # Panics
+/// If the scene needs what no kind has.
+pub fn path_tracer(scene: &Scene, seed: u64) -> Box<dyn AnyKernel + '_> {
+    path::path_tracer(scene, settings(scene), seed).expect("a kind covers the scene")
 }
 
 /// Renders with a kernel: so many samples for each pixel, on so many threads (`None`: all cores).

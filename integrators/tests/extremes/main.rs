@@ -10,7 +10,6 @@ mod own_samples;
 
 use std::path::Path;
 
-use integrators::path::PathTracer;
 use integrators::render::Film;
 use integrators::scene::{SamplerKind, Scene};
 
@@ -45,7 +44,7 @@ fn camera(origin: [f64; 3], target: [f64; 3], fov: f64) -> String {
 
 fn rendered(scene: &mut Scene, samples: u32, seed: u64) -> Film {
     scene.sampler.kind = SamplerKind::Independent;
-    common::film(&PathTracer::new(scene, common::settings(scene), seed), scene, samples, None)
+    common::film(&*common::path_tracer(scene, seed), scene, samples, None)
 }
 
 /// By how many standard errors the mean of a film is off from a number, and its relative error. The

@@ -8,7 +8,8 @@ use aether_core::{
 use integrators::image::RgbImage;
 use integrators::image::block_test::{BlockScore, BlockTestOptions, block_scores};
 use integrators::image::exr::Exr;
-use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
+use integrators::kind::DiffuseRooms;
+use integrators::path::{PathSettings, Techniques, radiance};
 use integrators::render::{AnyKernel, Film, Worker};
 use integrators::scene::{SamplerKind, Scene};
 use integrators::strategies::{
@@ -17,7 +18,10 @@ use integrators::strategies::{
 use integrators::vertex::SceneVertex;
 use integrators::world::World;
 
-pub use crate::common::{film, settings};
+pub use crate::common::{film, path_tracer, settings};
+
+/// The vertices of scenes of matte surfaces.
+type Vertex = SceneVertex<DiffuseRooms>;
 
 fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests")
@@ -64,7 +68,7 @@ pub fn path_traced(
 ) -> Film {
     let mut scene = scene(name);
     scene.sampler.kind = sampler;
-    film(&PathTracer::new(&scene, settings(&scene), seed), &scene, samples, threads)
+    film(&*path_tracer(&scene, seed), &scene, samples, threads)
 }
 
 /// Scores a render: each block of 8x8 pixels, the mean of the image, and a mean to which blocks
@@ -120,17 +124,17 @@ pub struct Misjudged<S> {
     pub factor: f32,
 }
 
-impl<S: Strategy<SceneVertex>> Strategy<SceneVertex> for Misjudged<S> {
+impl<S: Strategy<Vertex>> Strategy<Vertex> for Misjudged<S> {
     fn sample<U: UniformSource<f32> + ?Sized>(
         &self,
-        path: PathView<'_, SceneVertex>,
+        path: PathView<'_, Vertex>,
         uniforms: &mut U,
-    ) -> Option<Drawn<SceneVertex>> {
+    ) -> Option<Drawn<Vertex>> {
         let drawn = self.strategy.sample(path, uniforms)?;
         Some(Drawn { value: drawn.value.map(|p| p * self.factor), ..drawn })
     }
 
-    fn pdf(&self, path: PathView<'_, SceneVertex>, target: &SceneVertex) -> Conditional<f32> {
+    fn pdf(&self, path: PathView<'_, Vertex>, target: &Vertex) -> Conditional<f32> {
         let right = self.strategy.pdf(path, target);
         Conditional { value: right.value * self.factor, ..right }
     }
@@ -147,22 +151,22 @@ impl<S: Strategy<SceneVertex>> Strategy<SceneVertex> for Misjudged<S> {
 strategies! {
     /// The strategies of the path tracer, two of them with densities that may be wrong.
     #[derive(Clone)]
-    pub enum MisjudgedStrategies<'a> for SceneVertex {
+    pub enum MisjudgedStrategies<'a> for Vertex {
         /// The pinhole.
-        Camera(SampleCamera<'a, 'a>),
+        Camera(SampleCamera<'a, 'a, DiffuseRooms>),
         /// What the camera sees.
-        CameraDirection(SampleCameraDirection<'a, 'a>),
+        CameraDirection(SampleCameraDirection<'a, 'a, DiffuseRooms>),
         /// Scattering.
-        Bsdf(Misjudged<SampleBsdf<'a, 'a>>),
+        Bsdf(Misjudged<SampleBsdf<'a, 'a, DiffuseRooms>>),
         /// Next-event estimation.
-        Light(Misjudged<SampleLight<'a, 'a>>),
+        Light(Misjudged<SampleLight<'a, 'a, DiffuseRooms>>),
     }
 }
 
 /// The path tracer with factors on the densities of scattering and of light sampling. With factors
 /// of one it is the path tracer.
 pub struct MisjudgingTracer<'s> {
-    world: World<'s>,
+    world: World<'s, DiffuseRooms>,
     settings: PathSettings,
     seed: u64,
     /// The error of the density of scattering.
@@ -173,9 +177,12 @@ pub struct MisjudgingTracer<'s> {
 
 impl<'s> MisjudgingTracer<'s> {
     /// A tracer of independent samples, right until a factor is changed.
+    ///
+    /// # Panics
+    /// If the scene has other than matte surfaces.
     pub fn new(scene: &'s Scene, seed: u64) -> Self {
         MisjudgingTracer {
-            world: World::new(scene),
+            world: World::new(scene).expect("matte surfaces"),
             settings: settings(scene),
             seed,
             scatter_factor: 1.0,
@@ -185,7 +192,7 @@ impl<'s> MisjudgingTracer<'s> {
 
     fn sample<'a>(
         &'a self,
-        arena: &mut Arena<SceneVertex, MisjudgedStrategies<'a>>,
+        arena: &mut Arena<Vertex, MisjudgedStrategies<'a>>,
         pixel: Pixel,
         sample: u32,
     ) -> [f32; 3] {

@@ -1,0 +1,120 @@
+//! Kinds of scenes: which scattering models, lights and sensors a renderer is compiled for.
+//!
+//! Everything that samples or evaluates light paths is generic over a [`SceneKind`]. What a kind leaves
+//! out is [`Absent`], a type without values: enums have no variant for it, vertices no field, and the
+//! compiler drops the code that would handle it. A kind with one scattering model has no dispatch.
+//!
+//! ```
+//! use integrators::scene_kind;
+//!
+//! scene_kind! {
+//!     /// Matte rooms with windows.
+//!     pub struct Rooms: Diffuse, Area, Constant;
+//! }
+//! ```
+
+use std::fmt::Debug;
+
+use crate::scene::Scene;
+use crate::scene::bsdf::{
+    Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
+    ThinDielectric,
+};
+
+mod presence;
+mod sets;
+
+pub use presence::{Absent, Either, Part, Presence, Present};
+pub use sets::{
+    DiffuseRooms, Everything, FEATURES, GlossyRooms, NotCovered, Surfaces, covers, has,
+};
+
+/// Which features a renderer is compiled for: each is a type that is there or [`Absent`].
+///
+/// Made by [`scene_kind!`](crate::scene_kind).
+pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// The name, as the program shows it.
+    const NAME: &'static str;
+    /// Lambertian reflection.
+    type Diffuse: Part<Diffuse>;
+    /// Smooth metal.
+    type Conductor: Part<Conductor>;
+    /// Smooth glass.
+    type Dielectric: Part<Dielectric>;
+    /// A thin pane.
+    type ThinDielectric: Part<ThinDielectric>;
+    /// Smooth plastic.
+    type Plastic: Part<Plastic>;
+    /// Metal with microfacets.
+    type RoughConductor: Part<RoughConductor>;
+    /// Glass with microfacets.
+    type RoughDielectric: Part<RoughDielectric>;
+    /// Plastic with microfacets.
+    type RoughPlastic: Part<RoughPlastic>;
+    /// Surfaces that let part of the light through unchanged.
+    type Mask: Presence;
+    /// Mixtures of two materials.
+    type Blend: Presence;
+    /// Surfaces that emit.
+    type Area: Presence;
+    /// A sky that emits the same in all directions.
+    type Constant: Presence;
+    /// Light from points, evenly or in a cone.
+    type Point: Presence;
+    /// Parallel light.
+    type Directional: Presence;
+}
+
+/// Whether the kind has a surface that is a mirror, a pane or a hole: scattering into single directions.
+pub type Specular<K> = Either<
+    Either<ConductorOf<K>, DielectricOf<K>>,
+    Either<Either<ThinOf<K>, PlasticOf<K>>, <K as SceneKind>::Mask>,
+>;
+/// Whether a surface of the kind refracts in a single direction.
+pub type Refraction<K> = DielectricOf<K>;
+/// Whether light may pass a surface of the kind unchanged.
+pub type Passage<K> = Either<ThinOf<K>, <K as SceneKind>::Mask>;
+/// Whether the kind has reflection at microfacets.
+pub type Facetted<K> = Either<
+    <<K as SceneKind>::RoughConductor as Part<RoughConductor>>::Presence,
+    <<K as SceneKind>::RoughPlastic as Part<RoughPlastic>>::Presence,
+>;
+/// Whether the kind has reflection and refraction at microfacets.
+pub type Interface<K> = <<K as SceneKind>::RoughDielectric as Part<RoughDielectric>>::Presence;
+/// Whether the kind has reflection into all directions alike.
+pub type Matte<K> = Either<
+    <<K as SceneKind>::Diffuse as Part<Diffuse>>::Presence,
+    Either<PlasticOf<K>, <<K as SceneKind>::RoughPlastic as Part<RoughPlastic>>::Presence>,
+>;
+
+type ConductorOf<K> = <<K as SceneKind>::Conductor as Part<Conductor>>::Presence;
+type DielectricOf<K> = <<K as SceneKind>::Dielectric as Part<Dielectric>>::Presence;
+type ThinOf<K> = <<K as SceneKind>::ThinDielectric as Part<ThinDielectric>>::Presence;
+type PlasticOf<K> = <<K as SceneKind>::Plastic as Part<Plastic>>::Presence;
+
+/// Something to be made for the smallest precompiled kind that covers a scene.
+pub trait WithKind: Sized {
+    /// What comes out.
+    type Output;
+    /// Makes it for the kind `K`.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered>;
+}
+
+/// What `action` makes for the smallest of the precompiled kinds that covers a scene.
+///
+/// # Errors
+/// If none does, or what `action` says.
+pub fn smallest<A: WithKind>(scene: &Scene, action: A) -> Result<A::Output, NotCovered> {
+    if covers::<DiffuseRooms>(scene).is_ok() {
+        action.with::<DiffuseRooms>()
+    } else if covers::<GlossyRooms>(scene).is_ok() {
+        action.with::<GlossyRooms>()
+    } else if covers::<Surfaces>(scene).is_ok() {
+        action.with::<Surfaces>()
+    } else {
+        action.with::<Everything>()
+    }
+}

@@ -1,0 +1,83 @@
+//! Types that say whether something is there.
+
+use std::fmt::Debug;
+
+/// Nothing: the type of what a kind of scene leaves out. It has no values, so that code which handles
+/// one is never reached and is dropped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Absent {}
+
+/// The type of a feature that a kind of scene has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Present;
+
+/// [`Present`] or [`Absent`].
+pub trait Presence: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// Present if this is, otherwise `B`.
+    type Or<B: Presence>: Presence;
+    /// The value, if there is one.
+    const VALUE: Option<Self>;
+}
+
+impl Presence for Present {
+    type Or<B: Presence> = Present;
+    const VALUE: Option<Self> = Some(Present);
+}
+
+impl Presence for Absent {
+    type Or<B: Presence> = B;
+    const VALUE: Option<Self> = None;
+}
+
+/// Present if one of two is.
+pub type Either<A, B> = <A as Presence>::Or<B>;
+
+/// A model `T` that a kind of scene has (then this is `T` itself), or has not ([`Absent`]).
+pub trait Part<T>: Copy + Debug + PartialEq + Send + Sync + 'static {
+    /// Whether there is such a part.
+    type Presence: Presence;
+    /// The part, if the kind has it.
+    fn keep(part: T) -> Option<Self>;
+    /// What it is.
+    fn get(&self) -> &T;
+}
+
+impl<T> Part<T> for Absent {
+    type Presence = Absent;
+    fn keep(_: T) -> Option<Self> {
+        None
+    }
+    #[inline(always)]
+    fn get(&self) -> &T {
+        match *self {}
+    }
+}
+
+/// Says of models that they are parts of kinds.
+macro_rules! parts {
+    ($($model:ty),+ $(,)?) => {$(
+        impl Part<$model> for $model {
+            type Presence = Present;
+            fn keep(part: $model) -> Option<Self> {
+                Some(part)
+            }
+            #[inline(always)]
+            fn get(&self) -> &$model {
+                self
+            }
+        }
+    )+};
+}
+
+use crate::scene::bsdf::*;
+
+parts!(
+    Diffuse,
+    Conductor,
+    Dielectric,
+    ThinDielectric,
+    Plastic,
+    RoughConductor,
+    RoughDielectric,
+    RoughPlastic,
+);

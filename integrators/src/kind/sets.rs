@@ -1,0 +1,209 @@
+//! The macro that names a kind, the precompiled kinds, and which of them covers a scene.
+
+use std::fmt;
+
+use super::{Part, Presence, SceneKind};
+use crate::scene::Scene;
+use crate::scene::bsdf::Bsdf;
+
+/// Names a kind of scene by listing what it has; see [`SceneKind`] for the features.
+///
+/// ```
+/// integrators::scene_kind! {
+///     /// Glass and metal under a sky.
+///     pub struct Still: Dielectric, RoughConductor, Constant;
+/// }
+/// ```
+#[macro_export]
+macro_rules! scene_kind {
+    ($(#[$meta:meta])* $visibility:vis struct $name:ident: $($feature:ident),+ $(,)?;) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $visibility struct $name;
+
+        impl $crate::kind::SceneKind for $name {
+            const NAME: &'static str = stringify!($name);
+            type Diffuse = $crate::__feature!(Diffuse; $($feature)+);
+            type Conductor = $crate::__feature!(Conductor; $($feature)+);
+            type Dielectric = $crate::__feature!(Dielectric; $($feature)+);
+            type ThinDielectric = $crate::__feature!(ThinDielectric; $($feature)+);
+            type Plastic = $crate::__feature!(Plastic; $($feature)+);
+            type RoughConductor = $crate::__feature!(RoughConductor; $($feature)+);
+            type RoughDielectric = $crate::__feature!(RoughDielectric; $($feature)+);
+            type RoughPlastic = $crate::__feature!(RoughPlastic; $($feature)+);
+            type Mask = $crate::__feature!(Mask; $($feature)+);
+            type Blend = $crate::__feature!(Blend; $($feature)+);
+            type Area = $crate::__feature!(Area; $($feature)+);
+            type Constant = $crate::__feature!(Constant; $($feature)+);
+            type Point = $crate::__feature!(Point; $($feature)+);
+            type Directional = $crate::__feature!(Directional; $($feature)+);
+        }
+
+        // A feature that does not exist is an error.
+        const _: () = {
+            fn check<K: $crate::kind::SceneKind>() {
+                $(let _ = core::marker::PhantomData::<K::$feature>;)+
+            }
+            let _ = check::<$name>;
+        };
+    };
+}
+
+/// The type of one feature, given the list of those that a kind has.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __feature {
+    ($wanted:ident;) => { $crate::kind::Absent };
+    (Diffuse; Diffuse $($rest:ident)*) => { $crate::scene::bsdf::Diffuse };
+    (Conductor; Conductor $($rest:ident)*) => { $crate::scene::bsdf::Conductor };
+    (Dielectric; Dielectric $($rest:ident)*) => { $crate::scene::bsdf::Dielectric };
+    (ThinDielectric; ThinDielectric $($rest:ident)*) => { $crate::scene::bsdf::ThinDielectric };
+    (Plastic; Plastic $($rest:ident)*) => { $crate::scene::bsdf::Plastic };
+    (RoughConductor; RoughConductor $($rest:ident)*) => { $crate::scene::bsdf::RoughConductor };
+    (RoughDielectric; RoughDielectric $($rest:ident)*) => { $crate::scene::bsdf::RoughDielectric };
+    (RoughPlastic; RoughPlastic $($rest:ident)*) => { $crate::scene::bsdf::RoughPlastic };
+    (Mask; Mask $($rest:ident)*) => { $crate::kind::Present };
+    (Blend; Blend $($rest:ident)*) => { $crate::kind::Present };
+    (Area; Area $($rest:ident)*) => { $crate::kind::Present };
+    (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
+    (Point; Point $($rest:ident)*) => { $crate::kind::Present };
+    (Directional; Directional $($rest:ident)*) => { $crate::kind::Present };
+    ($wanted:ident; $other:ident $($rest:ident)*) => { $crate::__feature!($wanted; $($rest)*) };
+}
+
+scene_kind! {
+    /// Matte surfaces, some of which shine.
+    pub struct DiffuseRooms: Diffuse, Area;
+}
+
+scene_kind! {
+    /// Surfaces that scatter into all directions, without atoms: matte, or rough metal, glass and plastic.
+    pub struct GlossyRooms: Diffuse, RoughConductor, RoughDielectric, RoughPlastic, Area, Constant;
+}
+
+scene_kind! {
+    /// Every scattering model, with lights that have a surface.
+    pub struct Surfaces: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
+        RoughDielectric, RoughPlastic, Area;
+}
+
+scene_kind! {
+    /// Everything that a scene can contain.
+    pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
+        RoughDielectric, RoughPlastic, Mask, Blend, Area, Constant, Point, Directional;
+}
+
+/// What a scene has and a kind has not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NotCovered {
+    /// The kind.
+    pub kind: &'static str,
+    /// The feature, by its name in [`SceneKind`].
+    pub feature: &'static str,
+}
+
+impl fmt::Display for NotCovered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let NotCovered { kind, feature } = self;
+        write!(
+            f,
+            "the scene needs `{feature}`, which the kind `{kind}` leaves out: add it to the kind"
+        )
+    }
+}
+
+impl std::error::Error for NotCovered {}
+
+/// Whether a kind has all that a scene needs.
+///
+/// # Errors
+/// The first feature that is missing.
+pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
+    let mut missing = None;
+    let mut need = |feature, present: bool| {
+        if !present {
+            missing.get_or_insert(NotCovered { kind: K::NAME, feature });
+        }
+    };
+    for bsdf in &scene.bsdfs {
+        needed_by(bsdf, &mut |feature| need(feature, has::<K>(feature)));
+    }
+    for (exists, feature) in [
+        (!scene.emitters.is_empty(), "Area"),
+        (scene.sky.is_some(), "Constant"),
+        (!scene.bulbs.is_empty(), "Point"),
+        (!scene.distant.is_empty(), "Directional"),
+    ] {
+        if exists {
+            need(feature, has::<K>(feature));
+        }
+    }
+    missing.map_or(Ok(()), Err)
+}
+
+/// The features of a scene, in the order of [`SceneKind`].
+pub const FEATURES: [&str; 14] = [
+    "Diffuse",
+    "Conductor",
+    "Dielectric",
+    "ThinDielectric",
+    "Plastic",
+    "RoughConductor",
+    "RoughDielectric",
+    "RoughPlastic",
+    "Mask",
+    "Blend",
+    "Area",
+    "Constant",
+    "Point",
+    "Directional",
+];
+
+/// Whether a kind has a feature.
+pub fn has<K: SceneKind>(feature: &str) -> bool {
+    fn part<P: Part<T>, T>() -> bool {
+        <P::Presence as Presence>::VALUE.is_some()
+    }
+    match feature {
+        "Diffuse" => part::<K::Diffuse, _>(),
+        "Conductor" => part::<K::Conductor, _>(),
+        "Dielectric" => part::<K::Dielectric, _>(),
+        "ThinDielectric" => part::<K::ThinDielectric, _>(),
+        "Plastic" => part::<K::Plastic, _>(),
+        "RoughConductor" => part::<K::RoughConductor, _>(),
+        "RoughDielectric" => part::<K::RoughDielectric, _>(),
+        "RoughPlastic" => part::<K::RoughPlastic, _>(),
+        "Mask" => K::Mask::VALUE.is_some(),
+        "Blend" => K::Blend::VALUE.is_some(),
+        "Area" => K::Area::VALUE.is_some(),
+        "Constant" => K::Constant::VALUE.is_some(),
+        "Point" => K::Point::VALUE.is_some(),
+        "Directional" => K::Directional::VALUE.is_some(),
+        _ => false,
+    }
+}
+
+/// Calls `need` with what a material needs.
+fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
+    match bsdf {
+        // A kind without matte surfaces may still have black ones.
+        Bsdf::Diffuse(matte) if matte.is_black() => {}
+        Bsdf::Diffuse(_) => need("Diffuse"),
+        Bsdf::Conductor(_) => need("Conductor"),
+        Bsdf::Dielectric(_) => need("Dielectric"),
+        Bsdf::ThinDielectric(_) => need("ThinDielectric"),
+        Bsdf::Plastic(_) => need("Plastic"),
+        Bsdf::RoughConductor(_) => need("RoughConductor"),
+        Bsdf::RoughDielectric(_) => need("RoughDielectric"),
+        Bsdf::RoughPlastic(_) => need("RoughPlastic"),
+        Bsdf::TwoSided(sides) => sides.iter().for_each(|side| needed_by(side, need)),
+        Bsdf::Mask { nested, .. } => {
+            need("Mask");
+            needed_by(nested, need);
+        }
+        Bsdf::Blend { nested, .. } => {
+            need("Blend");
+            nested.iter().for_each(|nested| needed_by(nested, need));
+        }
+    }
+}

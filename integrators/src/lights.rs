@@ -1,0 +1,103 @@
+//! The lights of a scene as light sampling sees them.
+
+use std::f32::consts::PI;
+
+use aether_core::discrete::{Choices, discrete_weighted};
+use glam::Vec3;
+
+use crate::kind::{NotCovered, Presence, SceneKind};
+use crate::scene::{Emitter, Primitive, Scene};
+use crate::vertex::{Place, SceneVertex, SkyOf};
+
+/// An emissive primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaLight {
+    /// Its place in the list of emitters.
+    pub index: u32,
+    /// The emitter.
+    pub emitter: Emitter,
+    /// Its geometry.
+    pub shape: Primitive,
+}
+
+/// A light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light<K: SceneKind> {
+    /// A surface.
+    Area(K::Area, AreaLight),
+    /// The sky.
+    Sky(SkyOf<K>),
+    /// A point.
+    Bulb(K::Point, u32, Vec3),
+    /// Parallel light, by the direction towards it.
+    Distant(K::Directional, u32, Vec3),
+}
+
+/// All lights of a scene, chosen in proportion to their power.
+#[derive(Clone, Debug)]
+pub struct Lights<K: SceneKind> {
+    /// The choice; none if nothing emits.
+    pub choice: Option<Choices<Vec<Light<K>>, Light<K>, f32>>,
+    /// Where the sky is among them.
+    sky: usize,
+    /// Where the points begin.
+    bulbs: usize,
+    /// Where parallel lights begin.
+    distant: usize,
+}
+
+impl<K: SceneKind> Lights<K> {
+    /// The lights of a scene.
+    ///
+    /// # Errors
+    /// If there is one of a sort that the kind leaves out.
+    pub fn new(scene: &Scene) -> Result<Self, NotCovered> {
+        let missing = |feature| NotCovered { kind: K::NAME, feature };
+        let (mut lights, mut powers) = (Vec::new(), Vec::new());
+        for (index, emitter) in (0..).zip(&scene.emitters) {
+            let present = K::Area::VALUE.ok_or_else(|| missing("Area"))?;
+            let shape = scene.primitives[emitter.primitive as usize];
+            lights.push(Light::Area(present, AreaLight { index, emitter: *emitter, shape }));
+            powers.push(emitter.power().element_sum());
+        }
+        // Light from afar falls on the disk that the scene shows to it.
+        let radius = if scene.primitives.is_empty() {
+            1.0
+        } else {
+            0.5 * (scene.bounds.max - scene.bounds.min).length()
+        };
+        let cross_section = PI * radius * radius;
+        let sky = lights.len();
+        if let Some(light) = scene.sky {
+            lights.push(Light::Sky(SkyOf::<K>::VALUE.ok_or_else(|| missing("Constant"))?));
+            powers.push(4.0 * PI * cross_section * light.radiance.element_sum());
+        }
+        let bulbs = lights.len();
+        for (index, bulb) in (0..).zip(&scene.bulbs) {
+            let present = K::Point::VALUE.ok_or_else(|| missing("Point"))?;
+            lights.push(Light::Bulb(present, index, bulb.position));
+            powers.push(bulb.power().element_sum());
+        }
+        let distant = lights.len();
+        for (index, light) in (0..).zip(&scene.distant) {
+            let present = K::Directional::VALUE.ok_or_else(|| missing("Directional"))?;
+            lights.push(Light::Distant(present, index, light.towards));
+            powers.push(cross_section * light.irradiance.element_sum());
+        }
+        // No light, or only black ones: there is nothing to choose from.
+        let choice = discrete_weighted(lights, powers).ok();
+        Ok(Lights { choice, sky, bulbs, distant })
+    }
+
+    /// Which light a vertex lies on.
+    #[inline]
+    pub fn index_of(&self, vertex: &SceneVertex<K>) -> Option<usize> {
+        match vertex.place {
+            Place::Camera => None,
+            Place::Surface(surface) => surface.emitter.map(|index| index as usize),
+            Place::Sky(_) => Some(self.sky),
+            Place::Bulb(_, index) => Some(self.bulbs + index as usize),
+            Place::Distant(_, index) => Some(self.distant + index as usize),
+        }
+    }
+}

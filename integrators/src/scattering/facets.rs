@@ -1,0 +1,199 @@
+//! Microfacets: their samplers, and the terms of the scattering function (Walter, Marschner, Li and
+//! Torrance 2007; Heitz 2014). Directions are in the frame of the surface, with the viewer above it.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use aether_core::prelude::*;
+use aether_core::sampler::PdfOf;
+
+use crate::scene::bsdf::{Distribution, Roughness};
+
+/// Normals of GGX microfacets (Walter et al. 2007, Eqs. 35, 36, with two roughnesses).
+#[sampler(ax in 1e-7..=1e4, ay in 1e-7..=1e4)]
+pub fn ggx_normals(u: [Uniform; 2], ax: f64, ay: f64) -> Direction {
+    let r = (u[0] / (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Vec3::new(ax * r * phi.cos(), ay * r * phi.sin(), 1.0).normalize())
+}
+
+/// Normals of Beckmann microfacets (Walter et al. 2007, Eqs. 28, 29, with two roughnesses).
+#[sampler(ax in 1e-7..=1e4, ay in 1e-7..=1e4)]
+pub fn beckmann_normals(u: [Uniform; 2], ax: f64, ay: f64) -> Direction {
+    let r = (-(-u[0]).ln_1p()).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Vec3::new(ax * r * phi.cos(), ay * r * phi.sin(), 1.0).normalize())
+}
+
+/// Normals of GGX microfacets that are visible from `w`, by a spherical cap (Dupuy and Benyoub 2023).
+#[sampler(ax in 1e-7..=1e4, ay in 1e-7..=1e4, where w.z > 0.0)]
+pub fn visible_ggx_normals(u: [Uniform; 2], ax: f64, ay: f64, w: Direction) -> Direction {
+    let v = Vec3::new(ax * w.x, ay * w.y, w.z).normalize();
+    let z = 1.0 - u[1] * (1.0 + v.z);
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[0];
+    let n = (Vec3::new(r * phi.cos(), r * phi.sin(), z) + v).normalize();
+    Direction::from_vec(Vec3::new(ax * n.x, ay * n.y, n.z).normalize())
+}
+
+/// Mirrors `w` about the half vector.
+#[map]
+pub fn reflect(h: Direction, w: Direction) -> Direction {
+    let c = h.dot(w);
+    require(c > 0.0);
+    Direction::from_vec(2.0 * c * h - w)
+}
+
+/// Refracts `w` at the half vector into the denser side; `r` is the index of refraction on the side of `w`
+/// over that beyond.
+#[map(r in 0.01..=0.9999999)]
+pub fn refract_in(h: Direction, w: Direction, r: f64) -> Direction {
+    let c = h.dot(w);
+    require(c > 0.0);
+    let k = (1.0 - r * r * (1.0 - c * c)).sqrt() - r * c;
+    Direction::from_vec(-(k * h + r * w))
+}
+
+/// Refracts `w` at the half vector into the thinner side, if it is not reflected totally; `r` is the
+/// index of refraction on the side of `w` over that beyond.
+#[map(r in 1.0000001..=2.5)]
+pub fn refract_out(h: Direction, w: Direction, r: f64) -> Direction {
+    let c = h.dot(w);
+    require(c > 0.0);
+    let s = 1.0 - r * r * (1.0 - c * c);
+    require(s > 0.0);
+    let k = r * c - s.sqrt();
+    Direction::from_vec(k * h - r * w)
+}
+
+/// How half vectors are drawn.
+#[derive(Clone, Copy, Debug)]
+pub enum HalfVectors {
+    /// Beckmann's distribution.
+    Beckmann(BeckmannNormals<f32>),
+    /// That of GGX.
+    Ggx(GgxNormals<f32>),
+    /// That of GGX among the visible facets.
+    VisibleGgx(VisibleGgxNormals<f32>),
+}
+
+impl HalfVectors {
+    /// The sampler for facets seen from `view`; `None` in the plane of the surface.
+    pub fn new(roughness: &Roughness, view: Direction<f32>) -> Option<Self> {
+        let [ax, ay] = roughness.alpha;
+        match roughness.distribution {
+            Distribution::Beckmann => beckmann_normals(ax, ay).ok().map(Self::Beckmann),
+            Distribution::Ggx if roughness.sample_visible => {
+                visible_ggx_normals(ax, ay, view).ok().map(Self::VisibleGgx)
+            }
+            Distribution::Ggx => ggx_normals(ax, ay).ok().map(Self::Ggx),
+        }
+    }
+}
+
+/// Does with the sampler inside what is done with this one.
+macro_rules! inside {
+    ($self:ident, $sampler:ident => $result:expr) => {
+        match $self {
+            HalfVectors::Beckmann($sampler) => $result,
+            HalfVectors::Ggx($sampler) => $result,
+            HalfVectors::VisibleGgx($sampler) => $result,
+        }
+    };
+}
+
+impl Sampler<f32> for HalfVectors {
+    type Uniforms = [f32; 2];
+    type Point = Direction<f32>;
+
+    #[inline]
+    fn forward(&self, u: [f32; 2]) -> (Direction<f32>, bool) {
+        inside!(self, sampler => sampler.forward(u))
+    }
+
+    #[inline]
+    fn pdf(&self, x: &Direction<f32>) -> PdfOf<Self, f32> {
+        inside!(self, sampler => sampler.pdf(x))
+    }
+
+    #[inline]
+    fn pdf_of_uniforms(&self, u: [f32; 2]) -> PdfOf<Self, f32> {
+        inside!(self, sampler => sampler.pdf_of_uniforms(u))
+    }
+
+    #[inline]
+    fn preimages(&self, x: &Direction<f32>, visit: impl FnMut([f32; 2], bool)) {
+        inside!(self, sampler => sampler.preimages(x, visit));
+    }
+}
+
+impl Roughness {
+    /// How many facets have the normal `m`, per solid angle and area of the surface.
+    pub fn distribution(&self, m: Direction<f32>) -> f32 {
+        if m.z <= 0.0 {
+            return 0.0;
+        }
+        let [ax, ay] = self.alpha;
+        // From x and y, never from 1 - z².
+        let (x, y) = (m.x / ax, m.y / ay);
+        let slope = x * x + y * y;
+        let z2 = m.z * m.z;
+        let value = match self.distribution {
+            Distribution::Ggx => {
+                let s = slope + z2;
+                1.0 / (PI * ax * ay * s * s)
+            }
+            Distribution::Beckmann => (-slope / z2).exp() / (PI * ax * ay * z2 * z2),
+        };
+        if value.is_finite() { value } else { 0.0 }
+    }
+
+    /// The share of facets with the normal `m` that can be seen from `v` (Smith). For Beckmann's
+    /// distribution by the rational fit of Walter et al. 2007.
+    pub fn visible(&self, v: Direction<f32>, m: Direction<f32>) -> f32 {
+        if v.dot(m) * v.z <= 0.0 {
+            return 0.0;
+        }
+        let [ax, ay] = self.alpha;
+        let (x, y) = (ax * v.x, ay * v.y);
+        let tangent2 = (x * x + y * y) / (v.z * v.z);
+        if tangent2 == 0.0 {
+            return 1.0;
+        }
+        match self.distribution {
+            Distribution::Ggx => 2.0 / (1.0 + (1.0 + tangent2).sqrt()),
+            Distribution::Beckmann => {
+                let a = 1.0 / tangent2.sqrt();
+                if a >= 1.6 {
+                    return 1.0;
+                }
+                let a2 = a * a;
+                (3.535 * a + 2.181 * a2) / (1.0 + 2.276 * a + 2.577 * a2)
+            }
+        }
+    }
+
+    /// The probability that light from facets of normal `m` is neither masked nor shadowed.
+    pub fn unshadowed(&self, v: Direction<f32>, w: Direction<f32>, m: Direction<f32>) -> f32 {
+        self.visible(v, m) * self.visible(w, m)
+    }
+
+    /// D G / (4 cos(v)): what perfect mirrors reflect from `w` to `v`, times the cosine of `w`, and
+    /// the half vector; `None` if no facet does.
+    pub fn mirrored(&self, v: Direction<f32>, w: Direction<f32>) -> Option<(f32, Direction<f32>)> {
+        let m = half_vector(v, w, 1.0)?;
+        let value = self.distribution(m) * self.unshadowed(v, w, m) / (4.0 * v.z);
+        value.is_finite().then_some((value, m))
+    }
+}
+
+/// The normal, above the surface, of the facet that scatters light from `w` to `v`: by reflection for an
+/// `eta` of one, by refraction for the index on the side of `w` over that on the side of `v`.
+pub fn half_vector(v: Direction<f32>, w: Direction<f32>, eta: f32) -> Option<Direction<f32>> {
+    let sum = glam::Vec3::from(v.vec()) + eta * glam::Vec3::from(w.vec());
+    let m = sum.try_normalize()?;
+    let m = if m.z < 0.0 { -m } else { m };
+    Some(Direction::from_vec(m.into()))
+}
+
+/// 1 / π.
+pub const LAMBERT: f32 = FRAC_1_PI;

@@ -1,0 +1,141 @@
+//! The lobes of a material: the ways in which it scatters, of which sampling chooses one.
+
+use aether_core::discrete::{Choice, Discrete};
+use aether_core::prelude::Direction;
+use glam::Vec3;
+
+use super::Scattering;
+use crate::kind::{Facetted, Interface, Matte, Passage, Refraction, SceneKind, Specular};
+use crate::scene::bsdf::Roughness;
+
+/// One way in which a surface scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lobe<K: SceneKind> {
+    /// Not at all.
+    Nothing,
+    /// Into all directions alike.
+    Matte(Matte<K>),
+    /// About the normal, as a mirror: an atom.
+    Mirror(Specular<K>),
+    /// Through the surface, bent by its relative index of refraction: an atom.
+    Refraction(Refraction<K>, f32),
+    /// Through the surface unchanged: an atom.
+    Passage(Passage<K>),
+    /// About the normals of microfacets.
+    Facets(Facetted<K>, Roughness),
+    /// About the normals of microfacets or through them, as Fresnel's equations say for each; the
+    /// relative index of refraction.
+    Interface(Interface<K>, Roughness, f32),
+}
+
+impl<K: SceneKind> Lobe<K> {
+    /// Whether it scatters into a single direction.
+    pub fn is_atom(&self) -> bool {
+        matches!(self, Lobe::Mirror(_) | Lobe::Refraction(..) | Lobe::Passage(_))
+    }
+}
+
+/// A lobe, what it scatters, and how often sampling chooses it.
+#[derive(Clone, Copy, Debug)]
+pub struct Weighted<K: SceneKind> {
+    /// The lobe.
+    pub lobe: Lobe<K>,
+    /// For an atom, its coefficient. Otherwise unused.
+    pub coefficient: Vec3,
+    /// The probability to choose it.
+    pub chance: f32,
+}
+
+/// The choice of a lobe.
+#[derive(Clone, Copy, Debug)]
+pub struct Lobes<'w, K: SceneKind>(pub(super) Scattering<'w, K>);
+
+impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
+    type Item<'a>
+        = Lobe<K>
+    where
+        Self: 'a;
+
+    #[inline]
+    fn len(&self) -> usize {
+        self.0.count()
+    }
+
+    #[inline]
+    fn sample_reuse(&self, u: f32) -> (Choice<Lobe<K>, f32>, f32) {
+        let mut start = 0.0;
+        let mut last = None;
+        for index in 0..self.0.count() {
+            let Some(Weighted { lobe, chance, .. }) = self.0.lobe(index) else { continue };
+            if chance > 0.0 {
+                let rest = ((u - start) / chance).clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
+                last = Some((Choice { index, item: lobe, probability: chance }, rest));
+                if u < start + chance {
+                    break;
+                }
+            }
+            start += chance;
+        }
+        // Rounding leaves no gap behind the last lobe. There is no scattering without any.
+        last.unwrap_or((Choice { index: 0, item: Lobe::Nothing, probability: 0.0 }, u))
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
+        let Weighted { lobe, chance, .. } = self.0.lobe(index)?;
+        Some(Choice { index, item: lobe, probability: chance })
+    }
+}
+
+impl<'w, K: SceneKind> Scattering<'w, K> {
+    /// The choice of a lobe.
+    pub fn lobes(&self) -> Lobes<'w, K> {
+        Lobes(*self)
+    }
+
+    /// The indices of the lobes that may have led in direction `w`: all that scatter into many
+    /// directions, and of the atoms those that point nearest to it.
+    pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<'w, K> {
+        let this = *self;
+        let nearest = w.and_then(|w| this.nearest_atom(w));
+        (0..this.count()).filter(move |index| {
+            let direction = this.lobe(*index).and_then(|lobe| this.direction(&lobe.lobe));
+            direction.is_none_or(|direction| Some(direction.to_array()) == nearest)
+        })
+    }
+
+    /// The direction, of those that atoms scatter to, that is nearest to `w`.
+    fn nearest_atom(&self, w: Vec3) -> Option<[f32; 3]> {
+        let mut nearest: Option<(f32, Vec3)> = None;
+        for index in 0..self.count() {
+            let direction = self.lobe(index).and_then(|lobe| self.direction(&lobe.lobe));
+            let Some(direction) = direction else { continue };
+            let distance = direction.distance_squared(w);
+            if nearest.is_none_or(|(least, _)| distance < least) {
+                nearest = Some((distance, direction));
+            }
+        }
+        nearest.map(|(_, direction)| direction.to_array())
+    }
+
+    /// Where an atom scatters to, in world coordinates; `None` for the other lobes.
+    pub fn direction(&self, lobe: &Lobe<K>) -> Option<Vec3> {
+        let v = self.view;
+        let local = match lobe {
+            Lobe::Mirror(_) => Direction::new(-v.x, -v.y, v.z),
+            Lobe::Passage(_) => return Some(-self.towards),
+            Lobe::Refraction(_, eta) => {
+                let (_, beyond) = super::fresnel::dielectric(v.z, *eta);
+                Direction::new(-v.x / eta, -v.y / eta, -beyond)
+            }
+            Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(..) | Lobe::Interface(..) => return None,
+        };
+        Some(self.frame.to_world(local).into())
+    }
+
+    /// The sum of the coefficients of the atoms that lead in direction `w`.
+    pub fn atoms(&self, w: Vec3) -> Vec3 {
+        let lobes = self.leading_to(Some(w)).filter_map(|index| self.lobe(index));
+        lobes.filter(|lobe| lobe.lobe.is_atom()).map(|lobe| lobe.coefficient).sum()
+    }
+}

@@ -1,0 +1,135 @@
+//! Materials as the strategies and the integrand use them: a [`Bsdf`] of the scene, reduced to what a
+//! kind of scene has.
+
+use glam::Vec3;
+
+use super::rough_plastic::Coat;
+use crate::kind::{NotCovered, Part, Presence, SceneKind};
+use crate::scene::bsdf::{Bsdf, Plastic};
+
+use super::fresnel;
+
+/// One scattering model with its parameters.
+#[derive(Clone, Debug)]
+pub enum Model<K: SceneKind> {
+    /// Reflects nothing.
+    Black,
+    /// Matte.
+    Diffuse(K::Diffuse),
+    /// Smooth metal.
+    Conductor(K::Conductor),
+    /// Smooth glass.
+    Dielectric(K::Dielectric),
+    /// A thin pane.
+    ThinDielectric(K::ThinDielectric),
+    /// Smooth plastic, and what of a diffuse field its coat reflects inside.
+    Plastic(K::Plastic, f32),
+    /// Rough metal.
+    RoughConductor(K::RoughConductor),
+    /// Rough glass.
+    RoughDielectric(K::RoughDielectric),
+    /// Rough plastic, and what its coat reflects.
+    RoughPlastic(K::RoughPlastic, Coat),
+}
+
+/// What is seen from one side of a surface.
+#[derive(Clone, Debug)]
+pub struct Side<K: SceneKind> {
+    /// The material.
+    pub base: Model<K>,
+    /// A second material, and its share.
+    pub blend: Option<(K::Blend, Model<K>, f32)>,
+    /// The share of light that passes through holes.
+    pub mask: Option<(K::Mask, f32)>,
+}
+
+/// A material: what is seen from the side that the normal points to, and from the other one.
+#[derive(Clone, Debug)]
+pub struct Material<K: SceneKind> {
+    /// The side of the normal.
+    pub front: Side<K>,
+    /// The other side.
+    pub back: Side<K>,
+}
+
+impl<K: SceneKind> Material<K> {
+    /// A material of the scene.
+    ///
+    /// # Errors
+    /// If it needs what the kind leaves out.
+    pub fn new(bsdf: &Bsdf) -> Result<Self, NotCovered> {
+        Ok(Material { front: side(bsdf, true)?, back: side(bsdf, false)? })
+    }
+}
+
+fn missing<K: SceneKind>(feature: &'static str) -> NotCovered {
+    NotCovered { kind: K::NAME, feature }
+}
+
+fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
+    let plain = |base| Side { base, blend: None, mask: None };
+    match bsdf {
+        Bsdf::TwoSided(sides) => side(&sides[usize::from(!front)], true),
+        Bsdf::Mask { opacity, nested } => {
+            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>("Mask"))?;
+            Ok(Side { mask: Some((present, 1.0 - opacity)), ..side(nested, front)? })
+        }
+        Bsdf::Blend { weight, nested } => {
+            let present = K::Blend::VALUE.ok_or_else(|| missing::<K>("Blend"))?;
+            let second = model(&nested[1], front)?;
+            Ok(Side { blend: Some((present, second, *weight)), ..plain(model(&nested[0], front)?) })
+        }
+        other => model(other, front).map(plain),
+    }
+}
+
+/// A model that is no mixture. Opaque ones are black from behind.
+fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered> {
+    let keep = match bsdf {
+        Bsdf::Dielectric(glass) => K::Dielectric::keep(*glass).map(Model::Dielectric),
+        Bsdf::ThinDielectric(pane) => K::ThinDielectric::keep(*pane).map(Model::ThinDielectric),
+        Bsdf::RoughDielectric(glass) => {
+            K::RoughDielectric::keep(*glass).map(Model::RoughDielectric)
+        }
+        Bsdf::TwoSided(sides) => return model(&sides[usize::from(!front)], true),
+        _ if !front => return Ok(Model::Black),
+        Bsdf::Diffuse(matte) if matte.is_black() => return Ok(Model::Black),
+        Bsdf::Diffuse(matte) => K::Diffuse::keep(*matte).map(Model::Diffuse),
+        Bsdf::Conductor(metal) => K::Conductor::keep(*metal).map(Model::Conductor),
+        Bsdf::RoughConductor(metal) => K::RoughConductor::keep(*metal).map(Model::RoughConductor),
+        Bsdf::Plastic(plastic) => {
+            let inside = internal_reflectance(plastic);
+            K::Plastic::keep(*plastic).map(|plastic| Model::Plastic(plastic, inside))
+        }
+        Bsdf::RoughPlastic(plastic) => {
+            let coat = Coat::new(plastic);
+            K::RoughPlastic::keep(*plastic).map(|plastic| Model::RoughPlastic(plastic, coat))
+        }
+        // The loader refuses mixtures within mixtures.
+        Bsdf::Mask { .. } | Bsdf::Blend { .. } => return Ok(Model::Black),
+    };
+    keep.ok_or_else(|| {
+        let feature = match bsdf {
+            Bsdf::Diffuse(_) => "Diffuse",
+            Bsdf::Conductor(_) => "Conductor",
+            Bsdf::Dielectric(_) => "Dielectric",
+            Bsdf::ThinDielectric(_) => "ThinDielectric",
+            Bsdf::Plastic(_) => "Plastic",
+            Bsdf::RoughConductor(_) => "RoughConductor",
+            Bsdf::RoughDielectric(_) => "RoughDielectric",
+            _ => "RoughPlastic",
+        };
+        missing::<K>(feature)
+    })
+}
+
+/// What the coat of plastic reflects of a diffuse field inside it.
+fn internal_reflectance(plastic: &Plastic) -> f32 {
+    1.0 - (1.0 - fresnel::diffuse_average(plastic.eta)) / (plastic.eta * plastic.eta)
+}
+
+/// How light that gets through the coat comes out again from a matte base: albedo over what is left after
+/// reflection to and fro.
+pub fn base_albedo(diffuse: Vec3, inside: f32, nonlinear: bool) -> Vec3 {
+    if nonlinear { diffuse / (Vec3::ONE - diffuse * inside) } else { diffuse / (1.0 - inside) }
+}

@@ -1,0 +1,341 @@
+//! How surfaces scatter light: which lobes a material has, and the value of the scattering function.
+//!
+//! Sampling needs the lobes only, and its densities are derived ([`crate::strategies`]); values are
+//! needed by the integrand. What is here is written for radiance, with light that arrives from `w` and
+//! leaves to the viewer.
+
+pub mod facets;
+pub mod fresnel;
+mod lobe;
+mod material;
+mod rough_plastic;
+
+use aether_core::prelude::{Direction, Frame};
+use glam::Vec3;
+
+pub use lobe::{Lobe, Lobes, Weighted};
+pub use material::{Material, Model, Side};
+pub use rough_plastic::Coat;
+
+use crate::kind::{Part, Presence, SceneKind};
+use crate::scene::bsdf::Metal;
+use material::base_albedo;
+
+/// A material at a point, as it is seen from one side.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattering<'w, K: SceneKind> {
+    side: &'w Side<K>,
+    /// The frame about the shading normal on the side of the viewer.
+    pub frame: Frame<f32>,
+    /// Where the viewer is, in the frame: above.
+    pub view: Direction<f32>,
+    /// The same in world coordinates.
+    towards: Vec3,
+    /// Whether the viewer is behind the surface.
+    behind: bool,
+}
+
+/// Where the value is: the reflectance of a metal at a cosine.
+fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
+    metal.map_or(Vec3::ONE, |Metal { eta, k }| fresnel::conductor(cosine, eta, k))
+}
+
+impl<'w, K: SceneKind> Scattering<'w, K> {
+    /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
+    /// or if it is black on that side.
+    pub fn new(material: &'w Material<K>, normal: Vec3, towards: Vec3) -> Option<Self> {
+        let behind = normal.dot(towards) <= 0.0;
+        let (side, n) = if behind { (&material.back, -normal) } else { (&material.front, normal) };
+        if matches!(side.base, Model::Black) && side.blend.is_none() && side.mask.is_none() {
+            return None;
+        }
+        let frame = Frame::around(Direction::new(n.x, n.y, n.z));
+        let view = Direction::from_vec(frame.to_local(towards));
+        (view.z > 0.0).then_some(Scattering { side, frame, view, towards, behind })
+    }
+
+    /// How many lobes there are.
+    #[inline]
+    pub fn count(&self) -> usize {
+        let second = self.side.blend.as_ref().map_or(0, |(_, model, _)| count(model));
+        count(&self.side.base) + second + usize::from(self.side.mask.is_some())
+    }
+
+    /// A lobe, if there are so many. Chances add up to one.
+    #[inline]
+    pub fn lobe(&self, index: usize) -> Option<Weighted<K>> {
+        let Shares { base, second, holes } = self.shares();
+        let first = count(&self.side.base);
+        if index < first {
+            return Some(self.model_lobe(&self.side.base, index)?.scaled(base));
+        }
+        if let Some((_, model, _)) = &self.side.blend
+            && index - first < count(model)
+        {
+            return Some(self.model_lobe(model, index - first)?.scaled(second));
+        }
+        let lobe = Lobe::Passage(Presence::VALUE?);
+        Some(Weighted { lobe, coefficient: Vec3::ONE, chance: 1.0 }.scaled(holes))
+    }
+
+    /// What each part of the material has of the light, and how often sampling chooses it: never where
+    /// it is black.
+    #[inline]
+    fn shares(&self) -> Shares {
+        let holes = self.side.mask.as_ref().map_or(0.0, |(_, share)| *share);
+        let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| *share);
+        let light = [(1.0 - holes) * (1.0 - weight), (1.0 - holes) * weight, holes];
+        let black = |model: &Model<K>| matches!(model, Model::Black);
+        let first = if black(&self.side.base) { 0.0 } else { light[0] };
+        let second = match &self.side.blend {
+            Some((_, model, _)) if !black(model) => light[1],
+            _ => 0.0,
+        };
+        let all = first + second + holes;
+        let share = |light, chance| Share { light, chance: chance / all };
+        Shares {
+            base: share(light[0], first),
+            second: share(light[1], second),
+            holes: share(holes, holes),
+        }
+    }
+
+    /// The value of the lobes that scatter into many directions, for light from `w` (in world
+    /// coordinates, of unit length), times its cosine with the shading normal.
+    pub fn value(&self, w: Vec3) -> Vec3 {
+        let w = Direction::from_vec(self.frame.to_local(w));
+        self.mixed(|model| self.model_value(model, w))
+    }
+
+    /// A quantity of the materials, each by its share of the light.
+    #[inline]
+    fn mixed(&self, of: impl Fn(&Model<K>) -> Vec3) -> Vec3 {
+        let Shares { base, second, .. } = self.shares();
+        let first = of(&self.side.base) * base.light;
+        self.side.blend.as_ref().map_or(first, |(_, model, _)| first + of(model) * second.light)
+    }
+
+    /// About what the surface scatters of the light that arrives: the probability to go on after
+    /// Russian roulette.
+    pub fn albedo(&self) -> Vec3 {
+        self.mixed(|model| self.model_albedo(model)) + Vec3::splat(self.shares().holes.light)
+    }
+
+    /// The index of refraction on the other side over that on the viewer's.
+    fn relative(&self, eta: f32) -> f32 {
+        if self.behind { 1.0 / eta } else { eta }
+    }
+
+    #[inline]
+    fn model_albedo(&self, model: &Model<K>) -> Vec3 {
+        match model {
+            Model::Black => Vec3::ZERO,
+            Model::Diffuse(matte) => matte.get().reflectance,
+            Model::Conductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
+            Model::RoughConductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
+            Model::Dielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
+            Model::ThinDielectric(pane) => pane.get().reflectance.max(pane.get().transmittance),
+            Model::RoughDielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
+            Model::Plastic(plastic, _) => {
+                let (share, _) = fresnel::dielectric(self.view.z, plastic.get().eta);
+                plastic.get().diffuse.lerp(plastic.get().reflectance, share)
+            }
+            Model::RoughPlastic(plastic, coat) => {
+                let share = 1.0 - coat.transmitted(self.view.z);
+                plastic.get().diffuse.lerp(plastic.get().reflectance, share)
+            }
+        }
+    }
+
+    #[inline]
+    fn model_lobe(&self, model: &Model<K>, index: usize) -> Option<Weighted<K>> {
+        match model {
+            Model::Black => None,
+            Model::Diffuse(_) => matte(1.0),
+            Model::Conductor(m) => {
+                let reflected = m.get().reflectance * metal(m.get().metal, self.view.z);
+                mirror(reflected, 1.0)
+            }
+            Model::Dielectric(glass) => {
+                let eta = self.relative(glass.get().eta);
+                let (reflected, _) = fresnel::dielectric(self.view.z, eta);
+                if index == 0 {
+                    let colour = glass.get().reflectance * reflected;
+                    return mirror(colour, reflected);
+                }
+                let passed = 1.0 - reflected;
+                Some(Weighted {
+                    lobe: Lobe::Refraction(Presence::VALUE?, eta),
+                    // Radiance is compressed into a smaller solid angle.
+                    coefficient: glass.get().transmittance * (passed / (eta * eta)),
+                    chance: passed,
+                })
+            }
+            Model::ThinDielectric(pane) => {
+                let (once, _) = fresnel::dielectric(self.view.z, pane.get().eta);
+                // The sum over all reflections within the pane.
+                let reflected = 2.0 * once / (1.0 + once);
+                if index == 0 {
+                    let colour = pane.get().reflectance * reflected;
+                    return mirror(colour, reflected);
+                }
+                Some(Weighted {
+                    lobe: Lobe::Passage(Presence::VALUE?),
+                    coefficient: pane.get().transmittance * (1.0 - reflected),
+                    chance: 1.0 - reflected,
+                })
+            }
+            Model::Plastic(plastic, _) => {
+                let plastic = plastic.get();
+                let (reflected, _) = fresnel::dielectric(self.view.z, plastic.eta);
+                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse);
+                if index == 0 {
+                    mirror(plastic.reflectance * reflected, chance)
+                } else {
+                    matte(1.0 - chance)
+                }
+            }
+            Model::RoughConductor(m) => facets(m.get().roughness, 1.0),
+            Model::RoughDielectric(glass) => {
+                let glass = glass.get();
+                let eta = self.relative(glass.eta);
+                let lobe = Lobe::Interface(Presence::VALUE?, glass.roughness, eta);
+                Some(Weighted { lobe, coefficient: Vec3::ZERO, chance: 1.0 })
+            }
+            Model::RoughPlastic(plastic, coat) => {
+                let plastic = plastic.get();
+                let reflected = 1.0 - coat.transmitted(self.view.z);
+                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse);
+                if index == 0 { facets(plastic.roughness, chance) } else { matte(1.0 - chance) }
+            }
+        }
+    }
+
+    #[inline]
+    fn model_value(&self, model: &Model<K>, w: Direction<f32>) -> Vec3 {
+        match model {
+            Model::Diffuse(matte) if w.z > 0.0 => matte.get().reflectance * (facets::LAMBERT * w.z),
+            Model::Plastic(plastic, inside) if w.z > 0.0 => {
+                let plastic = plastic.get();
+                let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;
+                let albedo = base_albedo(plastic.diffuse, *inside, plastic.nonlinear);
+                let through = passes(w.z) * passes(self.view.z) / (plastic.eta * plastic.eta);
+                albedo * (facets::LAMBERT * w.z * through)
+            }
+            Model::RoughConductor(m) if w.z > 0.0 => {
+                let m = m.get();
+                let Some((value, h)) = m.roughness.mirrored(self.view, w) else {
+                    return Vec3::ZERO;
+                };
+                m.reflectance * metal(m.metal, h.dot(self.view)) * value
+            }
+            Model::RoughPlastic(plastic, coat) if w.z > 0.0 => {
+                let plastic = plastic.get();
+                let specular =
+                    plastic.roughness.mirrored(self.view, w).map_or(0.0, |(value, h)| {
+                        value * fresnel::dielectric(h.dot(self.view), plastic.eta).0
+                    });
+                let albedo = base_albedo(plastic.diffuse, coat.inside, plastic.nonlinear);
+                let through = coat.transmitted(w.z) * coat.transmitted(self.view.z)
+                    / (plastic.eta * plastic.eta);
+                plastic.reflectance * specular + albedo * (facets::LAMBERT * w.z * through)
+            }
+            Model::RoughDielectric(glass) => {
+                let glass = glass.get();
+                let eta = self.relative(glass.eta);
+                if w.z > 0.0 {
+                    let Some((value, h)) = glass.roughness.mirrored(self.view, w) else {
+                        return Vec3::ZERO;
+                    };
+                    let (reflected, _) = fresnel::dielectric(h.dot(self.view), eta);
+                    glass.reflectance * (reflected * value)
+                } else {
+                    glass.transmittance * self.refracted(&glass.roughness, w, eta)
+                }
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// What facets refract from `w` to the viewer, times the cosine of `w` (Walter et al. 2007, Eq. 21),
+    /// for radiance.
+    fn refracted(
+        &self,
+        roughness: &crate::scene::bsdf::Roughness,
+        w: Direction<f32>,
+        eta: f32,
+    ) -> f32 {
+        let v = self.view;
+        let Some(m) = facets::half_vector(v, w, eta) else { return 0.0 };
+        let (vm, wm) = (v.dot(m), w.dot(m));
+        if vm <= 0.0 || wm >= 0.0 {
+            return 0.0;
+        }
+        let (reflected, _) = fresnel::dielectric(vm, eta);
+        let root = vm + eta * wm;
+        let value = (1.0 - reflected)
+            * roughness.distribution(m)
+            * roughness.unshadowed(v, w, m)
+            * (vm * wm / (v.z * root * root)).abs();
+        // η² of the change of measure and 1/η² of compressed radiance cancel.
+        if value.is_finite() { value } else { 0.0 }
+    }
+}
+
+impl<K: SceneKind> Weighted<K> {
+    fn scaled(self, Share { light, chance }: Share) -> Self {
+        Weighted { coefficient: self.coefficient * light, chance: self.chance * chance, ..self }
+    }
+}
+
+/// What a part of a material has of the light, and how often it is chosen.
+#[derive(Clone, Copy)]
+struct Share {
+    light: f32,
+    chance: f32,
+}
+
+/// The shares of the parts of a material; the light's add up to one, and the chances do.
+struct Shares {
+    base: Share,
+    second: Share,
+    holes: Share,
+}
+
+#[inline]
+fn count<K: SceneKind>(model: &Model<K>) -> usize {
+    match model {
+        Model::Black => 0,
+        Model::Diffuse(_)
+        | Model::Conductor(_)
+        | Model::RoughConductor(_)
+        | Model::RoughDielectric(_) => 1,
+        Model::Dielectric(_)
+        | Model::ThinDielectric(_)
+        | Model::Plastic(..)
+        | Model::RoughPlastic(..) => 2,
+    }
+}
+
+fn matte<K: SceneKind>(chance: f32) -> Option<Weighted<K>> {
+    let lobe = Lobe::Matte(Presence::VALUE?);
+    Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
+}
+
+fn mirror<K: SceneKind>(coefficient: Vec3, chance: f32) -> Option<Weighted<K>> {
+    Some(Weighted { lobe: Lobe::Mirror(Presence::VALUE?), coefficient, chance })
+}
+
+fn facets<K: SceneKind>(
+    roughness: crate::scene::bsdf::Roughness,
+    chance: f32,
+) -> Option<Weighted<K>> {
+    let lobe = Lobe::Facets(Presence::VALUE?, roughness);
+    Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
+}
+
+/// How often to sample the coat of a plastic rather than its base.
+fn coat_chance(reflected: f32, coat: Vec3, base: Vec3) -> f32 {
+    let (coat, base) = (reflected * coat.element_sum(), (1.0 - reflected) * base.element_sum());
+    if coat + base > 0.0 { coat / (coat + base) } else { 0.5 }
+}

@@ -1,0 +1,190 @@
+//! Scattering models and their parameters, as a scene file gives them. Conventions are Mitsuba's.
+//!
+//! What they do with light is in [`crate::scattering`].
+
+use glam::Vec3;
+
+/// A Lambertian reflector: `reflectance / π`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diffuse {
+    /// Albedo in linear Rec. 709, each channel in [0, 1].
+    pub reflectance: Vec3,
+}
+
+impl Diffuse {
+    /// A surface that reflects nothing.
+    pub const BLACK: Self = Self { reflectance: Vec3::ZERO };
+
+    /// Whether it reflects nothing.
+    pub fn is_black(&self) -> bool {
+        self.reflectance == Vec3::ZERO
+    }
+}
+
+/// The complex index of refraction of a metal, relative to what is outside, for each channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metal {
+    /// Real part.
+    pub eta: Vec3,
+    /// Imaginary part (absorption).
+    pub k: Vec3,
+}
+
+/// A smooth metal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor {
+    /// Index of refraction; none for a perfect mirror.
+    pub metal: Option<Metal>,
+    /// Scales the reflected light.
+    pub reflectance: Vec3,
+}
+
+/// A smooth boundary between two dielectrics.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction behind the surface over that before it.
+    pub eta: f32,
+    /// Scales the reflected light.
+    pub reflectance: Vec3,
+    /// Scales the refracted light.
+    pub transmittance: Vec3,
+}
+
+/// A thin pane, within which light is reflected to and fro.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinDielectric {
+    /// Index of refraction of the pane over that around it.
+    pub eta: f32,
+    /// Scales the reflected light.
+    pub reflectance: Vec3,
+    /// Scales the light that passes.
+    pub transmittance: Vec3,
+}
+
+/// A matte base under a smooth dielectric coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plastic {
+    /// Index of refraction of the coat over that outside.
+    pub eta: f32,
+    /// Albedo of the base.
+    pub diffuse: Vec3,
+    /// Scales the light reflected by the coat.
+    pub reflectance: Vec3,
+    /// Whether the colour shifts because light is reflected within the coat.
+    pub nonlinear: bool,
+}
+
+/// The statistics of microfacets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distribution {
+    /// Slopes have a normal distribution.
+    Beckmann,
+    /// Trowbridge and Reitz: long tails.
+    Ggx,
+}
+
+/// A rough surface made of small mirrors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness {
+    /// How the facets are distributed.
+    pub distribution: Distribution,
+    /// Root mean square slope along the tangent and across it.
+    pub alpha: [f32; 2],
+    /// Whether facets are sampled by how much of them can be seen.
+    pub sample_visible: bool,
+}
+
+/// A metal with microfacets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughConductor {
+    /// The facets.
+    pub roughness: Roughness,
+    /// Index of refraction; none for perfect mirrors.
+    pub metal: Option<Metal>,
+    /// Scales the reflected light.
+    pub reflectance: Vec3,
+}
+
+/// A boundary between two dielectrics with microfacets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughDielectric {
+    /// The facets.
+    pub roughness: Roughness,
+    /// Index of refraction behind the surface over that before it.
+    pub eta: f32,
+    /// Scales the reflected light.
+    pub reflectance: Vec3,
+    /// Scales the refracted light.
+    pub transmittance: Vec3,
+}
+
+/// A matte base under a dielectric coat with microfacets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughPlastic {
+    /// The facets.
+    pub roughness: Roughness,
+    /// Index of refraction of the coat over that outside.
+    pub eta: f32,
+    /// Albedo of the base.
+    pub diffuse: Vec3,
+    /// Scales the light reflected by the coat.
+    pub reflectance: Vec3,
+    /// Whether the colour shifts because light is reflected within the coat.
+    pub nonlinear: bool,
+}
+
+/// How a surface scatters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Matte, black from behind.
+    Diffuse(Diffuse),
+    /// Smooth metal, black from behind.
+    Conductor(Conductor),
+    /// Smooth glass.
+    Dielectric(Dielectric),
+    /// A thin pane.
+    ThinDielectric(ThinDielectric),
+    /// Smooth plastic, black from behind.
+    Plastic(Plastic),
+    /// Rough metal, black from behind.
+    RoughConductor(RoughConductor),
+    /// Rough glass.
+    RoughDielectric(RoughDielectric),
+    /// Rough plastic, black from behind.
+    RoughPlastic(RoughPlastic),
+    /// What is seen from the front, and what is from behind.
+    TwoSided(Box<[Bsdf; 2]>),
+    /// A surface with holes too small to be seen.
+    Mask {
+        /// The share of light that meets the surface.
+        opacity: f32,
+        /// The surface.
+        nested: Box<Bsdf>,
+    },
+    /// A mixture of two materials.
+    Blend {
+        /// The share of the second.
+        weight: f32,
+        /// The materials.
+        nested: Box<[Bsdf; 2]>,
+    },
+}
+
+impl Bsdf {
+    /// The plugin type.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Diffuse(_) => "diffuse",
+            Self::Conductor(_) => "conductor",
+            Self::Dielectric(_) => "dielectric",
+            Self::ThinDielectric(_) => "thindielectric",
+            Self::Plastic(_) => "plastic",
+            Self::RoughConductor(_) => "roughconductor",
+            Self::RoughDielectric(_) => "roughdielectric",
+            Self::RoughPlastic(_) => "roughplastic",
+            Self::TwoSided(_) => "twosided",
+            Self::Mask { .. } => "mask",
+            Self::Blend { .. } => "blendbsdf",
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Lights without a surface, as a scene file gives them.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+/// Light from all directions alike, infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Radiance in linear Rec. 709.
+    pub radiance: Vec3,
+}
+
+/// Light from a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bulb {
+    /// Where.
+    pub position: Vec3,
+    /// Power per solid angle in linear Rec. 709, along the axis if there is one.
+    pub intensity: Vec3,
+    /// The cone that it is confined to; none for all directions.
+    pub cone: Option<Cone>,
+}
+
+/// A cone of light that fades towards its rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// The axis, of unit length.
+    pub axis: Vec3,
+    /// The angle, in radians, within which it does not fade.
+    pub beam_width: f32,
+    /// The angle, in radians, beyond which there is no light.
+    pub cutoff: f32,
+}
+
+impl Bulb {
+    /// What it sends in a direction of unit length.
+    pub fn intensity_towards(&self, w: Vec3) -> Vec3 {
+        let Some(cone) = self.cone else { return self.intensity };
+        // By the half chord, which keeps its digits for narrow cones.
+        let angle = 2.0 * (0.5 * (w - cone.axis).length()).min(1.0).asin();
+        let fade = (cone.cutoff - angle) / (cone.cutoff - cone.beam_width);
+        if angle <= cone.beam_width {
+            self.intensity
+        } else {
+            self.intensity * fade.clamp(0.0, 1.0)
+        }
+    }
+
+    /// Its power, roughly for a cone.
+    pub fn power(&self) -> Vec3 {
+        let solid_angle = match self.cone {
+            None => 4.0 * PI,
+            Some(cone) => {
+                let half = 0.25 * (cone.cutoff + cone.beam_width);
+                4.0 * PI * half.sin().powi(2)
+            }
+        };
+        self.intensity * solid_angle
+    }
+}
+
+/// Parallel light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Distant {
+    /// Where it comes from: a unit vector towards the light.
+    pub towards: Vec3,
+    /// What a surface across it receives, in linear Rec. 709.
+    pub irradiance: Vec3,
+}

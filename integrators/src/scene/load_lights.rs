@@ -1,0 +1,118 @@
+//! From an `<emitter>` to a light.
+
+use glam::{DMat4, DVec3, Vec3};
+
+use super::document::Query;
+use super::error::SceneError;
+use super::lights::{Bulb, Cone, Distant, Sky};
+use super::load_bsdf::reject_texture;
+
+/// The linear Rec. 709 colour of a constant emission spectrum of 1 (illuminant E; a constant
+/// reflectance is simply grey). From Mitsuba 3.9.1.
+const ILLUMINANT_E: DVec3 = DVec3::new(1.204_793_9, 0.948_291, 0.908_916_06);
+
+/// The plugins that exist outside of shapes.
+const SUPPORTED: &str = "area (inside a <shape>), constant, point, spot, directional";
+
+/// A light without a surface; positions are those of the file.
+pub enum Lone {
+    /// The sky.
+    Sky(Sky),
+    /// A point light and its position in double precision.
+    Bulb(Bulb, DVec3),
+    /// Parallel light.
+    Distant(Distant),
+}
+
+/// Reads an emitter that stands alone.
+pub fn read_lone(query: &Query) -> Result<Lone, SceneError> {
+    let light = match query.object.plugin.as_str() {
+        "constant" => Lone::Sky(Sky { radiance: emission(query, "radiance")? }),
+        "point" => {
+            let position = position(query)?;
+            let bulb =
+                Bulb { position: Vec3::ZERO, intensity: emission(query, "intensity")?, cone: None };
+            Lone::Bulb(bulb, position)
+        }
+        "spot" => spot(query)?,
+        "directional" => directional(query)?,
+        "area" => return Err(query.error_at("", "an area emitter must stand inside a <shape>")),
+        _ => return Err(query.unsupported(SUPPORTED)),
+    };
+    query.ignore(&["sampling_weight"]);
+    query.finish(&[])?;
+    Ok(light)
+}
+
+/// Reads the emission of a shape.
+pub fn read_area(query: &Query) -> Result<Vec3, SceneError> {
+    if query.object.plugin != "area" {
+        return Err(query.unsupported("area"));
+    }
+    let radiance = emission(query, "radiance")?;
+    query.ignore(&["sampling_weight"]);
+    query.finish(&[])?;
+    Ok(radiance)
+}
+
+fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
+    reject_texture(query, name)?;
+    let value = query.color(name, ILLUMINANT_E)?.unwrap_or(DVec3::ONE);
+    if value.min_element() < 0.0 || value.max_element() > 1e18 {
+        let message = format!("the {name} {value} must lie in [0, 1e18]");
+        return Err(query.error_at(name, message));
+    }
+    Ok(value.as_vec3())
+}
+
+fn position(query: &Query) -> Result<DVec3, SceneError> {
+    let to_world = query.transform("to_world")?;
+    let position = query.vector("position")?;
+    if to_world.is_some() && position.is_some() {
+        return Err(query.error_at("position", "give either position or to_world, not both"));
+    }
+    let moved = to_world.map(|m| m.w_axis.truncate());
+    let position = position.or(moved).unwrap_or(DVec3::ZERO);
+    if position.abs().max_element() > 1e15 {
+        return Err(query.error_at("position", "the light is too far away; scale the scene"));
+    }
+    Ok(position)
+}
+
+fn spot(query: &Query) -> Result<Lone, SceneError> {
+    reject_texture(query, "texture")?;
+    let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
+    let axis = to_world.transform_vector3(DVec3::Z).try_normalize();
+    let axis = axis.ok_or_else(|| query.error_at("to_world", "the transform flattens space"))?;
+    let cutoff = query.float("cutoff_angle")?.unwrap_or(20.0);
+    let beam_width = query.float("beam_width")?.unwrap_or(0.75 * cutoff);
+    if !(cutoff > 0.0 && cutoff <= 180.0 && beam_width >= 0.0 && beam_width < cutoff) {
+        let message = "needs 0 <= beam_width < cutoff_angle <= 180 degrees";
+        return Err(query.error_at("cutoff_angle", message));
+    }
+    let cone = Cone {
+        axis: axis.as_vec3(),
+        beam_width: beam_width.to_radians() as f32,
+        cutoff: cutoff.to_radians() as f32,
+    };
+    let intensity = emission(query, "intensity")?;
+    let bulb = Bulb { position: Vec3::ZERO, intensity, cone: Some(cone) };
+    Ok(Lone::Bulb(bulb, to_world.w_axis.truncate()))
+}
+
+fn directional(query: &Query) -> Result<Lone, SceneError> {
+    let to_world = query.transform("to_world")?;
+    let direction = query.vector("direction")?;
+    let along = match (to_world, direction) {
+        (Some(_), Some(_)) => {
+            return Err(query.error_at("direction", "give either direction or to_world, not both"));
+        }
+        (_, Some(direction)) => direction,
+        (Some(m), None) => m.transform_vector3(DVec3::Z),
+        (None, None) => DVec3::Z,
+    };
+    let along = along.try_normalize();
+    let along = along.ok_or_else(|| query.error_at("direction", "must not be zero"))?;
+    let irradiance = emission(query, "irradiance")?;
+    Ok(Lone::Distant(Distant { towards: -along.as_vec3(), irradiance }))
+}
