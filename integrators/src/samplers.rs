@@ -110,3 +110,12 @@ pub fn uniform_directions(u: [Uniform; 2]) -> Direction {
     let phi = TAU * u[1];
     Direction::new(r * phi.cos(), r * phi.sin(), z)
 }
+
+/// All directions alike within the cone about +z where one minus the cosine is at most `depth`.
+#[sampler(depth in 0.0..=1.0)]
+pub fn uniform_cone(u: [Uniform; 2], depth: f64) -> Direction {
+    let h = depth * u[0];
+    let r = (h * (2.0 - h)).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+}

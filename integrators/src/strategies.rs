@@ -5,6 +5,7 @@
 
 use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
+use glam::Vec3;
 
 use crate::kind::{Everything, SceneKind};
 use crate::lights::Light;
@@ -13,7 +14,7 @@ use crate::scattering::Lobe;
 use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
 use crate::scattering::fresnel;
 use crate::scene::{Filter, Primitive};
-use crate::vertex::{Lamp, Pinhole, SceneVertex, Seen};
+use crate::vertex::{Lamp, Pinhole, SceneVertex, Seen, Surface};
 use crate::world::World;
 
 /// A pixel of the image: column and row.
@@ -133,12 +134,27 @@ pub fn sample_bsdf<K: SceneKind>(
     }
 }
 
-/// A light, chosen by its power, and a point on it.
-#[strategy]
+/// The directions in which a sphere is seen from a point outside: the axis of a cone, and by how much the
+/// cosine at its rim is below one. `None` from inside, and from where the sphere is tiny.
+fn cone_of(from: Vec3, center: Vec3, radius: f32) -> Option<(Direction<f32>, f32)> {
+    let axis = center - from;
+    let sine2 = (radius * radius) / axis.length_squared();
+    // Directions in single precision are known to about 1e-7.
+    if !(1e-6..1.0).contains(&sine2) {
+        return None;
+    }
+    let depth = sine2 / (1.0 + (1.0 - sine2).sqrt());
+    Some((Direction::from_vec(axis.into()), depth))
+}
+
+/// A light, chosen by its power, and a point on it: of a sphere only what can be seen, by the cone of
+/// directions that it fills, unless it is so far away that single precision could not tell them apart.
+#[strategy(connected = false)]
 pub fn sample_light<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
     world: &World<'_, K>,
 ) -> SceneVertex<K> {
+    let here = given(path.last());
     let lights = given(world.lights.choice.as_ref());
     let light = choose(lights).identified_by(|v: &SceneVertex<K>| world.lights.index_of(v));
     match light {
@@ -149,6 +165,14 @@ pub fn sample_light<K: SceneKind>(
                     draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
                 }
                 Primitive::Sphere { center, radius, .. } => {
+                    if let Some((axis, depth)) = cone_of(here.position, center, radius) {
+                        let cone = given(uniform_cone(depth).ok());
+                        let local = draw(cone);
+                        let w = rotate(Frame::around(axis)).apply(&local);
+                        let lit: Surface = constant(world.lit(light, &here, &w));
+                        let at = lit.seen_from(here.position).apply(&w);
+                        return SceneVertex::hit(lit, at);
+                    }
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
                 Primitive::Disk { center, u_axis, v_axis, .. } => {

@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::kind::{Everything, NotCovered, Presence, SceneKind};
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, PrimitiveId, Scene};
+use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
 use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
@@ -81,6 +81,18 @@ impl<'s, K: SceneKind> World<'s, K> {
             return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
         }
         self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
+    }
+
+    /// The piece of a spherical light that a ray in a direction of its cone meets first.
+    pub fn lit(
+        &self,
+        light: &AreaLight,
+        from: &SceneVertex<K>,
+        w: &Direction<f32>,
+    ) -> Option<Surface> {
+        let Primitive::Sphere { center, radius, .. } = light.shape else { return None };
+        let point = hit::nearest_on_sphere(from.position, w.vec().into(), center, radius);
+        Some(self.light_surface(light, point))
     }
 
     /// The piece of surface of a light at a point of it.

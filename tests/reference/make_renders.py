@@ -8,7 +8,8 @@ BATCHES independent images of SAMPLES samples per pixel, seeds 0, 1, 2, ...,
 and writes renders/SCENE.exr: float32 channels R, G, B (the mean over the
 batches) and variance.R, variance.G, variance.B (the variance of that mean,
 estimated from the scatter of the batches). The variant `llvm_ad_rgb` needs
-LLVM 19 or newer.
+LLVM 19 or newer. The scenes of single models (`models/...`) are rendered with
+`--variant scalar_rgb`.
 
 Options: `--check NAME` renders one scene with `scalar_rgb` too and reports the
 z-scores between the two variants (box filter only: the scalar variants
@@ -35,6 +36,17 @@ NAMES = (
     "cornell-box rectangle cube sphere disk obj ply-ascii ply-binary two-lights "
     "tent-filter gaussian-filter furnace-enclosure furnace-white"
 ).split()
+# One material or one light each. Rendered with MODEL_SAMPLES in each of MODEL_BATCHES.
+MODELS = [
+    "models/" + name
+    for name in (
+        "conductor mirror dielectric thindielectric plastic plastic-nonlinear roughconductor-ggx "
+        "roughconductor-ggx-all roughconductor-beckmann roughdielectric-ggx roughdielectric-beckmann "
+        "mask blendbsdf constant point spot directional"
+    ).split()
+]
+MODEL_BATCHES = 16
+MODEL_SAMPLES = 256
 
 
 # Has an analytic answer only: in Mitsuba 3.9.1 the multiple importance sampling
@@ -130,7 +142,8 @@ def zip_block(raw):
 def make(name):
     """Renders one scene and writes its reference; returns a line of report."""
     start = time.perf_counter()
-    mean, variance = render(name, BATCHES, SAMPLES)
+    batches, samples = (MODEL_BATCHES, MODEL_SAMPLES) if name in MODELS else (BATCHES, SAMPLES)
+    mean, variance = render(name, batches, samples)
     seconds = time.perf_counter() - start
     planes = {}
     for k, c in enumerate("RGB"):
@@ -139,9 +152,9 @@ def make(name):
         RENDERS / f"{name}.exr",
         planes,
         {
-            "batches": BATCHES,
+            "batches": batches,
             "renderer": f"Mitsuba {mi.__version__} {mi.variant()}",
-            "samplesPerPixel": BATCHES * SAMPLES,
+            "samplesPerPixel": batches * samples,
             "scene": f"{name}.xml",
         },
     )
@@ -193,17 +206,18 @@ def check_furnaces():
 def main():
     """Command line."""
     parser = argparse.ArgumentParser(description="Renders the reference images with Mitsuba 3.")
-    parser.add_argument("scenes", nargs="*", default=NAMES)
+    parser.add_argument("scenes", nargs="*", default=[*NAMES, *MODELS])
+    parser.add_argument("--variant", default="llvm_ad_rgb", help="of Mitsuba; models use scalar_rgb")
     parser.add_argument("--check", metavar="SCENE", help="compare a stored image with scalar_rgb")
     parser.add_argument("--furnace", action="store_true", help="compare furnaces with their answers")
     parser.add_argument("--preview", metavar="DIR", help="write PNGs of the stored images")
     options = parser.parse_args()
-    unknown = [n for n in options.scenes if n not in NAMES]
+    unknown = [n for n in options.scenes if n not in [*NAMES, *MODELS]]
     if unknown:
-        sys.exit(f"unknown scene {unknown[0]}; the scenes are {', '.join(NAMES)}")
+        sys.exit(f"unknown scene {unknown[0]}; the scenes are {', '.join([*NAMES, *MODELS])}")
     if options.check:
         return check_scalar(options.check)
-    mi.set_variant("llvm_ad_rgb")
+    mi.set_variant(options.variant)
     if options.furnace:
         return check_furnaces()
     if options.preview:
@@ -213,7 +227,7 @@ def main():
                 str(pathlib.Path(options.preview) / f"{name}.png")
             )
         return None
-    RENDERS.mkdir(exist_ok=True)
+    (RENDERS / "models").mkdir(parents=True, exist_ok=True)
     for name in options.scenes:
         print(make(name), flush=True)
     return None

@@ -197,3 +197,63 @@ pub fn half_vector(v: Direction<f32>, w: Direction<f32>, eta: f32) -> Option<Dir
 
 /// 1 / π.
 pub const LAMBERT: f32 = FRAC_1_PI;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use aether_core::battery;
+
+    fn view(z: f64) -> Direction {
+        Direction::new((1.0 - z * z).sqrt() * 0.6, (1.0 - z * z).sqrt() * 0.8, z)
+    }
+
+    #[test]
+    fn normals_pass_the_battery() {
+        for (ax, ay) in [(1e-4, 1e-4), (0.03, 0.4), (0.5, 0.5), (1.0, 0.2)] {
+            battery::check(&ggx_normals(ax, ay).unwrap()).assert_ok();
+            battery::check(&beckmann_normals(ax, ay).unwrap()).assert_ok();
+        }
+    }
+
+    #[test]
+    fn visible_normals_pass_the_battery() {
+        for (ax, ay) in [(0.01, 0.01), (0.1, 0.4), (1.0, 1.0)] {
+            for z in [1.0, 0.7, 0.1, 1e-3] {
+                let normals = visible_ggx_normals(ax, ay, view(z)).unwrap();
+                battery::check(&normals).assert_ok();
+            }
+        }
+    }
+
+    #[test]
+    fn reflected_and_refracted_directions_pass_the_battery() {
+        for z in [0.95, 0.3] {
+            let normals = visible_ggx_normals(0.3, 0.3, view(z)).unwrap();
+            battery::check(&normals.then(reflect(view(z)))).assert_ok();
+            battery::check(&normals.then(refract_in(view(z), 1.0 / 1.5).unwrap())).assert_ok();
+        }
+    }
+
+    #[test]
+    fn visible_normals_have_the_density_of_the_literature() {
+        // Heitz 2018, Eq. 3: G1(v) max(0, v·m) D(m) / v.z.
+        for (z, k) in [(0.9, 0), (0.2, 1), (1e-2, 2)] {
+            let (v, alpha) = (view(z), [0.05, 0.3, 0.8][k]);
+            let rough = Roughness {
+                distribution: Distribution::Ggx,
+                alpha: [alpha; 2],
+                sample_visible: true,
+            };
+            let v = Direction::new(v.x as f32, v.y as f32, v.z as f32);
+            let normals = visible_ggx_normals(alpha, alpha, v).unwrap();
+            for i in 0..100 {
+                let u = [(i as f32 + 0.5) / 100.0, (i as f32 * 0.618).fract()];
+                let (m, _) = normals.forward(u);
+                let expected =
+                    rough.visible(v, m) * m.dot(v).max(0.0) * rough.distribution(m) / v.z;
+                let found = normals.pdf(&m).value();
+                assert!((found / expected - 1.0).abs() < 2e-3, "{found} {expected} {z} {i}");
+            }
+        }
+    }
+}

@@ -9,15 +9,14 @@ pub fn dielectric(cosine: f32, eta: f32) -> (f32, f32) {
     if eta == 1.0 {
         return (0.0, cosine);
     }
-    // sin² = (1 - c)(1 + c) keeps its digits near normal incidence.
-    let refracted = 1.0 - (1.0 - cosine) * (1.0 + cosine) / (eta * eta);
+    // With c and t the cosines on both sides, η² t² = η² - 1 + c². So nothing cancels in t, nor in the
+    // numerators c² - η² t² and η² c² - t², for indices next to one.
+    let step = (eta - 1.0) * (eta + 1.0);
+    let refracted = step + cosine * cosine;
     if refracted <= 0.0 {
         return (1.0, 0.0);
     }
-    let beyond = refracted.sqrt();
-    // Numerators by differences that do not cancel for indices next to one:
-    // (c² - η² t²) = (c² - 1)(…): see the identity η² t² = η² - 1 + c².
-    let step = (eta - 1.0) * (eta + 1.0);
+    let beyond = refracted.sqrt() / eta;
     let perpendicular = step / (cosine + eta * beyond).powi(2);
     let parallel = step * (cosine * cosine * (eta * eta + 1.0) - 1.0)
         / (eta * cosine + beyond).powi(2)
@@ -42,9 +41,9 @@ pub fn conductor(cosine: f32, eta: Vec3, k: Vec3) -> Vec3 {
 }
 
 /// The average of what a dielectric boundary reflects of light from all directions of a half space
-/// alike (the albedo of a diffuse field), by Gauss's rule of 64 points in the squared cosine.
+/// alike (the albedo of a diffuse field).
 pub fn diffuse_average(eta: f32) -> f32 {
-    const N: usize = 512;
+    const N: usize = 4096;
     // A midpoint rule in the cosine: total reflection makes a kink.
     let sum: f64 = (0..N)
         .map(|i| {
@@ -79,11 +78,9 @@ mod tests {
                 let (found, beyond) = dielectric(c, eta);
                 let expected = textbook(f64::from(c), f64::from(eta));
                 // Near total reflection the derivative is infinite.
-                let slack = 1e-5 + 1e-6 / f64::from(beyond).max(1e-4);
-                assert!(
-                    (f64::from(found) - expected).abs() <= slack * expected + 1e-12,
-                    "{found} {expected} at {c} {eta}"
-                );
+                let slack = 3e-6 + 1e-6 / f64::from(beyond).max(1e-4);
+                let off = (f64::from(found) - expected).abs();
+                assert!(off <= slack * expected + 1e-12, "{found} {expected} at {c} {eta}");
             }
         }
         assert_eq!(dielectric(0.3, 1.0), (0.0, 0.3));

@@ -9,6 +9,8 @@ pub mod fresnel;
 mod lobe;
 mod material;
 mod rough_plastic;
+#[cfg(test)]
+mod tests;
 
 use aether_core::prelude::{Direction, Frame};
 use glam::Vec3;

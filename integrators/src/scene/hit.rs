@@ -126,6 +126,18 @@ pub fn sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32) -> Optio
     (t > 0.0).then_some(t as f32)
 }
 
+/// The point of a sphere that a ray from outside meets first, or for a ray that misses it by rounding the
+/// point that it comes nearest to.
+pub fn nearest_on_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f32) -> Vec3 {
+    let (o, c) = (origin.as_dvec3() - center.as_dvec3(), center.as_dvec3());
+    let (d, radius) = (direction.as_dvec3().normalize_or_zero(), f64::from(radius));
+    let middle = -o.dot(d);
+    let off = (o + middle * d).length();
+    let half_chord = ((radius - off) * (radius + off)).max(0.0).sqrt();
+    let outwards = o + (middle - half_chord) * d;
+    (c + radius * outwards.normalize_or_zero()).as_vec3()
+}
+
 /// How far a ray that starts *on* a sphere runs inside it before it leaves; none if it does not
 /// enter it. No test against an epsilon is needed.
 pub fn chord(point: Vec3, direction: Vec3, center: Vec3) -> Option<f32> {

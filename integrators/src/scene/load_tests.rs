@@ -188,7 +188,8 @@ fn errors_say_where_and_what() {
     for (body, expected) in [
         (
             "<bsdf type=\"foo\"/>",
-            "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, twosided",
+            "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, conductor, dielectric, \
+          thindielectric, roughconductor, roughdielectric, plastic, roughplastic, twosided, mask, blendbsdf",
         ),
         (
             "  <shape type=\"cylinder\"/>",

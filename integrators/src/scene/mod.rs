@@ -10,7 +10,7 @@ pub mod camera;
 pub mod document;
 pub mod error;
 mod files;
-mod hit;
+pub(crate) mod hit;
 mod indices;
 pub mod inspect;
 pub mod lights;

@@ -13,6 +13,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod models;
 mod scenes;
 
 use integrators::image::block_test::{BlockScore, holm};

@@ -1,0 +1,219 @@
+//! Scattering models and lights, each in a scene of its own: against Mitsuba's images, in white furnaces,
+//! in the limit of smooth surfaces, and compiled for more than is needed.
+
+use std::path::Path;
+
+use integrators::image::block_test::holm;
+use integrators::kind::{DiffuseRooms, Everything, GlossyRooms, SceneKind};
+use integrators::path::PathTracer;
+use integrators::render::Film;
+use integrators::scene::SamplerKind::{Independent, LowDiscrepancy};
+use integrators::scene::Scene;
+
+use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, settings};
+use super::{is_exact, report};
+
+/// The scenes of `tests/scenes/models`, and samples per pixel.
+const MODELS: [(&str, u32); 17] = [
+    ("conductor", 128),
+    ("mirror", 128),
+    ("dielectric", 256),
+    ("thindielectric", 256),
+    ("plastic", 128),
+    ("plastic-nonlinear", 128),
+    ("roughconductor-ggx", 128),
+    ("roughconductor-ggx-all", 256),
+    ("roughconductor-beckmann", 128),
+    ("roughdielectric-ggx", 256),
+    ("roughdielectric-beckmann", 256),
+    ("mask", 128),
+    ("blendbsdf", 128),
+    ("constant", 128),
+    ("point", 128),
+    ("spot", 128),
+    ("directional", 128),
+];
+
+/// The chance that any of the comparisons with stored images fails for no reason, over the seeds.
+const FALSE_ALARM_RATE: f64 = 1e-4;
+
+#[test]
+fn models_agree_with_the_stored_images() {
+    let mut all = Vec::new();
+    for (name, samples) in MODELS {
+        let name = format!("models/{name}");
+        let reference = Reference::stored(&name);
+        for (sampler, samples) in [(Independent, samples), (LowDiscrepancy, samples / 4)] {
+            let what = format!("{name}, {}, {samples} samples", sampler.name());
+            let scores = scores(&path_traced(&name, sampler, samples, None, 1), &reference);
+            report(&what, &scores);
+            all.extend(scores.into_iter().map(|score| (what.clone(), score)));
+        }
+    }
+    let p_values: Vec<f64> = all.iter().map(|(_, score)| score.p_value).collect();
+    let rejected = holm(&p_values, FALSE_ALARM_RATE);
+    let failures: Vec<_> = all.iter().zip(rejected).filter(|(_, r)| *r).map(|(s, _)| s).collect();
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// A sphere of some material under a sky of radiance 1.
+fn furnace(bsdf: &str) -> Scene {
+    let xml = format!(
+        r#"<scene version="3.0.0">
+        <integrator type="path"><integer name="rr_depth" value="1000"/></integrator>
+        <sensor type="perspective"><float name="fov" value="16"/>
+            <transform name="to_world"><lookat origin="0,1,8" target="0,0,0" up="0,1,0"/></transform>
+            <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="24"/>
+                <rfilter type="box"/></film>
+            <sampler type="independent"><integer name="sample_count" value="16"/></sampler>
+        </sensor>
+        <emitter type="constant"><rgb name="radiance" value="1"/></emitter>
+        <shape type="sphere">{bsdf}</shape></scene>"#
+    );
+    Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn furnace_film(bsdf: &str, samples: u32, seed: u64) -> Film {
+    let scene = furnace(bsdf);
+    film(&*path_tracer(&scene, seed), &scene, samples, None)
+}
+
+const WHITE: &str = r#"<rgb name="diffuse_reflectance" value="1"/>"#;
+const MATTE: &str = r#"<bsdf type="twosided"><bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></bsdf>"#;
+
+#[test]
+fn models_that_conserve_energy_vanish_in_white_light() {
+    let mut models = vec![
+        MATTE.to_owned(),
+        r#"<bsdf type="conductor"/>"#.to_owned(),
+        r#"<bsdf type="dielectric"/>"#.to_owned(),
+        r#"<bsdf type="dielectric"><float name="int_ior" value="0.7"/></bsdf>"#.to_owned(),
+        r#"<bsdf type="thindielectric"/>"#.to_owned(),
+        format!(r#"<bsdf type="plastic">{WHITE}</bsdf>"#),
+        format!(r#"<bsdf type="mask"><float name="opacity" value="0.3"/>{MATTE}</bsdf>"#),
+        format!(
+            r#"<bsdf type="blendbsdf"><float name="weight" value="0.6"/>{MATTE}
+            <bsdf type="conductor"/></bsdf>"#
+        ),
+    ];
+    for alpha in [0.05, 0.2, 0.5] {
+        for distribution in ["beckmann", "ggx"] {
+            models.push(format!(
+                r#"<bsdf type="roughplastic"><float name="alpha" value="{alpha}"/>{WHITE}
+                <string name="distribution" value="{distribution}"/></bsdf>"#
+            ));
+        }
+    }
+    for (seed, model) in (1..).zip(&models) {
+        let film = furnace_film(model, 64, seed);
+        let (z, within) = is_exact(&film, [1.0; 3]);
+        println!("{z:.2?} standard errors for {model}");
+        // The table of rough plastic is good to a few parts in ten thousand.
+        let mean = film.pixels().iter().map(|p| p.mean()[0]).sum::<f64>() / 576.0;
+        let close = model.contains("roughplastic") && (mean - 1.0).abs() < 2e-3;
+        assert!(within || close, "{z:.2?} standard errors, mean {mean}: {model}");
+    }
+    // It can fail.
+    let grey = furnace_film(
+        r#"<bsdf type="conductor"><rgb name="specular_reflectance" value="0.99"/></bsdf>"#,
+        64,
+        1,
+    );
+    assert!(!is_exact(&grey, [1.0; 3]).1);
+}
+
+/// The difference of the means of two films in standard errors, and relative to their size.
+fn difference(a: &Film, b: &Film) -> (f64, f64) {
+    let sum = |film: &Film, value: &dyn Fn(usize) -> f64| {
+        (0..film.pixels().len()).map(value).sum::<f64>()
+    };
+    let mean = |film: &Film| sum(film, &|i| film.pixels()[i].mean().iter().sum::<f64>());
+    let variance = |film: &Film| {
+        // The channels of a sample share their noise: their errors add up at worst.
+        sum(film, &|i| {
+            let v = film.pixels()[i].variance_of_mean().unwrap_or_default();
+            v.iter().map(|v| v.sqrt()).sum::<f64>().powi(2)
+        })
+    };
+    let off = mean(a) - mean(b);
+    (off / (variance(a) + variance(b)).sqrt(), off / mean(b))
+}
+
+/// A scene of `tests/scenes/models` with another material in it.
+fn stage(bsdf: &str) -> Film {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/models");
+    let xml = format!(
+        r#"<scene version="3.0.0"><include filename="room.xml"/>
+        <shape type="sphere"><point name="center" x="0" y="0.6" z="0"/>{bsdf}</shape></scene>"#
+    );
+    let scene = Scene::from_str(&xml, &folder, &[]).unwrap_or_else(|error| panic!("{error}"));
+    film(&*path_tracer(&scene, 3), &scene, 64, None)
+}
+
+#[test]
+fn rough_surfaces_converge_to_smooth_ones() {
+    let gold = r#"<string name="material" value="Au"/>"#;
+    let smooth = stage(&format!(r#"<bsdf type="conductor">{gold}</bsdf>"#));
+    let glass = stage(r#"<bsdf type="dielectric"/>"#);
+    for distribution in ["beckmann", "ggx"] {
+        let rough = |kind: &str, alpha: &str, more: &str| {
+            stage(&format!(
+                r#"<bsdf type="{kind}">{more}<float name="alpha" value="{alpha}"/>
+                <string name="distribution" value="{distribution}"/></bsdf>"#
+            ))
+        };
+        for alpha in ["1e-2", "1e-3", "1e-4"] {
+            // The limit has an error of the order of alpha.
+            let (z, off) = difference(&rough("roughconductor", alpha, gold), &smooth);
+            println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
+            assert!(z.abs() < 4.0, "{distribution} {alpha}: {z} standard errors, {off} off");
+            let (z, off) = difference(&rough("roughdielectric", alpha, ""), &glass);
+            println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
+            assert!(z.abs() < 4.0, "{distribution} {alpha}: {z} standard errors, {off} off");
+        }
+        // A boundary that hardly refracts is not to be seen.
+        let air = r#"<float name="int_ior" value="1.000001"/><float name="ext_ior" value="1"/>"#;
+        let nothing = stage(
+            r#"<bsdf type="mask"><float name="opacity" value="0"/>
+            <bsdf type="diffuse"/></bsdf>"#,
+        );
+        let (z, off) = difference(&rough("roughdielectric", "0.3", air), &nothing);
+        println!("{distribution} air: {z:.2} standard errors, {off:.1e} off");
+        assert!(z.abs() < 4.0, "{distribution} in air: {z} standard errors, {off} off");
+    }
+}
+
+fn film_of_kind<K: SceneKind>(scene: &Scene) -> Film {
+    let tracer = PathTracer::<K>::new(scene, settings(scene), 5).unwrap();
+    film(&tracer, scene, 4, None)
+}
+
+#[test]
+fn what_a_kind_has_besides_does_not_change_a_bit() {
+    let room = scene("cornell-box");
+    assert!(film_of_kind::<DiffuseRooms>(&room) == film_of_kind::<Everything>(&room));
+    for name in ["roughconductor-ggx", "roughdielectric-beckmann"] {
+        let glossy = scene(&format!("models/{name}"));
+        assert!(
+            film_of_kind::<GlossyRooms>(&glossy) == film_of_kind::<Everything>(&glossy),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn a_kind_that_is_too_small_is_an_error() {
+    let message = |name: &str| {
+        let scene = scene(&format!("models/{name}"));
+        PathTracer::<DiffuseRooms>::new(&scene, settings(&scene), 1).err().map(|e| e.to_string())
+    };
+    let expected = |feature: &str| {
+        format!(
+            "the scene needs `{feature}`, which the kind `DiffuseRooms` leaves out: add it to the kind"
+        )
+    };
+    assert_eq!(message("conductor"), Some(expected("Conductor")));
+    assert_eq!(message("constant"), Some(expected("Constant")));
+    assert_eq!(message("mask"), Some(expected("Mask")));
+    assert_eq!(message("directional"), Some(expected("Directional")));
+}
