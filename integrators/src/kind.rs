@@ -55,6 +55,8 @@ pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Mask: Presence;
     /// Mixtures of two materials.
     type Blend: Presence;
+    /// Colours that vary over a surface.
+    type Textures: Presence;
     /// Surfaces that emit.
     type Area: Presence;
     /// A sky that emits the same in all directions.

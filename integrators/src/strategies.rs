@@ -169,7 +169,7 @@ pub fn sample_light<K: SceneKind>(
                         let cone = given(uniform_cone(depth).ok());
                         let local = draw(cone);
                         let w = rotate(Frame::around(axis)).apply(&local);
-                        let lit: Surface = constant(world.lit(light, &here, &w));
+                        let lit: Surface<K> = constant(world.lit(light, &here, &w));
                         let at = lit.seen_from(here.position).apply(&w);
                         return SceneVertex::hit(lit, at);
                     }

@@ -4,13 +4,13 @@ use aether_core::prelude::*;
 use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
-use crate::kind::{Either, Everything, SceneKind};
+use crate::kind::{Either, Everything, Presence, SceneKind};
 use crate::samplers::{HitPlane, hit_plane};
 use crate::scene::PrimitiveId;
 
 /// A piece of surface, as a ray cast found it: constant near the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub struct Surface<K: SceneKind = Everything> {
     /// Where the ray met it.
     pub position: Vector,
     /// Unit normal of the surface.
@@ -21,9 +21,11 @@ pub struct Surface {
     pub primitive: PrimitiveId,
     /// Which emitter of the scene it is, if it is one.
     pub emitter: Option<u32>,
+    /// Texture coordinates, if the kind of scene has textures.
+    pub uv: <K::Textures as Presence>::Uv,
 }
 
-impl Surface {
+impl<K: SceneKind> Surface<K> {
     /// Where rays from `origin` meet this piece of surface: the map from directions to its points.
     pub fn seen_from(&self, origin: Vector) -> HitPlane<f32> {
         let id = surface_id(self.primitive);
@@ -38,7 +40,7 @@ pub type SkyOf<K> = <K as SceneKind>::Constant;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen<K: SceneKind = Everything> {
     /// A surface.
-    Surface(Surface),
+    Surface(Surface<K>),
     /// Nothing but the sky.
     Sky(SkyOf<K>),
 }
@@ -65,7 +67,7 @@ pub enum Place<K: SceneKind = Everything> {
     /// The pinhole.
     Camera,
     /// A point of a surface.
-    Surface(Surface),
+    Surface(Surface<K>),
     /// Infinitely far away: the position is a direction.
     Sky(SkyOf<K>),
     /// A point light, by its number.
@@ -91,12 +93,12 @@ impl<K: SceneKind> SceneVertex<K> {
 
     /// The vertex where a ray met a surface. The ray caster computes the position on the primitive,
     /// more accurately than along the ray: `point`, the same position in the language, gives way.
-    pub fn hit(surface: Surface, _point: SurfacePoint<f32>) -> Self {
+    pub fn hit(surface: Surface<K>, _point: SurfacePoint<f32>) -> Self {
         Self::on(surface)
     }
 
     /// A vertex on a surface that was chosen rather than found: a point of a light.
-    pub fn on(surface: Surface) -> Self {
+    pub fn on(surface: Surface<K>) -> Self {
         SceneVertex { position: surface.position, place: Place::Surface(surface) }
     }
 
@@ -127,7 +129,7 @@ impl<K: SceneKind> SceneVertex<K> {
 
     /// The surface that it lies on, if it does.
     #[inline]
-    pub fn surface(&self) -> Option<Surface> {
+    pub fn surface(&self) -> Option<Surface<K>> {
         match self.place {
             Place::Surface(surface) => Some(surface),
             _ => None,
@@ -196,7 +198,6 @@ impl<K: SceneKind> Vertex for SceneVertex<K> {
 
     #[inline]
     fn point(&self) -> Spot<K> {
-        use crate::kind::Presence;
         if self.is_infinite()
             && let Some(present) = <Either<SkyOf<K>, K::Directional> as Presence>::VALUE
         {
@@ -218,9 +219,9 @@ impl<K: SceneKind> Recall<Seen<K>> for SceneVertex<K> {
     }
 }
 
-impl<K: SceneKind> Recall<Surface> for SceneVertex<K> {
+impl<K: SceneKind> Recall<Surface<K>> for SceneVertex<K> {
     #[inline]
-    fn recall(&self) -> Option<Surface> {
+    fn recall(&self) -> Option<Surface<K>> {
         self.surface()
     }
 }

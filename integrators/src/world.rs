@@ -61,6 +61,7 @@ impl<'s, K: SceneKind> World<'s, K> {
                 shading: hit.shading_normal,
                 primitive: hit.primitive,
                 emitter: self.light_of[hit.primitive.0 as usize],
+                uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
             })),
             // Without a sky that shines there is nothing to see.
             None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
@@ -68,7 +69,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// The surface that a ray from a vertex in direction `w` meets first.
-    pub fn hit(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Surface> {
+    pub fn hit(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Surface<K>> {
         match self.cast(from, w)? {
             Seen::Surface(surface) => Some(surface),
             Seen::Sky(_) => None,
@@ -89,17 +90,19 @@ impl<'s, K: SceneKind> World<'s, K> {
         light: &AreaLight,
         from: &SceneVertex<K>,
         w: &Direction<f32>,
-    ) -> Option<Surface> {
+    ) -> Option<Surface<K>> {
         let Primitive::Sphere { center, radius, .. } = light.shape else { return None };
         let point = hit::nearest_on_sphere(from.position, w.vec().into(), center, radius);
         Some(self.light_surface(light, point))
     }
 
     /// The piece of surface of a light at a point of it.
-    pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface {
+    pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface<K> {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
-        Surface { position, normal, shading: normal, primitive, emitter: Some(light.index) }
+        // The path ends here: textures do not matter.
+        let uv = Default::default();
+        Surface { position, normal, shading: normal, primitive, emitter: Some(light.index), uv }
     }
 
     /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
@@ -129,7 +132,9 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Scattering<'_, K>> {
         let surface = here.surface()?;
         let material = &self.materials[self.scene.shape(surface.primitive).bsdf as usize];
-        Scattering::new(material, surface.shading, other.direction_from(here.position))
+        let uv = K::Textures::coordinates(surface.uv);
+        let towards = other.direction_from(here.position);
+        Scattering::new(material, &self.scene.textures, uv, surface.shading, towards)
     }
 
     /// The point of the film that the camera's axis goes through, in pixels.

@@ -48,7 +48,7 @@ fn look_up(path: &PathView<SceneVertex<Rooms>>, world: &World<'_, Rooms>) -> Sce
     let here = given(path.last());
     let local = draw(power_cosine(8.0f32));
     let w = rotate(Frame::around(Direction::new(0.0, 1.0, 0.0))).apply(&local);
-    let hit: Surface = constant(world.hit(&here, &w));
+    let hit: Surface<Rooms> = constant(world.hit(&here, &w));
     let point = hit.seen_from(here.position).apply(&w);
     SceneVertex::hit(hit, point)
 }

@@ -9,6 +9,7 @@
 
 pub mod block_test;
 pub mod compare;
+pub mod decode;
 pub mod exr;
 pub mod flip;
 pub mod png;

@@ -2,6 +2,8 @@
 
 use std::fmt::Debug;
 
+use glam::Vec2;
+
 /// Nothing: the type of what a kind of scene leaves out. It has no values, so that code which handles
 /// one is never reached and is dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,16 +19,34 @@ pub trait Presence: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Or<B: Presence>: Presence;
     /// The value, if there is one.
     const VALUE: Option<Self>;
+    /// Texture coordinates where textures are present, otherwise nothing.
+    type Uv: Copy + Debug + PartialEq + Default + Send + Sync + 'static;
+    /// Evaluates texture coordinates, if there is a use for them.
+    fn uv(coordinates: impl FnOnce() -> Vec2) -> Self::Uv;
+    /// The coordinates; zero if there is no use for them.
+    fn coordinates(uv: Self::Uv) -> Vec2;
 }
 
 impl Presence for Present {
     type Or<B: Presence> = Present;
     const VALUE: Option<Self> = Some(Present);
+    type Uv = Vec2;
+    fn uv(coordinates: impl FnOnce() -> Vec2) -> Vec2 {
+        coordinates()
+    }
+    fn coordinates(uv: Vec2) -> Vec2 {
+        uv
+    }
 }
 
 impl Presence for Absent {
     type Or<B: Presence> = B;
     const VALUE: Option<Self> = None;
+    type Uv = ();
+    fn uv(_: impl FnOnce() -> Vec2) {}
+    fn coordinates((): ()) -> Vec2 {
+        Vec2::ZERO
+    }
 }
 
 /// Present if one of two is.

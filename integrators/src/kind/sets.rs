@@ -33,6 +33,7 @@ macro_rules! scene_kind {
             type RoughPlastic = $crate::__feature!(RoughPlastic; $($feature)+);
             type Mask = $crate::__feature!(Mask; $($feature)+);
             type Blend = $crate::__feature!(Blend; $($feature)+);
+            type Textures = $crate::__feature!(Textures; $($feature)+);
             type Area = $crate::__feature!(Area; $($feature)+);
             type Constant = $crate::__feature!(Constant; $($feature)+);
             type Point = $crate::__feature!(Point; $($feature)+);
@@ -64,6 +65,7 @@ macro_rules! __feature {
     (RoughPlastic; RoughPlastic $($rest:ident)*) => { $crate::scene::bsdf::RoughPlastic };
     (Mask; Mask $($rest:ident)*) => { $crate::kind::Present };
     (Blend; Blend $($rest:ident)*) => { $crate::kind::Present };
+    (Textures; Textures $($rest:ident)*) => { $crate::kind::Present };
     (Area; Area $($rest:ident)*) => { $crate::kind::Present };
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
     (Point; Point $($rest:ident)*) => { $crate::kind::Present };
@@ -78,19 +80,20 @@ scene_kind! {
 
 scene_kind! {
     /// Surfaces that scatter into all directions, without atoms: matte, or rough metal, glass and plastic.
-    pub struct GlossyRooms: Diffuse, RoughConductor, RoughDielectric, RoughPlastic, Area, Constant;
+    pub struct GlossyRooms: Diffuse, RoughConductor, RoughDielectric, RoughPlastic, Textures, Area,
+        Constant;
 }
 
 scene_kind! {
     /// Every scattering model, with lights that have a surface.
     pub struct Surfaces: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Area;
+        RoughDielectric, RoughPlastic, Textures, Area;
 }
 
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Area, Constant, Point, Directional;
+        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional;
 }
 
 /// What a scene has and a kind has not.
@@ -129,6 +132,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
         needed_by(bsdf, &mut |feature| need(feature, has::<K>(feature)));
     }
     for (exists, feature) in [
+        (!scene.textures.is_empty(), "Textures"),
         (!scene.emitters.is_empty(), "Area"),
         (scene.sky.is_some(), "Constant"),
         (!scene.bulbs.is_empty(), "Point"),
@@ -142,7 +146,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 14] = [
+pub const FEATURES: [&str; 15] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -153,6 +157,7 @@ pub const FEATURES: [&str; 14] = [
     "RoughPlastic",
     "Mask",
     "Blend",
+    "Textures",
     "Area",
     "Constant",
     "Point",
@@ -175,6 +180,7 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "RoughPlastic" => part::<K::RoughPlastic, _>(),
         "Mask" => K::Mask::VALUE.is_some(),
         "Blend" => K::Blend::VALUE.is_some(),
+        "Textures" => K::Textures::VALUE.is_some(),
         "Area" => K::Area::VALUE.is_some(),
         "Constant" => K::Constant::VALUE.is_some(),
         "Point" => K::Point::VALUE.is_some(),

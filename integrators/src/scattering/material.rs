@@ -43,6 +43,17 @@ pub struct Side<K: SceneKind> {
     pub mask: Option<(K::Mask, f32)>,
 }
 
+impl<K: SceneKind> Side<K> {
+    /// Whether it scatters no light at all.
+    #[inline]
+    pub fn is_black(&self) -> bool {
+        let black = |model: &Model<K>| matches!(model, Model::Black);
+        black(&self.base)
+            && self.blend.as_ref().is_none_or(|(_, model, share)| black(model) || *share == 0.0)
+            && self.mask.as_ref().is_none_or(|(_, share)| *share == 0.0)
+    }
+}
+
 /// A material: what is seen from the side that the normal points to, and from the other one.
 #[derive(Clone, Debug)]
 pub struct Material<K: SceneKind> {

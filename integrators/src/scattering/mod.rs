@@ -13,7 +13,7 @@ mod rough_plastic;
 mod tests;
 
 use aether_core::prelude::{Direction, Frame};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 pub use lobe::{Lobe, Lobes, Weighted};
 pub use material::{Material, Model, Side};
@@ -21,6 +21,7 @@ pub use rough_plastic::Coat;
 
 use crate::kind::{Part, Presence, SceneKind};
 use crate::scene::bsdf::Metal;
+use crate::scene::texture::{Colour, Texture};
 use material::base_albedo;
 
 /// A material at a point, as it is seen from one side.
@@ -35,6 +36,8 @@ pub struct Scattering<'w, K: SceneKind> {
     towards: Vec3,
     /// Whether the viewer is behind the surface.
     behind: bool,
+    textures: &'w [Texture],
+    uv: Vec2,
 }
 
 /// Where the value is: the reflectance of a metal at a cosine.
@@ -43,17 +46,32 @@ fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
 }
 
 impl<'w, K: SceneKind> Scattering<'w, K> {
-    /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
-    /// or if it is black on that side.
-    pub fn new(material: &'w Material<K>, normal: Vec3, towards: Vec3) -> Option<Self> {
+    /// How a material scatters light to a viewer in direction `towards`, at the coordinates `uv` of its
+    /// textures; `None` from within the surface or if it is black on that side.
+    pub fn new(
+        material: &'w Material<K>,
+        textures: &'w [Texture],
+        uv: Vec2,
+        normal: Vec3,
+        towards: Vec3,
+    ) -> Option<Self> {
         let behind = normal.dot(towards) <= 0.0;
         let (side, n) = if behind { (&material.back, -normal) } else { (&material.front, normal) };
-        if matches!(side.base, Model::Black) && side.blend.is_none() && side.mask.is_none() {
+        if side.is_black() {
             return None;
         }
         let frame = Frame::around(Direction::new(n.x, n.y, n.z));
         let view = Direction::from_vec(frame.to_local(towards));
-        (view.z > 0.0).then_some(Scattering { side, frame, view, towards, behind })
+        (view.z > 0.0).then_some(Scattering { side, frame, view, towards, behind, textures, uv })
+    }
+
+    /// A colour here.
+    #[inline]
+    fn colour(&self, colour: &Colour) -> Vec3 {
+        match (K::Textures::VALUE, colour.texture) {
+            (Some(_), Some(texture)) => self.textures[texture as usize].at(self.uv),
+            _ => colour.value,
+        }
     }
 
     /// How many lobes there are.
@@ -132,7 +150,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     fn model_albedo(&self, model: &Model<K>) -> Vec3 {
         match model {
             Model::Black => Vec3::ZERO,
-            Model::Diffuse(matte) => matte.get().reflectance,
+            Model::Diffuse(matte) => self.colour(&matte.get().reflectance),
             Model::Conductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
             Model::RoughConductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
             Model::Dielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
@@ -140,11 +158,11 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::RoughDielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
             Model::Plastic(plastic, _) => {
                 let (share, _) = fresnel::dielectric(self.view.z, plastic.get().eta);
-                plastic.get().diffuse.lerp(plastic.get().reflectance, share)
+                self.colour(&plastic.get().diffuse).lerp(plastic.get().reflectance, share)
             }
             Model::RoughPlastic(plastic, coat) => {
                 let share = 1.0 - coat.transmitted(self.view.z);
-                plastic.get().diffuse.lerp(plastic.get().reflectance, share)
+                self.colour(&plastic.get().diffuse).lerp(plastic.get().reflectance, share)
             }
         }
     }
@@ -190,7 +208,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::Plastic(plastic, _) => {
                 let plastic = plastic.get();
                 let (reflected, _) = fresnel::dielectric(self.view.z, plastic.eta);
-                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse);
+                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse.value);
                 if index == 0 {
                     mirror(plastic.reflectance * reflected, chance)
                 } else {
@@ -207,7 +225,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::RoughPlastic(plastic, coat) => {
                 let plastic = plastic.get();
                 let reflected = 1.0 - coat.transmitted(self.view.z);
-                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse);
+                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse.value);
                 if index == 0 { facets(plastic.roughness, chance) } else { matte(1.0 - chance) }
             }
         }
@@ -216,11 +234,13 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn model_value(&self, model: &Model<K>, w: Direction<f32>) -> Vec3 {
         match model {
-            Model::Diffuse(matte) if w.z > 0.0 => matte.get().reflectance * (facets::LAMBERT * w.z),
+            Model::Diffuse(matte) if w.z > 0.0 => {
+                self.colour(&matte.get().reflectance) * (facets::LAMBERT * w.z)
+            }
             Model::Plastic(plastic, inside) if w.z > 0.0 => {
                 let plastic = plastic.get();
                 let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;
-                let albedo = base_albedo(plastic.diffuse, *inside, plastic.nonlinear);
+                let albedo = base_albedo(self.colour(&plastic.diffuse), *inside, plastic.nonlinear);
                 let through = passes(w.z) * passes(self.view.z) / (plastic.eta * plastic.eta);
                 albedo * (facets::LAMBERT * w.z * through)
             }
@@ -237,7 +257,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                     plastic.roughness.mirrored(self.view, w).map_or(0.0, |(value, h)| {
                         value * fresnel::dielectric(h.dot(self.view), plastic.eta).0
                     });
-                let albedo = base_albedo(plastic.diffuse, coat.inside, plastic.nonlinear);
+                let albedo =
+                    base_albedo(self.colour(&plastic.diffuse), coat.inside, plastic.nonlinear);
                 let through = coat.transmitted(w.z) * coat.transmitted(self.view.z)
                     / (plastic.eta * plastic.eta);
                 plastic.reflectance * specular + albedo * (facets::LAMBERT * w.z * through)

@@ -4,20 +4,19 @@
 
 use glam::Vec3;
 
+use super::texture::Colour;
+
 /// A Lambertian reflector: `reflectance / π`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Diffuse {
     /// Albedo in linear Rec. 709, each channel in [0, 1].
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
 }
 
 impl Diffuse {
-    /// A surface that reflects nothing.
-    pub const BLACK: Self = Self { reflectance: Vec3::ZERO };
-
     /// Whether it reflects nothing.
     pub fn is_black(&self) -> bool {
-        self.reflectance == Vec3::ZERO
+        self.reflectance.value == Vec3::ZERO
     }
 }
 
@@ -67,7 +66,7 @@ pub struct Plastic {
     /// Index of refraction of the coat over that outside.
     pub eta: f32,
     /// Albedo of the base.
-    pub diffuse: Vec3,
+    pub diffuse: Colour,
     /// Scales the light reflected by the coat.
     pub reflectance: Vec3,
     /// Whether the colour shifts because light is reflected within the coat.
@@ -126,7 +125,7 @@ pub struct RoughPlastic {
     /// Index of refraction of the coat over that outside.
     pub eta: f32,
     /// Albedo of the base.
-    pub diffuse: Vec3,
+    pub diffuse: Colour,
     /// Scales the light reflected by the coat.
     pub reflectance: Vec3,
     /// Whether the colour shifts because light is reflected within the coat.

@@ -9,13 +9,14 @@ use serde_json::{Value, json};
 use super::{Filter, Scene, ShapeKind};
 use crate::kind;
 
-const KINDS: [ShapeKind; 6] = [
+const KINDS: [ShapeKind; 7] = [
     ShapeKind::Rectangle,
     ShapeKind::Cube,
     ShapeKind::Sphere,
     ShapeKind::Disk,
     ShapeKind::Obj,
     ShapeKind::Ply,
+    ShapeKind::Serialized,
 ];
 
 /// The scene in JSON. Vectors are arrays, power is π · area · radiance summed over the primitives

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::bsdf::{Bsdf, Diffuse};
 use super::document::{Document, ObjectId, Property, Query};
@@ -12,6 +12,7 @@ use super::lights::{Bulb, Distant, Sky};
 use super::load_bsdf;
 use super::load_lights::{Lone, read_area, read_lone};
 use super::load_settings::{Sensor, read_integrator, read_sensor};
+use super::load_texture::Textures;
 use super::model::{Bounds, Emitter, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
@@ -63,6 +64,7 @@ struct Builder<'a> {
     pending: Vec<Pending<'a>>,
     scene: Parts,
     bsdf_indices: HashMap<ObjectId, u32>,
+    textures: Textures,
     sky: Option<Sky>,
     bulbs: Vec<(Bulb, DVec3)>,
     distant: Vec<Distant>,
@@ -81,6 +83,7 @@ struct Parts {
     primitive_shapes: Vec<u32>,
     shapes: Vec<Shape>,
     normals: Vec<[Vec3; 3]>,
+    texcoords: Vec<[Vec2; 3]>,
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
     degenerate: usize,
@@ -92,6 +95,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         pending: Vec::new(),
         scene: Parts::default(),
         bsdf_indices: HashMap::new(),
+        textures: Textures::default(),
         sky: None,
         bulbs: Vec::new(),
         distant: Vec::new(),
@@ -117,12 +121,13 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         None => Integrator::default(),
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
-    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter"])?;
+    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture"])?;
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
     let (sky, distant) = (builder.sky, std::mem::take(&mut builder.distant));
     let bulbs = std::mem::take(&mut builder.bulbs);
+    let textures = std::mem::take(&mut builder.textures.list);
     let (parts, origin) = builder.parts()?;
     let bulbs = bulbs
         .into_iter()
@@ -138,6 +143,8 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         primitive_shapes: parts.primitive_shapes,
         shapes: parts.shapes,
         normals: parts.normals,
+        texcoords: parts.texcoords,
+        textures,
         bsdfs: parts.bsdfs,
         emitters: parts.emitters,
         sky,
@@ -178,7 +185,7 @@ impl<'a> Builder<'a> {
             Some(id) => self.bsdf(id)?,
             // Mitsuba's default; a shape that only emits reflects nothing.
             None => self.add_bsdf(Bsdf::Diffuse(Diffuse {
-                reflectance: Vec3::splat(if emission.is_some() { 0.0 } else { 0.5 }),
+                reflectance: Vec3::splat(if emission.is_some() { 0.0 } else { 0.5 }).into(),
             })),
         };
         query.finish(&["bsdf", "emitter"])?;
@@ -192,6 +199,8 @@ impl<'a> Builder<'a> {
             first_primitive: 0,
             primitive_count: 0,
             first_normals: None,
+            first_texcoords: None,
+            to_local: source.to_local(),
         };
         self.pending.push(Pending { source, shape, property });
         Ok(())
@@ -225,7 +234,7 @@ impl<'a> Builder<'a> {
         if let Some(&index) = self.bsdf_indices.get(&id) {
             return Ok(index);
         }
-        let bsdf = load_bsdf::read(self.document, id)?;
+        let bsdf = load_bsdf::read(self.document, id, &mut self.textures)?;
         let index = self.add_bsdf(bsdf);
         self.bsdf_indices.insert(id, index);
         Ok(index)
@@ -238,6 +247,8 @@ impl Parts {
         shape.first_primitive = self.primitives.len() as u32;
         shape.primitive_count = geometry.primitives.len() as u32;
         shape.first_normals = (!geometry.normals.is_empty()).then_some(self.normals.len() as u32);
+        shape.first_texcoords =
+            (!geometry.texcoords.is_empty()).then_some(self.texcoords.len() as u32);
         for (offset, primitive) in geometry.primitives.into_iter().enumerate() {
             if let Some(radiance) = shape.emission.filter(|radiance| *radiance != Vec3::ZERO) {
                 self.emitters.push(Emitter {
@@ -250,6 +261,7 @@ impl Parts {
             self.primitive_shapes.push(index);
         }
         self.normals.extend(geometry.normals);
+        self.texcoords.extend(geometry.texcoords);
         self.degenerate += geometry.degenerate;
         self.shapes.push(shape);
     }

@@ -6,6 +6,7 @@ use super::bsdf::*;
 use super::document::{Document, ObjectId, Query};
 use super::error::SceneError;
 use super::indices;
+use super::load_texture::Textures;
 
 /// The plugins that exist here.
 const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughconductor, \
@@ -15,21 +16,32 @@ const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughco
 const DEEPEST: usize = 8;
 
 /// Reads a material.
-pub fn read(document: &Document, id: ObjectId) -> Result<Bsdf, SceneError> {
-    nested(document, id, 0)
+pub fn read(
+    document: &Document,
+    id: ObjectId,
+    textures: &mut Textures,
+) -> Result<Bsdf, SceneError> {
+    nested(document, id, 0, textures)
 }
 
-fn nested(document: &Document, id: ObjectId, depth: usize) -> Result<Bsdf, SceneError> {
+fn nested(
+    document: &Document,
+    id: ObjectId,
+    depth: usize,
+    textures: &mut Textures,
+) -> Result<Bsdf, SceneError> {
     let query = document.query(id);
     if depth > DEEPEST {
         return Err(query.error_at("", "materials are nested too deeply"));
     }
-    let children = || -> Result<Vec<Bsdf>, SceneError> {
+    let mut children = || -> Result<Vec<Bsdf>, SceneError> {
         let tagged = query.children().filter(|(_, id)| document.objects[*id].tag == "bsdf");
-        tagged.map(|(_, id)| nested(document, id, depth + 1)).collect()
+        tagged.map(|(_, id)| nested(document, id, depth + 1, textures)).collect()
     };
     let bsdf = match query.object.plugin.as_str() {
-        "diffuse" => Bsdf::Diffuse(Diffuse { reflectance: colour(&query, "reflectance", 0.5)? }),
+        "diffuse" => Bsdf::Diffuse(Diffuse {
+            reflectance: textures.colour(document, &query, "reflectance", 0.5)?,
+        }),
         "conductor" => Bsdf::Conductor(Conductor {
             metal: metal(&query)?,
             reflectance: colour(&query, "specular_reflectance", 1.0)?,
@@ -49,22 +61,17 @@ fn nested(document: &Document, id: ObjectId, depth: usize) -> Result<Bsdf, Scene
             reflectance: colour(&query, "specular_reflectance", 1.0)?,
             transmittance: colour(&query, "specular_transmittance", 1.0)?,
         }),
-        "roughdielectric" => Bsdf::RoughDielectric(RoughDielectric {
-            roughness: roughness(&query)?,
-            eta: rough_index(&query)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
-            transmittance: colour(&query, "specular_transmittance", 1.0)?,
-        }),
+        "roughdielectric" => rough_dielectric(&query)?,
         "plastic" => Bsdf::Plastic(Plastic {
             eta: plastic_index(&query)?,
-            diffuse: colour(&query, "diffuse_reflectance", 0.5)?,
+            diffuse: textures.colour(document, &query, "diffuse_reflectance", 0.5)?,
             reflectance: colour(&query, "specular_reflectance", 1.0)?,
             nonlinear: query.boolean("nonlinear")?.unwrap_or(false),
         }),
         "roughplastic" => Bsdf::RoughPlastic(RoughPlastic {
             roughness: roughness(&query)?,
             eta: plastic_index(&query)?,
-            diffuse: colour(&query, "diffuse_reflectance", 0.5)?,
+            diffuse: textures.colour(document, &query, "diffuse_reflectance", 0.5)?,
             reflectance: colour(&query, "specular_reflectance", 1.0)?,
             nonlinear: query.boolean("nonlinear")?.unwrap_or(false),
         }),
@@ -74,7 +81,15 @@ fn nested(document: &Document, id: ObjectId, depth: usize) -> Result<Bsdf, Scene
         _ => return Err(query.unsupported(SUPPORTED)),
     };
     let is_nested = matches!(bsdf, Bsdf::TwoSided(_) | Bsdf::Mask { .. } | Bsdf::Blend { .. });
-    query.finish(if is_nested { &["bsdf"] } else { &[] })?;
+    query.finish(if is_nested { &["bsdf"] } else { &["texture"] })?;
+    let known = ["reflectance", "diffuse_reflectance"];
+    let mut nested = query.children().filter(|_| !is_nested);
+    if let Some((property, _)) = nested.find(|(p, _)| !known.contains(&p.name.as_str())) {
+        return Err(property.place.error(format!(
+            "unreferenced texture \"{}\" in {}",
+            property.name, query.object.place.element
+        )));
+    }
     Ok(bsdf)
 }
 
@@ -136,7 +151,7 @@ fn share(query: &Query, name: &'static str, default: Option<f64>) -> Result<f32,
 }
 
 /// A reflectance or transmittance.
-fn colour(query: &Query, name: &'static str, default: f64) -> Result<Vec3, SceneError> {
+pub fn colour(query: &Query, name: &'static str, default: f64) -> Result<Vec3, SceneError> {
     reject_texture(query, name)?;
     let colour = query.color(name, DVec3::ONE)?.unwrap_or(DVec3::splat(default));
     if colour.min_element() < 0.0 || colour.max_element() > 1.0 {
@@ -191,17 +206,24 @@ fn relative_index(query: &Query) -> Result<f32, SceneError> {
     Ok(eta as f32)
 }
 
-/// That of a rough boundary, which has to refract.
-fn rough_index(query: &Query) -> Result<f32, SceneError> {
-    let eta = relative_index(query)?;
-    if !(0.4..=2.5).contains(&eta) || (eta - 1.0).abs() < 2e-7 {
+/// Closer to one, an index of refraction bends light by less than single precision resolves well.
+const LEAST_REFRACTION: f32 = 3e-5;
+
+fn rough_dielectric(query: &Query) -> Result<Bsdf, SceneError> {
+    let (roughness, eta) = (roughness(query)?, relative_index(query)?);
+    let reflectance = colour(query, "specular_reflectance", 1.0)?;
+    let transmittance = colour(query, "specular_transmittance", 1.0)?;
+    if !(0.4..=2.5).contains(&eta) {
         let message = format!(
-            "the relative index of refraction of a rough boundary is {eta}, but must lie in 0.4..=2.5 \
-             and differ from 1"
+            "the relative index of refraction of a rough boundary is {eta}, but must lie in 0.4..=2.5"
         );
         return Err(query.error_at("int_ior", message));
     }
-    Ok(eta)
+    if (eta - 1.0).abs() < LEAST_REFRACTION {
+        // It reflects less than 1e-9 of the light, and the rest passes straight on.
+        return Ok(Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, reflectance, transmittance }));
+    }
+    Ok(Bsdf::RoughDielectric(RoughDielectric { roughness, eta, reflectance, transmittance }))
 }
 
 fn plastic_index(query: &Query) -> Result<f32, SceneError> {
@@ -262,8 +284,10 @@ fn roughness(query: &Query) -> Result<Roughness, SceneError> {
              not supported; give one alpha",
         ));
     }
-    if alpha.iter().any(|a| !(1e-6..=10.0).contains(a)) {
-        return Err(query.error_at("alpha", "the roughness must lie in 1e-6..=10"));
+    if alpha.iter().any(|a| !(1e-5..=10.0).contains(a)) {
+        let message =
+            "the roughness must lie in 1e-5..=10; for less, there are the smooth materials";
+        return Err(query.error_at("alpha", message));
     }
     let sample_visible = query.boolean("sample_visible")?.unwrap_or(true);
     Ok(Roughness { distribution, alpha: alpha.map(|a| a as f32), sample_visible })
@@ -273,7 +297,7 @@ fn roughness(query: &Query) -> Result<Roughness, SceneError> {
 pub fn reject_texture(query: &Query, name: &str) -> Result<(), SceneError> {
     match query.children().find(|(property, _)| property.name == name) {
         Some((property, _)) => Err(property.place.error(format!(
-            "textures are not supported; supported for \"{name}\": rgb, spectrum, float"
+            "textures are not supported here; supported for \"{name}\": rgb, spectrum, float"
         ))),
         None => Ok(()),
     }

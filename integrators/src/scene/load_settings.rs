@@ -90,8 +90,11 @@ fn read_camera(query: &Query, film: Film) -> Result<(Camera, DVec3), SceneError>
 }
 
 fn read_film(document: &Document, query: &Query) -> Result<Film, SceneError> {
-    if query.object.plugin != "hdrfilm" {
-        return Err(query.unsupported("hdrfilm"));
+    match query.object.plugin.as_str() {
+        "hdrfilm" => {}
+        // The film of version 0.x for pictures to look at; the PNG that is written has the gamma of sRGB.
+        "ldrfilm" => query.ignore(&["gamma", "exposure", "tonemap_method", "key", "burn"]),
+        _ => return Err(query.unsupported("hdrfilm, ldrfilm")),
     }
     let width = query.integer("width", 1, MAX_FILM_SIZE)?.unwrap_or(768) as u32;
     let height = query.integer("height", 1, MAX_FILM_SIZE)?.unwrap_or(576) as u32;
@@ -101,7 +104,7 @@ fn read_film(document: &Document, query: &Query) -> Result<Film, SceneError> {
     };
     // How the image is stored is for the program to say.
     query.ignore(&["file_format", "pixel_format", "component_format"]);
-    query.ignore(&["sample_border", "banner", "compensate"]);
+    query.ignore(&["sample_border", "banner", "compensate", "attach_log", "high_quality_edges"]);
     query.finish(&["rfilter"])?;
     Ok(Film { width, height, filter })
 }

@@ -19,7 +19,7 @@ fn load_with(body: &str, defines: &[(&str, &str)]) -> Result<Scene, String> {
 }
 
 fn diffuse(reflectance: Vec3) -> Bsdf {
-    Bsdf::Diffuse(Diffuse { reflectance })
+    Bsdf::Diffuse(Diffuse { reflectance: reflectance.into() })
 }
 
 const SENSOR: &str = "<sensor type=\"perspective\"/>";
@@ -184,7 +184,10 @@ fn includes_and_paths_are_followed() {
 
 #[test]
 fn errors_say_where_and_what() {
-    let with = |body: &str| load(&format!("{SENSOR}\n{body}")).map(|_| ()).unwrap_err();
+    let with = |body: &str| match load(&format!("{SENSOR}\n{body}")) {
+        Ok(_) => panic!("{body} is loaded"),
+        Err(error) => error,
+    };
     for (body, expected) in [
         (
             "<bsdf type=\"foo\"/>",
@@ -194,7 +197,7 @@ fn errors_say_where_and_what() {
         (
             "  <shape type=\"cylinder\"/>",
             "scene.xml:3:3: <shape type=\"cylinder\">: not supported; supported: rectangle, cube, \
-          sphere, disk, obj, ply",
+          sphere, disk, obj, ply, serialized",
         ),
         (
             "<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",
@@ -207,8 +210,9 @@ fn errors_say_where_and_what() {
           <shape type=\"cube\">; supported: <bsdf>, <emitter>",
         ),
         (
-            "<emitter type=\"point\"/>",
-            "scene.xml:3:1: <emitter type=\"point\">: not supported; supported: area, inside a <shape>",
+            "<emitter type=\"sunsky\"/>",
+            "scene.xml:3:1: <emitter type=\"sunsky\">: not supported; supported: area (inside a \
+          <shape>), constant, point, spot, directional",
         ),
         (
             "<emitter type=\"area\"/>",
@@ -236,8 +240,7 @@ fn errors_say_where_and_what() {
         ),
         (
             "<bsdf type=\"diffuse\"><texture type=\"bitmap\" name=\"reflectance\"/></bsdf>",
-            "scene.xml:3:22: <texture type=\"bitmap\">: textures are not supported; supported for \
-          \"reflectance\": rgb, spectrum, float",
+            "scene.xml:3:22: <texture type=\"bitmap\">: the string \"filename\" is missing",
         ),
         (
             "<bsdf type=\"diffuse\"><string name=\"reflectance\" value=\"1\"/></bsdf>",

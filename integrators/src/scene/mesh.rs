@@ -1,11 +1,29 @@
 //! Triangle meshes between their file and the scene.
 
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3};
 
 use super::values::relative_determinant;
 
-/// Marks a corner without a normal in [`Mesh::normal_triangles`].
-pub const NO_NORMAL: u32 = u32::MAX;
+/// Marks a corner without a normal or texture coordinates.
+pub const NONE: u32 = u32::MAX;
+
+/// A corner of a polygon, by indices into the lists of a mesh; [`NONE`] for what it does not have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// Its position.
+    pub vertex: u32,
+    /// Its normal.
+    pub normal: u32,
+    /// Its texture coordinates.
+    pub texcoord: u32,
+}
+
+impl Corner {
+    /// A corner that has a position and nothing else.
+    pub fn plain(vertex: u32) -> Self {
+        Corner { vertex, normal: NONE, texcoord: NONE }
+    }
+}
 
 /// A mesh as its file describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,19 +32,34 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Vertex normals, of any length.
     pub normals: Vec<DVec3>,
+    /// Texture coordinates.
+    pub texcoords: Vec<DVec2>,
     /// Indices into `positions`.
     pub triangles: Vec<[u32; 3]>,
-    /// Indices into `normals` or [`NO_NORMAL`]; empty if the file has no normals.
+    /// Indices into `normals` or [`NONE`]; empty if the file has no normals.
     pub normal_triangles: Vec<[u32; 3]>,
+    /// Indices into `texcoords` or [`NONE`]; empty if the file has no texture coordinates.
+    pub texcoord_triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// Adds a polygon as a fan around its first corner. Corners are a vertex and a normal.
-    pub fn push_polygon(&mut self, corners: &[(u32, u32)]) {
+    /// Adds a polygon as a fan around its first corner.
+    pub fn push_polygon(&mut self, corners: &[Corner]) {
         for i in 1..corners.len().saturating_sub(1) {
             let fan = [corners[0], corners[i], corners[i + 1]];
-            self.triangles.push(fan.map(|corner| corner.0));
-            self.normal_triangles.push(fan.map(|corner| corner.1));
+            self.triangles.push(fan.map(|corner| corner.vertex));
+            self.normal_triangles.push(fan.map(|corner| corner.normal));
+            self.texcoord_triangles.push(fan.map(|corner| corner.texcoord));
+        }
+    }
+
+    /// Forgets the indices of what the file does not have.
+    pub fn drop_unused(&mut self) {
+        if self.normals.is_empty() {
+            self.normal_triangles.clear();
+        }
+        if self.texcoords.is_empty() {
+            self.texcoord_triangles.clear();
         }
     }
 }
@@ -76,6 +109,8 @@ pub struct Triangles {
     pub vertices: Vec<[Vec3; 3]>,
     /// Unit shading normals at the corners; empty if the mesh is flat.
     pub normals: Vec<[Vec3; 3]>,
+    /// Texture coordinates at the corners; empty if the mesh has none.
+    pub texcoords: Vec<[Vec2; 3]>,
     /// Number of triangles left out because they have no area.
     pub degenerate: usize,
 }
@@ -100,6 +135,7 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
         (normals, indices.collect())
     };
 
+    let texcoords: Vec<[u32; 3]> = mesh.texcoord_triangles.iter().copied().map(orient).collect();
     let mut result = Triangles::default();
     for (index, triangle) in triangles.iter().enumerate() {
         let vertices = triangle.map(|v| positions[v as usize].as_vec3());
@@ -113,6 +149,10 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
                 |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
             let usable = |n: Vec3| if n == Vec3::ZERO { flat } else { n };
             result.normals.push(corners.map(|corner| usable(normal(corner))));
+        }
+        if let Some(corners) = texcoords.get(index) {
+            let at = |corner: u32| mesh.texcoords.get(corner as usize).copied().unwrap_or_default();
+            result.texcoords.push(corners.map(|corner| at(corner).as_vec2()));
         }
     }
     result
@@ -161,7 +201,7 @@ mod tests {
                 .to_vec(),
             ..Mesh::default()
         };
-        mesh.push_polygon(&[0, 1, 2, 3].map(|v| (v, NO_NORMAL)));
+        mesh.push_polygon(&[0, 1, 2, 3].map(Corner::plain));
         mesh
     }
 
@@ -208,8 +248,8 @@ mod tests {
     #[test]
     fn triangles_without_area_are_counted() {
         let mut mesh = quad();
-        mesh.push_polygon(&[0, 1, 1].map(|v| (v, NO_NORMAL)));
-        mesh.push_polygon(&[0, 1].map(|v| (v, NO_NORMAL)));
+        mesh.push_polygon(&[0, 1, 1].map(Corner::plain));
+        mesh.push_polygon(&[0, 1].map(Corner::plain));
         let t = place(&mesh, &placement(DMat4::IDENTITY, false), true);
         assert_eq!((t.vertices.len(), t.degenerate), (2, 1));
     }

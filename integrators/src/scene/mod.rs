@@ -18,13 +18,16 @@ mod load;
 mod load_bsdf;
 mod load_lights;
 mod load_settings;
+mod load_texture;
 mod mesh;
 pub mod model;
 mod obj;
 mod params;
 mod ply;
+mod serialized;
 pub mod settings;
 mod shapes;
+pub mod texture;
 mod trace;
 mod transform;
 mod tree;
@@ -36,7 +39,7 @@ mod load_tests;
 #[cfg(test)]
 mod trace_tests;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 pub use bsdf::Bsdf;
 pub use camera::Camera;
@@ -45,6 +48,7 @@ pub use lights::{Bulb, Distant, Sky};
 pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 
+use texture::Texture;
 use trace::{End, RawHit, Tracer};
 
 /// A scene ready to be rendered. It does not change any more, and threads share it.
@@ -58,6 +62,10 @@ pub struct Scene {
     /// Unit shading normals at the corners of the triangles of smooth shapes; see
     /// [`Scene::corner_normals`].
     pub normals: Vec<[Vec3; 3]>,
+    /// Texture coordinates at the corners of the triangles of shapes that have them.
+    pub texcoords: Vec<[Vec2; 3]>,
+    /// The textures that materials refer to.
+    pub textures: Vec<Texture>,
     /// The materials.
     pub bsdfs: Vec<Bsdf>,
     /// The emissive primitives, one entry for each.
@@ -101,6 +109,8 @@ pub struct Hit {
     pub geometric_normal: Vec3,
     /// Interpolated unit normal of smooth meshes, otherwise the geometric one.
     pub shading_normal: Vec3,
+    /// Weights of a triangle's corners, or a disk's coordinates, or nothing.
+    pub weights: Vec3,
 }
 
 impl Scene {
@@ -204,6 +214,30 @@ impl Scene {
             position,
             geometric_normal,
             shading_normal: shading_normal.unwrap_or(geometric_normal),
+            weights: w,
+        }
+    }
+
+    /// The texture coordinates at a hit, as Mitsuba has them: those of the mesh, or of a triangle without
+    /// any the weights of its second and third corner; of a sphere azimuth and polar angle, of a disk
+    /// radius and azimuth, all from 0 to 1.
+    pub fn texture_coordinates(&self, hit: &Hit) -> Vec2 {
+        let shape = self.shape(hit.primitive);
+        let w = hit.weights;
+        let turn = |y: f32, x: f32| (y.atan2(x) / std::f32::consts::TAU).rem_euclid(1.0);
+        match self.primitive(hit.primitive) {
+            Primitive::Triangle { .. } => {
+                let first = shape.first_texcoords.map(|first| first - shape.first_primitive);
+                let corners =
+                    first.and_then(|first| self.texcoords.get((first + hit.primitive.0) as usize));
+                corners.map_or(Vec2::new(w.y, w.z), |[a, b, c]| w.x * *a + w.y * *b + w.z * *c)
+            }
+            Primitive::Sphere { center, .. } => {
+                let local = (shape.to_local * (hit.position - *center)).normalize_or_zero();
+                let polar = local.z.clamp(-1.0, 1.0).acos() / std::f32::consts::PI;
+                Vec2::new(turn(local.y, local.x), polar)
+            }
+            Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use glam::{Vec3, vec3};
+use glam::{Mat3, Vec3, vec3};
 
 use super::mesh::{double_area_normal, unit_normal};
 
@@ -124,6 +124,8 @@ pub enum ShapeKind {
     Obj,
     /// A Stanford PLY mesh.
     Ply,
+    /// A mesh of a compressed file of Mitsuba's.
+    Serialized,
 }
 
 impl ShapeKind {
@@ -136,6 +138,7 @@ impl ShapeKind {
             Self::Disk => "disk",
             Self::Obj => "obj",
             Self::Ply => "ply",
+            Self::Serialized => "serialized",
         }
     }
 }
@@ -157,6 +160,10 @@ pub struct Shape {
     pub primitive_count: u32,
     /// Where its shading normals begin in [`super::Scene::normals`], if it has any.
     pub first_normals: Option<u32>,
+    /// Where its texture coordinates begin in [`super::Scene::texcoords`], if it has any.
+    pub first_texcoords: Option<u32>,
+    /// From directions in the world to those of a sphere's own coordinates.
+    pub to_local: Mat3,
 }
 
 /// An emissive primitive. It emits from the side that its normal points to.

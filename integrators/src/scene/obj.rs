@@ -1,11 +1,11 @@
-//! Wavefront OBJ: positions, normals and polygons. Everything else is skipped, as Mitsuba does.
+//! Wavefront OBJ: positions, normals, texture coordinates and polygons. Everything else is skipped, as Mitsuba does.
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::error::SceneError;
-use super::mesh::{Mesh, NO_NORMAL};
+use super::mesh::{Corner, Mesh, NONE};
 use super::values::number;
 
 /// Reads a mesh. `path` only names the file in errors.
@@ -16,9 +16,7 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
         statement(&line, &mut mesh)
             .map_err(|e| SceneError::in_file(path, e).at_line(index as u32 + 1))?;
     }
-    if mesh.normals.is_empty() {
-        mesh.normal_triangles.clear();
-    }
+    mesh.drop_unused();
     Ok(mesh)
 }
 
@@ -27,6 +25,10 @@ fn statement(line: &str, mesh: &mut Mesh) -> Result<(), String> {
     match words.next() {
         Some("v") => mesh.positions.push(point(words)?),
         Some("vn") => mesh.normals.push(point(words)?),
+        Some("vt") => {
+            let mut next = || number(words.next().ok_or("two numbers are needed")?);
+            mesh.texcoords.push(DVec2::new(next()?, next()?));
+        }
         Some("f") => {
             let corners: Result<Vec<_>, _> = words.map(|word| corner(word, mesh)).collect();
             let corners = corners?;
@@ -46,21 +48,23 @@ fn point<'a>(mut words: impl Iterator<Item = &'a str>) -> Result<DVec3, String> 
 }
 
 /// `vertex`, `vertex/uv`, `vertex/uv/normal` or `vertex//normal`.
-fn corner(word: &str, mesh: &Mesh) -> Result<(u32, u32), String> {
+fn corner(word: &str, mesh: &Mesh) -> Result<Corner, String> {
     let mut parts = word.split('/');
     let vertex = index(parts.next().unwrap_or(""), mesh.positions.len(), "vertex")?;
-    let normal = match parts.nth(1) {
-        None | Some("") => NO_NORMAL,
-        Some(text) => index(text, mesh.normals.len(), "normal")?,
+    let mut optional = |count: usize, what| match parts.next() {
+        None | Some("") => Ok(NONE),
+        Some(text) => index(text, count, what),
     };
-    Ok((vertex, normal))
+    let texcoord = optional(mesh.texcoords.len(), "texture coordinate")?;
+    let normal = optional(mesh.normals.len(), "normal")?;
+    Ok(Corner { vertex, normal, texcoord })
 }
 
 /// Indices count from 1; negative ones count back from the latest.
 fn index(text: &str, count: usize, what: &str) -> Result<u32, String> {
     let value: i64 = text.parse().map_err(|_| format!("\"{text}\" is not a {what} index"))?;
     let at = if value < 0 { count as i64 + value } else { value - 1 };
-    if at < 0 || at >= count as i64 || at >= i64::from(NO_NORMAL) {
+    if at < 0 || at >= count as i64 || at >= i64::from(NONE) {
         return Err(format!("{what} {value} does not exist; there are {count} so far"));
     }
     Ok(at as u32)
@@ -78,10 +82,10 @@ mod tests {
 
     #[test]
     fn corners_of_every_form() {
-        let m = parse(&format!("{SQUARE}g a\nf 1 2/1 3/1/1 -1//-1\n")).unwrap();
+        let m = parse(&format!("{SQUARE}g a\nf 1 2/1 3/-1/1 -1//-1\n")).unwrap();
         assert_eq!(m.triangles, [[0, 1, 2], [0, 2, 3]]);
-        let none = NO_NORMAL;
-        assert_eq!(m.normal_triangles, [[none, none, 0], [none, 0, 0]]);
+        assert_eq!(m.normal_triangles, [[NONE, NONE, 0], [NONE, 0, 0]]);
+        assert_eq!(m.texcoord_triangles, [[NONE, 0, 0], [NONE, 0, NONE]]);
     }
 
     #[test]
@@ -91,6 +95,7 @@ mod tests {
             ("f 1 2 0", "m.obj:8: vertex 0 does not exist; there are 4 so far"),
             ("f 1 2 -5", "m.obj:8: vertex -5 does not exist; there are 4 so far"),
             ("f 1//2 2 3", "m.obj:8: normal 2 does not exist; there are 1 so far"),
+            ("f 1/2 2 3", "m.obj:8: texture coordinate 2 does not exist; there are 1 so far"),
             ("f 1 2 x", "m.obj:8: \"x\" is not a vertex index"),
             ("f 1 2", "m.obj:8: a face needs at least three corners"),
             ("v 0 nan 0", "m.obj:8: \"nan\" is not a finite number"),

@@ -1,12 +1,13 @@
-//! Stanford PLY, ascii and binary of either byte order: positions, normals and polygons. Other
+//! Stanford PLY, ascii and binary of either byte order: positions, normals, texture coordinates and
+//! polygons. Other
 //! properties and elements are skipped.
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::error::SceneError;
-use super::mesh::Mesh;
+use super::mesh::{Corner, Mesh};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Format {
@@ -96,9 +97,7 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
             return Err(SceneError::in_file(path, message).about(format!("triangle {index}")));
         }
     }
-    if mesh.normals.is_empty() {
-        mesh.normal_triangles.clear();
-    }
+    mesh.drop_unused();
     Ok(mesh)
 }
 
@@ -167,6 +166,13 @@ impl ElementHeader {
         Some([x?, y?, z?])
     }
 
+    /// The properties that are texture coordinates, by the names in use.
+    fn texcoords(&self) -> Option<[usize; 2]> {
+        [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]]
+            .into_iter()
+            .find_map(|[u, v]| Some([self.find(u, false)?, self.find(v, false)?]))
+    }
+
     fn indices(&self) -> Option<usize> {
         let plural = self.find("vertex_indices", true);
         plural.or_else(|| self.find("vertex_index", true))
@@ -227,12 +233,20 @@ impl Record {
                 if let Some(at) = element.triple(["nx", "ny", "nz"]) {
                     mesh.normals.push(finite(vector(at), "normal")?);
                 }
+                if let Some(at) = element.texcoords() {
+                    let uv = DVec2::from_array(at.map(|i| self.scalars[i]));
+                    if !uv.is_finite() {
+                        return Err("the texture coordinates are not finite".to_owned());
+                    }
+                    mesh.texcoords.push(uv);
+                }
             }
             "face" => {
                 let corner = |x: &f64| {
                     let valid = x.fract() == 0.0 && (0.0..f64::from(u32::MAX)).contains(x);
-                    // A vertex's normal has the index of the vertex.
-                    valid.then_some((*x as u32, *x as u32))
+                    let vertex = *x as u32;
+                    // All lists have the order of the vertices.
+                    valid.then_some(Corner { vertex, normal: vertex, texcoord: vertex })
                 };
                 let corners: Option<Vec<_>> = self.indices.iter().map(corner).collect();
                 let corners = corners.ok_or("a vertex index is negative or not an integer")?;

@@ -1,16 +1,14 @@
 //! From a `<shape>` to primitives.
 
-use std::path::Path;
-
-use glam::{DMat4, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3, Mat3};
 
 use super::document::Query;
 use super::error::SceneError;
 use super::files::find_file;
-use super::mesh::{self, Mesh, NO_NORMAL, Placement, Triangles};
+use super::mesh::{self, Corner, Mesh, Placement, Triangles};
 use super::model::{Primitive, ShapeKind};
 use super::values::relative_determinant;
-use super::{obj, ply};
+use super::{obj, ply, serialized};
 
 /// Coordinates beyond this have areas that overflow f32.
 pub const MAX_COORDINATE: f64 = 1e15;
@@ -22,6 +20,8 @@ pub struct Geometry {
     pub primitives: Vec<Primitive>,
     /// Shading normals at the corners of each triangle; empty if the shape is flat or round.
     pub normals: Vec<[glam::Vec3; 3]>,
+    /// Texture coordinates at the corners of each triangle; empty if the shape has none of its own.
+    pub texcoords: Vec<[glam::Vec2; 3]>,
     /// Triangles left out because they have no area.
     pub degenerate: usize,
 }
@@ -35,7 +35,8 @@ pub fn kind(query: &Query) -> Result<ShapeKind, SceneError> {
         "disk" => ShapeKind::Disk,
         "obj" => ShapeKind::Obj,
         "ply" => ShapeKind::Ply,
-        _ => return Err(query.unsupported("rectangle, cube, sphere, disk, obj, ply")),
+        "serialized" => ShapeKind::Serialized,
+        _ => return Err(query.unsupported("rectangle, cube, sphere, disk, obj, ply, serialized")),
     })
 }
 
@@ -59,6 +60,8 @@ pub enum Source {
         radius: f64,
         /// Whether the normals point to the centre.
         flipped: bool,
+        /// From directions in the world to those of the sphere's own coordinates.
+        to_local: Mat3,
     },
     /// The unit disk in the plane z = 0, and where it went.
     Disk(Placement),
@@ -84,10 +87,10 @@ pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
         ShapeKind::Cube => in_world(cube(), true),
         ShapeKind::Sphere => sphere(query, &placement)?,
         ShapeKind::Disk => Source::Disk(placement),
-        ShapeKind::Obj | ShapeKind::Ply => {
-            let face_normals = query.boolean("face_normals")?.unwrap_or(false);
-            query.ignore(&["flip_tex_coords"]);
-            in_world(read_mesh(kind, query)?, face_normals)
+        ShapeKind::Obj | ShapeKind::Ply | ShapeKind::Serialized => {
+            let face_normals = query.boolean("face_normals")?;
+            let (mesh, flat) = read_mesh(kind, query)?;
+            in_world(mesh, face_normals.unwrap_or(flat))
         }
     })
 }
@@ -103,6 +106,11 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
 }
 
 impl Source {
+    /// From directions in the world to those of a sphere's own coordinates.
+    pub fn to_local(&self) -> Mat3 {
+        if let Source::Sphere { to_local, .. } = self { *to_local } else { Mat3::IDENTITY }
+    }
+
     /// The corners of a box around the shape.
     fn bounds(&self) -> [DVec3; 2] {
         match self {
@@ -126,7 +134,7 @@ impl Source {
             Source::Mesh { mesh, placement, face_normals } => {
                 triangles(mesh::place(mesh, placement, *face_normals, origin))
             }
-            Source::Sphere { center, radius, flipped } => Geometry::of(Primitive::Sphere {
+            Source::Sphere { center, radius, flipped, .. } => Geometry::of(Primitive::Sphere {
                 center: (*center - origin).as_vec3(),
                 radius: *radius as f32,
                 flipped: *flipped,
@@ -155,21 +163,32 @@ fn triangles(placed: Triangles) -> Geometry {
     Geometry {
         primitives: placed.vertices.into_iter().map(triangle).collect(),
         normals: placed.normals,
+        texcoords: placed.texcoords,
         degenerate: placed.degenerate,
     }
 }
 
-fn read_mesh(kind: ShapeKind, query: &Query) -> Result<Mesh, SceneError> {
+/// The mesh of a file, and whether the file wants it flat.
+fn read_mesh(kind: ShapeKind, query: &Query) -> Result<(Mesh, bool), SceneError> {
     let name = query.string("filename")?;
     let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
     let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
     let bytes = std::fs::read(&path)
         .map_err(|e| query.error_at("filename", format!("{}: {e}", path.display())))?;
-    let read: fn(&[u8], &Path) -> Result<Mesh, SceneError> = match kind {
-        ShapeKind::Obj => obj::read,
-        _ => ply::read,
+    let (mut mesh, flat) = match kind {
+        ShapeKind::Obj => (obj::read(&bytes, &path)?, false),
+        ShapeKind::Serialized => {
+            let index = query.integer("shape_index", 0, i64::from(u32::MAX))?.unwrap_or(0);
+            serialized::read(&bytes, &path, index as usize)?
+        }
+        _ => (ply::read(&bytes, &path)?, false),
     };
-    read(&bytes, &path)
+    // As Mitsuba: files in OBJ have v upwards, pictures have their first row at v = 0.
+    let flip = query.boolean("flip_tex_coords")?.unwrap_or(kind == ShapeKind::Obj);
+    if flip {
+        mesh.texcoords.iter_mut().for_each(|uv| uv.y = 1.0 - uv.y);
+    }
+    Ok((mesh, flat))
 }
 
 /// The square `[-1, 1]²` in the plane z = 0, facing +z.
@@ -178,9 +197,10 @@ fn rectangle() -> Mesh {
         positions: [[-1., -1.], [1., -1.], [1., 1.], [-1., 1.]]
             .map(|[x, y]| DVec3::new(x, y, 0.0))
             .to_vec(),
+        texcoords: unit_square(),
         ..Mesh::default()
     };
-    mesh.push_polygon(&[0, 1, 2, 3].map(|v| (v, NO_NORMAL)));
+    mesh.push_polygon(&[0, 1, 2, 3].map(|v| Corner { texcoord: v, ..Corner::plain(v) }));
     mesh
 }
 
@@ -188,12 +208,20 @@ fn rectangle() -> Mesh {
 fn cube() -> Mesh {
     let sign = |corner: u32, axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
     let corner = |i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2));
-    let mut mesh = Mesh { positions: (0..8).map(corner).collect(), ..Mesh::default() };
+    let positions = (0..8).map(corner).collect();
+    let mut mesh = Mesh { positions, texcoords: unit_square(), ..Mesh::default() };
     for face in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
     {
-        mesh.push_polygon(&face.map(|v| (v, NO_NORMAL)));
+        let corners =
+            [0, 1, 2, 3].map(|i| Corner { texcoord: i, ..Corner::plain(face[i as usize]) });
+        mesh.push_polygon(&corners);
     }
     mesh
+}
+
+/// The corners of the unit square.
+fn unit_square() -> Vec<DVec2> {
+    vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y]
 }
 
 fn sphere(query: &Query, placement: &Placement) -> Result<Source, SceneError> {
@@ -219,6 +247,7 @@ fn sphere(query: &Query, placement: &Placement) -> Result<Source, SceneError> {
         center: m.transform_point3(center),
         radius: radius * scale,
         flipped: placement.flip_normals != mirrored,
+        to_local: DMat3::from_cols(x, y, z).inverse().as_mat3(),
     })
 }
 

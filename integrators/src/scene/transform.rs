@@ -45,7 +45,7 @@ impl Reader {
                 let a = self.attributes(place, node, &["value"], &[])?;
                 values::matrix(&a[0].1)
             }
-            "lookat" => {
+            "lookat" | "lookAt" => {
                 let a = self.attributes(place, node, &["origin", "target"], &["up"])?;
                 look_at(&a)
             }

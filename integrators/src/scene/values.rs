@@ -71,6 +71,15 @@ pub fn rgb(text: &str) -> Result<DVec3, String> {
     Ok(DVec3::new(channel(16), channel(8), channel(0)))
 }
 
+/// A colour in sRGB: `#rrggbb`, or one or three numbers.
+pub fn srgb(text: &str) -> Result<DVec3, String> {
+    if text.trim().starts_with('#') {
+        rgb(text)
+    } else {
+        vector(text).map(|c| c.map(srgb_to_linear))
+    }
+}
+
 /// The transfer function of IEC 61966-2-1, inverted.
 fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }

@@ -83,6 +83,8 @@ pub(super) struct Context {
     folders: Rc<Vec<PathBuf>>,
     /// How many includes deep.
     depth: usize,
+    /// Whether the file is of a version before 2, in which names were written otherwise.
+    old: bool,
 }
 
 pub(super) type Attributes<'a> = Vec<(&'a str, String)>;
@@ -106,11 +108,20 @@ impl Reader {
             (error.line, error.column) = (Some(position.row), Some(position.col));
             error
         })?;
-        let mut context = Context { source: source.clone(), folders, depth };
+        let mut context = Context { source: source.clone(), folders, depth, old: false };
         let root = xml.root_element();
         let place = context.place(root);
-        if root.attribute("version").is_none() {
+        let Some(version) = root.attribute("version") else {
             return Err(place.error("the root element needs version=\"3.0.0\""));
+        };
+        let major = version.split('.').next().and_then(|major| major.trim().parse::<u32>().ok());
+        match major {
+            Some(major @ 0..=3) => context.old = major < 2,
+            _ => {
+                let message =
+                    format!("version \"{version}\" is not supported; supported: 0.4 to 3");
+                return Err(place.error(message));
+            }
         }
         match parent {
             None if root.tag_name().name() != "scene" => {
@@ -163,7 +174,7 @@ impl Reader {
             "alias" => self.alias(node, &place),
             "ref" => {
                 let a = self.attributes(&place, node, &["id"], &["name"])?;
-                let name = attribute(&a, "name").unwrap_or("").to_owned();
+                let name = context.name(attribute(&a, "name").unwrap_or(""));
                 let index = self.document.objects[parent].properties.len();
                 self.references.push((parent, index, a[0].1.clone()));
                 self.add(parent, name, Value::Object(parent), place)
@@ -171,11 +182,11 @@ impl Reader {
             "transform" => {
                 let a = self.attributes(&place, node, &["name"], &[])?;
                 let transform = self.transform(context, node)?;
-                self.add(parent, a[0].1.clone(), Value::Transform(transform), place)
+                self.add(parent, context.name(&a[0].1), Value::Transform(transform), place)
             }
             _ => {
                 let (name, value) = self.value(node, &place)?;
-                self.add(parent, name, value, place)
+                self.add(parent, context.name(&name), value, place)
             }
         }
     }
@@ -208,7 +219,7 @@ impl Reader {
             folders: context.folders.clone(),
         });
         if let Some(parent) = parent {
-            let name = attribute(&a, "name").unwrap_or("").to_owned();
+            let name = context.name(attribute(&a, "name").unwrap_or(""));
             self.add(parent, name, Value::Object(id), place)?;
         }
         self.contents(context, node, id, nesting)
@@ -328,7 +339,7 @@ impl Reader {
                     Err(e) => Err(place.error(e)),
                 };
             }
-            "float" | "integer" | "boolean" | "string" | "rgb" | "spectrum" => {
+            "float" | "integer" | "boolean" | "string" | "rgb" | "srgb" | "spectrum" => {
                 self.attributes(place, node, &["name", "value"], &[])?
             }
             _ => {
@@ -346,6 +357,7 @@ impl Reader {
             "boolean" => values::boolean(text).map(Value::Boolean),
             "string" => Ok(Value::String(text.to_owned())),
             "rgb" => values::rgb(text).map(Value::Rgb),
+            "srgb" => values::srgb(text).map(Value::Rgb),
             _ => values::number(text).map(Value::Spectrum).map_err(|e| {
                 format!("{e}; only spectra with one value for all wavelengths are supported")
             }),
@@ -369,6 +381,23 @@ impl Reader {
 }
 
 impl Context {
+    /// The name of a property as it is written today: files before version 2 have `intIOR` for `int_ior`.
+    pub(super) fn name(&self, name: &str) -> String {
+        if !self.old {
+            return name.to_owned();
+        }
+        let mut result = String::with_capacity(name.len() + 4);
+        let mut before = '_';
+        for letter in name.chars() {
+            if letter.is_ascii_uppercase() && !before.is_ascii_uppercase() && before != '_' {
+                result.push('_');
+            }
+            result.push(letter.to_ascii_lowercase());
+            before = letter;
+        }
+        result
+    }
+
     pub(super) fn place(&self, node: Node) -> Place {
         let tag = node.tag_name().name();
         let key = ["type", "name", "id", "filename"]

@@ -1,0 +1,14 @@
+//! A path tracer for one kind of scenes; a test looks what is in this program.
+
+use integrators::scene_kind;
+
+mod render;
+
+scene_kind! {
+    /// Matte walls and lamps.
+    pub struct Rooms: Diffuse, Area;
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    render::mean::<Rooms>()
+}

@@ -1,0 +1,149 @@
+//! Pictures of any common format, as textures need them.
+
+use std::path::Path;
+
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+
+use super::exr::Exr;
+use super::{ImageError, RgbImage};
+
+/// Larger pictures are refused: columns or rows.
+const LARGEST: usize = 1 << 14;
+
+/// Reads an EXR, PNG, JPEG or Radiance HDR file, told apart by its first bytes. Pictures with 8 or 16 bits
+/// a channel are decoded from sRGB to linear Rec. 709, unless they are `raw` numbers.
+///
+/// # Errors
+/// If the file cannot be read, is none of these, is broken or too large.
+pub fn read(path: &Path, raw: bool) -> Result<RgbImage, ImageError> {
+    let bytes = std::fs::read(path).map_err(|error| ImageError::io("read", path, error))?;
+    let fail = |message: String| ImageError::format(path, message);
+    match bytes.get(..4) {
+        Some([0x76, 0x2f, 0x31, 0x01]) => Exr::read(path).map(|exr| exr.rgb),
+        Some([0x89, b'P', b'N', b'G']) => png(&bytes, raw).map_err(fail),
+        Some([0xff, 0xd8, 0xff, _]) => jpeg(&bytes, raw).map_err(fail),
+        Some([b'#', b'?', _, _]) => hdr(&bytes).map_err(fail),
+        _ => Err(fail("is no EXR, PNG, JPEG or Radiance HDR file".to_owned())),
+    }
+}
+
+/// The linear value of an sRGB code in [0, 1] (IEC 61966-2-1).
+fn linear(code: f32, raw: bool) -> f32 {
+    if raw {
+        code
+    } else if code <= 0.04045 {
+        code / 12.92
+    } else {
+        ((code + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// An image from numbers in rows, of which each pixel has `channels`: grey, grey and alpha, RGB or RGBA.
+fn assemble(
+    (width, height): (usize, usize),
+    channels: usize,
+    value: impl Fn(usize) -> f32,
+    count: usize,
+) -> Result<RgbImage, String> {
+    if width == 0 || height == 0 || width > LARGEST || height > LARGEST {
+        return Err(format!(
+            "{width} x {height} pixels; from 1 to {LARGEST} each way are supported"
+        ));
+    }
+    if channels == 0 || count < width * height * channels {
+        return Err("ends before its last pixel".to_owned());
+    }
+    Ok(RgbImage::from_fn(width, height, |x, y| {
+        let at = (y * width + x) * channels;
+        if channels < 3 { [value(at); 3] } else { [0, 1, 2].map(|c| value(at + c)) }
+    }))
+}
+
+fn png(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
+    let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(::png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let info = reader.info();
+    let size = (info.width as usize, info.height as usize);
+    if size.0.max(size.1) > LARGEST {
+        return Err(format!("{} x {} pixels are too many", size.0, size.1));
+    }
+    let length = reader.output_buffer_size().ok_or("its size is not representable")?;
+    let mut data = vec![0; length];
+    let frame = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
+    let channels = frame.color_type.samples();
+    match frame.bit_depth {
+        ::png::BitDepth::Sixteen => {
+            let code =
+                |i: usize| f32::from(u16::from_be_bytes([data[2 * i], data[2 * i + 1]])) / 65535.0;
+            assemble(size, channels, |i| linear(code(i), raw), data.len() / 2)
+        }
+        _ => assemble(size, channels, |i| linear(f32::from(data[i]) / 255.0, raw), data.len()),
+    }
+}
+
+fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
+    let options = DecoderOptions::default()
+        .set_max_width(LARGEST)
+        .set_max_height(LARGEST)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    let data = decoder.decode().map_err(|error| error.to_string())?;
+    let info = decoder.info().ok_or("has no size")?;
+    let size = (usize::from(info.width), usize::from(info.height));
+    let channels = data.len() / (size.0 * size.1).max(1);
+    assemble(size, channels, |i| linear(f32::from(data[i]) / 255.0, raw), data.len())
+}
+
+fn hdr(bytes: &[u8]) -> Result<RgbImage, String> {
+    let options = DecoderOptions::default().set_max_width(LARGEST).set_max_height(LARGEST);
+    let mut decoder = zune_hdr::HdrDecoder::new_with_options(ZCursor::new(bytes), options);
+    let data = decoder.decode().map_err(|error| format!("{error:?}"))?;
+    let (width, height) = decoder.dimensions().ok_or("has no size")?;
+    assemble((width, height), 3, |i| data[i], data.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn temporary(name: &str, bytes: &[u8]) -> std::path::PathBuf {
+        let path = std::env::temp_dir().join(format!("aether-{}-{name}", std::process::id()));
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    #[test]
+    fn pngs_come_back() {
+        let image = RgbImage::from_fn(3, 2, |x, y| [x as f32 / 2.0, y as f32, 0.25]);
+        let path = std::env::temp_dir().join(format!("aether-{}-back.png", std::process::id()));
+        super::super::png::write(&image, &path).unwrap();
+        let back = read(&path, false).unwrap();
+        let codes = read(&path, true).unwrap();
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!((back.width(), back.height()), (3, 2));
+        for (a, b) in back.pixels().iter().flatten().zip(image.pixels().iter().flatten()) {
+            assert!((a - b).abs() < 5e-3, "{a} {b}");
+        }
+        assert!((codes.pixel(1, 0)[0] - 188.0 / 255.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn broken_files_are_errors() {
+        for (name, bytes) in [
+            ("a.png", &b"\x89PNG\r\n\x1a\n\0\0"[..]),
+            ("b.jpg", &b"\xff\xd8\xff\xe0\0\x10JFIF"[..]),
+            ("c.hdr", &b"#?RADIANCE\n\n-Y 9999999 +X 9999999\n"[..]),
+            ("d.xyz", &b"hello"[..]),
+            ("e.exr", &b"\x76\x2f\x31\x01"[..]),
+        ] {
+            let path = temporary(name, bytes);
+            let result = read(&path, false);
+            std::fs::remove_file(&path).unwrap();
+            assert!(result.is_err(), "{name}");
+        }
+        assert!(read(Path::new("/no/such.png"), false).is_err());
+    }
+}

@@ -1,0 +1,170 @@
+//! Colours that vary over a surface. Conventions are Mitsuba's.
+
+use glam::{Affine2, Vec2, Vec3};
+
+use crate::image::RgbImage;
+
+/// A colour, or one that a texture gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour {
+    /// The colour; of a texture its mean.
+    pub value: Vec3,
+    /// Index in [`super::Scene::textures`].
+    pub texture: Option<u32>,
+}
+
+impl From<Vec3> for Colour {
+    fn from(value: Vec3) -> Self {
+        Colour { value, texture: None }
+    }
+}
+
+/// How texels become a continuous function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Constant in each texel.
+    Nearest,
+    /// Bilinear between the centres of texels.
+    Bilinear,
+}
+
+/// What lies beyond the unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// The same again.
+    Repeat,
+    /// Its mirror image.
+    Mirror,
+    /// The border goes on.
+    Clamp,
+}
+
+/// What a texture shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pattern {
+    /// A picture, its first row at v = 0.
+    Picture {
+        /// The texels.
+        image: RgbImage,
+        /// How they are interpolated.
+        interpolation: Interpolation,
+        /// What lies beyond the picture.
+        wrap: Wrap,
+    },
+    /// Squares of side one half.
+    Checkerboard([Vec3; 2]),
+}
+
+/// A colour as a function of texture coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// What it shows.
+    pub pattern: Pattern,
+    /// From the texture coordinates of the surface to those of the pattern.
+    pub to_uv: Affine2,
+}
+
+impl Texture {
+    /// The colour at texture coordinates.
+    pub fn at(&self, uv: Vec2) -> Vec3 {
+        let uv = self.to_uv.transform_point2(uv);
+        if !uv.is_finite() {
+            return self.mean();
+        }
+        match &self.pattern {
+            Pattern::Checkerboard(colours) => {
+                let second = uv - uv.floor();
+                colours[usize::from((second.x > 0.5) != (second.y > 0.5))]
+            }
+            Pattern::Picture { image, interpolation, wrap } => {
+                let size = Vec2::new(image.width() as f32, image.height() as f32);
+                let texel = |x: f32, y: f32| {
+                    let x = wrapped(x, image.width(), *wrap);
+                    let y = wrapped(y, image.height(), *wrap);
+                    Vec3::from(image.pixel(x, y))
+                };
+                if *interpolation == Interpolation::Nearest {
+                    let at = (uv * size).floor();
+                    return texel(at.x, at.y);
+                }
+                let at = uv * size - 0.5;
+                let (low, t) = (at.floor(), at - at.floor());
+                let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), t.x);
+                row(low.y).lerp(row(low.y + 1.0), t.y)
+            }
+        }
+    }
+
+    /// The mean over the unit square.
+    pub fn mean(&self) -> Vec3 {
+        match &self.pattern {
+            Pattern::Checkerboard([a, b]) => 0.5 * (*a + *b),
+            Pattern::Picture { image, .. } => {
+                let sum: glam::DVec3 =
+                    image.pixels().iter().map(|p| Vec3::from(*p).as_dvec3()).sum();
+                (sum / image.pixels().len() as f64).as_vec3()
+            }
+        }
+    }
+
+    /// The largest value of any channel, and the least.
+    pub fn range(&self) -> (f32, f32) {
+        let all = |least: f32, largest: f32, v: Vec3| {
+            (least.min(v.min_element()), largest.max(v.max_element()))
+        };
+        let start = (f32::INFINITY, f32::NEG_INFINITY);
+        match &self.pattern {
+            Pattern::Checkerboard(colours) => colours.iter().fold(start, |(a, b), c| all(a, b, *c)),
+            Pattern::Picture { image, .. } => {
+                image.pixels().iter().fold(start, |(a, b), p| all(a, b, Vec3::from(*p)))
+            }
+        }
+    }
+}
+
+/// The index of a texel, given one that may lie outside.
+fn wrapped(at: f32, count: usize, wrap: Wrap) -> usize {
+    let n = count as i64;
+    // Far away there is nothing to interpolate; the conversion saturates.
+    let i = at as i64;
+    let index = match wrap {
+        Wrap::Clamp => i.clamp(0, n - 1),
+        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Mirror => {
+            let j = i.rem_euclid(2 * n);
+            if j < n { j } else { 2 * n - 1 - j }
+        }
+    };
+    index as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(interpolation: Interpolation, wrap: Wrap) -> Texture {
+        let image = RgbImage::from_fn(2, 2, |x, y| [x as f32, y as f32, 1.0]);
+        Texture {
+            pattern: Pattern::Picture { image, interpolation, wrap },
+            to_uv: Affine2::IDENTITY,
+        }
+    }
+
+    #[test]
+    fn texels_are_where_they_should_be() {
+        let nearest = picture(Interpolation::Nearest, Wrap::Repeat);
+        assert_eq!(nearest.at(Vec2::new(0.2, 0.8)), Vec3::new(0.0, 1.0, 1.0));
+        assert_eq!(nearest.at(Vec2::new(1.2, -0.8)), Vec3::new(0.0, 0.0, 1.0));
+        let bilinear = picture(Interpolation::Bilinear, Wrap::Clamp);
+        assert_eq!(bilinear.at(Vec2::new(0.25, 0.25)), Vec3::new(0.0, 0.0, 1.0));
+        assert_eq!(bilinear.at(Vec2::new(0.5, 0.5)), Vec3::new(0.5, 0.5, 1.0));
+        assert_eq!(bilinear.at(Vec2::new(-3.0, 9.0)), Vec3::new(0.0, 1.0, 1.0));
+        let mirror = picture(Interpolation::Nearest, Wrap::Mirror);
+        assert_eq!(mirror.at(Vec2::new(1.2, 0.2)), Vec3::new(1.0, 0.0, 1.0));
+        assert_eq!(nearest.at(Vec2::NAN), Vec3::new(0.5, 0.5, 1.0));
+        assert_eq!(nearest.range(), (0.0, 1.0));
+        // Repeated pictures are continuous at their border.
+        let repeated = picture(Interpolation::Bilinear, Wrap::Repeat);
+        assert_eq!(repeated.at(Vec2::new(0.0, 0.25)), Vec3::new(0.5, 0.0, 1.0));
+    }
+}
