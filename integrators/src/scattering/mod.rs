@@ -151,18 +151,30 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         match model {
             Model::Black => Vec3::ZERO,
             Model::Diffuse(matte) => self.colour(&matte.get().reflectance),
-            Model::Conductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
-            Model::RoughConductor(m) => m.get().reflectance * metal(m.get().metal, self.view.z),
-            Model::Dielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
-            Model::ThinDielectric(pane) => pane.get().reflectance.max(pane.get().transmittance),
-            Model::RoughDielectric(glass) => glass.get().reflectance.max(glass.get().transmittance),
+            Model::Conductor(m) => {
+                self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z)
+            }
+            Model::RoughConductor(m) => {
+                self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z)
+            }
+            Model::Dielectric(glass) => {
+                self.colour(&glass.get().reflectance).max(self.colour(&glass.get().transmittance))
+            }
+            Model::ThinDielectric(pane) => {
+                self.colour(&pane.get().reflectance).max(self.colour(&pane.get().transmittance))
+            }
+            Model::RoughDielectric(glass) => {
+                self.colour(&glass.get().reflectance).max(self.colour(&glass.get().transmittance))
+            }
             Model::Plastic(plastic, _) => {
                 let (share, _) = fresnel::dielectric(self.view.z, plastic.get().eta);
-                self.colour(&plastic.get().diffuse).lerp(plastic.get().reflectance, share)
+                self.colour(&plastic.get().diffuse)
+                    .lerp(self.colour(&plastic.get().reflectance), share)
             }
             Model::RoughPlastic(plastic, coat) => {
                 let share = 1.0 - coat.transmitted(self.view.z);
-                self.colour(&plastic.get().diffuse).lerp(plastic.get().reflectance, share)
+                self.colour(&plastic.get().diffuse)
+                    .lerp(self.colour(&plastic.get().reflectance), share)
             }
         }
     }
@@ -173,21 +185,22 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::Black => None,
             Model::Diffuse(_) => matte(1.0),
             Model::Conductor(m) => {
-                let reflected = m.get().reflectance * metal(m.get().metal, self.view.z);
+                let reflected =
+                    self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z);
                 mirror(reflected, 1.0)
             }
             Model::Dielectric(glass) => {
                 let eta = self.relative(glass.get().eta);
                 let (reflected, _) = fresnel::dielectric(self.view.z, eta);
                 if index == 0 {
-                    let colour = glass.get().reflectance * reflected;
+                    let colour = self.colour(&glass.get().reflectance) * reflected;
                     return mirror(colour, reflected);
                 }
                 let passed = 1.0 - reflected;
                 Some(Weighted {
                     lobe: Lobe::Refraction(Presence::VALUE?, eta),
                     // Radiance is compressed into a smaller solid angle.
-                    coefficient: glass.get().transmittance * (passed / (eta * eta)),
+                    coefficient: self.colour(&glass.get().transmittance) * (passed / (eta * eta)),
                     chance: passed,
                 })
             }
@@ -196,21 +209,22 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 // The sum over all reflections within the pane.
                 let reflected = 2.0 * once / (1.0 + once);
                 if index == 0 {
-                    let colour = pane.get().reflectance * reflected;
+                    let colour = self.colour(&pane.get().reflectance) * reflected;
                     return mirror(colour, reflected);
                 }
                 Some(Weighted {
                     lobe: Lobe::Passage(Presence::VALUE?),
-                    coefficient: pane.get().transmittance * (1.0 - reflected),
+                    coefficient: self.colour(&pane.get().transmittance) * (1.0 - reflected),
                     chance: 1.0 - reflected,
                 })
             }
             Model::Plastic(plastic, _) => {
                 let plastic = plastic.get();
                 let (reflected, _) = fresnel::dielectric(self.view.z, plastic.eta);
-                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse.value);
+                let chance =
+                    coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
                 if index == 0 {
-                    mirror(plastic.reflectance * reflected, chance)
+                    mirror(self.colour(&plastic.reflectance) * reflected, chance)
                 } else {
                     matte(1.0 - chance)
                 }
@@ -225,7 +239,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::RoughPlastic(plastic, coat) => {
                 let plastic = plastic.get();
                 let reflected = 1.0 - coat.transmitted(self.view.z);
-                let chance = coat_chance(reflected, plastic.reflectance, plastic.diffuse.value);
+                let chance =
+                    coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
                 if index == 0 { facets(plastic.roughness, chance) } else { matte(1.0 - chance) }
             }
         }
@@ -249,7 +264,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let Some((value, h)) = m.roughness.mirrored(self.view, w) else {
                     return Vec3::ZERO;
                 };
-                m.reflectance * metal(m.metal, h.dot(self.view)) * value
+                self.colour(&m.reflectance) * metal(m.metal, h.dot(self.view)) * value
             }
             Model::RoughPlastic(plastic, coat) if w.z > 0.0 => {
                 let plastic = plastic.get();
@@ -261,7 +276,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                     base_albedo(self.colour(&plastic.diffuse), coat.inside, plastic.nonlinear);
                 let through = coat.transmitted(w.z) * coat.transmitted(self.view.z)
                     / (plastic.eta * plastic.eta);
-                plastic.reflectance * specular + albedo * (facets::LAMBERT * w.z * through)
+                self.colour(&plastic.reflectance) * specular
+                    + albedo * (facets::LAMBERT * w.z * through)
             }
             Model::RoughDielectric(glass) => {
                 let glass = glass.get();
@@ -271,9 +287,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                         return Vec3::ZERO;
                     };
                     let (reflected, _) = fresnel::dielectric(h.dot(self.view), eta);
-                    glass.reflectance * (reflected * value)
+                    self.colour(&glass.reflectance) * (reflected * value)
                 } else {
-                    glass.transmittance * self.refracted(&glass.roughness, w, eta)
+                    self.colour(&glass.transmittance) * self.refracted(&glass.roughness, w, eta)
                 }
             }
             _ => Vec3::ZERO,

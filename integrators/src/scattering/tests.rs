@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::{Lobe, Material, Scattering};
 use crate::kind::Everything;
 use crate::scene::bsdf::*;
+use crate::scene::texture::Colour;
 
 fn rough(distribution: Distribution) -> Roughness {
     Roughness { distribution, alpha: [0.3; 2], sample_visible: true }
@@ -12,22 +13,17 @@ fn rough(distribution: Distribution) -> Roughness {
 
 fn materials() -> Vec<Bsdf> {
     let metal = Some(Metal { eta: Vec3::new(0.2, 0.9, 1.1), k: Vec3::new(3.9, 2.5, 2.1) });
-    let (white, grey) = (Vec3::ONE, Vec3::splat(0.5));
+    let (white, grey) = (Colour::from(Vec3::ONE), Colour::from(Vec3::splat(0.5)));
     let mut all = vec![
-        Bsdf::Diffuse(Diffuse { reflectance: grey.into() }),
-        Bsdf::Plastic(Plastic {
-            eta: 1.5,
-            diffuse: grey.into(),
-            reflectance: white,
-            nonlinear: true,
-        }),
+        Bsdf::Diffuse(Diffuse { reflectance: grey }),
+        Bsdf::Plastic(Plastic { eta: 1.5, diffuse: grey, reflectance: white, nonlinear: true }),
     ];
     for roughness in [Distribution::Beckmann, Distribution::Ggx].map(rough) {
         all.push(Bsdf::RoughConductor(RoughConductor { roughness, metal, reflectance: white }));
         all.push(Bsdf::RoughPlastic(RoughPlastic {
             roughness,
             eta: 1.5,
-            diffuse: grey.into(),
+            diffuse: grey,
             reflectance: white,
             nonlinear: false,
         }));
@@ -86,8 +82,10 @@ fn scattering_is_reciprocal() {
 #[test]
 fn chances_add_up_to_one() {
     let mut all = materials();
-    let glass = Dielectric { eta: 1.5, reflectance: Vec3::ONE, transmittance: Vec3::ONE };
-    let pane = ThinDielectric { eta: 1.5, reflectance: Vec3::ONE, transmittance: Vec3::ONE };
+    let glass =
+        Dielectric { eta: 1.5, reflectance: Vec3::ONE.into(), transmittance: Vec3::ONE.into() };
+    let pane =
+        ThinDielectric { eta: 1.5, reflectance: Vec3::ONE.into(), transmittance: Vec3::ONE.into() };
     all.extend([Bsdf::Dielectric(glass), Bsdf::ThinDielectric(pane)]);
     let masked =
         all.iter().cloned().map(|nested| Bsdf::Mask { opacity: 0.3, nested: nested.into() });

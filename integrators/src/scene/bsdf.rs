@@ -35,7 +35,7 @@ pub struct Conductor {
     /// Index of refraction; none for a perfect mirror.
     pub metal: Option<Metal>,
     /// Scales the reflected light.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
 }
 
 /// A smooth boundary between two dielectrics.
@@ -44,9 +44,9 @@ pub struct Dielectric {
     /// Index of refraction behind the surface over that before it.
     pub eta: f32,
     /// Scales the reflected light.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
     /// Scales the refracted light.
-    pub transmittance: Vec3,
+    pub transmittance: Colour,
 }
 
 /// A thin pane, within which light is reflected to and fro.
@@ -55,9 +55,9 @@ pub struct ThinDielectric {
     /// Index of refraction of the pane over that around it.
     pub eta: f32,
     /// Scales the reflected light.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
     /// Scales the light that passes.
-    pub transmittance: Vec3,
+    pub transmittance: Colour,
 }
 
 /// A matte base under a smooth dielectric coat.
@@ -68,7 +68,7 @@ pub struct Plastic {
     /// Albedo of the base.
     pub diffuse: Colour,
     /// Scales the light reflected by the coat.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
     /// Whether the colour shifts because light is reflected within the coat.
     pub nonlinear: bool,
 }
@@ -101,7 +101,7 @@ pub struct RoughConductor {
     /// Index of refraction; none for perfect mirrors.
     pub metal: Option<Metal>,
     /// Scales the reflected light.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
 }
 
 /// A boundary between two dielectrics with microfacets.
@@ -112,9 +112,9 @@ pub struct RoughDielectric {
     /// Index of refraction behind the surface over that before it.
     pub eta: f32,
     /// Scales the reflected light.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
     /// Scales the refracted light.
-    pub transmittance: Vec3,
+    pub transmittance: Colour,
 }
 
 /// A matte base under a dielectric coat with microfacets.
@@ -127,7 +127,7 @@ pub struct RoughPlastic {
     /// Albedo of the base.
     pub diffuse: Colour,
     /// Scales the light reflected by the coat.
-    pub reflectance: Vec3,
+    pub reflectance: Colour,
     /// Whether the colour shifts because light is reflected within the coat.
     pub nonlinear: bool,
 }

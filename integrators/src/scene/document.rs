@@ -10,6 +10,7 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3};
 
 use super::error::{Place, SceneError};
+use super::spectrum::{Purpose, Spectrum};
 
 /// Index of an object in its [`Document`].
 pub type ObjectId = usize;
@@ -27,8 +28,8 @@ pub enum Value {
     String(String),
     /// `<rgb>`: linear Rec. 709.
     Rgb(DVec3),
-    /// `<spectrum>` with one value for all wavelengths.
-    Spectrum(f64),
+    /// `<spectrum>`
+    Spectrum(Spectrum),
     /// `<vector>` or `<point>`
     Vector(DVec3),
     /// `<transform>`: all its operations composed.
@@ -226,12 +227,11 @@ impl<'a> Query<'a> {
         })
     }
 
-    /// A colour: `<rgb>`, or a `<float>` or constant `<spectrum>`; the latter is multiplied by
-    /// `white`, the colour of a constant spectrum.
-    pub fn color(&self, name: &'static str, white: DVec3) -> Result<Option<DVec3>, SceneError> {
+    /// A colour: `<rgb>`, `<spectrum>` or a `<float>`, which is grey.
+    pub fn color(&self, name: &'static str, purpose: Purpose) -> Result<Option<DVec3>, SceneError> {
         self.typed(name, "rgb", |value| match value {
             Value::Rgb(x) => Some(*x),
-            Value::Spectrum(x) => Some(*x * white),
+            Value::Spectrum(spectrum) => Some(spectrum.colour(purpose)),
             Value::Float(x) => Some(DVec3::splat(*x)),
             Value::Integer(x) => Some(DVec3::splat(*x as f64)),
             _ => None,

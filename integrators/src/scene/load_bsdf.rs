@@ -7,6 +7,7 @@ use super::document::{Document, ObjectId, Query};
 use super::error::SceneError;
 use super::indices;
 use super::load_texture::Textures;
+use super::spectrum::Purpose;
 
 /// The plugins that exist here.
 const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughconductor, \
@@ -44,35 +45,35 @@ fn nested(
         }),
         "conductor" => Bsdf::Conductor(Conductor {
             metal: metal(&query)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
         }),
         "roughconductor" => Bsdf::RoughConductor(RoughConductor {
             roughness: roughness(&query)?,
             metal: metal(&query)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
         }),
         "dielectric" => Bsdf::Dielectric(Dielectric {
             eta: relative_index(&query)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
-            transmittance: colour(&query, "specular_transmittance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
+            transmittance: textures.colour(document, &query, "specular_transmittance", 1.0)?,
         }),
         "thindielectric" => Bsdf::ThinDielectric(ThinDielectric {
             eta: relative_index(&query)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
-            transmittance: colour(&query, "specular_transmittance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
+            transmittance: textures.colour(document, &query, "specular_transmittance", 1.0)?,
         }),
-        "roughdielectric" => rough_dielectric(&query)?,
+        "roughdielectric" => rough_dielectric(document, &query, textures)?,
         "plastic" => Bsdf::Plastic(Plastic {
             eta: plastic_index(&query)?,
             diffuse: textures.colour(document, &query, "diffuse_reflectance", 0.5)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
             nonlinear: query.boolean("nonlinear")?.unwrap_or(false),
         }),
         "roughplastic" => Bsdf::RoughPlastic(RoughPlastic {
             roughness: roughness(&query)?,
             eta: plastic_index(&query)?,
             diffuse: textures.colour(document, &query, "diffuse_reflectance", 0.5)?,
-            reflectance: colour(&query, "specular_reflectance", 1.0)?,
+            reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
             nonlinear: query.boolean("nonlinear")?.unwrap_or(false),
         }),
         "twosided" => two_sided(&query, children()?)?,
@@ -82,7 +83,8 @@ fn nested(
     };
     let is_nested = matches!(bsdf, Bsdf::TwoSided(_) | Bsdf::Mask { .. } | Bsdf::Blend { .. });
     query.finish(if is_nested { &["bsdf"] } else { &["texture"] })?;
-    let known = ["reflectance", "diffuse_reflectance"];
+    let known =
+        ["reflectance", "diffuse_reflectance", "specular_reflectance", "specular_transmittance"];
     let mut nested = query.children().filter(|_| !is_nested);
     if let Some((property, _)) = nested.find(|(p, _)| !known.contains(&p.name.as_str())) {
         return Err(property.place.error(format!(
@@ -141,7 +143,7 @@ fn blend(query: &Query, nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
 /// A grey value in [0, 1].
 fn share(query: &Query, name: &'static str, default: Option<f64>) -> Result<f32, SceneError> {
     reject_texture(query, name)?;
-    let value = query.color(name, DVec3::ONE)?.map(|c| c.element_sum() / 3.0).or(default);
+    let value = query.color(name, Purpose::Reflectance)?.map(|c| c.element_sum() / 3.0).or(default);
     let value =
         value.ok_or_else(|| query.error_at("", format!("the float \"{name}\" is missing")))?;
     if !(0.0..=1.0).contains(&value) {
@@ -153,7 +155,7 @@ fn share(query: &Query, name: &'static str, default: Option<f64>) -> Result<f32,
 /// A reflectance or transmittance.
 pub fn colour(query: &Query, name: &'static str, default: f64) -> Result<Vec3, SceneError> {
     reject_texture(query, name)?;
-    let colour = query.color(name, DVec3::ONE)?.unwrap_or(DVec3::splat(default));
+    let colour = query.color(name, Purpose::Reflectance)?.unwrap_or(DVec3::splat(default));
     if colour.min_element() < 0.0 || colour.max_element() > 1.0 {
         let what = name.replace('_', " ");
         let message = format!("the {what} {colour} must lie in [0, 1]");
@@ -165,8 +167,8 @@ pub fn colour(query: &Query, name: &'static str, default: f64) -> Result<Vec3, S
 /// The index of refraction of a metal: by name, or as `eta` and `k`, over what is outside.
 fn metal(query: &Query) -> Result<Option<Metal>, SceneError> {
     let material = query.string("material")?;
-    let eta = query.color("eta", DVec3::ONE)?;
-    let k = query.color("k", DVec3::ONE)?;
+    let eta = query.color("eta", Purpose::Reflectance)?;
+    let k = query.color("k", Purpose::Reflectance)?;
     let outside = match query.get("ext_eta") {
         Some(_) => index(query, "ext_eta", "air")?,
         None => 1.0,
@@ -209,10 +211,14 @@ fn relative_index(query: &Query) -> Result<f32, SceneError> {
 /// Closer to one, an index of refraction bends light by less than single precision resolves well.
 const LEAST_REFRACTION: f32 = 3e-5;
 
-fn rough_dielectric(query: &Query) -> Result<Bsdf, SceneError> {
+fn rough_dielectric(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+) -> Result<Bsdf, SceneError> {
     let (roughness, eta) = (roughness(query)?, relative_index(query)?);
-    let reflectance = colour(query, "specular_reflectance", 1.0)?;
-    let transmittance = colour(query, "specular_transmittance", 1.0)?;
+    let reflectance = textures.colour(document, query, "specular_reflectance", 1.0)?;
+    let transmittance = textures.colour(document, query, "specular_transmittance", 1.0)?;
     if !(0.4..=2.5).contains(&eta) {
         let message = format!(
             "the relative index of refraction of a rough boundary is {eta}, but must lie in 0.4..=2.5"

@@ -6,10 +6,7 @@ use super::document::Query;
 use super::error::SceneError;
 use super::lights::{Bulb, Cone, Distant, Sky};
 use super::load_bsdf::reject_texture;
-
-/// The linear Rec. 709 colour of a constant emission spectrum of 1 (illuminant E; a constant
-/// reflectance is simply grey). From Mitsuba 3.9.1.
-const ILLUMINANT_E: DVec3 = DVec3::new(1.204_793_9, 0.948_291, 0.908_916_06);
+use super::spectrum::Purpose;
 
 /// The plugins that exist outside of shapes.
 const SUPPORTED: &str = "area (inside a <shape>), constant, point, spot, directional";
@@ -57,7 +54,7 @@ pub fn read_area(query: &Query) -> Result<Vec3, SceneError> {
 
 fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
     reject_texture(query, name)?;
-    let value = query.color(name, ILLUMINANT_E)?.unwrap_or(DVec3::ONE);
+    let value = query.color(name, Purpose::Emission)?.unwrap_or(DVec3::ONE);
     if value.min_element() < 0.0 || value.max_element() > 1e18 {
         let message = format!("the {name} {value} must lie in [0, 1e18]");
         return Err(query.error_at(name, message));

@@ -202,7 +202,7 @@ fn errors_say_where_and_what() {
         (
             "<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",
             "scene.xml:3:20: <float name=\"size\">: unreferenced property \"size\" in \
-          <shape type=\"cube\">; supported: to_world, flip_normals, silhouette_sampling_weight",
+          <shape type=\"cube\">; supported: to_world, flip_normals, silhouette_sampling_weight, max_smooth_angle",
         ),
         (
             "<shape type=\"cube\"><medium type=\"homogeneous\"/></shape>",

@@ -7,6 +7,7 @@ use glam::{Affine2, DVec3, Mat2, Vec2, Vec3};
 use super::document::{Document, ObjectId, Query};
 use super::error::SceneError;
 use super::files::find_file;
+use super::spectrum::Purpose;
 use super::texture::{Colour, Interpolation, Pattern, Texture, Wrap};
 use crate::image::decode;
 
@@ -58,7 +59,8 @@ fn read(document: &Document, id: ObjectId) -> Result<Texture, SceneError> {
         "bitmap" => bitmap(&query)?,
         "checkerboard" => {
             let colour = |name, default| -> Result<Vec3, SceneError> {
-                let colour = query.color(name, DVec3::ONE)?.unwrap_or(DVec3::splat(default));
+                let colour =
+                    query.color(name, Purpose::Reflectance)?.unwrap_or(DVec3::splat(default));
                 Ok(colour.as_vec3())
             };
             Pattern::Checkerboard([colour("color0", 0.4)?, colour("color1", 0.2)?])

@@ -27,6 +27,7 @@ mod ply;
 mod serialized;
 pub mod settings;
 mod shapes;
+pub mod spectrum;
 pub mod texture;
 mod trace;
 mod transform;

@@ -77,7 +77,7 @@ pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
         return Err(query.error_at("to_world", "the transform flattens space"));
     }
     // These concern only features that do not exist here.
-    query.ignore(&["silhouette_sampling_weight"]);
+    query.ignore(&["silhouette_sampling_weight", "max_smooth_angle"]);
     let in_world = |mut mesh: Mesh, face_normals| {
         mesh.move_to_world(&placement);
         Source::Mesh { mesh, placement, face_normals }

@@ -12,6 +12,7 @@ use super::document::{Document, Object, ObjectId, Property, Value};
 use super::error::{Place, SceneError, Source};
 use super::files::{find_file, read_text};
 use super::params::Parameters;
+use super::spectrum::Spectrum;
 use super::transform::axes;
 use super::values;
 
@@ -358,9 +359,11 @@ impl Reader {
             "string" => Ok(Value::String(text.to_owned())),
             "rgb" => values::rgb(text).map(Value::Rgb),
             "srgb" => values::srgb(text).map(Value::Rgb),
-            _ => values::number(text).map(Value::Spectrum).map_err(|e| {
-                format!("{e}; only spectra with one value for all wavelengths are supported")
-            }),
+            // Three values are colours in files of version 0.x.
+            _ => match values::vector(text) {
+                Ok(colour) if values::number(text).is_err() => Ok(Value::Rgb(colour)),
+                _ => Spectrum::parse(text).map(Value::Spectrum),
+            },
         };
         match value {
             Ok(value) => Ok((parsed[0].1.clone(), value)),
