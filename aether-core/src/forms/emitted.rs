@@ -167,6 +167,13 @@ pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
     path: PathView<'_, V>,
     uniforms: &mut U,
 ) -> Option<Drawn<V>> {
+    const {
+        assert!(
+            S::VERTICES == 1,
+            "a strategy that may yield several vertices with one draw makes no single vertex: it \
+             cannot be delegated to"
+        );
+    }
     let drawn = strategy.sample(path.limited(strategy.reads()), uniforms)?;
     // What is known is the density under that strategy alone.
     Some(Drawn { value: None, ..drawn })

@@ -8,9 +8,27 @@ use syn::{Expr, Ident, Pat, Stmt, Type};
 
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
+/// The body of `pdf_joint`, which adds up the densities of a run. `keepers` says which of its vertices
+/// keeps the value of each locally constant call.
+pub fn joint(plan: &Plan, vertices: &Type, real: &TokenStream, keepers: &[usize]) -> TokenStream {
+    let emitter = Emitter { vertex: vertices, real, keepers: Some(keepers) };
+    let terms = emitter.rest(&plan.steps, &plan.end, &Pending::default());
+    quote_spanned! {Span::mixed_site()=>
+        let ::core::result::Result::Ok(target) = <&#vertices>::try_from(targets) else {
+            return <#real as ::aether_core::Real>::ZERO;
+        };
+        let kind = ::core::option::Option::None::<::aether_core::strategy::Dirac>;
+        let mut sum = <#real as ::aether_core::Real>::ZERO;
+        let probability = <#real as ::aether_core::Real>::ONE;
+        #terms
+        sum
+    }
+}
+
 /// The body of `pdf`, which adds up the terms of the kind that is asked for.
 pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
-    let terms = Emitter { vertex, real }.rest(&plan.steps, &plan.end, &Pending::default());
+    let emitter = Emitter { vertex, real, keepers: None };
+    let terms = emitter.rest(&plan.steps, &plan.end, &Pending::default());
     let kinds = Kinds::of_end(&plan.end);
     let terms = (kinds != Kinds::default()).then(|| {
         let asked = kinds.asked();
@@ -28,6 +46,8 @@ pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
 struct Emitter<'a> {
     vertex: &'a Type,
     real: &'a TokenStream,
+    /// Which vertex of a joint run keeps the value of each locally constant call.
+    keepers: Option<&'a [usize]>,
 }
 
 /// What waits for the drawn point.
@@ -127,11 +147,16 @@ impl Emitter<'_> {
                 let rest = same();
                 quote_spanned!(site=> if let #some(value) = #value { let #pat = value; #rest })
             }
-            Action::Constant { pat, call } => {
+            Action::Constant { pat, call, number } => {
                 let (rest, typed) = (same(), &pending.typed);
+                let keeper = self.keepers.map(|keepers| keepers[*number]);
+                let vertex = match keeper {
+                    Some(keeper) => quote_spanned!(site=> &target[#keeper]),
+                    None => quote_spanned!(site=> target),
+                };
                 quote_spanned! {site=>
                     if let #some(value) =
-                        ::aether_core::forms::emitted::recall(target, || { #(#typed)* #call })
+                        ::aether_core::forms::emitted::recall(#vertex, || { #(#typed)* #call })
                     {
                         let #pat = value;
                         #rest

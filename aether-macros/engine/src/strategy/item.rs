@@ -6,6 +6,7 @@ use syn::spanned::Spanned;
 use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
+use super::analyse::Analysed;
 use super::names::{FORMS, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
@@ -18,7 +19,7 @@ pub fn item(
     signature: &Signature,
     documentation: &str,
     reads: Reads,
-    plan: Option<&(Plan, Vec<Apart>)>,
+    plan: Option<&Analysed>,
 ) -> TokenStream {
     let hidden = hidden(function, Some(signature));
     let structure = structure(function, signature);
@@ -32,9 +33,9 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
     let mut copy = function.clone();
     copy.vis = syn::Visibility::Inherited;
     copy.attrs.retain(is_lint);
-    if let Some(Signature { vertex, path, .. }) = signature {
+    if let Some(Signature { vertex, yields, path, .. }) = signature {
         let real = real(vertex);
-        Qualify { real: &real, vertex }.visit_block_mut(&mut copy.block);
+        Qualify { real: &real, vertex: yields }.visit_block_mut(&mut copy.block);
         // A strategy that does not look at the path has the parameter all the same.
         copy.block.stmts.insert(0, parse_quote!(let _ = &#path;));
     }
@@ -185,15 +186,46 @@ fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) ->
     }
 }
 
-fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>)>) -> TokenStream {
+fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) -> TokenStream {
     let Signature { name, vertex, generics, .. } = signature;
     let (implementation, arguments, conditions) = generics.split_for_impl();
     let conditions = and(conditions, &cloneable(signature));
-    let real = real(vertex);
     let site = Span::mixed_site();
-    let prelude = prelude(signature);
-    let (sample, pdf) = match plan {
-        Some((plan, apart)) => {
+    let methods = if signature.count == 1 {
+        methods(signature, analysed)
+    } else {
+        joint_methods(signature, analysed)
+    };
+    let plan = analysed.map(|analysed| &analysed.plan);
+    let atoms = atoms(signature, plan);
+    let reads = declared(signature, reads, plan);
+    let same = same(signature, plan);
+    let module = quote!(::aether_core::strategy);
+    quote_spanned! {site=>
+        #[automatically_derived]
+        #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
+        impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
+            const ATOMS: #module::Atoms = #atoms;
+
+            #methods
+
+            fn reads(&self) -> #module::Reads {
+                #reads
+            }
+
+            fn same(&self, other: &Self) -> bool {
+                #same
+            }
+        }
+    }
+}
+
+/// `sample` and `pdf` of a strategy of one vertex.
+fn methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let (real, prelude) = (real(vertex), prelude(signature));
+    let (sample, pdf) = match analysed {
+        Some(Analysed { plan, apart, .. }) => {
             let sample = sample::sample(plan, &real);
             let apart = (!apart.is_empty()).then(|| {
                 let checks = apart.iter().map(|apart| told_apart(apart, vertex));
@@ -206,40 +238,73 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };
-    let plan = plan.map(|(plan, _)| plan);
-    let atoms = atoms(signature, plan);
-    let reads = declared(signature, reads, plan);
-    let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
-        #[automatically_derived]
-        #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
-        impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
-            const ATOMS: #module::Atoms = #atoms;
+        fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            uniforms: &mut U,
+        ) -> ::core::option::Option<#module::Drawn<#vertex>> {
+            #sample
+        }
 
-            fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
-                &self,
-                view: ::aether_core::sequence::PathView<'_, #vertex>,
-                uniforms: &mut U,
-            ) -> ::core::option::Option<#module::Drawn<#vertex>> {
-                #sample
-            }
+        fn pdf(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            target: &#vertex,
+        ) -> #module::Conditional<#real> {
+            #pdf
+        }
+    }
+}
 
-            fn pdf(
-                &self,
-                view: ::aether_core::sequence::PathView<'_, #vertex>,
-                target: &#vertex,
-            ) -> #module::Conditional<#real> {
-                #pdf
-            }
+/// The methods of a strategy of several vertices: it never yields a single one.
+fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
+    let Signature { vertex, yields, count, .. } = signature;
+    let (site, real, prelude) = (Span::mixed_site(), real(vertex), prelude(signature));
+    let (sample, pdf) = match analysed {
+        Some(Analysed { plan, keepers, .. }) => {
+            let sample = sample::sample(plan, &real);
+            let pdf = density::joint(plan, yields, &real, keepers);
+            (quote!(#prelude #sample), quote!(#prelude #pdf))
+        }
+        None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
+    };
+    let module = quote!(::aether_core::strategy);
+    quote_spanned! {site=>
+        const VERTICES: usize = #count;
 
-            fn reads(&self) -> #module::Reads {
-                #reads
-            }
+        fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            _: ::aether_core::sequence::PathView<'_, #vertex>,
+            _: &mut U,
+        ) -> ::core::option::Option<#module::Drawn<#vertex>> {
+            ::core::option::Option::None
+        }
 
-            fn same(&self, other: &Self) -> bool {
-                #same
-            }
+        fn pdf(
+            &self,
+            _: ::aether_core::sequence::PathView<'_, #vertex>,
+            _: &#vertex,
+        ) -> #module::Conditional<#real> {
+            #module::Conditional::ZERO
+        }
+
+        fn sample_joint<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            uniforms: &mut U,
+        ) -> ::core::option::Option<#module::DrawnRun<#vertex>> {
+            let mut draw = || -> ::core::option::Option<#module::Drawn<#yields>> { #sample };
+            ::core::option::Option::map(draw(), ::core::convert::From::from)
+        }
+
+        fn pdf_joint(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            targets: &[#vertex],
+        ) -> #real {
+            #pdf
         }
     }
 }

@@ -117,7 +117,7 @@ impl Emitter<'_> {
             Action::LetElse { pat, value } => quote_spanned! {site=>
                 let #pat = #value else { return ::core::option::Option::None; };
             },
-            Action::Given { pat, value: option } | Action::Constant { pat, call: option } => {
+            Action::Given { pat, value: option } | Action::Constant { pat, call: option, .. } => {
                 unwrap(quote_spanned!(site=> #pat), quote_spanned!(site=> #option))
             }
             Action::Choose { pat, distribution, rule } => {

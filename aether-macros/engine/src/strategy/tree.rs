@@ -163,6 +163,8 @@ pub enum Action {
         pat: Pat,
         /// The call.
         call: Expr,
+        /// Its number.
+        number: usize,
     },
     /// A deterministic value that may be missing.
     Given {
