@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use aether_core::prelude::*;
 use aether_core::sequence::{DynStrategy, Erased};
-use aether_core::strategy::Vertex;
+use aether_core::strategy::{Strategy, Vertex};
 use aether_core::{
     Arena, BalanceHeuristic, PathView, Pcg32, PowerHeuristic, RandomSequence, Snapshot, coin,
     combine, combine_with, strategies,
@@ -69,6 +69,20 @@ pub fn pair(path: &PathView<Spot>, evaluations: &Count) -> [Spot; 2] {
     let segments =
         given(if near { ends(here.0, 1.0).ok() } else { ends(-2.0, 4.0 + here.0.abs()).ok() });
     let x = draw(segments);
+    [Spot(x.0), Spot(x.1)]
+}
+
+/// Two vertices in one of two places, the nearer the likelier to be kept.
+#[strategy]
+fn one_of_two(path: &PathView<Spot>) -> [Spot; 2] {
+    let far = choose(coin(0.25)).identified_by(|run: &[Spot; 2]| [usize::from(run[0].0 > 10.0)]);
+    let segments = given(ends(if far { 20.0 } else { 0.0 }, 1.0).ok());
+    let x = draw(segments);
+    let length = x.1 - x.0;
+    let kept = choose(coin(1.0 - length / 6.0));
+    if !kept {
+        return stop();
+    }
     [Spot(x.0), Spot(x.1)]
 }
 
@@ -177,6 +191,26 @@ fn every_technique_knows_the_density_of_every_path() {
     }
     // Not only zeros were compared.
     assert!(regular > 4000, "{regular}");
+}
+
+#[test]
+fn choices_are_identified_by_the_run_and_weighed_after_inversion() {
+    let nothing = PathView::from_slice(&[]);
+    let mut kept = [0; 2];
+    for sample in 0..2000 {
+        let Some(run) = one_of_two().sample_joint(nothing, &mut Pcg32::new(9, 0, sample)) else {
+            continue;
+        };
+        let &[y, z] = run.vertices() else { panic!("{run:?}") };
+        let far = y.0 > 10.0;
+        kept[usize::from(far)] += 1;
+        let (weight, a) = if far { (0.25, 20.0) } else { (0.75, 0.0) };
+        let expected = weight * p_ends(a, 1.0, y.0, z.0) * (1.0 - (z.0 - y.0) / 6.0);
+        let found = one_of_two().pdf_joint(nothing, &[y, z]);
+        assert!(expected > 0.0 && close(found, expected), "{found} {expected}");
+    }
+    // Half are kept; standard errors 22 and 15.
+    assert!((640..860).contains(&kept[0]) && (175..325).contains(&kept[1]), "{kept:?}");
 }
 
 #[test]

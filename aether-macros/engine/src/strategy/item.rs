@@ -7,7 +7,7 @@ use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
-use super::names::{FORMS, form, is_stop, referenced};
+use super::names::{FORMS, delegate, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
@@ -33,9 +33,9 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
     let mut copy = function.clone();
     copy.vis = syn::Visibility::Inherited;
     copy.attrs.retain(is_lint);
-    if let Some(Signature { vertex, yields, path, .. }) = signature {
+    if let Some(Signature { vertex, yields, count, path, .. }) = signature {
         let real = real(vertex);
-        Qualify { real: &real, vertex: yields }.visit_block_mut(&mut copy.block);
+        Qualify { real: &real, vertex: yields, joint: *count > 1 }.visit_block_mut(&mut copy.block);
         // A strategy that does not look at the path has the parameter all the same.
         copy.block.stmts.insert(0, parse_quote!(let _ = &#path;));
     }
@@ -59,6 +59,8 @@ fn is_lint(attribute: &Attribute) -> bool {
 struct Qualify<'a> {
     real: &'a TokenStream,
     vertex: &'a Type,
+    /// Whether there are several vertices.
+    joint: bool,
 }
 
 impl VisitMut for Qualify<'_> {
@@ -81,6 +83,9 @@ impl VisitMut for Qualify<'_> {
             *expr = parse_quote! {
                 ::aether_core::forms::#function::<#vertex, #real, _, _>(#distribution, #rule)
             };
+        } else if self.joint && delegate(expr).is_some() {
+            // It is refused, and has no type: that alone is the error.
+            *expr = parse_quote!(::aether_core::forms::stop());
         } else if let Some((name, call)) = form(expr) {
             let (real, vertex) = (self.real, self.vertex);
             let generics = match FORMS.iter().position(|form| name == form) {
