@@ -61,20 +61,13 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     }
 
     /// Whether the new vertices of a draft can be drawn in the order in which they are: no strategy
-    /// that travels forwards reads a vertex that another one makes on its way back. Nor can some of the
-    /// vertices of one draw be drawn without the others.
+    /// that travels forwards reads a vertex that another one makes on its way back.
     pub fn can_draw(&self, draft: Place) -> bool {
         let tape = &self.arena.tape;
         let strategies = self.arena.strategies.borrow();
         (0..draft.len as usize).all(|k| {
             let step = tape.step(draft, k);
-            if step.vertex != NONE {
-                return true;
-            }
-            if step.part.is_joint() && tape.joint_run(draft, k).is_none() {
-                return false;
-            }
-            if step.backward {
+            if step.vertex != NONE || step.backward {
                 return true;
             }
             let reads = strategies[step.strategy as usize].reads().vertices;

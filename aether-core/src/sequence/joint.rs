@@ -5,9 +5,6 @@ use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{MOST_VERTICES, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
-/// What keys of one-vertex densities have for a kind is less.
-const JOINT: u32 = 3;
-
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// Draws the joint run that begins with step `i`; returns whether there is one.
     pub(super) fn draw_run<U: UniformSource<V::Real> + ?Sized>(
@@ -45,7 +42,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         if reads.vertices > room {
             return None;
         }
-        key[0] = strategy * 4 + JOINT;
+        key[0] = strategy * 4;
         for k in 0..n {
             key[1 + k] = self.tape.entry(run.at(k)).vertex;
         }

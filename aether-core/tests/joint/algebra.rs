@@ -4,7 +4,7 @@ use std::cell::Cell;
 
 use aether_core::prelude::*;
 use aether_core::sequence::{DynStrategy, Erased};
-use aether_core::strategy::{Strategy, Vertex};
+use aether_core::strategy::{Recall, Strategy, Vertex};
 use aether_core::{
     Arena, BalanceHeuristic, PathView, Pcg32, PowerHeuristic, RandomSequence, Snapshot, coin,
     combine, combine_with, strategies,
@@ -18,6 +18,12 @@ impl Vertex for Spot {
     type Point = f64;
     fn point(&self) -> f64 {
         self.0
+    }
+}
+
+impl Recall<f64> for Spot {
+    fn recall(&self) -> Option<f64> {
+        Some(self.0)
     }
 }
 
@@ -72,6 +78,21 @@ pub fn pair(path: &PathView<Spot>, evaluations: &Count) -> [Spot; 2] {
     [Spot(x.0), Spot(x.1)]
 }
 
+/// At one place.
+#[strategy]
+fn lamp(path: &PathView<Spot>, place: f64) -> Spot {
+    let place = constant(Some(place));
+    Spot(place)
+}
+
+/// In a fixed direction from the vertex before.
+#[strategy]
+fn mirror(path: &PathView<Spot>) -> Spot {
+    let here = given(path.last());
+    let there = constant(Some(4.0 - here.0));
+    Spot(there)
+}
+
 /// Two vertices in one of two places, the nearer the likelier to be kept.
 #[strategy]
 fn one_of_two(path: &PathView<Spot>) -> [Spot; 2] {
@@ -97,7 +118,7 @@ pub fn first_pair(path: &PathView<Spot>, middle: (f64, f64)) -> [Spot; 2] {
 strategies! {
     #[derive(Clone)]
     pub enum Ways<'c> for Spot {
-        Start(Start), Step(Step), Pair(Pair<'c>), FirstPair(FirstPair)
+        Start(Start), Step(Step), Pair(Pair<'c>), FirstPair(FirstPair), Lamp(Lamp), Mirror(Mirror)
     }
 }
 
@@ -194,6 +215,35 @@ fn every_technique_knows_the_density_of_every_path() {
 }
 
 #[test]
+fn a_run_reaches_no_atoms() {
+    let (count, arena) = (Count::default(), Arena::new());
+    let mut joint = arena.sequence();
+    joint.append(first_pair((1.0, 2.0))).append(pair(&count)).sample(&mut Pcg32::new(1, 0, 0));
+    let atoms: [fn(&mut Walk<'_, '_>); 4] = [
+        |path| _ = path.append(lamp(0.5)).append(step()).append(step()).append(step()),
+        |path| _ = path.append(start()).append(mirror()).append(step()).append(step()),
+        |path| _ = path.append(start()).append(step()).append(mirror()).append(step()),
+        |path| _ = path.append(start()).append(step()).append(step()).append(mirror()),
+    ];
+    let mut steps = arena.sequence();
+    steps.append(start()).append(step()).append(step()).append(step());
+    let mut possible = 0;
+    for sample in 0..200 {
+        for append in atoms {
+            let mut path = arena.sequence();
+            append(&mut path);
+            path.sample(&mut Pcg32::new(2, 0, sample));
+            assert!(path.is_complete() && joint.pdf_of(&path).is_zero());
+            assert!(joint.reverse().pdf_of(&path).is_zero());
+        }
+        let mut path = steps;
+        path.sample(&mut Pcg32::new(2, 0, sample));
+        possible += usize::from(!joint.pdf_of(&path).is_zero());
+    }
+    assert!(possible > 5, "{possible}");
+}
+
+#[test]
 fn choices_are_identified_by_the_run_and_weighed_after_inversion() {
     let nothing = PathView::from_slice(&[]);
     let mut kept = [0; 2];
@@ -265,10 +315,14 @@ fn a_run_cannot_be_cut() {
     let weights: Vec<_> =
         combine::<BalanceHeuristic, _>([path.slice(0..2), other]).map(|p| p.weight).collect();
     assert_eq!(weights, [0.0, 1.0]);
-    let all_to_the_other = |ratios: &[f64], own: usize| ratios[1 - own];
-    let ratios: Vec<_> =
-        combine_with(all_to_the_other, [path.slice(0..2), other]).map(|p| p.weight).collect();
-    assert_eq!(ratios, [f64::INFINITY, 0.0]);
+    // Also where the rest of the path is whole, and the factors that are left out are the same.
+    let mut steps = arena.sequence();
+    steps.append(start()).append(step()).append(step()).append(step()).sample(&mut uniforms);
+    let patched = path.slice(0..2).concat(&steps.slice(2..4));
+    assert!(patched.pdf().is_zero() && patched.pdf_of(&path).is_zero());
+    let ratio_of_other = |ratios: &[f64], own: usize| ratios[1 - own];
+    let ratios: Vec<_> = combine_with(ratio_of_other, [path, patched]).map(|p| p.weight).collect();
+    assert_eq!(ratios, [0.0, f64::INFINITY]);
     // Nor can a piece be drawn.
     let mut pending = arena.sequence();
     pending.append(start()).append(pair(&count));

@@ -348,6 +348,6 @@ fn alone_and_with_one_vertex_at_a_time_it_is_unbiased() {
 
 #[test]
 fn one_percent_in_its_density_would_be_found() {
-    let (right, wrong) = (z(1_600_000, &[0, 2]), z(1_600_000, &[4, 2]));
+    let (right, wrong) = (z(1_200_000, &[0, 2]), z(1_200_000, &[4, 2]));
     assert!(right.abs() < 5.0 && wrong.abs() > 5.0, "{right} {wrong}");
 }
