@@ -16,6 +16,10 @@ fn seed<'a, 'c>(arena: &'a Arena<Spot, Ways<'c>>, count: &'c Count) -> Walk<'a, 
     path
 }
 
+fn close(a: f64, b: f64) {
+    assert!((a / b - 1.0).abs() < 1e-14, "{a} {b}");
+}
+
 #[test]
 fn runs_are_drawn_anew_in_both_directions() {
     let (count, arena) = (Count::default(), Arena::new());
@@ -40,16 +44,16 @@ fn runs_are_drawn_anew_in_both_directions() {
         let view = |before| aether_core::PathView::from_slice(before);
         let expected = pair(&count).pdf_joint(view(&before), &[Spot(drawn[1]), Spot(drawn[2])]);
         assert!(expected > 0.0);
-        assert_eq!(conditional_pdf(&forwards, &path, &y).value(), expected);
+        close(conditional_pdf(&forwards, &path, &y).value(), expected);
         let back = pair(&count).pdf_joint(view(&before), &[Spot(x[1]), Spot(x[2])]);
-        assert_eq!(conditional_pdf(&forwards, &y, &path).value(), back);
+        close(conditional_pdf(&forwards, &y, &path).value(), back);
         // From the other end, in the other order.
         let y = propose(&backwards, &path, &mut uniforms).expect("a proposal");
         let drawn = spots(&y);
         let before = [Spot(x[3])];
         let expected = pair(&count).pdf_joint(view(&before), &[Spot(drawn[2]), Spot(drawn[1])]);
         assert!(expected > 0.0);
-        assert_eq!(conditional_pdf(&backwards, &path, &y).value(), expected);
+        close(conditional_pdf(&backwards, &path, &y).value(), expected);
     }
 }
 

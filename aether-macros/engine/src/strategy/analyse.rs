@@ -26,6 +26,9 @@ pub fn plan(
         connected,
         count,
         calls: Vec::new(),
+        choices: 0,
+        leaves: 0,
+        late: false,
         hoisted: 0,
         branches: 0,
         atoms: Vec::new(),
@@ -35,7 +38,8 @@ pub fn plan(
     scope.facts.insert(path.to_string(), Facts { path: true, ..Facts::default() });
     let plan = analysis.block(body, scope);
     let keepers = analysis.keepers();
-    Analysed { plan, apart: analysis.apart(), keepers }
+    let Analysis { choices, late, .. } = analysis;
+    Analysed { plan, apart: analysis.apart(), keepers, choices, late }
 }
 
 /// What is known of a body.
@@ -46,6 +50,17 @@ pub struct Analysed {
     pub apart: Vec<Apart>,
     /// Which vertex of a joint run keeps the value of each locally constant call.
     pub keepers: Vec<usize>,
+    /// How many choices it has.
+    pub choices: usize,
+    /// Whether decisions depend on what was drawn.
+    pub late: bool,
+}
+
+impl Analysed {
+    /// Whether a vertex may come about in several ways.
+    pub fn has_ways(&self) -> bool {
+        self.choices > 0 || self.late
+    }
 }
 
 /// An analysis under way.
@@ -56,6 +71,12 @@ pub struct Analysis<'d> {
     pub(super) count: usize,
     /// The locally constant calls, and which vertex of a joint run keeps each.
     pub(super) calls: Vec<(Expr, Option<usize>)>,
+    /// How many choices there are so far.
+    choices: usize,
+    /// How many vertices there are so far.
+    pub(super) leaves: usize,
+    /// Whether decisions depend on what was drawn.
+    late: bool,
     /// How many points have been given names.
     pub(super) hoisted: usize,
     /// How many branches there are so far.
@@ -116,6 +137,7 @@ impl Analysis<'_> {
                 }
                 let mut negative = self.turn(&scope, facts, 1);
                 if facts.random {
+                    self.late = true;
                     positive.needed.extend(mentioned(&condition));
                     negative.needed.extend(mentioned(&condition));
                 }
@@ -407,14 +429,17 @@ impl Analysis<'_> {
         }
         let facts = Facts { choice: rule.is_none(), ..Facts::default() };
         self.bind(&pat, facts, scope);
+        let number = self.choices;
+        self.choices += 1;
         if !random {
-            return Some(Action::Choose { pat, distribution, rule });
+            return Some(Action::Choose { pat, distribution, rule, number });
         }
+        self.late = true;
         scope.needed.extend(mentioned(&distribution));
         scope.needed.extend(bound(&pat).iter().map(Ident::to_string));
         self.hoisted += 1;
         let index = format_ident!("__outcome_{}", self.hoisted, span = Span::mixed_site());
-        Some(Action::LateChoose { pat, index, distribution, rule })
+        Some(Action::LateChoose { pat, index, distribution, rule, number })
     }
 }
 

@@ -6,40 +6,30 @@ use quote::{ToTokens, format_ident, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr, Ident, Pat, Stmt, Type};
 
+use super::analyse::Analysed;
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
-/// The body of `pdf_joint`, which adds up the densities of a run. `keepers` says which of its vertices
-/// keeps the value of each locally constant call.
-pub fn joint(plan: &Plan, vertices: &Type, real: &TokenStream, keepers: &[usize]) -> TokenStream {
-    let emitter = Emitter { vertex: vertices, real, keepers: Some(keepers) };
-    let terms = emitter.rest(&plan.steps, &plan.end, &Pending::default());
-    quote_spanned! {Span::mixed_site()=>
-        let ::core::result::Result::Ok(target) = <&#vertices>::try_from(targets) else {
-            return <#real as ::aether_core::Real>::ZERO;
-        };
-        let kind = ::core::option::Option::None::<::aether_core::strategy::Dirac>;
-        let mut sum = <#real as ::aether_core::Real>::ZERO;
-        let probability = <#real as ::aether_core::Real>::ONE;
-        #terms
-        sum
-    }
-}
-
-/// The body of `pdf`, which adds up the terms of the kind that is asked for.
-pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
-    let emitter = Emitter { vertex, real, keepers: None };
+/// A block with the density of `target`, a vertex or a run of them: the sum of the terms of the kind that
+/// the path asks for. Where there are several ways to make it, the one that is `taken` is left out if
+/// `OTHERS`.
+pub fn density(analysed: &Analysed, yields: &Type, joint: bool, real: &TokenStream) -> TokenStream {
+    let (site, plan) = (Span::mixed_site(), &analysed.plan);
+    let keepers = joint.then_some(&*analysed.keepers);
+    let emitter = Emitter { vertex: yields, real, keepers, ways: analysed.has_ways() };
     let terms = emitter.rest(&plan.steps, &plan.end, &Pending::default());
     let kinds = Kinds::of_end(&plan.end);
     let terms = (kinds != Kinds::default()).then(|| {
         let asked = kinds.asked();
-        quote_spanned!(Span::mixed_site()=> if #asked { #terms })
+        quote_spanned!(site=> if #asked { #terms })
     });
-    quote_spanned! {Span::mixed_site()=>
+    let same = emitter.ways.then(|| quote_spanned!(site=> let same = OTHERS;));
+    quote_spanned! {site=>
         let kind = ::aether_core::sequence::PathView::dirac(&view);
         let mut sum = <#real as ::aether_core::Real>::ZERO;
         let probability = <#real as ::aether_core::Real>::ONE;
+        #same
         #terms
-        ::aether_core::strategy::Conditional { value: sum, dirac: kind }
+        sum
     }
 }
 
@@ -48,6 +38,8 @@ struct Emitter<'a> {
     real: &'a TokenStream,
     /// Which vertex of a joint run keeps the value of each locally constant call.
     keepers: Option<&'a [usize]>,
+    /// Whether the way that was taken is to be recognised.
+    ways: bool,
 }
 
 /// What waits for the drawn point.
@@ -163,12 +155,17 @@ impl Emitter<'_> {
                     }
                 }
             }
-            Action::Choose { pat, distribution, rule } => {
+            Action::Choose { pat, distribution, rule, number } => {
                 let rest = same();
-                self.choice(&pat.to_token_stream(), distribution, rule.as_ref(), &rest)
+                let pat = pat.to_token_stream();
+                self.choice(&pat, (distribution, rule.as_ref()), *number, &rest)
             }
-            Action::LateChoose { pat, index, distribution, rule } => {
+            Action::LateChoose { pat, index, distribution, rule, number } => {
                 let rest = self.rest(steps, end, &pending.factor(self.weigh(distribution, index)));
+                let rest = quote_spanned! {site=>
+                    let same = same && taken[#number] == #index;
+                    #rest
+                };
                 self.late_choice(pat, index, (distribution, rule.as_ref()), &pending.typed, &rest)
             }
             Action::Late(statement) => {
@@ -199,8 +196,8 @@ impl Emitter<'_> {
     fn choice(
         &self,
         pat: &TokenStream,
-        distribution: &Expr,
-        rule: Option<&Expr>,
+        (distribution, rule): (&Expr, Option<&Expr>),
+        number: usize,
         rest: &TokenStream,
     ) -> TokenStream {
         let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
@@ -208,9 +205,10 @@ impl Emitter<'_> {
         match rule {
             None => quote_spanned! {site=>
                 let distribution = #distribution;
-                ::aether_core::Discrete::<#real>::for_each(&distribution, |item, p| {
-                    let probability = probability * p;
-                    let #pat = item;
+                ::aether_core::Discrete::<#real>::for_each_choice(&distribution, |choice| {
+                    let same = same && taken[#number] == choice.index;
+                    let probability = probability * choice.probability;
+                    let #pat = choice.item;
                     #rest
                 });
             },
@@ -221,6 +219,7 @@ impl Emitter<'_> {
                         ::aether_core::Discrete::<#real>::get(&distribution, index)
                         && choice.probability > <#real as ::aether_core::Real>::ZERO
                     {
+                        let same = same && taken[#number] == index;
                         let probability = probability * choice.probability;
                         let #pat = choice.item;
                         #rest
@@ -367,8 +366,9 @@ impl Emitter<'_> {
             Kind::AtomPosition => atom(quote_spanned!(site=> Position)),
             Kind::AtomDirection => atom(quote_spanned!(site=> Direction)),
             Kind::Density(point) => {
-                let value = self.value(point, pending, site);
-                quote_spanned!(site=> if kind.is_none() { sum += probability * #value; })
+                let (value, number) = (self.value(point, pending, site), leaf.number);
+                let new = self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)));
+                quote_spanned!(site=> if kind.is_none() #new { sum += probability * #value; })
             }
         }
     }

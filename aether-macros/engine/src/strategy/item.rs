@@ -201,12 +201,36 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
     } else {
         joint_methods(signature, analysed)
     };
+    let ways = analysed.filter(|analysed| analysed.has_ways());
+    let ways = ways.map(|analysed| {
+        let Signature { yields, .. } = signature;
+        let (prelude, real) = (prelude(signature), real(vertex));
+        let density = density::density(analysed, yields, signature.count > 1, &real);
+        quote_spanned! {site=>
+            #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
+            impl #implementation #name #arguments #conditions {
+                /// The density; if `OTHERS`, without the way that was `taken` to the vertex `way`.
+                fn __density<const OTHERS: bool>(
+                    &self,
+                    view: ::aether_core::sequence::PathView<'_, #vertex>,
+                    target: &#yields,
+                    taken: &[usize],
+                    way: usize,
+                ) -> #real {
+                    #prelude
+                    #density
+                }
+            }
+        }
+    });
     let plan = analysed.map(|analysed| &analysed.plan);
     let atoms = atoms(signature, plan);
     let reads = declared(signature, reads, plan);
     let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
+        #ways
+
         #[automatically_derived]
         #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
         impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
@@ -225,21 +249,36 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
     }
 }
 
+/// The density of `target`.
+fn density(signature: &Signature, analysed: &Analysed, real: &TokenStream) -> TokenStream {
+    let site = Span::mixed_site();
+    if analysed.has_ways() {
+        return quote_spanned!(site=> self.__density::<false>(view, target, &[], 0));
+    }
+    let prelude = prelude(signature);
+    let density = density::density(analysed, &signature.yields, signature.count > 1, real);
+    quote_spanned!(site=> { #prelude #density })
+}
+
 /// `sample` and `pdf` of a strategy of one vertex.
 fn methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
     let (site, vertex) = (Span::mixed_site(), &signature.vertex);
     let (real, prelude) = (real(vertex), prelude(signature));
     let (sample, pdf) = match analysed {
-        Some(Analysed { plan, apart, .. }) => {
-            let sample = sample::sample(plan, &real);
+        Some(analysed @ Analysed { apart, .. }) => {
+            let sample = sample::sample(analysed, &real);
             let apart = (!apart.is_empty()).then(|| {
                 let checks = apart.iter().map(|apart| told_apart(apart, vertex));
                 // Parameters of their own, because naming the type of an expression may move them.
                 let parameters = parameters(signature);
                 quote!({ #parameters #(#checks)* })
             });
-            let pdf = density::density(plan, vertex, &real);
-            (quote!(#prelude #sample), quote!(#prelude #apart #pdf))
+            let value = density(signature, analysed, &real);
+            let pdf = quote_spanned! {site=>
+                let dirac = ::aether_core::sequence::PathView::dirac(&view);
+                ::aether_core::strategy::Conditional { value: #value, dirac }
+            };
+            (quote!(#prelude #sample), quote!(#apart #pdf))
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };
@@ -268,10 +307,19 @@ fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStr
     let Signature { vertex, yields, count, .. } = signature;
     let (site, real, prelude) = (Span::mixed_site(), real(vertex), prelude(signature));
     let (sample, pdf) = match analysed {
-        Some(Analysed { plan, keepers, .. }) => {
-            let sample = sample::sample(plan, &real);
-            let pdf = density::joint(plan, yields, &real, keepers);
-            (quote!(#prelude #sample), quote!(#prelude #pdf))
+        Some(analysed) => {
+            let sample = sample::sample(analysed, &real);
+            let value = density(signature, analysed, &real);
+            let pdf = quote_spanned! {site=>
+                let ::core::result::Result::Ok(target) = <&#yields>::try_from(targets) else {
+                    return <#real as ::aether_core::Real>::ZERO;
+                };
+                let view = ::aether_core::sequence::PathView::asking(
+                    view, ::core::option::Option::None,
+                );
+                #value
+            };
+            (quote!(#prelude #sample), pdf)
         }
         None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
     };

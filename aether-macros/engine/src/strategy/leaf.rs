@@ -30,7 +30,9 @@ impl Analysis<'_> {
             None => self.atom(&vertex, facts, &scope),
         };
         let kind = kind.filter(|kind| self.count == 1 || self.run(&vertex, kind, &scope));
-        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible }))
+        let number = self.leaves;
+        self.leaves += 1;
+        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible, number }))
     }
 
     /// The random point that a vertex is made from.
