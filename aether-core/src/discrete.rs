@@ -73,11 +73,13 @@ pub trait Discrete<R: Scalar> {
 
     /// Calls `visit` with each outcome of positive probability, once an index, and its probability.
     fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
-        for choice in (0..self.len()).filter_map(|i| self.get(i)) {
-            if choice.probability > R::ZERO {
-                visit(choice.item, choice.probability);
-            }
-        }
+        self.for_each_choice(|choice| visit(choice.item, choice.probability));
+    }
+
+    /// [`Discrete::for_each`], with the indices.
+    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+        let choices = (0..self.len()).filter_map(|i| self.get(i));
+        choices.filter(|choice| choice.probability > R::ZERO).for_each(visit);
     }
 }
 
@@ -138,8 +140,8 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     }
 
     #[inline]
-    fn for_each<'a>(&'a self, visit: impl FnMut(Self::Item<'a>, R)) {
-        D::for_each(*self, visit);
+    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+        D::for_each_choice(*self, visit);
     }
 }
 

@@ -18,7 +18,8 @@ use crate::strategy::{Strategy, Vertex};
 ///
 /// `choose(distribution).identified_by(|v: &Vertex| index)` tells from a vertex which outcome it
 /// must have come from (`None`: from none), so that the density looks at that one only. If several
-/// outcomes are possible the rule yields them all, each once, as any `IntoIterator` of indices.
+/// outcomes are possible the rule yields them all, each once, as any `IntoIterator` of indices. In a
+/// strategy of several vertices it is given all of them, `|run: &[Vertex; 2]|`.
 /// Outcomes that yield atoms need a rule, because atoms are never told apart by comparing
 /// coordinates.
 ///
@@ -96,7 +97,8 @@ pub fn draw<R: Real, S: Sampler<R>>(sampler: S) -> S::Point {
 
 /// `let hit = constant(call);` is a locally constant call, such as a ray cast: `None` means that
 /// there is no next vertex. A density does not repeat the call but reads the value back from the
-/// vertex, through [`Recall`](crate::strategy::Recall).
+/// vertex, through [`Recall`](crate::strategy::Recall); in a strategy of several vertices, from the one
+/// that is made from it.
 ///
 /// # Panics
 /// Outside the body of a `#[strategy]`.

@@ -16,7 +16,7 @@
 //! | [10. Strategies](ch10_strategies) | the next vertex of a path: choices, atoms, a medium |
 //! | [11. Paths](ch11_sequences) | random sequences, combination of techniques, estimates |
 //! | [12. Mutations](ch12_mutations) | Markov chains and conditional densities |
-//! | [13. Two vertices at once](ch13_two_vertices) | a strategy for a pair of points |
+//! | [13. Two vertices at once](ch13_two_vertices) | several vertices of one draw |
 
 macro_rules! chapters {
     ($($name:ident)*) => {

@@ -19,7 +19,7 @@
 //!
 //! The [`guide`] explains the language in chapters. Where things are:
 //!
-//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`mixture`](mod@mixture),
+//! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`pairs`], [`mixture`](mod@mixture),
 //!   [`discrete`](mod@discrete), [`tables`];
 //! - steps without a closed form: [`root`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
@@ -57,6 +57,7 @@ pub mod legal;
 pub mod map;
 pub mod mixture;
 pub mod mutation;
+pub mod pairs;
 pub mod path_density;
 pub mod point;
 pub mod preimages;
@@ -99,7 +100,7 @@ pub use real::{Mask, Real, Scalar, Single};
 pub use root::solve;
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
-pub use strategy::{Atoms, Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
+pub use strategy::{Atoms, Conditional, Dirac, Drawn, DrawnRun, Reads, Recall, Strategy, Vertex};
 pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
 pub use vec::{Frame, Mat3, Vec2, Vec3};
 

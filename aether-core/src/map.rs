@@ -53,6 +53,53 @@ impl<A, B> Then<A, B> {
     }
 }
 
+/// Calls `visit` with the preimages of `y`, the image of `x`, other than `x` itself. Of several, the
+/// nearest is taken to be `x`: inverted, it need not be `x` to the last digit.
+#[inline(always)]
+pub(crate) fn other_preimages<R: Real, M: Map<R>>(
+    map: &M,
+    x: &M::Source,
+    y: &M::Target,
+    mut visit: impl FnMut(M::Source, R::Mask),
+) {
+    let mut count = 0;
+    map.preimages(y, |_, _| count += 1);
+    if count <= 1 {
+        return;
+    }
+    let distance = |z: &M::Source, valid: R::Mask| {
+        let (x, z) = (x.coordinates(), z.coordinates());
+        let differences = x.as_ref().iter().zip(z.as_ref()).map(|(x, z)| (*x - *z).abs());
+        R::select(valid, differences.fold(R::ZERO, R::max), R::INFINITY)
+    };
+    let mut nearest = R::INFINITY;
+    map.preimages(y, |z, valid| nearest = nearest.min(distance(&z, valid)));
+    let mut counted = R::Mask::FALSE;
+    map.preimages(y, |z, valid| {
+        let itself = valid.and(counted.not()).and(distance(&z, valid).le(nearest));
+        counted = counted.or(itself);
+        let other = valid.and(itself.not());
+        if other.any() {
+            visit(z, other);
+        }
+    });
+}
+
+impl<S, M> Then<S, M> {
+    /// The density at an image by way of one of its preimages.
+    #[inline(always)]
+    fn by_way_of<R: Real>(&self, x: &S::Point, valid: R::Mask) -> R
+    where
+        S: Sampler<R>,
+        M: Map<R, Source = S::Point>,
+    {
+        let p = self.first.pdf(x).value();
+        // Where the sampler has no density the map need not have a derivative.
+        let q = p / self.second.jacobian(x);
+        R::select(valid.and(p.gt(R::ZERO)), q, R::ZERO)
+    }
+}
+
 impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S, M> {
     type Uniforms = S::Uniforms;
     type Point = M::Target;
@@ -69,10 +116,7 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
         let mut sum = R::ZERO;
         self.second.preimages(y, |x, valid| {
             if valid.any() {
-                let p = self.first.pdf(&x).value();
-                // Where the sampler has no density the map need not have a derivative.
-                let q = p / self.second.jacobian(&x);
-                sum += R::select(valid.and(p.gt(R::ZERO)), q, R::ZERO);
+                sum += self.by_way_of(&x, valid);
             }
         });
         Density::new(sum)
@@ -82,13 +126,10 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     fn pdf_of_uniforms(&self, u: S::Uniforms) -> PdfOf<Self, R> {
         let x = self.first.forward(u).0;
         let y = self.second.forward(&x).0;
-        let mut preimages = 0;
-        self.second.preimages(&y, |_, _| preimages += 1);
-        // Where other points have the same image, only inversion finds them.
-        if preimages > 1 {
-            return self.pdf(&y);
-        }
-        Density::new(self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x))
+        let mut sum = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
+        // Other points that have the same image only inversion finds.
+        other_preimages(&self.second, &x, &y, |z, valid| sum += self.by_way_of(&z, valid));
+        Density::new(sum)
     }
 
     #[inline(always)]

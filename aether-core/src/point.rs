@@ -72,6 +72,23 @@ impl<P: Copy> Includes<P> for P {
     }
 }
 
+macro_rules! runs {
+    ($($n:literal: $($part:ident $i:tt),+;)*) => {
+        $(/// Points of one space, each of which lies in a part of it.
+        impl<P: $(Includes<$part> +)+ Copy, $($part: Copy),+> Includes<($($part,)+)> for [P; $n] {
+            #[inline(always)]
+            fn part(&self) -> Option<($($part,)+)> {
+                Some(($(Includes::<$part>::part(&self[$i])?,)+))
+            }
+        })*
+    };
+}
+runs! {
+    2: A 0, B 1;
+    3: A 0, B 1, C 2;
+    4: A 0, B 1, C 2, D 3;
+}
+
 /// A point of the real line; densities are per unit length.
 impl<R: Real> Point<R> for R {
     type Measure = Length;

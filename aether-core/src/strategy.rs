@@ -113,6 +113,46 @@ impl<V: Vertex> Drawn<V> {
     }
 }
 
+/// The most vertices that one draw of a joint strategy yields.
+pub const MOST_VERTICES: usize = 4;
+
+/// Vertices drawn together are an element of the product of their spaces.
+impl<V: Vertex, const N: usize> Vertex for [V; N] {
+    type Real = V::Real;
+    type Point = [V::Point; N];
+    fn point(&self) -> [V::Point; N] {
+        self.map(|vertex| vertex.point())
+    }
+}
+
+/// The vertices that one draw of a joint strategy yielded, in order of travel. Made from a
+/// [`Drawn`] array of two to four vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnRun<V: Vertex> {
+    /// Only the first `len` count.
+    vertices: [V; MOST_VERTICES],
+    len: usize,
+    /// Whether each vertex but the first sees the one before: no shadow ray is needed.
+    pub visible: bool,
+    /// The joint conditional density, if sampling happened to compute it.
+    pub value: Option<V::Real>,
+}
+
+impl<V: Vertex> DrawnRun<V> {
+    /// The vertices.
+    pub fn vertices(&self) -> &[V] {
+        &self.vertices[..self.len]
+    }
+}
+
+impl<V: Vertex, const N: usize> From<Drawn<[V; N]>> for DrawnRun<V> {
+    fn from(drawn: Drawn<[V; N]>) -> Self {
+        const { assert!(2 <= N && N <= MOST_VERTICES, "a run has two to four vertices") };
+        let vertices = core::array::from_fn(|i| drawn.vertex[i.min(N - 1)]);
+        DrawnRun { vertices, len: N, visible: drawn.visible, value: drawn.value }
+    }
+}
+
 impl<V: Vertex> From<V> for Drawn<V> {
     fn from(vertex: V) -> Self {
         Drawn::new(vertex)
@@ -183,7 +223,17 @@ impl Atoms {
 ///
 /// A strategy is a pure function of its fields, the part of the path that it declares in
 /// [`Strategy::reads`], and the uniforms.
+///
+/// # Joint strategies
+///
+/// A strategy may yield a run of several vertices with one draw (a segment through a window): its
+/// [`Strategy::vertices`] is more than one. It implements [`Strategy::sample_joint`] and
+/// [`Strategy::pdf_joint`]; as it never yields a single vertex, [`Strategy::sample`] returns `None`,
+/// and [`Strategy::pdf`] zero. A run has a density, never an atom.
 pub trait Strategy<V: Vertex>: Clone {
+    /// The most vertices that a draw yields. Where it is one, nothing is ever done for runs.
+    const VERTICES: usize = 1;
+
     /// Which kinds of atoms this may yield. A choice between strategies of which two yield the same
     /// kind has to be identified from the vertex, because atoms are never told apart by comparing
     /// coordinates.
@@ -208,6 +258,28 @@ pub trait Strategy<V: Vertex>: Clone {
     /// What the strategy reads of the path before the vertex.
     fn reads(&self) -> Reads {
         Reads::default()
+    }
+
+    /// How many vertices a draw of this strategy yields, at most [`Strategy::VERTICES`].
+    fn vertices(&self) -> usize {
+        Self::VERTICES
+    }
+
+    /// Draws the next vertices of a joint strategy, [`Strategy::vertices`] of them.
+    fn sample_joint<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<DrawnRun<V>> {
+        let _ = (path, uniforms);
+        None
+    }
+
+    /// The density of `targets` as the vertices after `path`, in order of travel, with respect to the
+    /// product of the measures of their spaces. Zero if there are not [`Strategy::vertices`] of them.
+    fn pdf_joint(&self, path: PathView<'_, V>, targets: &[V]) -> V::Real {
+        let _ = (path, targets);
+        V::Real::ZERO
     }
 
     /// Whether `other` is the same strategy with the same arguments, so that densities can be shared

@@ -6,7 +6,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use aether_core::{
-    Arena, Estimator, MarkovChainState, Pcg32, PowerHeuristic, RandomSequence, combine, mutation,
+    Arena, Conditional, Drawn, DrawnRun, Estimator, MarkovChainState, PathView, Pcg32,
+    PowerHeuristic, RandomSequence, Strategy, UniformSource, combine, mutation,
 };
 use world::{Camera, Light, Seen, Spot, Step, Walks, Ways, World};
 
@@ -80,6 +81,53 @@ fn a_warm_arena_allocates_nothing() {
         assert_eq!(allocations, 0, "seed {seed}");
         assert!(total.is_finite());
     }
+}
+
+/// Two vertices of one draw.
+#[derive(Clone)]
+struct Pair;
+impl Strategy<Spot> for Pair {
+    const VERTICES: usize = 2;
+    fn sample<U: UniformSource<f64> + ?Sized>(
+        &self,
+        _: PathView<'_, Spot>,
+        _: &mut U,
+    ) -> Option<Drawn<Spot>> {
+        None
+    }
+    fn pdf(&self, _: PathView<'_, Spot>, _: &Spot) -> Conditional<f64> {
+        Conditional::ZERO
+    }
+    fn sample_joint<U: UniformSource<f64> + ?Sized>(
+        &self,
+        _: PathView<'_, Spot>,
+        uniforms: &mut U,
+    ) -> Option<DrawnRun<Spot>> {
+        Some(Drawn::new([(); 2].map(|()| Spot(uniforms.next()))).into())
+    }
+    fn pdf_joint(&self, _: PathView<'_, Spot>, _: &[Spot]) -> f64 {
+        1.0
+    }
+}
+
+#[test]
+fn warm_runs_allocate_nothing() {
+    let mut arena = Arena::<Spot, Pair>::new();
+    let mut run = |seed: u64| {
+        arena.clear();
+        let before = ALLOCATIONS.with(Cell::get);
+        let mut uniforms = Pcg32::new(seed, 0, 0);
+        let (mut a, mut b) = (arena.sequence(), arena.sequence());
+        a.append(Pair).append(Pair).append(Pair).sample(&mut uniforms);
+        b.append(Pair).append(Pair).append(Pair).sample(&mut uniforms);
+        let paths = arena
+            .collect((0..=3).map(|k| a.slice(0..2 * k).concat(&b.slice(0..6 - 2 * k).reverse())));
+        let weights = combine::<PowerHeuristic, _>(paths).map(|path| path.weight);
+        assert!((weights.sum::<f64>() - 1.0).abs() < 1e-15);
+        ALLOCATIONS.with(Cell::get) - before
+    };
+    assert!((0..20).map(&mut run).sum::<usize>() > 0);
+    assert_eq!((0..20).map(run).sum::<usize>(), 0);
 }
 
 #[test]

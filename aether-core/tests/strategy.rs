@@ -145,6 +145,17 @@ fn check<S: Strategy<Spot>>(strategy: &S, from: f64, to: f64, like: impl Fn(f64)
     }
 }
 
+/// Checks that what is drawn tells its density, the same as inversion finds; returns how often it does.
+fn own_densities<S: Strategy<Spot>>(strategy: &S) -> usize {
+    let drawn = samples(strategy, 2000).into_iter().flatten().filter(|d| d.dirac.is_none());
+    let known = drawn.filter_map(|drawn| Some((drawn.vertex, drawn.value?)));
+    let check = |(vertex, own): (Spot, f64)| {
+        let p = pdf(strategy, vertex);
+        assert!((own / p - 1.0).abs() < 1e-12, "{vertex:?}: {own} {p}");
+    };
+    known.map(check).count()
+}
+
 /// One of some intervals, then uniformly in it.
 #[strategy]
 fn mixture(path: &PathView<Spot>, cells: &Choices<Vec<Interval>, Interval>) -> Spot {
@@ -361,4 +372,67 @@ fn generic_strategies() {
     let p = |path| strategy.pdf(PathView::from_slice(path), &Spot::at(3.0)).value;
     assert_eq!((p(&two), p(&two[1..])), (0.5, 0.0));
     assert_eq!(strategy.reads(), Reads { vertices: 2, length: true });
+}
+
+/// Drawn points in either half go the same way, by different maps.
+#[strategy]
+fn folded(path: &PathView<Spot>) -> Spot {
+    let h = draw(Interval(-1.0, 3.0));
+    if h < 0.5 {
+        Spot::at(Affine { scale: -1.0, offset: 1.0 }.apply(&h))
+    } else {
+        Spot::at(Square { limit: 9.0 }.apply(&h))
+    }
+}
+
+#[test]
+fn what_is_drawn_tells_its_density_among_several_ways() {
+    let intervals = vec![Interval(0.0, 1.0), Interval(0.5, 2.5), Interval(0.0, 1.0)];
+    let cells = discrete_weighted(intervals, [0.2, 0.5, 0.3]).unwrap();
+    assert_eq!(own_densities(&mixture(&cells)), 2000);
+    assert!(own_densities(&roulette(0.7)) > 1000);
+    assert!(own_densities(&to_wall(&Walls::default())) > 1000);
+    assert!(own_densities(&layered(&Walls::default())) > 200);
+    let lamps = discrete_weighted(vec![0.0, 1.0, 2.0], [1.0, 2.0, 5.0]).unwrap();
+    assert_eq!(own_densities(&lights(&lamps, &Cell::new(0))), 2000);
+    assert!(own_densities(&late_factor_on_the_point_itself()) > 500);
+    // Not where a square has two roots, each with a weight of its own.
+    assert!((200..1800).contains(&own_densities(&fresnel())));
+    assert!(own_densities(&folded()) > 500);
+    // The image of the left half overlaps that of the right one, which has two roots too.
+    let p = |x| pdf(&folded(), Spot::at(x));
+    assert!((p(1.21) - 0.25 * (1.0 + 1.0 / 2.2)).abs() < 1e-14, "{}", p(1.21));
+    check(&folded(), 0.3, 9.0, Spot::at);
+    let two_roots = {
+        let cells = discrete([Square { limit: 9.0 }; 2]).unwrap();
+        move |sample| {
+            let strategy = squared(&cells);
+            (own_densities(&strategy), strategy.pdf(PathView::from_slice(&[]), &sample).value)
+        }
+    };
+    let (known, p) = two_roots(Spot::at(0.25));
+    assert!(known == 2000 && (p - 2.0 / 3.0).abs() < 1e-14, "{known} {p}");
+}
+
+/// Points of either sign, squared.
+#[strategy]
+fn squared(path: &PathView<Spot>, maps: &Choices<[Square; 2], Square>) -> Spot {
+    let map = choose(maps);
+    let x = draw(Interval(-1.0, 2.0));
+    let y = (*map).apply(&x);
+    Spot::at(y)
+}
+
+#[test]
+fn rounded_over_the_rim_it_still_has_its_density() {
+    // Two numbers of f64 fit into the second interval; the upper end is not in it.
+    let far = Interval(1e8, 1e8 + 2.0_f64.powi(-25));
+    let cells = discrete(vec![Interval(0.0, 1.0), far]).unwrap();
+    let strategy = mixture(&cells);
+    let nowhere = PathView::from_slice(&[]);
+    let mut numbers = [0.75, 0.9].into_iter();
+    let drawn = strategy.sample(nowhere, &mut || numbers.next().unwrap()).unwrap();
+    assert_eq!(drawn.vertex.x, far.1);
+    assert_eq!(pdf(&strategy, drawn.vertex), 0.0);
+    assert_eq!(drawn.value, Some(0.5 * 2.0_f64.powi(25)));
 }

@@ -3,6 +3,7 @@
 #![warn(missing_docs)]
 
 pub mod catalogue;
+pub mod checks;
 pub mod compare;
 pub mod errors;
 pub mod forward;

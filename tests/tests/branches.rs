@@ -1,8 +1,8 @@
 //! Samplers with branches: every piece is inverted by itself, the preimages of all pieces add up.
 
-use aether_core::battery;
 use aether_core::prelude::*;
-use tests::mutation::OnePercentOff;
+use tests::batteries;
+use tests::checks::right;
 
 /// A tent over [-r, r].
 #[sampler]
@@ -143,22 +143,7 @@ pub fn kinked_square(u: [Uniform; 2]) -> Vec2 {
     kink().apply(&square().sample(u))
 }
 
-fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
-    made.expect("the parameters are in their domain")
-}
-
-macro_rules! batteries {
-    ($($name:ident: $($sampler:expr),+;)*) => {
-        $(#[test]
-        fn $name() {
-            $(battery::check(&$sampler).assert_ok();
-            battery::check_f32(&$sampler).assert_ok();
-            assert!(!battery::check(&OnePercentOff($sampler)).is_ok());)+
-        })*
-    };
-}
-
-batteries! {
+batteries! { [double single off]
     tents: tent(2.0), tent(0.125);
     laplaces: laplace(0.7), laplace(20.0);
     folds: fold(), sawtooth();

@@ -2,7 +2,9 @@
 
 use aether_core::battery::{self, Battery};
 use aether_core::prelude::*;
+use tests::batteries;
 use tests::catalogue::*;
+use tests::checks::right;
 use tests::compare::{IllConditioned, failures, unnoticed, wrong_densities};
 use tests::mutation::OnePercentOff;
 use tests::reference::Reference;
@@ -58,25 +60,9 @@ fn a_density_off_by_one_percent_fails_the_comparison_in_every_row() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-/// The battery in both precisions, for several values of the parameters. Its samplers are the
-/// catalogue's, its seeds fixed; one seed in a million would make a right sampler fail.
-macro_rules! batteries {
-    ($($name:ident: $($sampler:expr),+;)*) => {
-        $(mod $name {
-            use super::*;
-            #[test]
-            fn double_precision() {
-                $(battery::check(&$sampler).assert_ok();)+
-            }
-            #[test]
-            fn single_precision() {
-                $(battery::check_f32(&$sampler).assert_ok();)+
-            }
-        })*
-    };
-}
-
-batteries! {
+// The battery in both precisions, for several values of the parameters. Its samplers are the
+// catalogue's, its seeds fixed; one seed in a million would make a right sampler fail.
+batteries! { [double single]
     row_1_affine: affine(-2.0, 3.0), affine(3.0, -2.0), affine(0.25, 0.5);
     row_2_power: power(1.0), power(2.5), power(7.0), power(0.75);
     row_3_exponential: exponential(1.0), exponential(0.05), exponential(30.0);
@@ -98,10 +84,6 @@ batteries! {
     row_93_sphere_surface: sphere_surface(Vec3::new(1.0, 2.0, 3.0), 2.5),
         sphere_surface(Vec3::new(-40.0, 0.0, 7.0), 0.5);
     row_107_height_field: height_field(0.75), height_field(-2.0);
-}
-
-fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
-    made.expect("the parameters are in their domain")
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use aether_core::battery;
 use aether_core::prelude::*;
+use tests::checks::right;
 use tests::mutation::OnePercentOff;
 
 /// A point of the lens and the direction from it to a point of the plane of focus at distance f.
@@ -46,10 +47,6 @@ pub fn ordered(u: [Uniform; 3]) -> (f64, f64, f64) {
     let b = a - (-u[1]).ln_1p();
     let c = b - 2.0 * (-u[2]).ln_1p();
     (a, b, c)
-}
-
-fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
-    made.expect("the parameters are in their domain")
 }
 
 fn panels<R: Scalar>() -> TwoPanels<R> {

@@ -217,11 +217,14 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
 
     /// In time proportional to the number of leaves that are possible: parts of probability zero are
     /// not entered.
-    fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
+    fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
         let mut waiting = vec![(self.tree.root, 1.0)];
         while let Some((node, p)) = waiting.pop() {
             match self.tree.nodes[node].kind {
-                Kind::Leaf(index) => visit(&self.tree.leaves[index].item, R::of(p)),
+                Kind::Leaf(index) => {
+                    let item = &self.tree.leaves[index].item;
+                    visit(Choice { index, item, probability: R::of(p) });
+                }
                 Kind::Branch([left, right]) => {
                     let share = self.left([left, right]);
                     let parts = [(right, p * (1.0 - share)), (left, p * share)];

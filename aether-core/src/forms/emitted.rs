@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::discrete::{Choice, Discrete, FixedOutcomes};
-use crate::map::Map;
+use crate::map::{Map, other_preimages};
 use crate::point::Includes;
 use crate::real::{Real, Scalar};
 use crate::sampler::Sampler;
@@ -11,24 +11,7 @@ use crate::sequence::PathView;
 use crate::strategy::{Atoms, Drawn, Recall, Strategy, Vertex};
 use crate::uniform::{UniformSource, draw_uniforms};
 
-/// A sample of `sampler`; `None` if it has none for the uniforms drawn.
-#[inline(always)]
-pub fn draw<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>(
-    sampler: &S,
-    uniforms: &mut U,
-) -> Option<S::Point> {
-    let (point, valid) = sampler.forward(draw_uniforms::<R, S::Uniforms>(uniforms));
-    valid.then_some(point)
-}
-
-/// The image of `x`, if there is one.
-#[inline(always)]
-pub fn mapped<R: Scalar, M: Map<R>>(map: &M, x: &M::Source) -> Option<M::Target> {
-    let (y, valid) = map.forward(x);
-    valid.then_some(y)
-}
-
-/// A sample of `sampler` with its density, told from the uniforms.
+/// A sample of `sampler` with its density, told from the uniforms; `None` if it has none for these.
 #[inline(always)]
 pub fn draw_with_density<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>(
     sampler: &S,
@@ -39,19 +22,27 @@ pub fn draw_with_density<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>
     valid.then(|| (point, Some(sampler.pdf_of_uniforms(u).value())))
 }
 
-/// The image of `x`, if there is one, and its density if that of `x` is known and nothing else is mapped
-/// to it.
+/// The image of `x`, if there is one, and its density if that of `x`, a sample of `sampler`, is known. If
+/// `weighed`, preimages count with different weights, and it is not known where there are several.
 #[inline(always)]
-pub fn mapped_with_density<R: Scalar, M: Map<R>>(
+pub fn mapped_with_density<R: Scalar, S: Sampler<R>, M: Map<R, Source = S::Point>>(
+    sampler: &S,
     map: &M,
     x: &M::Source,
     density: Option<R>,
+    weighed: bool,
 ) -> Option<(M::Target, Option<R>)> {
     let (y, valid) = map.forward(x);
-    let mut preimages = 0;
-    map.preimages(&y, |_, _| preimages += 1);
-    let density = density.filter(|_| preimages == 1).map(|p| p / map.jacobian(x));
-    valid.then_some((y, density))
+    let mut density = density.map(|p| p / map.jacobian(x));
+    let mut others = false;
+    other_preimages(map, x, &y, |z, _| {
+        others = true;
+        let p = sampler.pdf(&z).value();
+        // Where there is no density the map need not have a derivative.
+        let p = if p > R::ZERO { p / map.jacobian(&z) } else { R::ZERO };
+        density = density.map(|sum| sum + p);
+    });
+    valid.then_some((y, density.filter(|_| !(weighed && others))))
 }
 
 /// The product of what is known of a density.
@@ -60,33 +51,44 @@ pub fn own_times<R: Scalar>(own: Option<R>, factor: Option<R>) -> Option<R> {
     Some(product(own?, factor?))
 }
 
-/// What is known, if the rule tells of the vertex that it came from outcome `index` and no other.
+/// Whether the rule tells of the vertex that it may have come from other outcomes than `index`; `None` if
+/// it does not tell that it may have come from this one.
 #[inline(always)]
-pub fn if_identified<R, V, I: IntoIterator<Item = usize>>(
-    own: Option<R>,
+pub fn several_identified<V, I: IntoIterator<Item = usize>>(
     vertex: &V,
     rule: impl Fn(&V) -> I,
     index: usize,
-) -> Option<R> {
-    own.filter(|_| identify(vertex, rule).eq([index]))
+) -> Option<bool> {
+    let (mut found, mut several) = (false, false);
+    for other in identify(vertex, rule) {
+        found |= other == index;
+        several |= other != index;
+    }
+    found.then_some(several)
 }
 
-/// The probability of the only outcome that leads anywhere; `None` if there may be others.
+/// Whether more outcomes than one may lead anywhere.
 #[inline(always)]
-pub fn only<'d, R: Scalar, D: Discrete<R>>(
+pub fn several<'d, R: Scalar, D: Discrete<R>>(
     distribution: &'d D,
     leads: impl Fn(D::Item<'d>) -> bool,
-) -> Option<R> {
+) -> bool {
     if distribution.len() > 2 {
-        return None;
+        return true;
     }
-    let (mut count, mut probability) = (0, R::ZERO);
-    distribution.for_each(|item, p| {
-        if leads(item) {
-            (count, probability) = (count + 1, p);
-        }
-    });
-    (count == 1).then_some(probability)
+    let mut count = 0;
+    distribution.for_each(|item, _| count += usize::from(leads(item)));
+    count > 1
+}
+
+/// The density by the way that was taken, and by the others if there are several.
+#[inline(always)]
+pub fn with_others<R: Scalar>(
+    own: Option<R>,
+    several: bool,
+    others: impl FnOnce() -> R,
+) -> Option<R> {
+    own.map(|p| if several { p + others() } else { p })
 }
 
 /// The locally constant value that `target` came from; `call` only names its type and is not called.
@@ -167,6 +169,13 @@ pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
     path: PathView<'_, V>,
     uniforms: &mut U,
 ) -> Option<Drawn<V>> {
+    const {
+        assert!(
+            S::VERTICES == 1,
+            "a strategy that may yield several vertices with one draw makes no single vertex: it \
+             cannot be delegated to"
+        );
+    }
     let drawn = strategy.sample(path.limited(strategy.reads()), uniforms)?;
     // What is known is the density under that strategy alone.
     Some(Drawn { value: None, ..drawn })

@@ -54,7 +54,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
         self.path.size()
     }
 
-    /// Adds a new vertex, to be drawn by `strategy`.
+    /// Adds a new vertex, to be drawn by `strategy`, or the several ones of a joint strategy.
     pub fn append(&mut self, strategy: impl Into<S>) -> &mut Self {
         self.path.append(strategy);
         // A new vertex counts as one that is there, so that it can be cut, turned and joined.

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use crate::sequence::PathView;
-use crate::strategy::{Conditional, Drawn, Reads, Strategy, Vertex};
+use crate::strategy::{Conditional, Drawn, DrawnRun, MOST_VERTICES, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
 /// [`Strategy`] as a trait object. Every strategy implements it.
@@ -18,6 +18,16 @@ pub trait DynStrategy<V: Vertex> {
     fn pdf_dyn(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real>;
     /// [`Strategy::reads`].
     fn reads_dyn(&self) -> Reads;
+    /// [`Strategy::vertices`].
+    fn vertices_dyn(&self) -> usize;
+    /// [`Strategy::sample_joint`].
+    fn sample_joint_dyn(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut dyn UniformSource<V::Real>,
+    ) -> Option<DrawnRun<V>>;
+    /// [`Strategy::pdf_joint`].
+    fn pdf_joint_dyn(&self, path: PathView<'_, V>, targets: &[V]) -> V::Real;
 }
 
 impl<V: Vertex, S: Strategy<V>> DynStrategy<V> for S {
@@ -33,6 +43,19 @@ impl<V: Vertex, S: Strategy<V>> DynStrategy<V> for S {
     }
     fn reads_dyn(&self) -> Reads {
         self.reads()
+    }
+    fn vertices_dyn(&self) -> usize {
+        self.vertices()
+    }
+    fn sample_joint_dyn(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut dyn UniformSource<V::Real>,
+    ) -> Option<DrawnRun<V>> {
+        self.sample_joint(path, uniforms)
+    }
+    fn pdf_joint_dyn(&self, path: PathView<'_, V>, targets: &[V]) -> V::Real {
+        self.pdf_joint(path, targets)
     }
 }
 
@@ -54,6 +77,8 @@ impl<V> fmt::Debug for Erased<'_, V> {
 }
 
 impl<V: Vertex> Strategy<V> for Erased<'_, V> {
+    const VERTICES: usize = MOST_VERTICES;
+
     fn sample<U: UniformSource<V::Real> + ?Sized>(
         &self,
         path: PathView<'_, V>,
@@ -66,6 +91,19 @@ impl<V: Vertex> Strategy<V> for Erased<'_, V> {
     }
     fn reads(&self) -> Reads {
         self.0.reads_dyn()
+    }
+    fn vertices(&self) -> usize {
+        self.0.vertices_dyn()
+    }
+    fn sample_joint<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<DrawnRun<V>> {
+        self.0.sample_joint_dyn(path, &mut Borrowed(uniforms))
+    }
+    fn pdf_joint(&self, path: PathView<'_, V>, targets: &[V]) -> V::Real {
+        self.0.pdf_joint_dyn(path, targets)
     }
     fn same(&self, other: &Self) -> bool {
         core::ptr::eq(self.0, other.0)

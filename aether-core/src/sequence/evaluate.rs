@@ -2,6 +2,7 @@
 
 use crate::path_density::PathDensity;
 use crate::real::Real;
+use crate::sequence::tape::Entry;
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -10,14 +11,17 @@ use crate::uniform::UniformSource;
 const REMEMBERED: usize = 3;
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
-    /// Draws the vertex of step `i`; returns whether there is one.
+    /// Draws the vertex of step `i`, and with it those of its joint run; returns whether there is one.
     pub(crate) fn draw<U: UniformSource<V::Real> + ?Sized>(
         &self,
         place: Place,
         i: usize,
         uniforms: &mut U,
     ) -> bool {
-        let id = self.tape.step(place, i).strategy;
+        let Entry { strategy: id, part, .. } = self.tape.step(place, i);
+        if S::VERTICES > 1 && part.is_joint() {
+            return self.draw_run(place, i, uniforms);
+        }
         // A copy, so that nothing of the arena is borrowed while user code runs.
         let strategy = self.strategies.borrow()[id as usize].clone();
         let reads = strategy.reads();
@@ -63,9 +67,13 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     }
 
     /// The conditional density of vertex `k` of `path` under step `k` of `technique`, given the
-    /// vertices of `path` that the step comes from.
+    /// vertices of `path` that the step comes from. Of a joint run, the last step has the density of
+    /// all, the others have one.
     pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
         let step = self.tape.step(technique, k);
+        if S::VERTICES > 1 && step.part.is_joint() {
+            return self.run_factor(technique, k, path);
+        }
         let n = path.len as usize;
         let before = if step.backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
         let dirac = self.tape.kind(path, k, step.backward);
@@ -96,9 +104,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         })
     }
 
-    /// Whether `technique` might produce `path` at all.
+    /// Whether `technique` might produce `path` at all. A piece of a joint run is no technique: it has
+    /// a density, but only as an integral over the vertices that are missing.
     fn comparable(&self, technique: Place, path: Place) -> bool {
-        technique.len == path.len && (technique == path || self.covers(technique, path))
+        technique.len == path.len
+            && (S::VERTICES == 1 || self.tape.is_whole(technique))
+            && (technique == path || self.covers(technique, path))
     }
 
     /// The density of `path` under `technique`.
@@ -140,10 +151,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         }
     }
 
-    /// The name of the run that ends at step `k`, if it begins where the path does.
+    /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends
+    /// there.
     pub(crate) fn run_name(&self, place: Place, k: usize) -> Option<u32> {
         let step = self.tape.step(place, k);
-        (!step.backward && step.run as usize == k + 1).then_some(step.prefix)
+        let named = !step.backward && step.run as usize == k + 1 && step.part.is_last();
+        named.then_some(step.prefix)
     }
 
     /// The density of a path all of whose steps are taken forwards.
@@ -166,7 +179,8 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let mut densities = [PathDensity::ONE; 2];
         for k in 0..path.len as usize {
             let (step, other) = (self.tape.step(a, k), self.tape.step(b, k));
-            if step.strategy != other.strategy || step.backward != other.backward {
+            let made = |step: Entry| (step.strategy, step.backward, step.part);
+            if made(step) != made(other) {
                 densities[0] = densities[0] * self.factor(a, k, path);
                 densities[1] = densities[1] * self.factor(b, k, path);
             }
@@ -187,6 +201,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         mut visit: impl FnMut(usize, V::Real),
     ) {
         let path = technique(own);
+        if S::VERTICES > 1 && !self.tape.is_whole(path) {
+            // It is no sample of its own technique, whose density is zero.
+            let others = (0..count).filter(|j| *j != own);
+            return others.for_each(|j| visit(j, V::Real::INFINITY));
+        }
         let walks: [&mut dyn Iterator<Item = usize>; 2] =
             [&mut (own + 1..count), &mut (0..own).rev()];
         for walk in walks {

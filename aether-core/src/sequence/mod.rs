@@ -7,6 +7,7 @@
 
 mod erased;
 mod evaluate;
+mod joint;
 mod memo;
 mod random_sequence;
 mod snapshot;
@@ -23,7 +24,7 @@ pub(crate) use memo::{Key, Memo};
 pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
 pub use snapshot::Snapshot;
-pub(crate) use tape::{NONE, Place, Tape};
+pub(crate) use tape::{NONE, Part, Place, Tape};
 pub use view::PathView;
 
 use crate::mutation::Decided;

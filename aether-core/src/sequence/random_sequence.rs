@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
 use crate::path_density::PathDensity;
-use crate::sequence::{Arena, PathView, Place};
+use crate::sequence::{Arena, Part, PathView, Place};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -136,7 +136,8 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         PathView::of_tape(&self.arena.tape, self.handle.place.range(0, self.len()))
     }
 
-    /// Adds a strategy for one more vertex. Nothing is sampled before [`RandomSequence::sample`].
+    /// Adds a strategy for one more vertex, or a joint one for several. Nothing is sampled before
+    /// [`RandomSequence::sample`].
     ///
     /// The vertex will draw from a block of sampling dimensions that its position in the path and
     /// the kind of the path (which [`Arena::sequence`], a slice or not) determine.
@@ -148,10 +149,14 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// [`RandomSequence::append`] with a block of sampling dimensions of the caller's choice.
     pub fn append_in(&mut self, block: u32, strategy: impl Into<S>) -> &mut Self {
         if !self.handle.absent {
-            let strategy = self.arena.intern(strategy.into());
+            let strategy = strategy.into();
+            let vertices = if S::VERTICES > 1 { strategy.vertices() } else { 1 };
+            let strategy = self.arena.intern(strategy);
             self.own(self.size());
-            self.arena.tape.push(strategy, block);
-            self.handle.place.len += 1;
+            for k in 0..vertices {
+                self.arena.tape.push(strategy, block, Part::new(k, vertices));
+            }
+            self.handle.place.len += vertices as u32;
         }
         self
     }
@@ -176,7 +181,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self
     }
 
-    /// Samples one vertex; returns whether there is one.
+    /// Samples the vertices of one draw; returns whether there are any.
     fn sample_next<U: UniformSource<V::Real> + ?Sized>(&mut self, uniforms: &mut U) -> bool {
         let i = self.len();
         let step = self.arena.tape.step(self.handle.place, i);
@@ -191,13 +196,17 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         }
         uniforms.start(step.block);
         let drawn = self.arena.draw(self.handle.place, i, uniforms);
-        self.handle.len += u32::from(drawn);
+        self.handle.len += if drawn { step.part.len() as u32 } else { 0 };
         drawn
     }
 
     /// The steps of a range, `slice(a..b)`. Strategies that lie before the range are forgotten, and
     /// the others no longer see their vertices. A range beyond [`RandomSequence::size`] yields a path
     /// that does not exist: it has no sample and is no technique to be weighed.
+    ///
+    /// A range that cuts through the vertices of one draw has vertices, which a mutation may keep, but
+    /// no density of its own: alone, each of them has one only as an integral over the others. It is
+    /// no technique, and its own density is zero, until the other piece is joined to it again.
     pub fn slice(&self, range: impl RangeBounds<usize>) -> Self {
         let from = match range.start_bound() {
             Bound::Included(&from) => from,
@@ -275,7 +284,8 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     }
 
     /// The conditional density (or probability) of vertex `i` under its strategy; `None` if the path
-    /// does not have it.
+    /// does not have it. Of vertices that one draw yields, the last one in the direction of travel has
+    /// the density of all, and the others have one.
     pub fn conditional(&self, i: usize) -> Option<V::Real> {
         (self.is_complete() && i < self.len())
             .then(|| self.arena.factor(self.handle.place, i, self.handle.place))

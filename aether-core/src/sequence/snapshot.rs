@@ -63,9 +63,15 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     pub fn restore(&self, snapshot: &Snapshot<V, S>) -> RandomSequence<'_, V, S> {
         let mut path = self.sequence();
         let start = self.tape.len();
+        // Neighbours with one strategy have one here too: those of a joint run belong together.
+        let mut last = None;
         for (vertex, strategy, entry) in &snapshot.steps {
-            let strategy = self.intern(strategy.clone());
-            self.tape.push_taken(*vertex, Entry { strategy, ..*entry });
+            let id = match last {
+                Some((before, id)) if before == entry.strategy => id,
+                _ => self.intern(strategy.clone()),
+            };
+            last = Some((entry.strategy, id));
+            self.tape.push_taken(*vertex, Entry { strategy: id, ..*entry });
         }
         path.occupy(start, snapshot.len());
         path

@@ -75,6 +75,14 @@ macro_rules! strategies {
             const ATOMS: $crate::strategy::Atoms = $crate::strategy::Atoms::NONE
                 $(.and(<$strategy as $crate::strategy::Strategy<$vertex>>::ATOMS))+;
 
+            const VERTICES: usize = {
+                let mut most = 1;
+                $(if <$strategy as $crate::strategy::Strategy<$vertex>>::VERTICES > most {
+                    most = <$strategy as $crate::strategy::Strategy<$vertex>>::VERTICES;
+                })+
+                most
+            };
+
             #[inline]
             fn sample<U>(
                 &self,
@@ -110,6 +118,44 @@ macro_rules! strategies {
             fn reads(&self) -> $crate::strategy::Reads {
                 match self {
                     $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::reads(s),)+
+                }
+            }
+
+            #[inline]
+            fn vertices(&self) -> usize {
+                match self {
+                    $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::vertices(s),)+
+                }
+            }
+
+            #[inline]
+            fn sample_joint<U>(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                uniforms: &mut U,
+            ) -> Option<$crate::strategy::DrawnRun<$vertex>>
+            where
+                U: $crate::uniform::UniformSource<
+                        <$vertex as $crate::strategy::Vertex>::Real,
+                    > + ?Sized,
+            {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::sample_joint(s, path, uniforms)
+                    })+
+                }
+            }
+
+            #[inline]
+            fn pdf_joint(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                targets: &[$vertex],
+            ) -> <$vertex as $crate::strategy::Vertex>::Real {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::pdf_joint(s, path, targets)
+                    })+
                 }
             }
 

@@ -3,10 +3,45 @@
 use core::cell::RefCell;
 
 use crate::path_density::PathDensity;
-use crate::strategy::{Dirac, Drawn, Vertex};
+use crate::strategy::{Dirac, Drawn, DrawnRun, Vertex};
 
 /// Marks a step that has no vertex (yet).
 pub(crate) const NONE: u32 = u32::MAX;
+
+/// Which vertex of a draw a step makes: counted in the direction of travel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part(u8);
+
+impl Part {
+    /// Vertex `index` of `len`.
+    pub fn new(index: usize, len: usize) -> Self {
+        Part((index | (len - 1) << 4) as u8)
+    }
+
+    /// Its number.
+    #[inline]
+    pub fn index(self) -> usize {
+        usize::from(self.0 & 15)
+    }
+
+    /// How many vertices the draw yields.
+    #[inline]
+    pub fn len(self) -> usize {
+        usize::from(self.0 >> 4) + 1
+    }
+
+    /// Whether the draw yields others too.
+    #[inline]
+    pub fn is_joint(self) -> bool {
+        self.0 != 0
+    }
+
+    /// Whether the draw yields no further vertex.
+    #[inline]
+    pub fn is_last(self) -> bool {
+        self.index() + 1 == self.len()
+    }
+}
 
 /// One step of a path: a strategy, and the vertex that it made.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +63,8 @@ pub(crate) struct Entry {
     pub visible: bool,
     /// The Dirac factor that the vertex was drawn with.
     pub dirac: Option<Dirac>,
+    /// Which vertex of its strategy's draw it is.
+    pub part: Part,
 }
 
 /// A range of the tape, read in one direction or the other.
@@ -112,7 +149,7 @@ impl<V: Vertex> Tape<V> {
     }
 
     /// Adds a step that is not taken yet.
-    pub fn push(&self, strategy: u32, block: u32) {
+    pub fn push(&self, strategy: u32, block: u32, part: Part) {
         let prefix = self.len() as u32;
         self.push_entry(Entry {
             vertex: NONE,
@@ -123,6 +160,7 @@ impl<V: Vertex> Tape<V> {
             backward: false,
             visible: false,
             dirac: None,
+            part,
         });
     }
 
@@ -181,6 +219,43 @@ impl<V: Vertex> Tape<V> {
         };
         let entry = &mut self.entries.borrow_mut()[place.at(i)];
         *entry = Entry { vertex, run, visible: drawn.visible, dirac: drawn.dirac, ..*entry };
+    }
+
+    /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.
+    pub fn take_run(&self, place: Place, i: usize, drawn: &DrawnRun<V>) {
+        for (j, vertex) in drawn.vertices().iter().enumerate() {
+            let visible = drawn.visible && j > 0;
+            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) });
+        }
+    }
+
+    /// The joint run that step `k` of a place belongs to: all of its steps in the direction of travel;
+    /// `None` if the place holds only a piece of it.
+    pub fn joint_run(&self, place: Place, k: usize) -> Option<Place> {
+        let step = self.step(place, k);
+        let (index, len) = (step.part.index(), step.part.len());
+        let after = len - 1 - index;
+        let (before, after) = if step.backward { (after, index) } else { (index, after) };
+        let end = k + after + 1;
+        if before > k || end > place.len as usize {
+            return None;
+        }
+        let run = place.range(k - before, end);
+        let run = if step.backward { run.reverse() } else { run };
+        let whole = (0..len).all(|j| {
+            let other = self.step(run, j);
+            !other.backward
+                && other.part == Part::new(j, len)
+                && other.strategy == step.strategy
+                && (other.vertex == NONE) == (step.vertex == NONE)
+        });
+        whole.then_some(run)
+    }
+
+    /// Whether a place holds all of every joint run of which it has a step.
+    pub fn is_whole(&self, place: Place) -> bool {
+        (0..place.len as usize)
+            .all(|k| !self.step(place, k).part.is_joint() || self.joint_run(place, k).is_some())
     }
 
     #[inline]

@@ -21,7 +21,7 @@ enum Source<'p, V: Vertex> {
 
 impl<'p, V: Vertex> PathView<'p, V> {
     /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.
-    pub fn from_slice(vertices: &'p [V]) -> Self {
+    pub const fn from_slice(vertices: &'p [V]) -> Self {
         PathView { source: Source::Slice(vertices), hidden: 0, dirac: None }
     }
 

@@ -1,9 +1,10 @@
 //! The rows of `reference/catalogue-mh.json`.
 
-use aether_core::{Direction, DomainError, Mat3, Scalar, Vec2, Vec3};
+use aether_core::{Direction, Mat3, Scalar, Vec2, Vec3};
 
 use super::Visitor;
 use crate::catalogue::*;
+use crate::checks::right;
 use crate::reference::Inputs;
 
 /// Visits the sampler that an entry is about, by its name.
@@ -14,10 +15,6 @@ pub(super) fn visit<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::
         65..=77 | 81..=92 | 99 => direction(entry, visitor),
         _ => space(entry, visitor),
     }
-}
-
-fn right<T>(made: Result<T, DomainError>) -> T {
-    made.expect("the parameters are in their domain")
 }
 
 fn unknown(entry: &Inputs) -> ! {

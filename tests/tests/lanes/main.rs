@@ -15,10 +15,7 @@ use aether_core::{LaneMask, Lanes, Mask};
 use compare::{Exact, compare, condition_after};
 use samplers::*;
 use tests::catalogue::easy::*;
-
-fn right<T>(made: Result<T, aether_core::DomainError>) -> T {
-    made.expect("the parameters are in their domain")
-}
+use tests::checks::right;
 
 /// One test a sampler: whether bits are compared, the number of uniforms, and the sampler, with a
 /// function that makes a parameter of a number.

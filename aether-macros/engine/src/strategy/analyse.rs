@@ -12,17 +12,23 @@ use super::scope::{Facts, Scope, Turn};
 use super::tree::{Action, Apart, Block, Body, End, Form, Leaf, Other, Plan, Step};
 use crate::diagnostics::Diagnostics;
 
-/// Analyses a body. `connected` is what the attribute says of every vertex: whether the one before
-/// sees it.
+/// Analyses a body that yields `count` vertices. `connected` is what the attribute says of every
+/// vertex: whether the one before sees it.
 pub fn plan(
     body: Body,
     path: &Ident,
     connected: Option<bool>,
+    count: usize,
     diagnostics: &mut Diagnostics,
-) -> (Plan, Vec<Apart>) {
+) -> Analysed {
     let mut analysis = Analysis {
         diagnostics,
         connected,
+        count,
+        calls: Vec::new(),
+        choices: 0,
+        leaves: 0,
+        late: false,
         hoisted: 0,
         branches: 0,
         atoms: Vec::new(),
@@ -31,13 +37,46 @@ pub fn plan(
     let mut scope = Scope::default();
     scope.facts.insert(path.to_string(), Facts { path: true, ..Facts::default() });
     let plan = analysis.block(body, scope);
-    (plan, analysis.apart())
+    let keepers = analysis.keepers();
+    let Analysis { choices, late, .. } = analysis;
+    Analysed { plan, apart: analysis.apart(), keepers, choices, late }
+}
+
+/// What is known of a body.
+pub struct Analysed {
+    /// Its tree.
+    pub plan: Plan,
+    /// What has to be told apart.
+    pub apart: Vec<Apart>,
+    /// Which vertex of a joint run keeps the value of each locally constant call.
+    pub keepers: Vec<usize>,
+    /// How many choices it has.
+    pub choices: usize,
+    /// Whether decisions depend on what was drawn.
+    pub late: bool,
+}
+
+impl Analysed {
+    /// Whether a vertex may come about in several ways.
+    pub fn has_ways(&self) -> bool {
+        self.choices > 0 || self.late
+    }
 }
 
 /// An analysis under way.
 pub struct Analysis<'d> {
     pub(super) diagnostics: &'d mut Diagnostics,
     pub(super) connected: Option<bool>,
+    /// How many vertices the body yields at once.
+    pub(super) count: usize,
+    /// The locally constant calls, and which vertex of a joint run keeps each.
+    pub(super) calls: Vec<(Expr, Option<usize>)>,
+    /// How many choices there are so far.
+    choices: usize,
+    /// How many vertices there are so far.
+    pub(super) leaves: usize,
+    /// Whether decisions depend on what was drawn.
+    late: bool,
     /// How many points have been given names.
     pub(super) hoisted: usize,
     /// How many branches there are so far.
@@ -98,6 +137,7 @@ impl Analysis<'_> {
                 }
                 let mut negative = self.turn(&scope, facts, 1);
                 if facts.random {
+                    self.late = true;
                     positive.needed.extend(mentioned(&condition));
                     negative.needed.extend(mentioned(&condition));
                 }
@@ -130,6 +170,13 @@ impl Analysis<'_> {
     }
 
     fn delegate(&mut self, strategy: Expr, scope: &Scope) -> End<Action, Leaf> {
+        if self.count > 1 {
+            self.diagnostics.error(
+                &strategy,
+                "the vertices of one draw are made here: only a strategy of one vertex can \
+                 delegate to another one",
+            );
+        }
         if let Some(drawn) = &scope.drawn {
             self.diagnostics.error(
                 &strategy,
@@ -290,6 +337,8 @@ impl Analysis<'_> {
         }
         let origin = of.to_string();
         let facts = facts.and(scope.facts.get(&origin).copied().unwrap_or_default());
+        // The image is drawn, it is not what a call found.
+        let facts = Facts { calls: 0, ..facts };
         let mut ancestors = scope.points.get(&origin).cloned().unwrap_or_default();
         ancestors.insert(origin);
         self.bind(&pattern(&name), Facts { random: true, path: false, ..facts }, scope);
@@ -314,7 +363,10 @@ impl Analysis<'_> {
             Form::Constant(call) => {
                 let facts = scope.of_expr(&call);
                 let ray = facts.path && (facts.random || scope.drawn.is_none());
+                let number = self.calls.len();
+                self.calls.push((call.clone(), None));
                 let facts = Facts {
+                    calls: 1_u128.checked_shl(number as u32).unwrap_or(0),
                     random: false,
                     path: false,
                     constant: true,
@@ -322,7 +374,7 @@ impl Analysis<'_> {
                     ..facts
                 };
                 self.bind(&pat, facts, scope);
-                Some(Action::Constant { pat, call })
+                Some(Action::Constant { pat, call, number })
             }
             Form::Draw(sampler) => self.draw(&pat, sampler, scope),
             Form::Choose { distribution, rule } => self.choose(pat, distribution, rule, scope),
@@ -377,14 +429,17 @@ impl Analysis<'_> {
         }
         let facts = Facts { choice: rule.is_none(), ..Facts::default() };
         self.bind(&pat, facts, scope);
+        let number = self.choices;
+        self.choices += 1;
         if !random {
-            return Some(Action::Choose { pat, distribution, rule });
+            return Some(Action::Choose { pat, distribution, rule, number });
         }
+        self.late = true;
         scope.needed.extend(mentioned(&distribution));
         scope.needed.extend(bound(&pat).iter().map(Ident::to_string));
         self.hoisted += 1;
         let index = format_ident!("__outcome_{}", self.hoisted, span = Span::mixed_site());
-        Some(Action::LateChoose { pat, index, distribution, rule })
+        Some(Action::LateChoose { pat, index, distribution, rule, number })
     }
 }
 

@@ -6,28 +6,40 @@ use quote::{ToTokens, format_ident, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr, Ident, Pat, Stmt, Type};
 
+use super::analyse::Analysed;
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
-/// The body of `pdf`, which adds up the terms of the kind that is asked for.
-pub fn density(plan: &Plan, vertex: &Type, real: &TokenStream) -> TokenStream {
-    let terms = Emitter { vertex, real }.rest(&plan.steps, &plan.end, &Pending::default());
+/// A block with the density of `target`, a vertex or a run of them: the sum of the terms of the kind that
+/// the path asks for. Where there are several ways to make it, the one that is `taken` is left out if
+/// `OTHERS`.
+pub fn density(analysed: &Analysed, yields: &Type, joint: bool, real: &TokenStream) -> TokenStream {
+    let (site, plan) = (Span::mixed_site(), &analysed.plan);
+    let keepers = joint.then_some(&*analysed.keepers);
+    let emitter = Emitter { vertex: yields, real, keepers, ways: analysed.has_ways() };
+    let terms = emitter.rest(&plan.steps, &plan.end, &Pending::default());
     let kinds = Kinds::of_end(&plan.end);
     let terms = (kinds != Kinds::default()).then(|| {
         let asked = kinds.asked();
-        quote_spanned!(Span::mixed_site()=> if #asked { #terms })
+        quote_spanned!(site=> if #asked { #terms })
     });
-    quote_spanned! {Span::mixed_site()=>
+    let same = emitter.ways.then(|| quote_spanned!(site=> let same = OTHERS;));
+    quote_spanned! {site=>
         let kind = ::aether_core::sequence::PathView::dirac(&view);
         let mut sum = <#real as ::aether_core::Real>::ZERO;
         let probability = <#real as ::aether_core::Real>::ONE;
+        #same
         #terms
-        ::aether_core::strategy::Conditional { value: sum, dirac: kind }
+        sum
     }
 }
 
 struct Emitter<'a> {
     vertex: &'a Type,
     real: &'a TokenStream,
+    /// Which vertex of a joint run keeps the value of each locally constant call.
+    keepers: Option<&'a [usize]>,
+    /// Whether the way that was taken is to be recognised.
+    ways: bool,
 }
 
 /// What waits for the drawn point.
@@ -127,23 +139,33 @@ impl Emitter<'_> {
                 let rest = same();
                 quote_spanned!(site=> if let #some(value) = #value { let #pat = value; #rest })
             }
-            Action::Constant { pat, call } => {
+            Action::Constant { pat, call, number } => {
                 let (rest, typed) = (same(), &pending.typed);
+                let keeper = self.keepers.map(|keepers| keepers[*number]);
+                let vertex = match keeper {
+                    Some(keeper) => quote_spanned!(site=> &target[#keeper]),
+                    None => quote_spanned!(site=> target),
+                };
                 quote_spanned! {site=>
                     if let #some(value) =
-                        ::aether_core::forms::emitted::recall(target, || { #(#typed)* #call })
+                        ::aether_core::forms::emitted::recall(#vertex, || { #(#typed)* #call })
                     {
                         let #pat = value;
                         #rest
                     }
                 }
             }
-            Action::Choose { pat, distribution, rule } => {
+            Action::Choose { pat, distribution, rule, number } => {
                 let rest = same();
-                self.choice(&pat.to_token_stream(), distribution, rule.as_ref(), &rest)
+                let pat = pat.to_token_stream();
+                self.choice(&pat, (distribution, rule.as_ref()), *number, &rest)
             }
-            Action::LateChoose { pat, index, distribution, rule } => {
+            Action::LateChoose { pat, index, distribution, rule, number } => {
                 let rest = self.rest(steps, end, &pending.factor(self.weigh(distribution, index)));
+                let rest = quote_spanned! {site=>
+                    let same = same && taken[#number] == #index;
+                    #rest
+                };
                 self.late_choice(pat, index, (distribution, rule.as_ref()), &pending.typed, &rest)
             }
             Action::Late(statement) => {
@@ -174,8 +196,8 @@ impl Emitter<'_> {
     fn choice(
         &self,
         pat: &TokenStream,
-        distribution: &Expr,
-        rule: Option<&Expr>,
+        (distribution, rule): (&Expr, Option<&Expr>),
+        number: usize,
         rest: &TokenStream,
     ) -> TokenStream {
         let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
@@ -183,9 +205,10 @@ impl Emitter<'_> {
         match rule {
             None => quote_spanned! {site=>
                 let distribution = #distribution;
-                ::aether_core::Discrete::<#real>::for_each(&distribution, |item, p| {
-                    let probability = probability * p;
-                    let #pat = item;
+                ::aether_core::Discrete::<#real>::for_each_choice(&distribution, |choice| {
+                    let same = same && taken[#number] == choice.index;
+                    let probability = probability * choice.probability;
+                    let #pat = choice.item;
                     #rest
                 });
             },
@@ -196,6 +219,7 @@ impl Emitter<'_> {
                         ::aether_core::Discrete::<#real>::get(&distribution, index)
                         && choice.probability > <#real as ::aether_core::Real>::ZERO
                     {
+                        let same = same && taken[#number] == index;
                         let probability = probability * choice.probability;
                         let #pat = choice.item;
                         #rest
@@ -342,8 +366,9 @@ impl Emitter<'_> {
             Kind::AtomPosition => atom(quote_spanned!(site=> Position)),
             Kind::AtomDirection => atom(quote_spanned!(site=> Direction)),
             Kind::Density(point) => {
-                let value = self.value(point, pending, site);
-                quote_spanned!(site=> if kind.is_none() { sum += probability * #value; })
+                let (value, number) = (self.value(point, pending, site), leaf.number);
+                let new = self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)));
+                quote_spanned!(site=> if kind.is_none() #new { sum += probability * #value; })
             }
         }
     }

@@ -6,7 +6,8 @@ use syn::spanned::Spanned;
 use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
-use super::names::{FORMS, form, is_stop, referenced};
+use super::analyse::Analysed;
+use super::names::{FORMS, delegate, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
@@ -18,7 +19,7 @@ pub fn item(
     signature: &Signature,
     documentation: &str,
     reads: Reads,
-    plan: Option<&(Plan, Vec<Apart>)>,
+    plan: Option<&Analysed>,
 ) -> TokenStream {
     let hidden = hidden(function, Some(signature));
     let structure = structure(function, signature);
@@ -32,9 +33,9 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
     let mut copy = function.clone();
     copy.vis = syn::Visibility::Inherited;
     copy.attrs.retain(is_lint);
-    if let Some(Signature { vertex, path, .. }) = signature {
+    if let Some(Signature { vertex, yields, count, path, .. }) = signature {
         let real = real(vertex);
-        Qualify { real: &real, vertex }.visit_block_mut(&mut copy.block);
+        Qualify { real: &real, vertex: yields, joint: *count > 1 }.visit_block_mut(&mut copy.block);
         // A strategy that does not look at the path has the parameter all the same.
         copy.block.stmts.insert(0, parse_quote!(let _ = &#path;));
     }
@@ -58,6 +59,8 @@ fn is_lint(attribute: &Attribute) -> bool {
 struct Qualify<'a> {
     real: &'a TokenStream,
     vertex: &'a Type,
+    /// Whether there are several vertices.
+    joint: bool,
 }
 
 impl VisitMut for Qualify<'_> {
@@ -80,6 +83,9 @@ impl VisitMut for Qualify<'_> {
             *expr = parse_quote! {
                 ::aether_core::forms::#function::<#vertex, #real, _, _>(#distribution, #rule)
             };
+        } else if self.joint && delegate(expr).is_some() {
+            // It is refused, and has no type: that alone is the error.
+            *expr = parse_quote!(::aether_core::forms::stop());
         } else if let Some((name, call)) = form(expr) {
             let (real, vertex) = (self.real, self.vertex);
             let generics = match FORMS.iter().position(|form| name == form) {
@@ -185,53 +191,52 @@ fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) ->
     }
 }
 
-fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>)>) -> TokenStream {
+fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) -> TokenStream {
     let Signature { name, vertex, generics, .. } = signature;
     let (implementation, arguments, conditions) = generics.split_for_impl();
     let conditions = and(conditions, &cloneable(signature));
-    let real = real(vertex);
     let site = Span::mixed_site();
-    let prelude = prelude(signature);
-    let (sample, pdf) = match plan {
-        Some((plan, apart)) => {
-            let sample = sample::sample(plan, &real);
-            let apart = (!apart.is_empty()).then(|| {
-                let checks = apart.iter().map(|apart| told_apart(apart, vertex));
-                // Parameters of their own, because naming the type of an expression may move them.
-                let parameters = parameters(signature);
-                quote!({ #parameters #(#checks)* })
-            });
-            let pdf = density::density(plan, vertex, &real);
-            (quote!(#prelude #sample), quote!(#prelude #apart #pdf))
-        }
-        None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
+    let methods = if signature.count == 1 {
+        methods(signature, analysed)
+    } else {
+        joint_methods(signature, analysed)
     };
-    let plan = plan.map(|(plan, _)| plan);
+    let ways = analysed.filter(|analysed| analysed.has_ways());
+    let ways = ways.map(|analysed| {
+        let Signature { yields, .. } = signature;
+        let (prelude, real) = (prelude(signature), real(vertex));
+        let density = density::density(analysed, yields, signature.count > 1, &real);
+        quote_spanned! {site=>
+            #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
+            impl #implementation #name #arguments #conditions {
+                /// The density; if `OTHERS`, without the way that was `taken` to the vertex `way`.
+                fn __density<const OTHERS: bool>(
+                    &self,
+                    view: ::aether_core::sequence::PathView<'_, #vertex>,
+                    target: &#yields,
+                    taken: &[usize],
+                    way: usize,
+                ) -> #real {
+                    #prelude
+                    #density
+                }
+            }
+        }
+    });
+    let plan = analysed.map(|analysed| &analysed.plan);
     let atoms = atoms(signature, plan);
     let reads = declared(signature, reads, plan);
     let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
+        #ways
+
         #[automatically_derived]
         #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
         impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
             const ATOMS: #module::Atoms = #atoms;
 
-            fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
-                &self,
-                view: ::aether_core::sequence::PathView<'_, #vertex>,
-                uniforms: &mut U,
-            ) -> ::core::option::Option<#module::Drawn<#vertex>> {
-                #sample
-            }
-
-            fn pdf(
-                &self,
-                view: ::aether_core::sequence::PathView<'_, #vertex>,
-                target: &#vertex,
-            ) -> #module::Conditional<#real> {
-                #pdf
-            }
+            #methods
 
             fn reads(&self) -> #module::Reads {
                 #reads
@@ -240,6 +245,119 @@ fn strategy(signature: &Signature, reads: Reads, plan: Option<&(Plan, Vec<Apart>
             fn same(&self, other: &Self) -> bool {
                 #same
             }
+        }
+    }
+}
+
+/// The density of `target`.
+fn density(signature: &Signature, analysed: &Analysed, real: &TokenStream) -> TokenStream {
+    let site = Span::mixed_site();
+    if analysed.has_ways() {
+        return quote_spanned!(site=> self.__density::<false>(view, target, &[], 0));
+    }
+    let prelude = prelude(signature);
+    let density = density::density(analysed, &signature.yields, signature.count > 1, real);
+    quote_spanned!(site=> { #prelude #density })
+}
+
+/// `sample` and `pdf` of a strategy of one vertex.
+fn methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
+    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let (real, prelude) = (real(vertex), prelude(signature));
+    let (sample, pdf) = match analysed {
+        Some(analysed @ Analysed { apart, .. }) => {
+            let sample = sample::sample(analysed, &real);
+            let apart = (!apart.is_empty()).then(|| {
+                let checks = apart.iter().map(|apart| told_apart(apart, vertex));
+                // Parameters of their own, because naming the type of an expression may move them.
+                let parameters = parameters(signature);
+                quote!({ #parameters #(#checks)* })
+            });
+            let value = density(signature, analysed, &real);
+            let pdf = quote_spanned! {site=>
+                let dirac = ::aether_core::sequence::PathView::dirac(&view);
+                ::aether_core::strategy::Conditional { value: #value, dirac }
+            };
+            (quote!(#prelude #sample), quote!(#apart #pdf))
+        }
+        None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
+    };
+    let module = quote!(::aether_core::strategy);
+    quote_spanned! {site=>
+        fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            uniforms: &mut U,
+        ) -> ::core::option::Option<#module::Drawn<#vertex>> {
+            #sample
+        }
+
+        fn pdf(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            target: &#vertex,
+        ) -> #module::Conditional<#real> {
+            #pdf
+        }
+    }
+}
+
+/// The methods of a strategy of several vertices: it never yields a single one.
+fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
+    let Signature { vertex, yields, count, .. } = signature;
+    let (site, real, prelude) = (Span::mixed_site(), real(vertex), prelude(signature));
+    let (sample, pdf) = match analysed {
+        Some(analysed) => {
+            let sample = sample::sample(analysed, &real);
+            let value = density(signature, analysed, &real);
+            let pdf = quote_spanned! {site=>
+                let ::core::result::Result::Ok(target) = <&#yields>::try_from(targets) else {
+                    return <#real as ::aether_core::Real>::ZERO;
+                };
+                let view = ::aether_core::sequence::PathView::asking(
+                    view, ::core::option::Option::None,
+                );
+                #value
+            };
+            (quote!(#prelude #sample), pdf)
+        }
+        None => (quote!(::core::unimplemented!()), quote!(::core::unimplemented!())),
+    };
+    let module = quote!(::aether_core::strategy);
+    quote_spanned! {site=>
+        const VERTICES: usize = #count;
+
+        fn sample<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            _: ::aether_core::sequence::PathView<'_, #vertex>,
+            _: &mut U,
+        ) -> ::core::option::Option<#module::Drawn<#vertex>> {
+            ::core::option::Option::None
+        }
+
+        fn pdf(
+            &self,
+            _: ::aether_core::sequence::PathView<'_, #vertex>,
+            _: &#vertex,
+        ) -> #module::Conditional<#real> {
+            #module::Conditional::ZERO
+        }
+
+        fn sample_joint<U: ::aether_core::UniformSource<#real> + ?::core::marker::Sized>(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            uniforms: &mut U,
+        ) -> ::core::option::Option<#module::DrawnRun<#vertex>> {
+            let mut draw = || -> ::core::option::Option<#module::Drawn<#yields>> { #sample };
+            ::core::option::Option::map(draw(), ::core::convert::From::from)
+        }
+
+        fn pdf_joint(
+            &self,
+            view: ::aether_core::sequence::PathView<'_, #vertex>,
+            targets: &[#vertex],
+        ) -> #real {
+            #pdf
         }
     }
 }

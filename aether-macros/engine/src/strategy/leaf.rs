@@ -23,12 +23,16 @@ impl Analysis<'_> {
         Applications { analysis: self, scope: &mut scope, steps }.visit_expr_mut(&mut vertex);
         let names = mentioned(&vertex);
         let facts = scope.of(&names);
-        let visible = self.connected.unwrap_or(facts.ray);
+        // The vertices of a joint run may have been found by rays in whatever directions.
+        let visible = self.connected.unwrap_or(facts.ray && self.count == 1);
         let kind = match scope.drawn.clone() {
-            Some(drawn) => self.point(&vertex, &drawn, &names, &scope).map(Kind::Density),
+            Some(drawn) => self.point(&vertex, &drawn, &names, &scope),
             None => self.atom(&vertex, facts, &scope),
         };
-        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible }))
+        let kind = kind.filter(|kind| self.count == 1 || self.run(&vertex, kind, &scope));
+        let number = self.leaves;
+        self.leaves += 1;
+        kind.map_or(End::Stop, |kind| End::Vertex(Leaf { vertex, kind, visible, number }))
     }
 
     /// The random point that a vertex is made from.
@@ -38,7 +42,7 @@ impl Analysis<'_> {
         drawn: &Ident,
         names: &BTreeSet<String>,
         scope: &Scope,
-    ) -> Option<Ident> {
+    ) -> Option<Kind> {
         let used: Vec<_> = scope.points.iter().filter(|(name, _)| names.contains(*name)).collect();
         let furthest = used.iter().max_by_key(|(_, ancestors)| ancestors.len());
         let Some((point, ancestors)) = furthest else {
@@ -63,10 +67,19 @@ impl Analysis<'_> {
             );
         }
         // The name as it is written in the source, or as hoisted: both resolve by their text.
-        find_ident(vertex.to_token_stream(), point)
+        find_ident(vertex.to_token_stream(), point).map(Kind::Density)
     }
 
     fn atom(&mut self, vertex: &Expr, facts: Facts, scope: &Scope) -> Option<Kind> {
+        if self.count > 1 {
+            self.diagnostics.error(
+                vertex,
+                "nothing is drawn for these vertices: they would be atoms, and several vertices of \
+                 one draw have a density together. Draw a tuple of as many points, or yield the \
+                 atoms one by one, each by a strategy of its own",
+            );
+            return None;
+        }
         if !facts.constant {
             self.diagnostics.error(
                 vertex,

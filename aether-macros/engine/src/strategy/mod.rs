@@ -7,6 +7,7 @@
 mod analyse;
 mod density;
 mod item;
+mod joint;
 mod leaf;
 mod misuse;
 mod names;
@@ -29,7 +30,8 @@ use crate::diagnostics::Diagnostics;
 ///
 /// The only argument is `connected = true` or `connected = false`: whether the vertex before sees
 /// each new vertex. By default it is derived: a vertex that a locally constant call finds from the
-/// path and the drawn point (or from the path alone, for an atom) was found by a ray cast.
+/// path and the drawn point (or from the path alone, for an atom) was found by a ray cast. Of several
+/// vertices of one draw it says whether each sees the next; by default they are not known to.
 ///
 /// After an error the function is emitted nevertheless, hidden, so that editors keep working.
 pub fn strategy(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -53,7 +55,7 @@ pub fn strategy(attr: TokenStream, item: TokenStream) -> TokenStream {
     // What is missing from a body that could not be read would only cause errors of no interest.
     let plan = diagnostics
         .is_empty()
-        .then(|| analyse::plan(body, &signature.path, connected, &mut diagnostics))
+        .then(|| analyse::plan(body, &signature.path, connected, signature.count, &mut diagnostics))
         .filter(|_| diagnostics.is_empty());
     let emitted = item::item(&function, &signature, &documentation, reads, plan.as_ref());
     let errors = diagnostics.render();

@@ -1,35 +1,38 @@
 //! Emits the sampling code, and on the way the density of what is sampled, from what was drawn rather
 //! than by inversion: exact where rounding would put the vertex outside of a support. Where a vertex may
-//! have come about in other ways too, only inversion can tell, and nothing is said.
+//! have come about in other ways too, these are added by inversion.
 
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, format_ident, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr, Ident};
 
+use super::analyse::Analysed;
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
-/// The body of `sample`: every path of execution returns.
-pub fn sample(plan: &Plan, real: &TokenStream) -> TokenStream {
+/// The body of `sample`: every path of execution returns. `own` is the density by the way that is taken,
+/// as far as it is known, `several` whether there may be others, and `taken` says which way it is.
+pub fn sample(analysed: &Analysed, real: &TokenStream) -> TokenStream {
     let site = Span::mixed_site();
-    let body = Emitter { real }.plan(plan, Own { known: true, identified: Vec::new() });
+    let Analysed { plan, choices, late, .. } = analysed;
+    let body = Emitter { real, late: *late, ways: analysed.has_ways() }.plan(plan, &[]);
     quote_spanned! {site=>
         let own = ::core::option::Option::Some(<#real as ::aether_core::Real>::ONE);
+        let several = false;
+        let mut taken = [0_usize; #choices];
         #body
     }
 }
 
-/// What is known of the choices on the way to a vertex.
-#[derive(Clone)]
-struct Own {
-    /// Whether the density can be told without inversion.
-    known: bool,
-    /// The names of the indices that were chosen, and the rules that tell them from the vertex.
-    identified: Vec<(Ident, Expr)>,
-}
+/// The numbers of the choices on the way to a vertex, and the rules that tell their outcomes from it.
+type Rules = [(usize, Expr)];
 
 struct Emitter<'a> {
     real: &'a TokenStream,
+    /// Whether decisions depend on what was drawn.
+    late: bool,
+    /// Whether a vertex may come about in several ways.
+    ways: bool,
 }
 
 /// The name of the density of a random point.
@@ -37,32 +40,42 @@ fn density_of(point: &Ident) -> Ident {
     format_ident!("__{}_own", point, span = Span::mixed_site())
 }
 
+/// The name of the random variable that a random point is of.
+fn sampler_of(point: &Ident) -> Ident {
+    format_ident!("__{}_sampler", point, span = Span::mixed_site())
+}
+
 impl Emitter<'_> {
-    fn plan(&self, plan: &Plan, mut own: Own) -> TokenStream {
+    fn plan(&self, plan: &Plan, rules: &Rules) -> TokenStream {
+        let mut rules = rules.to_vec();
         let mut steps = TokenStream::new();
         for (k, action) in plan.steps.iter().enumerate() {
             let last = k + 1 == plan.steps.len();
-            self.step(action, last.then_some(&plan.end), &mut own).to_tokens(&mut steps);
+            self.step(action, last.then_some(&plan.end), &mut rules).to_tokens(&mut steps);
         }
-        let end = self.end(&plan.end, own);
+        let end = self.end(&plan.end, &rules);
         quote_spanned!(Span::mixed_site()=> #steps #end)
     }
 
-    fn end(&self, end: &End<Action, Leaf>, own: Own) -> TokenStream {
+    fn end(&self, end: &End<Action, Leaf>, rules: &Rules) -> TokenStream {
         let site = Span::mixed_site();
         match end {
             End::Stop => quote_spanned!(site=> return ::core::option::Option::None;),
             End::Delegate(strategy) => quote_spanned! {site=>
                 return ::aether_core::forms::emitted::delegated(&#strategy, view, uniforms);
             },
-            End::Vertex(leaf) => self.vertex(leaf, &own),
-            End::If { condition, then, otherwise, .. } => {
-                let (then, otherwise) = (self.plan(then, own.clone()), self.plan(otherwise, own));
-                quote_spanned!(site=> if #condition { #then } else { #otherwise })
+            End::Vertex(leaf) => self.vertex(leaf, rules),
+            End::If { condition, late, then, otherwise } => {
+                // The other side may have led to the same vertex, from another point.
+                let both =
+                    *late && !matches!(then.end, End::Stop) && !matches!(otherwise.end, End::Stop);
+                let several = both.then(|| quote_spanned!(site=> let several = true;));
+                let (then, otherwise) = (self.plan(then, rules), self.plan(otherwise, rules));
+                quote_spanned!(site=> #several if #condition { #then } else { #otherwise })
             }
             End::Match { value, arms } => {
                 let arms = arms.iter().map(|(pat, arm)| {
-                    let arm = self.plan(arm, own.clone());
+                    let arm = self.plan(arm, rules);
                     quote_spanned!(site=> #pat => { #arm })
                 });
                 quote_spanned!(site=> match #value { #(#arms)* })
@@ -70,14 +83,13 @@ impl Emitter<'_> {
         }
     }
 
-    fn vertex(&self, leaf: &Leaf, own: &Own) -> TokenStream {
+    fn vertex(&self, leaf: &Leaf, rules: &Rules) -> TokenStream {
         let site = Span::mixed_site();
         let vertex = &leaf.vertex;
         let drawn = quote_spanned!(site=> ::aether_core::strategy::Drawn);
         let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
         let made = match &leaf.kind {
-            Kind::Density(point) if own.known => return self.density(leaf, point, own),
-            Kind::Density(_) => quote_spanned!(site=> #drawn::new(#vertex)),
+            Kind::Density(point) => return self.density(leaf, point, rules),
             Kind::AtomPosition => quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Position)),
             Kind::AtomDirection => quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Direction)),
         };
@@ -86,12 +98,26 @@ impl Emitter<'_> {
     }
 
     /// A vertex with its density.
-    fn density(&self, leaf: &Leaf, point: &Ident, own: &Own) -> TokenStream {
+    fn density(&self, leaf: &Leaf, point: &Ident, rules: &Rules) -> TokenStream {
         let site = Span::mixed_site();
-        let (vertex, density) = (&leaf.vertex, density_of(point));
+        let (vertex, density, number) = (&leaf.vertex, density_of(point), leaf.number);
         let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
-        let identified = own.identified.iter().map(|(index, rule)| {
-            quote_spanned!(site=> let own = #emitted::if_identified(own, &vertex, #rule, #index);)
+        let identified = rules.iter().map(|(choice, rule)| {
+            quote_spanned! {site=>
+                let others = #emitted::several_identified(&vertex, #rule, taken[#choice]);
+                let own = if others.is_some() { own } else { ::core::option::Option::None };
+                let several = several || others == ::core::option::Option::Some(true);
+            }
+        });
+        let others = self.ways.then(|| {
+            quote_spanned! {site=>
+                let own = #emitted::with_others(own, several, || {
+                    let view = ::aether_core::sequence::PathView::asking(
+                        view, ::core::option::Option::None,
+                    );
+                    self.__density::<true>(view, &vertex, &taken, #number)
+                });
+            }
         });
         let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
         // A space that does not fit the vertex is reported there, by the density.
@@ -99,6 +125,7 @@ impl Emitter<'_> {
             let vertex = #vertex;
             let own = #emitted::own_times(own, #density);
             #(#identified)*
+            #others
             let drawn = ::aether_core::strategy::Drawn::new(vertex);
             return ::core::option::Option::Some(
                 ::aether_core::strategy::Drawn { value: own, ..drawn } #visible
@@ -107,7 +134,12 @@ impl Emitter<'_> {
     }
 
     /// A statement; `end` is what follows it, if no other statement does.
-    fn step(&self, action: &Action, end: Option<&End<Action, Leaf>>, own: &mut Own) -> TokenStream {
+    fn step(
+        &self,
+        action: &Action,
+        end: Option<&End<Action, Leaf>>,
+        rules: &mut Vec<(usize, Expr)>,
+    ) -> TokenStream {
         let (real, site) = (self.real, Span::mixed_site());
         let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
         match action {
@@ -117,91 +149,93 @@ impl Emitter<'_> {
             Action::LetElse { pat, value } => quote_spanned! {site=>
                 let #pat = #value else { return ::core::option::Option::None; };
             },
-            Action::Given { pat, value: option } | Action::Constant { pat, call: option } => {
+            Action::Given { pat, value: option } | Action::Constant { pat, call: option, .. } => {
                 unwrap(quote_spanned!(site=> #pat), quote_spanned!(site=> #option))
             }
-            Action::Choose { pat, distribution, rule } => {
-                let (index, probability) = match rule {
-                    Some(rule) => identified(rule, own),
+            Action::Choose { pat, distribution, rule, number } => {
+                let several = match rule {
+                    Some(rule) => {
+                        rules.push((*number, rule.clone()));
+                        TokenStream::new()
+                    }
                     None => {
                         let alive = alive(&pat.to_token_stream(), end);
-                        let only = quote_spanned!(site=> #emitted::only::<#real, _>(&distribution, #alive));
-                        (TokenStream::new(), only)
+                        quote_spanned! {site=>
+                            let several = several
+                                || #emitted::several::<#real, _>(&distribution, #alive);
+                        }
                     }
                 };
-                let probability = own.known.then(|| {
-                    quote_spanned!(site=> #index let own = #emitted::own_times(own, #probability);)
-                });
                 quote_spanned! {site=>
                     let distribution = #distribution;
                     let choice = ::aether_core::Discrete::<#real>::sample(
                         &distribution,
                         ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
                     );
-                    #probability
+                    taken[#number] = choice.index;
+                    #several
+                    let own = #emitted::own_times(
+                        own, ::core::option::Option::Some(choice.probability),
+                    );
                     let #pat = choice.item;
                 }
             }
-            Action::LateChoose { pat, distribution, rule, .. } => {
+            Action::LateChoose { pat, distribution, rule, number, .. } => {
                 let outcome = quote_spanned! {distribution.span().resolved_at(site)=>
                     #emitted::outcome::<#real, _>
                 };
-                let (index, probability) = match rule {
-                    Some(rule) => identified(rule, own),
-                    None => {
-                        own.known = false;
-                        Default::default()
+                let several = match rule {
+                    Some(rule) => {
+                        rules.push((*number, rule.clone()));
+                        TokenStream::new()
                     }
+                    None => quote_spanned!(site=> let several = true;),
                 };
-                let probability = own.known.then(|| {
-                    quote_spanned!(site=> #index let own = #emitted::own_times(own, #probability);)
-                });
                 quote_spanned! {site=>
                     let (choice, outcome) = #outcome(
                         &#distribution,
                         ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
                     );
-                    #probability
+                    taken[#number] = choice.index;
+                    #several
+                    let own = #emitted::own_times(
+                        own, ::core::option::Option::Some(choice.probability),
+                    );
                     let #pat = outcome;
                 }
             }
             Action::Draw { name, ty, sampler } => {
                 let ty = ty.as_ref().map(|ty| quote_spanned!(site=> : #ty));
-                let density = density_of(name);
-                if !own.known {
-                    let draw = quote_spanned!(site=>
-                        #emitted::draw::<#real, _, _>(&#sampler, &mut *uniforms));
-                    return unwrap(quote_spanned!(site=> #name #ty), draw);
-                }
+                let (density, variable) = (density_of(name), sampler_of(name));
                 let draw = quote_spanned!(site=>
-                    #emitted::draw_with_density::<#real, _, _>(&#sampler, &mut *uniforms));
+                    #emitted::draw_with_density::<#real, _, _>(&#variable, &mut *uniforms));
                 let drawn = unwrap(quote_spanned!(site=> drawn), draw);
-                quote_spanned!(site=> #drawn let #name #ty = drawn.0; let #density = drawn.1;)
+                quote_spanned! {site=>
+                    let #variable = #sampler;
+                    #drawn
+                    let #name #ty = drawn.0;
+                    let #density = drawn.1;
+                }
             }
             Action::Map { name, map, of } => {
-                let (density, before) = (density_of(name), density_of(of));
-                if !own.known {
-                    let image = quote_spanned!(site=> #emitted::mapped::<#real, _>(&#map, &#of));
-                    return unwrap(quote_spanned!(site=> #name), image);
-                }
-                let image = quote_spanned!(site=>
-                    #emitted::mapped_with_density::<#real, _>(&#map, &#of, #before));
+                let ([density, before], weighed) = ([name, of].map(density_of), self.late);
+                let [variable, variable_before] = [name, of].map(sampler_of);
+                let image = quote_spanned! {site=>
+                    #emitted::mapped_with_density::<#real, _, _>(
+                        &#variable_before, &map, &#of, #before, #weighed,
+                    )
+                };
                 let image = unwrap(quote_spanned!(site=> image), image);
-                quote_spanned!(site=> #image let #name = image.0; let #density = image.1;)
+                quote_spanned! {site=>
+                    let map = #map;
+                    #image
+                    let #variable = ::aether_core::Then::new(#variable_before, map);
+                    let #name = image.0;
+                    let #density = image.1;
+                }
             }
         }
     }
-}
-
-/// The probability of a choice that the vertex tells, if it does; the rule waits for the vertex.
-fn identified(rule: &Expr, own: &mut Own) -> (TokenStream, TokenStream) {
-    let site = Span::mixed_site();
-    let index = format_ident!("__index_{}", own.identified.len(), span = site);
-    own.identified.push((index.clone(), rule.clone()));
-    (
-        quote_spanned!(site=> let #index = choice.index;),
-        quote_spanned!(site=> ::core::option::Option::Some(choice.probability)),
-    )
 }
 
 /// Which outcomes lead to a vertex, where an `if` that may stop follows at once; otherwise all.

@@ -19,6 +19,8 @@ pub struct Facts {
     pub constant: bool,
     /// It came from a ray that starts at the path.
     pub ray: bool,
+    /// The locally constant calls that it was made from, a bit for each.
+    pub calls: u128,
 }
 
 impl Facts {
@@ -30,6 +32,7 @@ impl Facts {
             choice: self.choice || other.choice,
             constant: self.constant || other.constant,
             ray: self.ray || other.ray,
+            calls: self.calls | other.calls,
         }
     }
 }

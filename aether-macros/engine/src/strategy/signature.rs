@@ -6,13 +6,16 @@ use proc_macro2::Span;
 use quote::{ToTokens, format_ident};
 use syn::visit_mut::{self, VisitMut};
 use syn::{
-    FnArg, GenericParam, Generics, Ident, ItemFn, Lifetime, Pat, ReturnType, Safety, Type,
-    TypeReference, parse_quote,
+    Expr, FnArg, GenericParam, Generics, Ident, ItemFn, Lifetime, Lit, Pat, ReturnType, Safety,
+    Type, TypeReference, parse_quote,
 };
 
 use super::misuse;
 use super::names::{FORMS, each_ident};
 use crate::diagnostics::Diagnostics;
+
+/// The most vertices that one draw yields.
+const MOST_VERTICES: usize = 4;
 
 /// What the signature says.
 pub struct Signature {
@@ -22,8 +25,12 @@ pub struct Signature {
     pub path: Ident,
     /// Whether the path is taken by reference.
     pub path_by_reference: bool,
-    /// The vertex type.
+    /// The type of the path's vertices.
     pub vertex: Type,
+    /// What a draw yields: the vertex type, or an array of it.
+    pub yields: Type,
+    /// How many vertices that are.
+    pub count: usize,
     /// Generics of the struct: those of the function, elided lifetimes named, `impl Trait` too.
     pub generics: Generics,
     /// Generics that only the path or the vertex mention.
@@ -45,12 +52,13 @@ pub struct Field {
 /// Reads a signature; `None` after errors that leave nothing to go on with.
 pub fn signature(item: &ItemFn, diagnostics: &mut Diagnostics) -> Option<Signature> {
     qualifiers(item, diagnostics);
-    let vertex = match &item.sig.output {
-        ReturnType::Type(_, ty) => Some((**ty).clone()),
+    let yields = match &item.sig.output {
+        ReturnType::Type(_, ty) => yields(ty, diagnostics),
         ReturnType::Default => {
             diagnostics.error(
                 &item.sig.ident,
-                "a strategy yields the next vertex of a path: write its type, `-> Vertex`",
+                "a strategy yields the next vertex of a path: write its type, `-> Vertex` (or `-> \
+                 [Vertex; 2]` for two vertices of one draw)",
             );
             None
         }
@@ -83,7 +91,46 @@ pub fn signature(item: &ItemFn, diagnostics: &mut Diagnostics) -> Option<Signatu
     }
     let unused = unused(&generics, &fields);
     let name = camel(&item.sig.ident);
-    Some(Signature { name, path, path_by_reference, vertex: vertex?, generics, unused, fields })
+    let (vertex, yields, count) = yields?;
+    Some(Signature {
+        name,
+        path,
+        path_by_reference,
+        vertex,
+        yields,
+        count,
+        generics,
+        unused,
+        fields,
+    })
+}
+
+/// The type of a vertex, that of the result, and how many vertices it holds.
+fn yields(ty: &Type, diagnostics: &mut Diagnostics) -> Option<(Type, Type, usize)> {
+    let message = match ty {
+        Type::Array(array) => match literal(&array.len) {
+            Some(count @ 2..=MOST_VERTICES) => {
+                return Some(((*array.elem).clone(), ty.clone(), count));
+            }
+            _ => {
+                "how many vertices one draw yields is written as a number: `[Vertex; 2]` to \
+                  `[Vertex; 4]`, or `Vertex` for one"
+            }
+        },
+        Type::Tuple(tuple) if !tuple.elems.is_empty() => {
+            "the vertices of a path have one type: for several vertices of one draw return an array, \
+             `-> [Vertex; 2]`"
+        }
+        _ => return Some((ty.clone(), ty.clone(), 1)),
+    };
+    diagnostics.error(ty, message);
+    None
+}
+
+fn literal(expr: &Expr) -> Option<usize> {
+    let Expr::Lit(literal) = expr else { return None };
+    let Lit::Int(number) = &literal.lit else { return None };
+    number.base10_parse().ok()
 }
 
 fn qualifiers(item: &ItemFn, diagnostics: &mut Diagnostics) {

@@ -117,6 +117,14 @@ fn signatures() {
     );
     refuses(
         &expand(quote!(
+            fn f(path: &PathView<Hit>) -> [Hit; 5] {
+                stop()
+            }
+        )),
+        "as a number",
+    );
+    refuses(
+        &expand(quote!(
             fn f(path: PathView<Hit>, (a, b): P) -> Hit {
                 stop()
             }
@@ -270,6 +278,60 @@ fn other_strategies() {
     refuses(&body(quote!(delegate(choose(all)))), "all of the right side");
 }
 
+/// The body of a strategy of two vertices.
+fn joint(statements: TokenStream) -> String {
+    expand(quote! {
+        fn segment(path: &PathView<Hit>, scene: &Scene) -> [Hit; 2] { #statements }
+    })
+}
+
+#[test]
+fn each_locally_constant_value_is_read_from_the_vertex_that_keeps_it() {
+    let text = joint(quote! {
+        let ray = draw(rays());
+        let scenery = constant(scene.name());
+        let a = constant(scene.cast(&ray));
+        let other = a.other;
+        let b = constant(scene.cast(&other));
+        let ends = through(a, b).apply(&ray);
+        [Hit::new(ends.0, other, scenery), Hit::new(ends.1, b, scenery)]
+    });
+    assert_eq!(errors(&text), [""; 0]);
+    let density = &text[text.find("fn pdf_joint").unwrap()..];
+    let reads: Vec<_> = density.split("recall (").skip(1).map(|rest| &rest[..18]).collect();
+    assert_eq!(reads, ["& target [0usize] ", "& target [0usize] ", "& target [1usize] "]);
+    assert!(text.contains("const VERTICES : usize = 2usize"), "{text}");
+    let mixed = quote! {
+        let ray = draw(rays());
+        let a = constant(scene.cast(&ray));
+        let b = constant(scene.cast(&ray));
+        [Hit::new(ray.0, a, b), Hit::new(ray.1, a, b)]
+    };
+    refuses(&joint(mixed), "let each value go into one vertex");
+    let differs = quote! {
+        let ray = draw(rays());
+        let a = constant(scene.cast(&ray));
+        if path.is_empty() {
+            [Hit::new(ray.0, a), Hit::at(ray.1)]
+        } else {
+            [Hit::at(ray.0), Hit::new(ray.1, a)]
+        }
+    };
+    refuses(&joint(differs), "let each value go into one vertex");
+}
+
+#[test]
+fn several_vertices_are_made_from_as_many_points() {
+    let ends = |vertices: TokenStream| joint(quote!(let x = draw(pair()); #vertices));
+    assert_eq!(errors(&ends(quote!([Hit::at(x.0), Hit::at(x.1)]))), [""; 0]);
+    assert_eq!(errors(&ends(quote!([Hit::at(x.1), Hit::at(x.0)]))).len(), 2);
+    refuses(&ends(quote!([Hit::at(x.0), Hit::at(x)])), "vertex 1 of a draw");
+    refuses(&ends(quote!([Hit::at(x.0), Hit::at(x.1 - x.0)])), "vertex 1 of a draw");
+    refuses(&ends(quote!(both(x))), "write the 2 vertices");
+    refuses(&joint(quote!(delegate(other(scene)))), "only a strategy of one vertex");
+    refuses(&joint(quote!([Hit::a(), Hit::b()])), "nothing is drawn for these vertices");
+}
+
 #[test]
 fn branches_of_another_kind_are_not_entered() {
     let text = body(quote! {
@@ -281,7 +343,7 @@ fn branches_of_another_kind_are_not_entered() {
         Hit::at(w)
     });
     assert_eq!(errors(&text), [""; 0]);
-    let density = &text[text.find("fn pdf").unwrap()..text.find("fn reads").unwrap()];
+    let density = &text[text.find("fn __density").unwrap()..text.find("fn sample").unwrap()];
     for kind in
         ["Option :: None", "Option :: Some (:: aether_core :: strategy :: Dirac :: Position)"]
     {

@@ -126,6 +126,8 @@ pub enum Action {
         distribution: Expr,
         /// How to tell the outcome from the vertex.
         rule: Option<Expr>,
+        /// The number of the choice.
+        number: usize,
     },
     /// A choice whose probabilities depend on what was drawn: its outcomes are enumerated (or
     /// identified by a rule) before inversion, and weighed after it.
@@ -138,6 +140,8 @@ pub enum Action {
         distribution: Expr,
         /// How to tell the outcome from the vertex.
         rule: Option<Expr>,
+        /// The number of the choice.
+        number: usize,
     },
     /// A continuous random variable.
     Draw {
@@ -163,6 +167,8 @@ pub enum Action {
         pat: Pat,
         /// The call.
         call: Expr,
+        /// Its number.
+        number: usize,
     },
     /// A deterministic value that may be missing.
     Given {
@@ -182,6 +188,8 @@ pub struct Leaf {
     pub kind: Kind,
     /// Whether it was found from the vertex before by a ray cast.
     pub visible: bool,
+    /// Its number.
+    pub number: usize,
 }
 
 /// How a vertex is distributed once the choices are made.

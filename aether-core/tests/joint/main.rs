@@ -1,0 +1,10 @@
+//! Strategies that yield several vertices with one draw.
+
+#[path = "../oracle/mod.rs"]
+mod oracle;
+#[path = "../world/mod.rs"]
+mod world;
+
+mod algebra;
+mod chain;
+mod portal;
