@@ -14,7 +14,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 17] = [
+const MODELS: [(&str, u32); 18] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -28,6 +28,7 @@ const MODELS: [(&str, u32); 17] = [
     ("roughdielectric-beckmann", 128),
     ("mask", 128),
     ("blendbsdf", 128),
+    ("textures", 128),
     ("constant", 128),
     ("point", 128),
     ("spot", 128),
