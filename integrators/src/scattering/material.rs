@@ -108,14 +108,15 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
         Bsdf::Diffuse(matte) => K::Diffuse::keep(*matte).map(Model::Diffuse),
         Bsdf::Conductor(metal) => K::Conductor::keep(*metal).map(Model::Conductor),
         Bsdf::RoughConductor(metal) => K::RoughConductor::keep(*metal).map(Model::RoughConductor),
-        Bsdf::Plastic(plastic) => {
-            let inside = internal_reflectance(plastic);
-            K::Plastic::keep(*plastic).map(|plastic| Model::Plastic(plastic, inside))
-        }
-        Bsdf::RoughPlastic(plastic) => {
-            let coat = Coat::new(plastic);
-            K::RoughPlastic::keep(*plastic).map(|plastic| Model::RoughPlastic(plastic, coat))
-        }
+        // What is computed for a model is computed only if the kind has it.
+        Bsdf::Plastic(plastic) => K::Plastic::keep(*plastic).map(|plastic| {
+            let inside = internal_reflectance(plastic.get());
+            Model::Plastic(plastic, inside)
+        }),
+        Bsdf::RoughPlastic(plastic) => K::RoughPlastic::keep(*plastic).map(|plastic| {
+            let coat = Coat::new(plastic.get());
+            Model::RoughPlastic(plastic, coat)
+        }),
         // The loader refuses mixtures within mixtures.
         Bsdf::Mask { .. } | Bsdf::Blend { .. } => return Ok(Model::Black),
     };
