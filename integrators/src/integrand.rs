@@ -95,8 +95,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let geometry = match next.place {
             Place::Camera => return Vec3::ZERO,
             Place::Surface(target) => target.normal.dot(along).abs() / squared,
-            Place::Bulb(..) => 1.0 / squared,
-            Place::Sky(_) | Place::Distant(..) => 1.0,
+            Place::Bulb(_) => 1.0 / squared,
+            Place::Sky(_) | Place::Distant(_) => 1.0,
         };
         let value = scattering.value(along) * geometry;
         if value.is_finite() { value } else { Vec3::ZERO }

@@ -24,7 +24,7 @@ use crate::scene::bsdf::{
 mod presence;
 mod sets;
 
-pub use presence::{Absent, Either, Part, Presence, Present};
+pub use presence::{Absent, Either, Part, Presence, Present, Value, With};
 pub use sets::{
     DiffuseRooms, Everything, FEATURES, GlossyRooms, NotCovered, Surfaces, covers, has,
 };
@@ -76,6 +76,8 @@ pub type Specular<K> = Either<
 pub type Refraction<K> = DielectricOf<K>;
 /// Whether light may pass a surface of the kind unchanged.
 pub type Passage<K> = Either<ThinOf<K>, <K as SceneKind>::Mask>;
+/// Whether the kind has rough plastic.
+pub type RoughPlasticOf<K> = <<K as SceneKind>::RoughPlastic as Part<RoughPlastic>>::Presence;
 /// Whether the kind has reflection at microfacets.
 pub type Facetted<K> = Either<
     <<K as SceneKind>::RoughConductor as Part<RoughConductor>>::Presence,
@@ -92,7 +94,8 @@ pub type Matte<K> = Either<
 type ConductorOf<K> = <<K as SceneKind>::Conductor as Part<Conductor>>::Presence;
 type DielectricOf<K> = <<K as SceneKind>::Dielectric as Part<Dielectric>>::Presence;
 type ThinOf<K> = <<K as SceneKind>::ThinDielectric as Part<ThinDielectric>>::Presence;
-type PlasticOf<K> = <<K as SceneKind>::Plastic as Part<Plastic>>::Presence;
+/// Whether the kind has smooth plastic.
+pub type PlasticOf<K> = <<K as SceneKind>::Plastic as Part<Plastic>>::Presence;
 
 /// Something to be made for the smallest precompiled kind that covers a scene.
 pub trait WithKind: Sized {

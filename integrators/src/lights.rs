@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use aether_core::discrete::{Choices, discrete_weighted};
 use glam::Vec3;
 
-use crate::kind::{NotCovered, Presence, SceneKind};
+use crate::kind::{NotCovered, Presence, SceneKind, With};
 use crate::scene::{Emitter, Primitive, Scene};
 use crate::vertex::{Place, SceneVertex, SkyOf};
 
@@ -24,13 +24,13 @@ pub struct AreaLight {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light<K: SceneKind> {
     /// A surface.
-    Area(K::Area, AreaLight),
+    Area(With<K::Area, AreaLight>),
     /// The sky.
     Sky(SkyOf<K>),
     /// A point.
-    Bulb(K::Point, u32, Vec3),
+    Bulb(With<K::Point, (u32, Vec3)>),
     /// Parallel light, by the direction towards it.
-    Distant(K::Directional, u32, Vec3),
+    Distant(With<K::Directional, (u32, Vec3)>),
 }
 
 /// All lights of a scene, chosen in proportion to their power.
@@ -55,9 +55,9 @@ impl<K: SceneKind> Lights<K> {
         let missing = |feature| NotCovered { kind: K::NAME, feature };
         let (mut lights, mut powers) = (Vec::new(), Vec::new());
         for (index, emitter) in (0..).zip(&scene.emitters) {
-            let present = K::Area::VALUE.ok_or_else(|| missing("Area"))?;
             let shape = scene.primitives[emitter.primitive as usize];
-            lights.push(Light::Area(present, AreaLight { index, emitter: *emitter, shape }));
+            let light = K::Area::with(|| AreaLight { index, emitter: *emitter, shape });
+            lights.push(Light::Area(light.ok_or_else(|| missing("Area"))?));
             powers.push(emitter.power().element_sum());
         }
         // Light from afar falls on the disk that the scene shows to it.
@@ -74,15 +74,15 @@ impl<K: SceneKind> Lights<K> {
         }
         let bulbs = lights.len();
         for (index, bulb) in (0..).zip(&scene.bulbs) {
-            let present = K::Point::VALUE.ok_or_else(|| missing("Point"))?;
-            lights.push(Light::Bulb(present, index, bulb.position));
+            let light = K::Point::with(|| (index, bulb.position));
+            lights.push(Light::Bulb(light.ok_or_else(|| missing("Point"))?));
             powers.push(bulb.power().element_sum());
         }
         let distant = lights.len();
         for (index, light) in (0..).zip(&scene.distant) {
-            let present = K::Directional::VALUE.ok_or_else(|| missing("Directional"))?;
-            lights.push(Light::Distant(present, index, light.towards));
             powers.push(cross_section * light.irradiance.element_sum());
+            let light = K::Directional::with(|| (index, light.towards));
+            lights.push(Light::Distant(light.ok_or_else(|| missing("Directional"))?));
         }
         // No light, or only black ones: there is nothing to choose from.
         let choice = discrete_weighted(lights, powers).ok();
@@ -96,8 +96,8 @@ impl<K: SceneKind> Lights<K> {
             Place::Camera => None,
             Place::Surface(surface) => surface.emitter.map(|index| index as usize),
             Place::Sky(_) => Some(self.sky),
-            Place::Bulb(_, index) => Some(self.bulbs + index as usize),
-            Place::Distant(_, index) => Some(self.distant + index as usize),
+            Place::Bulb(index) => Some(self.bulbs + K::Point::get(index) as usize),
+            Place::Distant(index) => Some(self.distant + K::Directional::get(index) as usize),
         }
     }
 }

@@ -7,7 +7,7 @@ use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
 use glam::Vec3;
 
-use crate::kind::{Everything, SceneKind};
+use crate::kind::{Everything, Facetted, Interface, Presence, SceneKind};
 use crate::lights::Light;
 use crate::samplers::*;
 use crate::scattering::Lobe;
@@ -94,7 +94,7 @@ pub fn sample_bsdf<K: SceneKind>(
     let frame = scattering.frame;
     let w = match lobe {
         Lobe::Nothing => return stop(),
-        Lobe::Mirror(_) | Lobe::Refraction(..) | Lobe::Passage(_) => {
+        Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let along = given(scattering.direction(&lobe));
             let found: Seen<K> = constant(world.cast_along(&here, along));
             return SceneVertex::found(found, along);
@@ -103,12 +103,14 @@ pub fn sample_bsdf<K: SceneKind>(
             let local = draw(cosine_hemisphere());
             rotate(frame).apply(&local)
         }
-        Lobe::Facets(_, roughness) => {
+        Lobe::Facets(facets) => {
+            let roughness = Facetted::<K>::get(facets);
             let normals = given(HalfVectors::new(&roughness, scattering.view));
             let m = draw(normals);
             rotate(frame).apply(&reflect(scattering.view).apply(&m))
         }
-        Lobe::Interface(_, roughness, eta) => {
+        Lobe::Interface(interface) => {
+            let (roughness, eta) = Interface::<K>::get(interface);
             let view = scattering.view;
             let normals = given(HalfVectors::new(&roughness, view));
             let m = draw(normals);
@@ -158,7 +160,8 @@ pub fn sample_light<K: SceneKind>(
     let lights = given(world.lights.choice.as_ref());
     let light = choose(lights).identified_by(|v: &SceneVertex<K>| world.lights.index_of(v));
     match light {
-        Light::Area(_, light) => {
+        Light::Area(light) => {
+            let light = K::Area::get_ref(light);
             let id = SurfaceId(light.emitter.primitive);
             let point = match light.shape {
                 Primitive::Triangle { v0, v1, v2 } => {
@@ -185,12 +188,12 @@ pub fn sample_light<K: SceneKind>(
             let w = draw(uniform_directions());
             SceneVertex::sky(*sky, w)
         }
-        Light::Bulb(present, index, position) => {
-            let lamp: Lamp<K> = constant(Some(Lamp::Bulb(*present, *index, *position)));
+        Light::Bulb(bulb) => {
+            let lamp: Lamp<K> = constant(Some(Lamp::Bulb(*bulb)));
             SceneVertex::lamp(lamp)
         }
-        Light::Distant(present, index, towards) => {
-            let lamp: Lamp<K> = constant(Some(Lamp::Distant(*present, *index, *towards)));
+        Light::Distant(distant) => {
+            let lamp: Lamp<K> = constant(Some(Lamp::Distant(*distant)));
             SceneVertex::lamp(lamp)
         }
     }

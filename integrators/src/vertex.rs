@@ -4,7 +4,7 @@ use aether_core::prelude::*;
 use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
-use crate::kind::{Either, Everything, Presence, SceneKind};
+use crate::kind::{Either, Everything, Presence, SceneKind, With};
 use crate::samplers::{HitPlane, hit_plane};
 use crate::scene::PrimitiveId;
 
@@ -36,6 +36,9 @@ impl<K: SceneKind> Surface<K> {
 /// Whether a kind of scene has light from all around.
 pub type SkyOf<K> = <K as SceneKind>::Constant;
 
+/// Whether a kind of scene has light from infinitely far away.
+type Infinity<K> = Either<SkyOf<K>, <K as SceneKind>::Directional>;
+
 /// What lies in some direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Seen<K: SceneKind = Everything> {
@@ -56,9 +59,9 @@ pub struct Pinhole {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lamp<K: SceneKind = Everything> {
     /// A point, at a position.
-    Bulb(K::Point, u32, Vector),
+    Bulb(With<K::Point, (u32, Vector)>),
     /// Infinitely far away, in a direction of unit length.
-    Distant(K::Directional, u32, Vector),
+    Distant(With<K::Directional, (u32, Vector)>),
 }
 
 /// What kind of place a vertex is at.
@@ -71,9 +74,9 @@ pub enum Place<K: SceneKind = Everything> {
     /// Infinitely far away: the position is a direction.
     Sky(SkyOf<K>),
     /// A point light, by its number.
-    Bulb(K::Point, u32),
+    Bulb(With<K::Point, u32>),
     /// A light infinitely far away, by its number: the position is a direction.
-    Distant(K::Directional, u32),
+    Distant(With<K::Directional, u32>),
 }
 
 /// A vertex of a light path.
@@ -118,13 +121,19 @@ impl<K: SceneKind> SceneVertex<K> {
     /// A light that is an atom.
     pub fn lamp(lamp: Lamp<K>) -> Self {
         match lamp {
-            Lamp::Bulb(present, index, position) => {
-                SceneVertex { position, place: Place::Bulb(present, index) }
-            }
-            Lamp::Distant(present, index, position) => {
-                SceneVertex { position, place: Place::Distant(present, index) }
-            }
+            Lamp::Bulb(bulb) => Self::bulb(K::Point::get(bulb)),
+            Lamp::Distant(light) => Self::distant(K::Directional::get(light)),
         }
+    }
+
+    fn bulb((index, position): (u32, Vector)) -> Self {
+        let place = K::Point::with(|| index).map_or(Place::Camera, Place::Bulb);
+        SceneVertex { position, place }
+    }
+
+    fn distant((index, towards): (u32, Vector)) -> Self {
+        let place = K::Directional::with(|| index).map_or(Place::Camera, Place::Distant);
+        SceneVertex { position: towards, place }
     }
 
     /// The surface that it lies on, if it does.
@@ -144,7 +153,7 @@ impl<K: SceneKind> SceneVertex<K> {
     /// Whether it is infinitely far away.
     #[inline]
     pub fn is_infinite(&self) -> bool {
-        matches!(self.place, Place::Sky(_) | Place::Distant(..))
+        matches!(self.place, Place::Sky(_) | Place::Distant(_))
     }
 
     /// The direction, of unit length, in which the vertex is seen from a point; zero from where it is.
@@ -169,7 +178,7 @@ pub enum Spot<K: SceneKind = Everything> {
     /// A point of a surface.
     Surface(SurfacePoint<f32>),
     /// A direction.
-    Infinite(Either<SkyOf<K>, K::Directional>, Direction<f32>),
+    Infinite(With<Infinity<K>, Direction<f32>>),
 }
 
 impl<K: SceneKind> Includes<SurfacePoint<f32>> for Spot<K> {
@@ -177,7 +186,7 @@ impl<K: SceneKind> Includes<SurfacePoint<f32>> for Spot<K> {
     fn part(&self) -> Option<SurfacePoint<f32>> {
         match self {
             Spot::Surface(point) => Some(*point),
-            Spot::Infinite(..) => None,
+            Spot::Infinite(_) => None,
         }
     }
 }
@@ -187,7 +196,7 @@ impl<K: SceneKind> Includes<Direction<f32>> for Spot<K> {
     fn part(&self) -> Option<Direction<f32>> {
         match self {
             Spot::Surface(_) => None,
-            Spot::Infinite(_, w) => Some(*w),
+            Spot::Infinite(w) => Some(Infinity::<K>::get(*w)),
         }
     }
 }
@@ -198,10 +207,11 @@ impl<K: SceneKind> Vertex for SceneVertex<K> {
 
     #[inline]
     fn point(&self) -> Spot<K> {
+        let direction = || Direction::from_unit(self.position.into());
         if self.is_infinite()
-            && let Some(present) = <Either<SkyOf<K>, K::Directional> as Presence>::VALUE
+            && let Some(direction) = Infinity::<K>::with(direction)
         {
-            return Spot::Infinite(present, Direction::from_unit(self.position.into()));
+            return Spot::Infinite(direction);
         }
         let id = self.primitive().map_or(SurfaceId(u32::MAX), surface_id);
         Spot::Surface(SurfacePoint::new(self.position.into(), id))
@@ -236,8 +246,14 @@ impl<K: SceneKind> Recall<Pinhole> for SceneVertex<K> {
 impl<K: SceneKind> Recall<Lamp<K>> for SceneVertex<K> {
     fn recall(&self) -> Option<Lamp<K>> {
         match self.place {
-            Place::Bulb(present, index) => Some(Lamp::Bulb(present, index, self.position)),
-            Place::Distant(present, index) => Some(Lamp::Distant(present, index, self.position)),
+            Place::Bulb(index) => {
+                let index = K::Point::get(index);
+                K::Point::with(|| (index, self.position)).map(Lamp::Bulb)
+            }
+            Place::Distant(index) => {
+                let index = K::Directional::get(index);
+                K::Directional::with(|| (index, self.position)).map(Lamp::Distant)
+            }
             _ => None,
         }
     }

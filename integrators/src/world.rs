@@ -118,8 +118,12 @@ impl<'s, K: SceneKind> World<'s, K> {
                 _ => Vec3::ZERO,
             },
             Place::Sky(_) => self.scene.sky.map_or(Vec3::ZERO, |sky| sky.radiance),
-            Place::Bulb(_, index) => self.scene.bulbs[index as usize].intensity_towards(w()),
-            Place::Distant(_, index) => self.scene.distant[index as usize].irradiance,
+            Place::Bulb(index) => {
+                self.scene.bulbs[K::Point::get(index) as usize].intensity_towards(w())
+            }
+            Place::Distant(index) => {
+                self.scene.distant[K::Directional::get(index) as usize].irradiance
+            }
         }
     }
 

@@ -13,12 +13,29 @@ pub enum Absent {}
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Present;
 
+/// What can come with something that is present.
+pub trait Value: Copy + Debug + PartialEq + Send + Sync + 'static {}
+
+impl<T: Copy + Debug + PartialEq + Send + Sync + 'static> Value for T {}
+
+/// A `T` if `P` is present.
+pub type With<P, T> = <P as Presence>::With<T>;
+
 /// [`Present`] or [`Absent`].
 pub trait Presence: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// Present if this is, otherwise `B`.
     type Or<B: Presence>: Presence;
     /// The value, if there is one.
     const VALUE: Option<Self>;
+    /// A `T` if this is present. Unlike a pair of the two it takes no room where this is absent, so that
+    /// an enum has no variant for it.
+    type With<T: Value>: Value;
+    /// What comes with this, made only if there is a use for it.
+    fn with<T: Value>(make: impl FnOnce() -> T) -> Option<Self::With<T>>;
+    /// What came with this: where this is absent, code behind it is never reached.
+    fn get<T: Value>(with: Self::With<T>) -> T;
+    /// The same by reference.
+    fn get_ref<T: Value>(with: &Self::With<T>) -> &T;
     /// Texture coordinates where textures are present, otherwise nothing.
     type Uv: Copy + Debug + PartialEq + Default + Send + Sync + 'static;
     /// Evaluates texture coordinates, if there is a use for them.
@@ -30,6 +47,19 @@ pub trait Presence: Copy + Debug + PartialEq + Send + Sync + 'static {
 impl Presence for Present {
     type Or<B: Presence> = Present;
     const VALUE: Option<Self> = Some(Present);
+    type With<T: Value> = T;
+    #[inline(always)]
+    fn with<T: Value>(make: impl FnOnce() -> T) -> Option<T> {
+        Some(make())
+    }
+    #[inline(always)]
+    fn get<T: Value>(with: T) -> T {
+        with
+    }
+    #[inline(always)]
+    fn get_ref<T: Value>(with: &T) -> &T {
+        with
+    }
     type Uv = Vec2;
     fn uv(coordinates: impl FnOnce() -> Vec2) -> Vec2 {
         coordinates()
@@ -42,6 +72,19 @@ impl Presence for Present {
 impl Presence for Absent {
     type Or<B: Presence> = B;
     const VALUE: Option<Self> = None;
+    type With<T: Value> = Absent;
+    #[inline(always)]
+    fn with<T: Value>(_: impl FnOnce() -> T) -> Option<Absent> {
+        None
+    }
+    #[inline(always)]
+    fn get<T: Value>(with: Absent) -> T {
+        match with {}
+    }
+    #[inline(always)]
+    fn get_ref<T: Value>(with: &Absent) -> &T {
+        match *with {}
+    }
     type Uv = ();
     fn uv(_: impl FnOnce() -> Vec2) {}
     fn coordinates((): ()) -> Vec2 {

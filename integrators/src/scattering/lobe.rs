@@ -5,7 +5,9 @@ use aether_core::prelude::Direction;
 use glam::Vec3;
 
 use super::Scattering;
-use crate::kind::{Facetted, Interface, Matte, Passage, Refraction, SceneKind, Specular};
+use crate::kind::{
+    Facetted, Interface, Matte, Passage, Presence, Refraction, SceneKind, Specular, With,
+};
 use crate::scene::bsdf::Roughness;
 
 /// One way in which a surface scatters.
@@ -18,20 +20,20 @@ pub enum Lobe<K: SceneKind> {
     /// About the normal, as a mirror: an atom.
     Mirror(Specular<K>),
     /// Through the surface, bent by its relative index of refraction: an atom.
-    Refraction(Refraction<K>, f32),
+    Refraction(With<Refraction<K>, f32>),
     /// Through the surface unchanged: an atom.
     Passage(Passage<K>),
     /// About the normals of microfacets.
-    Facets(Facetted<K>, Roughness),
+    Facets(With<Facetted<K>, Roughness>),
     /// About the normals of microfacets or through them, as Fresnel's equations say for each; the
     /// relative index of refraction.
-    Interface(Interface<K>, Roughness, f32),
+    Interface(With<Interface<K>, (Roughness, f32)>),
 }
 
 impl<K: SceneKind> Lobe<K> {
     /// Whether it scatters into a single direction.
     pub fn is_atom(&self) -> bool {
-        matches!(self, Lobe::Mirror(_) | Lobe::Refraction(..) | Lobe::Passage(_))
+        matches!(self, Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_))
     }
 }
 
@@ -124,11 +126,12 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         let local = match lobe {
             Lobe::Mirror(_) => Direction::new(-v.x, -v.y, v.z),
             Lobe::Passage(_) => return Some(-self.towards),
-            Lobe::Refraction(_, eta) => {
-                let (_, beyond) = super::fresnel::dielectric(v.z, *eta);
+            Lobe::Refraction(eta) => {
+                let eta = Refraction::<K>::get(*eta);
+                let (_, beyond) = super::fresnel::dielectric(v.z, eta);
                 Direction::new(-v.x / eta, -v.y / eta, -beyond)
             }
-            Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(..) | Lobe::Interface(..) => return None,
+            Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(_) | Lobe::Interface(_) => return None,
         };
         Some(self.frame.to_world(local).into())
     }

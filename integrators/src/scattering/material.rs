@@ -4,8 +4,8 @@
 use glam::Vec3;
 
 use super::rough_plastic::Coat;
-use crate::kind::{NotCovered, Part, Presence, SceneKind};
-use crate::scene::bsdf::{Bsdf, Plastic};
+use crate::kind::{NotCovered, Part, PlasticOf, Presence, RoughPlasticOf, SceneKind, With};
+use crate::scene::bsdf::{Bsdf, Plastic, RoughPlastic};
 
 use super::fresnel;
 
@@ -23,13 +23,13 @@ pub enum Model<K: SceneKind> {
     /// A thin pane.
     ThinDielectric(K::ThinDielectric),
     /// Smooth plastic, and what of a diffuse field its coat reflects inside.
-    Plastic(K::Plastic, f32),
+    Plastic(With<PlasticOf<K>, (Plastic, f32)>),
     /// Rough metal.
     RoughConductor(K::RoughConductor),
     /// Rough glass.
     RoughDielectric(K::RoughDielectric),
     /// Rough plastic, and what its coat reflects.
-    RoughPlastic(K::RoughPlastic, Coat),
+    RoughPlastic(With<RoughPlasticOf<K>, (RoughPlastic, Coat)>),
 }
 
 /// What is seen from one side of a surface.
@@ -109,14 +109,12 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
         Bsdf::Conductor(metal) => K::Conductor::keep(*metal).map(Model::Conductor),
         Bsdf::RoughConductor(metal) => K::RoughConductor::keep(*metal).map(Model::RoughConductor),
         // What is computed for a model is computed only if the kind has it.
-        Bsdf::Plastic(plastic) => K::Plastic::keep(*plastic).map(|plastic| {
-            let inside = internal_reflectance(plastic.get());
-            Model::Plastic(plastic, inside)
-        }),
-        Bsdf::RoughPlastic(plastic) => K::RoughPlastic::keep(*plastic).map(|plastic| {
-            let coat = Coat::new(plastic.get());
-            Model::RoughPlastic(plastic, coat)
-        }),
+        Bsdf::Plastic(plastic) => {
+            PlasticOf::<K>::with(|| (*plastic, internal_reflectance(plastic))).map(Model::Plastic)
+        }
+        Bsdf::RoughPlastic(plastic) => {
+            RoughPlasticOf::<K>::with(|| (*plastic, Coat::new(plastic))).map(Model::RoughPlastic)
+        }
         // The loader refuses mixtures within mixtures.
         Bsdf::Mask { .. } | Bsdf::Blend { .. } => return Ok(Model::Black),
     };

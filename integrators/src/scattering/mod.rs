@@ -19,7 +19,9 @@ pub use lobe::{Lobe, Lobes, Weighted};
 pub use material::{Material, Model, Side};
 pub use rough_plastic::Coat;
 
-use crate::kind::{Part, Presence, SceneKind};
+use crate::kind::{
+    Facetted, Interface, Part, PlasticOf, Presence, Refraction, RoughPlasticOf, SceneKind,
+};
 use crate::scene::bsdf::Metal;
 use crate::scene::texture::{Colour, Texture};
 use material::base_albedo;
@@ -166,15 +168,15 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::RoughDielectric(glass) => {
                 self.colour(&glass.get().reflectance).max(self.colour(&glass.get().transmittance))
             }
-            Model::Plastic(plastic, _) => {
-                let (share, _) = fresnel::dielectric(self.view.z, plastic.get().eta);
-                self.colour(&plastic.get().diffuse)
-                    .lerp(self.colour(&plastic.get().reflectance), share)
+            Model::Plastic(plastic) => {
+                let (plastic, _) = PlasticOf::<K>::get_ref(plastic);
+                let (share, _) = fresnel::dielectric(self.view.z, plastic.eta);
+                self.colour(&plastic.diffuse).lerp(self.colour(&plastic.reflectance), share)
             }
-            Model::RoughPlastic(plastic, coat) => {
+            Model::RoughPlastic(plastic) => {
+                let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
                 let share = 1.0 - coat.transmitted(self.view.z);
-                self.colour(&plastic.get().diffuse)
-                    .lerp(self.colour(&plastic.get().reflectance), share)
+                self.colour(&plastic.diffuse).lerp(self.colour(&plastic.reflectance), share)
             }
         }
     }
@@ -198,7 +200,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 }
                 let passed = 1.0 - reflected;
                 Some(Weighted {
-                    lobe: Lobe::Refraction(Presence::VALUE?, eta),
+                    lobe: Lobe::Refraction(Refraction::<K>::with(|| eta)?),
                     // Radiance is compressed into a smaller solid angle.
                     coefficient: self.colour(&glass.get().transmittance) * (passed / (eta * eta)),
                     chance: passed,
@@ -218,8 +220,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                     chance: 1.0 - reflected,
                 })
             }
-            Model::Plastic(plastic, _) => {
-                let plastic = plastic.get();
+            Model::Plastic(plastic) => {
+                let (plastic, _) = PlasticOf::<K>::get_ref(plastic);
                 let (reflected, _) = fresnel::dielectric(self.view.z, plastic.eta);
                 let chance =
                     coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
@@ -233,11 +235,11 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::RoughDielectric(glass) => {
                 let glass = glass.get();
                 let eta = self.relative(glass.eta);
-                let lobe = Lobe::Interface(Presence::VALUE?, glass.roughness, eta);
+                let lobe = Lobe::Interface(Interface::<K>::with(|| (glass.roughness, eta))?);
                 Some(Weighted { lobe, coefficient: Vec3::ZERO, chance: 1.0 })
             }
-            Model::RoughPlastic(plastic, coat) => {
-                let plastic = plastic.get();
+            Model::RoughPlastic(plastic) => {
+                let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
                 let reflected = 1.0 - coat.transmitted(self.view.z);
                 let chance =
                     coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
@@ -252,8 +254,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             Model::Diffuse(matte) if w.z > 0.0 => {
                 self.colour(&matte.get().reflectance) * (facets::LAMBERT * w.z)
             }
-            Model::Plastic(plastic, inside) if w.z > 0.0 => {
-                let plastic = plastic.get();
+            Model::Plastic(plastic) if w.z > 0.0 => {
+                let (plastic, inside) = PlasticOf::<K>::get_ref(plastic);
                 let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;
                 let albedo = base_albedo(self.colour(&plastic.diffuse), *inside, plastic.nonlinear);
                 let through = passes(w.z) * passes(self.view.z) / (plastic.eta * plastic.eta);
@@ -266,8 +268,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 };
                 self.colour(&m.reflectance) * metal(m.metal, h.dot(self.view)) * value
             }
-            Model::RoughPlastic(plastic, coat) if w.z > 0.0 => {
-                let plastic = plastic.get();
+            Model::RoughPlastic(plastic) if w.z > 0.0 => {
+                let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
                 let specular =
                     plastic.roughness.mirrored(self.view, w).map_or(0.0, |(value, h)| {
                         value * fresnel::dielectric(h.dot(self.view), plastic.eta).0
@@ -351,8 +353,8 @@ fn count<K: SceneKind>(model: &Model<K>) -> usize {
         | Model::RoughDielectric(_) => 1,
         Model::Dielectric(_)
         | Model::ThinDielectric(_)
-        | Model::Plastic(..)
-        | Model::RoughPlastic(..) => 2,
+        | Model::Plastic(_)
+        | Model::RoughPlastic(_) => 2,
     }
 }
 
@@ -369,7 +371,7 @@ fn facets<K: SceneKind>(
     roughness: crate::scene::bsdf::Roughness,
     chance: f32,
 ) -> Option<Weighted<K>> {
-    let lobe = Lobe::Facets(Presence::VALUE?, roughness);
+    let lobe = Lobe::Facets(Facetted::<K>::with(|| roughness)?);
     Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
 }
 

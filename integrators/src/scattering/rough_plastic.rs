@@ -16,9 +16,9 @@ const POINTS: usize = 24;
 ///
 /// What the facets do not reflect is let through, so that a white base under the coat reflects all light:
 /// the light that facets block from each other is not lost.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coat {
-    reflected: Box<[f32; ENTRIES]>,
+    reflected: [f32; ENTRIES],
     /// What is reflected of a diffuse field inside.
     pub inside: f32,
 }
@@ -28,7 +28,7 @@ impl Coat {
     pub fn new(plastic: &RoughPlastic) -> Self {
         // The albedo at cosine zero is that of a direction just above the surface.
         let cosine = |i: usize| (i as f32 / (ENTRIES - 1) as f32).max(1e-3);
-        let mut reflected = Box::new([0.0; ENTRIES]);
+        let mut reflected = [0.0; ENTRIES];
         for (i, entry) in reflected.iter_mut().enumerate() {
             *entry = albedo(&plastic.roughness, plastic.eta, cosine(i)).clamp(0.0, 1.0);
         }
