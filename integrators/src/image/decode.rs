@@ -7,7 +7,7 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 
 use super::exr::Exr;
-use super::{ImageError, RgbImage};
+use super::{ImageError, RgbImage, srgb_decode};
 
 /// Larger pictures are refused: columns or rows.
 const LARGEST: usize = 1 << 14;
@@ -29,15 +29,9 @@ pub fn read(path: &Path, raw: bool) -> Result<RgbImage, ImageError> {
     }
 }
 
-/// The linear value of an sRGB code in [0, 1] (IEC 61966-2-1).
+/// The linear value of a code in [0, 1].
 fn linear(code: f32, raw: bool) -> f32 {
-    if raw {
-        code
-    } else if code <= 0.04045 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    }
+    if raw { code } else { srgb_decode(f64::from(code)) as f32 }
 }
 
 /// An image from numbers in rows, of which each pixel has `channels`: grey, grey and alpha, RGB or RGBA.

@@ -93,6 +93,11 @@ impl RgbImage {
     }
 }
 
+/// The linear value of an sRGB code in [0, 1] (IEC 61966-2-1).
+pub fn srgb_decode(code: f64) -> f64 {
+    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+}
+
 /// An error unless an image can be written to `path`: ask before rendering for hours.
 pub fn check_writable(path: &Path) -> Result<(), ImageError> {
     atomic_write::check(path).map_err(|error| ImageError::io("write", path, error))

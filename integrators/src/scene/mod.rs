@@ -228,9 +228,9 @@ impl Scene {
         let turn = |y: f32, x: f32| (y.atan2(x) / std::f32::consts::TAU).rem_euclid(1.0);
         match self.primitive(hit.primitive) {
             Primitive::Triangle { .. } => {
-                let first = shape.first_texcoords.map(|first| first - shape.first_primitive);
-                let corners =
-                    first.and_then(|first| self.texcoords.get((first + hit.primitive.0) as usize));
+                let index = hit.primitive.0 - shape.first_primitive;
+                let first = shape.first_texcoords;
+                let corners = first.and_then(|first| self.texcoords.get((first + index) as usize));
                 corners.map_or(Vec2::new(w.y, w.z), |[a, b, c]| w.x * *a + w.y * *b + w.z * *c)
             }
             Primitive::Sphere { center, .. } => {

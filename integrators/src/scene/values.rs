@@ -4,6 +4,8 @@
 
 use glam::{DMat4, DVec3};
 
+use crate::image::srgb_decode;
+
 /// The separators of a list: commas and blanks.
 fn tokens(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c == ',' || c.is_whitespace()).filter(|token| !token.is_empty())
@@ -67,22 +69,13 @@ pub fn rgb(text: &str) -> Result<DVec3, String> {
         .then(|| u32::from_str_radix(hex, 16).ok())
         .flatten()
         .ok_or_else(|| format!("{} is not of the form #rrggbb", quoted(text)))?;
-    let channel = |shift: u32| srgb_to_linear(f64::from((digits >> shift) & 0xff) / 255.0);
+    let channel = |shift: u32| srgb_decode(f64::from((digits >> shift) & 0xff) / 255.0);
     Ok(DVec3::new(channel(16), channel(8), channel(0)))
 }
 
 /// A colour in sRGB: `#rrggbb`, or one or three numbers.
 pub fn srgb(text: &str) -> Result<DVec3, String> {
-    if text.trim().starts_with('#') {
-        rgb(text)
-    } else {
-        vector(text).map(|c| c.map(srgb_to_linear))
-    }
-}
-
-/// The transfer function of IEC 61966-2-1, inverted.
-fn srgb_to_linear(x: f64) -> f64 {
-    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    if text.trim().starts_with('#') { rgb(text) } else { vector(text).map(|c| c.map(srgb_decode)) }
 }
 
 /// A matrix of 16 numbers, or 9 for its linear part, row by row.
