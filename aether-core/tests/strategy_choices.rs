@@ -415,6 +415,22 @@ fn strategies_of_strategies_add_up() {
 }
 
 #[test]
+fn what_another_strategy_knows_of_its_density_is_used() {
+    let strategy = composite(step(0.0), 0.5);
+    let here = [Spot::at(0.5)];
+    let mut known = 0;
+    for k in 0..1000 {
+        let drawn = strategy.sample(PathView::from_slice(&here), &mut Pcg32::new(4, 0, k));
+        if let Some(drawn) = drawn {
+            let (own, p) = (drawn.value.expect("known"), pdf(&strategy, drawn.vertex));
+            assert!((own / p - 1.0).abs() < 1e-14, "{own} {p}");
+            known += 1;
+        }
+    }
+    assert!(known > 700, "{known}");
+}
+
+#[test]
 fn a_strategy_reads_what_those_that_it_is_made_of_read() {
     assert_eq!(composite(step(0.0), 0.5).reads(), Reads { vertices: 1, length: false });
     assert_eq!(composite(remembering(), 0.5).reads(), Reads { vertices: 3, length: true });

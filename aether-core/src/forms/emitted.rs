@@ -162,7 +162,8 @@ pub fn outcome<'d, R: Scalar, D: FixedOutcomes<R>>(
     (choice, outcome)
 }
 
-/// The vertex that another strategy yields for the same path.
+/// The vertex that another strategy yields for the same path. What is known of its density is that under
+/// the other strategy alone.
 #[inline(always)]
 pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
     strategy: &S,
@@ -176,9 +177,7 @@ pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
              cannot be delegated to"
         );
     }
-    let drawn = strategy.sample(path.limited(strategy.reads()), uniforms)?;
-    // What is known is the density under that strategy alone.
-    Some(Drawn { value: None, ..drawn })
+    strategy.sample(path.limited(strategy.reads()), uniforms)
 }
 
 /// The probability of delegating times the density (or probability) under the other strategy.

@@ -122,7 +122,7 @@ impl Analysis<'_> {
         match end {
             End::Stop => End::Stop,
             End::Vertex(vertex) => self.leaf(vertex, scope, steps),
-            End::Delegate(strategy) => self.delegate(strategy, &scope),
+            End::Delegate { strategy, .. } => self.delegate(strategy, &scope),
             End::If { condition, then, otherwise, .. } => {
                 let facts = scope.of_expr(&condition);
                 let mut positive = self.turn(&scope, facts, 0);
@@ -198,7 +198,9 @@ impl Analysis<'_> {
             );
         }
         self.delegates.push((scope.turns.clone(), strategy.clone()));
-        End::Delegate(strategy)
+        let number = self.leaves;
+        self.leaves += 1;
+        End::Delegate { strategy, number }
     }
 
     /// The strategies that must not yield the same kinds of atoms as each other or the body.

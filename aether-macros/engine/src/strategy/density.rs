@@ -76,7 +76,7 @@ impl Kinds {
     fn of_end(end: &End<Action, Leaf>) -> Kinds {
         match end {
             End::Stop => Kinds::default(),
-            End::Delegate(_) => Kinds { density: true, position: true, direction: true },
+            End::Delegate { .. } => Kinds { density: true, position: true, direction: true },
             End::Vertex(leaf) => match leaf.kind {
                 Kind::Density(_) => Kinds { density: true, ..Kinds::default() },
                 Kind::AtomPosition => Kinds { position: true, ..Kinds::default() },
@@ -325,11 +325,18 @@ impl Emitter<'_> {
         };
         match end {
             End::Stop => TokenStream::new(),
-            End::Delegate(strategy) => quote_spanned! {site=>
-                sum += ::aether_core::forms::emitted::delegated_pdf(
-                    &#strategy, view, target, probability,
-                );
-            },
+            End::Delegate { strategy, number } => {
+                let term = quote_spanned! {site=>
+                    sum += ::aether_core::forms::emitted::delegated_pdf(
+                        &#strategy, view, target, probability,
+                    );
+                };
+                if self.ways {
+                    quote_spanned!(site=> if !(same && way == #number) { #term })
+                } else {
+                    term
+                }
+            }
             End::Vertex(leaf) => self.leaf(leaf, pending),
             End::If { condition, late: true, then, otherwise } => {
                 let zero = quote_spanned!(site=> <#real as ::aether_core::Real>::ZERO);

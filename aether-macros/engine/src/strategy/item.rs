@@ -229,8 +229,6 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
     let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
     quote_spanned! {site=>
-        #ways
-
         #[automatically_derived]
         #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
         impl #implementation #module::Strategy<#vertex> for #name #arguments #conditions {
@@ -246,6 +244,8 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
                 #same
             }
         }
+
+        #ways
     }
 }
 

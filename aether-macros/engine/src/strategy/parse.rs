@@ -218,7 +218,8 @@ impl Parser<'_> {
 
     fn delegate(&mut self, call: &ExprCall) -> End<Step, Expr> {
         let name = Ident::new("delegate", call.func.span());
-        self.argument(&name, &call.args).map_or(End::Stop, End::Delegate)
+        self.argument(&name, &call.args)
+            .map_or(End::Stop, |strategy| End::Delegate { strategy, number: 0 })
     }
 
     /// An arm of a branch, whose names must not be confused with those of what follows it.

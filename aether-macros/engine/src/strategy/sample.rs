@@ -61,9 +61,7 @@ impl Emitter<'_> {
         let site = Span::mixed_site();
         match end {
             End::Stop => quote_spanned!(site=> return ::core::option::Option::None;),
-            End::Delegate(strategy) => quote_spanned! {site=>
-                return ::aether_core::forms::emitted::delegated(&#strategy, view, uniforms);
-            },
+            End::Delegate { strategy, number } => self.delegate(strategy, *number, rules),
             End::Vertex(leaf) => self.vertex(leaf, rules),
             End::If { condition, late, then, otherwise } => {
                 // The other side may have led to the same vertex, from another point.
@@ -97,10 +95,34 @@ impl Emitter<'_> {
         quote_spanned!(site=> return ::core::option::Option::Some(#made #visible);)
     }
 
-    /// A vertex with its density.
-    fn density(&self, leaf: &Leaf, point: &Ident, rules: &Rules) -> TokenStream {
+    /// The vertex of another strategy, with the density or probability that this one gives it.
+    fn delegate(&self, strategy: &Expr, number: usize, rules: &Rules) -> TokenStream {
         let site = Span::mixed_site();
-        let (vertex, density, number) = (&leaf.vertex, density_of(point), leaf.number);
+        let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+        let delegated = unwrap(
+            quote_spanned!(site=> drawn),
+            quote_spanned! {site=>
+                #emitted::delegated(&#strategy, view, uniforms)
+            },
+        );
+        let ways = self.ways(number, rules, &quote_spanned!(site=> drawn.dirac));
+        quote_spanned! {site=>
+            #delegated
+            let vertex = drawn.vertex;
+            let own = #emitted::own_times(own, drawn.value);
+            #ways
+            return ::core::option::Option::Some(
+                ::aether_core::strategy::Drawn { value: own, ..drawn }
+            );
+        }
+    }
+
+    /// Adds to the `own` density of `vertex` that of the other ways, if there are any.
+    fn ways(&self, number: usize, rules: &Rules, dirac: &TokenStream) -> TokenStream {
+        if !self.ways {
+            return TokenStream::new();
+        }
+        let site = Span::mixed_site();
         let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
         let identified = rules.iter().map(|(choice, rule)| {
             quote_spanned! {site=>
@@ -109,23 +131,27 @@ impl Emitter<'_> {
                 let several = several || others == ::core::option::Option::Some(true);
             }
         });
-        let others = self.ways.then(|| {
-            quote_spanned! {site=>
-                let own = #emitted::with_others(own, several, || {
-                    let view = ::aether_core::sequence::PathView::asking(
-                        view, ::core::option::Option::None,
-                    );
-                    self.__density::<true>(view, &vertex, &taken, #number)
-                });
-            }
-        });
+        quote_spanned! {site=>
+            #(#identified)*
+            let own = #emitted::with_others(own, several, || {
+                let view = ::aether_core::sequence::PathView::asking(view, #dirac);
+                self.__density::<true>(view, &vertex, &taken, #number)
+            });
+        }
+    }
+
+    /// A vertex with its density.
+    fn density(&self, leaf: &Leaf, point: &Ident, rules: &Rules) -> TokenStream {
+        let site = Span::mixed_site();
+        let (vertex, density, number) = (&leaf.vertex, density_of(point), leaf.number);
+        let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+        let ways = self.ways(number, rules, &quote_spanned!(site=> ::core::option::Option::None));
         let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
         // A space that does not fit the vertex is reported there, by the density.
         quote_spanned! {site=>
             let vertex = #vertex;
             let own = #emitted::own_times(own, #density);
-            #(#identified)*
-            #others
+            #ways
             let drawn = ::aether_core::strategy::Drawn::new(vertex);
             return ::core::option::Option::Some(
                 ::aether_core::strategy::Drawn { value: own, ..drawn } #visible

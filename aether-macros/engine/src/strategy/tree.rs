@@ -19,7 +19,12 @@ pub enum End<S, L> {
     /// A next vertex.
     Vertex(L),
     /// The next vertex of another strategy.
-    Delegate(Expr),
+    Delegate {
+        /// The strategy.
+        strategy: Expr,
+        /// Its number among the vertices.
+        number: usize,
+    },
     /// `if`, also `if let`.
     If {
         /// The condition.
@@ -208,7 +213,7 @@ impl<S, L> Block<S, L> {
     pub fn delegates<'a>(&'a self, visit: &mut impl FnMut(&'a Expr)) {
         match &self.end {
             End::Stop | End::Vertex(_) => {}
-            End::Delegate(strategy) => visit(strategy),
+            End::Delegate { strategy, .. } => visit(strategy),
             End::If { then, otherwise, .. } => {
                 then.delegates(visit);
                 otherwise.delegates(visit);
@@ -221,7 +226,7 @@ impl<S, L> Block<S, L> {
     pub fn walk(&self, visit: &mut impl FnMut(&S), leaf: &mut impl FnMut(&L)) {
         self.steps.iter().for_each(&mut *visit);
         match &self.end {
-            End::Stop | End::Delegate(_) => {}
+            End::Stop | End::Delegate { .. } => {}
             End::Vertex(vertex) => leaf(vertex),
             End::If { then, otherwise, .. } => {
                 then.walk(visit, leaf);
