@@ -121,17 +121,14 @@ impl Emitter<'_> {
                 unwrap(quote_spanned!(site=> #pat), quote_spanned!(site=> #option))
             }
             Action::Choose { pat, distribution, rule } => {
-                let (index, probability) = match rule {
+                let probability = match rule {
                     Some(rule) => identified(rule, own),
                     None => {
                         let alive = alive(&pat.to_token_stream(), end);
                         let only = quote_spanned!(site=> #emitted::only::<#real, _>(&distribution, #alive));
-                        (TokenStream::new(), only)
+                        times(own, only)
                     }
                 };
-                let probability = own.known.then(|| {
-                    quote_spanned!(site=> #index let own = #emitted::own_times(own, #probability);)
-                });
                 quote_spanned! {site=>
                     let distribution = #distribution;
                     let choice = ::aether_core::Discrete::<#real>::sample(
@@ -146,16 +143,13 @@ impl Emitter<'_> {
                 let outcome = quote_spanned! {distribution.span().resolved_at(site)=>
                     #emitted::outcome::<#real, _>
                 };
-                let (index, probability) = match rule {
+                let probability = match rule {
                     Some(rule) => identified(rule, own),
                     None => {
                         own.known = false;
-                        Default::default()
+                        TokenStream::new()
                     }
                 };
-                let probability = own.known.then(|| {
-                    quote_spanned!(site=> #index let own = #emitted::own_times(own, #probability);)
-                });
                 quote_spanned! {site=>
                     let (choice, outcome) = #outcome(
                         &#distribution,
@@ -193,15 +187,25 @@ impl Emitter<'_> {
     }
 }
 
-/// The probability of a choice that the vertex tells, if it does; the rule waits for the vertex.
-fn identified(rule: &Expr, own: &mut Own) -> (TokenStream, TokenStream) {
+/// Multiplies what is known of the density by a probability; no code if nothing is known.
+fn times(own: &Own, probability: TokenStream) -> TokenStream {
+    if !own.known {
+        return TokenStream::new();
+    }
+    quote_spanned! {Span::mixed_site()=>
+        let own = ::aether_core::forms::emitted::own_times(own, #probability);
+    }
+}
+
+/// Multiplies by the probability of a choice that the vertex tells, if it does; the rule waits for the
+/// vertex.
+fn identified(rule: &Expr, own: &mut Own) -> TokenStream {
     let site = Span::mixed_site();
     let index = format_ident!("__index_{}", own.identified.len(), span = site);
     own.identified.push((index.clone(), rule.clone()));
-    (
-        quote_spanned!(site=> let #index = choice.index;),
-        quote_spanned!(site=> ::core::option::Option::Some(choice.probability)),
-    )
+    let times = times(own, quote_spanned!(site=> ::core::option::Option::Some(choice.probability)));
+    let index = own.known.then(|| quote_spanned!(site=> let #index = choice.index;));
+    quote_spanned!(site=> #index #times)
 }
 
 /// Which outcomes lead to a vertex, where an `if` that may stop follows at once; otherwise all.
