@@ -9,7 +9,7 @@ mod exponential;
 
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::hash::Map;
-use crate::jacobian::{cost, factor_out};
+use crate::jacobian::{cost, factor_out, simplify};
 use crate::measure::{Errors, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
@@ -211,6 +211,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
+            out.extend(other_tail(g, c, &terms));
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
@@ -231,6 +232,9 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             }
         }
         Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
+        Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => {
+            out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
+        }
         Node::Product(factors) => {
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };
@@ -247,6 +251,24 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     }
     out.retain(|f| *f != id);
     out
+}
+
+/// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse.
+fn other_tail(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(q, t)] = *terms else { return None };
+    let minus = q == Q::int(-1) && c == Q::ONE;
+    minus.then(|| flipped(g, t)).flatten()
+}
+
+/// What the incomplete beta function or its inverse leaves of one.
+fn flipped(g: &mut Graph, id: Id) -> Option<Id> {
+    let Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) = g.node(id).clone() else {
+        return None;
+    };
+    let one = g.int(1);
+    let rest = g.sub(one, args[0]);
+    let rest = simplify(g, rest, None);
+    Some(g.call(f, &[rest, args[2], args[1]]))
 }
 
 /// c - c·T: through expm1 for powers and exponentials, through the half angle for cosines.

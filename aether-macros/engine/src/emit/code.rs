@@ -95,6 +95,16 @@ impl<'a> Code<'a> {
                         let one = quote!(#a.ge(R::ZERO).and(#a.le(R::ZERO)));
                         quote!(R::select(#one, R::ONE, (#e * #a.ln_1p()).exp()))
                     }
+                    Fun::LnBeta => {
+                        let b = self.reference(args[1]);
+                        quote!(::aether_core::special::ln_beta(#a, #b))
+                    }
+                    Fun::BetaInc | Fun::BetaIncInv => {
+                        let inverse = *f == Fun::BetaIncInv;
+                        let name = if inverse { quote!(beta_inc_inv) } else { quote!(beta_inc) };
+                        let (b, c) = (self.reference(args[1]), self.reference(args[2]));
+                        quote!(::aether_core::special::#name(#b, #c, #a))
+                    }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
                     Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
