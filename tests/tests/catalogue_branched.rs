@@ -160,7 +160,7 @@ mod double_precision {
         row_6_tent: right(tent(2.0)), right(tent(0.125));
         row_7_triangular: triangular(-1.0, 0.5, 3.0), triangular(0.0, 0.0, 1.0), triangular(0.0, 1.0, 1.0);
         row_15_student_2: student_2();
-        row_16_student: right(student(1.0)), right(student(3.5)), right(student(1e4));
+        row_16_student: right(student(1.0)), right(student(3.5)), right(student(100.0));
         row_17_laplace: right(laplace(1.5));
         row_32_rational_quadratic: right(rational_quadratic(1.5, 2.5, 0.5));
         row_33_cosine: cosine();

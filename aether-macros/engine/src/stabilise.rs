@@ -29,7 +29,7 @@ pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
 pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> Id {
     // Most expressions are fine as they are: measure once before taking them apart.
     let truth = measure.truths(g, id);
-    if measure.loss(g, id, &truth).worst <= good {
+    if measure.errors(g, id, &truth).worst() <= good {
         return id;
     }
     Search { measure, good, turns: true, memo: Map::default() }.rebuild(g, id, 3)
@@ -127,7 +127,7 @@ impl Search<'_> {
             forms.push((rebuilt, self.measure.errors(g, rebuilt, &truth)));
         }
         let worst = |forms: &[(Id, Errors)]| {
-            forms.iter().map(|f| f.1.loss().worst).fold(f64::INFINITY, f64::min)
+            forms.iter().map(|f| f.1.worst()).fold(f64::INFINITY, f64::min)
         };
         if worst(&forms) > self.good && depth > 0 {
             for form in other_forms(g, original, self.turns) {
@@ -141,6 +141,9 @@ impl Search<'_> {
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
+        if let [(only, _)] = forms[..] {
+            return only;
+        }
         let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
         let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
         let good = || scored.iter().filter(|s| s.1.bits <= least + 0.4);
@@ -153,6 +156,11 @@ impl Search<'_> {
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
     fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Errors)]) -> Option<Id> {
+        // At every point one of them has to be good.
+        let hopeless = |k: usize| forms.iter().all(|f| f.1.at(k) > self.good);
+        if (0..self.measure.points().len()).any(hopeless) {
+            return None;
+        }
         let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
         inputs.sort_unstable();
         for leaf in inputs {
