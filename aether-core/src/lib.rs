@@ -108,7 +108,8 @@ pub use vec::{Frame, Mat3, Vec2, Vec3};
 pub mod prelude {
     pub use crate::forms::{choose, constant, delegate, draw, given, stop};
     pub use crate::special::{
-        erf, erf_inv, erfc, erfc_inv, lambert_w, ln_gamma, normal_cdf, normal_quantile,
+        beta_inc, beta_inc_inv, erf, erf_inv, erfc, erfc_inv, lambert_w, ln_beta, ln_gamma,
+        normal_cdf, normal_quantile,
     };
     pub use crate::{
         Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,

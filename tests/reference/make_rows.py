@@ -12,7 +12,7 @@ the cosine of a rounded quarter turn, is an exact 0.
 import json
 import pathlib
 
-from mpmath import acos, atan2, cbrt, cos, exp, expm1, floor, inf, log, log1p, mp, mpf, pi, sin, sqrt, tanh
+from mpmath import acos, atan2, betainc, cbrt, cos, exp, expm1, floor, gamma, inf, log, log1p, mp, mpf, pi, sin, sqrt, tanh
 
 from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, linear, logistic_density, logit, norm,
                              on_circle, over, query_for, real_power, to_unit_sphere, unit)
@@ -63,6 +63,33 @@ def triangular_density(x, p):
     """Row 7."""
     a, b, c = p["a"], p["b"], p["c"]
     return 2 * ((x[0] - a) / (b - a) if x[0] < b else (c - x[0]) / (c - b)) / (c - a)
+
+
+def student_tail(x, p):
+    """Row 16: the probability of more than x > 0."""
+    nu = p["nu"]
+    return betainc(nu / 2, mpf(1) / 2, 0, nu / (nu + x * x), regularized=True) / 2
+
+
+def student_density(x, p):
+    """Row 16."""
+    nu = p["nu"]
+    return gamma((nu + 1) / 2) / (sqrt(nu * pi) * gamma(nu / 2)) * (1 + x[0] ** 2 / nu) ** (-(nu + 1) / 2)
+
+
+def student(u, p):
+    """Row 16: Newton's method on the logarithm of the tail, which falls and is concave in ln x."""
+    q = min(u[0], 1 - u[0])
+    if u[0] == 0.5:
+        return [mpf(0)]
+    x = mpf(1)
+    for _ in range(400):
+        tail = student_tail(x, p)
+        step = log(tail / q) * tail / (x * student_density([x], p))
+        x *= exp(step)
+        if abs(step) < mpf(10) ** (-mp.dps // 2 - 20):
+            return [x if u[0] > 0.5 else -x]
+    raise ArithmeticError((u, p))
 
 
 def laplace(u, p):
@@ -116,6 +143,7 @@ LINE = [
     Sampler(7, "triangular", triangular, triangular_density, lambda x, p: p["a"] <= x[0] <= p["c"]),
     Sampler(15, "student_2", lambda u, p: [(2 * u[0] - 1) / sqrt(2 * u[0] * (1 - u[0]))],
             lambda x, p: (2 + x[0] ** 2) ** mpf(-1.5)),
+    Sampler(16, "student", student, student_density),
     Sampler(17, "laplace", laplace, lambda x, p: exp(-abs(x[0]) / p["b"]) / (2 * p["b"])),
     Sampler(32, "rational_quadratic", rational_quadratic, rational_quadratic_density,
             lambda x, p: 0 <= x[0] <= p["s"]),
@@ -974,6 +1002,8 @@ POINTS = {
     + [({"a": 0.0, "b": 0.0, "c": 1.0}, [0.3]), ({"a": 0.0, "b": 1.0, "c": 1.0}, [0.3]), ({"a": 0.0, "b": 1.0, "c": 1.0}, [BELOW_ONE]),
        ({"a": 0.0, "b": 0.0, "c": 1.0}, [0.0])],
     "student_2": over({}, [[1e-20]] + INNER + ENDS[1:]),
+    "student": over({"nu": 3.5}, [[1e-12]] + INNER + ENDS[1:]) + over({"nu": 50.0}, [[0.99], [0.5000001], [1e-300]])
+    + [({"nu": 0.5}, [0.3]), ({"nu": 1.0}, [TINY]), ({"nu": 3.5}, [0.75]), ({"nu": 100.0}, [0.2]), ({"nu": 100.0}, [0.9]), ({"nu": 100.0}, [1e-30])],
     "laplace": over({"b": 1.0}, [[BELOW_ONE]]) + over({"b": 1.5}, INNER + ENDS[1:]) + [({"b": 1e-6}, [0.3]), ({"b": 1e8}, [0.9])],
     "rational_quadratic": over(RQ, INNER + ENDS) + [({"s": 1.0, "d0": 1.0, "d1": 1.0}, [0.3]), ({"s": 2.0, "d0": 2.0, "d1": 0.5}, [0.7]),
                                                    ({"s": 0.1, "d0": 10.0, "d1": 10.0}, [0.4]), ({"s": 1.0, "d0": 1.0, "d1": 1 + 2.0**-40}, [0.6])],
@@ -1074,6 +1104,7 @@ QUERIES = {
     "tent": outside({"r": 2.0}, [2.5], [-2.5], [NAN], [INF]) + inside({"r": 2.0}, [0.0], [1.0]),
     "triangular": outside(ISOSCELES, [-1.5], [3.5], [NAN]) + inside(ISOSCELES, [0.0], [0.75]),
     "student_2": inside({}, [-1e9], [0.0], [1e9]) + outside({}, [INF], [NAN]),
+    "student": inside({"nu": 3.5}, [-1e9], [0.0], [1e-9], [1e9]) + outside({"nu": 3.5}, [INF], [NAN]),
     "laplace": inside({"b": 1.0}, [-700.0], [0.0], [700.0]) + outside({"b": 1.0}, [INF], [NAN]),
     "rational_quadratic": outside(RQ, [-0.1], [1.6], [NAN]) + inside(RQ, [0.0], [0.75]),
     "cosine": outside({}, [-1.5], [1.5], [NAN]) + inside({}, [0.0], [-0.5], [0.951]),

@@ -147,6 +147,7 @@ batteries! { [double single]
     row_6_tent: right(tent(2.0)), right(tent(0.125));
     row_7_triangular: triangular(-1.0, 0.5, 3.0), triangular(0.0, 0.0, 1.0), triangular(0.0, 1.0, 1.0);
     row_15_student_2: student_2();
+    row_16_student: right(student(3.5));
     row_17_laplace: right(laplace(1.5));
     row_32_rational_quadratic: right(rational_quadratic(1.5, 2.5, 0.5));
     row_35_sawtooth: sawtooth();
@@ -195,6 +196,7 @@ batteries! { [double single]
 mod only_double {
     use super::*;
     batteries! { [double]
+        row_16_student_ends: right(student(1.0)), right(student(100.0));
         row_33_cosine: cosine();
         row_34_folds: parabola(), square(), fold();
         row_36_cubic: cubic();

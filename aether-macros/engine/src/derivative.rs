@@ -55,6 +55,13 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
             let power = g.pow(base, args[1]);
             derive(g, power, x, memo)
         }
+        Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) => {
+            // Of the inverse 1 / the slope, at its value.
+            let at = if f == Fun::BetaInc { args[0] } else { id };
+            let slope = beta_slope(g, at, [args[1], args[2]]);
+            let inner = derive(g, args[0], x, memo);
+            if f == Fun::BetaInc { g.mul(inner, slope) } else { g.div(inner, slope) }
+        }
         Node::Call(f, args) => {
             let inner = derive(g, args[0], x, memo);
             let slope = slope(g, f, args[0], id);
@@ -157,12 +164,25 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
             let s = g.add(one, y);
             g.div(e, s)
         }
-        // The parser refuses ln Γ of anything but parameters.
-        Fun::LnGamma => g.float(f64::NAN),
+        // The parser refuses these of anything but parameters.
+        Fun::LnGamma | Fun::LnBeta => g.float(f64::NAN),
         Fun::Abs => g.call(Fun::Sign, &[a]),
         Fun::Sign => g.int(0),
-        Fun::Turn | Fun::Atan2 | Fun::Pow1p => one,
+        Fun::Turn | Fun::Atan2 | Fun::Pow1p | Fun::BetaInc | Fun::BetaIncInv => one,
     }
+}
+
+/// x^(a - 1) (1 - x)^(b - 1) / B(a, b).
+fn beta_slope(g: &mut Graph, x: Id, [a, b]: [Id; 2]) -> Id {
+    let one = g.int(1);
+    let rest = g.sub(one, x);
+    let (below, above) = (g.sub(a, one), g.sub(b, one));
+    let (below, above) = (g.pow(x, below), g.pow(rest, above));
+    let size = g.call(Fun::LnBeta, &[a, b]);
+    let size = g.neg(size);
+    let constant = g.call(Fun::Exp, &[size]);
+    let powers = g.mul(below, above);
+    g.mul(constant, powers)
 }
 
 /// (2/√π exp(-a²))^power, for a power of ±1.

@@ -71,8 +71,9 @@ pub fn node_value<T: Number>(
         }
         Node::Call(f, args) => {
             let a = part(args[0]);
-            let b = args.get(1).map(|b| part(*b));
-            call(*f, a, b)
+            let mut other = |i: usize| args.get(i).map_or(a, |b| part(*b));
+            let (b, c) = (other(1), other(2));
+            call(*f, a, b, c)
         }
         Node::If(test, yes, no) => {
             let positive = part(*test).to_f64() > 0.0;
@@ -87,7 +88,8 @@ pub fn evaluate<T: Number>(graph: &Graph, id: Id, inputs: &dyn Fn(Leaf) -> T) ->
     Evaluator::new(graph, inputs).value(id)
 }
 
-fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
+/// A function of one to three arguments; the others are not looked at.
+fn call<T: Number>(f: Fun, a: T, b: T, c: T) -> T {
     match f {
         Fun::Exp => a.exp(),
         Fun::ExpM1 => a.exp_m1(),
@@ -112,12 +114,15 @@ fn call<T: Number>(f: Fun, a: T, b: Option<T>) -> T {
         Fun::ErfcInv => a.erfc_inv(),
         Fun::LambertW => a.lambert_w(),
         Fun::LnGamma => a.ln_gamma(),
+        Fun::LnBeta => a.ln_beta(b),
+        Fun::BetaInc => a.beta_inc(b, c),
+        Fun::BetaIncInv => a.beta_inc_inv(b, c),
         Fun::SinPi => half_turns(a, 0),
         Fun::CosPi => half_turns(a, 1),
         Fun::Abs => a.abs(),
         Fun::Sign => T::from_f64(if a.to_f64() < 0.0 { -1.0 } else { 1.0 }),
-        Fun::Atan2 => a.atan2(b.unwrap_or(a)),
-        Fun::Pow1p => (b.unwrap_or(a) * a.ln_1p()).exp(),
+        Fun::Atan2 => a.atan2(b),
+        Fun::Pow1p => (b * a.ln_1p()).exp(),
         Fun::Turn => {
             let turn = T::pi() + T::pi();
             if a.to_f64() < 0.0 || a.to_f64() >= turn.to_f64() {

@@ -53,6 +53,12 @@ pub enum Fun {
     LambertW,
     /// ln Γ, of parameters.
     LnGamma,
+    /// ln B(a, b), of parameters.
+    LnBeta,
+    /// The regularised incomplete beta function of x, a, b.
+    BetaInc,
+    /// Its inverse, of p, a, b.
+    BetaIncInv,
     Abs,
     /// One with the sign of the argument.
     Sign,
@@ -96,7 +102,7 @@ pub enum Node {
     Sum(Q, Vec<(Q, Id)>),
     /// Π base^exponent; no base is a product, no rational factor outside a root.
     Product(Vec<(Id, Id)>),
-    /// A function of one or two arguments.
+    /// A function of one to three arguments.
     Call(Fun, Vec<Id>),
     /// The second where the first is greater than zero, else the third.
     If(Id, Id, Id),
@@ -303,6 +309,8 @@ impl Graph {
             }),
             Node::Product(factors) => self.range_of_product(factors),
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
+            Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
+            Node::Call(Fun::LnBeta, _) => Interval::ALL,
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
                 [y, x] if self.range(x).nonnegative() => {

@@ -12,7 +12,20 @@ pub fn simplify_call(g: &mut Graph, f: Fun, args: &[Id]) -> Option<Id> {
     if let Some(r) = symmetry(g, f, x) {
         return Some(r);
     }
-    composition(g, f, x)
+    inverse_beta(g, f, args).or_else(|| composition(g, f, x))
+}
+
+/// The incomplete beta function of its inverse, and the other way round, with the same parameters.
+fn inverse_beta(g: &Graph, f: Fun, args: &[Id]) -> Option<Id> {
+    let undone = match f {
+        Fun::BetaInc => Fun::BetaIncInv,
+        Fun::BetaIncInv => Fun::BetaInc,
+        _ => return None,
+    };
+    match g.node(args[0]) {
+        Node::Call(h, inner) if *h == undone && inner[1..] == args[1..] => Some(inner[0]),
+        _ => None,
+    }
 }
 
 fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
@@ -40,6 +53,7 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
         }
         Fun::Ln | Fun::ErfcInv if q == Some(Q::ONE) => Some(g.int(0)),
         Fun::Erfc if zero => Some(g.int(1)),
+        Fun::BetaInc | Fun::BetaIncInv if zero || q == Some(Q::ONE) => Some(x),
         Fun::LnGamma if q == Some(Q::ONE) || q == Some(Q::int(2)) => Some(g.int(0)),
         // A root of something that has a sign is a power, of which the other rules know more.
         Fun::Cbrt if g.range(x).nonnegative() => {

@@ -1,6 +1,5 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
-mod cylinder;
 pub mod sphere;
 
 use std::hash::BuildHasherDefault;
@@ -79,7 +78,7 @@ pub fn volume(
             Ok(distinct(candidates.to_vec()))
         }
         Source::Free if n < m => {
-            let mut candidates = cylinder::volume(g, outputs, unknowns).unwrap_or_default();
+            let mut candidates = sphere::unit_sphere(g, outputs, unknowns).unwrap_or_default();
             candidates.extend(embedded(g, &columns)?);
             Ok(distinct(candidates))
         }

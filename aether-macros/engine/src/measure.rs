@@ -1,6 +1,7 @@
 //! How accurate a form of an expression is: its values in double precision against double-double, at
 //! many points at once.
 
+use std::cell::OnceCell;
 use std::rc::Rc;
 
 use crate::eval::node_value;
@@ -62,26 +63,51 @@ impl Measure {
     /// How far a form is from the true values at each point.
     pub fn errors(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Errors {
         let values = self.double.values(g, form, &self.points);
-        let error = |(v, t): (&f64, &f64)| {
-            if v == t && t.is_finite() {
-                return Some((0.0, 0.0));
+        let mut errors = Vec::with_capacity(truth.len());
+        let mut worst = 0.0;
+        // This is where most of the compiler's time goes, and it runs unoptimised.
+        #[allow(clippy::needless_range_loop)]
+        for k in 0..truth.len() {
+            let (v, t) = (values[k], truth[k]);
+            let error = if !t.is_finite() {
+                None
+            } else if v == t {
+                Some(0.0)
+            } else {
+                let e = ((v - t) / t).abs();
+                Some(if e.is_finite() { e } else { 1e300 })
+            };
+            if let Some(e) = error
+                && e > worst
+            {
+                worst = e;
             }
-            if !t.is_finite() {
-                return None;
-            }
-            let e = ((v - t) / t).abs();
-            let e = if e.is_finite() { e } else { 1e300 };
-            Some((e, libm::log2(1.0 + e / f64::EPSILON)))
-        };
-        Errors(values.iter().zip(truth).map(error).collect())
+            errors.push(error);
+        }
+        Errors { errors, worst, bits: OnceCell::new() }
     }
 }
 
-/// Relative errors of a form and the bits that they lose, one a point. Points whose truth is not finite
-/// are left out, and a value that is no number is infinitely wrong.
-pub struct Errors(Vec<Option<(f64, f64)>>);
+/// Relative errors of a form, one a point. Points whose truth is not finite are left out, and a value that is
+/// no number is infinitely wrong.
+pub struct Errors {
+    errors: Vec<Option<f64>>,
+    worst: f64,
+    /// The bits that they lose. Logarithms are expensive, and often nobody asks.
+    bits: OnceCell<Vec<f64>>,
+}
 
 impl Errors {
+    /// The largest.
+    pub fn worst(&self) -> f64 {
+        self.worst
+    }
+
+    /// At a point; zero where there is no truth.
+    pub fn at(&self, k: usize) -> f64 {
+        self.errors[k].unwrap_or(0.0)
+    }
+
     /// Over all points.
     pub fn loss(&self) -> Loss {
         self.over(|_| true)
@@ -93,10 +119,13 @@ impl Errors {
     }
 
     fn over(&self, keep: impl Fn(usize) -> bool) -> Loss {
+        let lost = |e: f64| if e == 0.0 { 0.0 } else { libm::log2(1.0 + e / f64::EPSILON) };
+        let lost = |e: &Option<f64>| e.map_or(0.0, lost);
+        let all = self.bits.get_or_init(|| self.errors.iter().map(lost).collect());
         let (mut bits, mut worst, mut count) = (0.0, 0.0f64, 0);
-        for (k, error) in self.0.iter().enumerate() {
-            if let (Some((e, lost)), true) = (error, keep(k)) {
-                bits += lost;
+        for (k, error) in self.errors.iter().enumerate() {
+            if let (Some(e), true) = (error, keep(k)) {
+                bits += all[k];
                 worst = worst.max(*e);
                 count += 1;
             }

@@ -17,7 +17,7 @@ use crate::hash::Map;
 use crate::rational::Q;
 
 pub use collect::{coefficients, gathered};
-pub use dependence::parts_of_one;
+pub use dependence::{parts_of_one, relation};
 pub use pairs::paired;
 pub use ratfun::{Expander, RatFun};
 

@@ -1,5 +1,7 @@
 //! Exact rational numbers with checked arithmetic.
 
+pub mod matrix;
+
 use std::cmp::Ordering;
 use std::fmt;
 
@@ -13,7 +15,8 @@ pub struct Q {
 /// Numerators and denominators stay below this, so that products never overflow an `i128`.
 const LIMIT: i128 = 1 << 62;
 
-fn gcd(a: i128, b: i128) -> i128 {
+/// The greatest common divisor, not negative.
+pub fn gcd(a: i128, b: i128) -> i128 {
     let (mut a, mut b) = (a.abs(), b.abs());
     while b != 0 {
         (a, b) = (b, a % b);

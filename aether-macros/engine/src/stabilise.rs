@@ -9,7 +9,7 @@ mod exponential;
 
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::hash::Map;
-use crate::jacobian::{cost, factor_out};
+use crate::jacobian::{cost, factor_out, simplify};
 use crate::measure::{Errors, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
@@ -29,7 +29,7 @@ pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
 pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> Id {
     // Most expressions are fine as they are: measure once before taking them apart.
     let truth = measure.truths(g, id);
-    if measure.loss(g, id, &truth).worst <= good {
+    if measure.errors(g, id, &truth).worst() <= good {
         return id;
     }
     Search { measure, good, turns: true, memo: Map::default() }.rebuild(g, id, 3)
@@ -127,7 +127,7 @@ impl Search<'_> {
             forms.push((rebuilt, self.measure.errors(g, rebuilt, &truth)));
         }
         let worst = |forms: &[(Id, Errors)]| {
-            forms.iter().map(|f| f.1.loss().worst).fold(f64::INFINITY, f64::min)
+            forms.iter().map(|f| f.1.worst()).fold(f64::INFINITY, f64::min)
         };
         if worst(&forms) > self.good && depth > 0 {
             for form in other_forms(g, original, self.turns) {
@@ -141,6 +141,9 @@ impl Search<'_> {
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
         }
+        if let [(only, _)] = forms[..] {
+            return only;
+        }
         let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
         let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
         let good = || scored.iter().filter(|s| s.1.bits <= least + 0.4);
@@ -153,6 +156,11 @@ impl Search<'_> {
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
     fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Errors)]) -> Option<Id> {
+        // At every point one of them has to be good.
+        let hopeless = |k: usize| forms.iter().all(|f| f.1.at(k) > self.good);
+        if (0..self.measure.points().len()).any(hopeless) {
+            return None;
+        }
         let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
         inputs.sort_unstable();
         for leaf in inputs {
@@ -211,6 +219,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     match g.node(id).clone() {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
+            out.extend(other_tail(g, c, &terms));
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
@@ -231,6 +240,9 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             }
         }
         Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
+        Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => {
+            out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
+        }
         Node::Product(factors) => {
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };
@@ -247,6 +259,24 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     }
     out.retain(|f| *f != id);
     out
+}
+
+/// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse.
+fn other_tail(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(q, t)] = *terms else { return None };
+    let minus = q == Q::int(-1) && c == Q::ONE;
+    minus.then(|| flipped(g, t)).flatten()
+}
+
+/// What the incomplete beta function or its inverse leaves of one.
+fn flipped(g: &mut Graph, id: Id) -> Option<Id> {
+    let Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) = g.node(id).clone() else {
+        return None;
+    };
+    let one = g.int(1);
+    let rest = g.sub(one, args[0]);
+    let rest = simplify(g, rest, None);
+    Some(g.call(f, &[rest, args[2], args[1]]))
 }
 
 /// c - c·T: through expm1 for powers and exponentials, through the half angle for cosines.

@@ -22,7 +22,7 @@ fn derivation(body: &str) -> Result<String, String> {
 }
 
 /// Bodies with the number of preimages that a point can have.
-const BODIES: [(&str, usize); 70] = [
+const BODIES: [(&str, usize); 75] = [
     ("u * (0.25 * PI).sin() + (1.25 * PI).cos() * (2.25 * PI).tan()", 1),
     ("(a * u).exp()", 1),
     ("(a * u).exp2()", 1),
@@ -83,6 +83,10 @@ const BODIES: [(&str, usize); 70] = [
     ("lambert_w(-u / E)", 1),
     ("special::lambert_w(a * u)", 1),
     ("u * ln_gamma(a + 3.0)", 1),
+    ("u * ln_beta(a, b)", 1),
+    ("beta_inc(a, b, u)", 1),
+    ("beta_inc_inv(a, b, u)", 1),
+    ("1.0 / (1.0 - beta_inc_inv(a, 0.5, 1.0 - u))", 1),
     ("(u / (1.0 - u)).ln().sinh()", 1),
     ("((u / (1.0 - u)).ln().asinh() * a + b).sinh()", 1),
     ("normal_quantile(u).exp()", 1),
@@ -91,6 +95,7 @@ const BODIES: [(&str, usize); 70] = [
     ("let z = u.ln() - (-u).ln_1p(); z * (0.05 * a * z * z).exp()", 1),
     ("-normal_quantile((1.0 - u) * normal_cdf(-a) + u * normal_cdf(-a - b))", 1),
     ("a + b * (-a * (-u).ln_1p()).exp_m1() / a", 1),
+    ("let f = ((1.0 + u).cos() - 2.0 - a) / (1.0 + u).sin(); (f * f + b).sqrt() + f * f", 2),
     ("u * (a * u).exp()", 1),
     ("u.sqrt() * (a * u * u).exp()", 1),
 ];

@@ -28,6 +28,23 @@ pub fn student_2(u: [Uniform; 1]) -> f64 {
     (2.0 * u[0] - 1.0) / (2.0 * u[0] * (1.0 - u[0])).sqrt()
 }
 
+/// Row 16: Student's t with nu degrees of freedom, by the quantile of nu / (nu + x²) in the tails and of
+/// the rest to one in the middle.
+#[sampler(nu in 0.5..=100.0)]
+pub fn student(u: [Uniform; 1], nu: f64) -> f64 {
+    if u[0] < 0.25 {
+        let y = beta_inc_inv(0.5 * nu, 0.5, 2.0 * u[0]);
+        -(nu * (1.0 - y) / y).sqrt()
+    } else if u[0] > 0.75 {
+        let y = beta_inc_inv(0.5 * nu, 0.5, 2.0 * (1.0 - u[0]));
+        (nu * (1.0 - y) / y).sqrt()
+    } else {
+        let p = 2.0 * u[0] - 1.0;
+        let z = beta_inc_inv(0.5, 0.5 * nu, p.abs());
+        (nu * z / (1.0 - z)).sqrt().copysign(p)
+    }
+}
+
 /// Row 17: Laplace with scale b.
 #[sampler(b in 1e-6..)]
 pub fn laplace(u: [Uniform; 1], b: f64) -> f64 {

@@ -27,6 +27,7 @@ fn line<R: Scalar, V: Visitor<R>>(entry: &Inputs, visitor: V) -> V::Output {
         "tent" => visitor.visit(right(tent(p("r")))),
         "triangular" => visitor.visit(triangular(p("a"), p("b"), p("c"))),
         "student_2" => visitor.visit(student_2()),
+        "student" => visitor.visit(right(student(p("nu")))),
         "laplace" => visitor.visit(right(laplace(p("b")))),
         "rational_quadratic" => visitor.visit(right(rational_quadratic(p("s"), p("d0"), p("d1")))),
         "cosine" => visitor.visit(cosine()),

@@ -95,6 +95,16 @@ impl<'a> Code<'a> {
                         let one = quote!(#a.ge(R::ZERO).and(#a.le(R::ZERO)));
                         quote!(R::select(#one, R::ONE, (#e * #a.ln_1p()).exp()))
                     }
+                    Fun::LnBeta => {
+                        let b = self.reference(args[1]);
+                        quote!(::aether_core::special::ln_beta(#a, #b))
+                    }
+                    Fun::BetaInc | Fun::BetaIncInv => {
+                        let inverse = *f == Fun::BetaIncInv;
+                        let name = if inverse { quote!(beta_inc_inv) } else { quote!(beta_inc) };
+                        let (b, c) = (self.reference(args[1]), self.reference(args[2]));
+                        quote!(::aether_core::special::#name(#b, #c, #a))
+                    }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
                     Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
@@ -156,10 +166,12 @@ impl<'a> Code<'a> {
         let mut parts = Parts::default();
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
-        let quotients = self.powers_of_quotients(factors, &mut parts);
-        for (b, e) in factors.iter().filter(|(_, e)| !quotients.contains(&self.size(*e))) {
+        let shared = self.shared_powers(factors);
+        parts.top.extend(shared.iter().map(|&power| self.power_of_quotient(factors, power)));
+        for (b, e) in factors {
             let base = self.reference(*b);
             match self.graph.as_number(*e) {
+                Some(q) if shared.contains(&q.abs()) => {}
                 Some(q) if q.abs() == Q::HALF && roots == 1 => {
                     let root = self.root(*b, &base);
                     parts.push_whole(root, q.is_negative());
@@ -174,29 +186,31 @@ impl<'a> Code<'a> {
         parts.finish()
     }
 
-    /// The size of an integer exponent from two on.
-    fn size(&self, e: Id) -> Option<i128> {
-        self.graph.as_number(e).filter(|q| q.is_int()).map(|q| q.abs().num()).filter(|n| *n > 1)
-    }
-
-    /// Factors with the same power above and below the line, as a power of the quotient: it stays in range
-    /// where the powers do not. The powers for which there are such factors.
-    fn powers_of_quotients(&self, factors: &[(Id, Id)], parts: &mut Parts) -> Vec<Option<i128>> {
-        let mut found = Vec::new();
-        for power in factors.iter().filter_map(|(_, e)| self.size(*e)) {
-            let mut quotient = Parts::default();
-            for (b, e) in factors.iter().filter(|(_, e)| self.size(*e) == Some(power)) {
-                let below = self.graph.as_number(*e).is_some_and(Q::is_negative);
-                quotient.push_whole(self.reference(*b), below);
-            }
-            let mixed = !quotient.top.is_empty() && !quotient.bottom.is_empty();
-            if mixed && !found.contains(&Some(power)) {
-                let (quotient, power_of) = (quotient.finish(), integer_power(&quote!(q), power));
-                parts.top.push(quote!({ let q = #quotient; #power_of }));
-                found.push(Some(power));
+    /// Integer powers, from squares on, that occur both above and below the line.
+    fn shared_powers(&self, factors: &[(Id, Id)]) -> Vec<Q> {
+        let exponents: Vec<Q> =
+            factors.iter().filter_map(|(_, e)| self.graph.as_number(*e)).collect();
+        let mut shared = Vec::new();
+        for power in exponents.iter().map(|q| q.abs()).filter(|q| q.is_int() && *q > Q::ONE) {
+            let both = exponents.contains(&power) && exponents.contains(&power.neg());
+            if both && !shared.contains(&power) {
+                shared.push(power);
             }
         }
-        found
+        shared
+    }
+
+    /// The factors with this power, above and below the line, as a power of the quotient: it stays in range
+    /// where the powers do not.
+    fn power_of_quotient(&self, factors: &[(Id, Id)], power: Q) -> TokenStream {
+        let mut quotient = Parts::default();
+        for (b, e) in factors {
+            if let Some(q) = self.graph.as_number(*e).filter(|q| q.abs() == power) {
+                quotient.push_whole(self.reference(*b), q.is_negative());
+            }
+        }
+        let (quotient, power_of) = (quotient.finish(), integer_power(&quote!(q), power.num()));
+        quote!({ let q = #quotient; #power_of })
     }
 
     /// √base; a sum of squares small enough to underflow is computed again on another scale.

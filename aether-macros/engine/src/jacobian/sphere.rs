@@ -27,6 +27,17 @@ pub fn area(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>>
     Some(distinct([tidy, d].map(|d| g.call(Fun::Abs, &[d])).to_vec()))
 }
 
+/// The same for points that turn out to have unit length.
+pub fn unit_sphere(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>> {
+    let squares: Vec<(Q, Id)> = outputs.iter().map(|&x| (Q::ONE, g.powi(x, 2))).collect();
+    let sum = g.sum(Q::ZERO, &squares);
+    let length = Expander::new(g).normal_form(sum)?;
+    if g.as_number(length) != Some(Q::ONE) {
+        return None;
+    }
+    area(g, outputs, unknowns)
+}
+
 /// The derivatives of the angle of a vector (a, b) in the plane: of t where it is A cos t and A sin t, else
 /// (f h' - h f') / (f² + h²) where it is A f and A h, with f and h of the same single unknown.
 fn turned(g: &mut Graph, a: Id, b: Id, unknowns: [Leaf; 2]) -> Option<[Id; 2]> {

@@ -147,6 +147,18 @@ impl Number for f64 {
         libm::lgamma(self)
     }
 
+    fn ln_beta(self, b: Self) -> Self {
+        Dd::from_f64(self).ln_beta(Dd::from_f64(b)).to_f64()
+    }
+
+    fn beta_inc(self, a: Self, b: Self) -> Self {
+        Dd::from_f64(self).beta_inc(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
+    }
+
+    fn beta_inc_inv(self, a: Self, b: Self) -> Self {
+        Dd::from_f64(self).beta_inc_inv(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
+    }
+
     fn min(self, other: Self) -> Self {
         libm::fmin(self, other)
     }

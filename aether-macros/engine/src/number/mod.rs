@@ -3,6 +3,7 @@
 //! Results are the same on every machine: only IEEE basic operations and the pure-Rust functions of
 //! the crate `libm` are used, never the host's mathematical library.
 
+mod beta;
 mod dd;
 mod f64;
 mod ratio;
@@ -99,6 +100,12 @@ pub trait Number:
     fn lambert_w(self) -> Self;
     /// The logarithm of the gamma function of a positive number.
     fn ln_gamma(self) -> Self;
+    /// The logarithm of the beta function of two positive numbers.
+    fn ln_beta(self, b: Self) -> Self;
+    /// The regularised incomplete beta function I of `self` in [0, 1].
+    fn beta_inc(self, a: Self, b: Self) -> Self;
+    /// The inverse of `beta_inc`.
+    fn beta_inc_inv(self, a: Self, b: Self) -> Self;
     /// The smaller of two; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger of two; the other one if one is NaN.

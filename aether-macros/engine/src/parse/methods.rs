@@ -352,8 +352,8 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let f = function_named(f)?;
             Some(Value::Scalar(body.graph.call(f, &[x])))
         }
-        ("" | "special", f, [x]) if SPECIAL.split(' ').any(|name| name == f) => {
-            special_function(body, c, f, x)
+        ("" | "special", f, arguments) if SPECIAL.split(' ').any(|name| name == f) => {
+            special_function(body, c, f, arguments)
         }
         ("f64", "sqrt", [x]) => {
             let x = body.scalar(x)?;

@@ -39,16 +39,41 @@ fn function_of(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
 }
 
 /// The names that [`special_function`] knows, for messages.
-pub const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lambert_w ln_gamma";
+pub const SPECIAL: &str = "erf erfc erf_inv erfc_inv normal_cdf normal_quantile lambert_w ln_gamma ln_beta beta_inc beta_inc_inv";
 
 /// A call of a special function.
-pub fn special_function(body: &mut Body, c: &ExprCall, name: &str, x: &Expr) -> Option<Value> {
-    let argument = body.scalar(x)?;
-    if name == "ln_gamma" && body.graph.has(argument, UNKNOWNS) {
+pub fn special_function(
+    body: &mut Body,
+    c: &ExprCall,
+    name: &str,
+    arguments: &[&Expr],
+) -> Option<Value> {
+    let wanted = match name {
+        "beta_inc" | "beta_inc_inv" => 3,
+        "ln_beta" => 2,
+        _ => 1,
+    };
+    if arguments.len() != wanted {
+        return body.error(c, format!("`{name}` has {wanted} arguments, not {}", arguments.len()));
+    }
+    let values: Vec<Id> = arguments.iter().map(|x| body.scalar(x)).collect::<Option<_>>()?;
+    // The variable is the last argument; of these two functions all are parameters.
+    let (fixed, of) = match name {
+        "ln_gamma" | "ln_beta" => (&values[..], "is"),
+        _ => (&values[..wanted - 1], "is, in all arguments but the last,"),
+    };
+    if fixed.iter().any(|&a| body.graph.has(a, UNKNOWNS)) {
         return body.error(
             c,
-            "`ln_gamma` is a function of parameters only: its derivative, which the density needs, is not in the language",
+            format!("`{name}` {of} a function of parameters only: its derivative, which the density needs, is not in the language"),
         );
     }
-    function_of(&mut body.graph, name, argument).map(Value::Scalar)
+    let g = &mut body.graph;
+    let value = match (name, &values[..]) {
+        ("ln_beta", [a, b]) => g.call(Fun::LnBeta, &[*a, *b]),
+        ("beta_inc", [a, b, x]) => g.call(Fun::BetaInc, &[*x, *a, *b]),
+        ("beta_inc_inv", [a, b, p]) => g.call(Fun::BetaIncInv, &[*p, *a, *b]),
+        (name, values) => function_of(g, name, *values.first()?)?,
+    };
+    Some(Value::Scalar(value))
 }

@@ -3,76 +3,53 @@
 use super::{Expander, Mono, Poly, RatFun};
 use crate::expr::{Graph, Id};
 use crate::rational::Q;
+use crate::rational::matrix::null_vector;
 
 /// Coefficients of the expressions whose sum is one, if there is a single such relation with rational
 /// numbers.
 pub fn parts_of_one(g: &mut Graph, expressions: &[Id]) -> Option<Vec<Q>> {
     let mut e = Expander::new(g);
-    let functions: Vec<RatFun> = expressions.iter().map(|&x| e.expand(x)).collect::<Option<_>>()?;
-    let columns = over_one_denominator(&functions)?;
+    let mut functions: Vec<RatFun> =
+        expressions.iter().map(|&x| e.expand(x)).collect::<Option<_>>()?;
+    functions.push(RatFun::one());
+    let relation = relation(&mut e, &functions)?;
+    let (last, parts) = relation.split_last()?;
+    let scale = last.neg().recip()?;
+    parts.iter().map(|q| q.mul(scale)).collect()
+}
+
+/// The coefficients of the linear combination of these functions that is zero, if there is just one up to
+/// a factor.
+pub fn relation(e: &mut Expander, functions: &[RatFun]) -> Option<Vec<Q>> {
+    let columns = over_one_denominator(e, functions)?;
     let mut monomials: Vec<&Mono> = columns.iter().flat_map(|p| &p.0).map(|(m, _)| m).collect();
     monomials.sort();
     monomials.dedup();
     let coefficient =
         |p: &Poly, m: &Mono| p.0.iter().find(|(n, _)| n == m).map_or(Q::ZERO, |(_, q)| *q);
-    let rows: Vec<Vec<Q>> =
+    let rows =
         monomials.iter().map(|m| columns.iter().map(|p| coefficient(p, m)).collect()).collect();
-    let kernel = kernel(rows, columns.len())?;
-    let (last, parts) = kernel.split_last()?;
-    let scale = last.neg().recip()?;
-    parts.iter().map(|q| q.mul(scale)).collect()
+    null_vector(rows, columns.len())
 }
 
-/// The numerators over a common denominator, and that denominator: the numerator of one.
-fn over_one_denominator(functions: &[RatFun]) -> Option<Vec<Poly>> {
+/// The numerators of rational functions, all brought to the same denominator.
+fn over_one_denominator(e: &mut Expander, functions: &[RatFun]) -> Option<Vec<Poly>> {
     let mut common: Vec<(Poly, u32)> = Vec::new();
-    for (d, e) in functions.iter().flat_map(|f| &f.den) {
-        match common.iter_mut().find(|(p, _)| p == d) {
-            Some((_, have)) => *have = (*have).max(*e),
-            None => common.push((d.clone(), *e)),
+    for (factor, exponent) in functions.iter().flat_map(|f| &f.den) {
+        match common.iter_mut().find(|(p, _)| p == factor) {
+            Some((_, most)) => *most = (*most).max(*exponent),
+            None => common.push((factor.clone(), *exponent)),
         }
     }
-    let lift = |num: &Poly, den: &[(Poly, u32)]| {
-        common.iter().try_fold(num.clone(), |n, (d, e)| {
-            let have = den.iter().find(|(p, _)| p == d).map_or(0, |(_, e)| *e);
-            n.mul(&d.powi(e - have)?)
-        })
+    let numerator = |f: &RatFun| {
+        let mut product = RatFun::from(f.num.clone());
+        for (factor, most) in &common {
+            let has = f.den.iter().find(|(p, _)| p == factor).map_or(0, |(_, e)| *e);
+            product = e.mul(&product, &RatFun::from(factor.powi(most - has)?))?;
+        }
+        Some(product.num)
     };
-    let mut columns: Vec<Poly> =
-        functions.iter().map(|f| lift(&f.num, &f.den)).collect::<Option<_>>()?;
-    columns.push(lift(&Poly::constant(Q::ONE), &[])?);
-    Some(columns)
-}
-
-/// The vector that the rows take to zero, if there is but one up to a factor.
-fn kernel(mut rows: Vec<Vec<Q>>, n: usize) -> Option<Vec<Q>> {
-    let mut pivots = Vec::new();
-    let mut free = None;
-    for column in 0..n {
-        let first = pivots.len();
-        let Some(pivot) = (first..rows.len()).find(|&i| !rows[i][column].is_zero()) else {
-            if free.replace(column).is_some() {
-                return None;
-            }
-            continue;
-        };
-        rows.swap(first, pivot);
-        let scale = rows[first][column].recip()?;
-        rows[first] = rows[first].iter().map(|q| q.mul(scale)).collect::<Option<_>>()?;
-        for i in (0..rows.len()).filter(|i| *i != first) {
-            let factor = rows[i][column].neg();
-            let subtracted = rows[i].iter().zip(&rows[first]).map(|(a, b)| a.add(b.mul(factor)?));
-            rows[i] = subtracted.collect::<Option<_>>()?;
-        }
-        pivots.push(column);
-    }
-    let free = free?;
-    let mut vector = vec![Q::ZERO; n];
-    vector[free] = Q::ONE;
-    for (row, &column) in rows.iter().zip(&pivots) {
-        vector[column] = row[free].neg();
-    }
-    Some(vector)
+    functions.iter().map(numerator).collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::{Poly, half};
 use crate::expr::Id;
-use crate::rational::Q;
+use crate::rational::{Q, gcd};
 
 /// Polynomials with more terms than this are left whole.
 const MOST_TERMS: usize = 20;
@@ -55,10 +55,11 @@ impl Poly {
         let bottom = self
             .0
             .iter()
-            .try_fold(1, |l: i128, (_, q)| l.checked_mul(q.den() / divisor(l, q.den())))?;
-        let k = self.0.iter().try_fold(0, |d: i128, (_, q)| {
-            Some(divisor(d, q.num().checked_mul(bottom / q.den())?))
-        })?;
+            .try_fold(1, |l: i128, (_, q)| l.checked_mul(q.den() / gcd(l, q.den())))?;
+        let k = self
+            .0
+            .iter()
+            .try_fold(0, |d: i128, (_, q)| Some(gcd(d, q.num().checked_mul(bottom / q.den())?)))?;
         let k = Q::new(k, bottom)?;
         Some((k, self.scale(k.recip()?)?))
     }
@@ -68,11 +69,6 @@ impl Poly {
         let (_, lead) = self.0.last()?;
         self.scale(lead.recip()?)
     }
-}
-
-/// The greatest common divisor.
-fn divisor(a: i128, b: i128) -> i128 {
-    if b == 0 { a.abs() } else { divisor(b, a % b) }
 }
 
 /// The two factors of a polynomial, if there are any that these rules find: a² - b² with monomials a and

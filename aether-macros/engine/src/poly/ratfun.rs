@@ -102,17 +102,17 @@ impl<'a> Expander<'a> {
             && matches!(self.graph.node(id), Node::Sum(..))
         {
             let (q, t) = self.graph.split(id);
-            return Some(RatFun { num: Poly::atom(t).scale(q)?, den: vec![] });
+            return Some(RatFun::from(Poly::atom(t).scale(q)?));
         }
         match self.graph.node(id).clone() {
-            Node::Number(q) => Some(RatFun { num: Poly::constant(q), den: vec![] }),
+            Node::Number(q) => Some(RatFun::from(Poly::constant(q))),
             Node::Sum(c, terms) => {
                 // What is known stays together also where it is only a part of the sum.
                 let (open, known): (Vec<_>, Vec<_>) = terms
                     .into_iter()
                     .partition(|(_, t)| self.open == Deps::MAX || self.graph.has(*t, self.open));
                 let mut s = match known[..] {
-                    [] => RatFun { num: Poly::constant(c), den: vec![] },
+                    [] => RatFun::from(Poly::constant(c)),
                     _ => {
                         let known = self.graph.sum(c, &known);
                         self.expand(known)?
@@ -126,7 +126,7 @@ impl<'a> Expander<'a> {
                 Some(s)
             }
             Node::Product(factors) => {
-                let mut p = RatFun { num: Poly::constant(Q::ONE), den: vec![] };
+                let mut p = RatFun::one();
                 for (b, e) in factors {
                     let f = self.power(b, e)?;
                     p = self.mul(&p, &f)?;
@@ -145,12 +145,12 @@ impl<'a> Expander<'a> {
                 let tidy: Vec<Id> = args.iter().map(|&a| self.cheaper(a)).collect();
                 let call = self.graph.call(f, &tidy);
                 match self.graph.node(call) {
-                    Node::Call(..) => Some(RatFun { num: Poly::atom(call), den: vec![] }),
+                    Node::Call(..) => Some(RatFun::from(Poly::atom(call))),
                     _ => self.expand(call),
                 }
             }
             // Both sides of a choice may differ in their poles: it stays whole.
-            _ => Some(RatFun { num: Poly::atom(id), den: vec![] }),
+            _ => Some(RatFun::from(Poly::atom(id))),
         }
     }
 
@@ -166,7 +166,7 @@ impl<'a> Expander<'a> {
     fn exponential(&mut self, a: Id) -> Option<RatFun> {
         let (q, t) = self.graph.split(a);
         let atom = self.graph.call(Fun::Exp, &[t]);
-        let one = RatFun { num: Poly::constant(Q::ONE), den: vec![] };
+        let one = RatFun::one();
         match q.to_i32() {
             Some(n) if n.unsigned_abs() < 9 => {
                 let p = Poly::atom(atom).powi(n.unsigned_abs())?;
@@ -178,7 +178,7 @@ impl<'a> Expander<'a> {
             }
             _ => {
                 let whole = self.graph.call(Fun::Exp, &[a]);
-                Some(RatFun { num: Poly::atom(whole), den: vec![] })
+                Some(RatFun::from(Poly::atom(whole)))
             }
         }
     }
@@ -193,7 +193,7 @@ impl<'a> Expander<'a> {
             }
             let (b, e) = (self.cheaper(b), self.cheaper(e));
             let whole = self.graph.pow(b, e);
-            return Some(RatFun { num: Poly::atom(whole), den: vec![] });
+            return Some(RatFun::from(Poly::atom(whole)));
         };
         // q = whole + fraction with 0 <= fraction < 1.
         let whole = q.num().div_euclid(q.den());
@@ -201,10 +201,10 @@ impl<'a> Expander<'a> {
         let whole = i32::try_from(whole).ok()?;
         if whole.unsigned_abs() > 8 {
             let p = self.graph.pow(b, e);
-            return Some(RatFun { num: Poly::atom(p), den: vec![] });
+            return Some(RatFun::from(Poly::atom(p)));
         }
         let mut r = if whole == 0 {
-            RatFun { num: Poly::constant(Q::ONE), den: vec![] }
+            RatFun::one()
         } else {
             let base = self.expand(b)?;
             self.powi(&base, whole)?
@@ -212,7 +212,7 @@ impl<'a> Expander<'a> {
         if !fraction.is_zero() {
             let f = self.graph.number(fraction);
             let atom = self.graph.pow(b, f);
-            r = self.mul(&r, &RatFun { num: Poly::atom(atom), den: vec![] })?;
+            r = self.mul(&r, &RatFun::from(Poly::atom(atom)))?;
         }
         Some(r)
     }
@@ -278,7 +278,7 @@ impl<'a> Expander<'a> {
     /// Divides numerator and denominator by common factors.
     pub fn cancel(&mut self, mut r: RatFun) -> Option<RatFun> {
         if r.num.is_zero() {
-            return Some(RatFun { num: Poly::default(), den: vec![] });
+            return Some(RatFun::from(Poly::default()));
         }
         for (d, e) in &mut r.den {
             while *e > 0 {
@@ -365,7 +365,18 @@ fn monic_factors(p: &Poly, k: u32) -> Option<Vec<(Poly, u32)>> {
     Some(out)
 }
 
+impl From<Poly> for RatFun {
+    fn from(num: Poly) -> RatFun {
+        RatFun { num, den: vec![] }
+    }
+}
+
 impl RatFun {
+    /// The number one.
+    pub fn one() -> RatFun {
+        RatFun::from(Poly::constant(Q::ONE))
+    }
+
     /// Moves the rational constant that [`monic_factors`] dropped into the numerator.
     fn normalised(mut self, original: &Poly, k: u32) -> Option<RatFun> {
         let mut product = Poly::constant(Q::ONE);

@@ -8,6 +8,7 @@ use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Node};
 use crate::rational::Q;
+use crate::rational::matrix::inverse;
 
 /// Terms that have the same coefficients up to a factor, and these coefficients, an equation each.
 struct Group {
@@ -103,27 +104,4 @@ fn component(first: usize, groups: &[Group]) -> (Vec<usize>, Vec<usize>) {
             return (members, own);
         }
     }
-}
-
-/// The inverse of a matrix, by Gauss and Jordan.
-fn inverse(matrix: &[Vec<Q>]) -> Option<Vec<Vec<Q>>> {
-    let n = matrix.len();
-    let unit = |i: usize| (0..n).map(move |j| if i == j { Q::ONE } else { Q::ZERO });
-    let mut rows: Vec<Vec<Q>> = matrix
-        .iter()
-        .enumerate()
-        .map(|(i, r)| r.iter().copied().chain(unit(i)).collect())
-        .collect();
-    for column in 0..n {
-        let pivot = (column..n).find(|&i| !rows[i][column].is_zero())?;
-        rows.swap(column, pivot);
-        let scale = rows[column][column].recip()?;
-        rows[column] = rows[column].iter().map(|q| q.mul(scale)).collect::<Option<_>>()?;
-        for i in (0..n).filter(|i| *i != column) {
-            let factor = rows[i][column].neg();
-            let subtracted = rows[i].iter().zip(&rows[column]).map(|(a, b)| a.add(b.mul(factor)?));
-            rows[i] = subtracted.collect::<Option<_>>()?;
-        }
-    }
-    Some(rows.into_iter().map(|r| r[n..].to_vec()).collect())
 }

@@ -122,6 +122,11 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
             Some((squared, vec![inverse]))
         }
         Node::Call(Fun::Atan2, args) => undo_atan2(g, known, args[0], args[1]),
+        Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) => {
+            let back = if f == Fun::BetaInc { Fun::BetaIncInv } else { Fun::BetaInc };
+            let known = g.call(back, &[known, args[1], args[2]]);
+            Some((args[0], vec![Inverse { known, conditions: vec![] }]))
+        }
         Node::Call(f, args) if args.len() == 1 => Some((args[0], undo_call(g, f, known, args[0])?)),
         _ => None,
     }
@@ -262,7 +267,10 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         | Fun::SinPi
         | Fun::CosPi
         | Fun::Pow1p
-        | Fun::LnGamma => None,
+        | Fun::LnGamma
+        | Fun::LnBeta
+        | Fun::BetaInc
+        | Fun::BetaIncInv => None,
     }
 }
 

@@ -10,7 +10,7 @@ use super::{Condition, Equation, State, affine_parts};
 use crate::display::show;
 use crate::expr::{Graph, Id, UNKNOWNS};
 use crate::jacobian::{cost, factor_out, simplify};
-use crate::poly::{Expander, Poly, RatFun};
+use crate::poly::{Expander, RatFun, relation};
 use crate::rational::Q;
 
 /// Pairs of coordinates whose products are the terms of degree two.
@@ -96,10 +96,10 @@ fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
     let [x, y, z] = &coordinates[..] else { return None };
     let rests = [x.rest, y.rest, z.rest];
     let whole = [x, y, z].map(|c| g.mul(c.factor, c.rest));
-    let stretched = |g: &mut Graph| sphere(g, rests).or_else(|| relation(g, rests));
+    let stretched = |g: &mut Graph| sphere(g, rests).or_else(|| second_degree(g, rests));
     let found = match sphere(g, whole) {
         None => match stretched(g) {
-            None => relation(g, whole)?,
+            None => second_degree(g, whole)?,
             found => return found,
         },
         Some(found) => found,
@@ -187,29 +187,8 @@ fn sphere(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     })
 }
 
-/// The numerators of rational functions, all brought to the same denominator.
-fn over_common_denominator(expander: &mut Expander, functions: &[RatFun]) -> Option<Vec<Poly>> {
-    let mut common: Vec<(Poly, u32)> = Vec::new();
-    for (factor, exponent) in functions.iter().flat_map(|f| &f.den) {
-        match common.iter_mut().find(|(p, _)| p == factor) {
-            Some((_, most)) => *most = (*most).max(*exponent),
-            None => common.push((factor.clone(), *exponent)),
-        }
-    }
-    let plain = |num: Poly| RatFun { num, den: vec![] };
-    let numerator = |f: &RatFun| {
-        let mut product = plain(f.num.clone());
-        for (factor, most) in &common {
-            let has = f.den.iter().find(|(p, _)| p == factor).map_or(0, |(_, e)| *e);
-            product = expander.mul(&product, &plain(factor.powi(most - has)?))?;
-        }
-        Some(product.num)
-    };
-    functions.iter().map(numerator).collect()
-}
-
 /// The one relation of degree two with rational coefficients between three coordinates.
-fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
+fn second_degree(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     let mut expander = Expander::new(g).only(UNKNOWNS);
     let [x, y, z] = rests.map(|r| expander.expand(r));
     let first = [x?, y?, z?];
@@ -218,51 +197,12 @@ fn relation(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
         columns.push(expander.mul(&first[i], &first[j])?);
     }
     columns.extend(first);
-    columns.push(RatFun { num: Poly::constant(Q::ONE), den: vec![] });
-    let numerators = over_common_denominator(&mut expander, &columns)?;
-    let columns: Vec<Vec<(Q, Id)>> = numerators.iter().map(|p| p.terms(g)).collect();
-    let k = null_vector(&columns)?;
+    columns.push(RatFun::one());
+    let k = relation(&mut expander, &columns)?;
     let constant = g.number(k[9]);
     Some(Quadric {
         squares: [k[0], k[1], k[2], k[3], k[4], k[5]],
         linear: [k[6], k[7], k[8]],
         constant,
     })
-}
-
-/// The coefficients of the linear combination of polynomials that is zero, if there is just one.
-fn null_vector(columns: &[Vec<(Q, Id)>]) -> Option<Vec<Q>> {
-    let mut monomials: Vec<Id> = columns.iter().flatten().map(|(_, m)| *m).collect();
-    monomials.sort();
-    monomials.dedup();
-    let entry = |m: Id, p: &[(Q, Id)]| p.iter().find(|t| t.1 == m).map_or(Q::ZERO, |t| t.0);
-    let mut rows: Vec<Vec<Q>> =
-        monomials.iter().map(|&m| columns.iter().map(|p| entry(m, p)).collect()).collect();
-    let mut pivots = Vec::new();
-    for column in 0..columns.len() {
-        let done = pivots.len();
-        let Some(at) = (done..rows.len()).find(|&r| !rows[r][column].is_zero()) else { continue };
-        rows.swap(done, at);
-        let inverse = rows[done][column].recip()?;
-        let pivot: Vec<Q> = rows[done].iter().map(|x| x.mul(inverse)).collect::<Option<_>>()?;
-        for (r, row) in rows.iter_mut().enumerate() {
-            let factor = row[column];
-            if r == done {
-                row.clone_from(&pivot);
-            } else if !factor.is_zero() {
-                for (x, p) in row.iter_mut().zip(&pivot) {
-                    *x = x.add(p.mul(factor)?.neg())?;
-                }
-            }
-        }
-        pivots.push(column);
-    }
-    let mut free = (0..columns.len()).filter(|c| !pivots.contains(c));
-    let (one, None) = (free.next()?, free.next()) else { return None };
-    let mut vector = vec![Q::ZERO; columns.len()];
-    vector[one] = Q::ONE;
-    for (row, column) in rows.iter().zip(&pivots) {
-        vector[*column] = row[one].neg();
-    }
-    Some(vector)
 }

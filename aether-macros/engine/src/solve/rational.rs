@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{Condition, Equation, State, scale};
 use crate::display::show;
-use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
 use crate::poly::{Expander, Poly, RatFun, coefficients};
@@ -23,8 +23,8 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
         if deps.count_ones() != 1 || eq.modulo_turn {
             continue;
         }
-        let direct = roots(g, eq.known, eq.rhs);
-        let Some(roots) = direct.or_else(|| squared(g, eq.known, eq.rhs)) else { continue };
+        let whole = solved(g, eq.known, eq.rhs);
+        let Some(roots) = whole.or_else(|| through_a_part(g, eq.known, eq.rhs)) else { continue };
         let next = roots.into_iter().map(|Root { atom, value, also }| {
             let mut s = state.clone();
             s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
@@ -74,6 +74,42 @@ fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
             _ => other,
         },
     }
+}
+
+/// All ways to satisfy known = rhs, as it stands or squared.
+fn solved(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    roots(g, known, rhs).or_else(|| squared(g, known, rhs))
+}
+
+/// The same for the largest part of `rhs` through which alone the unknowns enter: q of q / √(1 - q²),
+/// whatever q is.
+fn through_a_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    let mut parts = Vec::new();
+    let mut open = children(g.node(rhs));
+    while let Some(part) = open.pop() {
+        let composed = matches!(g.node(part), Node::Sum(..) | Node::Product(_) | Node::Call(..));
+        if composed && g.has(part, UNKNOWNS) && !parts.contains(&part) {
+            parts.push(part);
+            open.extend(children(g.node(part)));
+        }
+    }
+    parts.sort_by_key(|&part| std::cmp::Reverse(cost(g, part)));
+    parts.into_iter().find_map(|part| {
+        let (leaf, range) = match g.range(part).nonnegative() {
+            true => (Leaf::Unknown(21), Interval::POSITIVE),
+            false => (Leaf::Unknown(22), Interval::ALL),
+        };
+        let fresh = g.leaf(leaf, "q", range);
+        let rest = g.substitute(rhs, &BTreeMap::from([(part, fresh)]));
+        if g.deps(rest) & UNKNOWNS != leaf_bit(leaf) {
+            return None;
+        }
+        let roots = solved(g, known, rest)?;
+        let found = roots.into_iter().map(|Root { atom, value, .. }| {
+            (atom == fresh).then_some(Root { atom: part, value, also: None })
+        });
+        found.collect()
+    })
 }
 
 /// Whether the first answers take less computing than the second.

@@ -6,7 +6,7 @@
 
 use super::constants::{HALF_PI_PARTS, INVERSE_FACTORIAL, LN_2, LN_2_PARTS, PI};
 use super::{Dd, is_moderate, special};
-use crate::number::Number;
+use crate::number::{Number, beta};
 use std::f64::consts::{FRAC_2_PI, LOG2_E, SQRT_2};
 
 /// Below this, `exp_m1`, `ln_1p` and the like are the identity.
@@ -366,6 +366,18 @@ impl Number for Dd {
 
     fn ln_gamma(self) -> Self {
         special::ln_gamma(self)
+    }
+
+    fn ln_beta(self, b: Self) -> Self {
+        beta::ln_beta(self, b)
+    }
+
+    fn beta_inc(self, a: Self, b: Self) -> Self {
+        beta::incomplete(self, a, b)
+    }
+
+    fn beta_inc_inv(self, a: Self, b: Self) -> Self {
+        beta::quantile(self, a, b)
     }
 
     fn min(self, other: Self) -> Self {

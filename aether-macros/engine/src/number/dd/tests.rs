@@ -106,6 +106,36 @@ fn special_functions_agree_with_their_table() {
     assert_eq!(seen.len(), SPECIAL.len());
 }
 
+/// Values of mpmath with 50 digits.
+#[test]
+fn beta_functions() {
+    type Ternary = fn(Dd, Dd, Dd) -> Dd;
+    let (inc, inv): (Ternary, Ternary) = (Dd::beta_inc, Dd::beta_inc_inv);
+    let table: [(Ternary, [f64; 3], (f64, f64)); 8] = [
+        (inc, [0.125, 1.75, 0.5], (0.010890495185932965, -5.441564451509103e-19)),
+        (inc, [0.0009765625, 0.25, 40.0], (0.4856375471878509, 1.3469206109682767e-17)),
+        (inc, [0.96875, 40.0, 0.5], (0.11211777942583113, -7.675348023875562e-19)),
+        (inc, [0.9990234375, 500.0, 0.5], (0.32305172282851696, -1.1131410539159902e-18)),
+        (inv, [9.094947017729282e-13, 1.75, 0.5], (2.2299811612899551e-07, 1.107365788729668e-23)),
+        (inv, [0.25, 0.5, 0.25], (0.3497262249233497, -2.0638934186337867e-17)),
+        (inv, [0.75, 25.0, 0.5], (0.9979510778549066, -2.8305409343155866e-17)),
+        (inv, [0.5, 3.0, 2.5], (0.551334680913763, 5.4511342982839884e-17)),
+    ];
+    for (f, [x, a, b], (hi, lo)) in table {
+        let error = relative_error(f(dd(x), dd(a), dd(b)), Dd::sum(hi, lo));
+        assert!(error < 1e-28, "{x} {a} {b}: {error:e}");
+    }
+    let expected = Dd::sum(-2.5346891063280625, 1.4576678168577982e-16);
+    assert!(relative_error(dd(500.0).ln_beta(dd(0.5)), expected) < 1e-28);
+    for f in [inc, inv] {
+        assert_is(f(dd(0.0), dd(2.0), dd(3.0)), 0.0);
+        assert_is(f(dd(1.0), dd(2.0), dd(3.0)), 1.0);
+        assert!(f(dd(1.5), dd(2.0), dd(3.0)).is_nan() && f(dd(0.5), dd(0.0), dd(3.0)).is_nan());
+    }
+    // Too small for a number.
+    assert_is(dd(1e-300).beta_inc_inv(dd(0.25), dd(1.0)), 0.0);
+}
+
 #[test]
 fn special_functions_at_the_ends_of_their_domains() {
     assert_is(dd(1.0).erf_inv(), INF);
