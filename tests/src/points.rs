@@ -1,0 +1,56 @@
+//! Points of a space from their coordinates.
+
+use aether_core::battery::Space;
+use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Vec2, Vec3};
+
+/// A point of a space that can be made of coordinates as they stand.
+pub trait FromCoordinates<R: Scalar>: Space<R> {
+    /// The point; `None` if the space has no point with these coordinates.
+    fn from_coordinates(x: &[R]) -> Option<Self>;
+}
+
+impl<R: Scalar> FromCoordinates<R> for R {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(x[0])
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Vec2<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Vec2::new(x[0], x[1]))
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Direction<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Direction::try_new(x[0], x[1], x[2])
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Vec3<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Vec3::new(x[0], x[1], x[2]))
+    }
+}
+
+/// The point of the surface number zero, on which all items of the registry lie.
+impl<R: Scalar> FromCoordinates<R> for SurfacePoint<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(SurfacePoint::new(Vec3::new(x[0], x[1], x[2]), SurfaceId(0)))
+    }
+}
+
+impl<const K: usize, const N: usize, R: Scalar> FromCoordinates<R> for Embedded<K, N, R>
+where
+    Embedded<K, N, R>: Space<R>,
+{
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Embedded(core::array::from_fn(|i| x[i])))
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some((Direction::from_coordinates(&x[..3])?, Direction::from_coordinates(&x[3..])?))
+    }
+}
