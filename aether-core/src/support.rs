@@ -287,6 +287,13 @@ pub fn within<R: Real>(low: R, width: R, place: R) -> R {
     R::select(u.lt(end).or(width.le(R::ZERO)), u, end - end * (R::EPSILON * R::of(0.5)))
 }
 
+/// Numbers beyond the ends of [0, 1] moved to them, with what is known of their errors.
+#[inline]
+pub fn to_unit<R: Real, const N: usize>(u: [R; N]) -> [R; N] {
+    // A number that is undetermined stays so.
+    u.map(|u| R::select(u.ge(u), u.max(R::ZERO).min(R::ONE), u))
+}
+
 /// The number, if it is below one; else the largest one that is.
 #[inline(always)]
 pub fn below_one<R: Real>(u: R) -> R {
@@ -380,4 +387,20 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
 #[inline(always)]
 pub fn beside_zero<R: Real>(x: R) -> R {
     R::select(x.le(R::ZERO).and(x.ge(R::ZERO)), R::EPSILON * R::EPSILON, x)
+}
+
+/// The logarithm of a density, which `beyond` computes where the density is no normal number.
+#[inline]
+pub fn log_density<R: Real>(density: R, beyond: impl FnOnce() -> R) -> R {
+    let normal = density.ge(R::MIN_POSITIVE).and(density.lt(R::INFINITY));
+    let plain = density.ln();
+    if normal.all() { plain } else { R::select(normal, plain, beyond()) }
+}
+
+/// ln(exp(a) + exp(b)) without overflow.
+#[inline]
+pub fn add_logs<R: Real>(a: R, b: R) -> R {
+    let (larger, smaller) = (a.max(b), a.min(b));
+    let sum = larger + (smaller - larger).exp().ln_1p();
+    R::select(larger.finite(), sum, larger)
 }

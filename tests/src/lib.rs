@@ -6,6 +6,7 @@ pub mod catalogue;
 pub mod compare;
 pub mod errors;
 pub mod forward;
+pub mod fuzz;
 pub mod mutation;
 pub mod points;
 pub mod precise;

@@ -130,6 +130,9 @@ fn as_json(row: &Row) -> serde_json::Value {
         "own_pdf": tally(&row.own),
         "extremes": tally(&row.extremes),
         "textbook": tally(&row.textbook),
+        "oracle": tally(&row.oracle),
+        "mitsuba": tally(&row.mitsuba),
+        "pdf_beside_mitsuba": tally(&row.beside_mitsuba),
         "dropped": row.dropped,
         "examples": row.examples,
     })
@@ -137,7 +140,8 @@ fn as_json(row: &Row) -> serde_json::Value {
 
 fn csv(rows: &[Row]) -> String {
     let mut text = String::from("name,precision,samples,false zeros,nan,infinite");
-    for what in ["sample", "inverse", "pdf", "own pdf", "extremes", "textbook"] {
+    let columns = ["sample", "inverse", "pdf", "own pdf", "extremes", "textbook"];
+    for what in columns.iter().chain(&["Mitsuba", "pdf beside Mitsuba"]) {
         text += &format!(",{what} worst,{what} over condition,{what} median");
     }
     text.push('\n');
@@ -146,7 +150,8 @@ fn csv(rows: &[Row]) -> String {
             "\"{}\",{},{},{},{},{}",
             row.name, row.precision, row.samples, row.false_zeros, row.nan, row.infinite
         );
-        for t in [&row.sample, &row.inverse, &row.pdf, &row.own, &row.extremes, &row.textbook] {
+        let tallies = [&row.sample, &row.inverse, &row.pdf, &row.own, &row.extremes, &row.textbook];
+        for t in tallies.into_iter().chain([&row.mitsuba, &row.beside_mitsuba]) {
             if t.count() == 0 {
                 text += ",,,";
             } else {
@@ -211,6 +216,33 @@ fn markdown(rows: &[Row]) -> String {
         if !dropped.is_empty() {
             text += &format!("\nLeft out, because rounding leaves the domain:\n\n{}", dropped.concat());
         }
+    }
+    text + &oracle(rows) + &beside_mitsuba(rows)
+}
+
+/// Where the oracle itself differs from the reference data.
+fn oracle(rows: &[Row]) -> String {
+    let points: u64 = rows.iter().map(|r| r.oracle.count()).sum();
+    let off = rows.iter().filter(|r| r.oracle.worst > 2.0);
+    let off: Vec<String> =
+        off.map(|r| format!("- {}: {} units, {}\n", r.name, short(r.oracle.worst), r.oracle.at)).collect();
+    format!(
+        "\n## The oracle\n\nAgainst {points} samples and densities of the reference data, computed with 50 \
+         digits and more, it is off by more than two units at these:\n\n{}",
+        off.concat()
+    )
+}
+
+/// Densities of Mitsuba and ours at the same points.
+fn beside_mitsuba(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "\n## Beside Mitsuba 3, f32\n\n`mitsuba.warp` and `pdf(x)` at the points of \
+         `mitsuba-warp.csv`, both in single precision.\n\n| sampler | Mitsuba | pdf(x) | points |\n\
+         | --- | --- | --- | --- |\n",
+    );
+    for row in rows.iter().filter(|r| r.mitsuba.count() > 0) {
+        let [theirs, ours] = [&row.mitsuba, &row.beside_mitsuba].map(triple);
+        text += &format!("| {} | {theirs} | {ours} | {} |\n", row.name, row.mitsuba.count());
     }
     text
 }

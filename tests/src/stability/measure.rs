@@ -2,7 +2,8 @@
 
 use aether_core::{Pcg32, Point, Real, Sampler, Scalar, UniformSource, Uniforms};
 
-use super::oracle::{Conditions, Exact, conditions, exact};
+use super::oracle::{Conditions, Exact, Format, conditions, exact};
+use super::peers::{PeerPoint, peer_points};
 use super::places::{next_to_ends, swept};
 use super::tally::Tally;
 use crate::errors::errors;
@@ -42,6 +43,12 @@ pub struct Row {
     pub extremes: Tally,
     /// Errors of the density as textbooks write it, at the same points.
     pub textbook: Tally,
+    /// Errors of the density that Mitsuba 3 has, at the points of `mitsuba-warp.csv`.
+    pub mitsuba: Tally,
+    /// Errors of `sampler.pdf(x)` at the points of `mitsuba-warp.csv`.
+    pub beside_mitsuba: Tally,
+    /// Distance of the oracle from the reference data, at its extreme points.
+    pub oracle: Tally,
     /// Own samples whose density came out as zero though rounding the point does not explain it.
     pub false_zeros: u64,
     /// Results that were NaN.
@@ -129,19 +136,12 @@ impl<R: Scalar> Visitor<R> for Probe<'_> {
     }
 }
 
-/// The value in a precision whose smallest normal number is `floor`.
-struct Units {
-    spacing: f64,
-    floor: f64,
-    ceiling: f64,
-}
-
-impl Units {
+impl Format {
     fn of<R: Scalar>() -> Self {
         let floor = R::MIN_POSITIVE.to_f64();
         let double = floor < 1e-300;
         let ceiling = if double { f64::MAX } else { f64::from(f32::MAX) };
-        Units { spacing: R::EPSILON.to_f64(), floor, ceiling }
+        Format { spacing: R::EPSILON.to_f64(), floor, ceiling }
     }
 
     /// A relative error in units; one that is as large as the value counts as that.
@@ -171,7 +171,7 @@ impl Units {
 /// Everything about a sampler in the precision `R`. `reference` are its entries in the reference data
 /// that are meant for that precision.
 pub fn measure<R: Scalar>(item: &Item, reference: &[PointEntry], settings: Settings) -> Row {
-    let units = Units::of::<R>();
+    let units = Format::of::<R>();
     let double = units.spacing < 1e-10;
     let precision = if double { "f64" } else { "f32" };
     let mut row = Row { name: item.name.to_owned(), precision, ..Row::default() };
@@ -179,10 +179,16 @@ pub fn measure<R: Scalar>(item: &Item, reference: &[PointEntry], settings: Setti
     for entry in reference {
         if double {
             extreme(&mut row, entry, &units);
+            verify(&mut row, item, entry, &units);
         }
         let below_one = R::ONE - R::EPSILON * R::of(0.5);
         let u: Vec<f64> = entry.u.iter().map(|u| R::of(*u).min(below_one).to_f64()).collect();
         one::<R>(&mut row, item, &round(&entry.inputs.numbers()), &u, &units, !double);
+    }
+    if !double {
+        for point in peer_points(item.name) {
+            peer::<R>(&mut row, item, &point, &units);
+        }
     }
     let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| round(s)).collect();
     sets.retain(|s| legal::<R>(item, s, &mut row.dropped));
@@ -237,6 +243,10 @@ fn dimensions<R: Scalar>(item: &Item, set: &[f64]) -> Option<usize> {
 
 /// Whether the parameters are in their domain; if not, says so.
 fn legal<R: Scalar>(item: &Item, set: &[f64], dropped: &mut Vec<String>) -> bool {
+    if set.iter().any(|x| !x.is_finite()) {
+        dropped.push(format!("{set:?} overflows"));
+        return false;
+    }
     let made = item.visit::<R, _>(set, Dimensions);
     if let Err(error) = &made {
         dropped.push(error.to_string());
@@ -245,12 +255,38 @@ fn legal<R: Scalar>(item: &Item, set: &[f64], dropped: &mut Vec<String>) -> bool
 }
 
 /// An extreme point of the reference data, against its values and condition numbers.
-fn extreme(row: &mut Row, entry: &PointEntry, units: &Units) {
+fn extreme(row: &mut Row, entry: &PointEntry, units: &Format) {
     let e = errors::<f64>(entry);
     let at = |what: &'static str| move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u);
     row.extremes.add(units.units(e.sample), || entry.condition_sample, at("sample"));
     row.extremes.add(units.units(e.pdf), || entry.condition_pdf, at("pdf(x)"));
     row.extremes.add(units.units(e.own), || entry.condition_pdf, at("sample.pdf()"));
+}
+
+/// The oracle at an extreme point of the reference data, where that has a number.
+fn verify(row: &mut Row, item: &Item, entry: &PointEntry, format: &Format) {
+    let u: Vec<Precise> = entry.u.iter().map(|u| Precise::of(*u)).collect();
+    let Some(exact) = exact(item, &entry.inputs.numbers(), &u) else { return };
+    let at = |what: &'static str| move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u);
+    if entry.condition_sample.is_finite() {
+        row.oracle.add(format.vector(&entry.x, &exact.x), || 1.0, at("sample"));
+    }
+    if entry.condition_pdf.is_finite() {
+        row.oracle.add(format.density(entry.pdf, exact.density), || 1.0, at("density"));
+    }
+}
+
+/// A point at which another renderer's density is known.
+fn peer<R: Scalar>(row: &mut Row, item: &Item, point: &PeerPoint, format: &Format) {
+    let u: Vec<Precise> = point.u.iter().map(|u| Precise::of(*u)).collect();
+    let Some(exact) = exact(item, &point.numbers, &u) else { return };
+    let probe = Probe { u: &point.u, x: &point.x };
+    let Ok(found) = item.visit::<R, _>(&point.numbers, probe) else { return };
+    let condition = || conditions(item, &point.numbers, &u, &exact, *format).density;
+    let at = || format!("{:?} {:?}", point.numbers, point.u);
+    row.mitsuba.add(format.density(point.density, exact.density), condition, at);
+    let own = format.density(found.pdf.unwrap_or(f64::NAN), exact.density);
+    row.beside_mitsuba.add(own, condition, at);
 }
 
 /// Uniforms against the oracle.
@@ -259,7 +295,7 @@ fn one<R: Scalar>(
     item: &Item,
     numbers: &[f64],
     u: &[f64],
-    units: &Units,
+    units: &Format,
     extreme: bool,
 ) {
     let precise: Vec<Precise> = u.iter().map(|u| Precise::of(*u)).collect();
@@ -276,7 +312,7 @@ fn against_double<R: Scalar>(
     item: &Item,
     numbers: &[f64],
     u: &[f64],
-    units: &Units,
+    units: &Format,
 ) {
     let Ok(found) = item.visit::<f64, _>(numbers, Probe { u, x: &[] }) else { return };
     let exact = found.valid.then(|| Exact {
@@ -292,7 +328,7 @@ fn against<R: Scalar>(
     numbers: &[f64],
     u: &[f64],
     exact: Option<Exact>,
-    units: &Units,
+    units: &Format,
     extreme: bool,
 ) {
     let rounded: Vec<f64> = exact
@@ -303,8 +339,10 @@ fn against<R: Scalar>(
     let Ok(found) = item.visit::<R, _>(numbers, Probe { u, x: &rounded }) else { return };
     row.samples += 1;
     let at = || format!("{numbers:?} {u:?}");
-    let numbers_found = found.sample.iter().filter(|_| found.valid);
     let densities = [Some(found.own), Some(found.at_own), found.pdf].into_iter().flatten();
+    // Where parameters leave no distribution, such as one of width zero, there is no sample either.
+    let exists = exact.as_ref().is_some_and(|e| e.x.iter().all(|x| x.finite()));
+    let numbers_found = found.sample.iter().filter(|_| found.valid && exists);
     let nan = numbers_found.chain(found.back.iter().flatten()).any(|x| x.is_nan());
     if nan || densities.clone().any(f64::is_nan) {
         row.nan += 1;
@@ -320,7 +358,7 @@ fn against<R: Scalar>(
     let precise: Vec<Precise> = u.iter().map(|u| Precise::of(*u)).collect();
     let mut cached: Option<Conditions> = None;
     let mut condition = || {
-        cached.get_or_insert_with(|| conditions(item, numbers, &precise, &exact)).clone()
+        cached.get_or_insert_with(|| conditions(item, numbers, &precise, &exact, *units)).clone()
     };
     let normal = density > units.floor && density < units.ceiling;
     if normal && (found.own == 0.0 || found.at_own == 0.0) {
@@ -365,7 +403,7 @@ fn inverse(
     row: &mut Row,
     found: &Found,
     u: &[f64],
-    units: &Units,
+    units: &Format,
     condition: &mut dyn FnMut() -> Conditions,
     at: &dyn Fn() -> String,
 ) {

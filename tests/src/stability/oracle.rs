@@ -15,6 +15,17 @@ pub struct Exact {
     pub density: Precise,
 }
 
+/// A format of floating-point numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// Distance from one to the next larger number.
+    pub spacing: f64,
+    /// The smallest normal number; below it the spacing is that of this one.
+    pub floor: f64,
+    /// The largest number.
+    pub ceiling: f64,
+}
+
 /// What moving each input by half a unit may cost.
 #[derive(Clone, Debug)]
 pub struct Conditions {
@@ -131,10 +142,16 @@ struct Motion {
 }
 
 /// Differences over a step that is small against the distance from the ends of a uniform.
-const STEP: f64 = 1e-6;
+const STEP: f64 = 1e-12;
 
-/// The condition numbers of the values at uniforms.
-pub fn conditions(item: &Item, numbers: &[f64], u: &[Precise], at: &Exact) -> Conditions {
+/// The condition numbers of the values at uniforms, for numbers of this format.
+pub fn conditions(
+    item: &Item,
+    numbers: &[f64],
+    u: &[Precise],
+    at: &Exact,
+    format: Format,
+) -> Conditions {
     let motion = |up: Option<Exact>, down: Option<Exact>, scale: f64| {
         let (up, down) = (up?, down?);
         let change = |a: &Precise, b: &Precise| (*a - *b).to_f64() * scale;
@@ -153,23 +170,25 @@ pub fn conditions(item: &Item, numbers: &[f64], u: &[Precise], at: &Exact) -> Co
         let scale = 0.25 * (u[i] / h).to_f64();
         motion(moved(h), moved(-h), scale)
     };
+    // A parameter cannot be moved by less than its spacing.
+    let step = format.spacing;
     let of_parameter = |j: usize| {
         let moved = |h: f64| {
             let mut numbers = numbers.to_vec();
             numbers[j] *= 1.0 + h;
             exact(item, &numbers, u)
         };
-        let (up, down) = (moved(STEP), moved(-STEP));
+        let (up, down) = (moved(step), moved(-step));
         match (up.is_some(), down.is_some()) {
-            (true, true) => motion(up, down, 0.25 / STEP),
-            (true, false) => motion(up, Some(at.clone()), 0.5 / STEP),
-            _ => motion(Some(at.clone()), down, 0.5 / STEP),
+            (true, true) => motion(up, down, 0.25 / step),
+            (true, false) => motion(up, Some(at.clone()), 0.5 / step),
+            _ => motion(Some(at.clone()), down, 0.5 / step),
         }
     };
     let uniforms: Vec<Option<Motion>> = (0..u.len()).map(of_uniform).collect();
     let movable = (0..numbers.len()).filter(|j| numbers[*j] != 0.0);
     let parameters: Vec<Motion> = movable.filter_map(of_parameter).collect();
-    combine(&uniforms, &parameters, u, at)
+    combine(&uniforms, &parameters, u, at, format)
 }
 
 /// Condition numbers from what each input does; infinite where they cannot be had.
@@ -178,6 +197,7 @@ fn combine(
     parameters: &[Motion],
     u: &[Precise],
     at: &Exact,
+    format: Format,
 ) -> Conditions {
     let none = Conditions {
         sample: f64::INFINITY,
@@ -215,7 +235,8 @@ fn combine(
         inverse.iter_mut().zip(w).for_each(|(c, w)| *c += 0.5 * w.abs());
     };
     for (j, x) in x.iter().enumerate() {
-        let v: Vec<f64> = (0..at.x.len()).map(|k| if k == j { 0.5 * x } else { 0.0 }).collect();
+        let half = 0.5 * x.abs().max(format.floor);
+        let v: Vec<f64> = (0..at.x.len()).map(|k| if k == j { half } else { 0.0 }).collect();
         let w = back(&v);
         let change = slope(&w);
         add(w, change);

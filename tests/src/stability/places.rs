@@ -53,8 +53,8 @@ pub fn next_to_ends<R: Scalar>(dimensions: usize, dense: bool) -> Vec<Vec<f64>> 
     all
 }
 
-/// Powers of ten from which a parameter is swept.
-const DECADES: i32 = 12;
+/// A domain without an end is swept up to this power of ten.
+const DECADES: i32 = 6;
 
 /// Values of a parameter over its domain: powers of ten, and the ends approached by powers of ten.
 fn over(domain: &Domain) -> Vec<f64> {

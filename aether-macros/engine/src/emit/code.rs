@@ -16,17 +16,31 @@ pub struct Code<'a> {
     input: &'a dyn Fn(Leaf) -> TokenStream,
     lets: TokenStream,
     names: HashMap<Id, Ident>,
+    named: usize,
 }
 
 impl<'a> Code<'a> {
     /// A writer with no statement yet.
     pub fn new(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
-        Code { graph, input, lets: TokenStream::new(), names: HashMap::new() }
+        Code { graph, input, lets: TokenStream::new(), names: HashMap::new(), named: 0 }
     }
 
     /// The statements written so far.
     pub fn statements(&self) -> TokenStream {
         self.lets.clone()
+    }
+
+    /// The expressions.
+    pub(super) fn graph(&self) -> &'a Graph {
+        self.graph
+    }
+
+    /// Adds a statement for a value that is no expression; its name.
+    pub(super) fn named(&mut self, value: &TokenStream) -> TokenStream {
+        let name = format_ident!("l{}", self.named, span = Span::call_site());
+        self.named += 1;
+        self.lets.extend(quote!(let #name = #value;));
+        quote!(#name)
     }
 
     /// A name for the value of an expression; its statements are written if they are not yet.
@@ -124,7 +138,7 @@ impl<'a> Code<'a> {
     /// A writer of a block that knows the names so far.
     pub(super) fn inner(&self) -> Code<'a> {
         let names = self.names.clone();
-        Code { graph: self.graph, input: self.input, lets: TokenStream::new(), names }
+        Code { graph: self.graph, input: self.input, lets: TokenStream::new(), names, named: self.named }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -324,11 +338,11 @@ fn times(q: Q, t: &TokenStream) -> TokenStream {
     quote!(#k * #t)
 }
 
-fn rational(q: Q) -> TokenStream {
+pub(super) fn rational(q: Q) -> TokenStream {
     number(<f64 as Number>::from_ratio(q.num(), q.den()))
 }
 
-fn number(x: f64) -> TokenStream {
+pub(super) fn number(x: f64) -> TokenStream {
     if x == 0.0 {
         return quote!(R::ZERO);
     }
