@@ -79,7 +79,8 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
                 let p = self.first.pdf(&x).value();
                 // Where the sampler has no density the map need not have a derivative.
                 let q = p / self.second.jacobian(&x);
-                sum += R::select(valid.and(p.gt(R::ZERO)), q, R::ZERO);
+                // Nor is a quotient of infinities a density.
+                sum += R::select(valid.and(p.gt(R::ZERO)).and(q.ge(R::ZERO)), q, R::ZERO);
             }
         });
         Density::new(sum)
@@ -109,7 +110,8 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
         if preimages > 1 {
             return self.pdf(&y);
         }
-        Density::new(self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x))
+        let p = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
+        Density::new(R::select(p.ge(R::ZERO), p, R::ZERO))
     }
 
     #[inline(always)]

@@ -75,12 +75,18 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
 }
 
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
-/// one may be anywhere.
+/// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
+/// it is as good as undetermined.
 #[inline(always)]
 pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     let slack = R::of(1.0 / 256.0);
     let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
-    u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()))
+    let inside = u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()));
+    if N == 1 || inside.all() {
+        return inside;
+    }
+    let at_end = |u: &R| u.abs().lt(slack).or((*u - R::ONE).abs().lt(slack));
+    inside.or(u.iter().fold(R::Mask::FALSE, |m, u| m.or(at_end(u))))
 }
 
 /// Whether some number is undetermined: 0/0 at a pole, an axis, a corner.
@@ -294,10 +300,16 @@ pub fn to_unit<R: Real, const N: usize>(u: [R; N]) -> [R; N] {
     u.map(|u| R::select(u.ge(u), u.max(R::ZERO).min(R::ONE), u))
 }
 
-/// The number, if it is below one; else the largest one that is.
+/// The number, if it lies in [0, 1); else the nearest one that does.
 #[inline(always)]
-pub fn below_one<R: Real>(u: R) -> R {
-    u.min(R::ONE - R::EPSILON * R::of(0.5))
+pub fn unit<R: Real>(u: R) -> R {
+    u.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5))
+}
+
+/// A number that is not negative, unless rounding made it so.
+#[inline(always)]
+pub fn not_negative<R: Real>(x: R) -> R {
+    R::select(x.lt(R::ZERO), R::ZERO, x)
 }
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided

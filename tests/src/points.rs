@@ -7,6 +7,11 @@ use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Vec2, Ve
 pub trait FromCoordinates<R: Scalar>: Space<R> {
     /// The point; `None` if the space has no point with these coordinates.
     fn from_coordinates(x: &[R]) -> Option<Self>;
+
+    /// The point that anybody can make of these coordinates: directions are normalised.
+    fn made_of(x: &[R]) -> Self {
+        Self::from_coordinates(x).expect("a space that takes any coordinates")
+    }
 }
 
 impl<R: Scalar> FromCoordinates<R> for R {
@@ -24,6 +29,9 @@ impl<R: Scalar> FromCoordinates<R> for Vec2<R> {
 impl<R: Scalar> FromCoordinates<R> for Direction<R> {
     fn from_coordinates(x: &[R]) -> Option<Self> {
         Direction::try_new(x[0], x[1], x[2])
+    }
+    fn made_of(x: &[R]) -> Self {
+        Direction::try_new(x[0], x[1], x[2]).unwrap_or(Direction::new(x[0], x[1], x[2]))
     }
 }
 
@@ -52,5 +60,8 @@ where
 impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
     fn from_coordinates(x: &[R]) -> Option<Self> {
         Some((Direction::from_coordinates(&x[..3])?, Direction::from_coordinates(&x[3..])?))
+    }
+    fn made_of(x: &[R]) -> Self {
+        (Direction::made_of(&x[..3]), Direction::made_of(&x[3..]))
     }
 }

@@ -1,6 +1,9 @@
 //! Numbers of 31 digits as a [`Real`], so that emitted code runs on them: the oracle of the stability
 //! report. [`Dual`] carries a derivative as well.
 //!
+//! Emitted code writes constants with the digits of `f64`; here they are what is meant, so that a parameter
+//! or a uniform must not be made by `of` but by [`exactly`].
+//!
 //! Special functions ([`aether_core::special`]) are those of `f64` here; no sampler of the registry has
 //! one.
 
@@ -24,9 +27,30 @@ pub struct Dual {
 }
 
 impl Precise {
-    /// The number `x`.
-    const fn f64(x: f64) -> Self {
+    /// The number `x`, exactly.
+    pub const fn f64(x: f64) -> Self {
         Precise(Dd::of(x))
+    }
+
+    /// The constant that emitted code means by `x`, which it writes with the digits of `f64`: a simple
+    /// fraction, or a multiple of π or of its inverse.
+    fn meant(x: f64) -> Self {
+        if x * 4096.0 == (x * 4096.0).floor() {
+            return Precise::f64(x);
+        }
+        let fraction = |x: f64| {
+            let fits = |q: &f64| (x * q).round() / q == x && (x * q).abs() < 1e4;
+            (1..100).map(f64::from).find(fits).map(|q| Dd::of((x * q).round()) / Dd::of(q))
+        };
+        let pi = <Dd as Number>::pi();
+        let multiple = |unit: Dd| {
+            let unit64 = Number::to_f64(unit);
+            let factor = fraction(x / unit64)?;
+            let close = (Number::to_f64(factor) * unit64 - x).abs() <= f64::EPSILON * x.abs();
+            close.then(|| factor * unit)
+        };
+        let found = fraction(x).or_else(|| multiple(pi)).or_else(|| multiple(Dd::ONE / pi));
+        Precise(found.unwrap_or(Dd::of(x)))
     }
 }
 
@@ -189,7 +213,7 @@ impl Real for Precise {
     const INFINITY: Self = Precise::f64(f64::INFINITY);
     const MIN_POSITIVE: Self = Precise::f64(f64::MIN_POSITIVE);
     fn of(x: f64) -> Self {
-        Precise::f64(x)
+        Precise::meant(x)
     }
     fn to_f64(self) -> f64 {
         Number::to_f64(self.0)
@@ -225,6 +249,22 @@ macro_rules! differentiated {
             self.chain($y, $derivative)
         })*
     };
+}
+
+/// The number `x`, exactly, in any precision that has its digits.
+pub fn exactly<R: Real>(x: f64) -> R {
+    if R::EPSILON.to_f64() > 1e-20 || x == 0.0 || !x.is_finite() {
+        return R::of(x);
+    }
+    // Whole numbers and powers of two are what they are.
+    let power = |n: i32| 2f64.powi(n);
+    let exponent = (x.abs().log2() as i32 - 54).max(-1070);
+    let half = exponent / 2;
+    let whole = x * power(-half) * power(half - exponent);
+    let high = (whole / power(27)).trunc();
+    let low = whole - high * power(27);
+    let scale = R::of(power(half)) * R::of(power(exponent - half));
+    (R::of(high) * R::of(power(27)) + R::of(low)) * scale
 }
 
 /// Small integers and simple fractions.
@@ -297,5 +337,34 @@ impl Real for Dual {
         let slope =
             self.chain(value, self.value / value).slope + other.chain(value, other.value / value).slope;
         Dual { value, slope }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{PI, TAU};
+
+    #[test]
+    fn constants_are_what_is_meant_and_parameters_what_they_are() {
+        let third = Precise::of(1.0 / 3.0) * Precise::of(3.0) - Precise::ONE;
+        assert!(third.to_f64().abs() < 1e-30);
+        assert!(Precise::of(PI).sin().to_f64().abs() < 1e-30);
+        assert!((exactly::<Precise>(PI).sin().to_f64() - 1.2246467991473532e-16).abs() < 1e-30);
+        for x in [TAU, 0.1, -1e-300, 1e300, 5e-324, 0.9999999999999999, 1.0 / 3.0] {
+            assert_eq!(exactly::<Precise>(x), Precise::f64(x));
+        }
+    }
+
+    #[test]
+    fn derivatives() {
+        let x = Dual::variable(Precise::f64(0.3));
+        let near = |found: Dual, slope: f64| {
+            assert!((found.slope.to_f64() - slope).abs() < 1e-15, "{found:?} has not slope {slope}");
+        };
+        near(x.sin() * x.exp(), 0.3f64.exp() * (0.3f64.sin() + 0.3f64.cos()));
+        near(x.powf(x), 0.3f64.powf(0.3) * (0.3f64.ln() + 1.0));
+        near(x.atan2(x * x), -1.0 / 1.09);
+        near((x / (Dual::ONE - x)).sqrt(), 0.5 * (0.7f64 / 0.3).sqrt() / 0.49);
     }
 }

@@ -10,6 +10,7 @@ use integrators::samplers as renderer;
 
 use crate::catalogue::*;
 use crate::points::FromCoordinates;
+use crate::precise::exactly;
 use crate::reference::{Inputs, Reference};
 
 /// Something to be done with a sampler of any space.
@@ -55,7 +56,7 @@ impl Item {
 
 /// An item with these parameters, rounded to its precision; directions are made unit vectors there.
 fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
-    let mut rounded: Vec<S::Real> = numbers.iter().map(|x| S::Real::of(*x)).collect();
+    let mut rounded: Vec<S::Real> = numbers.iter().map(|x| exactly(*x)).collect();
     let mut first = 0;
     for parameter in S::PARAMETERS {
         let n = parameter.kind.numbers();
@@ -127,7 +128,7 @@ macro_rules! registry {
                 $(Which::$which => visitor.visit(make::<$item>(numbers)?),)*
                 $(Which::$here => {
                     #[allow(unused_variables)]
-                    let $p = |i: usize| R::of(numbers[i]);
+                    let $p = |i: usize| exactly::<R>(numbers[i]);
                     visitor.visit($sampler)
                 })*
             })

@@ -155,13 +155,13 @@ impl Format {
         if found == f64::INFINITY && expected >= self.ceiling || found == expected {
             return 0.0;
         }
-        let gap = (Precise::of(found) - exact).abs().to_f64();
+        let gap = (Precise::f64(found) - exact).abs().to_f64();
         self.units(gap / expected.max(self.floor))
     }
 
     /// The error of a vector.
     fn vector(&self, found: &[f64], exact: &[Precise]) -> f64 {
-        let gaps = found.iter().zip(exact).map(|(a, b)| (Precise::of(*a) - *b).to_f64());
+        let gaps = found.iter().zip(exact).map(|(a, b)| (Precise::f64(*a) - *b).to_f64());
         let size = exact.iter().fold(0.0, |s: f64, x| s.hypot(x.to_f64()));
         let gap = gaps.fold(0.0, |s: f64, g| s.hypot(g));
         if gap == 0.0 { 0.0 } else { self.units(gap / size.max(self.floor)) }
@@ -265,20 +265,20 @@ fn extreme(row: &mut Row, entry: &PointEntry, units: &Format) {
 
 /// The oracle at an extreme point of the reference data, where that has a number.
 fn verify(row: &mut Row, item: &Item, entry: &PointEntry, format: &Format) {
-    let u: Vec<Precise> = entry.u.iter().map(|u| Precise::of(*u)).collect();
+    let u: Vec<Precise> = entry.u.iter().map(|u| Precise::f64(*u)).collect();
     let Some(exact) = exact(item, &entry.inputs.numbers(), &u) else { return };
     let at = |what: &'static str| move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u);
     if entry.condition_sample.is_finite() {
         row.oracle.add(format.vector(&entry.x, &exact.x), || 1.0, at("sample"));
     }
-    if entry.condition_pdf.is_finite() {
+    if entry.condition_pdf.is_finite() && exact.density.finite() {
         row.oracle.add(format.density(entry.pdf, exact.density), || 1.0, at("density"));
     }
 }
 
 /// A point at which another renderer's density is known.
 fn peer<R: Scalar>(row: &mut Row, item: &Item, point: &PeerPoint, format: &Format) {
-    let u: Vec<Precise> = point.u.iter().map(|u| Precise::of(*u)).collect();
+    let u: Vec<Precise> = point.u.iter().map(|u| Precise::f64(*u)).collect();
     let Some(exact) = exact(item, &point.numbers, &u) else { return };
     let probe = Probe { u: &point.u, x: &point.x };
     let Ok(found) = item.visit::<R, _>(&point.numbers, probe) else { return };
@@ -298,7 +298,7 @@ fn one<R: Scalar>(
     units: &Format,
     extreme: bool,
 ) {
-    let precise: Vec<Precise> = u.iter().map(|u| Precise::of(*u)).collect();
+    let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
     if !legal::<R>(item, numbers, &mut row.dropped) {
         return;
     }
@@ -316,8 +316,8 @@ fn against_double<R: Scalar>(
 ) {
     let Ok(found) = item.visit::<f64, _>(numbers, Probe { u, x: &[] }) else { return };
     let exact = found.valid.then(|| Exact {
-        x: found.sample.iter().map(|x| Precise::of(*x)).collect(),
-        density: Precise::of(found.own),
+        x: found.sample.iter().map(|x| Precise::f64(*x)).collect(),
+        density: Precise::f64(found.own),
     });
     against::<R>(row, item, numbers, u, exact, units, false);
 }
@@ -355,7 +355,7 @@ fn against<R: Scalar>(
     if !known || !found.valid {
         return;
     }
-    let precise: Vec<Precise> = u.iter().map(|u| Precise::of(*u)).collect();
+    let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
     let mut cached: Option<Conditions> = None;
     let mut condition = || {
         cached.get_or_insert_with(|| conditions(item, numbers, &precise, &exact, *units)).clone()

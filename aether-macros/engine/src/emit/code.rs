@@ -17,12 +17,19 @@ pub struct Code<'a> {
     lets: TokenStream,
     names: HashMap<Id, Ident>,
     named: usize,
+    /// Whether roots are those of a map, which exist but for rounding.
+    lenient: bool,
 }
 
 impl<'a> Code<'a> {
     /// A writer with no statement yet.
     pub fn new(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
-        Code { graph, input, lets: TokenStream::new(), names: HashMap::new(), named: 0 }
+        Code { graph, input, lets: TokenStream::new(), names: HashMap::new(), named: 0, lenient: false }
+    }
+
+    /// The same for a map, whose roots exist but for rounding.
+    pub fn lenient(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
+        Code { lenient: true, ..Code::new(graph, input) }
     }
 
     /// The statements written so far.
@@ -138,7 +145,8 @@ impl<'a> Code<'a> {
     /// A writer of a block that knows the names so far.
     pub(super) fn inner(&self) -> Code<'a> {
         let names = self.names.clone();
-        Code { graph: self.graph, input: self.input, lets: TokenStream::new(), names, named: self.named }
+        let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
+        Code { graph, input, lets: TokenStream::new(), names, named, lenient }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -172,8 +180,12 @@ impl<'a> Code<'a> {
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
         let quotients = self.powers_of_quotients(factors, &mut parts);
         for (b, e) in factors.iter().filter(|(_, e)| !quotients.contains(&self.size(*e))) {
-            let base = self.reference(*b);
-            match self.graph.as_number(*e) {
+            let mut base = self.reference(*b);
+            let exponent = self.graph.as_number(*e);
+            if self.lenient && exponent == Some(Q::HALF) && !self.graph.range(*b).nonnegative() {
+                base = quote!(::aether_core::support::not_negative(#base));
+            }
+            match exponent {
                 Some(q) if q.abs() == Q::HALF && roots == 1 => {
                     let root = self.root(*b, &base);
                     parts.push_whole(root, q.is_negative());

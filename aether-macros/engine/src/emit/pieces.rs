@@ -101,7 +101,7 @@ impl<'a> Emitter<'a> {
         let [forward, exists, volume, leave] =
             ["forward", "exists", "volume", "leave"].map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
-        let mut code = Code::new(g, &at);
+        let mut code = Code::lenient(g, &at);
         let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
         let forward_lets = code.statements();
         let mut code = Code::new(g, &at);

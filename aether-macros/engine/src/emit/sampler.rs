@@ -141,6 +141,18 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let member = format_ident!("member_{k}");
+    // What is tested is short; where a longer form is more accurate, it says whether a point is near.
+    let about = quote!(::aether_core::support::about_unit::<R, _>);
+    let near = if place.preimage.tested == place.preimage.unknowns {
+        quote!(#about(&checked))
+    } else {
+        quote! {
+            {
+                let near = #about(&checked);
+                if near.all() { near } else { near.or(#about(&#inverse::<R>(&p, &x))) }
+            }
+        }
+    };
     let membership = place.derived.check_forward.then(|| {
         quote! {
             let #strict = if #strict.any() {
@@ -153,7 +165,8 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     });
     quote! {
         let (checked, _, plain, ok) = #support::<R>(&p, &x);
-        let #possible = ok.and(belongs).and(::aether_core::support::about_unit::<R, _>(&checked)) #wide;
+        let #possible = ok.and(belongs) #wide;
+        let #possible = if #possible.any() { #possible.and(#near) } else { #possible };
         let #strict = #possible.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
     }
@@ -317,8 +330,8 @@ fn visits(e: &Emitter) -> TokenStream {
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             if inside.any() {
                 let u = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || {
-                    // The most accurate form may round to one where a shorter one does not.
-                    let t = #inverse::<R>(&p, &x).map(::aether_core::support::below_one);
+                    // The most accurate form may round to an end where a shorter one does not.
+                    let t = #inverse::<R>(&p, &x).map(::aether_core::support::unit);
                     #leave::<R>(&p, &t)
                 });
                 visit(u, inside);
