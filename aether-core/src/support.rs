@@ -76,16 +76,17 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
 
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
 /// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
-/// it is as good as undetermined.
+/// it is as good as undetermined. What passes is decided by error bounds, which cost more.
 #[inline(always)]
 pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
-    let slack = R::of(1.0 / 256.0);
+    let slack = R::of(0.125);
     let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
     let inside = u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()));
     if N == 1 || inside.all() {
         return inside;
     }
-    let at_end = |u: &R| u.abs().lt(slack).or((*u - R::ONE).abs().lt(slack));
+    let end = R::of(1.0 / 256.0);
+    let at_end = |u: &R| u.abs().lt(end).or((*u - R::ONE).abs().lt(end));
     inside.or(u.iter().fold(R::Mask::FALSE, |m, u| m.or(at_end(u))))
 }
 
@@ -306,10 +307,12 @@ pub fn unit<R: Real>(u: R) -> R {
     u.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5))
 }
 
-/// A number that is not negative, unless rounding made it so.
+/// A number that is not negative, unless rounding made it so. One that is plainly negative stays: its
+/// root is no number.
 #[inline(always)]
 pub fn not_negative<R: Real>(x: R) -> R {
-    R::select(x.lt(R::ZERO), R::ZERO, x)
+    let rounded = x.lt(R::ZERO).and(x.gt(R::of(-256.0) * R::EPSILON));
+    R::select(rounded, R::ZERO, x)
 }
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided

@@ -2,8 +2,8 @@
 
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
-use crate::reference::{Inputs, PointEntry};
 use crate::points::FromCoordinates;
+use crate::reference::{Inputs, PointEntry};
 use crate::registry::{Visitor, item_of, visit};
 
 /// Relative errors at one entry of the reference data; infinite where a value is missing or NaN.

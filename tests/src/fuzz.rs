@@ -117,7 +117,8 @@ pub fn fuzz<R: Bits + fmt::Display>(items: &[Item], evaluations: u64, seed: u64)
             // In `f32` some of them overflow or vanish.
             let held = |n: &f64| R::of(*n).finite() && (*n == 0.0 || R::of(*n) != R::ZERO);
             let ordinary = numbers == *set && numbers.iter().all(held);
-            let one = Try { outcome: &mut outcome, wild: &mut wild, item, numbers: &numbers, ordinary };
+            let one =
+                Try { outcome: &mut outcome, wild: &mut wild, item, numbers: &numbers, ordinary };
             // Parameters outside their domain are refused, which is right.
             let run = catch_unwind(AssertUnwindSafe(|| {
                 let _ = item.visit::<R, _>(&numbers, one);

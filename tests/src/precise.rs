@@ -222,7 +222,11 @@ impl Real for Precise {
         self.0.is_finite()
     }
     fn copysign(self, sign: Self) -> Self {
-        if self.to_f64().is_sign_negative() == sign.to_f64().is_sign_negative() { self } else { -self }
+        if self.to_f64().is_sign_negative() == sign.to_f64().is_sign_negative() {
+            self
+        } else {
+            -self
+        }
     }
     forward! {
         abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
@@ -329,13 +333,14 @@ impl Real for Dual {
     fn atan2(self, x: Self) -> Self {
         let r = self.value.hypot(x.value);
         let value = self.value.atan2(x.value);
-        let slope = self.chain(value, x.value / r / r).slope - x.chain(value, self.value / r / r).slope;
+        let slope =
+            self.chain(value, x.value / r / r).slope - x.chain(value, self.value / r / r).slope;
         Dual { value, slope }
     }
     fn hypot(self, other: Self) -> Self {
         let value = self.value.hypot(other.value);
-        let slope =
-            self.chain(value, self.value / value).slope + other.chain(value, other.value / value).slope;
+        let slope = self.chain(value, self.value / value).slope
+            + other.chain(value, other.value / value).slope;
         Dual { value, slope }
     }
 }
@@ -360,7 +365,10 @@ mod tests {
     fn derivatives() {
         let x = Dual::variable(Precise::f64(0.3));
         let near = |found: Dual, slope: f64| {
-            assert!((found.slope.to_f64() - slope).abs() < 1e-15, "{found:?} has not slope {slope}");
+            assert!(
+                (found.slope.to_f64() - slope).abs() < 1e-15,
+                "{found:?} has not slope {slope}"
+            );
         };
         near(x.sin() * x.exp(), 0.3f64.exp() * (0.3f64.sin() + 0.3f64.cos()));
         near(x.powf(x), 0.3f64.powf(0.3) * (0.3f64.ln() + 1.0));

@@ -28,7 +28,12 @@ impl Inputs {
     pub fn numbers(&self) -> Vec<f64> {
         let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
         let parameters = self.params.as_object().into_iter().flatten();
-        parameters.flat_map(|(_, v)| v.as_array().map_or_else(|| vec![number(v)], |list| list.iter().map(number).collect())).collect()
+        parameters
+            .flat_map(|(_, v)| {
+                v.as_array()
+                    .map_or_else(|| vec![number(v)], |list| list.iter().map(number).collect())
+            })
+            .collect()
     }
 }
 

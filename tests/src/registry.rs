@@ -5,7 +5,7 @@
 
 use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::prelude::*;
-use aether_core::{DomainError, Legal, Scalar, Sampler};
+use aether_core::{DomainError, Legal, Sampler, Scalar};
 use integrators::samplers as renderer;
 
 use crate::catalogue::*;

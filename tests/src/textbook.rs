@@ -14,9 +14,7 @@ pub fn textbook<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         Which::Affine => (p[1] - p[0]).recip(),
         Which::Power => p[0] * x[0].powf(p[0] - one),
         Which::Exponential => p[0] * (-p[0] * x[0]).exp(),
-        Which::TruncatedExponential => {
-            p[0] * (-p[0] * x[0]).exp() / (one - (-p[0] * p[1]).exp())
-        }
+        Which::TruncatedExponential => p[0] * (-p[0] * x[0]).exp() / (one - (-p[0] * p[1]).exp()),
         Which::Linear => c(2.0) * (p[0] + (p[1] - p[0]) * x[0]) / (p[0] + p[1]),
         Which::Tent => (one - x[0].abs() / p[0]) / p[0],
         Which::Laplace => (-x[0].abs() / p[0]).exp() / (c(2.0) * p[0]),
@@ -35,9 +33,7 @@ pub fn textbook<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         Which::UniformSphere => c(0.25 * FRAC_1_PI),
         Which::UniformHemisphere | Which::ConcentricHemisphere => c(0.5 * FRAC_1_PI),
         Which::CosineHemisphere | Which::DiffuseLobe => x[2] * c(FRAC_1_PI),
-        Which::Equirectangular => {
-            (c(2.0 * PI * PI) * (one - x[2] * x[2]).sqrt()).recip()
-        }
+        Which::Equirectangular => (c(2.0 * PI * PI) * (one - x[2] * x[2]).sqrt()).recip(),
         Which::PowerCosine => (p[0] + one) / c(TAU) * x[2].powf(p[0]),
         Which::SphereSurface => (c(4.0 * PI) * p[3] * p[3]).recip(),
         Which::Cone => (c(TAU) * p[0]).recip(),

@@ -54,7 +54,9 @@ fn main() -> ExitCode {
     };
     // Unoptimised, it would take hours; and nothing is compiled for builds that only test.
     if cfg!(debug_assertions) {
-        eprintln!("the report needs an optimised build: cargo run --release -p tests --bin stability");
+        eprintln!(
+            "the report needs an optimised build: cargo run --release -p tests --bin stability"
+        );
         return ExitCode::from(2);
     }
     let rows = rows(&options);
@@ -90,8 +92,11 @@ fn rows(options: &Options) -> Vec<Row> {
         for _ in 0..threads {
             scope.spawn(|| {
                 loop {
-                    let Some((i, item)) = next.lock().ok().and_then(|mut n| n.next()) else { break };
-                    let about = |p: &&PointEntry| p.inputs.row == item.row && p.inputs.name == item.name;
+                    let Some((i, item)) = next.lock().ok().and_then(|mut n| n.next()) else {
+                        break;
+                    };
+                    let about =
+                        |p: &&PointEntry| p.inputs.row == item.row && p.inputs.name == item.name;
                     let entries = tried.iter().flat_map(|r| &r.points).filter(about);
                     let entries: Vec<PointEntry> = entries.cloned().collect();
                     let pair = [
@@ -214,7 +219,8 @@ fn markdown(rows: &[Row]) -> String {
             .collect();
         dropped.dedup();
         if !dropped.is_empty() {
-            text += &format!("\nLeft out, because rounding leaves the domain:\n\n{}", dropped.concat());
+            text +=
+                &format!("\nLeft out, because rounding leaves the domain:\n\n{}", dropped.concat());
         }
     }
     text + &oracle(rows) + &beside_mitsuba(rows)
@@ -224,8 +230,9 @@ fn markdown(rows: &[Row]) -> String {
 fn oracle(rows: &[Row]) -> String {
     let points: u64 = rows.iter().map(|r| r.oracle.count()).sum();
     let off = rows.iter().filter(|r| r.oracle.worst > 2.0);
-    let off: Vec<String> =
-        off.map(|r| format!("- {}: {} units, {}\n", r.name, short(r.oracle.worst), r.oracle.at)).collect();
+    let off: Vec<String> = off
+        .map(|r| format!("- {}: {} units, {}\n", r.name, short(r.oracle.worst), r.oracle.at))
+        .collect();
     format!(
         "\n## The oracle\n\nAgainst {points} samples and densities of the reference data, computed with 50 \
          digits and more, it is off by more than two units at these:\n\n{}",

@@ -257,7 +257,9 @@ fn legal<R: Scalar>(item: &Item, set: &[f64], dropped: &mut Vec<String>) -> bool
 /// An extreme point of the reference data, against its values and condition numbers.
 fn extreme(row: &mut Row, entry: &PointEntry, units: &Format) {
     let e = errors::<f64>(entry);
-    let at = |what: &'static str| move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u);
+    let at = |what: &'static str| {
+        move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u)
+    };
     row.extremes.add(units.units(e.sample), || entry.condition_sample, at("sample"));
     row.extremes.add(units.units(e.pdf), || entry.condition_pdf, at("pdf(x)"));
     row.extremes.add(units.units(e.own), || entry.condition_pdf, at("sample.pdf()"));
@@ -267,7 +269,9 @@ fn extreme(row: &mut Row, entry: &PointEntry, units: &Format) {
 fn verify(row: &mut Row, item: &Item, entry: &PointEntry, format: &Format) {
     let u: Vec<Precise> = entry.u.iter().map(|u| Precise::f64(*u)).collect();
     let Some(exact) = exact(item, &entry.inputs.numbers(), &u) else { return };
-    let at = |what: &'static str| move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u);
+    let at = |what: &'static str| {
+        move || format!("{what} at {:?} {:?}", entry.inputs.numbers(), entry.u)
+    };
     if entry.condition_sample.is_finite() {
         row.oracle.add(format.vector(&entry.x, &exact.x), || 1.0, at("sample"));
     }
@@ -331,11 +335,8 @@ fn against<R: Scalar>(
     units: &Format,
     extreme: bool,
 ) {
-    let rounded: Vec<f64> = exact
-        .iter()
-        .flat_map(|e| &e.x)
-        .map(|x| R::of(x.to_f64()).to_f64())
-        .collect();
+    let rounded: Vec<f64> =
+        exact.iter().flat_map(|e| &e.x).map(|x| R::of(x.to_f64()).to_f64()).collect();
     let Ok(found) = item.visit::<R, _>(numbers, Probe { u, x: &rounded }) else { return };
     row.samples += 1;
     let at = || format!("{numbers:?} {u:?}");

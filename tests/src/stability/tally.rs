@@ -26,8 +26,14 @@ impl Default for Tally {
 
 impl Tally {
     /// Counts an error in units. The condition number is asked for only if it matters.
-    pub fn add(&mut self, error: f64, condition: impl FnOnce() -> f64, at: impl FnOnce() -> String) {
-        let bin = if error > 0.0 { ((error.log2() - LEAST) * FINENESS).max(0.0) as usize } else { 0 };
+    pub fn add(
+        &mut self,
+        error: f64,
+        condition: impl FnOnce() -> f64,
+        at: impl FnOnce() -> String,
+    ) {
+        let bin =
+            if error > 0.0 { ((error.log2() - LEAST) * FINENESS).max(0.0) as usize } else { 0 };
         let last = self.bins.len() - 1;
         self.bins[bin.min(last)] += 1;
         self.worst = self.worst.max(error);

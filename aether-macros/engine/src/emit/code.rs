@@ -24,7 +24,14 @@ pub struct Code<'a> {
 impl<'a> Code<'a> {
     /// A writer with no statement yet.
     pub fn new(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
-        Code { graph, input, lets: TokenStream::new(), names: HashMap::new(), named: 0, lenient: false }
+        Code {
+            graph,
+            input,
+            lets: TokenStream::new(),
+            names: HashMap::new(),
+            named: 0,
+            lenient: false,
+        }
     }
 
     /// The same for a map, whose roots exist but for rounding.

@@ -21,7 +21,9 @@ pub(super) fn leaves_the_range(g: &Graph, id: Id) -> bool {
         }
         let node = g.node(id);
         let grows = match node {
-            Node::Call(f, _) => matches!(f, Fun::Exp | Fun::ExpM1 | Fun::Pow1p | Fun::Cosh | Fun::Sinh),
+            Node::Call(f, _) => {
+                matches!(f, Fun::Exp | Fun::ExpM1 | Fun::Pow1p | Fun::Cosh | Fun::Sinh)
+            }
             Node::Product(factors) => factors.iter().any(|(_, e)| g.as_number(*e).is_none()),
             _ => false,
         };
