@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use serde_json::json;
 use tests::reference::{PointEntry, Reference};
 use tests::registry::{Item, items};
-use tests::stability::{Row, Settings, Tally, measure};
+use tests::stability::{Row, Settings, Tally, measure, reason};
 
 const USAGE: &str = "\
 stability [--json] [--markdown FILE] [--csv FILE] [--samples N] [--precise N] [NAME...]
@@ -199,11 +199,18 @@ fn markdown(rows: &[Row]) -> String {
                 row.samples
             );
         }
-        let over: Vec<&Row> =
-            rows.iter().filter(|r| r.precision == precision && r.worst_over() > LIMIT).collect();
-        text += &format!("\nMore than {LIMIT} units over the condition number:\n\n");
-        for row in over {
-            text += &format!("- {}: {}, {}\n", row.name, short(row.worst_over()), row.at());
+        let of_precision = |r: &&Row| r.precision == precision;
+        text += &format!(
+            "\nMore than {LIMIT} units over the condition number at extreme points of the reference data:\n\n"
+        );
+        for row in rows.iter().filter(of_precision).filter(|r| r.extremes.worst_over > LIMIT) {
+            let (over, at) = (short(row.extremes.worst_over), &row.extremes.at);
+            text += &format!("- {}: {over}, {at}; {}\n", row.name, reason(&row.name));
+        }
+        text += &format!("\nMore than {LIMIT} units over the condition number anywhere:\n\n");
+        for row in rows.iter().filter(of_precision).filter(|r| r.worst_over() > LIMIT) {
+            let over = short(row.worst_over());
+            text += &format!("- {}: {over}, {}; {}\n", row.name, row.at(), reason(&row.name));
         }
         let with_examples = rows.iter().filter(|r| r.precision == precision);
         let examples: Vec<String> = with_examples

@@ -12,10 +12,12 @@ mod measure;
 mod oracle;
 mod peers;
 mod places;
+mod reasons;
 mod tally;
 
 pub use measure::{Row, Settings, measure};
 pub use oracle::{Conditions, Exact, Format, conditions, exact};
 pub use peers::{PeerPoint, peer_points};
 pub use places::{next_to_ends, swept};
+pub use reasons::reason;
 pub use tally::Tally;
