@@ -13,8 +13,8 @@ stability [--json] [--markdown FILE] [--csv FILE] [--samples N] [--precise N] [N
   --json           print one object for programs to read
   --markdown FILE  write the report
   --csv FILE       write all figures
-  --samples N      random samples of each sampler in f32, against f64 (50000)
-  --precise N      random samples of each sampler in f64, against 31 digits (2000)
+  --samples N      random samples of each sampler in f32, against f64 (20000)
+  --precise N      random samples of each sampler in f64, against 31 digits (1000)
   --full           as many as 10000000 and 100000
   NAME             only samplers with this in their name";
 
@@ -27,7 +27,7 @@ struct Options {
 }
 
 fn options() -> Option<Options> {
-    let settings = Settings { single: 50_000, double: 2_000, sweep: true };
+    let settings = Settings { single: 20_000, double: 1_000, sweep: true };
     let mut options = Options { json: false, markdown: None, csv: None, settings, names: vec![] };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
