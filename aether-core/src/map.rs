@@ -4,6 +4,7 @@ use crate::density::Density;
 use crate::point::Point;
 use crate::real::{Mask, Real};
 use crate::sampler::{PdfOf, Sampler};
+use crate::support::add_logs;
 
 /// A differentiable map from one space to another, with its inverse and its change of measure
 /// derived by the compiler. Made by `#[map]`.
@@ -23,6 +24,12 @@ pub trait Map<R: Real>: Copy {
     /// that of the target (units of the target's measure over units of the source's), the
     /// derivative restricted to the tangent space of the source.
     fn jacobian(&self, x: &Self::Source) -> R;
+
+    /// The natural logarithm of [`Map::jacobian`].
+    #[inline]
+    fn log_jacobian(&self, x: &Self::Source) -> R {
+        self.jacobian(x).ln()
+    }
 
     /// The image of `x`; meaningful where [`Map::forward`] says that there is one.
     #[inline(always)]
@@ -96,7 +103,8 @@ impl<S, M> Then<S, M> {
         let p = self.first.pdf(x).value();
         // Where the sampler has no density the map need not have a derivative.
         let q = p / self.second.jacobian(x);
-        R::select(valid.and(p.gt(R::ZERO)), q, R::ZERO)
+        // Nor is a quotient of infinities a density.
+        R::select(valid.and(p.gt(R::ZERO)).and(q.ge(R::ZERO)), q, R::ZERO)
     }
 }
 
@@ -122,11 +130,26 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
         Density::new(sum)
     }
 
+    #[inline]
+    fn log_pdf(&self, y: &M::Target) -> R {
+        let mut sum = -R::INFINITY;
+        self.second.preimages(y, |x, valid| {
+            if valid.any() {
+                let p = self.first.log_pdf(&x);
+                let inside = valid.and(p.gt(-R::INFINITY));
+                let q = R::select(inside, p - self.second.log_jacobian(&x), p);
+                sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
+            }
+        });
+        sum
+    }
+
     #[inline(always)]
     fn pdf_of_uniforms(&self, u: S::Uniforms) -> PdfOf<Self, R> {
         let x = self.first.forward(u).0;
         let y = self.second.forward(&x).0;
-        let mut sum = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
+        let p = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
+        let mut sum = R::select(p.ge(R::ZERO), p, R::ZERO);
         // Other points that have the same image only inversion finds.
         other_preimages(&self.second, &x, &y, |z, valid| sum += self.by_way_of(&z, valid));
         Density::new(sum)
@@ -162,5 +185,11 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn jacobian(&self, x: &A::Source) -> R {
         let y = self.first.forward(x).0;
         self.first.jacobian(x) * self.second.jacobian(&y)
+    }
+
+    #[inline]
+    fn log_jacobian(&self, x: &A::Source) -> R {
+        let y = self.first.forward(x).0;
+        self.first.log_jacobian(x) + self.second.log_jacobian(&y)
     }
 }

@@ -5,6 +5,7 @@ use crate::discrete::{Inversion, WeightError};
 use crate::point::Point;
 use crate::real::Scalar;
 use crate::sampler::{PdfOf, Sampler, Uniforms};
+use crate::support::add_logs;
 
 /// Samplers of one space, numbered from zero: a tuple of different ones, an array or a slice of equal
 /// ones. They all take the same number of uniforms.
@@ -24,6 +25,8 @@ pub trait Components<R: Scalar>: Copy {
     fn forward(&self, index: usize, u: Self::Uniforms) -> (Self::Point, bool);
     /// [`Sampler::pdf`] of one of them.
     fn pdf(&self, index: usize, x: &Self::Point) -> R;
+    /// [`Sampler::log_pdf`] of one of them.
+    fn log_pdf(&self, index: usize, x: &Self::Point) -> R;
     /// [`Sampler::pdf_of_uniforms`] of one of them.
     fn pdf_of_uniforms(&self, index: usize, u: Self::Uniforms) -> R;
     /// [`Sampler::preimages`] of one of them.
@@ -125,6 +128,11 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
         Density::new(self.possible().map(|(i, p)| p * self.components.pdf(i, x)).sum())
     }
 
+    fn log_pdf(&self, x: &C::Point) -> R {
+        let logs = self.possible().map(|(i, p)| p.ln() + self.components.log_pdf(i, x));
+        logs.fold(-R::INFINITY, add_logs)
+    }
+
     fn pdf_of_uniforms(&self, u: C::Uniforms) -> PdfOf<Self, R> {
         let (picked, p, rest) = self.pick(u);
         let (x, valid) = self.components.forward(picked, rest);
@@ -160,6 +168,9 @@ macro_rules! indexed {
             }
             fn pdf(&self, index: usize, x: &S::Point) -> R {
                 self[index].pdf(x).value()
+            }
+            fn log_pdf(&self, index: usize, x: &S::Point) -> R {
+                self[index].log_pdf(x)
             }
             fn pdf_of_uniforms(&self, index: usize, u: S::Uniforms) -> R {
                 self[index].pdf_of_uniforms(u).value()
@@ -202,6 +213,13 @@ macro_rules! tuples {
                     0 => self.0.pdf(x).value(),
                     $($i => self.$i.pdf(x).value(),)*
                     _ => self.$l.pdf(x).value(),
+                }
+            }
+            fn log_pdf(&self, index: usize, x: &Self::Point) -> R {
+                match index {
+                    0 => self.0.log_pdf(x),
+                    $($i => self.$i.log_pdf(x),)*
+                    _ => self.$l.log_pdf(x),
                 }
             }
             fn pdf_of_uniforms(&self, index: usize, u: Self::Uniforms) -> R {

@@ -8,6 +8,7 @@ use crate::map::{Map, Then};
 use crate::point::Point;
 use crate::preimages::Preimages;
 use crate::real::Real;
+use crate::support::log_density;
 
 /// A uniform random number in [0, 1) as the body of a sampler sees it.
 pub type Uniform = f64;
@@ -91,6 +92,32 @@ pub trait Sampler<R: Real>: Copy {
     /// Calls `visit` with every preimage of `x` (where the mask holds).
     fn preimages(&self, x: &Self::Point, visit: impl FnMut(Self::Uniforms, R::Mask));
 
+    /// The natural logarithm of [`Sampler::pdf`]; minus infinity outside the support.
+    ///
+    /// It is finite where the density itself is too small or too large for the number type: for
+    /// samplers whose density has exponentials or powers with a variable exponent, the compiler derives
+    /// the logarithm as well, a sum over their factors, and it is computed where `pdf` has left the range
+    /// of normal numbers. All others are left to `ln`.
+    ///
+    /// ```
+    /// use aether_core::prelude::*;
+    ///
+    /// /// A normal variable in polar coordinates.
+    /// #[sampler]
+    /// fn normal(u: [Uniform; 2]) -> Vec2 {
+    ///     let r = (-2.0 * (-u[0]).ln_1p()).sqrt();
+    ///     Vec2::new(r * (TAU * u[1]).cos(), r * (TAU * u[1]).sin())
+    /// }
+    ///
+    /// let far = Vec2::new(60.0, 80.0);
+    /// assert_eq!(normal().pdf(&far).value(), 0.0);
+    /// assert!((normal().log_pdf(&far) + 5000.0 + TAU.ln()).abs() < 1e-11);
+    /// ```
+    #[inline]
+    fn log_pdf(&self, x: &Self::Point) -> R {
+        self.pdf(x).value().ln()
+    }
+
     /// Draws the sample of the uniforms `u`.
     #[inline(always)]
     fn sample(&self, u: Self::Uniforms) -> Sample<Self, R> {
@@ -159,6 +186,15 @@ impl<S: Sampler<R>, R: Real> Sample<S, R> {
     pub fn pdf(&self) -> PdfOf<S, R> {
         let p = self.sampler.pdf_of_uniforms(self.uniforms).value();
         Density::new(R::select(self.valid, p, R::ZERO))
+    }
+
+    /// The natural logarithm of the density of this sample, finite also where [`Sample::pdf`] is too
+    /// small or too large for the number type; minus infinity if there is no sample.
+    #[inline]
+    pub fn log_pdf(&self) -> R {
+        log_density(self.pdf().value(), || {
+            R::select(self.valid, self.sampler.log_pdf(&self.value), -R::INFINITY)
+        })
     }
 }
 

@@ -75,12 +75,19 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
 }
 
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
-/// one may be anywhere.
+/// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
+/// it is as good as undetermined. What passes is decided by error bounds, which cost more.
 #[inline(always)]
 pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
-    let slack = R::of(1.0 / 256.0);
+    let slack = R::of(0.125);
     let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
-    u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()))
+    let inside = u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()));
+    if N == 1 || inside.all() {
+        return inside;
+    }
+    let end = R::of(1.0 / 256.0);
+    let at_end = |u: &R| u.abs().lt(end).or((*u - R::ONE).abs().lt(end));
+    inside.or(u.iter().fold(R::Mask::FALSE, |m, u| m.or(at_end(u))))
 }
 
 /// Whether some number is undetermined: 0/0 at a pole, an axis, a corner.
@@ -287,10 +294,25 @@ pub fn within<R: Real>(low: R, width: R, place: R) -> R {
     R::select(u.lt(end).or(width.le(R::ZERO)), u, end - end * (R::EPSILON * R::of(0.5)))
 }
 
-/// The number, if it is below one; else the largest one that is.
+/// Numbers beyond the ends of [0, 1] moved to them, with what is known of their errors.
+#[inline]
+pub fn to_unit<R: Real, const N: usize>(u: [R; N]) -> [R; N] {
+    // A number that is undetermined stays so.
+    u.map(|u| R::select(u.ge(u), u.max(R::ZERO).min(R::ONE), u))
+}
+
+/// The number, if it lies in [0, 1); else the nearest one that does.
 #[inline(always)]
-pub fn below_one<R: Real>(u: R) -> R {
-    u.min(R::ONE - R::EPSILON * R::of(0.5))
+pub fn unit<R: Real>(u: R) -> R {
+    u.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5))
+}
+
+/// A number that is not negative, unless rounding made it so. One that is plainly negative stays: its
+/// root is no number.
+#[inline(always)]
+pub fn not_negative<R: Real>(x: R) -> R {
+    let rounded = x.lt(R::ZERO).and(x.gt(R::of(-256.0) * R::EPSILON));
+    R::select(rounded, R::ZERO, x)
 }
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
@@ -380,4 +402,20 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
 #[inline(always)]
 pub fn beside_zero<R: Real>(x: R) -> R {
     R::select(x.le(R::ZERO).and(x.ge(R::ZERO)), R::EPSILON * R::EPSILON, x)
+}
+
+/// The logarithm of a density, which `beyond` computes where the density is no normal number.
+#[inline]
+pub fn log_density<R: Real>(density: R, beyond: impl FnOnce() -> R) -> R {
+    let normal = density.ge(R::MIN_POSITIVE).and(density.lt(R::INFINITY));
+    let plain = density.ln();
+    if normal.all() { plain } else { R::select(normal, plain, beyond()) }
+}
+
+/// ln(exp(a) + exp(b)) without overflow.
+#[inline]
+pub fn add_logs<R: Real>(a: R, b: R) -> R {
+    let (larger, smaller) = (a.max(b), a.min(b));
+    let sum = larger + (smaller - larger).exp().ln_1p();
+    R::select(larger.finite(), sum, larger)
 }

@@ -2,8 +2,9 @@
 
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
+use crate::points::FromCoordinates;
 use crate::reference::{Inputs, PointEntry};
-use crate::rows::{FromCoordinates, Visitor, visit};
+use crate::registry::{Visitor, item_of, visit};
 
 /// Relative errors at one entry of the reference data; infinite where a value is missing or NaN.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +32,8 @@ pub struct Values {
 ///
 /// All that the tests ask of a sampler is asked here, so that it is compiled once.
 pub fn values<R: Scalar>(inputs: &Inputs, u: &[f64], x: &[f64]) -> Values {
-    visit::<R, _>(inputs, Evaluate { u, x })
+    let found = visit::<R, _>(item_of(inputs), &inputs.numbers(), Evaluate { u, x });
+    found.expect("the parameters are in their domain")
 }
 
 struct Evaluate<'a> {

@@ -7,10 +7,15 @@ pub mod checks;
 pub mod compare;
 pub mod errors;
 pub mod forward;
+pub mod fuzz;
 pub mod mutation;
+pub mod points;
+pub mod precise;
 pub mod programs;
 pub mod reference;
-pub mod rows;
+pub mod registry;
+pub mod stability;
+pub mod textbook;
 
 /// The front page: its examples are tests.
 #[cfg(doctest)]

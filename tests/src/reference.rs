@@ -3,7 +3,6 @@
 //! Made in high precision by `reference/make_conditions.py` and `make_rows.py`; `reference/README.md` says what each
 //! field means. Every entry is read in two versions, one in each precision.
 
-use aether_core::Scalar;
 use serde_json::Value;
 
 /// What was computed for a sampler: its parameters, exact.
@@ -21,17 +20,20 @@ impl Inputs {
     ///
     /// # Panics
     /// If the entry has no such parameter.
-    pub fn scalar<R: Scalar>(&self, name: &str) -> R {
-        R::of(self.params[name].as_f64().unwrap_or_else(|| panic!("{self:?} has no {name}")))
+    pub fn scalar(&self, name: &str) -> f64 {
+        self.params[name].as_f64().unwrap_or_else(|| panic!("{self:?} has no {name}"))
     }
 
-    /// The vector parameter called `name`.
-    ///
-    /// # Panics
-    /// If the entry has no such parameter.
-    pub fn vector<R: Scalar>(&self, name: &str) -> [R; 3] {
-        let list = &self.params[name];
-        core::array::from_fn(|i| R::of(list[i].as_f64().unwrap_or(f64::NAN)))
+    /// All parameters as a list of numbers, vectors by coordinates: their order is that of the item.
+    pub fn numbers(&self) -> Vec<f64> {
+        let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+        let parameters = self.params.as_object().into_iter().flatten();
+        parameters
+            .flat_map(|(_, v)| {
+                v.as_array()
+                    .map_or_else(|| vec![number(v)], |list| list.iter().map(number).collect())
+            })
+            .collect()
     }
 }
 

@@ -51,9 +51,9 @@ const SHORTFALLS: &[Shortfall] = &[
     (
         "sphere_light",
         |p, u, _| {
-            let far = p.scalar::<f64>("d") > 50.0 * p.scalar::<f64>("r");
+            let far = p.scalar("d") > 50.0 * p.scalar("r");
             let rim = u.first().is_some_and(|u| *u > 1.0 - 1e-9);
-            far || rim || p.scalar::<f64>("d") < 1.2
+            far || rim || p.scalar("d") < 1.2
         },
         "far away, at its rim and close to it, where the density needs differences of squares",
     ),

@@ -9,7 +9,7 @@ mod sobol;
 pub use pcg::Pcg32;
 pub use sobol::Sobol;
 
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 use crate::sampler::Uniforms;
 
 /// A source of uniform random numbers in [0, 1).
@@ -45,6 +45,25 @@ impl<R: Real, F: FnMut() -> R> UniformSource<R> for F {
 #[inline]
 pub fn draw_uniforms<R: Real, U: Uniforms<R>>(source: &mut (impl UniformSource<R> + ?Sized)) -> U {
     U::from_fn(|_| source.next())
+}
+
+/// Any number as a uniform: what is NaN or negative becomes 0, what is 1 or more the largest number
+/// below one, and all else stays.
+///
+/// ```
+/// use aether_core::uniform::clamped;
+///
+/// assert_eq!([f64::NAN, -3.0, 0.25, 1.0].map(clamped), [0.0, 0.0, 0.25, 1.0 - f64::EPSILON / 2.0]);
+/// ```
+#[inline]
+pub fn clamped<R: Scalar>(x: R) -> R {
+    if x >= R::ONE {
+        R::ONE.next_below()
+    } else if x > R::ZERO {
+        x
+    } else {
+        R::ZERO
+    }
 }
 
 /// The number in [0, 1) whose binary fraction is `bits`, rounded to `R`; what would round to one

@@ -16,17 +16,45 @@ pub struct Code<'a> {
     input: &'a dyn Fn(Leaf) -> TokenStream,
     lets: TokenStream,
     names: HashMap<Id, Ident>,
+    named: usize,
+    /// Whether roots are those of a map, which exist but for rounding.
+    lenient: bool,
 }
 
 impl<'a> Code<'a> {
     /// A writer with no statement yet.
     pub fn new(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
-        Code { graph, input, lets: TokenStream::new(), names: HashMap::new() }
+        Code {
+            graph,
+            input,
+            lets: TokenStream::new(),
+            names: HashMap::new(),
+            named: 0,
+            lenient: false,
+        }
+    }
+
+    /// The same for a map, whose roots exist but for rounding.
+    pub fn lenient(graph: &'a Graph, input: &'a dyn Fn(Leaf) -> TokenStream) -> Self {
+        Code { lenient: true, ..Code::new(graph, input) }
     }
 
     /// The statements written so far.
     pub fn statements(&self) -> TokenStream {
         self.lets.clone()
+    }
+
+    /// The expressions.
+    pub(super) fn graph(&self) -> &'a Graph {
+        self.graph
+    }
+
+    /// Adds a statement for a value that is no expression; its name.
+    pub(super) fn named(&mut self, value: &TokenStream) -> TokenStream {
+        let name = format_ident!("l{}", self.named, span = Span::call_site());
+        self.named += 1;
+        self.lets.extend(quote!(let #name = #value;));
+        quote!(#name)
     }
 
     /// A name for the value of an expression; its statements are written if they are not yet.
@@ -134,7 +162,8 @@ impl<'a> Code<'a> {
     /// A writer of a block that knows the names so far.
     pub(super) fn inner(&self) -> Code<'a> {
         let names = self.names.clone();
-        Code { graph: self.graph, input: self.input, lets: TokenStream::new(), names }
+        let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
+        Code { graph, input, lets: TokenStream::new(), names, named, lenient }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -169,8 +198,12 @@ impl<'a> Code<'a> {
         let shared = self.shared_powers(factors);
         parts.top.extend(shared.iter().map(|&power| self.power_of_quotient(factors, power)));
         for (b, e) in factors {
-            let base = self.reference(*b);
-            match self.graph.as_number(*e) {
+            let mut base = self.reference(*b);
+            let exponent = self.graph.as_number(*e);
+            if self.lenient && exponent == Some(Q::HALF) && !self.graph.range(*b).nonnegative() {
+                base = quote!(::aether_core::support::not_negative(#base));
+            }
+            match exponent {
                 Some(q) if shared.contains(&q.abs()) => {}
                 Some(q) if q.abs() == Q::HALF && roots == 1 => {
                     let root = self.root(*b, &base);
@@ -338,11 +371,11 @@ fn times(q: Q, t: &TokenStream) -> TokenStream {
     quote!(#k * #t)
 }
 
-fn rational(q: Q) -> TokenStream {
+pub(super) fn rational(q: Q) -> TokenStream {
     number(<f64 as Number>::from_ratio(q.num(), q.den()))
 }
 
-fn number(x: f64) -> TokenStream {
+pub(super) fn number(x: f64) -> TokenStream {
     if x == 0.0 {
         return quote!(R::ZERO);
     }

@@ -105,7 +105,7 @@ fn visits(e: &Emitter, source: &Space) -> TokenStream {
         });
         quote! {
             {
-                let (checked, ok, _) = #support::<R>(&p, &x);
+                let (checked, _, ok, _) = #support::<R>(&p, &x);
                 let ok = ok.and(belongs) #guarded;
                 #membership
                 if ok.any() {

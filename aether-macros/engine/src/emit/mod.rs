@@ -6,6 +6,7 @@ mod documentation;
 mod interface;
 mod item;
 mod legal;
+mod logarithm;
 mod map;
 mod numeric;
 mod own;

@@ -10,6 +10,7 @@ use quote::{format_ident, quote};
 
 use super::code::Code;
 use super::item::Emitter;
+use super::logarithm::{leaves_the_range, logarithm};
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Piece, Test};
@@ -100,7 +101,7 @@ impl<'a> Emitter<'a> {
         let [forward, exists, volume, leave] =
             ["forward", "exists", "volume", "leave"].map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
-        let mut code = Code::new(g, &at);
+        let mut code = Code::lenient(g, &at);
         let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
         let forward_lets = code.statements();
         let mut code = Code::new(g, &at);
@@ -235,21 +236,45 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
+        let log_density = self.has_logarithms().then(|| self.log_density(place));
         quote! {
             #[inline(always)]
             fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
             #[inline(always)]
-            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], R::Mask, R::Mask) {
+            fn #support<R: Real>(p: &[R; #p], x: &[R; #m]) -> ([R; #c], [R; #tests], R::Mask, R::Mask) {
                 #support_lets
                 let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
                 let tests: [R; #tests] = [#(#conditions),*];
                 let plain = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.ge(#least)));
-                // A test that is 0/0, in a corner, says nothing.
-                let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(#least).not()));
-                ([#(#uniforms),*], plain, possible)
+                // A test that is 0/0, in a corner, says nothing, and one that fails by little may have
+                // been rounded: error bounds decide.
+                let slack = R::of(-1.0 / 256.0);
+                let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(slack).not()));
+                ([#(#uniforms),*], tests, plain, possible)
             }
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
+            #log_density
+        }
+    }
+
+    /// Whether densities leave the range of numbers, so that their logarithm is emitted too.
+    pub(super) fn has_logarithms(&self) -> bool {
+        let is_sampler = self.parsed.pieces.iter().all(|p| p.problem.argument.is_none());
+        let leaves = |p: &Place| leaves_the_range(&p.problem.graph, p.preimage.density);
+        is_sampler && self.places().iter().any(leaves)
+    }
+
+    fn log_density(&self, place: Place) -> TokenStream {
+        let (_, m, p) = self.sizes();
+        let at = |l: Leaf| input(l, "x");
+        let name = format_ident!("log_density_{}", place.number);
+        let mut code = Code::new(&place.problem.graph, &at);
+        let value = logarithm(&mut code, place.preimage.density);
+        let lets = code.statements();
+        quote! {
+            #[cold]
+            fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #lets #value }
         }
     }
 
@@ -259,11 +284,15 @@ impl<'a> Emitter<'a> {
         let [member, inverse] =
             ["member", "inverse"].map(|name| format_ident!("{name}_{}", place.number));
         let forward = format_ident!("forward_{}", place.piece);
+        // Rounding may put a uniform beyond its end, where the map need not have a value.
+        let unit = place.problem.argument.is_none();
+        let clamped = unit.then(|| quote!(let tt = ::aether_core::support::to_unit(tt);));
         quote! {
             #[cold]
             fn #member<R: Single>(p: &[R; #s], x: &[R; #m]) -> bool {
                 let (tp, tx) = (::aether_core::support::track(p), #tracked);
                 let tt = #inverse::<R::Tracked>(&tp, &tx);
+                #clamped
                 ::aether_core::support::leads_back::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
             }
         }

@@ -19,6 +19,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let visits = visits(e);
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
+    let logarithm = e.has_logarithms().then(|| log_density(e));
     quote! {
         #exceptions
 
@@ -51,6 +52,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 let x = #coordinates;
                 #visits
             }
+
+            #logarithm
         }
     }
 }
@@ -138,6 +141,18 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let member = format_ident!("member_{k}");
+    // What is tested is short; where a longer form is more accurate, it says whether a point is near.
+    let about = quote!(::aether_core::support::about_unit::<R, _>);
+    let near = if place.preimage.tested == place.preimage.unknowns {
+        quote!(#about(&checked))
+    } else {
+        quote! {
+            {
+                let near = #about(&checked);
+                if near.all() { near } else { near.or(#about(&#inverse::<R>(&p, &x))) }
+            }
+        }
+    };
     let membership = place.derived.check_forward.then(|| {
         quote! {
             let #strict = if #strict.any() {
@@ -149,8 +164,9 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
         }
     });
     quote! {
-        let (checked, plain, ok) = #support::<R>(&p, &x);
-        let #possible = ok.and(belongs).and(::aether_core::support::about_unit::<R, _>(&checked)) #wide;
+        let (checked, _, plain, ok) = #support::<R>(&p, &x);
+        let #possible = ok.and(belongs) #wide;
+        let #possible = if #possible.any() { #possible.and(#near) } else { #possible };
         let #strict = #possible.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
         #membership
     }
@@ -170,8 +186,11 @@ fn exceptions(e: &Emitter) -> TokenStream {
 fn rounded(e: &Emitter, place: Place) -> TokenStream {
     let (k, j) = (place.number, place.piece);
     let (n, m, s) = e.sizes();
-    let [inverse, rounded, member] =
-        ["inverse", "rounded", "member"].map(|name| format_ident!("{name}_{k}"));
+    let [inverse, rounded, member, support] =
+        ["inverse", "rounded", "member", "support"].map(|name| format_ident!("{name}_{k}"));
+    let tested = (!place.preimage.conditions.is_empty()).then(|| {
+        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#support::<R::Tracked>(&tp, &tx).1)))
+    });
     let [forward, margins, leave, taken] =
         ["forward", "margins", "leave", "taken"].map(|name| format_ident!("{name}_{j}"));
     let tracked = e.tracked();
@@ -195,6 +214,7 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
             ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
+                #tested
                 #admitted
                 #membership
                 .map(|t| #leave::<R>(p, &t))
@@ -267,6 +287,38 @@ fn density(e: &Emitter) -> TokenStream {
     }
 }
 
+/// The logarithm of the density where the density has left the range of numbers.
+fn log_density(e: &Emitter) -> TokenStream {
+    let existence = existence(e);
+    let (n, _, _) = e.sizes();
+    let (parameters, coordinates) = (e.parameters(), e.coordinates());
+    let terms = e.places().into_iter().map(|place| {
+        let [density, strict, recovered] = ["log_density", "strict", "recovered"]
+            .map(|name| format_ident!("{name}_{}", place.number));
+        quote! {
+            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
+            if inside.any() {
+                let d = #density::<R>(&p, &x);
+                let d = R::select(inside.and(d.ge(d)), d, -R::INFINITY);
+                sum = ::aether_core::support::add_logs(sum, d);
+            }
+        }
+    });
+    quote! {
+        fn log_pdf(&self, point: &Self::Point) -> R {
+            let density = ::aether_core::Sampler::pdf(self, point).value();
+            ::aether_core::support::log_density(density, || {
+                #parameters
+                let x = #coordinates;
+                #existence
+                let mut sum = -R::INFINITY;
+                #(#terms)*
+                sum
+            })
+        }
+    }
+}
+
 fn visits(e: &Emitter) -> TokenStream {
     let existence = existence(e);
     let (n, _, _) = e.sizes();
@@ -278,8 +330,8 @@ fn visits(e: &Emitter) -> TokenStream {
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             if inside.any() {
                 let u = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || {
-                    // The most accurate form may round to one where a shorter one does not.
-                    let t = #inverse::<R>(&p, &x).map(::aether_core::support::below_one);
+                    // The most accurate form may round to an end where a shorter one does not.
+                    let t = #inverse::<R>(&p, &x).map(::aether_core::support::unit);
                     #leave::<R>(&p, &t)
                 });
                 visit(u, inside);

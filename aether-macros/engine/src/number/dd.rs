@@ -80,7 +80,8 @@ impl Dd {
     const NAN: Dd = Dd::of(f64::NAN);
     const INFINITY: Dd = Dd::of(f64::INFINITY);
 
-    const fn of(hi: f64) -> Dd {
+    /// The number `hi`.
+    pub const fn of(hi: f64) -> Dd {
         Dd { hi, lo: 0.0 }
     }
 

@@ -1,0 +1,67 @@
+//! Points of a space from their coordinates.
+
+use aether_core::battery::Space;
+use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Vec2, Vec3};
+
+/// A point of a space that can be made of coordinates as they stand.
+pub trait FromCoordinates<R: Scalar>: Space<R> {
+    /// The point; `None` if the space has no point with these coordinates.
+    fn from_coordinates(x: &[R]) -> Option<Self>;
+
+    /// The point that anybody can make of these coordinates: directions are normalised.
+    fn made_of(x: &[R]) -> Self {
+        Self::from_coordinates(x).expect("a space that takes any coordinates")
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for R {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(x[0])
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Vec2<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Vec2::new(x[0], x[1]))
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Direction<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Direction::try_new(x[0], x[1], x[2])
+    }
+    fn made_of(x: &[R]) -> Self {
+        Direction::try_new(x[0], x[1], x[2]).unwrap_or(Direction::new(x[0], x[1], x[2]))
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for Vec3<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Vec3::new(x[0], x[1], x[2]))
+    }
+}
+
+/// The point of the surface number zero, on which all items of the registry lie.
+impl<R: Scalar> FromCoordinates<R> for SurfacePoint<R> {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(SurfacePoint::new(Vec3::new(x[0], x[1], x[2]), SurfaceId(0)))
+    }
+}
+
+impl<const K: usize, const N: usize, R: Scalar> FromCoordinates<R> for Embedded<K, N, R>
+where
+    Embedded<K, N, R>: Space<R>,
+{
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some(Embedded(core::array::from_fn(|i| x[i])))
+    }
+}
+
+impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some((Direction::from_coordinates(&x[..3])?, Direction::from_coordinates(&x[3..])?))
+    }
+    fn made_of(x: &[R]) -> Self {
+        (Direction::made_of(&x[..3]), Direction::made_of(&x[3..]))
+    }
+}

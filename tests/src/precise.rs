@@ -1,0 +1,378 @@
+//! Numbers of 31 digits as a [`Real`], so that emitted code runs on them: the oracle of the stability
+//! report. [`Dual`] carries a derivative as well.
+//!
+//! Emitted code writes constants with the digits of `f64`; here they are what is meant, so that a parameter
+//! or a uniform must not be made by `of` but by [`exactly`].
+//!
+//! Special functions ([`aether_core::special`]) are those of `f64` here; no sampler of the registry has
+//! one.
+
+use core::iter::Sum;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use aether_core::{Real, Scalar, Single};
+use aether_engine::number::{Dd, Number};
+
+/// A double-double.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Precise(pub Dd);
+
+/// A double-double with its derivative along some direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Dual {
+    /// The value.
+    pub value: Precise,
+    /// The derivative.
+    pub slope: Precise,
+}
+
+impl Precise {
+    /// The number `x`, exactly.
+    pub const fn f64(x: f64) -> Self {
+        Precise(Dd::of(x))
+    }
+
+    /// The constant that emitted code means by `x`, which it writes with the digits of `f64`: a simple
+    /// fraction, or a multiple of π or of its inverse.
+    fn meant(x: f64) -> Self {
+        if x * 4096.0 == (x * 4096.0).floor() {
+            return Precise::f64(x);
+        }
+        let fraction = |x: f64| {
+            let fits = |q: &f64| (x * q).round() / q == x && (x * q).abs() < 1e4;
+            (1..100).map(f64::from).find(fits).map(|q| Dd::of((x * q).round()) / Dd::of(q))
+        };
+        let pi = <Dd as Number>::pi();
+        let multiple = |unit: Dd| {
+            let unit64 = Number::to_f64(unit);
+            let factor = fraction(x / unit64)?;
+            let close = (Number::to_f64(factor) * unit64 - x).abs() <= f64::EPSILON * x.abs();
+            close.then(|| factor * unit)
+        };
+        let found = fraction(x).or_else(|| multiple(pi)).or_else(|| multiple(Dd::ONE / pi));
+        Precise(found.unwrap_or(Dd::of(x)))
+    }
+}
+
+impl Dual {
+    /// A number with derivative one.
+    pub fn variable(value: Precise) -> Self {
+        Dual { value, slope: Precise::ONE }
+    }
+
+    /// A number with derivative zero.
+    pub const fn constant(value: Precise) -> Self {
+        Dual { value, slope: Precise::f64(0.0) }
+    }
+
+    /// A function of this one, with its derivative; what is constant stays so even at a pole.
+    fn chain(self, value: Precise, derivative: Precise) -> Self {
+        let slope = if self.slope == Precise::ZERO { self.slope } else { derivative * self.slope };
+        Dual { value, slope }
+    }
+}
+
+/// Comparisons look at values alone.
+impl PartialEq for Dual {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+impl PartialOrd for Dual {
+    fn partial_cmp(&self, other: &Self) -> Option<core::cmp::Ordering> {
+        self.value.partial_cmp(&other.value)
+    }
+}
+
+macro_rules! arithmetic {
+    ($number:ident; $($trait:ident $name:ident $assign:ident $assigned:ident: |$a:ident, $b:ident| $value:expr;)*) => {$(
+        impl $trait for $number {
+            type Output = Self;
+            fn $name(self, other: Self) -> Self {
+                let ($a, $b) = (self, other);
+                $value
+            }
+        }
+        impl $assign for $number {
+            fn $assigned(&mut self, other: Self) {
+                *self = $trait::$name(*self, other);
+            }
+        }
+    )*};
+}
+
+arithmetic! { Precise;
+    Add add AddAssign add_assign: |a, b| Precise(a.0 + b.0);
+    Sub sub SubAssign sub_assign: |a, b| Precise(a.0 - b.0);
+    Mul mul MulAssign mul_assign: |a, b| Precise(a.0 * b.0);
+    Div div DivAssign div_assign: |a, b| Precise(a.0 / b.0);
+}
+arithmetic! { Dual;
+    Add add AddAssign add_assign: |a, b| Dual { value: a.value + b.value, slope: a.slope + b.slope };
+    Sub sub SubAssign sub_assign: |a, b| Dual { value: a.value - b.value, slope: a.slope - b.slope };
+    Mul mul MulAssign mul_assign: |a, b| {
+        let slope = a.chain(a.value, b.value).slope + b.chain(b.value, a.value).slope;
+        Dual { value: a.value * b.value, slope }
+    };
+    Div div DivAssign div_assign: |a, b| {
+        let value = a.value / b.value;
+        let slope = a.chain(value, b.value.recip()).slope - b.chain(value, value / b.value).slope;
+        Dual { value, slope }
+    };
+}
+
+impl Neg for Precise {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Precise(-self.0)
+    }
+}
+impl Neg for Dual {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Dual { value: -self.value, slope: -self.slope }
+    }
+}
+
+macro_rules! number {
+    ($number:ident) => {
+        impl Default for $number {
+            fn default() -> Self {
+                Self::ZERO
+            }
+        }
+        impl Sum for $number {
+            fn sum<I: Iterator<Item = Self>>(items: I) -> Self {
+                items.fold(Self::ZERO, |a, b| a + b)
+            }
+        }
+        impl Scalar for $number {
+            fn next_below(self) -> Self {
+                self - self.abs() * Self::EPSILON
+            }
+        }
+        /// Errors are not followed: what rounding decides has been decided with 31 digits.
+        impl Single for $number {
+            type Tracked = Self;
+            fn track(self) -> Self {
+                self
+            }
+            fn value_and_error(tracked: Self) -> (Self, Self) {
+                let error = tracked.abs() * Self::EPSILON * Self::of(1e3);
+                (tracked, Self::of(error.to_f64()))
+            }
+        }
+    };
+}
+number!(Precise);
+number!(Dual);
+
+/// What both numbers have in common of [`Real`].
+macro_rules! common {
+    () => {
+        type Mask = bool;
+        type Lane = Self;
+        const LANES: usize = 1;
+        fn lane(self, _: usize) -> Self {
+            self
+        }
+        fn with_lane(self, _: usize, value: Self) -> Self {
+            value
+        }
+        fn lt(self, other: Self) -> bool {
+            self < other
+        }
+        fn le(self, other: Self) -> bool {
+            self <= other
+        }
+        fn select(mask: bool, yes: Self, no: Self) -> Self {
+            if mask { yes } else { no }
+        }
+        fn min(self, other: Self) -> Self {
+            if self <= other || other != other { self } else { other }
+        }
+        fn max(self, other: Self) -> Self {
+            if self >= other || other != other { self } else { other }
+        }
+    };
+}
+
+macro_rules! forward {
+    ($($name:ident)*) => {
+        $(fn $name(self) -> Self { Precise(Number::$name(self.0)) })*
+    };
+}
+
+#[allow(clippy::eq_op)]
+impl Real for Precise {
+    common!();
+    const ZERO: Self = Precise::f64(0.0);
+    const ONE: Self = Precise::f64(1.0);
+    /// 2⁻¹⁰³.
+    const EPSILON: Self = Precise::f64(f64::from_bits((1023 - 103) << 52));
+    const INFINITY: Self = Precise::f64(f64::INFINITY);
+    const MIN_POSITIVE: Self = Precise::f64(f64::MIN_POSITIVE);
+    fn of(x: f64) -> Self {
+        Precise::meant(x)
+    }
+    fn to_f64(self) -> f64 {
+        Number::to_f64(self.0)
+    }
+    fn finite(self) -> bool {
+        self.0.is_finite()
+    }
+    fn copysign(self, sign: Self) -> Self {
+        if self.to_f64().is_sign_negative() == sign.to_f64().is_sign_negative() {
+            self
+        } else {
+            -self
+        }
+    }
+    forward! {
+        abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
+    }
+    fn powf(self, exponent: Self) -> Self {
+        Precise(Number::powf(self.0, exponent.0))
+    }
+    fn powi(self, exponent: i32) -> Self {
+        Precise(Number::powi(self.0, exponent))
+    }
+    fn atan2(self, x: Self) -> Self {
+        Precise(Number::atan2(self.0, x.0))
+    }
+    fn hypot(self, other: Self) -> Self {
+        Precise(Number::hypot(self.0, other.0))
+    }
+}
+
+macro_rules! differentiated {
+    ($($name:ident: |$x:ident, $y:ident| $derivative:expr;)*) => {
+        $(fn $name(self) -> Self {
+            #[allow(unused_variables)]
+            let ($x, $y) = (self.value, self.value.$name());
+            self.chain($y, $derivative)
+        })*
+    };
+}
+
+/// The number `x`, exactly, in any precision that has its digits.
+pub fn exactly<R: Real>(x: f64) -> R {
+    if R::EPSILON.to_f64() > 1e-20 || x == 0.0 || !x.is_finite() {
+        return R::of(x);
+    }
+    // Whole numbers and powers of two are what they are.
+    let power = |n: i32| 2f64.powi(n);
+    let exponent = (x.abs().log2() as i32 - 54).max(-1070);
+    let half = exponent / 2;
+    let whole = x * power(-half) * power(half - exponent);
+    let high = (whole / power(27)).trunc();
+    let low = whole - high * power(27);
+    let scale = R::of(power(half)) * R::of(power(exponent - half));
+    (R::of(high) * R::of(power(27)) + R::of(low)) * scale
+}
+
+/// Small integers and simple fractions.
+fn p(x: f64) -> Precise {
+    Precise::of(x)
+}
+
+#[allow(clippy::eq_op)]
+impl Real for Dual {
+    common!();
+    const ZERO: Self = Dual::constant(Precise::ZERO);
+    const ONE: Self = Dual::constant(Precise::ONE);
+    const EPSILON: Self = Dual::constant(Precise::EPSILON);
+    const INFINITY: Self = Dual::constant(Precise::INFINITY);
+    const MIN_POSITIVE: Self = Dual::constant(Precise::MIN_POSITIVE);
+    fn of(x: f64) -> Self {
+        Dual::constant(Precise::of(x))
+    }
+    fn to_f64(self) -> f64 {
+        self.value.to_f64()
+    }
+    fn finite(self) -> bool {
+        self.value.finite()
+    }
+    fn copysign(self, sign: Self) -> Self {
+        let same = self.value.to_f64().is_sign_negative() == sign.value.to_f64().is_sign_negative();
+        if same { self } else { -self }
+    }
+    differentiated! {
+        abs: |x, y| Precise::ONE.copysign(x);
+        floor: |x, y| Precise::ZERO;
+        sqrt: |x, y| p(0.5) / y;
+        cbrt: |x, y| (p(3.0) * y * y).recip();
+        exp: |x, y| y;
+        exp_m1: |x, y| x.exp();
+        ln: |x, y| x.recip();
+        ln_1p: |x, y| (Precise::ONE + x).recip();
+        sin: |x, y| x.cos();
+        cos: |x, y| -x.sin();
+        tan: |x, y| Precise::ONE + y * y;
+        asin: |x, y| ((Precise::ONE - x) * (Precise::ONE + x)).sqrt().recip();
+        acos: |x, y| -((Precise::ONE - x) * (Precise::ONE + x)).sqrt().recip();
+        atan: |x, y| (Precise::ONE + x * x).recip();
+        sinh: |x, y| x.cosh();
+        cosh: |x, y| x.sinh();
+        tanh: |x, y| (x.cosh() * x.cosh()).recip();
+        asinh: |x, y| Precise::ONE.hypot(x).recip();
+        acosh: |x, y| ((x - Precise::ONE) * (x + Precise::ONE)).sqrt().recip();
+        atanh: |x, y| ((Precise::ONE - x) * (Precise::ONE + x)).recip();
+    }
+    fn powf(self, exponent: Self) -> Self {
+        let (x, e) = (self.value, exponent.value);
+        let value = x.powf(e);
+        let base = self.chain(value, e * x.powf(e - Precise::ONE)).slope;
+        let power = exponent.chain(value, value * x.ln()).slope;
+        Dual { value, slope: base + power }
+    }
+    fn powi(self, exponent: i32) -> Self {
+        let slope = p(f64::from(exponent)) * self.value.powi(exponent - 1);
+        self.chain(self.value.powi(exponent), slope)
+    }
+    fn atan2(self, x: Self) -> Self {
+        let r = self.value.hypot(x.value);
+        let value = self.value.atan2(x.value);
+        let slope =
+            self.chain(value, x.value / r / r).slope - x.chain(value, self.value / r / r).slope;
+        Dual { value, slope }
+    }
+    fn hypot(self, other: Self) -> Self {
+        let value = self.value.hypot(other.value);
+        let slope = self.chain(value, self.value / value).slope
+            + other.chain(value, other.value / value).slope;
+        Dual { value, slope }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::{PI, TAU};
+
+    #[test]
+    fn constants_are_what_is_meant_and_parameters_what_they_are() {
+        let third = Precise::of(1.0 / 3.0) * Precise::of(3.0) - Precise::ONE;
+        assert!(third.to_f64().abs() < 1e-30);
+        assert!(Precise::of(PI).sin().to_f64().abs() < 1e-30);
+        assert!((exactly::<Precise>(PI).sin().to_f64() - 1.2246467991473532e-16).abs() < 1e-30);
+        for x in [TAU, 0.1, -1e-300, 1e300, 5e-324, 0.9999999999999999, 1.0 / 3.0] {
+            assert_eq!(exactly::<Precise>(x), Precise::f64(x));
+        }
+    }
+
+    #[test]
+    fn derivatives() {
+        let x = Dual::variable(Precise::f64(0.3));
+        let near = |found: Dual, slope: f64| {
+            assert!(
+                (found.slope.to_f64() - slope).abs() < 1e-15,
+                "{found:?} has not slope {slope}"
+            );
+        };
+        near(x.sin() * x.exp(), 0.3f64.exp() * (0.3f64.sin() + 0.3f64.cos()));
+        near(x.powf(x), 0.3f64.powf(0.3) * (0.3f64.ln() + 1.0));
+        near(x.atan2(x * x), -1.0 / 1.09);
+        near((x / (Dual::ONE - x)).sqrt(), 0.5 * (0.7f64 / 0.3).sqrt() / 0.49);
+    }
+}

@@ -1,0 +1,319 @@
+//! Every sampler of the catalogue and of the renderer, once, with the parameters that it is tried with.
+//!
+//! To add one, add a line to the table: an item of the language by its type, a composition by an
+//! expression of its parameters `p(0)`, `p(1)`, … and the values to try.
+
+use aether_core::legal::{Parameter, ParameterKind};
+use aether_core::prelude::*;
+use aether_core::{DomainError, Legal, Sampler, Scalar};
+use integrators::samplers as renderer;
+use integrators::scattering::facets;
+
+use crate::catalogue::*;
+use crate::points::FromCoordinates;
+use crate::precise::exactly;
+use crate::reference::{Inputs, Reference};
+
+/// Something to be done with a sampler of any space.
+pub trait Visitor<R: Scalar> {
+    /// What comes out.
+    type Output;
+    /// Does it.
+    fn visit<S: Sampler<R>>(self, sampler: S) -> Self::Output
+    where
+        S::Point: FromCoordinates<R>;
+}
+
+/// A sampler and what is known of its parameters, without their precision.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Which one.
+    pub which: Which,
+    /// Its name: in the catalogue, that of the reference data.
+    pub name: &'static str,
+    /// The row of the catalogue; 0 for what the renderer has.
+    pub row: u64,
+    /// Its parameters, if they are an item's; none are known of a composition.
+    pub parameters: &'static [Parameter],
+    /// Parameters to try, as lists of numbers.
+    pub sets: Vec<Vec<f64>>,
+    /// How many preimages a point has at most; 16 for a composition.
+    pub preimages: usize,
+}
+
+impl Item {
+    /// Visits the sampler with these parameters.
+    ///
+    /// # Errors
+    /// If they are not in their domain.
+    pub fn visit<R: Scalar, V: Visitor<R>>(
+        &self,
+        numbers: &[f64],
+        visitor: V,
+    ) -> Result<V::Output, DomainError> {
+        visit(self.which, numbers, visitor)
+    }
+}
+
+/// An item with these parameters, rounded to its precision; directions are made unit vectors there.
+fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
+    let mut rounded: Vec<S::Real> = numbers.iter().map(|x| exactly(*x)).collect();
+    let mut first = 0;
+    for parameter in S::PARAMETERS {
+        let n = parameter.kind.numbers();
+        if parameter.kind == ParameterKind::Direction
+            && let Some([x, y, z]) = rounded.get_mut(first..first + n)
+        {
+            [*x, *y, *z] = Direction::new(*x, *y, *z).to_array();
+        }
+        first += n;
+    }
+    S::from_parameters(&rounded)
+}
+
+macro_rules! registry {
+    (
+        catalogue { $($row:literal $name:literal $which:ident: $item:ty;)* }
+        renderer { $($part:literal $here:ident: |$p:ident| $sampler:expr, $sets:expr;)* }
+    ) => {
+        /// Which sampler.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[allow(missing_docs)]
+        pub enum Which { $($which,)* $($here,)* }
+
+        /// All items.
+        pub fn items() -> Vec<Item> {
+            type R = f64;
+            let tried = [Reference::load(), Reference::load_branched()];
+            vec![
+                $(Item {
+                    which: Which::$which,
+                    name: $name,
+                    row: $row,
+                    parameters: <$item>::PARAMETERS,
+                    sets: sets(&tried, $row, $name),
+                    preimages: <$item>::DERIVATION.preimages,
+                },)*
+                $(Item {
+                    which: Which::$here,
+                    name: concat!("renderer: ", $part),
+                    row: 0,
+                    parameters: &[],
+                    sets: $sets.iter().map(|s| s.to_vec()).collect(),
+                    preimages: 16,
+                },)*
+            ]
+        }
+
+        /// The item that an entry of the reference data is about.
+        ///
+        /// # Panics
+        /// If there is none.
+        pub fn item_of(inputs: &Inputs) -> Which {
+            match (inputs.row, inputs.name.as_str()) {
+                $(($row, $name) => Which::$which,)*
+                _ => panic!("the catalogue has no sampler {} in row {}", inputs.name, inputs.row),
+            }
+        }
+
+        /// Visits a sampler with these parameters.
+        ///
+        /// # Errors
+        /// If they are not in their domain.
+        pub fn visit<R: Scalar, V: Visitor<R>>(
+            which: Which,
+            numbers: &[f64],
+            visitor: V,
+        ) -> Result<V::Output, DomainError> {
+            Ok(match which {
+                $(Which::$which => visitor.visit(make::<$item>(numbers)?),)*
+                $(Which::$here => {
+                    #[allow(unused_variables)]
+                    let $p = |i: usize| exactly::<R>(numbers[i]);
+                    visitor.visit($sampler)
+                })*
+            })
+        }
+    };
+}
+
+/// The parameters that the reference data has of a row.
+fn sets(tried: &[Reference], row: u64, name: &str) -> Vec<Vec<f64>> {
+    let mut sets: Vec<Vec<f64>> = Vec::new();
+    let points = tried.iter().flat_map(|r| &r.points).map(|p| &p.inputs);
+    for inputs in points.filter(|i| i.row == row && i.name == name) {
+        let numbers = inputs.numbers();
+        if !sets.contains(&numbers) {
+            sets.push(numbers);
+        }
+    }
+    sets
+}
+
+/// Three numbers as a vector.
+fn vector<R: Scalar>(p: impl Fn(usize) -> R, first: usize) -> Vec3<R> {
+    Vec3::new(p(first), p(first + 1), p(first + 2))
+}
+
+/// A viewer above the surface, at this height.
+fn view<R: Scalar>(z: R) -> Direction<R> {
+    Direction::new((R::ONE - z * z).sqrt(), R::ZERO, z)
+}
+
+/// A film sample as the direction that a camera looking along (0.48, 0.64, 0.6) sees there.
+fn camera<R: Scalar, S: Sampler<R, Point = Vec2<R>>>(
+    film: S,
+    scale: R,
+) -> impl Sampler<R, Point = Direction<R>> {
+    let half = R::of(0.5);
+    let axis = Direction::new(R::of(0.48), R::of(0.64), R::of(0.6));
+    let centre = Vec2::new(R::of(320.0) + half, R::of(240.0) + half);
+    film.then(renderer::pinhole(centre, Vec2::new(scale, scale)))
+        .then(renderer::rotate(Frame::around(axis)))
+}
+
+/// Corners, from an ordinary triangle to a sliver and one far away.
+const TRIANGLES: [[f64; 9]; 5] = [
+    [0.0, 0.0, 1.0, 2.0, 0.0, 1.5, 0.25, 1.75, 0.25],
+    [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.5, 1e-9, 0.0],
+    [1e6, 1e6, 1e6, 1e6 + 1.0, 1e6, 1e6, 1e6, 1e6 + 1.0, 1e6 + 1.0],
+    [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 1e-6],
+    [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1e6, 1e6],
+];
+
+registry! {
+    catalogue {
+        1 "affine" Affine: Affine<R>;
+        2 "power" Power: Power<R>;
+        3 "exponential" Exponential: Exponential<R>;
+        4 "truncated exponential" TruncatedExponential: TruncatedExponential<R>;
+        5 "linear" Linear: Linear<R>;
+        18 "Weibull" Weibull: Weibull<R>;
+        19 "Gumbel" Gumbel: Gumbel<R>;
+        23 "softplus of logistic" SoftplusLogistic: SoftplusLogistic;
+        42 "disk polar" PolarDisk: PolarDisk<R>;
+        57 "affine of two logistics" AffineLogistics: AffineLogistics<R>;
+        60 "uniform sphere" UniformSphere: UniformSphere;
+        61 "equirectangular" Equirectangular: Equirectangular;
+        62 "uniform hemisphere" UniformHemisphere: UniformHemisphere;
+        63 "cosine hemisphere" CosineHemisphere: CosineHemisphere;
+        64 "power cosine" PowerCosine: PowerCosine<R>;
+        93 "sphere surface" SphereSurface: SphereSurface<R>;
+        107 "height field" HeightField: HeightField<R>;
+        6 "tent" Tent: Tent<R>;
+        7 "triangular" Triangular: Triangular<R>;
+        15 "student_2" Student2: Student2;
+        16 "student" Student: Student<R>;
+        17 "laplace" Laplace: Laplace<R>;
+        32 "rational_quadratic" RationalQuadratic: RationalQuadratic<R>;
+        33 "cosine" Cosine: Cosine;
+        34 "parabola" Parabola: Parabola;
+        34 "square" Square: Square;
+        34 "fold" Fold: Fold;
+        35 "sawtooth" Sawtooth: Sawtooth;
+        36 "cubic" Cubic: Cubic;
+        46 "elliptical_grid" EllipticalGrid: EllipticalGrid;
+        53 "bilinear_density" BilinearDensity: BilinearDensity<R>;
+        56 "complex_square_xy" ComplexSquareXy: ComplexSquareXy;
+        52 "pentagon" Pentagon: Pentagon;
+        43 "concentric_disk" ConcentricDisk: ConcentricDisk;
+        44 "annular_sector" AnnularSector: AnnularSector<R>;
+        50 "bivariate_normal" BivariateNormal: BivariateNormal<R>;
+        51 "ggx_slopes" GgxSlopes: GgxSlopes<R>;
+        54 "bilinear_quad" BilinearQuad: BilinearQuad<R>;
+        56 "complex_square" ComplexSquare: ComplexSquare;
+        116 "radial_flow" RadialFlow: RadialFlow<R>;
+        117 "affine_coupling" AffineCoupling: AffineCoupling<R>;
+        67 "equal_area_octahedral" EqualAreaOctahedral: EqualAreaOctahedral;
+        86 "visible_normals" VisibleNormals: VisibleNormals<R>;
+        89 "reflected_ggx" ReflectedGgx: ReflectedGgx<R>;
+        90 "refracted_ggx" RefractedGgx: RefractedGgx<R>;
+        76 "rayleigh" Rayleigh: Rayleigh;
+        68 "zonal_window" ZonalWindow: ZonalWindow<R>;
+        65 "cone" Cone: Cone<R>;
+        66 "concentric_hemisphere" ConcentricHemisphere: ConcentricHemisphere;
+        69 "double_lune" DoubleLune: DoubleLune<R>;
+        74 "von_mises_fisher" VonMisesFisher: VonMisesFisher<R>;
+        74 "von_mises_fisher_as_printed" VonMisesFisherAsPrinted: VonMisesFisherAsPrinted<R>;
+        75 "henyey_greenstein" HenyeyGreenstein: HenyeyGreenstein<R>;
+        75 "henyey_greenstein_as_printed" HenyeyGreensteinAsPrinted: HenyeyGreensteinAsPrinted<R>;
+        77 "transformed_cosine" TransformedCosine: TransformedCosine<R>;
+        81 "beckmann" Beckmann: Beckmann<R>;
+        82 "ggx" Ggx: Ggx<R>;
+        83 "anisotropic_ggx" AnisotropicGgx: AnisotropicGgx<R>;
+        84 "ashikhmin_shirley" AshikhminShirley: AshikhminShirley<R>;
+        91 "mixture" Mixture: Mixture<R>;
+        92 "sheen" Sheen: Sheen<R>;
+        99 "perspective" Perspective: Perspective<R>;
+        54 "bilinear_patch" BilinearPatch: BilinearPatch<R>;
+        98 "sphere_light" SphereLight: SphereLight<R>;
+        102 "chained_frames" ChainedFrames: ChainedFrames;
+        106 "scattering_vertex" ScatteringVertex: ScatteringVertex<R>;
+        111 "stick_breaking" StickBreaking: StickBreaking;
+        40 "helix" Helix: Helix<R>;
+        95 "truncated_cone" TruncatedCone: TruncatedCone<R>;
+        97 "onto_plane" OntoPlane: OntoPlane<R>;
+        47 "triangle" Triangle: Triangle<R>;
+        48 "triangle_heitz" TriangleHeitz: TriangleHeitz<R>;
+        49 "triangle_fold" TriangleFold: TriangleFold<R>;
+        79 "quaternion" Quaternion: Quaternion;
+        94 "ellipsoid" Ellipsoid: Ellipsoid<R>;
+        96 "torus" Torus: Torus<R>;
+        103 "shell" Shell: Shell<R>;
+        104 "tetrahedron" Tetrahedron: Tetrahedron<R>;
+        105 "simplex" Simplex: Simplex;
+        113 "ordered" Ordered: Ordered;
+        114 "correlation_factor" CorrelationFactor: CorrelationFactor;
+    }
+    renderer {
+        "diffuse lobe" DiffuseLobe: |p| renderer::cosine_hemisphere(), [[]];
+        "diffuse, hit at a distance" DiffuseHit:
+            |p| renderer::cosine_hemisphere()
+                .then(renderer::rotate(Frame::around(Direction::from_vec(vector(&p, 0)))))
+                .then(renderer::hit_plane(Vec3::new(R::ZERO, R::ZERO, R::ZERO), vector(&p, 3), vector(&p, 6), SurfaceId(0))),
+            [
+                [0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.2, -0.1, 1.0],
+                [0.48, 0.64, 0.6, 1.0, 2.0, 1.0, 0.0, 0.6, -0.8],
+                [0.0, 0.0, -1.0, 0.0, 0.0, -1e-6, 0.0, 0.0, 1.0],
+                [0.6, 0.0, 0.8, 1e6, 0.0, 1e5, -0.8, 0.0, 0.6],
+            ];
+        "rough conductor, visible GGX" VisibleGgx:
+            |p| facets::visible_ggx_normals(p(0), p(0), view(p(1)))?.then(facets::reflect(view(p(1)))),
+            [[0.5, 0.6], [0.1, 0.9], [1e-2, 0.3], [1e-4, 0.6], [0.3, 1e-3]];
+        "rough conductor, Beckmann" Beckmanns:
+            |p| facets::beckmann_normals(p(0), p(0))?.then(facets::reflect(view(p(1)))),
+            [[0.5, 0.6], [0.1, 0.9], [1e-2, 0.3], [1e-4, 0.6]];
+        "rough dielectric, refraction" RoughRefraction:
+            |p| facets::visible_ggx_normals(p(0), p(0), view(p(1)))?
+                .then(facets::refract_in(view(p(1)), p(2))?),
+            [[0.5, 0.6, 0.667], [0.1, 0.9, 0.75], [1e-2, 0.3, 0.667], [1e-4, 0.6, 0.5]];
+        "sphere light by its cone" LightCone: |p| renderer::uniform_cone(p(0))?, [[0.5], [1e-3], [1e-7], [1.0]];
+        "sky" Sky: |p| renderer::uniform_directions(), [[]];
+        "triangle light" TriangleLight:
+            |p| renderer::uniform_triangle(vector(&p, 0), vector(&p, 3), vector(&p, 6), SurfaceId(0)),
+            TRIANGLES;
+        "sphere light" SphereLightSurface:
+            |p| renderer::uniform_sphere_surface(vector(&p, 0), p(3), SurfaceId(0)),
+            [[1.0, 2.0, 3.0, 2.5], [0.0, 0.0, 0.0, 1e-6], [0.0, 0.0, 0.0, 1e6], [100.0, -50.0, 1.0, 0.125]];
+        "disk light" DiskLight:
+            |p| renderer::uniform_disk(vector(&p, 0), vector(&p, 3), vector(&p, 6), SurfaceId(0)),
+            [
+                [1.0, 2.0, 3.0, 1.0, 0.5, 0.0, -0.5, 1.0, 0.25],
+                [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 0.0],
+                [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1e-9, 0.0],
+            ];
+        "film, box filter" FilmBox: |p| renderer::film_box(p(0), p(1)), [[0.5, 0.5], [320.5, 240.5], [8191.5, 8191.5]];
+        "film, tent filter" FilmTent:
+            |p| renderer::film_tent(p(0), p(1), p(2), p(3)),
+            [[0.5, 0.5, 1.0, 1.0], [320.5, 240.5, -1.0, 1.0], [8191.5, 8191.5, 1.0, -1.0]];
+        "film, Gaussian filter" FilmGaussian:
+            |p| renderer::film_gaussian(p(0), p(1), p(2), p(3)),
+            [[0.5, 0.5, 0.5, 0.9999998874648253], [8191.5, 8191.5, 0.5, 0.9999998874648253]];
+        "camera, box filter" CameraBox:
+            |p| camera(renderer::film_box(p(0), p(1)), p(2)),
+            [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002], [320.5, 240.5, 1e-6], [639.5, 479.5, 0.1]];
+        "camera, tent filter" CameraTent:
+            |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2)),
+            [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];
+    }
+}

@@ -1,0 +1,79 @@
+//! Why a sampler misses the limit somewhere: what the report says of it.
+
+/// The reasons that are known, by the name of the sampler.
+const REASONS: &[(&str, &str)] = &[
+    (
+        "affine of two logistics",
+        "the inverse of a nearly singular matrix magnifies the rounding of products",
+    ),
+    ("affine_coupling", "far out, the product of exponentials is one of nearly equal sizes"),
+    ("annular_sector", "in f32, squares of the radius underflow"),
+    ("anisotropic_ggx", "the own density at the last uniforms adds terms in u instead of 1 - u"),
+    (
+        "bilinear_density",
+        "corners of zero, or equal rows: the inverse divides by a difference of sums",
+    ),
+    ("chained_frames", "the grazing second direction: its cosine is a difference"),
+    ("concentric_hemisphere", BORDER),
+    ("cone", "f32 tests narrow cones by 1 - z, which has been rounded"),
+    ("correlation_factor", "next to a factor of -1 or 1 the rounded point lies off the manifold"),
+    ("cubic", "two roots meet, and a rounded sample does not tell them apart"),
+    ("double_lune", BORDER),
+    ("elliptical_grid", "the corners, where the map folds"),
+    ("ellipsoid", "near the tips, 1 - z²/s² of a rounded z"),
+    ("equal_area_octahedral", BORDER),
+    ("fold", "at the fold the density is that of one side"),
+    ("henyey_greenstein", "f32 at g next to 1: the lobe is narrower than the rounding of z"),
+    ("henyey_greenstein_as_printed", "the printed cosine cancels at g next to 1"),
+    ("linear", "a uniform of 1e-300 at a = 0: an intermediate product underflows"),
+    ("mixture", BORDER),
+    ("onto_plane", "the foot of the normal direction: sums of squares far from the origin"),
+    ("ordered", "the last uniforms: differences of exponentials"),
+    ("pentagon", BORDER),
+    ("power", "f32 cannot hold x at small k"),
+    ("power cosine", "an exponent of 1e12: a power of z near the pole, where x and y would tell"),
+    (
+        "radial_flow",
+        "the last uniform: the radius is recovered from a difference and exponentiated",
+    ),
+    ("rational_quadratic", "at the upper end the density is a difference"),
+    ("rayleigh", "the lower pole: 1 - c² of a rounded c"),
+    (
+        "reflected_ggx",
+        "the mirror direction, a pole that counts for both signs of the half vector; the horizon",
+    ),
+    ("refracted_ggx", "half vectors on the horizon, which rounding crosses"),
+    ("renderer: camera, box filter", COMPOSED),
+    ("renderer: camera, tent filter", COMPOSED),
+    ("renderer: diffuse, hit at a distance", "a grazing plane a million units away"),
+    (
+        "renderer: film, Gaussian filter",
+        "the rim of the filter: the radius is a difference from the centre",
+    ),
+    (
+        "renderer: triangle light",
+        "in f32, far from the origin: rounding exceeds an eighth of the triangle",
+    ),
+    ("scattering_vertex", "far from the origin, and a printed cosine that cancels"),
+    ("sheen", "alpha of 0.001: a power of 1000, whose base is not taken from z"),
+    ("sphere_light", "far away, at the rim and close by: differences of squares"),
+    ("tetrahedron", "f32 next to a corner"),
+    ("triangle_fold", BORDER),
+    ("triangle_heitz", BORDER),
+    ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
+    ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),
+    (
+        "truncated_cone",
+        "the apex of a cone: all azimuths are one point, whose membership is not seen",
+    ),
+    ("visible_normals", "grazing views and the last uniforms: lengths from differences of squares"),
+];
+
+const BORDER: &str =
+    "a point within rounding of a border between pieces counts for both or for none";
+const COMPOSED: &str = "a map between rounds the point of the film by more than its sampler knows: the last bits of a pixel";
+
+/// Why a sampler misses the limit.
+pub fn reason(name: &str) -> &'static str {
+    REASONS.iter().find(|(n, _)| *n == name).map_or("not explained", |(_, reason)| reason)
+}
