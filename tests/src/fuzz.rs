@@ -75,7 +75,7 @@ impl Wild {
             R::ONE.next_below(),
             R::INFINITY,
             -R::INFINITY,
-            R::INFINITY - R::INFINITY,
+            R::of(f64::NAN),
             tiny,
             tiny * R::EPSILON,
             tiny.recip(),

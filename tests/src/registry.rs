@@ -269,8 +269,8 @@ registry! {
         "diffuse lobe" DiffuseLobe: |p| renderer::cosine_hemisphere(), [[]];
         "diffuse, hit at a distance" DiffuseHit:
             |p| renderer::cosine_hemisphere()
-                .then(renderer::rotate(Frame::around(Direction::from_vec(vector(&p, 0)))))
-                .then(renderer::hit_plane(Vec3::new(R::ZERO, R::ZERO, R::ZERO), vector(&p, 3), vector(&p, 6), SurfaceId(0))),
+                .then(renderer::rotate(Frame::around(Direction::from_vec(vector(p, 0)))))
+                .then(renderer::hit_plane(Vec3::new(R::ZERO, R::ZERO, R::ZERO), vector(p, 3), vector(p, 6), SurfaceId(0))),
             [
                 [0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.2, -0.1, 1.0],
                 [0.48, 0.64, 0.6, 1.0, 2.0, 1.0, 0.0, 0.6, -0.8],
@@ -290,13 +290,13 @@ registry! {
         "sphere light by its cone" LightCone: |p| renderer::uniform_cone(p(0))?, [[0.5], [1e-3], [1e-7], [1.0]];
         "sky" Sky: |p| renderer::uniform_directions(), [[]];
         "triangle light" TriangleLight:
-            |p| renderer::uniform_triangle(vector(&p, 0), vector(&p, 3), vector(&p, 6), SurfaceId(0)),
+            |p| renderer::uniform_triangle(vector(p, 0), vector(p, 3), vector(p, 6), SurfaceId(0)),
             TRIANGLES;
         "sphere light" SphereLightSurface:
-            |p| renderer::uniform_sphere_surface(vector(&p, 0), p(3), SurfaceId(0)),
+            |p| renderer::uniform_sphere_surface(vector(p, 0), p(3), SurfaceId(0)),
             [[1.0, 2.0, 3.0, 2.5], [0.0, 0.0, 0.0, 1e-6], [0.0, 0.0, 0.0, 1e6], [100.0, -50.0, 1.0, 0.125]];
         "disk light" DiskLight:
-            |p| renderer::uniform_disk(vector(&p, 0), vector(&p, 3), vector(&p, 6), SurfaceId(0)),
+            |p| renderer::uniform_disk(vector(p, 0), vector(p, 3), vector(p, 6), SurfaceId(0)),
             [
                 [1.0, 2.0, 3.0, 1.0, 0.5, 0.0, -0.5, 1.0, 0.25],
                 [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 0.0],

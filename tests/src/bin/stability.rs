@@ -91,10 +91,8 @@ fn rows(options: &Options) -> Vec<Row> {
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
-                loop {
-                    let Some((i, item)) = next.lock().ok().and_then(|mut n| n.next()) else {
-                        break;
-                    };
+                let take = || next.lock().ok().and_then(|mut items| items.next());
+                while let Some((i, item)) = take() {
                     let about =
                         |p: &&PointEntry| p.inputs.row == item.row && p.inputs.name == item.name;
                     let entries = tried.iter().flat_map(|r| &r.points).filter(about);

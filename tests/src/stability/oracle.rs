@@ -128,7 +128,7 @@ fn orthogonalise<R: Scalar>(columns: &mut [Vec<R>]) -> Vec<Vec<R>> {
             coefficients.push(along);
         }
         let norm = length(column);
-        column.iter_mut().for_each(|x| *x = *x / norm);
+        column.iter_mut().for_each(|x| *x /= norm);
         coefficients.push(norm);
         triangle.push(coefficients);
     }
