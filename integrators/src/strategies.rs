@@ -168,9 +168,13 @@ pub fn sample_light<K: SceneKind>(
                     draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
                 }
                 Primitive::Sphere { center, radius, .. } => {
-                    if let Some((axis, depth)) = cone_of(here.position, center, radius) {
-                        let cone = given(uniform_cone(depth).ok());
-                        let local = draw(cone);
+                    // Its own points do not see it as a cone, on which side of it rounding may put them.
+                    let elsewhere = here.primitive().is_none_or(|on| on.0 != id.0);
+                    let cone =
+                        if elsewhere { cone_of(here.position, center, radius) } else { None };
+                    if let Some((axis, depth)) = cone {
+                        let directions = given(uniform_cone(depth).ok());
+                        let local = draw(directions);
                         let w = rotate(Frame::around(axis)).apply(&local);
                         let lit: Surface<K> = constant(world.lit(light, &here, &w));
                         let at = lit.seen_from(here.position).apply(&w);

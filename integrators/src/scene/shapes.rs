@@ -204,17 +204,25 @@ fn rectangle() -> Mesh {
     mesh
 }
 
-/// The cube `[-1, 1]³` with outward normals. Bit k of a corner's index is the sign of axis k.
+/// The cube `[-1, 1]³` with outward normals. Bit k of a corner's index is the sign of axis k. Each
+/// face has the whole unit square, turned as in Mitsuba.
 fn cube() -> Mesh {
     let sign = |corner: u32, axis: u32| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
     let corner = |i| DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2));
     let positions = (0..8).map(corner).collect();
-    let mut mesh = Mesh { positions, texcoords: unit_square(), ..Mesh::default() };
-    for face in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
-    {
-        let corners =
-            [0, 1, 2, 3].map(|i| Corner { texcoord: i, ..Corner::plain(face[i as usize]) });
-        mesh.push_polygon(&corners);
+    let texcoords = vec![DVec2::Y, DVec2::ONE, DVec2::X, DVec2::ZERO];
+    let mut mesh = Mesh { positions, texcoords, ..Mesh::default() };
+    for (face, first) in [
+        ([0, 4, 6, 2], 3),
+        ([1, 3, 7, 5], 0),
+        ([0, 1, 5, 4], 3),
+        ([2, 6, 7, 3], 1),
+        ([0, 2, 3, 1], 2),
+        ([4, 5, 7, 6], 3),
+    ] {
+        let corner =
+            |i: u32| Corner { texcoord: (first + i) % 4, ..Corner::plain(face[i as usize]) };
+        mesh.push_polygon(&[0, 1, 2, 3].map(corner));
     }
     mesh
 }

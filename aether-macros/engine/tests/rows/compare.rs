@@ -114,8 +114,11 @@ fn parameters(item: &Item, given: &Value) -> Vec<f64> {
                 }
             }
             None => {
-                let numbers = given.as_object().into_iter().flatten().map(|(_, v)| v);
-                list.push(numbers.filter_map(Value::as_f64).next().unwrap_or(f64::NAN));
+                // By name, because the order of a JSON object depends on how it was read.
+                let entries = given.as_object().into_iter().flatten();
+                let numbers = entries.filter_map(|(name, v)| Some((name, v.as_f64()?)));
+                let first = numbers.min_by(|a, b| a.0.cmp(b.0));
+                list.push(first.map_or(f64::NAN, |(_, number)| number));
             }
         }
     }
