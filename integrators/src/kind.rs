@@ -97,7 +97,7 @@ type ThinOf<K> = <<K as SceneKind>::ThinDielectric as Part<ThinDielectric>>::Pre
 /// Whether the kind has smooth plastic.
 pub type PlasticOf<K> = <<K as SceneKind>::Plastic as Part<Plastic>>::Presence;
 
-/// Something to be made for the smallest precompiled kind that covers a scene.
+/// Something to be made for a precompiled kind.
 pub trait WithKind: Sized {
     /// What comes out.
     type Output;
@@ -108,18 +108,33 @@ pub trait WithKind: Sized {
     fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered>;
 }
 
-/// What `action` makes for the smallest of the precompiled kinds that covers a scene.
+/// The names of the precompiled kinds, the smallest first.
+pub const KINDS: [&str; 4] =
+    [DiffuseRooms::NAME, GlossyRooms::NAME, Surfaces::NAME, Everything::NAME];
+
+/// The name of the smallest of the precompiled kinds that covers a scene.
+pub fn smallest(scene: &Scene) -> &'static str {
+    if covers::<DiffuseRooms>(scene).is_ok() {
+        DiffuseRooms::NAME
+    } else if covers::<GlossyRooms>(scene).is_ok() {
+        GlossyRooms::NAME
+    } else if covers::<Surfaces>(scene).is_ok() {
+        Surfaces::NAME
+    } else {
+        Everything::NAME
+    }
+}
+
+/// What `action` makes for a precompiled kind, by its name; `None` if there is no such kind.
 ///
 /// # Errors
-/// If none does, or what `action` says.
-pub fn smallest<A: WithKind>(scene: &Scene, action: A) -> Result<A::Output, NotCovered> {
-    if covers::<DiffuseRooms>(scene).is_ok() {
-        action.with::<DiffuseRooms>()
-    } else if covers::<GlossyRooms>(scene).is_ok() {
-        action.with::<GlossyRooms>()
-    } else if covers::<Surfaces>(scene).is_ok() {
-        action.with::<Surfaces>()
-    } else {
-        action.with::<Everything>()
+/// If the scene needs what the kind leaves out.
+pub fn named<A: WithKind>(name: &str, action: A) -> Option<Result<A::Output, NotCovered>> {
+    match name {
+        DiffuseRooms::NAME => Some(action.with::<DiffuseRooms>()),
+        GlossyRooms::NAME => Some(action.with::<GlossyRooms>()),
+        Surfaces::NAME => Some(action.with::<Surfaces>()),
+        Everything::NAME => Some(action.with::<Everything>()),
+        _ => None,
     }
 }

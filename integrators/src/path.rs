@@ -89,16 +89,17 @@ pub struct PathTracer<'s, K: SceneKind = Everything> {
     seed: u64,
 }
 
-/// A path tracer for a scene, compiled for as little as the scene needs; the same seed gives the same
-/// image.
+/// A path tracer for a scene by the name of a precompiled kind; `None` if there is no such kind. The same
+/// seed gives the same image, whatever the kind.
 ///
 /// # Errors
-/// If there is something in the scene that no precompiled kind has.
+/// If the scene needs what the kind leaves out.
 pub fn path_tracer<'s>(
+    kind: &str,
     scene: &'s Scene,
     settings: PathSettings,
     seed: u64,
-) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
+) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
     struct Make<'s>(&'s Scene, PathSettings, u64);
     impl<'s> kind::WithKind for Make<'s> {
         type Output = Box<dyn AnyKernel + 's>;
@@ -106,7 +107,7 @@ pub fn path_tracer<'s>(
             Ok(Box::new(PathTracer::<K>::new(self.0, self.1, self.2)?))
         }
     }
-    kind::smallest(scene, Make(scene, settings, seed))
+    kind::named(kind, Make(scene, settings, seed))
 }
 
 impl<'s, K: SceneKind> PathTracer<'s, K> {

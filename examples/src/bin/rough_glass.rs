@@ -58,12 +58,3 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("mean {:.4}", mean(&scene, 32)?);
     Ok(())
 }
-
-#[test]
-fn other_materials_are_refused() {
-    let glass = Scene::from_str(SCENE, Path::new("."), &[]).unwrap();
-    assert!(mean(&glass, 1).is_ok_and(|mean| mean > 0.0));
-    let metal = SCENE.replace("roughdielectric", "roughconductor");
-    let error = mean(&Scene::from_str(&metal, Path::new("."), &[]).unwrap(), 1).unwrap_err();
-    assert!(error.to_string().starts_with("the scene needs `RoughConductor`"), "{error}");
-}

@@ -60,6 +60,9 @@ pub(super) struct RenderArguments {
     /// Longest path, counted as in Mitsuba: 1 is emission only, 2 adds direct light, -1 is no limit
     #[arg(long, value_name = "N", value_parser = max_depth, allow_negative_numbers = true)]
     pub max_depth: Option<i32>,
+    /// What the renderer is compiled for, instead of the smallest kind that covers the scene
+    #[arg(long, value_name = "NAME", value_parser = crate::kind::KINDS)]
+    pub kind: Option<String>,
     /// Columns and rows of the image, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
     pub size: Option<(u32, u32)>,

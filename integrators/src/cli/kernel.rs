@@ -2,6 +2,7 @@
 
 use super::Failure;
 use super::arguments::{RenderArguments, check_size};
+use crate::kind;
 use crate::path::{PathSettings, path_tracer};
 use crate::render::AnyKernel;
 use crate::scene::Scene;
@@ -21,6 +22,8 @@ pub(super) struct Plan {
     pub max_depth: Option<u32>,
     /// The path length from which Russian roulette may end a path.
     pub rr_depth: u32,
+    /// The kind of scenes that the renderer is compiled for.
+    pub kind: String,
 }
 
 impl Plan {
@@ -35,6 +38,7 @@ impl Plan {
             // -1 has no counterpart in u32: no limit.
             max_depth: arguments.max_depth.map_or(requested.max_depth, |d| u32::try_from(d).ok()),
             rr_depth: requested.rr_depth,
+            kind: arguments.kind.clone().unwrap_or_else(|| kind::smallest(scene).to_owned()),
         }
     }
 }
@@ -59,7 +63,10 @@ pub(super) fn kernel_for<'a>(
                 rr_depth: plan.rr_depth,
                 hide_emitters: scene.integrator.hide_emitters,
             };
-            path_tracer(scene, settings, plan.seed).map_err(|e| Failure::new(e.to_string()))
+            match path_tracer(&plan.kind, scene, settings, plan.seed) {
+                Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
+                None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
+            }
         }
         unknown => {
             let message = format!("integrator `{unknown}` is not supported; supported: path");

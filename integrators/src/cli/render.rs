@@ -188,6 +188,7 @@ mod tests {
             seed: u64::MAX,
             max_depth: None,
             rr_depth: 5,
+            kind: "Everything".to_owned(),
         };
         let settings =
             RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::{Filter, Scene, ShapeKind};
 use crate::kind;
+use crate::vertex::SceneVertex;
 
 const KINDS: [ShapeKind; 7] = [
     ShapeKind::Rectangle,
@@ -47,6 +48,7 @@ pub fn json(scene: &Scene) -> Value {
         },
         "kind": kind_of(scene).map(|kind| json!({
             "name": kind.name,
+            "vertex_bytes": kind.vertex,
             "has": kind.has,
             "left_out": kind.left_out,
         })),
@@ -143,7 +145,8 @@ pub fn summary(scene: &Scene) -> String {
         format!("{}, max depth {depth}, roulette from {}", integrator.name, integrator.rr_depth),
     );
     if let Some(kind) = kind_of(scene) {
-        line("kind", format!("{}: {}", kind.name, kind.has.join(", ")));
+        let Kind { name, vertex, has, .. } = &kind;
+        line("kind", format!("{name}, {vertex} bytes a vertex: {}", has.join(", ")));
         line("left out", kind.left_out.join(", "));
     }
     if !scene.primitives.is_empty() {
@@ -164,6 +167,8 @@ fn bsdfs(scene: &Scene) -> BTreeMap<&'static str, usize> {
 /// What a render of a scene is compiled for.
 struct Kind {
     name: &'static str,
+    /// Bytes of a vertex.
+    vertex: usize,
     has: Vec<&'static str>,
     left_out: Vec<&'static str>,
 }
@@ -175,10 +180,11 @@ fn kind_of(scene: &Scene) -> Option<Kind> {
         type Output = Kind;
         fn with<K: kind::SceneKind>(self) -> Result<Kind, kind::NotCovered> {
             let (has, left_out) = kind::FEATURES.iter().partition(|name| kind::has::<K>(name));
-            Ok(Kind { name: K::NAME, has, left_out })
+            let vertex = size_of::<SceneVertex<K>>();
+            Ok(Kind { name: K::NAME, vertex, has, left_out })
         }
     }
-    kind::smallest(scene, Describe).ok()
+    kind::named(kind::smallest(scene), Describe)?.ok()
 }
 
 fn filter(filter: Filter) -> String {

@@ -1,5 +1,6 @@
 //! Renders of scenes as the program makes them.
 
+use integrators::kind;
 use integrators::path::{self, PathSettings};
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, render};
 use integrators::scene::Scene;
@@ -19,7 +20,8 @@ pub fn settings(scene: &Scene) -> PathSettings {
 /// # Panics
 /// If the scene needs what no kind has.
 pub fn path_tracer(scene: &Scene, seed: u64) -> Box<dyn AnyKernel + '_> {
-    path::path_tracer(scene, settings(scene), seed).expect("a kind covers the scene")
+    let tracer = path::path_tracer(kind::smallest(scene), scene, settings(scene), seed);
+    tracer.expect("a precompiled kind").expect("a kind that covers the scene")
 }
 
 /// Renders with a kernel: so many samples for each pixel, on so many threads (`None`: all cores).

@@ -49,9 +49,8 @@ const FURNACES: [(&str, [f32; 3]); 3] = [
 /// The chance that any of the comparisons with stored images fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 
-/// How many numbers are compared with a stored image: 64 blocks and two means in three channels,
-/// for two kinds of uniforms.
-const COMPARISONS: usize = SCENES.len() * 2 * 66 * 3;
+/// How many numbers are compared with a stored image: 64 blocks and two means in three channels.
+const COMPARISONS: usize = SCENES.len() * 66 * 3;
 
 fn most_significant(scores: &[BlockScore]) -> &BlockScore {
     scores.iter().min_by(|a, b| a.p_value.total_cmp(&b.p_value)).expect("there are scores")
@@ -74,15 +73,15 @@ fn report(what: &str, scores: &[BlockScore]) {
 #[test]
 fn renders_agree_with_the_stored_images() {
     let mut all = Vec::new();
-    for (name, samples) in SCENES {
+    for (index, (name, samples)) in SCENES.into_iter().enumerate() {
         let reference = Reference::stored(name);
-        // The measured variance of stratified samples is too large rather than too small.
-        for (sampler, samples) in [(Independent, samples), (LowDiscrepancy, samples / 4)] {
-            let what = format!("{name}, {}, {samples} samples", sampler.name());
-            let scores = scores(&path_traced(name, sampler, samples, None, 1), &reference);
-            report(&what, &scores);
-            all.extend(scores.into_iter().map(|score| (what.clone(), score)));
-        }
+        // Both kinds of uniforms in turn. The measured variance of stratified samples is too large rather
+        // than too small.
+        let (sampler, samples) = [(Independent, samples), (LowDiscrepancy, samples / 4)][index % 2];
+        let what = format!("{name}, {}, {samples} samples", sampler.name());
+        let scores = scores(&path_traced(name, sampler, samples, None, 1), &reference);
+        report(&what, &scores);
+        all.extend(scores.into_iter().map(|score| (what.clone(), score)));
     }
     assert_eq!(all.len(), COMPARISONS);
     let p_values: Vec<f64> = all.iter().map(|(_, score)| score.p_value).collect();

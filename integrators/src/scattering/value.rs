@@ -1,0 +1,87 @@
+//! The values of the scattering functions.
+
+use aether_core::prelude::Direction;
+use glam::Vec3;
+
+use super::material::base_albedo;
+use super::{Model, Scattering, facets, fresnel, metal};
+use crate::kind::{Part, PlasticOf, Presence, RoughPlasticOf, SceneKind};
+use crate::scene::bsdf::Roughness;
+
+impl<K: SceneKind> Scattering<'_, K> {
+    /// The value of the lobes that scatter into many directions, for light from `w` (in world
+    /// coordinates, of unit length), times its cosine with the shading normal.
+    pub fn value(&self, w: Vec3) -> Vec3 {
+        let w = Direction::from_vec(self.frame.to_local(w));
+        self.mixed(|model| self.model_value(model, w))
+    }
+
+    #[inline]
+    fn model_value(&self, model: &Model<K>, w: Direction<f32>) -> Vec3 {
+        match model {
+            Model::Diffuse(matte) if w.z > 0.0 => {
+                self.colour(&matte.get().reflectance) * (facets::LAMBERT * w.z)
+            }
+            Model::Plastic(plastic) if w.z > 0.0 => {
+                let (plastic, inside) = PlasticOf::<K>::get_ref(plastic);
+                let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;
+                let albedo = base_albedo(self.colour(&plastic.diffuse), *inside, plastic.nonlinear);
+                let through = passes(w.z) * passes(self.view.z) / (plastic.eta * plastic.eta);
+                albedo * (facets::LAMBERT * w.z * through)
+            }
+            Model::RoughConductor(m) if w.z > 0.0 => {
+                let m = m.get();
+                let Some((value, h)) = m.roughness.mirrored(self.view, w) else {
+                    return Vec3::ZERO;
+                };
+                self.colour(&m.reflectance) * metal(m.metal, h.dot(self.view)) * value
+            }
+            Model::RoughPlastic(plastic) if w.z > 0.0 => {
+                let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
+                let specular =
+                    plastic.roughness.mirrored(self.view, w).map_or(0.0, |(value, h)| {
+                        value * fresnel::dielectric(h.dot(self.view), plastic.eta).0
+                    });
+                let albedo =
+                    base_albedo(self.colour(&plastic.diffuse), coat.inside, plastic.nonlinear);
+                let through = coat.transmitted(w.z) * coat.transmitted(self.view.z)
+                    / (plastic.eta * plastic.eta);
+                self.colour(&plastic.reflectance) * specular
+                    + albedo * (facets::LAMBERT * w.z * through)
+            }
+            Model::RoughDielectric(glass) => {
+                let glass = glass.get();
+                let eta = self.relative(glass.eta);
+                if w.z > 0.0 {
+                    let Some((value, h)) = glass.roughness.mirrored(self.view, w) else {
+                        return Vec3::ZERO;
+                    };
+                    let (reflected, _) = fresnel::dielectric(h.dot(self.view), eta);
+                    self.colour(&glass.reflectance) * (reflected * value)
+                } else {
+                    self.colour(&glass.transmittance) * self.refracted(&glass.roughness, w, eta)
+                }
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// What facets refract from `w` to the viewer, times the cosine of `w` (Walter et al. 2007, Eq. 21),
+    /// for radiance.
+    fn refracted(&self, roughness: &Roughness, w: Direction<f32>, eta: f32) -> f32 {
+        let v = self.view;
+        let Some(m) = facets::half_vector(v, w, eta) else { return 0.0 };
+        let (vm, wm) = (v.dot(m), w.dot(m));
+        if vm <= 0.0 || wm >= 0.0 {
+            return 0.0;
+        }
+        let (reflected, _) = fresnel::dielectric(vm, eta);
+        let root = vm + eta * wm;
+        let value = (1.0 - reflected)
+            * roughness.distribution(m)
+            * roughness.unshadowed(v, w, m)
+            * (vm * wm / (v.z * root * root)).abs();
+        // η² of the change of measure and 1/η² of compressed radiance cancel.
+        if value.is_finite() { value } else { 0.0 }
+    }
+}
