@@ -194,22 +194,15 @@ fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
     match bsdf {
         // A kind without matte surfaces may still have black ones.
         Bsdf::Diffuse(matte) if matte.is_black() => {}
-        Bsdf::Diffuse(_) => need("Diffuse"),
-        Bsdf::Conductor(_) => need("Conductor"),
-        Bsdf::Dielectric(_) => need("Dielectric"),
-        Bsdf::ThinDielectric(_) => need("ThinDielectric"),
-        Bsdf::Plastic(_) => need("Plastic"),
-        Bsdf::RoughConductor(_) => need("RoughConductor"),
-        Bsdf::RoughDielectric(_) => need("RoughDielectric"),
-        Bsdf::RoughPlastic(_) => need("RoughPlastic"),
         Bsdf::TwoSided(sides) => sides.iter().for_each(|side| needed_by(side, need)),
         Bsdf::Mask { nested, .. } => {
-            need("Mask");
+            need(bsdf.feature());
             needed_by(nested, need);
         }
         Bsdf::Blend { nested, .. } => {
-            need("Blend");
+            need(bsdf.feature());
             nested.iter().for_each(|nested| needed_by(nested, need));
         }
+        model => need(model.feature()),
     }
 }

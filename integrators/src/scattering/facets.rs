@@ -1,7 +1,7 @@
 //! Microfacets: their samplers, and the terms of the scattering function (Walter, Marschner, Li and
 //! Torrance 2007; Heitz 2014). Directions are in the frame of the surface, with the viewer above it.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::PI;
 
 use aether_core::prelude::*;
 use aether_core::sampler::PdfOf;
@@ -194,9 +194,6 @@ pub fn half_vector(v: Direction<f32>, w: Direction<f32>, eta: f32) -> Option<Dir
     let m = if m.z < 0.0 { -m } else { m };
     Some(Direction::from_vec(m.into()))
 }
-
-/// 1 / π.
-pub const LAMBERT: f32 = FRAC_1_PI;
 
 #[cfg(test)]
 mod tests {

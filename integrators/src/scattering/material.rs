@@ -43,13 +43,20 @@ pub struct Side<K: SceneKind> {
     pub mask: Option<(K::Mask, f32)>,
 }
 
+impl<K: SceneKind> Model<K> {
+    /// Whether it reflects nothing.
+    #[inline]
+    pub fn is_black(&self) -> bool {
+        matches!(self, Model::Black)
+    }
+}
+
 impl<K: SceneKind> Side<K> {
     /// Whether it scatters no light at all.
     #[inline]
     pub fn is_black(&self) -> bool {
-        let black = |model: &Model<K>| matches!(model, Model::Black);
-        black(&self.base)
-            && self.blend.as_ref().is_none_or(|(_, model, share)| black(model) || *share == 0.0)
+        self.base.is_black()
+            && self.blend.as_ref().is_none_or(|(_, model, share)| model.is_black() || *share == 0.0)
             && self.mask.as_ref().is_none_or(|(_, share)| *share == 0.0)
     }
 }
@@ -82,11 +89,11 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
     match bsdf {
         Bsdf::TwoSided(sides) => side(&sides[usize::from(!front)], true),
         Bsdf::Mask { opacity, nested } => {
-            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>("Mask"))?;
+            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
             Ok(Side { mask: Some((present, 1.0 - opacity)), ..side(nested, front)? })
         }
         Bsdf::Blend { weight, nested } => {
-            let present = K::Blend::VALUE.ok_or_else(|| missing::<K>("Blend"))?;
+            let present = K::Blend::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
             let second = model(&nested[1], front)?;
             Ok(Side { blend: Some((present, second, *weight)), ..plain(model(&nested[0], front)?) })
         }
@@ -118,19 +125,7 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
         // The loader refuses mixtures within mixtures.
         Bsdf::Mask { .. } | Bsdf::Blend { .. } => return Ok(Model::Black),
     };
-    keep.ok_or_else(|| {
-        let feature = match bsdf {
-            Bsdf::Diffuse(_) => "Diffuse",
-            Bsdf::Conductor(_) => "Conductor",
-            Bsdf::Dielectric(_) => "Dielectric",
-            Bsdf::ThinDielectric(_) => "ThinDielectric",
-            Bsdf::Plastic(_) => "Plastic",
-            Bsdf::RoughConductor(_) => "RoughConductor",
-            Bsdf::RoughDielectric(_) => "RoughDielectric",
-            _ => "RoughPlastic",
-        };
-        missing::<K>(feature)
-    })
+    keep.ok_or_else(|| missing::<K>(bsdf.feature()))
 }
 
 /// What the coat of plastic reflects of a diffuse field inside it.

@@ -42,7 +42,7 @@ pub struct Scattering<'w, K: SceneKind> {
     uv: Vec2,
 }
 
-/// Where the value is: the reflectance of a metal at a cosine.
+/// What a metal reflects at a cosine; everything without an index of refraction.
 fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
     metal.map_or(Vec3::ONE, |Metal { eta, k }| fresnel::conductor(cosine, eta, k))
 }
@@ -107,10 +107,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         let holes = self.side.mask.as_ref().map_or(0.0, |(_, share)| *share);
         let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| *share);
         let light = [(1.0 - holes) * (1.0 - weight), (1.0 - holes) * weight, holes];
-        let black = |model: &Model<K>| matches!(model, Model::Black);
-        let first = if black(&self.side.base) { 0.0 } else { light[0] };
+        let first = if self.side.base.is_black() { 0.0 } else { light[0] };
         let second = match &self.side.blend {
-            Some((_, model, _)) if !black(model) => light[1],
+            Some((_, model, _)) if !model.is_black() => light[1],
             _ => 0.0,
         };
         let all = first + second + holes;

@@ -1,5 +1,7 @@
 //! The values of the scattering functions.
 
+use std::f32::consts::FRAC_1_PI;
+
 use aether_core::prelude::Direction;
 use glam::Vec3;
 
@@ -20,14 +22,14 @@ impl<K: SceneKind> Scattering<'_, K> {
     fn model_value(&self, model: &Model<K>, w: Direction<f32>) -> Vec3 {
         match model {
             Model::Diffuse(matte) if w.z > 0.0 => {
-                self.colour(&matte.get().reflectance) * (facets::LAMBERT * w.z)
+                self.colour(&matte.get().reflectance) * (FRAC_1_PI * w.z)
             }
             Model::Plastic(plastic) if w.z > 0.0 => {
                 let (plastic, inside) = PlasticOf::<K>::get_ref(plastic);
                 let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;
                 let albedo = base_albedo(self.colour(&plastic.diffuse), *inside, plastic.nonlinear);
                 let through = passes(w.z) * passes(self.view.z) / (plastic.eta * plastic.eta);
-                albedo * (facets::LAMBERT * w.z * through)
+                albedo * (FRAC_1_PI * w.z * through)
             }
             Model::RoughConductor(m) if w.z > 0.0 => {
                 let m = m.get();
@@ -46,8 +48,7 @@ impl<K: SceneKind> Scattering<'_, K> {
                     base_albedo(self.colour(&plastic.diffuse), coat.inside, plastic.nonlinear);
                 let through = coat.transmitted(w.z) * coat.transmitted(self.view.z)
                     / (plastic.eta * plastic.eta);
-                self.colour(&plastic.reflectance) * specular
-                    + albedo * (facets::LAMBERT * w.z * through)
+                self.colour(&plastic.reflectance) * specular + albedo * (FRAC_1_PI * w.z * through)
             }
             Model::RoughDielectric(glass) => {
                 let glass = glass.get();

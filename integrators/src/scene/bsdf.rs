@@ -170,6 +170,24 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// What a [kind of scene](crate::kind::SceneKind) must have for it, besides what is nested; of a
+    /// two-sided material that is all there is.
+    pub fn feature(&self) -> &'static str {
+        match self {
+            Self::Diffuse(_) => "Diffuse",
+            Self::Conductor(_) => "Conductor",
+            Self::Dielectric(_) => "Dielectric",
+            Self::ThinDielectric(_) => "ThinDielectric",
+            Self::Plastic(_) => "Plastic",
+            Self::RoughConductor(_) => "RoughConductor",
+            Self::RoughDielectric(_) => "RoughDielectric",
+            Self::RoughPlastic(_) => "RoughPlastic",
+            Self::TwoSided(sides) => sides[0].feature(),
+            Self::Mask { .. } => "Mask",
+            Self::Blend { .. } => "Blend",
+        }
+    }
+
     /// The plugin type.
     pub fn name(&self) -> &'static str {
         match self {

@@ -169,10 +169,7 @@ fn metal(query: &Query) -> Result<Option<Metal>, SceneError> {
     let material = query.string("material")?;
     let eta = query.color("eta", Purpose::Reflectance)?;
     let k = query.color("k", Purpose::Reflectance)?;
-    let outside = match query.get("ext_eta") {
-        Some(_) => index(query, "ext_eta", "air")?,
-        None => 1.0,
-    };
+    let outside = index(query, "ext_eta", "vacuum")?;
     let (eta, k) = match (material, eta, k) {
         (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
             return Err(query.error_at("material", "give either a material or eta and k, not both"));
@@ -233,12 +230,7 @@ fn rough_dielectric(
 }
 
 fn plastic_index(query: &Query) -> Result<f32, SceneError> {
-    let inside = if query.get("int_ior").is_some() {
-        index(query, "int_ior", "polypropylene")?
-    } else {
-        indices::dielectric("polypropylene").map_err(|e| query.error_at("", e))?
-    };
-    let eta = inside / index(query, "ext_ior", "air")?;
+    let eta = index(query, "int_ior", "polypropylene")? / index(query, "ext_ior", "air")?;
     if !(1.0..=100.0).contains(&eta) {
         let message = format!("the coat's relative index of refraction {eta} must lie in 1..=100");
         return Err(query.error_at("int_ior", message));
