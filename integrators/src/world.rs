@@ -3,7 +3,7 @@
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
-use crate::kind::{Everything, NotCovered, Presence, SceneKind};
+use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
@@ -31,6 +31,8 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// # Errors
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene) -> Result<Self, NotCovered> {
+        // Some features leave no trace below: without textures a colour would be their mean.
+        covers::<K>(scene)?;
         let mut light_of = vec![None; scene.primitives.len()];
         for (index, emitter) in (0..).zip(&scene.emitters) {
             light_of[emitter.primitive as usize] = Some(index);

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use integrators::image::block_test::holm;
-use integrators::kind::{DiffuseRooms, Everything, GlossyRooms, SceneKind};
+use integrators::kind::{DiffuseRooms, Everything, GlossyRooms, NotCovered, SceneKind};
 use integrators::path::PathTracer;
 use integrators::render::Film;
 use integrators::scene::SamplerKind::{Independent, LowDiscrepancy};
 use integrators::scene::Scene;
+use integrators::scene_kind;
 
 use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, settings};
 use super::{is_exact, report};
@@ -217,4 +218,13 @@ fn a_kind_that_is_too_small_is_an_error() {
     assert_eq!(message("constant"), Some(expected("Constant")));
     assert_eq!(message("mask"), Some(expected("Mask")));
     assert_eq!(message("directional"), Some(expected("Directional")));
+    // Textures, which would otherwise be their mean colour.
+    let checked =
+        furnace(r#"<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"#);
+    scene_kind! {
+        /// Plain surfaces under a sky.
+        struct Plain: Diffuse, Constant;
+    }
+    let error = PathTracer::<Plain>::new(&checked, settings(&checked), 1).err();
+    assert_eq!(error, Some(NotCovered { kind: "Plain", feature: "Textures" }));
 }
