@@ -92,20 +92,26 @@ pub(crate) fn other_preimages<R: Real, M: Map<R>>(
     });
 }
 
-impl<S, M> Then<S, M> {
-    /// The density at an image by way of one of its preimages.
-    #[inline(always)]
-    fn by_way_of<R: Real>(&self, x: &S::Point, valid: R::Mask) -> R
-    where
-        S: Sampler<R>,
-        M: Map<R, Source = S::Point>,
-    {
-        let p = self.first.pdf(x).value();
-        // Where the sampler has no density the map need not have a derivative.
-        let q = p / self.second.jacobian(x);
-        // Nor is a quotient of infinities a density.
-        R::select(valid.and(p.gt(R::ZERO)).and(q.ge(R::ZERO)), q, R::ZERO)
+/// The density of the images of a sampler's points by way of one preimage, `x`; zero if it is not valid.
+#[inline(always)]
+pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
+    sampler: &S,
+    map: &M,
+    x: &S::Point,
+    valid: R::Mask,
+) -> R {
+    if !valid.any() {
+        return R::ZERO;
     }
+    let p = sampler.pdf(x).value();
+    let inside = valid.and(p.gt(R::ZERO));
+    // Where the sampler has no density the map need not have a derivative.
+    if !inside.any() {
+        return R::ZERO;
+    }
+    let q = p / map.jacobian(x);
+    // Nor is a quotient of infinities a density.
+    R::select(inside.and(q.ge(R::ZERO)), q, R::ZERO)
 }
 
 impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S, M> {
@@ -123,9 +129,7 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     fn pdf(&self, y: &M::Target) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
         self.second.preimages(y, |x, valid| {
-            if valid.any() {
-                sum += self.by_way_of(&x, valid);
-            }
+            sum += by_way_of(&self.first, &self.second, &x, valid);
         });
         Density::new(sum)
     }
@@ -151,7 +155,9 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
         let p = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
         let mut sum = R::select(p.ge(R::ZERO), p, R::ZERO);
         // Other points that have the same image only inversion finds.
-        other_preimages(&self.second, &x, &y, |z, valid| sum += self.by_way_of(&z, valid));
+        other_preimages(&self.second, &x, &y, |z, valid| {
+            sum += by_way_of(&self.first, &self.second, &z, valid);
+        });
         Density::new(sum)
     }
 

@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use crate::discrete::{Choice, Discrete, FixedOutcomes};
-use crate::map::{Map, other_preimages};
+use crate::map::{Map, by_way_of, other_preimages};
 use crate::point::Includes;
 use crate::real::{Real, Scalar};
 use crate::sampler::Sampler;
@@ -35,12 +35,9 @@ pub fn mapped_with_density<R: Scalar, S: Sampler<R>, M: Map<R, Source = S::Point
     let (y, valid) = map.forward(x);
     let mut density = density.map(|p| p / map.jacobian(x));
     let mut others = false;
-    other_preimages(map, x, &y, |z, _| {
+    other_preimages(map, x, &y, |z, valid| {
         others = true;
-        let p = sampler.pdf(&z).value();
-        // Where there is no density the map need not have a derivative.
-        let p = if p > R::ZERO { p / map.jacobian(&z) } else { R::ZERO };
-        density = density.map(|sum| sum + p);
+        density = density.map(|sum| sum + by_way_of(sampler, map, &z, valid));
     });
     valid.then_some((y, density.filter(|_| !(weighed && others))))
 }
@@ -272,12 +269,9 @@ where
     let mut sum = V::Real::ZERO;
     let Some(y) = Includes::<M::Target>::part(&target.point()) else { return sum };
     map.preimages(&y, |w, valid| {
-        if valid {
-            let p = sampler.pdf(&w).value();
-            // Where there is no density the map need not have a derivative.
-            if p > V::Real::ZERO {
-                sum += product(p / map.jacobian(&w), factor(w));
-            }
+        let p = by_way_of(sampler, map, &w, valid);
+        if p > V::Real::ZERO {
+            sum += product(p, factor(w));
         }
     });
     sum
