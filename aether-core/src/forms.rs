@@ -8,6 +8,7 @@
 pub mod emitted;
 
 use crate::discrete::Discrete;
+use crate::point::Point;
 use crate::real::{Real, Scalar};
 use crate::sampler::Sampler;
 use crate::strategy::{Strategy, Vertex};
@@ -83,6 +84,24 @@ pub fn choose_identified<'a, V, R: Scalar, D: Discrete<R> + 'a, I: IntoIterator<
 ) -> D::Item<'a> {
     let _ = (distribution, index);
     outside("choose")
+}
+
+/// `let w = atom(direction, measure);` is a direction that nothing is drawn for, of a mirror say. The
+/// vertex is made from `w` or from maps of it, as with [`draw`], and is an atom
+/// ([`Dirac::Direction`](crate::strategy::Dirac::Direction)).
+///
+/// Techniques that come to the mirror from opposite sides state its atom in directions on opposite
+/// sides of it, and their densities compare only if both mean the same measure. `measure` is that
+/// measure per solid angle in this direction: for light the cosine times the square of the index of
+/// refraction there, which a refraction keeps (Veach 1997, section 5.2). The maps that follow divide by
+/// their changes of measure, so the value of an atom is its probability, stated per area of the surface
+/// where the direction leads; the integrand states its coefficient likewise.
+///
+/// # Panics
+/// Outside the body of a `#[strategy]`.
+pub fn atom<R: Real, P: Point<R>>(direction: P, measure: R) -> P {
+    let _ = (direction, measure);
+    outside("atom")
 }
 
 /// `let w = draw(sampler);` draws a continuous random variable: `w` is its value. The vertex is made

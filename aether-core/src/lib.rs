@@ -106,7 +106,7 @@ pub use vec::{Frame, Mat3, Vec2, Vec3};
 
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.
 pub mod prelude {
-    pub use crate::forms::{choose, constant, delegate, draw, given, stop};
+    pub use crate::forms::{atom, choose, constant, delegate, draw, given, stop};
     pub use crate::special::{
         beta_inc, beta_inc_inv, erf, erf_inv, erfc, erfc_inv, lambert_w, ln_beta, ln_gamma,
         normal_cdf, normal_quantile,

@@ -2,7 +2,10 @@
 
 use core::fmt::Debug;
 
-use crate::real::{Real, Scalar};
+use crate::density::Density;
+use crate::point::Point;
+use crate::real::{Mask, Real, Scalar};
+use crate::sampler::{PdfOf, Sampler};
 use crate::sequence::PathView;
 use crate::uniform::UniformSource;
 
@@ -156,6 +159,43 @@ impl<V: Vertex, const N: usize> From<Drawn<[V; N]>> for DrawnRun<V> {
 impl<V: Vertex> From<V> for Drawn<V> {
     fn from(vertex: V) -> Self {
         Drawn::new(vertex)
+    }
+}
+
+/// The random variable that is always the same point: what `atom(direction, measure)` draws in a
+/// strategy. Its density is the measure, at any point, for whether a vertex is the atom is known
+/// from how the path was made.
+#[derive(Clone, Copy, Debug)]
+pub struct Atom<P, R> {
+    point: P,
+    measure: R,
+}
+
+impl<P, R> Atom<P, R> {
+    /// An atom at a point of a space, and the measure there in which atoms are stated, per measure of
+    /// the space.
+    pub fn new(point: P, measure: R) -> Self {
+        Atom { point, measure }
+    }
+}
+
+impl<P: Point<R>, R: Real> Sampler<R> for Atom<P, R> {
+    type Uniforms = [R; 0];
+    type Point = P;
+    #[inline(always)]
+    fn forward(&self, _: [R; 0]) -> (P, R::Mask) {
+        (self.point, R::Mask::FALSE.not())
+    }
+    #[inline(always)]
+    fn pdf(&self, _: &P) -> PdfOf<Self, R> {
+        Density::new(self.measure)
+    }
+    #[inline(always)]
+    fn pdf_of_uniforms(&self, _: [R; 0]) -> PdfOf<Self, R> {
+        Density::new(self.measure)
+    }
+    fn preimages(&self, _: &P, mut visit: impl FnMut([R; 0], R::Mask)) {
+        visit([], R::Mask::FALSE.not());
     }
 }
 

@@ -379,6 +379,10 @@ impl Analysis<'_> {
                 Some(Action::Constant { pat, call, number })
             }
             Form::Draw(sampler) => self.draw(&pat, sampler, scope),
+            Form::Atom(sampler) => {
+                scope.atom = true;
+                self.draw(&pat, sampler, scope)
+            }
             Form::Choose { distribution, rule } => self.choose(pat, distribution, rule, scope),
         }
     }

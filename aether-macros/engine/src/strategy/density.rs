@@ -80,7 +80,7 @@ impl Kinds {
             End::Vertex(leaf) => match leaf.kind {
                 Kind::Density(_) => Kinds { density: true, ..Kinds::default() },
                 Kind::AtomPosition => Kinds { position: true, ..Kinds::default() },
-                Kind::AtomDirection => Kinds { direction: true, ..Kinds::default() },
+                Kind::AtomDirection(_) => Kinds { direction: true, ..Kinds::default() },
             },
             End::If { then, otherwise, .. } => {
                 Kinds::of_end(&then.end).and(Kinds::of_end(&otherwise.end))
@@ -371,13 +371,30 @@ impl Emitter<'_> {
         };
         match &leaf.kind {
             Kind::AtomPosition => atom(quote_spanned!(site=> Position)),
-            Kind::AtomDirection => atom(quote_spanned!(site=> Direction)),
+            Kind::AtomDirection(None) => atom(quote_spanned!(site=> Direction)),
+            Kind::AtomDirection(Some(point)) => {
+                let asked = quote_spanned!(site=>
+                    kind == ::core::option::Option::Some(#dirac::Direction));
+                self.term(point, leaf, &asked, pending)
+            }
             Kind::Density(point) => {
-                let (value, number) = (self.value(point, pending, site), leaf.number);
-                let new = self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)));
-                quote_spanned!(site=> if kind.is_none() #new { sum += probability * #value; })
+                self.term(point, leaf, &quote_spanned!(site=> kind.is_none()), pending)
             }
         }
+    }
+
+    /// Adds the density of a point, if that is `asked` for and not what was sampled.
+    fn term(
+        &self,
+        point: &Ident,
+        leaf: &Leaf,
+        asked: &TokenStream,
+        pending: &Pending,
+    ) -> TokenStream {
+        let site = leaf.vertex.span().resolved_at(Span::mixed_site());
+        let (value, number) = (self.value(point, pending, site), leaf.number);
+        let new = self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)));
+        quote_spanned!(site=> if #asked #new { sum += probability * #value; })
     }
 
     fn value(&self, point: &Ident, pending: &Pending, site: Span) -> TokenStream {

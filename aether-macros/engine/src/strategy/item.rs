@@ -387,7 +387,7 @@ fn atoms(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
         plan.walk(&mut |_| {}, &mut |leaf| match leaf.kind {
             Kind::Density(_) => {}
             Kind::AtomPosition => position = true,
-            Kind::AtomDirection => direction = true,
+            Kind::AtomDirection(_) => direction = true,
         });
         plan.delegates(&mut |strategy| {
             let field = referenced(strategy)
@@ -520,6 +520,7 @@ fn describe(name: &str, form: &Form) -> String {
         Form::Constant(call) => {
             format!("locally constant `{name}` of `{}`, read from the vertex", source(call))
         }
+        Form::Atom(atom) => format!("draws `{name}`, always the same: `{}`", source(atom)),
         Form::Given(value) => format!("given `{name}`, `{}`", source(value)),
     }
 }

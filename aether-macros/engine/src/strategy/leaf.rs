@@ -26,7 +26,15 @@ impl Analysis<'_> {
         // The vertices of a joint run may have been found by rays in whatever directions.
         let visible = self.connected.unwrap_or(facts.ray && self.count == 1);
         let kind = match scope.drawn.clone() {
-            Some(drawn) => self.point(&vertex, &drawn, &names, &scope),
+            Some(drawn) => {
+                let point = self.point(&vertex, &drawn, &names, &scope);
+                if scope.atom {
+                    self.one_atom(&vertex, facts, true, &scope);
+                }
+                point.map(
+                    |p| if scope.atom { Kind::AtomDirection(Some(p)) } else { Kind::Density(p) },
+                )
+            }
             None => self.atom(&vertex, facts, &scope),
         };
         let kind = kind.filter(|kind| self.count == 1 || self.run(&vertex, kind, &scope));
@@ -42,7 +50,7 @@ impl Analysis<'_> {
         drawn: &Ident,
         names: &BTreeSet<String>,
         scope: &Scope,
-    ) -> Option<Kind> {
+    ) -> Option<Ident> {
         let used: Vec<_> = scope.points.iter().filter(|(name, _)| names.contains(*name)).collect();
         let furthest = used.iter().max_by_key(|(_, ancestors)| ancestors.len());
         let Some((point, ancestors)) = furthest else {
@@ -67,7 +75,7 @@ impl Analysis<'_> {
             );
         }
         // The name as it is written in the source, or as hoisted: both resolve by their text.
-        find_ident(vertex.to_token_stream(), point).map(Kind::Density)
+        find_ident(vertex.to_token_stream(), point)
     }
 
     fn atom(&mut self, vertex: &Expr, facts: Facts, scope: &Scope) -> Option<Kind> {
@@ -90,6 +98,12 @@ impl Analysis<'_> {
             return None;
         }
         let direction = facts.ray && self.connected != Some(false);
+        self.one_atom(vertex, facts, direction, scope);
+        Some(if direction { Kind::AtomDirection(None) } else { Kind::AtomPosition })
+    }
+
+    /// Makes sure that an atom is not confused with others.
+    fn one_atom(&mut self, vertex: &Expr, facts: Facts, direction: bool, scope: &Scope) {
         let mut same = self.atoms.iter().filter(|(_, other)| *other == direction);
         let confused = same.any(|(turns, _)| confused(turns, &scope.turns));
         if facts.choice || confused {
@@ -101,7 +115,6 @@ impl Analysis<'_> {
             );
         }
         self.atoms.push((scope.turns.clone(), direction));
-        Some(if direction { Kind::AtomDirection } else { Kind::AtomPosition })
     }
 }
 

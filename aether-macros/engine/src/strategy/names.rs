@@ -7,7 +7,7 @@ use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, Ident, Macro, Pat, PatIdent, Stmt};
 
 /// Names that are reserved in the body of a strategy.
-pub const FORMS: [&str; 6] = ["choose", "draw", "constant", "given", "stop", "delegate"];
+pub const FORMS: [&str; 7] = ["choose", "draw", "atom", "constant", "given", "stop", "delegate"];
 
 /// The expression without parentheses around it.
 pub fn bare(mut expr: &Expr) -> &Expr {

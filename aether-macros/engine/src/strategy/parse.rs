@@ -1,7 +1,7 @@
 //! From the statements of a body to a tree: what follows a branch moves into its arms.
 
 use proc_macro2::Span;
-use quote::format_ident;
+use quote::{format_ident, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Expr, ExprCall, Ident, Local, Pat, Stmt, parse_quote};
 
@@ -269,6 +269,9 @@ impl Parser<'_> {
         if name == "stop" || name == "delegate" {
             return None;
         }
+        if name == "atom" {
+            return self.atom(name, call);
+        }
         let argument = self.argument(name, &call.args)?;
         Some(match name.to_string().as_str() {
             "choose" => Form::Choose { distribution: argument, rule: None },
@@ -276,6 +279,20 @@ impl Parser<'_> {
             "constant" => Form::Constant(argument),
             _ => Form::Given(argument),
         })
+    }
+
+    fn atom(&mut self, name: &Ident, call: &ExprCall) -> Option<Form> {
+        let [direction, measure] = [call.args.first()?, call.args.last()?];
+        if call.args.len() != 2 {
+            let message = format!(
+                "`{name}` takes a direction, and the measure in which atoms are stated there per \
+                 solid angle"
+            );
+            self.diagnostics.error(name, message);
+        }
+        call.args.iter().for_each(|argument| misuse::check_expr(argument, self.diagnostics));
+        let sampler = quote_spanned!(Span::mixed_site()=> ::aether_core::strategy::Atom::new);
+        Some(Form::Atom(parse_quote!(#sampler(#direction, #measure))))
     }
 
     fn argument(

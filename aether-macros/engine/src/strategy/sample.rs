@@ -87,9 +87,18 @@ impl Emitter<'_> {
         let drawn = quote_spanned!(site=> ::aether_core::strategy::Drawn);
         let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
         let made = match &leaf.kind {
-            Kind::Density(point) => return self.density(leaf, point, rules),
+            Kind::Density(point) => {
+                let none = quote_spanned!(site=> ::core::option::Option::None);
+                return self.density(leaf, point, &none, rules);
+            }
+            Kind::AtomDirection(Some(point)) => {
+                let kind = quote_spanned!(site=> ::core::option::Option::Some(#dirac::Direction));
+                return self.density(leaf, point, &kind, rules);
+            }
             Kind::AtomPosition => quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Position)),
-            Kind::AtomDirection => quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Direction)),
+            Kind::AtomDirection(None) => {
+                quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Direction))
+            }
         };
         let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
         quote_spanned!(site=> return ::core::option::Option::Some(#made #visible);)
@@ -140,12 +149,18 @@ impl Emitter<'_> {
         }
     }
 
-    /// A vertex with its density.
-    fn density(&self, leaf: &Leaf, point: &Ident, rules: &Rules) -> TokenStream {
+    /// A vertex with its density, or that of its atom.
+    fn density(
+        &self,
+        leaf: &Leaf,
+        point: &Ident,
+        dirac: &TokenStream,
+        rules: &Rules,
+    ) -> TokenStream {
         let site = Span::mixed_site();
         let (vertex, density, number) = (&leaf.vertex, density_of(point), leaf.number);
         let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
-        let ways = self.ways(number, rules, &quote_spanned!(site=> ::core::option::Option::None));
+        let ways = self.ways(number, rules, dirac);
         let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
         // A space that does not fit the vertex is reported there, by the density.
         quote_spanned! {site=>
@@ -154,7 +169,7 @@ impl Emitter<'_> {
             #ways
             let drawn = ::aether_core::strategy::Drawn::new(vertex);
             return ::core::option::Option::Some(
-                ::aether_core::strategy::Drawn { value: own, ..drawn } #visible
+                ::aether_core::strategy::Drawn { value: own, dirac: #dirac, ..drawn } #visible
             );
         }
     }

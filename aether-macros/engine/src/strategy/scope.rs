@@ -57,6 +57,8 @@ pub struct Scope {
     pub points: BTreeMap<String, BTreeSet<String>>,
     /// The draw on the way to here.
     pub drawn: Option<Ident>,
+    /// Whether that is an atom.
+    pub atom: bool,
     /// Names that code evaluated after inversion will look up.
     pub needed: BTreeSet<String>,
     /// The decisions on the way to here.

@@ -81,6 +81,8 @@ pub enum Form {
     },
     /// `draw(sampler)`.
     Draw(Expr),
+    /// `atom(direction, measure)`, as the random variable that it is.
+    Atom(Expr),
     /// `constant(call)`.
     Constant(Expr),
     /// `given(option)`.
@@ -204,8 +206,9 @@ pub enum Kind {
     Density(Ident),
     /// It is at a fixed position.
     AtomPosition,
-    /// It lies in a fixed direction from the vertex before.
-    AtomDirection,
+    /// It lies in a fixed direction from the vertex before: with a probability, or with the density of
+    /// this point, the image of an atom of which it is stated.
+    AtomDirection(Option<Ident>),
 }
 
 impl<S, L> Block<S, L> {
