@@ -1,70 +1,75 @@
 //! What is integrated: the light transport along a path, apart from how it was sampled.
 
 use aether_core::prelude::*;
-use aether_core::strategy::Dirac;
-use aether_core::{Includes, PathIntegrand, PathView, Vertex};
+use aether_core::strategy::{Dirac, Strategy};
+use aether_core::{Includes, PathIntegrand, PathView, RandomSequence, Vertex};
 use glam::Vec3;
 
 use crate::kind::{Everything, SceneKind};
-use crate::samplers::{pinhole, rotate};
 use crate::strategies::Pixel;
 use crate::vertex::{Place, SceneVertex};
 use crate::world::World;
 
-/// The measurement of one pixel as an integral over paths with area measure (Veach 1997, Eq. 8.7):
-/// importance of the filter, geometry terms with visibility, scattering, emission. Vertices that are
+/// The measurement of light as an integral over paths with area measure (Veach 1997, Eq. 8.7):
+/// importance of the camera, geometry terms with visibility, scattering, emission. Vertices that are
 /// infinitely far away have the measure of solid angle.
+///
+/// The importance is that of a filter which is one everywhere: a pixel's share of it is its
+/// [`Radiance::response`], so that what a path carries is computed once for all pixels that see it.
 pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     world: &'w World<'s, K>,
-    pixel: Pixel,
 }
 
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
-    /// The integrand of a pixel.
-    pub fn new(world: &'w World<'s, K>, pixel: Pixel) -> Self {
-        Radiance { world, pixel }
+    /// The integrand of a scene.
+    pub fn new(world: &'w World<'s, K>) -> Self {
+        Radiance { world }
     }
 
-    /// The importance that the pinhole sends to what it sees: the filter at the film point that looks
-    /// there, per film area, brought to the measure of the vertex by the derived change of measure.
+    /// The importance that the pinhole sends to what it sees, for a filter of one: the density per film
+    /// area, brought to the measure of the vertex by the derived change of measure.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        let to_direction = pinhole(self.world.film_centre(), self.world.film_scale())
-            .then(rotate(self.world.camera_frame));
+        let to_direction = self.world.film_to_direction();
         if let Some(surface) = seen.surface() {
             let to_surface = to_direction.then(surface.seen_from(eye.position));
             let Some(point) = seen.point().part() else { return 0.0 };
-            self.response(&to_surface, &point, eye, seen)
+            self.spread(&to_surface, &point)
         } else {
             let Some(direction) = seen.point().part() else { return 0.0 };
-            self.response(&to_direction, &direction, eye, seen)
+            self.spread(&to_direction, &direction)
         }
     }
 
-    /// The filter at the film points that a map takes to `x`, over the change of measure.
-    fn response<M: Map<f32, Source = Vec2<f32>>>(
+    /// One over the change of measure of a map of the film that takes some point to `x`.
+    fn spread<M: Map<f32, Source = Vec2<f32>>>(&self, map: &M, x: &M::Target) -> f32 {
+        let mut importance = 0.0;
+        map.preimages(x, |film: Vec2<f32>, exists| {
+            if exists {
+                importance += self.world.filter_scale / map.jacobian(&film);
+            }
+        });
+        importance
+    }
+
+    /// The value of a pixel's filter at the film point where a path's second vertex is seen from its
+    /// first; zero if it is not.
+    pub fn response<S: Strategy<SceneVertex<K>>>(
         &self,
-        map: &M,
-        x: &M::Target,
-        eye: &SceneVertex<K>,
-        seen: &SceneVertex<K>,
+        pixel: Pixel,
+        path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> f32 {
+        let (Some(eye), Some(seen)) = (path.vertex(0), path.vertex(1)) else { return 0.0 };
+        let Some(film) = self.world.film_point(&eye, &seen) else { return 0.0 };
         let filter = self.world.scene.film.filter;
-        let centre = (self.pixel.0 as f32 + 0.5, self.pixel.1 as f32 + 0.5);
+        let centre = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = filter.radius();
         // A point that the filter's rim was sampled for may come back on the other side of it.
         let profile = |x: f32, error: &dyn Fn() -> f32| {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        let mut importance = 0.0;
-        map.preimages(x, |film: Vec2<f32>, exists| {
-            let response = profile(film.x - centre.0, &|| self.film_error(eye, seen).x)
-                * profile(film.y - centre.1, &|| self.film_error(eye, seen).y);
-            if exists && response > 0.0 {
-                importance += response * self.world.filter_scale / map.jacobian(&film);
-            }
-        });
-        importance
+        profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x)
+            * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y)
     }
 
     /// By how much rounding of what is seen and of its direction can move a film point, in pixels:
@@ -78,7 +83,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     }
 
     /// Scattering at `here` between its neighbours, times the cosines and inverse square distance of
-    /// the edge to `next`; the coefficient of an atom, for which there is neither.
+    /// the edge to `next`; that of an atom is stated as the strategy of scattering states it.
     fn transport(
         &self,
         before: &SceneVertex<K>,
@@ -88,9 +93,6 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     ) -> Vec3 {
         let Some(scattering) = self.world.scattering(here, before) else { return Vec3::ZERO };
         let along = next.direction_from(here.position);
-        if atom {
-            return scattering.atoms(along);
-        }
         let squared = next.position.distance_squared(here.position);
         let geometry = match next.place {
             Place::Camera => return Vec3::ZERO,
@@ -98,7 +100,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             Place::Bulb(_) => 1.0 / squared,
             Place::Sky(_) | Place::Distant(_) => 1.0,
         };
-        let value = scattering.value(along) * geometry;
+        let scattered = if atom { scattering.atoms(along) } else { scattering.value(along) };
+        let value = scattered * geometry;
         if value.is_finite() { value } else { Vec3::ZERO }
     }
 }

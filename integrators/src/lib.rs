@@ -9,16 +9,21 @@
 //! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, and
 //! [`cli`] is the program.
 
+pub mod bidirectional;
 pub mod cli;
+pub mod emission;
 pub mod image;
 pub mod integrand;
+pub mod integrator;
 pub mod kind;
+pub mod light_tracer;
 pub mod lights;
 pub mod path;
 pub mod render;
 pub mod samplers;
 pub mod scattering;
 pub mod scene;
+pub mod selection;
 pub mod strategies;
 pub mod vertex;
 pub mod world;

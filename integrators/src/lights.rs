@@ -38,6 +38,8 @@ pub enum Light<K: SceneKind> {
 pub struct Lights<K: SceneKind> {
     /// The choice; none if nothing emits.
     pub choice: Option<Choices<Vec<Light<K>>, Light<K>, f32>>,
+    /// Centre and radius of a sphere around the scene.
+    pub bounds: (Vec3, f32),
     /// Where the sky is among them.
     sky: usize,
     /// Where the points begin.
@@ -61,11 +63,7 @@ impl<K: SceneKind> Lights<K> {
             powers.push(emitter.power().element_sum());
         }
         // Light from afar falls on the disk that the scene shows to it.
-        let radius = if scene.primitives.is_empty() {
-            1.0
-        } else {
-            0.5 * (scene.bounds.max - scene.bounds.min).length()
-        };
+        let bounds @ (_, radius) = scene.bounding_sphere();
         let cross_section = PI * radius * radius;
         let sky = lights.len();
         if let Some(light) = scene.sky {
@@ -86,7 +84,7 @@ impl<K: SceneKind> Lights<K> {
         }
         // No light, or only black ones: there is nothing to choose from.
         let choice = discrete_weighted(lights, powers).ok();
-        Ok(Lights { choice, sky, bulbs, distant })
+        Ok(Lights { choice, bounds, sky, bulbs, distant })
     }
 
     /// Which light a vertex lies on.

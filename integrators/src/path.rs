@@ -1,14 +1,12 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::{
-    Arena, Estimator, Pcg32, PowerHeuristic, Sobol, Strategy, UniformSource, combine,
-};
+use aether_core::{Arena, Estimator, PowerHeuristic, Strategy, UniformSource, combine};
 use glam::Vec3;
 
 use crate::integrand::Radiance;
-use crate::kind::{self, Everything, NotCovered, SceneKind};
-use crate::render::{AnyKernel, Worker};
-use crate::scene::{SamplerKind, Scene};
+use crate::integrator::{Integrator, Kernel};
+use crate::kind::{Everything, SceneKind};
+use crate::render::Splats;
 use crate::strategies::{
     PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
@@ -67,7 +65,7 @@ where
         camera.append(techniques.scatter.clone()).sample(uniforms);
     }
 
-    let estimator = Estimator::paths(Radiance::new(world, pixel));
+    let estimator = Estimator::paths(Radiance::new(world));
     let mut radiance = Vec3::ZERO;
     if !settings.hide_emitters && longest > 0 {
         radiance += estimator.of(&camera.slice(0..2));
@@ -79,74 +77,30 @@ where
         direct.append(techniques.light.clone()).sample(uniforms);
         radiance += estimator.sum(combine::<PowerHeuristic, _>([scattered, direct]));
     }
-    radiance
+    radiance * estimator.integrand().response(pixel, &camera)
 }
 
-/// The path tracer as the render engine calls it: one sample of one pixel at a time.
-pub struct PathTracer<'s, K: SceneKind = Everything> {
-    world: World<'s, K>,
-    settings: PathSettings,
-    seed: u64,
-}
+impl Integrator for PathSettings {
+    type Scratch<'a, K: SceneKind> = PathArena<'a, K>;
 
-/// A path tracer for a scene by the name of a precompiled kind; `None` if there is no such kind. The same
-/// seed gives the same image, whatever the kind.
-///
-/// # Errors
-/// If the scene needs what the kind leaves out.
-pub fn path_tracer<'s>(
-    kind: &str,
-    scene: &'s Scene,
-    settings: PathSettings,
-    seed: u64,
-) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
-    struct Make<'s>(&'s Scene, PathSettings, u64);
-    impl<'s> kind::WithKind for Make<'s> {
-        type Output = Box<dyn AnyKernel + 's>;
-        fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
-            Ok(Box::new(PathTracer::<K>::new(self.0, self.1, self.2)?))
-        }
-    }
-    kind::named(kind, Make(scene, settings, seed))
-}
-
-impl<'s, K: SceneKind> PathTracer<'s, K> {
-    /// A path tracer for a scene; the same seed gives the same image.
-    ///
-    /// # Errors
-    /// If the scene needs what the kind leaves out.
-    pub fn new(scene: &'s Scene, settings: PathSettings, seed: u64) -> Result<Self, NotCovered> {
-        Ok(PathTracer { world: World::new(scene)?, settings, seed })
+    fn scratch<'a, K: SceneKind>(&self, _: &'a World<'a, K>) -> PathArena<'a, K> {
+        PathArena::new()
     }
 
-    fn sample<'a>(
-        &'a self,
+    fn sample<'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
         arena: &mut PathArena<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
-    ) -> [f32; 3] {
+        _: &mut Splats,
+    ) -> Vec3 {
         arena.clear();
-        let world = &self.world;
-        let scatter = sample_bsdf(world, self.settings.rr_depth);
+        let scatter = sample_bsdf(world, self.rr_depth);
         let techniques = Techniques { scatter, light: sample_light(world) };
-        radiance(world, &self.settings, &techniques, arena, uniforms, pixel).to_array()
+        radiance(world, self, &techniques, arena, uniforms, pixel)
     }
 }
 
-impl<K: SceneKind> AnyKernel for PathTracer<'_, K> {
-    fn worker(&self) -> Worker<'_> {
-        let mut arena = PathArena::<K>::new();
-        let width = u64::from(self.world.scene.film.width);
-        let independent = self.world.scene.sampler.kind == SamplerKind::Independent;
-        Box::new(move |pixel, sample| {
-            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            if independent {
-                let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-                self.sample(&mut arena, &mut uniforms, pixel)
-            } else {
-                let mut uniforms = Sobol::new(self.seed, stream, sample);
-                self.sample(&mut arena, &mut uniforms, pixel)
-            }
-        })
-    }
-}
+/// The path tracer for a kind of scene.
+pub type PathTracer<'s, K = Everything> = Kernel<'s, K, PathSettings>;

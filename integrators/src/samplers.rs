@@ -102,6 +102,32 @@ pub fn hit_plane(
     SurfacePoint::new(origin + t * w, id)
 }
 
+/// Uniform on the disk about the origin with some radius.
+#[sampler]
+pub fn disk(u: [Uniform; 2], radius: f64) -> Vec2 {
+    let r = radius * u[0].sqrt();
+    let phi = TAU * u[1];
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+/// Where parallel light that comes from the direction `towards` through the point centre + p.x·a + p.y·b
+/// meets the plane through `point` with normal `normal`, as a point of the surface `id`.
+#[map]
+pub fn parallel(
+    p: Vec2,
+    centre: Vec3,
+    a: Vec3,
+    b: Vec3,
+    towards: Vec3,
+    point: Vec3,
+    normal: Vec3,
+    id: SurfaceId,
+) -> SurfacePoint {
+    let start = centre + p.x * a + p.y * b;
+    let t = normal.dot(start - point) / normal.dot(towards);
+    SurfacePoint::new(start - t * towards, id)
+}
+
 /// All directions alike.
 #[sampler]
 pub fn uniform_directions(u: [Uniform; 2]) -> Direction {

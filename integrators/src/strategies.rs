@@ -95,9 +95,9 @@ pub fn sample_bsdf<K: SceneKind>(
     let w = match lobe {
         Lobe::Nothing => return stop(),
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
-            let along = given(scattering.direction(&lobe));
-            let found: Seen<K> = constant(world.cast_along(&here, along));
-            return SceneVertex::found(found, along);
+            let fixed = given(scattering.direction(&lobe));
+            let local = atom(fixed, scattering.measure(&lobe, fixed));
+            rotate(frame).apply(&local)
         }
         Lobe::Matte(_) => {
             let local = draw(cosine_hemisphere());

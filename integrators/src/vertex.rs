@@ -5,8 +5,9 @@ use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
 use crate::kind::{Either, Everything, Presence, SceneKind, With};
-use crate::samplers::{HitPlane, hit_plane};
+use crate::samplers::{HitPlane, Parallel, hit_plane, parallel};
 use crate::scene::PrimitiveId;
+use crate::world::Window;
 
 /// A piece of surface, as a ray cast found it: constant near the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,15 @@ impl<K: SceneKind> Surface<K> {
     pub fn seen_from(&self, origin: Vector) -> HitPlane<f32> {
         let id = surface_id(self.primitive);
         hit_plane(origin.into(), self.position.into(), self.normal.into(), id)
+    }
+
+    /// Where light that comes through a window meets this piece of surface: the map from points of the
+    /// window to its points.
+    pub fn lit_through(&self, window: &Window) -> Parallel<f32> {
+        let Window { centre, u, v, towards, .. } = *window;
+        let [centre, u, v, towards] = [centre, u, v, towards].map(Into::into);
+        let id = surface_id(self.primitive);
+        parallel(centre, u, v, towards, self.position.into(), self.normal.into(), id)
     }
 }
 
@@ -108,14 +118,6 @@ impl<K: SceneKind> SceneVertex<K> {
     /// The sky in some direction.
     pub fn sky(sky: SkyOf<K>, w: Direction<f32>) -> Self {
         SceneVertex { position: w.vec().into(), place: Place::Sky(sky) }
-    }
-
-    /// What a ray in a direction of unit length that nothing was drawn for has met.
-    pub fn found(seen: Seen<K>, w: Vector) -> Self {
-        match seen {
-            Seen::Surface(surface) => Self::on(surface),
-            Seen::Sky(sky) => SceneVertex { position: w, place: Place::Sky(sky) },
-        }
     }
 
     /// A light that is an atom.

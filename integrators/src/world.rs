@@ -1,12 +1,16 @@
 //! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
-use aether_core::prelude::{Direction, Frame, Vec2};
+use aether_core::RandomSequence;
+use aether_core::prelude::{Direction, Frame, Map, Vec2};
+use aether_core::strategy::Strategy;
 use glam::Vec3;
 
 use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
 use crate::lights::{AreaLight, Lights};
+use crate::samplers::{pinhole, rotate};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
+use crate::strategies::Pixel;
 use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
@@ -51,31 +55,50 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// What a ray from a vertex in direction `w` meets first.
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        self.cast_along(from, w.vec().into())
-    }
-
-    /// The same for a vector.
-    pub fn cast_along(&self, from: &SceneVertex<K>, w: Vec3) -> Option<Seen<K>> {
-        match self.scene.intersect(from.position, w, from.primitive()) {
-            Some(hit) => Some(Seen::Surface(Surface {
-                position: hit.position,
-                normal: hit.geometric_normal,
-                shading: hit.shading_normal,
-                primitive: hit.primitive,
-                emitter: self.light_of[hit.primitive.0 as usize],
-                uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
-            })),
+        match self.trace(from.position, w.vec().into(), from.primitive()) {
+            Some(surface) => Some(Seen::Surface(surface)),
             // Without a sky that shines there is nothing to see.
             None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
         }
     }
 
+    /// The first surface on a ray that leaves a primitive, or none.
+    fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
+        let hit = self.scene.intersect(origin, w, from)?;
+        Some(Surface {
+            position: hit.position,
+            normal: hit.geometric_normal,
+            shading: hit.shading_normal,
+            primitive: hit.primitive,
+            emitter: self.light_of[hit.primitive.0 as usize],
+            uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
+        })
+    }
+
+    /// The first surface that light from infinitely far away meets, where it comes through the point `p`
+    /// of a [`Window`].
+    pub fn shone_on(&self, window: &Window, p: &Vec2<f32>) -> Option<Surface<K>> {
+        let start = window.centre + p.x * window.u + p.y * window.v;
+        self.trace(start, -window.towards, None)
+    }
+
+    /// The disk that light from a direction, of unit length, comes through to the scene.
+    pub fn window(&self, towards: Vec3) -> Window {
+        let frame = Frame::around(Direction::from_unit(towards.into()));
+        let axis = |x, y| frame.to_world(aether_core::Vec3::new(x, y, 0.0)).into();
+        let (centre, radius) = self.lights.bounds;
+        Window {
+            centre: centre + radius * towards,
+            u: axis(1.0, 0.0),
+            v: axis(0.0, 1.0),
+            towards,
+            radius,
+        }
+    }
+
     /// The surface that a ray from a vertex in direction `w` meets first.
     pub fn hit(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Surface<K>> {
-        match self.cast(from, w)? {
-            Seen::Surface(surface) => Some(surface),
-            Seen::Sky(_) => None,
-        }
+        self.trace(from.position, w.vec().into(), from.primitive())
     }
 
     /// Whether nothing lies between two vertices.
@@ -143,6 +166,54 @@ impl<'s, K: SceneKind> World<'s, K> {
         Scattering::new(material, &self.scene.textures, uv, surface.shading, towards)
     }
 
+    /// The map from points of the film, in pixels, to the directions that they look in.
+    pub fn film_to_direction(&self) -> impl Map<f32, Source = Vec2<f32>, Target = Direction<f32>> {
+        pinhole(self.film_centre(), self.film_scale()).then(rotate(self.camera_frame))
+    }
+
+    /// The point of the film, in pixels, where a camera at the vertex `eye` sees another vertex; `None`
+    /// if that lies behind it. It may lie beside the image.
+    pub fn film_point(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Vec2<f32>> {
+        let direction = Direction::from_unit(seen.direction_from(eye.position).into());
+        let mut point = None;
+        self.film_to_direction().preimages(&direction, |film, exists| {
+            if exists {
+                point = Some(film);
+            }
+        });
+        point
+    }
+
+    /// How many pixels the image has.
+    pub fn pixels(&self) -> usize {
+        self.scene.film.width as usize * self.scene.film.height as usize
+    }
+
+    /// The pixels to which a path contributes whose second vertex is seen from its first, and `own`.
+    pub fn receivers<S: Strategy<SceneVertex<K>>>(
+        &self,
+        own: Pixel,
+        path: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> impl Iterator<Item = Pixel> + use<'s, K, S> {
+        let film = match (path.vertex(0), path.vertex(1)) {
+            (Some(eye), Some(seen)) if path.is_complete() => self.film_point(&eye, &seen),
+            _ => None,
+        };
+        let reach = self.scene.film.filter.radius();
+        // The pixels along one axis whose centres lie within reach.
+        let along = |x: f32, size: u32| {
+            let first = (x - reach - 0.5).ceil().max(0.0) as u32;
+            let end = ((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32;
+            first..end
+        };
+        let nothing = (0..0, 0..0);
+        let (columns, rows) = film.map_or(nothing, |film| {
+            (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
+        });
+        let others = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
+        std::iter::once(own).chain(others.filter(move |pixel| *pixel != own))
+    }
+
     /// The point of the film that the camera's axis goes through, in pixels.
     pub fn film_centre(&self) -> Vec2<f32> {
         let Camera { width, height, principal, .. } = self.scene.camera;
@@ -154,6 +225,22 @@ impl<'s, K: SceneKind> World<'s, K> {
         let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
         Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
     }
+}
+
+/// A disk, across the direction in which it faces, that all light from there comes through which meets the
+/// scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Its centre.
+    pub centre: Vec3,
+    /// A unit vector in its plane.
+    pub u: Vec3,
+    /// A unit vector in its plane across `u`.
+    pub v: Vec3,
+    /// The direction, of unit length, that light comes from.
+    pub towards: Vec3,
+    /// Its radius.
+    pub radius: f32,
 }
 
 fn camera_frame(camera: &Camera) -> Frame<f32> {

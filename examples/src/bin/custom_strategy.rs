@@ -108,7 +108,7 @@ impl Upward<'_> {
 impl AnyKernel for Upward<'_> {
     fn worker(&self) -> Worker<'_> {
         let mut arena = Arena::new();
-        Box::new(move |pixel, sample| self.sample(&mut arena, pixel, sample))
+        Box::new(move |pixel, sample, _| self.sample(&mut arena, pixel, sample))
     }
 }
 

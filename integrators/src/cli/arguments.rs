@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::selection::Selection;
 use clap::{Args, Parser, Subcommand};
 
 /// The most columns or rows of an image, and the most pixels (7.5 GB of accumulators).
@@ -63,6 +64,11 @@ pub(super) struct RenderArguments {
     /// What the renderer is compiled for, instead of the smallest kind that covers the scene
     #[arg(long, value_name = "NAME", value_parser = crate::kind::KINDS)]
     pub kind: Option<String>,
+
+    /// Which techniques to use where there are several: pairs of numbers of vertices from the light and
+    /// from the camera, such as `0:*,1:*`
+    #[arg(long, value_name = "S:T,..")]
+    pub techniques: Option<Selection>,
     /// Columns and rows of the image, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
     pub size: Option<(u32, u32)>,

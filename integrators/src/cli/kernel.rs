@@ -2,10 +2,14 @@
 
 use super::Failure;
 use super::arguments::{RenderArguments, check_size};
+use crate::bidirectional::Bidirectional;
+use crate::integrator::{Integrator, kernel};
 use crate::kind;
-use crate::path::{PathSettings, path_tracer};
+use crate::light_tracer::LightTracer;
+use crate::path::PathSettings;
 use crate::render::AnyKernel;
 use crate::scene::Scene;
+use crate::selection::Selection;
 
 /// What an integrator is asked for: the scene's settings, overridden by the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +28,8 @@ pub(super) struct Plan {
     pub rr_depth: u32,
     /// The kind of scenes that the renderer is compiled for.
     pub kind: String,
+    /// Which techniques are used, where there are several.
+    pub techniques: Selection,
 }
 
 impl Plan {
@@ -39,6 +45,7 @@ impl Plan {
             max_depth: arguments.max_depth.map_or(requested.max_depth, |d| u32::try_from(d).ok()),
             rr_depth: requested.rr_depth,
             kind: arguments.kind.clone().unwrap_or_else(|| kind::smallest(scene).to_owned()),
+            techniques: arguments.techniques.clone().unwrap_or_default(),
         }
     }
 }
@@ -56,20 +63,21 @@ pub(super) fn kernel_for<'a>(
     scene: &'a Scene,
     plan: &Plan,
 ) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
+    let path = PathSettings {
+        max_depth: plan.max_depth,
+        rr_depth: plan.rr_depth,
+        hide_emitters: scene.integrator.hide_emitters,
+    };
+    let techniques = plan.techniques.clone();
     match plan.integrator.as_str() {
-        "path" => {
-            let settings = PathSettings {
-                max_depth: plan.max_depth,
-                rr_depth: plan.rr_depth,
-                hide_emitters: scene.integrator.hide_emitters,
-            };
-            match path_tracer(&plan.kind, scene, settings, plan.seed) {
-                Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
-                None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
-            }
-        }
+        "path" => make(scene, plan, path),
+        "bdpt" => make(scene, plan, Bidirectional { path, techniques }),
+        "ptracer" => make(scene, plan, LightTracer { path }),
         unknown => {
-            let message = format!("integrator `{unknown}` is not supported; supported: path");
+            let message = format!(
+                "integrator `{unknown}` is not supported; supported: {}",
+                INTEGRATORS.join(", ")
+            );
             match &scene.integrator.place {
                 Some(place) if scene.integrator.name == unknown => {
                     Err(Failure::new(place.error(message).to_string()))
@@ -77,6 +85,20 @@ pub(super) fn kernel_for<'a>(
                 _ => Err(Failure::new(message)),
             }
         }
+    }
+}
+
+/// The integrators, by their names in scene files and on the command line.
+const INTEGRATORS: [&str; 3] = ["path", "bdpt", "ptracer"];
+
+fn make<'a, I: Integrator + 'a>(
+    scene: &'a Scene,
+    plan: &Plan,
+    integrator: I,
+) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
+    match kernel(&plan.kind, scene, integrator, plan.seed) {
+        Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
+        None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
     }
 }
 

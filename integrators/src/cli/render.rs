@@ -189,6 +189,7 @@ mod tests {
             max_depth: None,
             rr_depth: 5,
             kind: "Everything".to_owned(),
+            techniques: Default::default(),
         };
         let settings =
             RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };

@@ -7,7 +7,8 @@ use std::time::Instant;
 use super::film::{Film, PixelEstimate, relative_error};
 use super::passes::next_pass;
 use super::progress::{Observer, Progress};
-use super::{AnyKernel, Budget, RenderSettings, Worker};
+use super::splats::SplatSums;
+use super::{AnyKernel, Budget, RenderSettings, Splats, Worker};
 
 /// The side of a tile in pixels.
 const TILE: u32 = 16;
@@ -44,6 +45,8 @@ pub fn render(
         done: 0,
         error: None,
         invalid: AtomicU64::new(0),
+        splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+        size: settings.size,
     };
     let mut cancelled = observer.cancelled();
     while !cancelled && let Some(samples) = next_pass(job.budget, job.done, job.seconds()) {
@@ -52,8 +55,9 @@ pub fn render(
         job.end_pass(samples);
     }
     let seconds = job.seconds();
-    let invalid_samples = job.invalid.load(Ordering::Relaxed);
-    Rendered { film: assemble(settings.size, job.tiles), seconds, invalid_samples, cancelled }
+    let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
+    let invalid_samples = job.invalid.load(Ordering::Relaxed) + lost;
+    Rendered { film: job.film(), seconds, invalid_samples, cancelled }
 }
 
 /// A render in progress.
@@ -69,7 +73,13 @@ struct Job<'a> {
     done: u32,
     error: Option<f64>,
     invalid: AtomicU64,
+    /// What samples add to other pixels, if they do.
+    splats: Option<Mutex<SplatSums>>,
+    size: (u32, u32),
 }
+
+/// How many contributions to other pixels a thread collects before it hands them over.
+const COLLECTED: usize = 1 << 14;
 
 impl Job<'_> {
     fn seconds(&self) -> f64 {
@@ -98,7 +108,7 @@ impl Job<'_> {
     }
 
     fn run_tile(&self, tile: &mut Tile, samples: u32, worker: &mut Worker<'_>) {
-        let mut invalid = 0;
+        let (mut invalid, mut splats) = (0, Splats::default());
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
                 break;
@@ -106,13 +116,23 @@ impl Job<'_> {
             let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
             for number in self.done..self.done + samples {
-                let value = worker(position, number);
+                let value = worker(position, number, &mut splats);
                 let valid = value.iter().all(|v| v.is_finite());
                 pixel.add(if valid { value } else { [0.0; 3] });
                 invalid += u64::from(!valid);
             }
+            if splats.len() > COLLECTED {
+                self.hand_over(&mut splats);
+            }
         }
+        self.hand_over(&mut splats);
         self.invalid.fetch_add(invalid, Ordering::Relaxed);
+    }
+
+    fn hand_over(&self, splats: &mut Splats) {
+        if let (Some(sums), false) = (&self.splats, splats.is_empty()) {
+            lock(sums).take(splats);
+        }
     }
 
     /// The state when `finished` tiles of a pass of `samples` are done.
@@ -137,8 +157,29 @@ impl Job<'_> {
 
     fn end_pass(&mut self, samples: u32) {
         self.done += samples;
-        let tiles: Vec<_> = self.tiles.iter().map(lock).collect();
-        self.error = relative_error(tiles.iter().flat_map(|tile| &tile.pixels));
+        self.error = relative_error(self.film().pixels().iter());
+    }
+
+    /// The image so far.
+    fn film(&self) -> Film {
+        let mut film = Film::new(self.size);
+        let mut samples = 0;
+        for tile in &self.tiles {
+            let tile = lock(tile);
+            for (index, pixel) in tile.pixels.iter().enumerate() {
+                let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
+                *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
+                samples += u64::from(pixel.count());
+            }
+        }
+        if let Some(sums) = &self.splats {
+            // Light paths do not depend on the pixel that they were sampled with: in a pass that was cut
+            // short, what counts is how many there were.
+            let samples = samples as f64 / film.pixels().len() as f64;
+            let sums = lock(sums);
+            film.set_splats(|pixel| sums.estimate(pixel, samples));
+        }
+        film
     }
 }
 
@@ -162,21 +203,9 @@ fn tiles((width, height): (u32, u32)) -> Vec<Mutex<Tile>> {
     tiles
 }
 
-fn assemble(size: (u32, u32), tiles: Vec<Mutex<Tile>>) -> Film {
-    let mut film = Film::new(size);
-    for tile in tiles {
-        let tile = tile.into_inner().unwrap_or_else(PoisonError::into_inner);
-        for (index, pixel) in tile.pixels.into_iter().enumerate() {
-            let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
-            *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = pixel;
-        }
-    }
-    film
-}
-
-/// Locks a tile. A thread that panicked ends the render anyway, so its poison does not matter.
-fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
-    tile.lock().unwrap_or_else(PoisonError::into_inner)
+/// Locks what threads share. A thread that panicked ends the render anyway, so its poison does not matter.
+fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

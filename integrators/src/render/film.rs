@@ -9,6 +9,8 @@ pub struct PixelEstimate {
     mean: [f64; 3],
     /// Sum of squared distances from the mean.
     spread: [f64; 3],
+    /// What samples of other pixels add to the mean, and to the variance of the mean.
+    splats: [[f64; 3]; 2],
 }
 
 impl PixelEstimate {
@@ -30,7 +32,12 @@ impl PixelEstimate {
 
     /// The mean of the samples; 0 if there are none.
     pub fn mean(&self) -> [f64; 3] {
-        self.mean
+        std::array::from_fn(|c| self.mean[c] + self.splats[0][c])
+    }
+
+    /// Sets what samples of other pixels add to the mean, and to the variance of the mean.
+    pub fn set_splats(&mut self, splats: [[f64; 3]; 2]) {
+        self.splats = splats;
     }
 
     /// The estimated variance of the mean, if there are two samples at least.
@@ -38,7 +45,8 @@ impl PixelEstimate {
     /// It takes samples as independent, so it overstates the variance of stratified ones.
     pub fn variance_of_mean(&self) -> Option<[f64; 3]> {
         let n = f64::from(self.count);
-        (self.count >= 2).then(|| self.spread.map(|s| s / (n * (n - 1.0))))
+        let variance = |c: usize| self.spread[c] / (n * (n - 1.0)) + self.splats[1][c];
+        (self.count >= 2).then(|| std::array::from_fn(variance))
     }
 }
 
@@ -76,6 +84,14 @@ impl Film {
         &mut self.pixels[y as usize * self.width as usize + x as usize]
     }
 
+    /// Sets what samples of other pixels add to the mean and to the variance of the mean of each pixel,
+    /// by its number.
+    pub fn set_splats(&mut self, splats: impl Fn(usize) -> [[f64; 3]; 2]) {
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            pixel.set_splats(splats(index));
+        }
+    }
+
     /// The smallest and the largest number of samples of a pixel.
     pub fn samples(&self) -> (u32, u32) {
         let counts = || self.pixels.iter().map(PixelEstimate::count);
@@ -84,7 +100,7 @@ impl Film {
 
     /// The mean of each pixel; black where there is no sample yet.
     pub fn image(&self) -> RgbImage {
-        self.map(|pixel| pixel.mean)
+        self.map(PixelEstimate::mean)
     }
 
     /// The variance of the mean of each pixel, or `None` while a pixel has fewer than two samples.
@@ -109,7 +125,7 @@ pub fn relative_error<'a>(pixels: impl Iterator<Item = &'a PixelEstimate>) -> Op
     let (mut variance, mut mean, mut count) = (0.0, 0.0, 0.0);
     for pixel in pixels {
         variance += pixel.variance_of_mean()?.iter().sum::<f64>();
-        mean += pixel.mean.iter().sum::<f64>();
+        mean += pixel.mean().iter().sum::<f64>();
         count += 3.0;
     }
     (mean > 0.0).then(|| (variance / count).sqrt() / (mean / count))

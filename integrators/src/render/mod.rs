@@ -6,8 +6,8 @@
 //! numbered and accumulated in order, whoever computes them, so that the image depends on the
 //! kernel alone and not on threads, tiles, passes or time.
 //!
-//! A work unit is known by its pass and tile. Contributions to other pixels (light tracing) would
-//! be collected in one buffer for each work unit and merged in this order between passes.
+//! Contributions to other pixels (of paths from lights) are added up exactly ([`splats`]), so that
+//! their order does not matter either.
 //!
 //! - [`render`]: the engine; [`PixelKernel`]: what it evaluates.
 //! - [`film`]: what is known of each pixel.
@@ -15,6 +15,7 @@
 
 pub mod film;
 pub mod progress;
+pub mod splats;
 
 mod engine;
 mod passes;
@@ -22,6 +23,7 @@ mod passes;
 pub use engine::{Rendered, render};
 pub use film::Film;
 pub use progress::{Observer, Progress};
+pub use splats::Splats;
 
 /// An estimator of the pixels of an image.
 ///
@@ -40,20 +42,26 @@ pub trait PixelKernel: Sync {
     fn sample(&self, scratch: &mut Self::Scratch, pixel: (u32, u32), sample: u32) -> [f32; 3];
 }
 
-/// A kernel with the scratch object of one thread: the value for a pixel and a sample number.
-pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32) -> [f32; 3] + 'a>;
+/// A kernel with the scratch object of one thread: the value for a pixel and a sample number, and what
+/// that sample contributes to other pixels.
+pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32, &mut Splats) -> [f32; 3] + 'a>;
 
 /// A [`PixelKernel`] whose scratch type is hidden, so that kernels can be chosen at run time.
 /// Implemented for every kernel.
 pub trait AnyKernel: Sync {
     /// The kernel with a scratch object of its own, for the use of one thread.
     fn worker(&self) -> Worker<'_>;
+
+    /// Whether samples contribute to other pixels.
+    fn splats(&self) -> bool {
+        false
+    }
 }
 
 impl<K: PixelKernel> AnyKernel for K {
     fn worker(&self) -> Worker<'_> {
         let mut scratch = self.scratch();
-        Box::new(move |pixel, sample| self.sample(&mut scratch, pixel, sample))
+        Box::new(move |pixel, sample, _| self.sample(&mut scratch, pixel, sample))
     }
 }
 

@@ -102,16 +102,19 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         let nearest = w.and_then(|w| this.nearest_atom(w));
         (0..this.count()).filter(move |index| {
             let direction = this.lobe(*index).and_then(|lobe| this.direction(&lobe.lobe));
-            direction.is_none_or(|direction| Some(direction.to_array()) == nearest)
+            direction
+                .is_none_or(|direction| Some(Vec3::from(direction.vec()).to_array()) == nearest)
         })
     }
 
     /// The direction, of those that atoms scatter to, that is nearest to `w`.
     fn nearest_atom(&self, w: Vec3) -> Option<[f32; 3]> {
+        let w: Vec3 = self.frame.to_local(w).into();
         let mut nearest: Option<(f32, Vec3)> = None;
         for index in 0..self.count() {
             let direction = self.lobe(index).and_then(|lobe| self.direction(&lobe.lobe));
             let Some(direction) = direction else { continue };
+            let direction: Vec3 = direction.vec().into();
             let distance = direction.distance_squared(w);
             if nearest.is_none_or(|(least, _)| distance < least) {
                 nearest = Some((distance, direction));
@@ -120,25 +123,40 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         nearest.map(|(_, direction)| direction.to_array())
     }
 
-    /// Where an atom scatters to, in world coordinates; `None` for the other lobes.
-    pub fn direction(&self, lobe: &Lobe<K>) -> Option<Vec3> {
+    /// Where an atom scatters to, in the frame; `None` for the other lobes.
+    pub fn direction(&self, lobe: &Lobe<K>) -> Option<Direction<f32>> {
         let v = self.view;
-        let local = match lobe {
+        Some(match lobe {
             Lobe::Mirror(_) => Direction::new(-v.x, -v.y, v.z),
-            Lobe::Passage(_) => return Some(-self.towards),
+            Lobe::Passage(_) => Direction::new(-v.x, -v.y, -v.z),
             Lobe::Refraction(eta) => {
                 let eta = Refraction::<K>::get(*eta);
                 let (_, beyond) = super::fresnel::dielectric(v.z, eta);
                 Direction::new(-v.x / eta, -v.y / eta, -beyond)
             }
             Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(_) | Lobe::Interface(_) => return None,
-        };
-        Some(self.frame.to_world(local).into())
+        })
     }
 
-    /// The sum of the coefficients of the atoms that lead in direction `w`.
+    /// The measure in which atoms are stated, per solid angle in the direction `w` of the frame that a
+    /// lobe scatters to: the cosine, and where light is bent the square of the index of refraction on
+    /// that side. What refracts keeps this measure, so that paths from either side agree on an atom
+    /// (Veach 1997, section 5.2).
+    pub fn measure(&self, lobe: &Lobe<K>, w: Direction<f32>) -> f32 {
+        let squared = match lobe {
+            Lobe::Refraction(eta) if !self.behind => Refraction::<K>::get(*eta).powi(2),
+            _ => 1.0,
+        };
+        w.z.abs() * squared
+    }
+
+    /// The sum of the coefficients of the atoms that lead in direction `w`, in their measure.
     pub fn atoms(&self, w: Vec3) -> Vec3 {
         let lobes = self.leading_to(Some(w)).filter_map(|index| self.lobe(index));
-        lobes.filter(|lobe| lobe.lobe.is_atom()).map(|lobe| lobe.coefficient).sum()
+        let value = |lobe: Weighted<K>| {
+            let direction = self.direction(&lobe.lobe)?;
+            Some(lobe.coefficient * self.measure(&lobe.lobe, direction))
+        };
+        lobes.filter_map(value).sum()
     }
 }

@@ -34,8 +34,6 @@ pub struct Scattering<'w, K: SceneKind> {
     pub frame: Frame<f32>,
     /// Where the viewer is, in the frame: above.
     pub view: Direction<f32>,
-    /// The same in world coordinates.
-    towards: Vec3,
     /// Whether the viewer is behind the surface.
     behind: bool,
     textures: &'w [Texture],
@@ -64,7 +62,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         }
         let frame = Frame::around(Direction::new(n.x, n.y, n.z));
         let view = Direction::from_vec(frame.to_local(towards));
-        (view.z > 0.0).then_some(Scattering { side, frame, view, towards, behind, textures, uv })
+        (view.z > 0.0).then_some(Scattering { side, frame, view, behind, textures, uv })
     }
 
     /// A colour here.

@@ -99,9 +99,10 @@ fn chances_add_up_to_one() {
             // Light that passes unchanged, or in one direction, is found by that direction.
             for lobe in lobes.filter(|lobe| lobe.lobe.is_atom()) {
                 let w = s.direction(&lobe.lobe).expect("an atom has a direction");
-                let atoms = s.atoms(w);
+                let atoms = s.atoms(s.frame.to_world(w).into());
+                let expected = lobe.coefficient * s.measure(&lobe.lobe, w);
                 assert!(
-                    (atoms - lobe.coefficient).abs().max_element() < 1e-6
+                    (atoms - expected).abs().max_element() < 1e-6
                         || matches!(lobe.lobe, Lobe::Passage(_))
                 );
             }

@@ -2,6 +2,7 @@
 
 use std::f32::consts::PI;
 
+use aether_core::prelude::Direction;
 use glam::Vec3;
 
 /// Light from all directions alike, infinitely far away.
@@ -45,6 +46,14 @@ impl Bulb {
         } else {
             self.intensity * fade.clamp(0.0, 1.0)
         }
+    }
+
+    /// The cone that it shines into, if it is no wider than a hemisphere: the axis, and by how much the
+    /// cosine at the rim is below one.
+    pub fn narrow_cone(&self) -> Option<(Direction<f32>, f32)> {
+        let cone = self.cone?;
+        let depth = 2.0 * (0.5 * cone.cutoff).sin().powi(2);
+        (depth > 0.0 && depth <= 1.0).then(|| (Direction::from_unit(cone.axis.into()), depth))
     }
 
     /// Its power, roughly for a cone.

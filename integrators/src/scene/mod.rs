@@ -120,6 +120,16 @@ impl Scene {
         &self.primitives[id.0 as usize]
     }
 
+    /// Centre and radius of a sphere that all surfaces lie in.
+    pub fn bounding_sphere(&self) -> (Vec3, f32) {
+        if self.primitives.is_empty() {
+            return (Vec3::ZERO, 1.0);
+        }
+        let Bounds { min, max } = self.bounds;
+        // Somewhat larger, for rounding.
+        (0.5 * (min + max), 0.5001 * (max - min).length())
+    }
+
     /// A point in the coordinates of the file.
     pub fn in_file(&self, point: Vec3) -> DVec3 {
         self.origin + point.as_dvec3()

@@ -212,6 +212,6 @@ impl<'s> MisjudgingTracer<'s> {
 impl AnyKernel for MisjudgingTracer<'_> {
     fn worker(&self) -> Worker<'_> {
         let mut arena = Arena::new();
-        Box::new(move |pixel, sample| self.sample(&mut arena, pixel, sample))
+        Box::new(move |pixel, sample, _| self.sample(&mut arena, pixel, sample))
     }
 }

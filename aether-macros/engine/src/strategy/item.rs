@@ -7,7 +7,7 @@ use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
-use super::names::{FORMS, delegate, form, is_stop, referenced};
+use super::names::{delegate, form, is_stop, referenced};
 use super::reads::Reads;
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
@@ -88,9 +88,9 @@ impl VisitMut for Qualify<'_> {
             *expr = parse_quote!(::aether_core::forms::stop());
         } else if let Some((name, call)) = form(expr) {
             let (real, vertex) = (self.real, self.vertex);
-            let generics = match FORMS.iter().position(|form| name == form) {
-                Some(0 | 1) => quote!(::<#real, _>),
-                Some(5) => quote!(::<#vertex, _>),
+            let generics = match name.to_string().as_str() {
+                "choose" | "draw" | "atom" => quote!(::<#real, _>),
+                "delegate" => quote!(::<#vertex, _>),
                 _ => TokenStream::new(),
             };
             let arguments = &call.args;

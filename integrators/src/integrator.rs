@@ -1,0 +1,95 @@
+//! What an integrator is to the renderer: an estimator of pixels, for every kind of scene.
+
+use aether_core::{Pcg32, Sobol, UniformSource};
+use glam::Vec3;
+
+use crate::kind::{self, NotCovered, SceneKind};
+use crate::render::{AnyKernel, Splats, Worker};
+use crate::scene::{SamplerKind, Scene};
+use crate::strategies::Pixel;
+use crate::world::World;
+
+/// A light transport algorithm with its settings, written once for all kinds of scenes.
+pub trait Integrator: Send + Sync {
+    /// What one thread reuses from sample to sample: the arena of paths, what an estimator remembers.
+    type Scratch<'a, K: SceneKind>;
+
+    /// Whether samples contribute to other pixels than their own.
+    const SPLATS: bool = false;
+
+    /// A new scratch object.
+    fn scratch<'a, K: SceneKind>(&self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
+
+    /// One estimate of the linear Rec. 709 value of a pixel. What it contributes to others goes to
+    /// `splats`; the sum over all pixels' samples with the same number is what counts.
+    fn sample<'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
+        scratch: &mut Self::Scratch<'a, K>,
+        uniforms: &mut impl UniformSource<f32>,
+        pixel: Pixel,
+        splats: &mut Splats,
+    ) -> Vec3;
+}
+
+/// An integrator with a scene, as the render engine calls it: one sample of one pixel at a time.
+pub struct Kernel<'s, K: SceneKind, I> {
+    world: World<'s, K>,
+    integrator: I,
+    seed: u64,
+}
+
+impl<'s, K: SceneKind, I: Integrator> Kernel<'s, K, I> {
+    /// An integrator for a scene; the same seed gives the same image.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene, integrator: I, seed: u64) -> Result<Self, NotCovered> {
+        Ok(Kernel { world: World::new(scene)?, integrator, seed })
+    }
+}
+
+impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
+    fn worker(&self) -> Worker<'_> {
+        let world = &self.world;
+        let mut scratch = self.integrator.scratch(world);
+        let width = u64::from(world.scene.film.width);
+        let independent = world.scene.sampler.kind == SamplerKind::Independent;
+        Box::new(move |pixel, sample, splats| {
+            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
+            let value = if independent {
+                let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+                self.integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
+            } else {
+                let mut uniforms = Sobol::new(self.seed, stream, sample);
+                self.integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
+            };
+            value.to_array()
+        })
+    }
+
+    fn splats(&self) -> bool {
+        I::SPLATS
+    }
+}
+
+/// An integrator for a scene by the name of a precompiled kind; `None` if there is no such kind. The same
+/// seed gives the same image, whatever the kind.
+///
+/// # Errors
+/// If the scene needs what the kind leaves out.
+pub fn kernel<'s, I: Integrator + 's>(
+    kind: &str,
+    scene: &'s Scene,
+    integrator: I,
+    seed: u64,
+) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
+    struct Make<'s, I>(&'s Scene, I, u64);
+    impl<'s, I: Integrator + 's> kind::WithKind for Make<'s, I> {
+        type Output = Box<dyn AnyKernel + 's>;
+        fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
+            Ok(Box::new(Kernel::<K, I>::new(self.0, self.1, self.2)?))
+        }
+    }
+    kind::named(kind, Make(scene, integrator, seed))
+}
