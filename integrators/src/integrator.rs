@@ -12,18 +12,20 @@ use crate::world::World;
 /// A light transport algorithm with its settings, written once for all kinds of scenes.
 pub trait Integrator: Send + Sync {
     /// What one thread reuses from sample to sample: the arena of paths, what an estimator remembers.
-    type Scratch<'a, K: SceneKind>;
+    type Scratch<'a, K: SceneKind>
+    where
+        Self: 'a;
 
     /// Whether samples contribute to other pixels than their own.
     const SPLATS: bool = false;
 
     /// A new scratch object.
-    fn scratch<'a, K: SceneKind>(&self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
+    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
 
     /// One estimate of the linear Rec. 709 value of a pixel. What it contributes to others goes to
     /// `splats`; the sum over all pixels' samples with the same number is what counts.
     fn sample<'a, K: SceneKind>(
-        &self,
+        &'a self,
         world: &'a World<'a, K>,
         scratch: &mut Self::Scratch<'a, K>,
         uniforms: &mut impl UniformSource<f32>,

@@ -83,12 +83,12 @@ where
 impl Integrator for PathSettings {
     type Scratch<'a, K: SceneKind> = PathArena<'a, K>;
 
-    fn scratch<'a, K: SceneKind>(&self, _: &'a World<'a, K>) -> PathArena<'a, K> {
+    fn scratch<'a, K: SceneKind>(&'a self, _: &'a World<'a, K>) -> PathArena<'a, K> {
         PathArena::new()
     }
 
     fn sample<'a, K: SceneKind>(
-        &self,
+        &'a self,
         world: &'a World<'a, K>,
         arena: &mut PathArena<'a, K>,
         uniforms: &mut impl UniformSource<f32>,

@@ -4,6 +4,7 @@ use aether_core::RandomSequence;
 use aether_core::prelude::{Direction, Frame, Map, Vec2};
 use aether_core::strategy::Strategy;
 use glam::Vec3;
+use std::ops::Range;
 
 use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
 use crate::lights::{AreaLight, Lights};
@@ -63,7 +64,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// The first surface on a ray that leaves a primitive, or none.
-    fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
+    pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
         let hit = self.scene.intersect(origin, w, from)?;
         Some(Surface {
             position: hit.position,
@@ -189,29 +190,42 @@ impl<'s, K: SceneKind> World<'s, K> {
         self.scene.film.width as usize * self.scene.film.height as usize
     }
 
-    /// The pixels to which a path contributes whose second vertex is seen from its first, and `own`.
-    pub fn receivers<S: Strategy<SceneVertex<K>>>(
+    /// The pixels to which paths contribute whose second vertices are seen from their first, and `own`,
+    /// each once.
+    pub fn receivers<'p, S: Strategy<SceneVertex<K>> + 'p, const N: usize>(
         &self,
         own: Pixel,
+        paths: [&RandomSequence<'p, SceneVertex<K>, S>; N],
+    ) -> impl Iterator<Item = Pixel> + use<'s, 'p, K, S, N> {
+        let squares = paths.map(|path| self.reached(path));
+        let others = (0..N).flat_map(move |i| {
+            let (columns, rows) = squares[i].clone();
+            let earlier = squares.clone();
+            let square = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
+            square.filter(move |(x, y)| {
+                (*x, *y) != own
+                    && !earlier[..i].iter().any(|(xs, ys)| xs.contains(x) && ys.contains(y))
+            })
+        });
+        std::iter::once(own).chain(others)
+    }
+
+    /// The columns and rows whose pixels' filters reach the film point where a path is seen.
+    fn reached<S: Strategy<SceneVertex<K>>>(
+        &self,
         path: &RandomSequence<'_, SceneVertex<K>, S>,
-    ) -> impl Iterator<Item = Pixel> + use<'s, K, S> {
+    ) -> (Range<u32>, Range<u32>) {
         let film = match (path.vertex(0), path.vertex(1)) {
             (Some(eye), Some(seen)) if path.is_complete() => self.film_point(&eye, &seen),
             _ => None,
         };
+        let Some(film) = film else { return (0..0, 0..0) };
         let reach = self.scene.film.filter.radius();
-        // The pixels along one axis whose centres lie within reach.
         let along = |x: f32, size: u32| {
             let first = (x - reach - 0.5).ceil().max(0.0) as u32;
-            let end = ((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32;
-            first..end
+            first..((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32
         };
-        let nothing = (0..0, 0..0);
-        let (columns, rows) = film.map_or(nothing, |film| {
-            (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
-        });
-        let others = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
-        std::iter::once(own).chain(others.filter(move |pixel| *pixel != own))
+        (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
     }
 
     /// The point of the film that the camera's axis goes through, in pixels.

@@ -150,6 +150,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         sky,
         bulbs,
         distant,
+        portals: Vec::new(),
         camera,
         film,
         sampler,

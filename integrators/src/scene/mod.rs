@@ -77,6 +77,8 @@ pub struct Scene {
     pub bulbs: Vec<Bulb>,
     /// Parallel lights.
     pub distant: Vec<Distant>,
+    /// Openings that light has to pass, which are no surfaces.
+    pub portals: Vec<Primitive>,
     /// The camera.
     pub camera: Camera,
     /// The image.

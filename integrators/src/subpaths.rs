@@ -1,0 +1,119 @@
+//! Pieces of paths, from the camera and from the lights, that several integrators begin with.
+
+use aether_core::estimator::{Estimator, Factors};
+use aether_core::{Arena, RandomSequence, Strategy, UniformSource};
+use glam::Vec3;
+
+use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emitter};
+use crate::integrand::Radiance;
+use crate::kind::SceneKind;
+use crate::strategies::{
+    Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
+    sample_camera_direction,
+};
+use crate::vertex::SceneVertex;
+use crate::world::World;
+
+/// A path of a scene's vertices.
+pub type Path<'r, K, S> = RandomSequence<'r, SceneVertex<K>, S>;
+
+/// What one thread reuses from sample to sample: the paths, and what is known of the light that they carry.
+pub struct Scratch<'a, K: SceneKind, S> {
+    /// The paths of one sample.
+    pub arena: Arena<SceneVertex<K>, S>,
+    /// The estimator of radiance.
+    pub estimator: Estimator<Radiance<'a, 'a, K>, Factors<Vec3>>,
+}
+
+impl<'a, K: SceneKind, S: Strategy<SceneVertex<K>>> Scratch<'a, K, S> {
+    /// Without anything.
+    pub fn new(world: &'a World<'a, K>) -> Self {
+        Scratch { arena: Arena::new(), estimator: Estimator::paths(Radiance::new(world)) }
+    }
+}
+
+/// A set of strategies with those of paths from the camera.
+pub trait FromCamera<'a, K: SceneKind>:
+    Strategy<SceneVertex<K>>
+    + From<SampleCamera<'a, 'a, K>>
+    + From<SampleCameraDirection<'a, 'a, K>>
+    + From<SampleBsdf<'a, 'a, K>>
+{
+}
+
+impl<'a, K: SceneKind, S> FromCamera<'a, K> for S where
+    S: Strategy<SceneVertex<K>>
+        + From<SampleCamera<'a, 'a, K>>
+        + From<SampleCameraDirection<'a, 'a, K>>
+        + From<SampleBsdf<'a, 'a, K>>
+{
+}
+
+/// A set of strategies with those of paths from lights too.
+pub trait FromBothEnds<'a, K: SceneKind>:
+    FromCamera<'a, K> + From<SampleEmitter<'a, 'a, K>> + From<SampleEmission<'a, 'a, K>>
+{
+}
+
+impl<'a, K: SceneKind, S> FromBothEnds<'a, K> for S where
+    S: FromCamera<'a, K> + From<SampleEmitter<'a, 'a, K>> + From<SampleEmission<'a, 'a, K>>
+{
+}
+
+/// A path from the camera through a pixel, of at most `longest` vertices. Russian roulette may end it from
+/// the vertex number `rr_depth` on.
+pub fn camera_path<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
+    world: &'a World<'a, K>,
+    arena: &'r Arena<SceneVertex<K>, S>,
+    uniforms: &mut impl UniformSource<f32>,
+    pixel: Pixel,
+    (longest, rr_depth): (usize, u32),
+) -> Path<'r, K, S> {
+    let mut path = arena.sequence();
+    path.append(sample_camera(world));
+    path.append(sample_camera_direction(world, pixel)).sample(uniforms);
+    while path.is_complete() && path.size() < longest {
+        path.append(sample_bsdf(world, rr_depth)).sample(uniforms);
+    }
+    path
+}
+
+/// A path from a light, of at most `longest` vertices.
+pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
+    world: &'a World<'a, K>,
+    arena: &'r Arena<SceneVertex<K>, S>,
+    uniforms: &mut impl UniformSource<f32>,
+    (longest, rr_depth): (usize, u32),
+) -> Path<'r, K, S> {
+    let mut path = arena.sequence();
+    path.append(sample_emitter(world));
+    path.append(sample_emission(world)).sample(uniforms);
+    while path.is_complete() && path.size() < longest {
+        path.append(sample_bsdf(world, rr_depth)).sample(uniforms);
+    }
+    path
+}
+
+/// Makes a path that has ended a technique for `size` vertices: it might have gone on.
+pub fn extend<'a, K: SceneKind, S: FromCamera<'a, K>>(
+    path: &mut Path<'_, K, S>,
+    world: &'a World<'a, K>,
+    (size, rr_depth): (usize, u32),
+) {
+    while path.size() < size {
+        path.append(sample_bsdf(world, rr_depth));
+    }
+}
+
+/// The strategies of a camera path as another pixel would use them: techniques without a sample.
+pub fn through<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
+    world: &'a World<'a, K>,
+    arena: &'r Arena<SceneVertex<K>, S>,
+    pixel: Pixel,
+    camera: &Path<'r, K, S>,
+) -> Path<'r, K, S> {
+    let mut path = arena.sequence();
+    path.append(sample_camera(world));
+    path.append(sample_camera_direction(world, pixel));
+    path.concat(&camera.slice(2..))
+}

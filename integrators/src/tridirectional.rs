@@ -1,0 +1,94 @@
+//! Tridirectional path tracing (Aether 2017, section 7.4 and Figure 10): beside the pieces of paths from the
+//! camera and from the lights, segments through openings that light has to pass.
+
+use aether_core::{PowerHeuristic, UniformSource, combine};
+use glam::Vec3;
+
+use crate::integrator::Integrator;
+use crate::kind::SceneKind;
+use crate::path::PathSettings;
+use crate::portals::{PortalStrategies, Portals, sample_portal};
+use crate::render::Splats;
+use crate::strategies::{Pixel, sample_light};
+use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
+use crate::world::World;
+
+/// Settings of tridirectional path tracing.
+#[derive(Clone, Debug)]
+pub struct Tridirectional {
+    /// Lengths of paths, Russian roulette.
+    pub path: PathSettings,
+    /// The openings.
+    pub portals: Portals,
+}
+
+impl Integrator for Tridirectional {
+    type Scratch<'a, K: SceneKind>
+        = Scratch<'a, K, PortalStrategies<'a, K>>
+    where
+        Self: 'a;
+    const SPLATS: bool = true;
+
+    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
+        Scratch::new(world)
+    }
+
+    fn sample<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        Scratch { arena, estimator }: &mut Self::Scratch<'a, K>,
+        uniforms: &mut impl UniformSource<f32>,
+        pixel: Pixel,
+        splats: &mut Splats,
+    ) -> Vec3 {
+        arena.clear();
+        let rr = self.path.rr_depth;
+        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
+        let mut segment = arena.sequence();
+        segment.append(sample_portal(world, &self.portals)).sample(uniforms);
+        let total = (camera.len() + light.len() + segment.len()).min(longest);
+        extend(&mut camera, world, (total, rr));
+        extend(&mut light, world, (total, rr));
+
+        let mut own = Vec3::ZERO;
+        let eye = camera.slice(0..1);
+        for length in 2 + usize::from(self.path.hide_emitters)..=total {
+            let lit = |s: usize| light.slice(0..s).reverse();
+            let seen = eye.concat(&lit(length - 1));
+            let passed = eye.concat(&segment).concat(&lit(length.saturating_sub(3)));
+            let has_passed = length >= 3;
+            let reached = if has_passed { passed } else { seen };
+            for receiver in world.receivers(pixel, [&seen, &reached]) {
+                let view = match receiver == pixel {
+                    true => camera,
+                    false => through(world, arena, receiver, &camera),
+                };
+                let ends = (1..=length).map(|t| match (length - t, t) {
+                    (_, 1) => (seen, world.pixels()),
+                    (1, t) => {
+                        let mut direct = view.slice(0..t);
+                        direct.append(sample_light(world)).sample(uniforms);
+                        (direct, 1)
+                    }
+                    (s, t) => (view.slice(0..t).concat(&lit(s)), 1),
+                });
+                let middles = (1..length.saturating_sub(1)).map(|t| match t {
+                    1 => (passed, world.pixels()),
+                    t => (view.slice(0..t).concat(&segment).concat(&lit(length - t - 2)), 1),
+                });
+                let techniques = arena.collect_counted(ends.chain(middles));
+                for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let share = value * estimator.integrand().response(receiver, &path);
+                    if receiver == pixel {
+                        own += share;
+                    } else {
+                        splats.add(receiver, share.to_array());
+                    }
+                }
+            }
+        }
+        own
+    }
+}
