@@ -3,11 +3,12 @@
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
-use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
+use crate::eye::{Lens, ParallelFilm};
+use crate::kind::{Everything, NotCovered, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
-use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
+use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
 pub struct World<'s, K: SceneKind = Everything> {
@@ -21,8 +22,12 @@ pub struct World<'s, K: SceneKind = Everything> {
     light_of: Vec<Option<u32>>,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
-    /// One over the integral of the reconstruction filter.
+    /// One over the integral of the reconstruction filter, and over the area of the lens if there is one.
     pub filter_scale: f32,
+    /// The lens, if there is one.
+    lens: Option<With<K::ThinLens, Lens>>,
+    /// The film, if its rays are parallel.
+    parallel: Option<With<K::Orthographic, ParallelFilm>>,
 }
 
 impl<'s, K: SceneKind> World<'s, K> {
@@ -39,14 +44,41 @@ impl<'s, K: SceneKind> World<'s, K> {
         }
         let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
         let camera_frame = camera_frame(&scene.camera);
+        let lens = Lens::of(&scene.camera);
         let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
+        let filter_scale = filter_scale / lens.map_or(1.0, |lens| lens.area());
+        let lens = lens.and_then(|lens| K::ThinLens::with(|| lens));
+        let parallel = ParallelFilm::of(&scene.camera, film_centre(&scene.camera));
+        let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
-        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale })
+        Ok(World {
+            scene,
+            lights,
+            materials,
+            light_of,
+            camera_frame,
+            filter_scale,
+            lens,
+            parallel,
+        })
     }
 
-    /// The pinhole of the camera.
-    pub fn pinhole(&self) -> Pinhole {
-        Pinhole { position: self.scene.camera.origin }
+    /// The camera's lens, if it has one.
+    #[inline]
+    pub fn lens(&self) -> Option<Lens> {
+        self.lens.map(K::ThinLens::get)
+    }
+
+    /// The camera's film, if its rays are parallel.
+    #[inline]
+    pub fn parallel(&self) -> Option<ParallelFilm> {
+        self.parallel.map(K::Orthographic::get)
+    }
+
+    /// The eye of a camera without a lens.
+    pub fn eye(&self) -> Eye<K> {
+        let infinite = self.parallel().and_then(|film| K::Orthographic::with(|| -film.forward));
+        infinite.map_or(Eye::Pinhole(self.scene.camera.origin), Eye::Parallel)
     }
 
     /// What a ray from a vertex in direction `w` meets first.
@@ -56,7 +88,17 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// The same for a vector.
     pub fn cast_along(&self, from: &SceneVertex<K>, w: Vec3) -> Option<Seen<K>> {
-        match self.scene.intersect(from.position, w, from.primitive()) {
+        self.cast_from(from.position, from.primitive(), w)
+    }
+
+    /// What a point of the film of a parallel projection sees.
+    pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
+        let parallel = self.parallel()?;
+        self.cast_from(parallel.point(film), None, parallel.forward)
+    }
+
+    fn cast_from(&self, origin: Vec3, on: Option<PrimitiveId>, w: Vec3) -> Option<Seen<K>> {
+        match self.scene.intersect(origin, w, on) {
             Some(hit) => Some(Seen::Surface(Surface {
                 position: hit.position,
                 normal: hit.geometric_normal,
@@ -80,6 +122,15 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// Whether nothing lies between two vertices.
     pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
+        if let Some(film) = self.parallel() {
+            // Such an eye sees what lies in front of its film.
+            for (eye, other) in [(from, to), (to, from)] {
+                if matches!(eye.place, Place::Parallel(_)) {
+                    let before = film.before(other.position);
+                    return self.scene.visible(before, None, other.position, other.primitive());
+                }
+            }
+        }
         if to.is_infinite() {
             return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
         }
@@ -110,11 +161,16 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
     /// parallel light irradiance.
     pub fn emitted(&self, vertex: &SceneVertex<K>, towards: &SceneVertex<K>) -> Vec3 {
-        let w = || (towards.position - vertex.position).normalize_or_zero();
+        let w = || towards.direction_from(vertex.position);
         match vertex.place {
-            Place::Camera => Vec3::ZERO,
+            Place::Camera | Place::Parallel(_) => Vec3::ZERO,
+            Place::Backdrop(sky) => {
+                let sky = K::Orthographic::get(sky);
+                let position = -towards.position;
+                self.emitted(&SceneVertex { position, place: Place::Sky(sky) }, towards)
+            }
             Place::Surface(surface) => match surface.emitter {
-                Some(e) if surface.normal.dot(towards.position - vertex.position) > 0.0 => {
+                Some(e) if surface.normal.dot(towards.offset_from(vertex.position)) > 0.0 => {
                     self.scene.emitters[e as usize].radiance
                 }
                 _ => Vec3::ZERO,
@@ -143,10 +199,14 @@ impl<'s, K: SceneKind> World<'s, K> {
         Scattering::new(material, &self.scene.textures, uv, surface.shading, towards)
     }
 
-    /// The point of the film that the camera's axis goes through, in pixels.
-    pub fn film_centre(&self) -> Vec2<f32> {
-        let Camera { width, height, principal, .. } = self.scene.camera;
-        Vec2::new((0.5 - principal.x) * width as f32, (0.5 - principal.y) * height as f32)
+    /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,
+    /// or a point of the lens, from which it is shifted.
+    #[inline]
+    pub fn film_centre(&self, eye: &SceneVertex<K>) -> Vec2<f32> {
+        let centre = film_centre(&self.scene.camera);
+        let Some(lens) = self.lens() else { return centre };
+        let (shift, scale) = (lens.shift(eye.position), self.film_scale());
+        Vec2::new(centre.x + shift.x / scale.x, centre.y + shift.y / scale.y)
     }
 
     /// Width and height of a pixel at distance one.
@@ -154,6 +214,13 @@ impl<'s, K: SceneKind> World<'s, K> {
         let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
         Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
     }
+}
+
+/// The point of the film that the camera's axis goes through, in pixels of the image.
+fn film_centre(camera: &Camera) -> Vec2<f32> {
+    let Camera { width, height, principal, crop, .. } = *camera;
+    let along = |offset: f32, size: u32, crop: f32| (0.5 - offset) * size as f32 - crop;
+    Vec2::new(along(principal.x, width, crop.x), along(principal.y, height, crop.y))
 }
 
 fn camera_frame(camera: &Camera) -> Frame<f32> {
