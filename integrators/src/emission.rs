@@ -30,6 +30,10 @@ pub fn sample_emitter<K: SceneKind>(
                 Primitive::Sphere { center, radius, .. } => {
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
+                Primitive::Cylinder { base, axis, radius, .. } => {
+                    let frame = Frame::around(Direction::from_vec(axis.into()));
+                    draw(uniform_cylinder(base.into(), frame, axis.length(), radius, id))
+                }
                 Primitive::Disk { center, u_axis, v_axis, .. } => {
                     draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
                 }
@@ -61,12 +65,12 @@ pub fn sample_emission<K: SceneKind>(
 ) -> SceneVertex<K> {
     let here = given(path.last());
     let w = match here.place {
-        Place::Camera => return stop(),
+        Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => return stop(),
         Place::Sky(_) | Place::Distant(_) => {
             let window = world.window(here.position);
-            let p = draw(disk(window.radius));
+            let p = draw(disk(world.lights.bounds.1));
             let lit: Surface<K> = constant(world.shone_on(&window, &p));
-            let through = lit.lit_through(&window).apply(&p);
+            let through = lit.seen_by(&window).apply(&p);
             return SceneVertex::hit(lit, through);
         }
         Place::Surface(surface) => {

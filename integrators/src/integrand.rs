@@ -26,10 +26,20 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         Radiance { world }
     }
 
-    /// The importance that the pinhole sends to what it sees, for a filter of one: the density per film
-    /// area, brought to the measure of the vertex by the derived change of measure.
+    /// The importance that the eye sends to what it sees, for a filter of one: per film area (and lens area),
+    /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
+    /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        let to_direction = self.world.film_to_direction();
+        if let Some(film) = self.world.parallel() {
+            let to_point = match seen.place {
+                Place::Surface(surface) => surface.seen_by(&film),
+                Place::Backdrop(_) => film.backdrop(),
+                _ => return 0.0,
+            };
+            let Some(point) = seen.point().part() else { return 0.0 };
+            return self.spread(&to_point, &point);
+        }
+        let to_direction = self.world.film_to_direction(eye);
         if let Some(surface) = seen.surface() {
             let to_surface = to_direction.then(surface.seen_from(eye.position));
             let Some(point) = seen.point().part() else { return 0.0 };
@@ -76,6 +86,10 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// much only for long lenses.
     fn film_error(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Vec2<f32> {
         let size = eye.position.abs().max_element() + seen.position.abs().max_element();
+        if let Some(film) = self.world.parallel() {
+            let error = 8.0 * f32::EPSILON * (size + film.origin.abs().max_element());
+            return Vec2::new(error / film.across.length(), error / film.down.length());
+        }
         let distance = if seen.is_infinite() { size } else { seen.position.distance(eye.position) };
         let angle = 8.0 * f32::EPSILON * (1.0 + size / distance);
         let scale = self.world.film_scale();
@@ -95,7 +109,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let along = next.direction_from(here.position);
         let squared = next.position.distance_squared(here.position);
         let geometry = match next.place {
-            Place::Camera => return Vec3::ZERO,
+            // Seen by the eye: that is `importance`.
+            Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => return Vec3::ZERO,
             Place::Surface(target) => target.normal.dot(along).abs() / squared,
             Place::Bulb(_) => 1.0 / squared,
             Place::Sky(_) | Place::Distant(_) => 1.0,

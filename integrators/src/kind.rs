@@ -65,6 +65,10 @@ pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Point: Presence;
     /// Parallel light.
     type Directional: Presence;
+    /// Cameras with a lens instead of a pinhole.
+    type ThinLens: Presence;
+    /// Cameras that project along parallel lines.
+    type Orthographic: Presence;
 }
 
 /// Whether the kind has a surface that is a mirror, a pane or a hole: scattering into single directions.

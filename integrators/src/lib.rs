@@ -12,6 +12,7 @@
 pub mod bidirectional;
 pub mod cli;
 pub mod emission;
+pub mod eye;
 pub mod image;
 pub mod integrand;
 pub mod integrator;

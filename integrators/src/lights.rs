@@ -91,7 +91,7 @@ impl<K: SceneKind> Lights<K> {
     #[inline]
     pub fn index_of(&self, vertex: &SceneVertex<K>) -> Option<usize> {
         match vertex.place {
-            Place::Camera => None,
+            Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => None,
             Place::Surface(surface) => surface.emitter.map(|index| index as usize),
             Place::Sky(_) => Some(self.sky),
             Place::Bulb(index) => Some(self.bulbs + K::Point::get(index) as usize),

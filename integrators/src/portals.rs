@@ -53,11 +53,7 @@ impl Portal {
     }
 
     /// The map from points of the portal to where light from a point `x` through them meets a surface.
-    fn behind<K: SceneKind>(
-        &self,
-        x: &SurfacePoint<f32>,
-        surface: &Surface<K>,
-    ) -> Behind<f32> {
+    fn behind<K: SceneKind>(&self, x: &SurfacePoint<f32>, surface: &Surface<K>) -> Behind<f32> {
         let corner: aether_core::Vec3<f32> = self.corner.into();
         let from = self.frame.to_local(x.position - corner);
         let point = self.frame.to_local(surface.position - self.corner);

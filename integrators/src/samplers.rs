@@ -32,6 +32,22 @@ pub fn uniform_sphere_surface(
     SurfacePoint::new(centre + radius * Vec3::new(r * phi.cos(), r * phi.sin(), z), id)
 }
 
+/// Uniform on the side of a cylinder: all base + p·axis + q with p in [0, 1] and q on the circle of this
+/// radius across the axis, which is the z axis of the frame.
+#[sampler]
+pub fn uniform_cylinder(
+    u: [Uniform; 2],
+    base: Vec3,
+    frame: Frame,
+    length: f64,
+    radius: f64,
+    id: SurfaceId,
+) -> SurfacePoint {
+    let phi = TAU * u[1];
+    let local = Vec3::new(radius * phi.cos(), radius * phi.sin(), length * u[0]);
+    SurfacePoint::new(base + frame.to_world(local), id)
+}
+
 /// Uniform on the ellipse of all centre + p·a + q·b with p² + q² ≤ 1.
 #[sampler]
 pub fn uniform_disk(
@@ -110,22 +126,25 @@ pub fn disk(u: [Uniform; 2], radius: f64) -> Vec2 {
     Vec2::new(r * phi.cos(), r * phi.sin())
 }
 
-/// Where parallel light that comes from the direction `towards` through the point centre + p.x·a + p.y·b
-/// meets the plane through `point` with normal `normal`, as a point of the surface `id`.
+/// Where the parallel ray from a point of the film, in direction `w`, meets the plane through `point` with
+/// normal `normal`, as a point of the surface `id`. `origin` is where the film point `centre` lies,
+/// `across` and `down` are the sides of one pixel.
 #[map]
-pub fn parallel(
-    p: Vec2,
-    centre: Vec3,
-    a: Vec3,
-    b: Vec3,
-    towards: Vec3,
+pub fn parallel_hit(
+    film: Vec2,
+    centre: Vec2,
+    origin: Vec3,
+    across: Vec3,
+    down: Vec3,
+    w: Vec3,
     point: Vec3,
     normal: Vec3,
     id: SurfaceId,
 ) -> SurfacePoint {
-    let start = centre + p.x * a + p.y * b;
-    let t = normal.dot(start - point) / normal.dot(towards);
-    SurfacePoint::new(start - t * towards, id)
+    let o = origin + (film.x - centre.x) * across + (film.y - centre.y) * down;
+    let t = normal.dot(point - o) / normal.dot(w);
+    require(t > 0.0);
+    SurfacePoint::new(o + t * w, id)
 }
 
 /// All directions alike.

@@ -7,6 +7,7 @@ use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
 use glam::Vec3;
 
+use crate::eye::LENS;
 use crate::kind::{Everything, Facetted, Interface, Presence, SceneKind};
 use crate::lights::Light;
 use crate::samplers::*;
@@ -14,20 +15,25 @@ use crate::scattering::Lobe;
 use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
 use crate::scattering::fresnel;
 use crate::scene::{Filter, Primitive};
-use crate::vertex::{Lamp, Pinhole, SceneVertex, Seen, Surface};
+use crate::vertex::{Eye, Lamp, SceneVertex, Seen, Surface};
 use crate::world::World;
 
 /// A pixel of the image: column and row.
 pub type Pixel = (u32, u32);
 
-/// The camera's pinhole: an atom.
+/// The camera's eye: an atom for a pinhole and for a parallel projection, otherwise a point of the lens.
 #[strategy]
 pub fn sample_camera<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
     world: &World<'_, K>,
 ) -> SceneVertex<K> {
-    let pinhole: Pinhole = constant(Some(world.pinhole()));
-    SceneVertex::pinhole(pinhole)
+    if let Some(lens) = world.lens() {
+        let (centre, a, b) = (lens.centre.into(), lens.across.into(), lens.down.into());
+        let point = draw(uniform_disk(centre, a, b, LENS));
+        return SceneVertex::on_lens(point);
+    }
+    let eye: Eye<K> = constant(Some(world.eye()));
+    SceneVertex::eye(eye)
 }
 
 /// A point of the film about the pixel's centre, distributed like the reconstruction filter, and
@@ -55,7 +61,20 @@ pub fn sample_camera_direction<K: SceneKind>(
             draw(film_gaussian(x, y, stddev, mass))
         }
     };
-    let direction = pinhole(world.film_centre(), world.film_scale()).apply(&film);
+    if let Some(parallel) = world.parallel() {
+        let in_front: Seen<K> = constant(world.seen_from_film(&film));
+        return match in_front {
+            Seen::Surface(met) => {
+                let at = met.seen_by(&parallel).apply(&film);
+                SceneVertex::hit(met, at)
+            }
+            Seen::Sky(behind) => {
+                let at = parallel.backdrop().apply(&film);
+                SceneVertex::backdrop(behind, at)
+            }
+        };
+    }
+    let direction = pinhole(world.film_centre(&eye), world.film_scale()).apply(&film);
     let w = rotate(world.camera_frame).apply(&direction);
     let seen: Seen<K> = constant(world.cast(&eye, &w));
     match seen {
@@ -182,6 +201,10 @@ pub fn sample_light<K: SceneKind>(
                     }
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
+                Primitive::Cylinder { base, axis, radius, .. } => {
+                    let frame = Frame::around(Direction::from_vec(axis.into()));
+                    draw(uniform_cylinder(base.into(), frame, axis.length(), radius, id))
+                }
                 Primitive::Disk { center, u_axis, v_axis, .. } => {
                     draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
                 }
@@ -207,7 +230,7 @@ strategies! {
     /// How the integrators make their paths.
     #[derive(Clone)]
     pub enum PathStrategies<'a, K: SceneKind = Everything> for SceneVertex<K> {
-        /// The pinhole.
+        /// The eye.
         Camera(SampleCamera<'a, 'a, K>),
         /// What the camera sees.
         CameraDirection(SampleCameraDirection<'a, 'a, K>),

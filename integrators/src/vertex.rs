@@ -4,10 +4,10 @@ use aether_core::prelude::*;
 use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
+use crate::eye::{BACKDROP, LENS, ParallelFilm};
 use crate::kind::{Either, Everything, Presence, SceneKind, With};
-use crate::samplers::{HitPlane, Parallel, hit_plane, parallel};
+use crate::samplers::{HitPlane, ParallelHit, hit_plane};
 use crate::scene::PrimitiveId;
-use crate::world::Window;
 
 /// A piece of surface, as a ray cast found it: constant near the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,13 +33,9 @@ impl<K: SceneKind> Surface<K> {
         hit_plane(origin.into(), self.position.into(), self.normal.into(), id)
     }
 
-    /// Where light that comes through a window meets this piece of surface: the map from points of the
-    /// window to its points.
-    pub fn lit_through(&self, window: &Window) -> Parallel<f32> {
-        let Window { centre, u, v, towards, .. } = *window;
-        let [centre, u, v, towards] = [centre, u, v, towards].map(Into::into);
-        let id = surface_id(self.primitive);
-        parallel(centre, u, v, towards, self.position.into(), self.normal.into(), id)
+    /// Where the parallel rays of a film meet this piece of surface: the map from points of the film.
+    pub fn seen_by(&self, film: &ParallelFilm) -> ParallelHit<f32> {
+        film.onto(self.position, self.normal, surface_id(self.primitive))
     }
 }
 
@@ -58,11 +54,13 @@ pub enum Seen<K: SceneKind = Everything> {
     Sky(SkyOf<K>),
 }
 
-/// The pinhole of a camera.
+/// The eye of a camera that is an atom.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pinhole {
-    /// Where it is.
-    pub position: Vector,
+pub enum Eye<K: SceneKind = Everything> {
+    /// A pinhole, at a position.
+    Pinhole(Vector),
+    /// Infinitely far away, in a direction of unit length: a parallel projection.
+    Parallel(With<K::Orthographic, Vector>),
 }
 
 /// A light that is an atom: which of the scene's.
@@ -77,8 +75,13 @@ pub enum Lamp<K: SceneKind = Everything> {
 /// What kind of place a vertex is at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place<K: SceneKind = Everything> {
-    /// The pinhole.
+    /// The pinhole, or a point of the lens.
     Camera,
+    /// The eye of a parallel projection, infinitely far away: the position is the direction there.
+    Parallel(K::Orthographic),
+    /// The sky behind everything in a parallel projection, where each point of the film looks in the same
+    /// direction: the position is that of the film point, in a plane across the direction.
+    Backdrop(With<K::Orthographic, SkyOf<K>>),
     /// A point of a surface.
     Surface(Surface<K>),
     /// Infinitely far away: the position is a direction.
@@ -99,9 +102,26 @@ pub struct SceneVertex<K: SceneKind = Everything> {
 }
 
 impl<K: SceneKind> SceneVertex<K> {
-    /// The vertex at a pinhole.
-    pub fn pinhole(pinhole: Pinhole) -> Self {
-        SceneVertex { position: pinhole.position, place: Place::Camera }
+    /// The vertex at an eye that is an atom.
+    pub fn eye(eye: Eye<K>) -> Self {
+        match eye {
+            Eye::Pinhole(position) => SceneVertex { position, place: Place::Camera },
+            Eye::Parallel(towards) => {
+                let place = K::Orthographic::VALUE.map_or(Place::Camera, Place::Parallel);
+                SceneVertex { position: K::Orthographic::get(towards), place }
+            }
+        }
+    }
+
+    /// A point of the lens.
+    pub fn on_lens(point: SurfacePoint<f32>) -> Self {
+        SceneVertex { position: point.position.into(), place: Place::Camera }
+    }
+
+    /// The sky that a point of the film of a parallel projection sees.
+    pub fn backdrop(sky: SkyOf<K>, point: SurfacePoint<f32>) -> Self {
+        let place = K::Orthographic::with(|| sky).map_or(Place::Camera, Place::Backdrop);
+        SceneVertex { position: point.position.into(), place }
     }
 
     /// The vertex where a ray met a surface. The ray caster computes the position on the primitive,
@@ -155,7 +175,13 @@ impl<K: SceneKind> SceneVertex<K> {
     /// Whether it is infinitely far away.
     #[inline]
     pub fn is_infinite(&self) -> bool {
-        matches!(self.place, Place::Sky(_) | Place::Distant(_))
+        matches!(self.place, Place::Sky(_) | Place::Distant(_) | Place::Parallel(_))
+    }
+
+    /// The way from a point to the vertex: of unit length if it is infinitely far away.
+    #[inline]
+    pub fn offset_from(&self, origin: Vector) -> Vector {
+        if self.is_infinite() { self.position } else { self.position - origin }
     }
 
     /// The direction, of unit length, in which the vertex is seen from a point; zero from where it is.
@@ -210,12 +236,16 @@ impl<K: SceneKind> Vertex for SceneVertex<K> {
     #[inline]
     fn point(&self) -> Spot<K> {
         let direction = || Direction::from_unit(self.position.into());
-        if self.is_infinite()
+        if matches!(self.place, Place::Sky(_) | Place::Distant(_))
             && let Some(direction) = Infinity::<K>::with(direction)
         {
             return Spot::Infinite(direction);
         }
-        let id = self.primitive().map_or(SurfaceId(u32::MAX), surface_id);
+        let id = match self.place {
+            Place::Surface(surface) => surface_id(surface.primitive),
+            Place::Backdrop(_) => BACKDROP,
+            _ => LENS,
+        };
         Spot::Surface(SurfacePoint::new(self.position.into(), id))
     }
 }
@@ -226,6 +256,7 @@ impl<K: SceneKind> Recall<Seen<K>> for SceneVertex<K> {
         match self.place {
             Place::Surface(surface) => Some(Seen::Surface(surface)),
             Place::Sky(sky) => Some(Seen::Sky(sky)),
+            Place::Backdrop(sky) => Some(Seen::Sky(K::Orthographic::get(sky))),
             _ => None,
         }
     }
@@ -238,10 +269,13 @@ impl<K: SceneKind> Recall<Surface<K>> for SceneVertex<K> {
     }
 }
 
-impl<K: SceneKind> Recall<Pinhole> for SceneVertex<K> {
-    fn recall(&self) -> Option<Pinhole> {
-        let here = Pinhole { position: self.position };
-        matches!(self.place, Place::Camera).then_some(here)
+impl<K: SceneKind> Recall<Eye<K>> for SceneVertex<K> {
+    fn recall(&self) -> Option<Eye<K>> {
+        match self.place {
+            Place::Camera => Some(Eye::Pinhole(self.position)),
+            Place::Parallel(_) => K::Orthographic::with(|| self.position).map(Eye::Parallel),
+            _ => None,
+        }
     }
 }
 

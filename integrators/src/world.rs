@@ -1,18 +1,19 @@
 //! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
-use aether_core::RandomSequence;
 use aether_core::prelude::{Direction, Frame, Map, Vec2};
 use aether_core::strategy::Strategy;
+use aether_core::{Includes, RandomSequence, Vertex};
 use glam::Vec3;
 use std::ops::Range;
 
-use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
+use crate::eye::{Lens, ParallelFilm};
+use crate::kind::{Everything, NotCovered, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::samplers::{pinhole, rotate};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
 use crate::strategies::Pixel;
-use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
+use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
 pub struct World<'s, K: SceneKind = Everything> {
@@ -26,8 +27,12 @@ pub struct World<'s, K: SceneKind = Everything> {
     light_of: Vec<Option<u32>>,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
-    /// One over the integral of the reconstruction filter.
+    /// One over the integral of the reconstruction filter, and over the area of the lens if there is one.
     pub filter_scale: f32,
+    /// The lens, if there is one.
+    lens: Option<With<K::ThinLens, Lens>>,
+    /// The film, if its rays are parallel.
+    parallel: Option<With<K::Orthographic, ParallelFilm>>,
 }
 
 impl<'s, K: SceneKind> World<'s, K> {
@@ -44,19 +49,48 @@ impl<'s, K: SceneKind> World<'s, K> {
         }
         let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
         let camera_frame = camera_frame(&scene.camera);
+        let lens = Lens::of(&scene.camera);
         let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
+        let filter_scale = filter_scale / lens.map_or(1.0, |lens| lens.area());
+        let lens = lens.and_then(|lens| K::ThinLens::with(|| lens));
+        let parallel = ParallelFilm::of(&scene.camera, film_centre(&scene.camera));
+        let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
-        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale })
+        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale, lens, parallel })
     }
 
-    /// The pinhole of the camera.
-    pub fn pinhole(&self) -> Pinhole {
-        Pinhole { position: self.scene.camera.origin }
+    /// The camera's lens, if it has one.
+    #[inline]
+    pub fn lens(&self) -> Option<Lens> {
+        self.lens.map(K::ThinLens::get)
+    }
+
+    /// The camera's film, if its rays are parallel.
+    #[inline]
+    pub fn parallel(&self) -> Option<ParallelFilm> {
+        self.parallel.map(K::Orthographic::get)
+    }
+
+    /// The eye of a camera without a lens.
+    pub fn eye(&self) -> Eye<K> {
+        let infinite = self.parallel().and_then(|film| K::Orthographic::with(|| -film.forward));
+        infinite.map_or(Eye::Pinhole(self.scene.camera.origin), Eye::Parallel)
     }
 
     /// What a ray from a vertex in direction `w` meets first.
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        match self.trace(from.position, w.vec().into(), from.primitive()) {
+        self.seen(self.trace(from.position, w.vec().into(), from.primitive()))
+    }
+
+    /// What a point of the film of a parallel projection sees.
+    pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
+        let parallel = self.parallel()?;
+        self.seen(self.trace(parallel.point(film), parallel.forward, None))
+    }
+
+    /// A surface, or the sky behind everything.
+    fn seen(&self, surface: Option<Surface<K>>) -> Option<Seen<K>> {
+        match surface {
             Some(surface) => Some(Seen::Surface(surface)),
             // Without a sky that shines there is nothing to see.
             None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
@@ -77,23 +111,23 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// The first surface that light from infinitely far away meets, where it comes through the point `p`
-    /// of a [`Window`].
-    pub fn shone_on(&self, window: &Window, p: &Vec2<f32>) -> Option<Surface<K>> {
-        let start = window.centre + p.x * window.u + p.y * window.v;
-        self.trace(start, -window.towards, None)
+    /// of a [`World::window`].
+    pub fn shone_on(&self, window: &ParallelFilm, p: &Vec2<f32>) -> Option<Surface<K>> {
+        self.trace(window.point(p), window.forward, None)
     }
 
-    /// The disk that light from a direction, of unit length, comes through to the scene.
-    pub fn window(&self, towards: Vec3) -> Window {
+    /// The plane through which light from a direction, of unit length, comes to the scene: where it is
+    /// further than [`Lights::bounds`] says from the middle, it passes by.
+    pub fn window(&self, towards: Vec3) -> ParallelFilm {
         let frame = Frame::around(Direction::from_unit(towards.into()));
         let axis = |x, y| frame.to_world(aether_core::Vec3::new(x, y, 0.0)).into();
-        let (centre, radius) = self.lights.bounds;
-        Window {
-            centre: centre + radius * towards,
-            u: axis(1.0, 0.0),
-            v: axis(0.0, 1.0),
-            towards,
-            radius,
+        let (middle, radius) = self.lights.bounds;
+        ParallelFilm {
+            origin: middle + radius * towards,
+            centre: Vec2::new(0.0, 0.0),
+            across: axis(1.0, 0.0),
+            down: axis(0.0, 1.0),
+            forward: -towards,
         }
     }
 
@@ -104,6 +138,15 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// Whether nothing lies between two vertices.
     pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
+        if let Some(film) = self.parallel() {
+            // Such an eye sees what lies in front of its film.
+            for (eye, other) in [(from, to), (to, from)] {
+                if matches!(eye.place, Place::Parallel(_)) {
+                    let before = film.before(other.position);
+                    return self.scene.visible(before, None, other.position, other.primitive());
+                }
+            }
+        }
         if to.is_infinite() {
             return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
         }
@@ -134,11 +177,16 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
     /// parallel light irradiance.
     pub fn emitted(&self, vertex: &SceneVertex<K>, towards: &SceneVertex<K>) -> Vec3 {
-        let w = || (towards.position - vertex.position).normalize_or_zero();
+        let w = || towards.direction_from(vertex.position);
         match vertex.place {
-            Place::Camera => Vec3::ZERO,
+            Place::Camera | Place::Parallel(_) => Vec3::ZERO,
+            Place::Backdrop(sky) => {
+                let sky = K::Orthographic::get(sky);
+                let position = -towards.position;
+                self.emitted(&SceneVertex { position, place: Place::Sky(sky) }, towards)
+            }
             Place::Surface(surface) => match surface.emitter {
-                Some(e) if surface.normal.dot(towards.position - vertex.position) > 0.0 => {
+                Some(e) if surface.normal.dot(towards.offset_from(vertex.position)) > 0.0 => {
                     self.scene.emitters[e as usize].radiance
                 }
                 _ => Vec3::ZERO,
@@ -168,20 +216,32 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// The map from points of the film, in pixels, to the directions that they look in.
-    pub fn film_to_direction(&self) -> impl Map<f32, Source = Vec2<f32>, Target = Direction<f32>> {
-        pinhole(self.film_centre(), self.film_scale()).then(rotate(self.camera_frame))
+    pub fn film_to_direction(
+        &self,
+        eye: &SceneVertex<K>,
+    ) -> impl Map<f32, Source = Vec2<f32>, Target = Direction<f32>> {
+        pinhole(self.film_centre(eye), self.film_scale()).then(rotate(self.camera_frame))
     }
 
     /// The point of the film, in pixels, where a camera at the vertex `eye` sees another vertex; `None`
     /// if that lies behind it. It may lie beside the image.
     pub fn film_point(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Vec2<f32>> {
-        let direction = Direction::from_unit(seen.direction_from(eye.position).into());
         let mut point = None;
-        self.film_to_direction().preimages(&direction, |film, exists| {
+        let mut found = |film, exists| {
             if exists {
                 point = Some(film);
             }
-        });
+        };
+        if let Some(film) = self.parallel() {
+            let to_point = match seen.place {
+                Place::Surface(surface) => surface.seen_by(&film),
+                _ => film.backdrop(),
+            };
+            to_point.preimages(&Includes::part(&seen.point())?, &mut found);
+        } else {
+            let direction = Direction::from_unit(seen.direction_from(eye.position).into());
+            self.film_to_direction(eye).preimages(&direction, &mut found);
+        }
         point
     }
 
@@ -228,10 +288,14 @@ impl<'s, K: SceneKind> World<'s, K> {
         (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
     }
 
-    /// The point of the film that the camera's axis goes through, in pixels.
-    pub fn film_centre(&self) -> Vec2<f32> {
-        let Camera { width, height, principal, .. } = self.scene.camera;
-        Vec2::new((0.5 - principal.x) * width as f32, (0.5 - principal.y) * height as f32)
+    /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,
+    /// or a point of the lens, from which it is shifted.
+    #[inline]
+    pub fn film_centre(&self, eye: &SceneVertex<K>) -> Vec2<f32> {
+        let centre = film_centre(&self.scene.camera);
+        let Some(lens) = self.lens() else { return centre };
+        let (shift, scale) = (lens.shift(eye.position), self.film_scale());
+        Vec2::new(centre.x + shift.x / scale.x, centre.y + shift.y / scale.y)
     }
 
     /// Width and height of a pixel at distance one.
@@ -241,20 +305,11 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 }
 
-/// A disk, across the direction in which it faces, that all light from there comes through which meets the
-/// scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
-    /// Its centre.
-    pub centre: Vec3,
-    /// A unit vector in its plane.
-    pub u: Vec3,
-    /// A unit vector in its plane across `u`.
-    pub v: Vec3,
-    /// The direction, of unit length, that light comes from.
-    pub towards: Vec3,
-    /// Its radius.
-    pub radius: f32,
+/// The point of the film that the camera's axis goes through, in pixels of the image.
+fn film_centre(camera: &Camera) -> Vec2<f32> {
+    let Camera { width, height, principal, crop, .. } = *camera;
+    let along = |offset: f32, size: u32, crop: f32| (0.5 - offset) * size as f32 - crop;
+    Vec2::new(along(principal.x, width, crop.x), along(principal.y, height, crop.y))
 }
 
 fn camera_frame(camera: &Camera) -> Frame<f32> {

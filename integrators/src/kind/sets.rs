@@ -5,6 +5,7 @@ use std::fmt;
 use super::{Part, Presence, SceneKind};
 use crate::scene::Scene;
 use crate::scene::bsdf::Bsdf;
+use crate::scene::camera::Projection;
 
 /// Names a kind of scene by listing what it has; see [`SceneKind`] for the features.
 ///
@@ -38,6 +39,8 @@ macro_rules! scene_kind {
             type Constant = $crate::__feature!(Constant; $($feature)+);
             type Point = $crate::__feature!(Point; $($feature)+);
             type Directional = $crate::__feature!(Directional; $($feature)+);
+            type ThinLens = $crate::__feature!(ThinLens; $($feature)+);
+            type Orthographic = $crate::__feature!(Orthographic; $($feature)+);
         }
 
         // A feature that does not exist is an error.
@@ -70,6 +73,8 @@ macro_rules! __feature {
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
     (Point; Point $($rest:ident)*) => { $crate::kind::Present };
     (Directional; Directional $($rest:ident)*) => { $crate::kind::Present };
+    (ThinLens; ThinLens $($rest:ident)*) => { $crate::kind::Present };
+    (Orthographic; Orthographic $($rest:ident)*) => { $crate::kind::Present };
     ($wanted:ident; $other:ident $($rest:ident)*) => { $crate::__feature!($wanted; $($rest)*) };
 }
 
@@ -93,7 +98,8 @@ scene_kind! {
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional;
+        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional,
+        ThinLens, Orthographic;
 }
 
 /// What a scene has and a kind has not.
@@ -137,6 +143,8 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
         (scene.sky.is_some(), "Constant"),
         (!scene.bulbs.is_empty(), "Point"),
         (!scene.distant.is_empty(), "Directional"),
+        (matches!(scene.camera.projection, Projection::ThinLens { .. }), "ThinLens"),
+        (matches!(scene.camera.projection, Projection::Orthographic { .. }), "Orthographic"),
     ] {
         if exists {
             need(feature, has::<K>(feature));
@@ -146,7 +154,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 15] = [
+pub const FEATURES: [&str; 17] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -162,6 +170,8 @@ pub const FEATURES: [&str; 15] = [
     "Constant",
     "Point",
     "Directional",
+    "ThinLens",
+    "Orthographic",
 ];
 
 /// Whether a kind has a feature.
@@ -185,6 +195,8 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "Constant" => K::Constant::VALUE.is_some(),
         "Point" => K::Point::VALUE.is_some(),
         "Directional" => K::Directional::VALUE.is_some(),
+        "ThinLens" => K::ThinLens::VALUE.is_some(),
+        "Orthographic" => K::Orthographic::VALUE.is_some(),
         _ => false,
     }
 }

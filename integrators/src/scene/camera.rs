@@ -1,11 +1,43 @@
-//! The pinhole camera of Mitsuba's `perspective` sensor.
+//! The cameras of Mitsuba's `perspective`, `thinlens` and `orthographic` sensors.
 
 use glam::{DMat4, DVec3, Vec2, Vec3, vec2};
 
-/// A pinhole camera.
+/// How a camera projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Through a pinhole: Mitsuba's `perspective`.
+    Pinhole,
+    /// Through a lens in the plane of the pinhole: `thinlens`.
+    ThinLens {
+        /// The radius of the lens, positive.
+        aperture_radius: f32,
+        /// The distance of the plane that is in focus, along the axis, positive.
+        focus_distance: f32,
+    },
+    /// Along parallel lines, from a film in the plane through the origin: `orthographic`.
+    Orthographic {
+        /// One pixel to the right, in the world.
+        across: Vec3,
+        /// One pixel down, in the world.
+        down: Vec3,
+    },
+}
+
+impl Projection {
+    /// The plugin type.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pinhole => "perspective",
+            Self::ThinLens { .. } => "thinlens",
+            Self::Orthographic { .. } => "orthographic",
+        }
+    }
+}
+
+/// A camera. The image is a window of the film, normally all of it.
 ///
-/// With film coordinates `(x, y)` in `[0, width] x [0, height]`, y downwards, and
-/// `s = x / width + principal.x`, `t = y / height + principal.y`, the direction is
+/// With image coordinates `(x, y)` in pixels, y downwards, and `s = (x + crop.x) / width + principal.x`,
+/// `t = (y + crop.y) / height + principal.y`, the direction seen through a pinhole is
 ///
 /// ```text
 /// normalize(forward + (2s - 1) tan_x right + (1 - 2t) tan_y up)
@@ -15,7 +47,7 @@ use glam::{DMat4, DVec3, Vec2, Vec3, vec2};
 /// `right` is the image of `-x`. If `to_world` is a mirror image, so is the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole.
+    /// The pinhole, the centre of the lens, or the centre of a film that projects along parallel lines.
     pub origin: Vec3,
     /// Unit vector to the right of the image.
     pub right: Vec3,
@@ -27,21 +59,43 @@ pub struct Camera {
     pub tan_x: f32,
     /// Tangent of half the vertical field of view: `tan_x · height / width`.
     pub tan_y: f32,
-    /// Pixels per row.
+    /// Pixels per row of the whole film.
     pub width: u32,
-    /// Rows.
+    /// Rows of the whole film.
     pub height: u32,
     /// Offset of the image centre as a fraction of width and height, normally 0.
     pub principal: Vec2,
+    /// The corner of the image on the film, in pixels, normally 0.
+    pub crop: Vec2,
+    /// How it projects.
+    pub projection: Projection,
 }
 
 impl Camera {
-    /// The unit direction in which the film point `(x, y)`, in pixels, looks.
+    /// The unit direction in which the image point `(x, y)`, in pixels, looks from the origin.
     pub fn direction(&self, film: Vec2) -> Vec3 {
         let size = vec2(self.width as f32, self.height as f32);
-        let centered = 2.0 * (film / size + self.principal) - 1.0;
+        if let Projection::Orthographic { .. } = self.projection {
+            return self.forward;
+        }
+        let centered = 2.0 * ((film + self.crop) / size + self.principal) - 1.0;
         (self.forward + centered.x * self.tan_x * self.right - centered.y * self.tan_y * self.up)
             .normalize()
+    }
+}
+
+impl Camera {
+    /// A bound of the coordinates at which rays start.
+    pub fn reach(&self) -> f32 {
+        let around = match self.projection {
+            Projection::Pinhole => 0.0,
+            Projection::ThinLens { aperture_radius, .. } => aperture_radius,
+            // Filters reach over the border.
+            Projection::Orthographic { across, down } => {
+                self.width as f32 * across.length() + self.height as f32 * down.length()
+            }
+        };
+        self.origin.abs().max_element() + around
     }
 }
 

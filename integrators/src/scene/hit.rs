@@ -145,6 +145,70 @@ pub fn chord(point: Vec3, direction: Vec3, center: Vec3) -> Option<f32> {
     (inwards > 0.0).then_some(inwards as f32)
 }
 
+/// A point and a direction of unit length split into their parts along and across the axis of a
+/// cylinder.
+struct AlongAxis {
+    /// Coordinate of the point along the axis, 0 at the base and 1 at the top, and how it changes.
+    height: [f64; 2],
+    /// The point across the axis, and how it changes.
+    across: [DVec3; 2],
+}
+
+impl AlongAxis {
+    fn new(point: Vec3, direction: Vec3, base: Vec3, axis: Vec3) -> Self {
+        let axis = axis.as_dvec3();
+        let (p, d) = (point.as_dvec3() - base.as_dvec3(), direction.as_dvec3().normalize());
+        let [a, b] = [p, d].map(|v| v.dot(axis) / axis.length_squared());
+        AlongAxis { height: [a, b], across: [p - a * axis, d - b * axis] }
+    }
+
+    /// Whether the point at a distance lies between the ends.
+    fn is_between(&self, t: f64) -> bool {
+        (0.0..=1.0).contains(&(self.height[0] + t * self.height[1]))
+    }
+}
+
+/// The first hit of the side of a cylinder with `0 < t`, for a ray with a unit direction. In f64, as for
+/// spheres.
+pub fn cylinder(origin: Vec3, direction: Vec3, base: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
+    let line = AlongAxis::new(origin, direction, base, axis);
+    let ([o, d], radius) = (line.across, f64::from(radius));
+    let speed2 = d.length_squared();
+    // A ray along the axis meets nothing.
+    if speed2 < 1e-30 {
+        return None;
+    }
+    let middle = -o.dot(d) / speed2;
+    let off = (o + middle * d).length();
+    if off > radius {
+        return None;
+    }
+    let half_chord = ((radius - off) * (radius + off) / speed2).sqrt();
+    let far = middle + half_chord.copysign(middle);
+    let product = (o.length() - radius) * (o.length() + radius) / speed2;
+    let other = if far == 0.0 { 0.0 } else { product / far };
+    let (near, far) = (far.min(other), far.max(other));
+    let t = [near, far].into_iter().find(|t| *t > 0.0 && line.is_between(*t))?;
+    Some(t as f32)
+}
+
+/// How far a ray that starts *on* the side of a cylinder runs inside it before it meets that side again;
+/// none if it does not enter it or leaves through an end.
+pub fn cylinder_chord(point: Vec3, direction: Vec3, base: Vec3, axis: Vec3) -> Option<f32> {
+    let line = AlongAxis::new(point, direction, base, axis);
+    let [o, d] = line.across;
+    let t = -2.0 * o.dot(d) / d.length_squared();
+    (t > 0.0 && t.is_finite() && line.is_between(t)).then_some(t as f32)
+}
+
+/// The point of the side of a cylinder next to a point near it.
+pub fn onto_cylinder(point: DVec3, base: Vec3, axis: Vec3, radius: f32) -> Vec3 {
+    let (b, axis) = (base.as_dvec3(), axis.as_dvec3());
+    let height = (point - b).dot(axis) / axis.length_squared();
+    let foot = b + height * axis;
+    (foot + f64::from(radius) * (point - foot).normalize_or_zero()).as_vec3()
+}
+
 /// Where the line along the ray meets an ellipse, and the coordinates along its two axes; `t` may
 /// be negative.
 pub fn disk(

@@ -6,15 +6,17 @@ use std::fmt::Write;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
+use super::camera::Projection;
 use super::{Filter, Scene, ShapeKind};
 use crate::kind;
 use crate::vertex::SceneVertex;
 
-const KINDS: [ShapeKind; 7] = [
+const KINDS: [ShapeKind; 8] = [
     ShapeKind::Rectangle,
     ShapeKind::Cube,
     ShapeKind::Sphere,
     ShapeKind::Disk,
+    ShapeKind::Cylinder,
     ShapeKind::Obj,
     ShapeKind::Ply,
     ShapeKind::Serialized,
@@ -53,7 +55,7 @@ pub fn json(scene: &Scene) -> Value {
             "left_out": kind.left_out,
         })),
         "camera": {
-            "type": "perspective",
+            "type": camera.projection.name(),
             "origin": place(scene, camera.origin),
             "forward": vector(camera.forward),
             "up": vector(camera.up),
@@ -122,7 +124,17 @@ pub fn summary(scene: &Scene) -> String {
     let fov = 2.0 * camera.tan_x.atan().to_degrees();
     line(
         "camera",
-        format!("at {} towards {}, {fov:.2}° wide", in_file(camera.origin), camera.forward),
+        match camera.projection {
+            Projection::Orthographic { .. } => {
+                format!("orthographic, at {} towards {}", in_file(camera.origin), camera.forward)
+            }
+            other => format!(
+                "{} at {} towards {}, {fov:.2}° wide",
+                other.name(),
+                in_file(camera.origin),
+                camera.forward
+            ),
+        },
     );
     line(
         "film",

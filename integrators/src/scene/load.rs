@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::rc::Rc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::bsdf::{Bsdf, Diffuse};
 use super::document::{Document, ObjectId, Property, Query};
@@ -18,6 +19,9 @@ use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::trace::Tracer;
 use super::{Scene, xml};
+
+/// The most shapes and primitives that instances may add up to: about two gigabytes.
+const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
 
 impl Scene {
     /// Loads a Mitsuba 3 XML file with all that it refers to. Each of `defines` is the name and
@@ -64,6 +68,9 @@ struct Builder<'a> {
     pending: Vec<Pending<'a>>,
     scene: Parts,
     bsdf_indices: HashMap<ObjectId, u32>,
+    groups: HashMap<ObjectId, Rc<Vec<Member>>>,
+    /// How many shapes and primitives are copies made for instances.
+    copies: (usize, usize),
     textures: Textures,
     sky: Option<Sky>,
     bulbs: Vec<(Bulb, DVec3)>,
@@ -75,6 +82,12 @@ struct Pending<'a> {
     source: Source,
     shape: Shape,
     property: &'a Property,
+}
+
+/// A shape that may stand by itself or in a group.
+struct Member {
+    source: Source,
+    shape: Shape,
 }
 
 #[derive(Default)]
@@ -95,6 +108,8 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         pending: Vec::new(),
         scene: Parts::default(),
         bsdf_indices: HashMap::new(),
+        groups: HashMap::new(),
+        copies: (0, 0),
         textures: Textures::default(),
         sky: None,
         bulbs: Vec::new(),
@@ -105,7 +120,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     for (property, id) in root.children() {
         let query = document.query(id);
         match query.object.tag.as_str() {
-            "shape" => builder.shape(&query, property)?,
+            "shape" => builder.shape(id, &query, property)?,
             "bsdf" => drop(builder.bsdf(id)?),
             "emitter" => builder.light(&query)?,
             "sensor" => {
@@ -137,7 +152,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     Ok(Scene {
-        tracer: Tracer::new(&parts.primitives, camera.origin),
+        tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
         flat_normals: parts.primitives.iter().map(|p| p.normal(Vec3::ZERO)).collect(),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
@@ -175,7 +190,25 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn shape(&mut self, query: &Query, property: &'a Property) -> Result<(), SceneError> {
+    fn shape(
+        &mut self,
+        id: ObjectId,
+        query: &Query,
+        property: &'a Property,
+    ) -> Result<(), SceneError> {
+        match query.object.plugin.as_str() {
+            "shapegroup" => drop(self.group(id)?),
+            "instance" => self.instance(query, property)?,
+            _ => {
+                let Member { source, shape } = self.member(query)?;
+                self.pending.push(Pending { source, shape, property });
+            }
+        }
+        Ok(())
+    }
+
+    /// A shape by itself.
+    fn member(&mut self, query: &Query) -> Result<Member, SceneError> {
         let kind = shapes::kind(query)?;
         let source = shapes::read(kind, query)?;
         let emission = match query.child("emitter")? {
@@ -203,7 +236,64 @@ impl<'a> Builder<'a> {
             first_texcoords: None,
             to_local: source.to_local(),
         };
-        self.pending.push(Pending { source, shape, property });
+        Ok(Member { source, shape })
+    }
+
+    /// The shapes of a `shapegroup`, which is seen only through its instances.
+    fn group(&mut self, id: ObjectId) -> Result<Rc<Vec<Member>>, SceneError> {
+        if let Some(group) = self.groups.get(&id) {
+            return Ok(group.clone());
+        }
+        let query = self.document.query(id);
+        let mut members = Vec::new();
+        for (property, child) in query.children() {
+            let child = self.document.query(child);
+            let plugin = child.object.plugin.as_str();
+            if child.object.tag != "shape" {
+                continue;
+            }
+            if plugin == "shapegroup" || plugin == "instance" {
+                let message = "a group may contain neither groups nor instances";
+                return Err(property.place.error(message));
+            }
+            let member = self.member(&child)?;
+            if member.shape.emission.is_some() {
+                return Err(property.place.error("a shape in a group may not emit"));
+            }
+            members.push(member);
+        }
+        query.finish(&["shape"])?;
+        let group = Rc::new(members);
+        self.groups.insert(id, group.clone());
+        Ok(group)
+    }
+
+    /// An `instance`: its group once more, placed by its own transform. Primitives are copied, so that rays
+    /// need no second level; how many is limited.
+    fn instance(&mut self, query: &Query, property: &'a Property) -> Result<(), SceneError> {
+        let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
+        let group = query.child("shape")?;
+        query.finish(&["shape"])?;
+        let group = group.filter(|id| self.document.objects[*id].plugin == "shapegroup");
+        let group = group.ok_or_else(|| query.error_at("", "needs a <ref> to a shapegroup"))?;
+        for Member { source, shape } in self.group(group)?.iter() {
+            let source = source.moved(&to_world);
+            source.check().map_err(|message| query.error_at("to_world", message))?;
+            self.copies.0 += 1;
+            self.copies.1 += source.primitive_count();
+            if self.copies.0 > MAX_COPIES.0 || self.copies.1 > MAX_COPIES.1 {
+                let (shapes, primitives) = MAX_COPIES;
+                return Err(query.error_at(
+                    "",
+                    format!(
+                        "instances are copied, and add up to more than {shapes} shapes or {primitives} \
+                         primitives"
+                    ),
+                ));
+            }
+            let shape = Shape { to_local: source.to_local(), ..shape.clone() };
+            self.pending.push(Pending { source, shape, property });
+        }
         Ok(())
     }
 
@@ -218,7 +308,8 @@ impl<'a> Builder<'a> {
                 ))
             })?;
             let total = self.scene.primitives.len() + geometry.primitives.len();
-            if total >= u32::MAX as usize {
+            // The last numbers are those of surfaces that are no primitives.
+            if total >= u32::MAX as usize - 16 {
                 return Err(property.place.error("the scene has too many primitives"));
             }
             self.scene.add(shape, geometry);

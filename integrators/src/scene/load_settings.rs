@@ -2,10 +2,11 @@
 
 use glam::{DMat4, DVec3, Vec2};
 
-use super::camera::{self, Camera};
+use super::camera::{self, Camera, Projection};
 use super::document::{Document, Query};
 use super::error::SceneError;
 use super::settings::{Film, Filter, Integrator, Sampler, SamplerKind};
+use super::values::relative_determinant;
 
 const MAX_FILM_SIZE: i64 = 1 << 16;
 
@@ -27,30 +28,62 @@ pub fn read_sensor(
     query: &Query,
     size: Option<(u32, u32)>,
 ) -> Result<Sensor, SceneError> {
-    if query.object.plugin != "perspective" {
-        return Err(query.unsupported("perspective"));
+    let projection = query.object.plugin.as_str();
+    if !["perspective", "thinlens", "orthographic"].contains(&projection) {
+        return Err(query.unsupported("perspective, thinlens, orthographic"));
     }
     let mut film = match query.child("film")? {
         Some(id) => read_film(document, &document.query(id))?,
-        None => Film { width: 768, height: 576, filter: Filter::Gaussian { stddev: 0.5 } },
+        None => Window::whole(Film {
+            width: 768,
+            height: 576,
+            filter: Filter::Gaussian { stddev: 0.5 },
+        }),
     };
     if let Some(size) = size {
-        (film.width, film.height) = size;
+        film.resize(size);
     }
     let sampler = match query.child("sampler")? {
         Some(id) => read_sampler(&document.query(id))?,
         None => Sampler { kind: SamplerKind::Independent, sample_count: 4, seed: 0 },
     };
-    let (camera, position) = read_camera(query, film)?;
-    // A pinhole is in focus everywhere, and rays start at it, not at the near plane.
-    query.ignore(&["near_clip", "far_clip", "focus_distance"]);
+    let (camera, position) = match projection {
+        "orthographic" => read_orthographic(query, &film)?,
+        _ => read_camera(query, &film)?,
+    };
     query.ignore(&["shutter_open", "shutter_close"]);
     query.finish(&["film", "sampler"])?;
-    Ok(Sensor { camera, position, film, sampler })
+    Ok(Sensor { camera, position, film: film.image, sampler })
 }
 
-fn read_camera(query: &Query, film: Film) -> Result<(Camera, DVec3), SceneError> {
-    let aspect = f64::from(film.width) / f64::from(film.height);
+/// The part of a film that becomes the image.
+struct Window {
+    /// The image.
+    image: Film,
+    /// Columns and rows of the whole film.
+    film: (u32, u32),
+    /// Where the image begins on it, in pixels.
+    crop: Vec2,
+}
+
+impl Window {
+    fn whole(image: Film) -> Self {
+        Window { image, film: (image.width, image.height), crop: Vec2::ZERO }
+    }
+
+    /// Gives the image another size; the film goes with it.
+    fn resize(&mut self, (width, height): (u32, u32)) {
+        let scale = [(width, self.image.width), (height, self.image.height)];
+        let [x, y] = scale.map(|(new, old)| f64::from(new) / f64::from(old));
+        let scaled = |size: u32, by: f64| (f64::from(size) * by).round().clamp(1.0, 4e9) as u32;
+        self.film = (scaled(self.film.0, x), scaled(self.film.1, y));
+        self.crop *= Vec2::new(x as f32, y as f32);
+        (self.image.width, self.image.height) = (width, height);
+    }
+}
+
+fn read_camera(query: &Query, film: &Window) -> Result<(Camera, DVec3), SceneError> {
+    let aspect = f64::from(film.film.0) / f64::from(film.film.1);
     let fov = query.float("fov")?;
     let axis = query.string("fov_axis")?.unwrap_or("x");
     let focal_length = query.string("focal_length")?;
@@ -65,13 +98,19 @@ fn read_camera(query: &Query, film: Film) -> Result<(Camera, DVec3), SceneError>
     let fov = fov.map_err(|e| query.error_at("fov", e))?;
     let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
     let axes = camera::orthonormal_axes(&to_world).map_err(|e| query.error_at("to_world", e))?;
-    let origin = to_world.w_axis.truncate();
-    if origin.abs().max_element() > 1e15 {
-        return Err(query.error_at("to_world", "the camera is too far away; scale the scene"));
-    }
+    let origin = near_enough(query, to_world.w_axis.truncate())?;
     let [left, up, forward] = axes.map(|axis| axis.as_vec3());
     let tan_x = (0.5 * fov).to_radians().tan();
+    let is_lens = query.object.plugin == "thinlens";
+    let projection = if is_lens { read_lens(query)? } else { Projection::Pinhole };
     let offset = |name| query.float(name).map(|x| x.unwrap_or(0.0) as f32);
+    let principal = if is_lens {
+        Vec2::ZERO
+    } else {
+        Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?)
+    };
+    // A pinhole is in focus everywhere, and rays start at it, not at the near plane.
+    query.ignore(&["near_clip", "far_clip", "focus_distance"]);
     let camera = Camera {
         origin: origin.as_vec3(),
         right: -left,
@@ -79,17 +118,77 @@ fn read_camera(query: &Query, film: Film) -> Result<(Camera, DVec3), SceneError>
         forward,
         tan_x: tan_x as f32,
         tan_y: (tan_x / aspect) as f32,
-        width: film.width,
-        height: film.height,
-        principal: Vec2::new(
-            offset("principal_point_offset_x")?,
-            offset("principal_point_offset_y")?,
-        ),
+        width: film.film.0,
+        height: film.film.1,
+        principal,
+        crop: film.crop,
+        projection,
     };
     Ok((camera, origin))
 }
 
-fn read_film(document: &Document, query: &Query) -> Result<Film, SceneError> {
+/// The lens of a `thinlens`: a pinhole if it has no extent. Without a distance it is in focus at the far
+/// plane.
+fn read_lens(query: &Query) -> Result<Projection, SceneError> {
+    let radius = query.float("aperture_radius")?;
+    let radius = radius.ok_or_else(|| query.error_at("", "needs the float \"aperture_radius\""))?;
+    let far = query.float("far_clip")?.unwrap_or(1e4);
+    let focus = query.float("focus_distance")?.unwrap_or(far);
+    if !(0.0..=1e15).contains(&radius) {
+        return Err(query.error_at("aperture_radius", "must be in 0..=1e15"));
+    }
+    if !(1e-15..=1e15).contains(&focus) {
+        return Err(query.error_at("focus_distance", "must be in 1e-15..=1e15"));
+    }
+    let (aperture_radius, focus_distance) = (radius as f32, focus as f32);
+    Ok(if std::f32::consts::PI * aperture_radius * aperture_radius >= f32::MIN_POSITIVE {
+        Projection::ThinLens { aperture_radius, focus_distance }
+    } else {
+        Projection::Pinhole
+    })
+}
+
+/// An `orthographic` sensor: the film is as wide as the x axis of `to_world` to both sides, and lies in the
+/// near plane.
+fn read_orthographic(query: &Query, film: &Window) -> Result<(Camera, DVec3), SceneError> {
+    let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
+    if relative_determinant(&to_world).abs() < 1e-12 {
+        return Err(query.error_at("to_world", "the transform flattens space"));
+    }
+    let near = query.float("near_clip")?.unwrap_or(0.01);
+    query.ignore(&["far_clip", "focus_distance"]);
+    let [x, y, z] = [to_world.x_axis, to_world.y_axis, to_world.z_axis].map(|c| c.truncate());
+    let origin = near_enough(query, to_world.w_axis.truncate() + near * z)?;
+    let pixel = 2.0 / f64::from(film.film.0);
+    let (across, down) = ((-pixel * x).as_vec3(), (-pixel * y).as_vec3());
+    if across.cross(down).length() < f32::MIN_POSITIVE || !across.cross(down).is_finite() {
+        return Err(query.error_at("to_world", "the film is too small or too large"));
+    }
+    let camera = Camera {
+        origin: origin.as_vec3(),
+        right: -x.normalize().as_vec3(),
+        up: y.normalize().as_vec3(),
+        forward: z.normalize().as_vec3(),
+        tan_x: 0.0,
+        tan_y: 0.0,
+        width: film.film.0,
+        height: film.film.1,
+        principal: Vec2::ZERO,
+        crop: film.crop,
+        projection: Projection::Orthographic { across, down },
+    };
+    Ok((camera, origin))
+}
+
+fn near_enough(query: &Query, origin: DVec3) -> Result<DVec3, SceneError> {
+    if origin.abs().max_element() <= 1e15 {
+        Ok(origin)
+    } else {
+        Err(query.error_at("to_world", "the camera is too far away; scale the scene"))
+    }
+}
+
+fn read_film(document: &Document, query: &Query) -> Result<Window, SceneError> {
     match query.object.plugin.as_str() {
         "hdrfilm" => {}
         // The film of version 0.x for pictures to look at; the PNG that is written has the gamma of sRGB.
@@ -105,8 +204,17 @@ fn read_film(document: &Document, query: &Query) -> Result<Film, SceneError> {
     // How the image is stored is for the program to say.
     query.ignore(&["file_format", "pixel_format", "component_format"]);
     query.ignore(&["sample_border", "banner", "compensate", "attach_log", "high_quality_edges"]);
+    let window = |offset, size, all: u32| -> Result<_, SceneError> {
+        let whole = i64::from(all);
+        let begin = query.integer(offset, 0, whole - 1)?.unwrap_or(0);
+        let size = query.integer(size, 1, whole - begin)?.unwrap_or(whole - begin);
+        Ok((begin as f32, size as u32))
+    };
+    let (left, columns) = window("crop_offset_x", "crop_width", width)?;
+    let (top, rows) = window("crop_offset_y", "crop_height", height)?;
     query.finish(&["rfilter"])?;
-    Ok(Film { width, height, filter })
+    let image = Film { width: columns, height: rows, filter };
+    Ok(Window { image, film: (width, height), crop: Vec2::new(left, top) })
 }
 
 fn read_filter(query: &Query) -> Result<Filter, SceneError> {

@@ -195,9 +195,9 @@ fn errors_say_where_and_what() {
           thindielectric, roughconductor, roughdielectric, plastic, roughplastic, twosided, mask, blendbsdf",
         ),
         (
-            "  <shape type=\"cylinder\"/>",
-            "scene.xml:3:3: <shape type=\"cylinder\">: not supported; supported: rectangle, cube, \
-          sphere, disk, obj, ply, serialized",
+            "  <shape type=\"hair\"/>",
+            "scene.xml:3:3: <shape type=\"hair\">: not supported; supported: rectangle, cube, \
+          sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance",
         ),
         (
             "<shape type=\"cube\"><float name=\"size\" value=\"1\"/></shape>",

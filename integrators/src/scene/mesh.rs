@@ -28,7 +28,7 @@ impl Corner {
 /// A mesh as its file describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions: as in the file, after [`Mesh::move_to_world`] in the world.
+    /// Vertex positions.
     pub positions: Vec<DVec3>,
     /// Vertex normals, of any length.
     pub normals: Vec<DVec3>,
@@ -60,15 +60,6 @@ impl Mesh {
         }
         if self.texcoords.is_empty() {
             self.texcoord_triangles.clear();
-        }
-    }
-}
-
-impl Mesh {
-    /// Brings the vertices to the world.
-    pub fn move_to_world(&mut self, placement: &Placement) {
-        for p in &mut self.positions {
-            *p = placement.to_world.transform_point3(*p);
         }
     }
 }
@@ -115,10 +106,11 @@ pub struct Triangles {
     pub degenerate: usize,
 }
 
-/// The triangles of a mesh whose vertices are in the world, seen from `origin`. Unless `face_normals` is
+/// The triangles of a mesh placed in the world, with `origin` as zero. Unless `face_normals` is
 /// set, a mesh that brings no normals gets smooth ones, as in Mitsuba.
 pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVec3) -> Triangles {
-    let positions: Vec<DVec3> = mesh.positions.iter().map(|p| *p - origin).collect();
+    let in_world = |p: &DVec3| placement.to_world.transform_point3(*p) - origin;
+    let positions: Vec<DVec3> = mesh.positions.iter().map(in_world).collect();
     let reverse = placement.reverses_winding();
     let orient = |t: [u32; 3]| if reverse { [t[0], t[2], t[1]] } else { t };
     let triangles: Vec<[u32; 3]> = mesh.triangles.iter().copied().map(orient).collect();
@@ -210,9 +202,7 @@ mod tests {
     }
 
     fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangles {
-        let mut mesh = mesh.clone();
-        mesh.move_to_world(placement);
-        super::place(&mesh, placement, face_normals, DVec3::ZERO)
+        super::place(mesh, placement, face_normals, DVec3::ZERO)
     }
 
     #[test]

@@ -95,7 +95,7 @@ pub struct Scene {
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
-    /// The normals of planar primitives; those of spheres are not used.
+    /// The normals of planar primitives; those of round ones are not used.
     flat_normals: Vec<Vec3>,
 }
 
@@ -140,7 +140,7 @@ impl Scene {
     /// The unit normal of a primitive at a point of it.
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
         match self.primitive(id) {
-            sphere @ Primitive::Sphere { .. } => sphere.normal(point),
+            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
             _ => self.flat_normals[id.0 as usize],
         }
     }
@@ -215,6 +215,10 @@ impl Scene {
                 let outwards = (origin + raw.t * direction).as_dvec3() - c;
                 (c + f64::from(radius) * outwards.normalize_or_zero()).as_vec3()
             }
+            Primitive::Cylinder { base, axis, radius, .. } => {
+                let point = (origin + raw.t * direction).as_dvec3();
+                hit::onto_cylinder(point, base, axis, radius)
+            }
             Primitive::Disk { center, u_axis, v_axis, .. } => center + w.x * u_axis + w.y * v_axis,
         };
         let geometric_normal = self.normal(raw.primitive, position);
@@ -232,8 +236,8 @@ impl Scene {
     }
 
     /// The texture coordinates at a hit, as Mitsuba has them: those of the mesh, or of a triangle without
-    /// any the weights of its second and third corner; of a sphere azimuth and polar angle, of a disk
-    /// radius and azimuth, all from 0 to 1.
+    /// any the weights of its second and third corner; of a sphere azimuth and polar angle, of a cylinder
+    /// azimuth and height, of a disk radius and azimuth, all from 0 to 1.
     pub fn texture_coordinates(&self, hit: &Hit) -> Vec2 {
         let shape = self.shape(hit.primitive);
         let w = hit.weights;
@@ -249,6 +253,10 @@ impl Scene {
                 let local = (shape.to_local * (hit.position - *center)).normalize_or_zero();
                 let polar = local.z.clamp(-1.0, 1.0).acos() / std::f32::consts::PI;
                 Vec2::new(turn(local.y, local.x), polar)
+            }
+            Primitive::Cylinder { base, .. } => {
+                let local = shape.to_local * (hit.position - *base);
+                Vec2::new(turn(local.y, local.x), local.z)
             }
             Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }

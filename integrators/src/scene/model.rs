@@ -31,6 +31,17 @@ pub enum Primitive {
         /// Whether the normals point to the centre.
         flipped: bool,
     },
+    /// The side of a cylinder, open at both ends.
+    Cylinder {
+        /// The centre of one end.
+        base: Vec3,
+        /// From there to the centre of the other end.
+        axis: Vec3,
+        /// The radius, positive.
+        radius: f32,
+        /// Whether the normals point to the axis.
+        flipped: bool,
+    },
     /// An ellipse in a plane: all `center + a * u_axis + b * v_axis` with `a² + b² <= 1`.
     Disk {
         /// The centre.
@@ -52,6 +63,9 @@ impl Primitive {
                 (0.5 * double_area_normal(&[v0, v1, v2]).length()) as f32
             }
             Self::Sphere { radius, .. } => 4.0 * PI * radius * radius,
+            Self::Cylinder { axis, radius, .. } => {
+                (2.0 * std::f64::consts::PI * f64::from(radius) * axis.as_dvec3().length()) as f32
+            }
             Self::Disk { u_axis, v_axis, .. } => {
                 (u_axis.as_dvec3().cross(v_axis.as_dvec3()).length()) as f32 * PI
             }
@@ -68,6 +82,12 @@ impl Primitive {
                 let outwards = outwards.as_vec3();
                 if flipped { -outwards } else { outwards }
             }
+            Self::Cylinder { base, axis, flipped, .. } => {
+                let (p, axis) = (point.as_dvec3() - base.as_dvec3(), axis.as_dvec3());
+                let outwards = p - p.dot(axis) / axis.length_squared() * axis;
+                let outwards = outwards.normalize_or_zero().as_vec3();
+                if flipped { -outwards } else { outwards }
+            }
             Self::Disk { normal, .. } => normal,
         }
     }
@@ -80,6 +100,13 @@ impl Primitive {
             }
             Self::Sphere { center, radius, .. } => {
                 Bounds { min: center - radius, max: center + radius }
+            }
+            Self::Cylinder { base, axis, radius, .. } => {
+                // How far the circle across the axis reaches along each coordinate.
+                let d = axis.as_dvec3().normalize_or_zero();
+                let reach = (1.0 - d * d).max(glam::DVec3::ZERO).map(f64::sqrt).as_vec3() * radius;
+                let top = base + axis;
+                Bounds { min: base.min(top) - reach, max: base.max(top) + reach }
             }
             Self::Disk { center, u_axis, v_axis, .. } => {
                 let [x, y, z] = [0, 1, 2].map(|i| u_axis[i].hypot(v_axis[i]));
@@ -120,6 +147,8 @@ pub enum ShapeKind {
     Sphere,
     /// The unit disk in the plane z = 0, facing +z.
     Disk,
+    /// The side of a cylinder, open at both ends.
+    Cylinder,
     /// A Wavefront OBJ mesh.
     Obj,
     /// A Stanford PLY mesh.
@@ -136,6 +165,7 @@ impl ShapeKind {
             Self::Cube => "cube",
             Self::Sphere => "sphere",
             Self::Disk => "disk",
+            Self::Cylinder => "cylinder",
             Self::Obj => "obj",
             Self::Ply => "ply",
             Self::Serialized => "serialized",
@@ -162,7 +192,8 @@ pub struct Shape {
     pub first_normals: Option<u32>,
     /// Where its texture coordinates begin in [`super::Scene::texcoords`], if it has any.
     pub first_texcoords: Option<u32>,
-    /// From directions in the world to those of a sphere's own coordinates.
+    /// From directions in the world to those of a sphere's or cylinder's own coordinates, in which a
+    /// cylinder goes along z from 0 to 1.
     pub to_local: Mat3,
 }
 

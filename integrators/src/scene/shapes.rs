@@ -1,5 +1,8 @@
 //! From a `<shape>` to primitives.
 
+use std::rc::Rc;
+
+use aether_core::prelude::{Direction, Frame};
 use glam::{DMat3, DMat4, DVec2, DVec3, Mat3};
 
 use super::document::Query;
@@ -33,66 +36,79 @@ pub fn kind(query: &Query) -> Result<ShapeKind, SceneError> {
         "cube" => ShapeKind::Cube,
         "sphere" => ShapeKind::Sphere,
         "disk" => ShapeKind::Disk,
+        "cylinder" => ShapeKind::Cylinder,
         "obj" => ShapeKind::Obj,
         "ply" => ShapeKind::Ply,
         "serialized" => ShapeKind::Serialized,
-        _ => return Err(query.unsupported("rectangle, cube, sphere, disk, obj, ply, serialized")),
+        _ => {
+            let supported = "rectangle, cube, sphere, disk, cylinder, obj, ply, serialized, shapegroup, instance";
+            return Err(query.unsupported(supported));
+        }
     })
 }
 
-/// A shape in the world, in double precision and not yet moved to where the scene has its zero.
-#[derive(Debug)]
-pub enum Source {
-    /// Triangles.
-    Mesh {
-        /// Vertices in the world.
-        mesh: Mesh,
-        /// For normals and winding.
-        placement: Placement,
-        /// Whether the triangles are flat.
-        face_normals: bool,
-    },
-    /// A sphere.
-    Sphere {
-        /// The centre.
-        center: DVec3,
-        /// The radius.
-        radius: f64,
-        /// Whether the normals point to the centre.
-        flipped: bool,
-        /// From directions in the world to those of the sphere's own coordinates.
-        to_local: Mat3,
-    },
-    /// The unit disk in the plane z = 0, and where it went.
-    Disk(Placement),
+/// A shape in its own coordinates, in double precision, and how it is placed in the world.
+#[derive(Clone, Debug)]
+pub struct Source {
+    form: Form,
+    placement: Placement,
 }
 
-/// Reads a shape and places it in the world.
+/// What a shape is, in its own coordinates. Instances share the mesh.
+#[derive(Clone, Debug)]
+enum Form {
+    /// Triangles, and whether they are flat.
+    Mesh(Rc<Mesh>, bool),
+    /// A sphere.
+    Sphere { center: DVec3, radius: f64 },
+    /// The side of a cylinder.
+    Cylinder { p0: DVec3, p1: DVec3, radius: f64 },
+    /// The unit disk in the plane z = 0.
+    Disk,
+}
+
+/// Reads a shape.
 pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
     let placement = Placement {
         to_world: query.transform("to_world")?.unwrap_or(DMat4::IDENTITY),
         flip_normals: query.boolean("flip_normals")?.unwrap_or(false),
     };
-    if relative_determinant(&placement.to_world).abs() < 1e-12 {
-        return Err(query.error_at("to_world", "the transform flattens space"));
-    }
     // These concern only features that do not exist here.
     query.ignore(&["silhouette_sampling_weight", "max_smooth_angle"]);
-    let in_world = |mut mesh: Mesh, face_normals| {
-        mesh.move_to_world(&placement);
-        Source::Mesh { mesh, placement, face_normals }
-    };
-    Ok(match kind {
-        ShapeKind::Rectangle => in_world(rectangle(), true),
-        ShapeKind::Cube => in_world(cube(), true),
-        ShapeKind::Sphere => sphere(query, &placement)?,
-        ShapeKind::Disk => Source::Disk(placement),
+    let form = match kind {
+        ShapeKind::Rectangle => Form::Mesh(Rc::new(rectangle()), true),
+        ShapeKind::Cube => Form::Mesh(Rc::new(cube()), true),
+        ShapeKind::Sphere => Form::Sphere {
+            center: query.vector("center")?.unwrap_or(DVec3::ZERO),
+            radius: radius(query)?,
+        },
+        ShapeKind::Cylinder => {
+            let p0 = query.vector("p0")?.unwrap_or(DVec3::ZERO);
+            let p1 = query.vector("p1")?.unwrap_or(DVec3::Z);
+            if (p1 - p0).length() < 1e-12 * p0.length().max(p1.length()) || p0 == p1 {
+                return Err(query.error_at("p1", "p0 and p1 must differ"));
+            }
+            Form::Cylinder { p0, p1, radius: radius(query)? }
+        }
+        ShapeKind::Disk => Form::Disk,
         ShapeKind::Obj | ShapeKind::Ply | ShapeKind::Serialized => {
             let face_normals = query.boolean("face_normals")?;
             let (mesh, flat) = read_mesh(kind, query)?;
-            in_world(mesh, face_normals.unwrap_or(flat))
+            Form::Mesh(Rc::new(mesh), face_normals.unwrap_or(flat))
         }
-    })
+    };
+    let source = Source { form, placement };
+    source.check().map_err(|message| query.error_at("to_world", message))?;
+    Ok(source)
+}
+
+fn radius(query: &Query) -> Result<f64, SceneError> {
+    let radius = query.float("radius")?.unwrap_or(1.0);
+    if radius > 0.0 {
+        Ok(radius)
+    } else {
+        Err(query.error_at("radius", "the radius must be positive"))
+    }
 }
 
 /// Where a scene has its zero: that of the file, unless its shapes lie further from there than they
@@ -106,21 +122,90 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
 }
 
 impl Source {
-    /// From directions in the world to those of a sphere's own coordinates.
-    pub fn to_local(&self) -> Mat3 {
-        if let Source::Sphere { to_local, .. } = self { *to_local } else { Mat3::IDENTITY }
+    /// The same shape moved in the world.
+    pub fn moved(&self, by: &DMat4) -> Source {
+        let to_world = *by * self.placement.to_world;
+        Source { form: self.form.clone(), placement: Placement { to_world, ..self.placement } }
     }
 
-    /// The corners of a box around the shape.
-    fn bounds(&self) -> [DVec3; 2] {
-        match self {
-            Source::Mesh { mesh, .. } => {
-                let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-                mesh.positions.iter().fold(empty, |[min, max], p| [min.min(*p), max.max(*p)])
+    /// How many primitives it becomes, at most.
+    pub fn primitive_count(&self) -> usize {
+        if let Form::Mesh(mesh, _) = &self.form { mesh.triangles.len() } else { 1 }
+    }
+
+    /// Whether the shape can be placed like that.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn check(&self) -> Result<(), &'static str> {
+        let m = self.placement.to_world;
+        let determinant = relative_determinant(&m).abs();
+        // Written so that NaN is refused.
+        if !(m.is_finite() && determinant >= 1e-12) {
+            return Err("the transform flattens space");
+        }
+        let round = match self.form {
+            Form::Sphere { .. } => self.round().is_even(true),
+            Form::Cylinder { .. } => self.round().is_even(false),
+            _ => true,
+        };
+        if round {
+            return Ok(());
+        }
+        Err(if matches!(self.form, Form::Sphere { .. }) {
+            "a sphere must be scaled evenly; ellipsoids are not supported (nearest: ply, obj)"
+        } else {
+            "a cylinder must be scaled evenly across its axis, without shearing (nearest: ply, obj)"
+        })
+    }
+
+    /// From directions in the world to those of a round shape's own coordinates.
+    pub fn to_local(&self) -> Mat3 {
+        match self.form {
+            Form::Sphere { .. } | Form::Cylinder { .. } => self.round().axes.inverse().as_mat3(),
+            _ => Mat3::IDENTITY,
+        }
+    }
+
+    /// A round shape in the world.
+    fn round(&self) -> Round {
+        let m = self.placement.to_world;
+        let linear = DMat3::from_mat4(m);
+        let (origin, axes) = match self.form {
+            Form::Sphere { center, radius } => (center, linear * radius),
+            Form::Cylinder { p0, p1, radius } => {
+                let axis = p1 - p0;
+                let [x, y] = across(axis.normalize());
+                (p0, linear * DMat3::from_cols(radius * x, radius * y, axis))
             }
-            Source::Sphere { center, radius, .. } => [*center - *radius, *center + *radius],
-            Source::Disk(placement) => {
-                let m = placement.to_world;
+            _ => (DVec3::ZERO, linear),
+        };
+        // As in Mitsuba, a mirror image of a round shape is turned inside out.
+        let mirrored = relative_determinant(&m) < 0.0;
+        let flipped = self.placement.flip_normals != mirrored;
+        Round { origin: m.transform_point3(origin), axes, flipped }
+    }
+
+    /// The corners of a box around the shape in the world.
+    fn bounds(&self) -> [DVec3; 2] {
+        let m = self.placement.to_world;
+        match &self.form {
+            Form::Mesh(mesh, _) => {
+                let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+                let positions = mesh.positions.iter().map(|p| m.transform_point3(*p));
+                positions.fold(empty, |[min, max], p| [min.min(p), max.max(p)])
+            }
+            Form::Sphere { .. } => {
+                let Round { origin, axes, .. } = self.round();
+                let radius = axes.x_axis.length();
+                [origin - radius, origin + radius]
+            }
+            Form::Cylinder { .. } => {
+                let Round { origin, axes, .. } = self.round();
+                let (top, radius) = (origin + axes.z_axis, axes.x_axis.length());
+                [origin.min(top) - radius, origin.max(top) + radius]
+            }
+            Form::Disk => {
                 let (center, reach) = (m.w_axis.truncate(), (m.x_axis.abs() + m.y_axis.abs()));
                 [center - reach.truncate(), center + reach.truncate()]
             }
@@ -130,16 +215,28 @@ impl Source {
     /// The primitives, with `origin` as zero. `None` if coordinates or areas leave the range in which
     /// single precision can compute with them.
     pub fn geometry(&self, origin: DVec3) -> Option<Geometry> {
-        let geometry = match self {
-            Source::Mesh { mesh, placement, face_normals } => {
-                triangles(mesh::place(mesh, placement, *face_normals, origin))
+        let geometry = match &self.form {
+            Form::Mesh(mesh, face_normals) => {
+                triangles(mesh::place(mesh, &self.placement, *face_normals, origin))
             }
-            Source::Sphere { center, radius, flipped, .. } => Geometry::of(Primitive::Sphere {
-                center: (*center - origin).as_vec3(),
-                radius: *radius as f32,
-                flipped: *flipped,
-            }),
-            Source::Disk(placement) => disk(placement, origin),
+            Form::Sphere { .. } => {
+                let Round { origin: center, axes, flipped } = self.round();
+                Geometry::of(Primitive::Sphere {
+                    center: (center - origin).as_vec3(),
+                    radius: axes.x_axis.length() as f32,
+                    flipped,
+                })
+            }
+            Form::Cylinder { .. } => {
+                let Round { origin: base, axes, flipped } = self.round();
+                Geometry::of(Primitive::Cylinder {
+                    base: (base - origin).as_vec3(),
+                    axis: axes.z_axis.as_vec3(),
+                    radius: axes.x_axis.length() as f32,
+                    flipped,
+                })
+            }
+            Form::Disk => disk(&self.placement, origin),
         };
         let representable = |p: &Primitive| {
             let bounds = p.bounds();
@@ -149,6 +246,39 @@ impl Source {
         };
         geometry.primitives.iter().all(representable).then_some(geometry)
     }
+}
+
+/// A sphere or a cylinder in the world.
+struct Round {
+    /// The centre of the sphere, or of one end of the cylinder.
+    origin: DVec3,
+    /// Where the axes of its own coordinates go: for a sphere as long as the radius, for a cylinder the
+    /// first two, and the third from end to end.
+    axes: DMat3,
+    /// Whether the normals point inwards.
+    flipped: bool,
+}
+
+impl Round {
+    /// Whether the axes are orthogonal, and the first two, or all of them, of the same length.
+    fn is_even(&self, all: bool) -> bool {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = self.axes;
+        let scale = x.length();
+        let uneven = [y.length() - scale, if all { z.length() - scale } else { 0.0 }];
+        let skewed = [x.dot(y) / scale, y.dot(z) / z.length(), z.dot(x) / z.length()];
+        uneven.iter().chain(&skewed).all(|e| e.abs() <= 1e-3 * scale)
+    }
+}
+
+/// Two unit vectors across a unit vector, with which it makes a frame as in Mitsuba, so that textures on
+/// cylinders lie alike.
+fn across(n: DVec3) -> [DVec3; 2] {
+    let n32 = n.as_vec3();
+    let frame = Frame::around(Direction::from_vec(n32.into()));
+    let axis = |v: aether_core::prelude::Vec3<f32>| glam::Vec3::from(v).as_dvec3();
+    let x = axis(frame.to_world(glam::Vec3::X));
+    let y = (n.cross(x)).normalize();
+    [y.cross(n), y]
 }
 
 impl Geometry {
@@ -230,33 +360,6 @@ fn cube() -> Mesh {
 /// The corners of the unit square.
 fn unit_square() -> Vec<DVec2> {
     vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y]
-}
-
-fn sphere(query: &Query, placement: &Placement) -> Result<Source, SceneError> {
-    let center = query.vector("center")?.unwrap_or(DVec3::ZERO);
-    let radius = query.float("radius")?.unwrap_or(1.0);
-    if radius <= 0.0 {
-        return Err(query.error_at("radius", "the radius must be positive"));
-    }
-    let m = placement.to_world;
-    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|column| column.truncate());
-    let scale = x.length();
-    let uneven = [y.length() - scale, z.length() - scale];
-    let skewed = [x.dot(y), y.dot(z), z.dot(x)].map(|dot| dot / scale);
-    if uneven.iter().chain(&skewed).any(|e| e.abs() > 1e-3 * scale) {
-        return Err(query.error_at(
-            "to_world",
-            "a sphere must be scaled evenly; ellipsoids are not supported (nearest: ply, obj)",
-        ));
-    }
-    // As in Mitsuba, a mirror image of a sphere is turned inside out.
-    let mirrored = relative_determinant(&m) < 0.0;
-    Ok(Source::Sphere {
-        center: m.transform_point3(center),
-        radius: radius * scale,
-        flipped: placement.flip_normals != mirrored,
-        to_local: DMat3::from_cols(x, y, z).inverse().as_mat3(),
-    })
 }
 
 fn disk(placement: &Placement, origin: DVec3) -> Geometry {

@@ -11,7 +11,7 @@
 //! * Triangles are tested by the watertight [`Ray::triangle`].
 //!
 //! A ray that starts on a surface must not hit that surface again. A planar primitive is left out by
-//! identity, a sphere is solved for its other root, and for the neighbours see [`Contact`]. None of
+//! identity, a sphere or cylinder is solved for its other root, and for the neighbours see [`Contact`]. None of
 //! this is an absolute length.
 
 use glam::{Vec3, Vec3A};
@@ -227,6 +227,18 @@ impl Segment {
                 };
                 (t.filter(|t| *t < self.length)?, Vec3::ZERO)
             }
+            Primitive::Cylinder { base, axis, radius, .. } => {
+                let chord = |point, d| hit::cylinder_chord(point, d, base, axis);
+                let t = match (starts_here, ends_here) {
+                    (true, true) => None,
+                    (true, false) => chord(ray.origin, d),
+                    (false, true) => chord(self.end_point, -d)
+                        .map(|back| self.length - back)
+                        .filter(|t| *t > 0.0),
+                    (false, false) => hit::cylinder(ray.origin, d, base, axis, radius),
+                };
+                (t.filter(|t| *t < self.length)?, Vec3::ZERO)
+            }
             _ if starts_here || ends_here => return None,
             Primitive::Triangle { v0, v1, v2 } => {
                 let hit = ray.triangle(&[v0, v1, v2])?;
@@ -296,6 +308,12 @@ fn scaled(primitive: &Primitive, scale: f32) -> Primitive {
         Primitive::Sphere { center, radius, flipped } => {
             Primitive::Sphere { center: center * scale, radius: radius * scale, flipped }
         }
+        Primitive::Cylinder { base, axis, radius, flipped } => Primitive::Cylinder {
+            base: base * scale,
+            axis: axis * scale,
+            radius: radius * scale,
+            flipped,
+        },
         Primitive::Disk { center, normal, u_axis, v_axis } => Primitive::Disk {
             center: center * scale,
             normal,

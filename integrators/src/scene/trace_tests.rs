@@ -119,6 +119,12 @@ fn mixed_primitives(random: &mut Random) -> Vec<Primitive> {
             radius: 0.01 + 0.1 * random.uniform(),
             flipped: false,
         });
+        list.push(Primitive::Cylinder {
+            base: random.in_cube(),
+            axis: 0.3 * random.in_cube(),
+            radius: 0.01 + 0.1 * random.uniform(),
+            flipped: false,
+        });
         let [u_axis, v_axis] = [0.15 * random.in_cube(), 0.15 * random.in_cube()];
         list.push(Primitive::Disk {
             center: random.in_cube(),
@@ -149,6 +155,15 @@ fn brute_force(primitives: &[Primitive], o: Vec3, d: Vec3) -> Option<(usize, f64
             let root = (b * b - oc.length_squared() + f64::from(radius).powi(2)).sqrt();
             [-b - root, -b + root].into_iter().find(|t| *t > 0.0)
         }
+        Primitive::Cylinder { base, axis, radius, .. } => {
+            let (axis, o) = (axis.as_dvec3(), o - base.as_dvec3());
+            let height = |v: DVec3| v.dot(axis) / axis.length_squared();
+            let [p, q] = [o, d].map(|v| v - height(v) * axis);
+            let (a, b, c) = (q.dot(q), p.dot(q), p.dot(p) - f64::from(radius).powi(2));
+            let root = (b * b - a * c).sqrt();
+            let between = |t: &f64| *t > 0.0 && (0.0..=1.0).contains(&height(o + *t * d));
+            [(-b - root) / a, (-b + root) / a].into_iter().find(between)
+        }
         Primitive::Disk { center, u_axis, v_axis, .. } => {
             let [u, v] = [u_axis.as_dvec3(), v_axis.as_dvec3()];
             let m = glam::DMat3::from_cols(u, v, -d).inverse();
@@ -175,7 +190,9 @@ fn nearest_hits_agree_with_brute_force() {
             (Some(hit), Some((index, t))) if hit.primitive.0 as usize == index => {
                 hits += 1;
                 let error = (f64::from(hit.t) - t).abs();
-                let Primitive::Sphere { radius, .. } = primitives[index] else {
+                let (Primitive::Sphere { radius, .. } | Primitive::Cylinder { radius, .. }) =
+                    primitives[index]
+                else {
                     // Grazing hits amplify rounding.
                     assert!(error < 1e-4, "{error}");
                     continue;
@@ -240,6 +257,11 @@ fn enlarge(primitive: &Primitive, scale: f32) -> Primitive {
         Primitive::Triangle { v0, v1, v2 } => [v0, v1, v2].into_iter().for_each(|v| *v *= scale),
         Primitive::Sphere { center, radius, .. } => {
             *center *= scale;
+            *radius *= scale;
+        }
+        Primitive::Cylinder { base, axis, radius, .. } => {
+            *base *= scale;
+            *axis *= scale;
             *radius *= scale;
         }
         Primitive::Disk { center, u_axis, v_axis, .. } => {
