@@ -10,6 +10,7 @@
 //! [`cli`] is the program.
 
 pub mod cli;
+pub mod envmap;
 pub mod image;
 pub mod integrand;
 pub mod kind;

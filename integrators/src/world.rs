@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
+use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, Sky, hit};
 use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
@@ -66,7 +66,7 @@ impl<'s, K: SceneKind> World<'s, K> {
                 uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
             })),
             // Without a sky that shines there is nothing to see.
-            None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
+            None => self.scene.sky.as_ref().and(Presence::VALUE).map(Seen::Sky),
         }
     }
 
@@ -81,7 +81,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// Whether nothing lies between two vertices.
     pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
         if to.is_infinite() {
-            return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
+            return self.scene.is_open(from.position, from.primitive(), to.position);
         }
         self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
     }
@@ -102,8 +102,11 @@ impl<'s, K: SceneKind> World<'s, K> {
     pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface<K> {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
-        // The path ends here: textures do not matter.
-        let uv = Default::default();
+        // The path ends here: only a texture of the emission matters.
+        let uv = K::Textures::uv(|| match light.emitter.texture {
+            Some(_) => self.scene.texture_coordinates_at(primitive, position),
+            None => glam::Vec2::ZERO,
+        });
         Surface { position, normal, shading: normal, primitive, emitter: Some(light.index), uv }
     }
 
@@ -115,11 +118,24 @@ impl<'s, K: SceneKind> World<'s, K> {
             Place::Camera => Vec3::ZERO,
             Place::Surface(surface) => match surface.emitter {
                 Some(e) if surface.normal.dot(towards.position - vertex.position) > 0.0 => {
-                    self.scene.emitters[e as usize].radiance
+                    let emitter = &self.scene.emitters[e as usize];
+                    match emitter.texture {
+                        Some(texture) if K::Textures::VALUE.is_some() => {
+                            let uv = K::Textures::coordinates(surface.uv);
+                            self.scene.textures[texture as usize].at(uv)
+                        }
+                        _ => emitter.radiance,
+                    }
                 }
                 _ => Vec3::ZERO,
             },
-            Place::Sky(_) => self.scene.sky.map_or(Vec3::ZERO, |sky| sky.radiance),
+            Place::Sky(_) => match &self.scene.sky {
+                Some(Sky::Constant(radiance)) => *radiance,
+                Some(Sky::Picture(map)) if K::Envmap::VALUE.is_some() => {
+                    map.radiance(vertex.position)
+                }
+                _ => Vec3::ZERO,
+            },
             Place::Bulb(index) => {
                 self.scene.bulbs[K::Point::get(index) as usize].intensity_towards(w())
             }

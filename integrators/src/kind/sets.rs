@@ -36,6 +36,7 @@ macro_rules! scene_kind {
             type Textures = $crate::__feature!(Textures; $($feature)+);
             type Area = $crate::__feature!(Area; $($feature)+);
             type Constant = $crate::__feature!(Constant; $($feature)+);
+            type Envmap = $crate::__feature!(Envmap; $($feature)+);
             type Point = $crate::__feature!(Point; $($feature)+);
             type Directional = $crate::__feature!(Directional; $($feature)+);
         }
@@ -68,6 +69,7 @@ macro_rules! __feature {
     (Textures; Textures $($rest:ident)*) => { $crate::kind::Present };
     (Area; Area $($rest:ident)*) => { $crate::kind::Present };
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
+    (Envmap; Envmap $($rest:ident)*) => { $crate::kind::Present };
     (Point; Point $($rest:ident)*) => { $crate::kind::Present };
     (Directional; Directional $($rest:ident)*) => { $crate::kind::Present };
     ($wanted:ident; $other:ident $($rest:ident)*) => { $crate::__feature!($wanted; $($rest)*) };
@@ -93,7 +95,8 @@ scene_kind! {
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional;
+        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Envmap, Point,
+        Directional;
 }
 
 /// What a scene has and a kind has not.
@@ -134,7 +137,6 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
     for (exists, feature) in [
         (!scene.textures.is_empty(), "Textures"),
         (!scene.emitters.is_empty(), "Area"),
-        (scene.sky.is_some(), "Constant"),
         (!scene.bulbs.is_empty(), "Point"),
         (!scene.distant.is_empty(), "Directional"),
     ] {
@@ -142,11 +144,14 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
             need(feature, has::<K>(feature));
         }
     }
+    if let Some(sky) = &scene.sky {
+        need(sky.feature(), has::<K>(sky.feature()));
+    }
     missing.map_or(Ok(()), Err)
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 15] = [
+pub const FEATURES: [&str; 16] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -160,6 +165,7 @@ pub const FEATURES: [&str; 15] = [
     "Textures",
     "Area",
     "Constant",
+    "Envmap",
     "Point",
     "Directional",
 ];
@@ -183,6 +189,7 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "Textures" => K::Textures::VALUE.is_some(),
         "Area" => K::Area::VALUE.is_some(),
         "Constant" => K::Constant::VALUE.is_some(),
+        "Envmap" => K::Envmap::VALUE.is_some(),
         "Point" => K::Point::VALUE.is_some(),
         "Directional" => K::Directional::VALUE.is_some(),
         _ => false,

@@ -145,6 +145,14 @@ pub fn chord(point: Vec3, direction: Vec3, center: Vec3) -> Option<f32> {
     (inwards > 0.0).then_some(inwards as f32)
 }
 
+/// The coordinates along its two axes of a point of an ellipse.
+pub fn disk_coordinates(point: Vec3, center: Vec3, u_axis: Vec3, v_axis: Vec3) -> [f64; 2] {
+    let (u, v) = (u_axis.as_dvec3(), v_axis.as_dvec3());
+    let (p, normal) = (point.as_dvec3() - center.as_dvec3(), u.cross(v));
+    let area2 = normal.length_squared();
+    [p.cross(v).dot(normal) / area2, u.cross(p).dot(normal) / area2]
+}
+
 /// Where the line along the ray meets an ellipse, and the coordinates along its two axes; `t` may
 /// be negative.
 pub fn disk(

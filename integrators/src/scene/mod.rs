@@ -8,6 +8,7 @@
 pub mod bsdf;
 pub mod camera;
 pub mod document;
+pub mod envmap;
 pub mod error;
 mod files;
 pub(crate) mod hit;
@@ -184,6 +185,12 @@ impl Scene {
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
     }
 
+    /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
+    pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
+        let start = on.map(|id| self.primitive(id));
+        self.tracer.is_open(End { point: from, on }, start, direction)
+    }
+
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
         let direction = direction.normalize();
         let primitive = self.primitive(raw.primitive);
@@ -217,6 +224,27 @@ impl Scene {
             shading_normal: shading_normal.unwrap_or(geometric_normal),
             weights: w,
         }
+    }
+
+    /// The texture coordinates at a point of a primitive.
+    pub fn texture_coordinates_at(&self, id: PrimitiveId, position: Vec3) -> Vec2 {
+        let weights = match *self.primitive(id) {
+            Primitive::Triangle { v0, v1, v2 } => mesh::barycentric(&[v0, v1, v2], position),
+            Primitive::Sphere { .. } => Vec3::ZERO,
+            Primitive::Disk { center, u_axis, v_axis, .. } => {
+                let [a, b] = hit::disk_coordinates(position, center, u_axis, v_axis);
+                Vec3::new(a as f32, b as f32, 0.0)
+            }
+        };
+        let normal = self.normal(id, position);
+        self.texture_coordinates(&Hit {
+            primitive: id,
+            t: 0.0,
+            position,
+            geometric_normal: normal,
+            shading_normal: normal,
+            weights,
+        })
     }
 
     /// The texture coordinates at a hit, as Mitsuba has them: those of the mesh, or of a triangle without
