@@ -20,6 +20,7 @@ pub mod render;
 pub mod samplers;
 pub mod scattering;
 pub mod scene;
+pub mod seen;
 pub mod strategies;
 pub mod vertex;
 pub mod world;

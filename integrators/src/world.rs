@@ -86,15 +86,21 @@ impl<'s, K: SceneKind> World<'s, K> {
         self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
     }
 
-    /// The piece of a spherical light that a ray in a direction of its cone meets first.
+    /// The piece of a light that a ray in one of the directions in which it is seen meets first.
     pub fn lit(
         &self,
         light: &AreaLight,
         from: &SceneVertex<K>,
         w: &Direction<f32>,
     ) -> Option<Surface<K>> {
-        let Primitive::Sphere { center, radius, .. } = light.shape else { return None };
-        let point = hit::nearest_on_sphere(from.position, w.vec().into(), center, radius);
+        let (origin, w) = (from.position, w.vec().into());
+        let point = match light.shape {
+            Primitive::Sphere { center, radius, .. } => {
+                hit::nearest_on_sphere(origin, w, center, radius)
+            }
+            Primitive::Triangle { v0, v1, v2 } => hit::on_plane([v0, v1, v2], origin, w)?,
+            Primitive::Disk { .. } => return None,
+        };
         Some(self.light_surface(light, point))
     }
 

@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::mesh::double_area_normal;
+
 /// A ray prepared for the watertight triangle test.
 ///
 /// After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so
@@ -143,6 +145,22 @@ pub fn nearest_on_sphere(origin: Vec3, direction: Vec3, center: Vec3, radius: f3
 pub fn chord(point: Vec3, direction: Vec3, center: Vec3) -> Option<f32> {
     let inwards = -2.0 * (point.as_dvec3() - center.as_dvec3()).dot(direction.as_dvec3());
     (inwards > 0.0).then_some(inwards as f32)
+}
+
+/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or
+/// parallel to the ray.
+pub fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
+    let normal = double_area_normal(&corners);
+    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
+    t.is_finite().then(|| (o + t * d).as_vec3())
+}
+
+/// The same, unless the point is not in the box round the triangle.
+pub fn inside_on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let [a, b, c] = corners;
+    let is_inside = |p: &Vec3| p.cmpge(a.min(b).min(c)).all() && p.cmple(a.max(b).max(c)).all();
+    on_plane(corners, origin, direction).filter(is_inside)
 }
 
 /// The coordinates along its two axes of a point of an ellipse.

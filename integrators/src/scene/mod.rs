@@ -202,7 +202,7 @@ impl Scene {
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
                 let is_huge = size > 8.0 * (origin.abs().max_element() + raw.t);
-                let on_plane = || on_plane([v0, v1, v2], origin, direction);
+                let on_plane = || hit::inside_on_plane([v0, v1, v2], origin, direction);
                 is_huge.then(on_plane).flatten().unwrap_or(by_weights)
             }
             Primitive::Sphere { center, radius, .. } => {
@@ -269,16 +269,4 @@ impl Scene {
             Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }
     }
-}
-
-/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or nearly
-/// parallel to the ray, so that the point is not in the box round the triangle.
-fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
-    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
-    let normal = mesh::double_area_normal(&corners);
-    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
-    let point = (o + t * d).as_vec3();
-    let [a, b, c] = corners;
-    let inside = point.cmpge(a.min(b).min(c)).all() && point.cmple(a.max(b).max(c)).all();
-    inside.then_some(point)
 }
