@@ -42,7 +42,12 @@ pub fn sample_emitter<K: SceneKind>(
         }
         Light::Sky(sky) => {
             let w = draw(uniform_directions());
-            SceneVertex::sky(*sky, w)
+            SceneVertex::sky(K::Constant::get(*sky), w)
+        }
+        Light::Picture(sky) => {
+            let picture = given(world.lights.picture.as_ref());
+            let w = draw(picture.directions());
+            SceneVertex::sky(K::Envmap::get(*sky), w)
         }
         Light::Bulb(bulb) => {
             let lamp: Lamp<K> = constant(Some(Lamp::Bulb(*bulb)));

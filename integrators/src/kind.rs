@@ -61,6 +61,8 @@ pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type Area: Presence;
     /// A sky that emits the same in all directions.
     type Constant: Presence;
+    /// A sky as a picture shows it.
+    type Envmap: Presence;
     /// Light from points, evenly or in a cone.
     type Point: Presence;
     /// Parallel light.

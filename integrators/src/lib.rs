@@ -12,6 +12,7 @@
 pub mod bidirectional;
 pub mod cli;
 pub mod emission;
+pub mod envmap;
 pub mod eye;
 pub mod image;
 pub mod integrand;
@@ -25,6 +26,7 @@ pub mod render;
 pub mod samplers;
 pub mod scattering;
 pub mod scene;
+pub mod seen;
 pub mod selection;
 pub mod strategies;
 pub mod subpaths;

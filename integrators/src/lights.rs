@@ -5,8 +5,9 @@ use std::f32::consts::PI;
 use aether_core::discrete::{Choices, discrete_weighted};
 use glam::Vec3;
 
+use crate::envmap::EnvironmentTable;
 use crate::kind::{NotCovered, Presence, SceneKind, With};
-use crate::scene::{Emitter, Primitive, Scene};
+use crate::scene::{Emitter, Primitive, Scene, Sky};
 use crate::vertex::{Place, SceneVertex, SkyOf};
 
 /// An emissive primitive.
@@ -25,8 +26,10 @@ pub struct AreaLight {
 pub enum Light<K: SceneKind> {
     /// A surface.
     Area(With<K::Area, AreaLight>),
-    /// The sky.
-    Sky(SkyOf<K>),
+    /// A sky that is the same in all directions.
+    Sky(With<K::Constant, SkyOf<K>>),
+    /// A sky as a picture shows it.
+    Picture(With<K::Envmap, SkyOf<K>>),
     /// A point.
     Bulb(With<K::Point, (u32, Vec3)>),
     /// Parallel light, by the direction towards it.
@@ -40,6 +43,8 @@ pub struct Lights<K: SceneKind> {
     pub choice: Option<Choices<Vec<Light<K>>, Light<K>, f32>>,
     /// Centre and radius of a sphere around the scene.
     pub bounds: (Vec3, f32),
+    /// How to choose directions of a sky that a picture shows; none without such a picture, or if it is black.
+    pub picture: Option<EnvironmentTable>,
     /// Where the sky is among them.
     sky: usize,
     /// Where the points begin.
@@ -66,9 +71,18 @@ impl<K: SceneKind> Lights<K> {
         let bounds @ (_, radius) = scene.bounding_sphere();
         let cross_section = PI * radius * radius;
         let sky = lights.len();
-        if let Some(light) = scene.sky {
-            lights.push(Light::Sky(SkyOf::<K>::VALUE.ok_or_else(|| missing("Constant"))?));
-            powers.push(4.0 * PI * cross_section * light.radiance.element_sum());
+        let mut picture = None;
+        if let Some(from) = &scene.sky {
+            let any = SkyOf::<K>::VALUE.ok_or_else(|| missing(from.feature()))?;
+            let light = match from {
+                Sky::Constant(_) => K::Constant::with(|| any).map(Light::Sky),
+                Sky::Picture(map) => {
+                    picture = K::Envmap::VALUE.and_then(|_| EnvironmentTable::new(map));
+                    K::Envmap::with(|| any).map(Light::Picture)
+                }
+            };
+            lights.push(light.ok_or_else(|| missing(from.feature()))?);
+            powers.push(4.0 * PI * cross_section * from.mean().element_sum());
         }
         let bulbs = lights.len();
         for (index, bulb) in (0..).zip(&scene.bulbs) {
@@ -84,7 +98,7 @@ impl<K: SceneKind> Lights<K> {
         }
         // No light, or only black ones: there is nothing to choose from.
         let choice = discrete_weighted(lights, powers).ok();
-        Ok(Lights { choice, bounds, sky, bulbs, distant })
+        Ok(Lights { choice, bounds, picture, sky, bulbs, distant })
     }
 
     /// Which light a vertex lies on.

@@ -164,3 +164,25 @@ pub fn uniform_cone(u: [Uniform; 2], depth: f64) -> Direction {
     let phi = TAU * u[1];
     Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
 }
+
+/// All directions alike that lie in a spherical triangle with one corner at the pole +z. The side opposite
+/// to it lies on a great circle that comes nearest to the pole in the half plane of +x, at a distance whose
+/// half has the tangent `tau`; it is sampled from `from` on, in terms of half the signed area between that
+/// nearest point, the pole, and a point of the side; `half` is half the area of the whole triangle.
+///
+/// The first uniform cuts off its share of the area at a point of the far side. The area of a right
+/// spherical triangle is twice the arc tangent of the product of the tangents of half its legs, so that this
+/// point is found by one tangent. The second one divides the arc from the pole to there, by its depth below
+/// the pole (Archimedes). The idea of both steps is Arvo's ("Stratified Sampling of Spherical Triangles",
+/// 1995); starting from the foot of the perpendicular makes them short, and the density a constant.
+#[sampler(
+    tau in 1e-3..=1.0, from in -1.5707..=1.5707, half in 1e-5..=3.1, where from + half <= 1.5707
+)]
+pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Direction {
+    let w = (from + half * u[0]).tan() / tau;
+    let phi = (w * (1.0 + tau * tau)).atan2(tau * (1.0 - w * w));
+    let depth = 2.0 * (tau * tau + w * w) / ((1.0 + tau * tau) * (1.0 + w * w));
+    let h = u[1] * depth;
+    let r = (h * (2.0 - h)).sqrt();
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+}

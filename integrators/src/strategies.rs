@@ -5,7 +5,6 @@
 
 use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
-use glam::Vec3;
 
 use crate::eye::LENS;
 use crate::kind::{Everything, Facetted, Interface, Presence, SceneKind};
@@ -15,6 +14,7 @@ use crate::scattering::Lobe;
 use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
 use crate::scattering::fresnel;
 use crate::scene::{Filter, Primitive};
+use crate::seen::{cone_of, triangle_of};
 use crate::vertex::{Eye, Lamp, SceneVertex, Seen, Surface};
 use crate::world::World;
 
@@ -155,21 +155,9 @@ pub fn sample_bsdf<K: SceneKind>(
     }
 }
 
-/// The directions in which a sphere is seen from a point outside: the axis of a cone, and by how much the
-/// cosine at its rim is below one. `None` from inside, and from where the sphere is tiny.
-fn cone_of(from: Vec3, center: Vec3, radius: f32) -> Option<(Direction<f32>, f32)> {
-    let axis = center - from;
-    let sine2 = (radius * radius) / axis.length_squared();
-    // Directions in single precision are known to about 1e-7.
-    if !(1e-6..1.0).contains(&sine2) {
-        return None;
-    }
-    let depth = sine2 / (1.0 + (1.0 - sine2).sqrt());
-    Some((Direction::from_vec(axis.into()), depth))
-}
-
 /// A light, chosen by its power, and a point on it: of a sphere only what can be seen, by the cone of
-/// directions that it fills, unless it is so far away that single precision could not tell them apart.
+/// directions that it fills, unless it is so far away that single precision could not tell them apart; of a
+/// triangle that fills much of the view a direction, all alike ([`triangle_of`]).
 #[strategy(connected = false)]
 pub fn sample_light<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
@@ -184,6 +172,14 @@ pub fn sample_light<K: SceneKind>(
             let id = SurfaceId(light.emitter.primitive);
             let point = match light.shape {
                 Primitive::Triangle { v0, v1, v2 } => {
+                    let seen = triangle_of(here.position, [v0, v1, v2], light.emitter.area);
+                    if let Some((frame, directions)) = seen {
+                        let local = draw(directions);
+                        let w = rotate(frame).apply(&local);
+                        let lit: Surface<K> = constant(world.lit(light, &here, &w));
+                        let at = lit.seen_from(here.position).apply(&w);
+                        return SceneVertex::hit(lit, at);
+                    }
                     draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
                 }
                 Primitive::Sphere { center, radius, .. } => {
@@ -213,7 +209,12 @@ pub fn sample_light<K: SceneKind>(
         }
         Light::Sky(sky) => {
             let w = draw(uniform_directions());
-            SceneVertex::sky(*sky, w)
+            SceneVertex::sky(K::Constant::get(*sky), w)
+        }
+        Light::Picture(sky) => {
+            let picture = given(world.lights.picture.as_ref());
+            let w = draw(picture.directions());
+            SceneVertex::sky(K::Envmap::get(*sky), w)
         }
         Light::Bulb(bulb) => {
             let lamp: Lamp<K> = constant(Some(Lamp::Bulb(*bulb)));

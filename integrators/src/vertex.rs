@@ -40,7 +40,7 @@ impl<K: SceneKind> Surface<K> {
 }
 
 /// Whether a kind of scene has light from all around.
-pub type SkyOf<K> = <K as SceneKind>::Constant;
+pub type SkyOf<K> = Either<<K as SceneKind>::Constant, <K as SceneKind>::Envmap>;
 
 /// Whether a kind of scene has light from infinitely far away.
 type Infinity<K> = Either<SkyOf<K>, <K as SceneKind>::Directional>;

@@ -11,7 +11,7 @@ use crate::kind::{Everything, NotCovered, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::samplers::{pinhole, rotate};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
+use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, Sky, hit};
 use crate::strategies::Pixel;
 use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
 
@@ -93,7 +93,7 @@ impl<'s, K: SceneKind> World<'s, K> {
         match surface {
             Some(surface) => Some(Seen::Surface(surface)),
             // Without a sky that shines there is nothing to see.
-            None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
+            None => self.scene.sky.as_ref().and(Presence::VALUE).map(Seen::Sky),
         }
     }
 
@@ -148,20 +148,26 @@ impl<'s, K: SceneKind> World<'s, K> {
             }
         }
         if to.is_infinite() {
-            return self.scene.intersect(from.position, to.position, from.primitive()).is_none();
+            return self.scene.is_open(from.position, from.primitive(), to.position);
         }
         self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
     }
 
-    /// The piece of a spherical light that a ray in a direction of its cone meets first.
+    /// The piece of a light that a ray in one of the directions in which it is seen meets first.
     pub fn lit(
         &self,
         light: &AreaLight,
         from: &SceneVertex<K>,
         w: &Direction<f32>,
     ) -> Option<Surface<K>> {
-        let Primitive::Sphere { center, radius, .. } = light.shape else { return None };
-        let point = hit::nearest_on_sphere(from.position, w.vec().into(), center, radius);
+        let (origin, w) = (from.position, w.vec().into());
+        let point = match light.shape {
+            Primitive::Sphere { center, radius, .. } => {
+                hit::nearest_on_sphere(origin, w, center, radius)
+            }
+            Primitive::Triangle { v0, v1, v2 } => hit::on_plane([v0, v1, v2], origin, w)?,
+            Primitive::Disk { .. } | Primitive::Cylinder { .. } => return None,
+        };
         Some(self.light_surface(light, point))
     }
 
@@ -169,8 +175,11 @@ impl<'s, K: SceneKind> World<'s, K> {
     pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface<K> {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
-        // The path ends here: textures do not matter.
-        let uv = Default::default();
+        // The path ends here: only a texture of the emission matters.
+        let uv = K::Textures::uv(|| match light.emitter.texture {
+            Some(_) => self.scene.texture_coordinates_at(primitive, position),
+            None => glam::Vec2::ZERO,
+        });
         Surface { position, normal, shading: normal, primitive, emitter: Some(light.index), uv }
     }
 
@@ -187,11 +196,24 @@ impl<'s, K: SceneKind> World<'s, K> {
             }
             Place::Surface(surface) => match surface.emitter {
                 Some(e) if surface.normal.dot(towards.offset_from(vertex.position)) > 0.0 => {
-                    self.scene.emitters[e as usize].radiance
+                    let emitter = &self.scene.emitters[e as usize];
+                    match emitter.texture {
+                        Some(texture) if K::Textures::VALUE.is_some() => {
+                            let uv = K::Textures::coordinates(surface.uv);
+                            self.scene.textures[texture as usize].at(uv)
+                        }
+                        _ => emitter.radiance,
+                    }
                 }
                 _ => Vec3::ZERO,
             },
-            Place::Sky(_) => self.scene.sky.map_or(Vec3::ZERO, |sky| sky.radiance),
+            Place::Sky(_) => match &self.scene.sky {
+                Some(Sky::Constant(radiance)) => *radiance,
+                Some(Sky::Picture(map)) if K::Envmap::VALUE.is_some() => {
+                    map.radiance(vertex.position)
+                }
+                _ => Vec3::ZERO,
+            },
             Place::Bulb(index) => {
                 self.scene.bulbs[K::Point::get(index) as usize].intensity_towards(w())
             }

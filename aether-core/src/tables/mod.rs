@@ -8,6 +8,7 @@
 //! | [`PiecewiseConstant2D`] | constant in each cell of a grid | the plane |
 //! | [`PiecewiseLinear2D`] | bilinear in each cell of a grid | the plane |
 //! | [`PiecewiseConstant2D::directions`] | constant in each texel, per angle | the sphere |
+//! | [`PiecewiseLinear2D::directions`] | bilinear in each texel, per angle | the sphere |
 //!
 //! No density is written here. All tables are [`Piecewise`]: a uniform chooses a piece by its
 //! probability ([`Cdf`](crate::discrete::Cdf)), what is left of the uniform is spent inside it, by a
@@ -41,7 +42,9 @@ pub use dependent::{Dependent, Family};
 pub use grid::{CellTable, Columns, Grid, Rows};
 pub use line::{PiecewiseConstant1D, PiecewiseLinear1D};
 pub use piecewise::{Pieces, Piecewise};
-pub use plane::{BilinearColumns, Directions, PiecewiseConstant2D, PiecewiseLinear2D};
+pub use plane::{
+    BilinearColumns, BilinearDirections, Directions, PiecewiseConstant2D, PiecewiseLinear2D,
+};
 pub use spline::RationalQuadraticSpline;
 pub use warp::Warp;
 

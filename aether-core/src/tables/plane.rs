@@ -23,6 +23,10 @@ pub struct PiecewiseConstant2D<R = f64> {
 pub type Directions<'t, R = f64> =
     Then<Piecewise<Rows<'t, PiecewiseConstant2D<R>>>, Warp<LatitudeLongitude>>;
 
+/// A bilinear table as a density of directions.
+pub type BilinearDirections<'t, R = f64> =
+    Then<Piecewise<Rows<'t, PiecewiseLinear2D<R>>>, Warp<LatitudeLongitude>>;
+
 impl<R: Scalar> PiecewiseConstant2D<R> {
     /// The density on the unit square with these values, up to a factor, in equal cells: row by row,
     /// with `columns` in each, the first row at y = 0.
@@ -144,6 +148,14 @@ impl<R: Scalar> PiecewiseLinear2D<R> {
     /// The random variable.
     pub fn sampler(&self) -> Piecewise<Rows<'_, Self>> {
         Piecewise(Rows(self))
+    }
+
+    /// The direction with polar angle πy and azimuth 2πx of the point (x, y) that [`Self::sampler`]
+    /// draws: an environment map between whose nodes radiance is interpolated. Values are per area of the
+    /// table, so that radiance has to be multiplied by the sine of the polar angle. The axes have to lie in
+    /// the unit square; there is no direction of a point outside.
+    pub fn directions(&self) -> BilinearDirections<'_, R> {
+        self.sampler().then(Warp(latitude_longitude()))
     }
 
     /// The cells.

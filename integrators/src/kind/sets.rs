@@ -37,6 +37,7 @@ macro_rules! scene_kind {
             type Textures = $crate::__feature!(Textures; $($feature)+);
             type Area = $crate::__feature!(Area; $($feature)+);
             type Constant = $crate::__feature!(Constant; $($feature)+);
+            type Envmap = $crate::__feature!(Envmap; $($feature)+);
             type Point = $crate::__feature!(Point; $($feature)+);
             type Directional = $crate::__feature!(Directional; $($feature)+);
             type ThinLens = $crate::__feature!(ThinLens; $($feature)+);
@@ -71,6 +72,7 @@ macro_rules! __feature {
     (Textures; Textures $($rest:ident)*) => { $crate::kind::Present };
     (Area; Area $($rest:ident)*) => { $crate::kind::Present };
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
+    (Envmap; Envmap $($rest:ident)*) => { $crate::kind::Present };
     (Point; Point $($rest:ident)*) => { $crate::kind::Present };
     (Directional; Directional $($rest:ident)*) => { $crate::kind::Present };
     (ThinLens; ThinLens $($rest:ident)*) => { $crate::kind::Present };
@@ -98,8 +100,8 @@ scene_kind! {
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional,
-        ThinLens, Orthographic;
+        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Envmap, Point,
+        Directional, ThinLens, Orthographic;
 }
 
 /// What a scene has and a kind has not.
@@ -140,7 +142,6 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
     for (exists, feature) in [
         (!scene.textures.is_empty(), "Textures"),
         (!scene.emitters.is_empty(), "Area"),
-        (scene.sky.is_some(), "Constant"),
         (!scene.bulbs.is_empty(), "Point"),
         (!scene.distant.is_empty(), "Directional"),
         (matches!(scene.camera.projection, Projection::ThinLens { .. }), "ThinLens"),
@@ -150,11 +151,14 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
             need(feature, has::<K>(feature));
         }
     }
+    if let Some(sky) = &scene.sky {
+        need(sky.feature(), has::<K>(sky.feature()));
+    }
     missing.map_or(Ok(()), Err)
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 17] = [
+pub const FEATURES: [&str; 18] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -168,6 +172,7 @@ pub const FEATURES: [&str; 17] = [
     "Textures",
     "Area",
     "Constant",
+    "Envmap",
     "Point",
     "Directional",
     "ThinLens",
@@ -193,6 +198,7 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "Textures" => K::Textures::VALUE.is_some(),
         "Area" => K::Area::VALUE.is_some(),
         "Constant" => K::Constant::VALUE.is_some(),
+        "Envmap" => K::Envmap::VALUE.is_some(),
         "Point" => K::Point::VALUE.is_some(),
         "Directional" => K::Directional::VALUE.is_some(),
         "ThinLens" => K::ThinLens::VALUE.is_some(),

@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::mesh::double_area_normal;
+
 /// A ray prepared for the watertight triangle test.
 ///
 /// After Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (2013): space is sheared so
@@ -207,6 +209,30 @@ pub fn onto_cylinder(point: DVec3, base: Vec3, axis: Vec3, radius: f32) -> Vec3 
     let height = (point - b).dot(axis) / axis.length_squared();
     let foot = b + height * axis;
     (foot + f64::from(radius) * (point - foot).normalize_or_zero()).as_vec3()
+}
+
+/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or
+/// parallel to the ray.
+pub fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
+    let normal = double_area_normal(&corners);
+    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
+    t.is_finite().then(|| (o + t * d).as_vec3())
+}
+
+/// The same, unless the point is not in the box round the triangle.
+pub fn inside_on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
+    let [a, b, c] = corners;
+    let is_inside = |p: &Vec3| p.cmpge(a.min(b).min(c)).all() && p.cmple(a.max(b).max(c)).all();
+    on_plane(corners, origin, direction).filter(is_inside)
+}
+
+/// The coordinates along its two axes of a point of an ellipse.
+pub fn disk_coordinates(point: Vec3, center: Vec3, u_axis: Vec3, v_axis: Vec3) -> [f64; 2] {
+    let (u, v) = (u_axis.as_dvec3(), v_axis.as_dvec3());
+    let (p, normal) = (point.as_dvec3() - center.as_dvec3(), u.cross(v));
+    let area2 = normal.length_squared();
+    [p.cross(v).dot(normal) / area2, u.cross(p).dot(normal) / area2]
 }
 
 /// Where the line along the ray meets an ellipse, and the coordinates along its two axes; `t` may

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::camera::Projection;
-use super::{Filter, Scene, ShapeKind};
+use super::{Filter, Scene, ShapeKind, Sky};
 use crate::kind;
 use crate::vertex::SceneVertex;
 
@@ -43,7 +43,8 @@ pub fn json(scene: &Scene) -> Value {
             .collect::<serde_json::Map<_, _>>(),
         "emitters": emitters(scene),
         "lights": {
-            "constant": usize::from(scene.sky.is_some()),
+            "constant": usize::from(matches!(scene.sky, Some(Sky::Constant(_)))),
+            "envmap": usize::from(matches!(scene.sky, Some(Sky::Picture(_)))),
             "point": scene.bulbs.iter().filter(|bulb| bulb.cone.is_none()).count(),
             "spot": scene.bulbs.iter().filter(|bulb| bulb.cone.is_some()).count(),
             "directional": scene.distant.len(),
@@ -218,7 +219,7 @@ struct EmissiveShape<'a> {
 
 fn emissive_shapes(scene: &Scene) -> impl Iterator<Item = EmissiveShape<'_>> {
     scene.shapes.iter().filter_map(|shape| {
-        let radiance = shape.emission?;
+        let radiance = shape.emission?.value;
         let first = shape.first_primitive as usize;
         let primitives = &scene.primitives[first..first + shape.primitive_count as usize];
         let area: f64 = primitives.iter().map(|p| f64::from(p.area())).sum();

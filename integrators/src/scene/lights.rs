@@ -5,11 +5,33 @@ use std::f32::consts::PI;
 use aether_core::prelude::Direction;
 use glam::Vec3;
 
-/// Light from all directions alike, infinitely far away.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Radiance in linear Rec. 709.
-    pub radiance: Vec3,
+use super::envmap::EnvironmentMap;
+
+/// Light from all around, infinitely far away.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// The same from all directions: radiance in linear Rec. 709.
+    Constant(Vec3),
+    /// As a picture shows it.
+    Picture(EnvironmentMap),
+}
+
+impl Sky {
+    /// The mean radiance over all directions.
+    pub fn mean(&self) -> Vec3 {
+        match self {
+            Sky::Constant(radiance) => *radiance,
+            Sky::Picture(map) => map.mean(),
+        }
+    }
+
+    /// The feature of a kind of scene that it needs.
+    pub fn feature(&self) -> &'static str {
+        match self {
+            Sky::Constant(_) => "Constant",
+            Sky::Picture(_) => "Envmap",
+        }
+    }
 }
 
 /// Light from a point.

@@ -140,7 +140,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
-    let (sky, distant) = (builder.sky, std::mem::take(&mut builder.distant));
+    let (sky, distant) = (builder.sky.take(), std::mem::take(&mut builder.distant));
     let bulbs = std::mem::take(&mut builder.bulbs);
     let textures = std::mem::take(&mut builder.textures.list);
     let (parts, origin) = builder.parts()?;
@@ -212,7 +212,10 @@ impl<'a> Builder<'a> {
         let kind = shapes::kind(query)?;
         let source = shapes::read(kind, query)?;
         let emission = match query.child("emitter")? {
-            Some(id) => Some(read_area(&self.document.query(id))?),
+            Some(id) => {
+                let emitter = self.document.query(id);
+                Some(read_area(self.document, &emitter, &mut self.textures)?)
+            }
             None => None,
         };
         let bsdf = match query.child("bsdf")? {
@@ -342,10 +345,11 @@ impl Parts {
         shape.first_texcoords =
             (!geometry.texcoords.is_empty()).then_some(self.texcoords.len() as u32);
         for (offset, primitive) in geometry.primitives.into_iter().enumerate() {
-            if let Some(radiance) = shape.emission.filter(|radiance| *radiance != Vec3::ZERO) {
+            if let Some(emission) = shape.emission.filter(|emission| emission.value != Vec3::ZERO) {
                 self.emitters.push(Emitter {
                     primitive: shape.first_primitive + offset as u32,
-                    radiance,
+                    radiance: emission.value,
+                    texture: emission.texture,
                     area: primitive.area(),
                 });
             }

@@ -2,14 +2,19 @@
 
 use glam::{DMat4, DVec3, Vec3};
 
-use super::document::Query;
+use super::document::{Document, Query};
+use super::envmap::EnvironmentMap;
 use super::error::SceneError;
+use super::files::find_file;
 use super::lights::{Bulb, Cone, Distant, Sky};
 use super::load_bsdf::reject_texture;
+use super::load_texture::Textures;
 use super::spectrum::Purpose;
+use super::texture::Colour;
+use crate::image::decode;
 
 /// The plugins that exist outside of shapes.
-const SUPPORTED: &str = "area (inside a <shape>), constant, point, spot, directional";
+const SUPPORTED: &str = "area (inside a <shape>), constant, envmap, point, spot, directional";
 
 /// A light without a surface; positions are those of the file.
 pub enum Lone {
@@ -24,7 +29,8 @@ pub enum Lone {
 /// Reads an emitter that stands alone.
 pub fn read_lone(query: &Query) -> Result<Lone, SceneError> {
     let light = match query.object.plugin.as_str() {
-        "constant" => Lone::Sky(Sky { radiance: emission(query, "radiance")? }),
+        "constant" => Lone::Sky(Sky::Constant(emission(query, "radiance")?)),
+        "envmap" => Lone::Sky(Sky::Picture(envmap(query)?)),
         "point" => {
             let position = position(query)?;
             let bulb =
@@ -41,14 +47,25 @@ pub fn read_lone(query: &Query) -> Result<Lone, SceneError> {
     Ok(light)
 }
 
-/// Reads the emission of a shape.
-pub fn read_area(query: &Query) -> Result<Vec3, SceneError> {
+/// Reads the emission of a shape, which may vary over it.
+pub fn read_area(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+) -> Result<Colour, SceneError> {
     if query.object.plugin != "area" {
         return Err(query.unsupported("area"));
     }
-    let radiance = emission(query, "radiance")?;
+    let radiance = match textures.radiance(document, query)? {
+        Some(texture) => texture,
+        None => emission(query, "radiance")?.into(),
+    };
     query.ignore(&["sampling_weight"]);
-    query.finish(&[])?;
+    if let Some((property, _)) = query.children().find(|(property, _)| property.name != "radiance")
+    {
+        return Err(property.place.error("an area light has no texture but \"radiance\""));
+    }
+    query.finish(&["texture"])?;
     Ok(radiance)
 }
 
@@ -60,6 +77,22 @@ fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
         return Err(query.error_at(name, message));
     }
     Ok(value.as_vec3())
+}
+
+fn envmap(query: &Query) -> Result<EnvironmentMap, SceneError> {
+    let name = query.string("filename")?;
+    let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
+    let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
+    let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
+    let scale = query.float("scale")?.unwrap_or(1.0);
+    if scale < 0.0 {
+        return Err(query.error_at("scale", "must not be negative"));
+    }
+    // These concern how others sample, store and decode it.
+    query.ignore(&["mis_compensation", "cache", "gamma"]);
+    let image = decode::read(&path, false);
+    let image = image.map_err(|e| query.error_at("filename", e.to_string()))?;
+    EnvironmentMap::new(image, scale, &to_world).map_err(|e| query.error_at("", e))
 }
 
 fn position(query: &Query) -> Result<DVec3, SceneError> {

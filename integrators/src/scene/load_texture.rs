@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::{Affine2, DVec3, Mat2, Vec2, Vec3};
 
-use super::document::{Document, ObjectId, Query};
+use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
 use super::files::find_file;
 use super::spectrum::Purpose;
@@ -32,6 +32,26 @@ impl Textures {
         else {
             return super::load_bsdf::colour(query, name, default).map(Colour::from);
         };
+        self.between(document, (property, id), 1.0)
+    }
+
+    /// Radiance that may vary over the surface, if a texture gives it.
+    pub fn radiance(
+        &mut self,
+        document: &Document,
+        query: &Query,
+    ) -> Result<Option<Colour>, SceneError> {
+        let found = query.children().find(|(property, _)| property.name == "radiance");
+        found.map(|found| self.between(document, found, 1e18)).transpose()
+    }
+
+    /// A texture with values from zero to `most`.
+    fn between(
+        &mut self,
+        document: &Document,
+        (property, id): (&Property, ObjectId),
+        most: f32,
+    ) -> Result<Colour, SceneError> {
         let index = match self.indices.get(&id) {
             Some(index) => *index,
             None => {
@@ -44,9 +64,10 @@ impl Textures {
         };
         let texture = &self.list[index as usize];
         let (least, largest) = texture.range();
-        if least.is_nan() || least < 0.0 || largest > 1.0 {
+        if !(least >= 0.0 && largest <= most) {
+            let name = &property.name;
             return Err(property.place.error(format!(
-                "the values of \"{name}\" are from {least} to {largest}, but must lie in [0, 1]"
+                "the values of \"{name}\" are from {least} to {largest}, but must lie in [0, {most}]"
             )));
         }
         Ok(Colour { value: texture.mean(), texture: Some(index) })

@@ -163,6 +163,14 @@ pub fn double_area_normal(vertices: &[Vec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
+/// The weights of the corners at a point of a triangle.
+pub fn barycentric(vertices: &[Vec3; 3], point: Vec3) -> Vec3 {
+    let [a, b, c] = vertices.map(|v| v.as_dvec3() - point.as_dvec3());
+    let normal = double_area_normal(vertices);
+    let weight = |p: DVec3, q: DVec3| p.cross(q).dot(normal);
+    (DVec3::new(weight(b, c), weight(c, a), weight(a, b)) / normal.length_squared()).as_vec3()
+}
+
 /// Vertex normals as sums of the face normals around, weighted by the angle at the vertex
 /// (Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998).
 fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {

@@ -8,6 +8,7 @@
 pub mod bsdf;
 pub mod camera;
 pub mod document;
+pub mod envmap;
 pub mod error;
 mod files;
 pub(crate) mod hit;
@@ -196,6 +197,12 @@ impl Scene {
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
     }
 
+    /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
+    pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
+        let start = on.map(|id| self.primitive(id));
+        self.tracer.is_open(End { point: from, on }, start, direction)
+    }
+
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
         let direction = direction.normalize();
         let primitive = self.primitive(raw.primitive);
@@ -207,7 +214,7 @@ impl Scene {
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
                 let is_huge = size > 8.0 * (origin.abs().max_element() + raw.t);
-                let on_plane = || on_plane([v0, v1, v2], origin, direction);
+                let on_plane = || hit::inside_on_plane([v0, v1, v2], origin, direction);
                 is_huge.then(on_plane).flatten().unwrap_or(by_weights)
             }
             Primitive::Sphere { center, radius, .. } => {
@@ -233,6 +240,27 @@ impl Scene {
             shading_normal: shading_normal.unwrap_or(geometric_normal),
             weights: w,
         }
+    }
+
+    /// The texture coordinates at a point of a primitive.
+    pub fn texture_coordinates_at(&self, id: PrimitiveId, position: Vec3) -> Vec2 {
+        let weights = match *self.primitive(id) {
+            Primitive::Triangle { v0, v1, v2 } => mesh::barycentric(&[v0, v1, v2], position),
+            Primitive::Sphere { .. } | Primitive::Cylinder { .. } => Vec3::ZERO,
+            Primitive::Disk { center, u_axis, v_axis, .. } => {
+                let [a, b] = hit::disk_coordinates(position, center, u_axis, v_axis);
+                Vec3::new(a as f32, b as f32, 0.0)
+            }
+        };
+        let normal = self.normal(id, position);
+        self.texture_coordinates(&Hit {
+            primitive: id,
+            t: 0.0,
+            position,
+            geometric_normal: normal,
+            shading_normal: normal,
+            weights,
+        })
     }
 
     /// The texture coordinates at a hit, as Mitsuba has them: those of the mesh, or of a triangle without
@@ -261,16 +289,4 @@ impl Scene {
             Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }
     }
-}
-
-/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or nearly
-/// parallel to the ray, so that the point is not in the box round the triangle.
-fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
-    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
-    let normal = mesh::double_area_normal(&corners);
-    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
-    let point = (o + t * d).as_vec3();
-    let [a, b, c] = corners;
-    let inside = point.cmpge(a.min(b).min(c)).all() && point.cmple(a.max(b).max(c)).all();
-    inside.then_some(point)
 }

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Mat3, Vec3, vec3};
 
 use super::mesh::{double_area_normal, unit_normal};
+use super::texture::Colour;
 
 /// Index of a primitive in [`super::Scene::primitives`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -183,7 +184,7 @@ pub struct Shape {
     /// Index in [`super::Scene::bsdfs`].
     pub bsdf: u32,
     /// The radiance that it emits from the side that the normal points to.
-    pub emission: Option<Vec3>,
+    pub emission: Option<Colour>,
     /// Its first primitive.
     pub first_primitive: u32,
     /// How many primitives it has.
@@ -202,14 +203,16 @@ pub struct Shape {
 pub struct Emitter {
     /// Index in [`super::Scene::primitives`].
     pub primitive: u32,
-    /// Emitted radiance in linear Rec. 709, the same everywhere and in all directions.
+    /// Emitted radiance in linear Rec. 709, the same in all directions; of a texture its mean.
     pub radiance: Vec3,
+    /// Index in [`super::Scene::textures`] of what it emits, if that is not the same everywhere.
+    pub texture: Option<u32>,
     /// Surface area of the primitive.
     pub area: f32,
 }
 
 impl Emitter {
-    /// Emitted power: `π · area · radiance`.
+    /// Emitted power: `π · area · radiance`, as if all of a texture were on it.
     pub fn power(&self) -> Vec3 {
         self.radiance * (PI * self.area)
     }

@@ -108,6 +108,13 @@ impl Tracer {
         best.map(|hit| RawHit { t: hit.t / self.scale, ..hit })
     }
 
+    /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
+    pub fn is_open(&self, from: End, start: Option<&Primitive>, direction: Vec3) -> bool {
+        let Some(query) = Segment::new(self.scale, from, start, direction) else { return true };
+        let ray = query.tree_ray(f32::INFINITY);
+        self.tree.is_free(ray, |index| query.test(&self.items[index]).is_some())
+    }
+
     /// Whether nothing lies between two points, surfaces that they lie on aside.
     pub fn unoccluded(
         &self,

@@ -3,19 +3,21 @@
 
 use std::path::Path;
 
+use integrators::image::RgbImage;
 use integrators::image::block_test::holm;
 use integrators::kind::{DiffuseRooms, Everything, GlossyRooms, NotCovered, SceneKind};
 use integrators::path::PathTracer;
 use integrators::render::Film;
 use integrators::scene::SamplerKind::{Independent, LowDiscrepancy};
-use integrators::scene::Scene;
+use integrators::scene::envmap::EnvironmentMap;
+use integrators::scene::{Scene, Sky};
 use integrators::scene_kind;
 
 use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, settings};
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 18] = [
+const MODELS: [(&str, u32); 20] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -31,6 +33,8 @@ const MODELS: [(&str, u32); 18] = [
     ("blendbsdf", 128),
     ("textures", 128),
     ("constant", 128),
+    ("envmap", 128),
+    ("textured-lights", 128),
     ("point", 128),
     ("spot", 128),
     ("directional", 128),
@@ -114,6 +118,13 @@ fn models_that_conserve_energy_vanish_in_white_light() {
         let close = model.contains("roughplastic") && (mean - 1.0).abs() < 2e-3;
         assert!(within || close, "{z:.2?} standard errors, mean {mean}: {model}");
     }
+    // The same light as a picture.
+    let mut scene = furnace(&models[0]);
+    let white = RgbImage::filled(8, 5, [0.5; 3]);
+    let sky = EnvironmentMap::new(white, 2.0, &glam::DMat4::IDENTITY).unwrap();
+    scene.sky = Some(Sky::Picture(sky));
+    let (z, within) = is_exact(&film(&*path_tracer(&scene, 1), &scene, 64, None), [1.0; 3]);
+    assert!(within, "{z:.2?} standard errors for a white picture");
     // It can fail.
     let grey = furnace_film(
         r#"<bsdf type="conductor"><rgb name="specular_reflectance" value="0.99"/></bsdf>"#,

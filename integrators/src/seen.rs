@@ -1,0 +1,126 @@
+//! What lights look like from a point: the directions in which a sphere or a triangle is seen.
+//!
+//! All answers are functions of the point and the light alone, so that a density finds the same one as the
+//! sample that it belongs to.
+
+use aether_core::prelude::{Direction, Frame};
+use glam::Vec3;
+
+use crate::samplers::{SphericalTriangle, spherical_triangle};
+
+/// Triangles that fill less than this, area over squared distance, are sampled by area: what that loses is
+/// little there, and it is cheaper and keeps all digits.
+const LEAST_FILLED: f32 = 0.05;
+
+/// The directions in which a sphere is seen from a point outside: the axis of a cone, and by how much the
+/// cosine at its rim is below one. `None` from inside, and from where the sphere is tiny.
+pub fn cone_of(from: Vec3, center: Vec3, radius: f32) -> Option<(Direction<f32>, f32)> {
+    let axis = center - from;
+    let sine2 = (radius * radius) / axis.length_squared();
+    // Directions in single precision are known to about 1e-7.
+    if !(1e-6..1.0).contains(&sine2) {
+        return None;
+    }
+    let depth = sine2 / (1.0 + (1.0 - sine2).sqrt());
+    Some((Direction::from_vec(axis.into()), depth))
+}
+
+/// The directions in which a triangle of some area is seen from a point, and the frame that they are given
+/// in. `None` if it fills little of the view, nearly half of it or more, is seen as a needle, or if the
+/// point is next to one of its corners or its plane.
+pub fn triangle_of(
+    from: Vec3,
+    corners: [Vec3; 3],
+    area: f32,
+) -> Option<(Frame<f32>, SphericalTriangle<f32>)> {
+    let [b, a, c] = corners.map(|corner| corner - from);
+    if area < LEAST_FILLED * (a + b + c).length_squared() / 9.0 {
+        return None;
+    }
+    let [b, a, c] = [b, a, c].map(Vec3::normalize_or_zero);
+    // The great circle through a and c, and its point that is nearest to b.
+    let n = a.cross(c).try_normalize()?;
+    let sine = n.dot(b);
+    let (n, sine) = if sine < 0.0 { (-n, -sine) } else { (n, sine) };
+    let cosine = (1.0 - sine * sine).max(0.0).sqrt();
+    // In the plane of the triangle, or b is about as far from all of the circle.
+    if !(sine > 0.02 && cosine > 0.02) {
+        return None;
+    }
+    let (foot, along) = ((b - sine * n) / cosine, n.cross(b) / cosine);
+    let tau = sine / (1.0 + cosine);
+    let half_arc = |p: Vec3| p.dot(along) / (1.0 + p.dot(foot)).max(1e-6);
+    let (t_a, t_c) = (tau * half_arc(a), tau * half_arc(c));
+    let (t_a, t_c) = if t_a < t_c { (t_a, t_c) } else { (t_c, t_a) };
+    let half = (t_c - t_a).atan2(1.0 + t_a * t_c);
+    let directions = spherical_triangle(tau, t_a.atan(), half).ok()?;
+    let x = (sine * b - n) / cosine;
+    let frame = Frame::try_from_axes(x.into(), along.into(), b.into())?;
+    (half < 2.5).then_some((frame, directions))
+}
+
+#[cfg(test)]
+mod tests {
+    use aether_core::battery::Battery;
+    use aether_core::prelude::*;
+    use aether_core::{Pcg32, UniformSource};
+
+    use super::*;
+    use crate::samplers::rotate;
+
+    #[test]
+    fn spherical_triangles_pass_the_battery() {
+        for (tau, from, half) in [(0.4, -0.3, 0.5), (0.02, 0.001, 0.05), (1.0, -1.2, 2.4)] {
+            let triangle = spherical_triangle(tau, from, half).unwrap();
+            Battery::new(&triangle).run().assert_ok();
+        }
+    }
+
+    /// Corners of random triangles round the origin, and their areas.
+    fn triangles() -> impl Iterator<Item = ([Vec3; 3], f32)> {
+        (0..300).map(|k| {
+            let mut random = Pcg32::new(7, 0, k);
+            let mut next = || 2.0 * UniformSource::<f32>::next(&mut random) - 1.0;
+            let corners = [(); 3].map(|()| Vec3::new(next(), next(), next() + 0.8));
+            let area = 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+            (corners, area)
+        })
+    }
+
+    /// The solid angle of a triangle seen from the origin (van Oosterom and Strackee, 1983).
+    fn solid_angle(corners: [Vec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3().normalize());
+        2.0 * a.cross(b).dot(c).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    }
+
+    #[test]
+    fn directions_fill_the_triangle_and_nothing_else() {
+        let (mut used, mut points) = (0, Pcg32::new(8, 0, 0));
+        let mut next = || UniformSource::<f32>::next(&mut points);
+        for (corners, area) in triangles() {
+            let Some((frame, local)) = triangle_of(Vec3::ZERO, corners, area) else { continue };
+            used += 1;
+            let seen = local.then(rotate(frame));
+            let expected = 1.0 / solid_angle(corners);
+            let [a, b, c] = corners;
+            for _ in 0..20 {
+                // A sample lies inside, by its weights; a point inside has the density.
+                let w = seen.sample([next(), next()]);
+                let near = |p: f32| (f64::from(p) / expected - 1.0).abs() < 1e-3;
+                assert!(near(w.pdf().value()), "{corners:?}: {:?}, not {expected}", w.pdf());
+                let w: Vec3 = w.value().vec().into();
+                let weights = glam::Mat3::from_cols(a, b, c).inverse() * w;
+                assert!(weights.min_element() > -1e-3 * weights.max_element(), "{corners:?}");
+                let (u, v) = (next().sqrt(), next());
+                let inside = a + u * (1.0 - v) * (b - a) + u * v * (c - a);
+                let p = seen.pdf(&Direction::from_vec(inside.normalize().into())).value();
+                let on_rim = u > 0.999 || v.min(1.0 - v) < 1e-3;
+                assert!(near(p) || on_rim, "{corners:?} at {inside}: {p}, not {expected}");
+                let outside = a + 1.01 * (b - a) + u * (c - a);
+                let p = seen.pdf(&Direction::from_vec(outside.normalize().into())).value();
+                assert!(p == 0.0, "{corners:?} at {outside}: {p}, not 0");
+            }
+        }
+        assert!(used > 200, "{used} of 300");
+    }
+}
