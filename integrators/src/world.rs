@@ -3,10 +3,10 @@
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
-use crate::kind::{Everything, NotCovered, Presence, SceneKind, covers};
+use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, hit};
+use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Tangents, hit};
 use crate::vertex::{Pinhole, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
@@ -63,11 +63,19 @@ impl<'s, K: SceneKind> World<'s, K> {
                 shading: hit.shading_normal,
                 primitive: hit.primitive,
                 emitter: self.light_of[hit.primitive.0 as usize],
-                uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
+                uv: K::Textures::field(|| self.scene.texture_coordinates(&hit)),
+                tangents: Oriented::<K>::field(|| self.tangents(&hit)),
             })),
             // Without a sky that shines there is nothing to see.
             None => self.scene.sky.and(Presence::VALUE).map(Seen::Sky),
         }
+    }
+
+    /// How texture coordinates run over a surface, if its material depends on it.
+    fn tangents(&self, hit: &Hit) -> Tangents {
+        let bsdf = self.scene.shape(hit.primitive).bsdf;
+        let oriented = self.materials[bsdf as usize].is_oriented();
+        if oriented { self.scene.tangents(hit) } else { Tangents::default() }
     }
 
     /// The surface that a ray from a vertex in direction `w` meets first.
@@ -103,8 +111,9 @@ impl<'s, K: SceneKind> World<'s, K> {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
         // The path ends here: textures do not matter.
-        let uv = Default::default();
-        Surface { position, normal, shading: normal, primitive, emitter: Some(light.index), uv }
+        let (uv, tangents) = (Default::default(), Default::default());
+        let emitter = Some(light.index);
+        Surface { position, normal, shading: normal, primitive, emitter, uv, tangents }
     }
 
     /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
@@ -138,9 +147,8 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Scattering<'_, K>> {
         let surface = here.surface()?;
         let material = &self.materials[self.scene.shape(surface.primitive).bsdf as usize];
-        let uv = K::Textures::coordinates(surface.uv);
         let towards = other.direction_from(here.position);
-        Scattering::new(material, &self.scene.textures, uv, surface.shading, towards)
+        Scattering::new(material, &self.scene.textures, &surface, towards)
     }
 
     /// The point of the film that the camera's axis goes through, in pixels.

@@ -42,7 +42,7 @@ MODELS = [
     for name in (
         "conductor mirror dielectric thindielectric plastic plastic-nonlinear roughconductor-ggx "
         "roughconductor-ggx-all roughconductor-beckmann roughdielectric-ggx roughdielectric-beckmann "
-        "mask blendbsdf textures constant point spot directional"
+        "mask blendbsdf textures anisotropic varying bumps roughplastic-mitsuba3 constant point spot directional"
     ).split()
 ]
 MODEL_BATCHES = 16

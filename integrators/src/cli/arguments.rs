@@ -63,6 +63,9 @@ pub(super) struct RenderArguments {
     /// What the renderer is compiled for, instead of the smallest kind that covers the scene
     #[arg(long, value_name = "NAME", value_parser = crate::kind::KINDS)]
     pub kind: Option<String>,
+    /// Have roughplastic lose light as in Mitsuba 3.9, to compare images
+    #[arg(long)]
+    pub mitsuba3_roughplastic: bool,
     /// Columns and rows of the image, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
     pub size: Option<(u32, u32)>,

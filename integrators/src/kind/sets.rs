@@ -31,8 +31,11 @@ macro_rules! scene_kind {
             type RoughConductor = $crate::__feature!(RoughConductor; $($feature)+);
             type RoughDielectric = $crate::__feature!(RoughDielectric; $($feature)+);
             type RoughPlastic = $crate::__feature!(RoughPlastic; $($feature)+);
+            type Phong = $crate::__feature!(Phong; $($feature)+);
             type Mask = $crate::__feature!(Mask; $($feature)+);
             type Blend = $crate::__feature!(Blend; $($feature)+);
+            type Anisotropy = $crate::__feature!(Anisotropy; $($feature)+);
+            type Bumps = $crate::__feature!(Bumps; $($feature)+);
             type Textures = $crate::__feature!(Textures; $($feature)+);
             type Area = $crate::__feature!(Area; $($feature)+);
             type Constant = $crate::__feature!(Constant; $($feature)+);
@@ -63,8 +66,11 @@ macro_rules! __feature {
     (RoughConductor; RoughConductor $($rest:ident)*) => { $crate::scene::bsdf::RoughConductor };
     (RoughDielectric; RoughDielectric $($rest:ident)*) => { $crate::scene::bsdf::RoughDielectric };
     (RoughPlastic; RoughPlastic $($rest:ident)*) => { $crate::scene::bsdf::RoughPlastic };
+    (Phong; Phong $($rest:ident)*) => { $crate::scene::bsdf::Phong };
     (Mask; Mask $($rest:ident)*) => { $crate::kind::Present };
     (Blend; Blend $($rest:ident)*) => { $crate::kind::Present };
+    (Anisotropy; Anisotropy $($rest:ident)*) => { $crate::kind::Present };
+    (Bumps; Bumps $($rest:ident)*) => { $crate::kind::Present };
     (Textures; Textures $($rest:ident)*) => { $crate::kind::Present };
     (Area; Area $($rest:ident)*) => { $crate::kind::Present };
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
@@ -93,7 +99,8 @@ scene_kind! {
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Point, Directional;
+        RoughDielectric, RoughPlastic, Phong, Mask, Blend, Anisotropy, Bumps, Textures, Area, Constant,
+        Point, Directional;
 }
 
 /// What a scene has and a kind has not.
@@ -146,7 +153,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 15] = [
+pub const FEATURES: [&str; 18] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -155,8 +162,11 @@ pub const FEATURES: [&str; 15] = [
     "RoughConductor",
     "RoughDielectric",
     "RoughPlastic",
+    "Phong",
     "Mask",
     "Blend",
+    "Anisotropy",
+    "Bumps",
     "Textures",
     "Area",
     "Constant",
@@ -178,8 +188,11 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "RoughConductor" => part::<K::RoughConductor, _>(),
         "RoughDielectric" => part::<K::RoughDielectric, _>(),
         "RoughPlastic" => part::<K::RoughPlastic, _>(),
+        "Phong" => part::<K::Phong, _>(),
         "Mask" => K::Mask::VALUE.is_some(),
         "Blend" => K::Blend::VALUE.is_some(),
+        "Anisotropy" => K::Anisotropy::VALUE.is_some(),
+        "Bumps" => K::Bumps::VALUE.is_some(),
         "Textures" => K::Textures::VALUE.is_some(),
         "Area" => K::Area::VALUE.is_some(),
         "Constant" => K::Constant::VALUE.is_some(),
@@ -195,7 +208,7 @@ fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
         // A kind without matte surfaces may still have black ones.
         Bsdf::Diffuse(matte) if matte.is_black() => {}
         Bsdf::TwoSided(sides) => sides.iter().for_each(|side| needed_by(side, need)),
-        Bsdf::Mask { nested, .. } => {
+        Bsdf::Mask { nested, .. } | Bsdf::Bump { nested, .. } => {
             need(bsdf.feature());
             needed_by(nested, need);
         }
@@ -203,6 +216,11 @@ fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
             need(bsdf.feature());
             nested.iter().for_each(|nested| needed_by(nested, need));
         }
-        model => need(model.feature()),
+        model => {
+            need(model.feature());
+            if model.is_anisotropic() {
+                need("Anisotropy");
+            }
+        }
     }
 }

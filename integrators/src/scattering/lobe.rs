@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::Scattering;
 use crate::kind::{
-    Facetted, Interface, Matte, Passage, Presence, Refraction, SceneKind, Specular, With,
+    Facetted, Interface, Matte, Passage, PhongOf, Presence, Refraction, SceneKind, Specular, With,
 };
 use crate::scene::bsdf::Roughness;
 
@@ -25,6 +25,8 @@ pub enum Lobe<K: SceneKind> {
     Passage(Passage<K>),
     /// About the normals of microfacets.
     Facets(With<Facetted<K>, Roughness>),
+    /// About the mirror direction, with the exponent of the cosine.
+    Glossy(With<PhongOf<K>, f32>),
     /// About the normals of microfacets or through them, as Fresnel's equations say for each; the
     /// relative index of refraction.
     Interface(With<Interface<K>, (Roughness, f32)>),
@@ -131,14 +133,24 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let (_, beyond) = super::fresnel::dielectric(v.z, eta);
                 Direction::new(-v.x / eta, -v.y / eta, -beyond)
             }
-            Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(_) | Lobe::Interface(_) => return None,
+            Lobe::Nothing
+            | Lobe::Matte(_)
+            | Lobe::Glossy(_)
+            | Lobe::Facets(_)
+            | Lobe::Interface(_) => return None,
         };
         Some(self.frame.to_world(local).into())
     }
 
     /// The sum of the coefficients of the atoms that lead in direction `w`.
     pub fn atoms(&self, w: Vec3) -> Vec3 {
-        let lobes = self.leading_to(Some(w)).filter_map(|index| self.lobe(index));
-        lobes.filter(|lobe| lobe.lobe.is_atom()).map(|lobe| lobe.coefficient).sum()
+        let mut sum = Vec3::ZERO;
+        for index in self.leading_to(Some(w)) {
+            let Some(lobe) = self.lobe(index).filter(|lobe| lobe.lobe.is_atom()) else { continue };
+            // Holes have no normals.
+            let unhidden = if self.is_hole(index) { 1.0 } else { self.unhidden(w) };
+            sum += lobe.coefficient * unhidden;
+        }
+        sum
     }
 }

@@ -15,7 +15,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 18] = [
+const MODELS: [(&str, u32); 22] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -30,6 +30,10 @@ const MODELS: [(&str, u32); 18] = [
     ("mask", 128),
     ("blendbsdf", 128),
     ("textures", 128),
+    ("anisotropic", 128),
+    ("varying", 128),
+    ("bumps", 128),
+    ("roughplastic-mitsuba3", 128),
     ("constant", 128),
     ("point", 128),
     ("spot", 128),
