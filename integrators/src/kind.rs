@@ -17,7 +17,7 @@ use std::fmt::Debug;
 
 use crate::scene::Scene;
 use crate::scene::bsdf::{
-    Conductor, Dielectric, Diffuse, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
+    Conductor, Dielectric, Diffuse, Phong, Plastic, RoughConductor, RoughDielectric, RoughPlastic,
     ThinDielectric,
 };
 
@@ -51,11 +51,17 @@ pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type RoughDielectric: Part<RoughDielectric>;
     /// Plastic with microfacets.
     type RoughPlastic: Part<RoughPlastic>;
+    /// A matte base with a glossy lobe about the mirror direction.
+    type Phong: Part<Phong>;
     /// Surfaces that let part of the light through unchanged.
     type Mask: Presence;
     /// Mixtures of two materials.
     type Blend: Presence;
-    /// Colours that vary over a surface.
+    /// Roughness that differs along and across a surface.
+    type Anisotropy: Presence;
+    /// Normals that a texture turns.
+    type Bumps: Presence;
+    /// Colours and other parameters that vary over a surface.
     type Textures: Presence;
     /// Surfaces that emit.
     type Area: Presence;
@@ -93,9 +99,13 @@ pub type Facetted<K> = Either<
 pub type Interface<K> = <<K as SceneKind>::RoughDielectric as Part<RoughDielectric>>::Presence;
 /// Whether the kind has reflection into all directions alike.
 pub type Matte<K> = Either<
-    <<K as SceneKind>::Diffuse as Part<Diffuse>>::Presence,
+    Either<<<K as SceneKind>::Diffuse as Part<Diffuse>>::Presence, PhongOf<K>>,
     Either<PlasticOf<K>, <<K as SceneKind>::RoughPlastic as Part<RoughPlastic>>::Presence>,
 >;
+/// Whether the kind has materials that depend on how texture coordinates run over a surface.
+pub type Oriented<K> = Either<<K as SceneKind>::Anisotropy, <K as SceneKind>::Bumps>;
+/// Whether the kind has Phong's model.
+pub type PhongOf<K> = <<K as SceneKind>::Phong as Part<Phong>>::Presence;
 
 type ConductorOf<K> = <<K as SceneKind>::Conductor as Part<Conductor>>::Presence;
 type DielectricOf<K> = <<K as SceneKind>::Dielectric as Part<Dielectric>>::Presence;

@@ -11,6 +11,15 @@ pub fn cosine_hemisphere(u: [Uniform; 2]) -> Direction {
     Direction::new(r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt())
 }
 
+/// Directions about +z, distributed as (n + 1) / 2π · cosⁿ(theta).
+#[sampler(n in 0.0..=1e5)]
+pub fn power_lobe(u: [Uniform; 2], n: f64) -> Direction {
+    let z = (1.0 - u[0]).powf(1.0 / (n + 1.0));
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
 /// Uniform on the triangle a, b, c.
 #[sampler]
 pub fn uniform_triangle(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3, id: SurfaceId) -> SurfacePoint {

@@ -64,6 +64,7 @@ mod tests {
     use aether_core::battery::Battery;
     use aether_core::prelude::*;
     use aether_core::{Pcg32, UniformSource};
+    use glam::Vec3;
 
     use super::*;
     use crate::samplers::rotate;

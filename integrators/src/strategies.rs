@@ -7,7 +7,7 @@ use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
 
 use crate::eye::LENS;
-use crate::kind::{Everything, Facetted, Interface, Presence, SceneKind};
+use crate::kind::{Everything, Facetted, Interface, PhongOf, Presence, SceneKind};
 use crate::lights::Light;
 use crate::samplers::*;
 use crate::scattering::Lobe;
@@ -121,6 +121,13 @@ pub fn sample_bsdf<K: SceneKind>(
         Lobe::Matte(_) => {
             let local = draw(cosine_hemisphere());
             rotate(frame).apply(&local)
+        }
+        Lobe::Glossy(exponent) => {
+            let lobe = given(power_lobe(PhongOf::<K>::get(exponent)).ok());
+            let local = draw(lobe);
+            let v = scattering.view;
+            let about = Frame::around(Direction::new(-v.x, -v.y, v.z));
+            rotate(frame).apply(&rotate(about).apply(&local))
         }
         Lobe::Facets(facets) => {
             let roughness = Facetted::<K>::get(facets);

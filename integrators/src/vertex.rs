@@ -2,12 +2,12 @@
 
 use aether_core::prelude::*;
 use aether_core::{Includes, Recall, Vertex};
-use glam::Vec3 as Vector;
+use glam::{Vec2, Vec3 as Vector};
 
 use crate::eye::{BACKDROP, LENS, ParallelFilm};
-use crate::kind::{Either, Everything, Presence, SceneKind, With};
+use crate::kind::{Either, Everything, Oriented, Presence, SceneKind, With};
 use crate::samplers::{HitPlane, ParallelHit, hit_plane};
-use crate::scene::PrimitiveId;
+use crate::scene::{PrimitiveId, Tangents};
 
 /// A piece of surface, as a ray cast found it: constant near the sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,9 @@ pub struct Surface<K: SceneKind = Everything> {
     /// Which emitter of the scene it is, if it is one.
     pub emitter: Option<u32>,
     /// Texture coordinates, if the kind of scene has textures.
-    pub uv: <K::Textures as Presence>::Uv,
+    pub uv: <K::Textures as Presence>::Field<Vec2>,
+    /// How texture coordinates run over it, if the kind of scene has materials that depend on this.
+    pub tangents: <Oriented<K> as Presence>::Field<Tangents>,
 }
 
 impl<K: SceneKind> Surface<K> {

@@ -7,11 +7,11 @@ use glam::Vec3;
 use std::ops::Range;
 
 use crate::eye::{Lens, ParallelFilm};
-use crate::kind::{Everything, NotCovered, Presence, SceneKind, With, covers};
+use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::samplers::{pinhole, rotate};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Primitive, PrimitiveId, Scene, Sky, hit};
+use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
 use crate::strategies::Pixel;
 use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
 
@@ -106,7 +106,8 @@ impl<'s, K: SceneKind> World<'s, K> {
             shading: hit.shading_normal,
             primitive: hit.primitive,
             emitter: self.light_of[hit.primitive.0 as usize],
-            uv: K::Textures::uv(|| self.scene.texture_coordinates(&hit)),
+            uv: K::Textures::field(|| self.scene.texture_coordinates(&hit)),
+            tangents: Oriented::<K>::field(|| self.tangents(&hit)),
         })
     }
 
@@ -129,6 +130,13 @@ impl<'s, K: SceneKind> World<'s, K> {
             down: axis(0.0, 1.0),
             forward: -towards,
         }
+    }
+
+    /// How texture coordinates run over a surface, if its material depends on it.
+    fn tangents(&self, hit: &Hit) -> Tangents {
+        let bsdf = self.scene.shape(hit.primitive).bsdf;
+        let oriented = self.materials[bsdf as usize].is_oriented();
+        if oriented { self.scene.tangents(hit) } else { Tangents::default() }
     }
 
     /// The surface that a ray from a vertex in direction `w` meets first.
@@ -176,11 +184,12 @@ impl<'s, K: SceneKind> World<'s, K> {
         let primitive = PrimitiveId(light.emitter.primitive);
         let normal = self.scene.normal(primitive, position);
         // The path ends here: only a texture of the emission matters.
-        let uv = K::Textures::uv(|| match light.emitter.texture {
+        let uv = K::Textures::field(|| match light.emitter.texture {
             Some(_) => self.scene.texture_coordinates_at(primitive, position),
             None => glam::Vec2::ZERO,
         });
-        Surface { position, normal, shading: normal, primitive, emitter: Some(light.index), uv }
+        let (emitter, tangents) = (Some(light.index), Default::default());
+        Surface { position, normal, shading: normal, primitive, emitter, uv, tangents }
     }
 
     /// What a vertex emits towards another, in linear Rec. 709: radiance, of a point light intensity, of
@@ -199,7 +208,7 @@ impl<'s, K: SceneKind> World<'s, K> {
                     let emitter = &self.scene.emitters[e as usize];
                     match emitter.texture {
                         Some(texture) if K::Textures::VALUE.is_some() => {
-                            let uv = K::Textures::coordinates(surface.uv);
+                            let uv = K::Textures::value(surface.uv);
                             self.scene.textures[texture as usize].at(uv)
                         }
                         _ => emitter.radiance,
@@ -232,9 +241,8 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Scattering<'_, K>> {
         let surface = here.surface()?;
         let material = &self.materials[self.scene.shape(surface.primitive).bsdf as usize];
-        let uv = K::Textures::coordinates(surface.uv);
         let towards = other.direction_from(here.position);
-        Scattering::new(material, &self.scene.textures, uv, surface.shading, towards)
+        Scattering::new(material, &self.scene.textures, &surface, towards)
     }
 
     /// The map from points of the film, in pixels, to the directions that they look in.

@@ -42,7 +42,8 @@ MODELS = [
     for name in (
         "conductor mirror dielectric thindielectric plastic plastic-nonlinear roughconductor-ggx "
         "roughconductor-ggx-all roughconductor-beckmann roughdielectric-ggx roughdielectric-beckmann "
-        "mask blendbsdf textures constant envmap textured-lights point spot directional"
+        "mask blendbsdf textures anisotropic varying bumps roughplastic-mitsuba3 constant envmap "
+        "textured-lights point spot directional"
     ).split()
 ]
 MODEL_BATCHES = 16

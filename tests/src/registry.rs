@@ -283,6 +283,14 @@ registry! {
         "rough conductor, Beckmann" Beckmanns:
             |p| facets::beckmann_normals(p(0), p(0))?.then(facets::reflect(view(p(1)))),
             [[0.5, 0.6], [0.1, 0.9], [1e-2, 0.3], [1e-4, 0.6]];
+        "visible slopes, Beckmann" VisibleBeckmannSlopes:
+            |p| facets::visible_beckmann_slopes(p(0))?, [[1e-3], [0.5], [1.0], [8.0], [128.0]];
+        "rough conductor, visible Beckmann" VisibleBeckmann:
+            |p| facets::visible_beckmann_slopes(p(2))?
+                .then(facets::tilted(p(0), p(0), R::ONE, R::ZERO)?)
+                .then(facets::reflect(view(p(1)))),
+            [[0.5, 0.6, 1.5], [0.1, 0.9, 20.0], [1e-2, 0.3, 40.0], [0.3, 1e-3, 3e-3]];
+        "glossy lobe" GlossyLobe: |p| renderer::power_lobe(p(0))?, [[0.0], [1.0], [30.0], [1e3], [1e5]];
         "rough dielectric, refraction" RoughRefraction:
             |p| facets::visible_ggx_normals(p(0), p(0), view(p(1)))?
                 .then(facets::refract_in(view(p(1)), p(2))?),

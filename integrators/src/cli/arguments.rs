@@ -69,6 +69,9 @@ pub(super) struct RenderArguments {
     /// from the camera, such as `0:*,1:*`
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
+    /// Have roughplastic lose light as in Mitsuba 3.9, to compare images
+    #[arg(long)]
+    pub mitsuba3_roughplastic: bool,
     /// Columns and rows of the image, instead of the scene's
     #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
     pub size: Option<(u32, u32)>,

@@ -8,7 +8,7 @@ use crate::kind;
 use crate::light_tracer::LightTracer;
 use crate::path::PathSettings;
 use crate::render::AnyKernel;
-use crate::scene::Scene;
+use crate::scene::{Bsdf, Scene};
 use crate::selection::Selection;
 
 /// What an integrator is asked for: the scene's settings, overridden by the command line.
@@ -52,9 +52,12 @@ impl Plan {
 
 /// Reads the scene file that the command line names, with the size that it asks for.
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
-    let scene = Scene::load_sized(&arguments.scene, &arguments.defines, arguments.size)?;
+    let mut scene = Scene::load_sized(&arguments.scene, &arguments.defines, arguments.size)?;
     check_size((scene.film.width, scene.film.height))
         .map_err(|error| Failure::new(format!("image size {error}")))?;
+    if arguments.mitsuba3_roughplastic {
+        scene.bsdfs.iter_mut().for_each(Bsdf::lose_energy);
+    }
     Ok(scene)
 }
 

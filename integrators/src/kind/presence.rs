@@ -2,8 +2,6 @@
 
 use std::fmt::Debug;
 
-use glam::Vec2;
-
 /// Nothing: the type of what a kind of scene leaves out. It has no values, so that code which handles
 /// one is never reached and is dropped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +34,12 @@ pub trait Presence: Copy + Debug + PartialEq + Send + Sync + 'static {
     fn get<T: Value>(with: Self::With<T>) -> T;
     /// The same by reference.
     fn get_ref<T: Value>(with: &Self::With<T>) -> &T;
-    /// Texture coordinates where textures are present, otherwise nothing.
-    type Uv: Copy + Debug + PartialEq + Default + Send + Sync + 'static;
-    /// Evaluates texture coordinates, if there is a use for them.
-    fn uv(coordinates: impl FnOnce() -> Vec2) -> Self::Uv;
-    /// The coordinates; zero if there is no use for them.
-    fn coordinates(uv: Self::Uv) -> Vec2;
+    /// A `T` if this is present, otherwise nothing: what a struct has more for this.
+    type Field<T: Value + Default>: Value + Default;
+    /// Evaluates what goes into the field, if there is one.
+    fn field<T: Value + Default>(make: impl FnOnce() -> T) -> Self::Field<T>;
+    /// What is in the field; the default where there is none.
+    fn value<T: Value + Default>(field: Self::Field<T>) -> T;
 }
 
 impl Presence for Present {
@@ -60,12 +58,14 @@ impl Presence for Present {
     fn get_ref<T: Value>(with: &T) -> &T {
         with
     }
-    type Uv = Vec2;
-    fn uv(coordinates: impl FnOnce() -> Vec2) -> Vec2 {
-        coordinates()
+    type Field<T: Value + Default> = T;
+    #[inline(always)]
+    fn field<T: Value + Default>(make: impl FnOnce() -> T) -> T {
+        make()
     }
-    fn coordinates(uv: Vec2) -> Vec2 {
-        uv
+    #[inline(always)]
+    fn value<T: Value + Default>(field: T) -> T {
+        field
     }
 }
 
@@ -85,10 +85,12 @@ impl Presence for Absent {
     fn get_ref<T: Value>(with: &Absent) -> &T {
         match *with {}
     }
-    type Uv = ();
-    fn uv(_: impl FnOnce() -> Vec2) {}
-    fn coordinates((): ()) -> Vec2 {
-        Vec2::ZERO
+    type Field<T: Value + Default> = ();
+    #[inline(always)]
+    fn field<T: Value + Default>(_: impl FnOnce() -> T) {}
+    #[inline(always)]
+    fn value<T: Value + Default>((): ()) -> T {
+        T::default()
     }
 }
 
@@ -143,4 +145,5 @@ parts!(
     RoughConductor,
     RoughDielectric,
     RoughPlastic,
+    Phong,
 );

@@ -32,8 +32,11 @@ macro_rules! scene_kind {
             type RoughConductor = $crate::__feature!(RoughConductor; $($feature)+);
             type RoughDielectric = $crate::__feature!(RoughDielectric; $($feature)+);
             type RoughPlastic = $crate::__feature!(RoughPlastic; $($feature)+);
+            type Phong = $crate::__feature!(Phong; $($feature)+);
             type Mask = $crate::__feature!(Mask; $($feature)+);
             type Blend = $crate::__feature!(Blend; $($feature)+);
+            type Anisotropy = $crate::__feature!(Anisotropy; $($feature)+);
+            type Bumps = $crate::__feature!(Bumps; $($feature)+);
             type Textures = $crate::__feature!(Textures; $($feature)+);
             type Area = $crate::__feature!(Area; $($feature)+);
             type Constant = $crate::__feature!(Constant; $($feature)+);
@@ -67,8 +70,11 @@ macro_rules! __feature {
     (RoughConductor; RoughConductor $($rest:ident)*) => { $crate::scene::bsdf::RoughConductor };
     (RoughDielectric; RoughDielectric $($rest:ident)*) => { $crate::scene::bsdf::RoughDielectric };
     (RoughPlastic; RoughPlastic $($rest:ident)*) => { $crate::scene::bsdf::RoughPlastic };
+    (Phong; Phong $($rest:ident)*) => { $crate::scene::bsdf::Phong };
     (Mask; Mask $($rest:ident)*) => { $crate::kind::Present };
     (Blend; Blend $($rest:ident)*) => { $crate::kind::Present };
+    (Anisotropy; Anisotropy $($rest:ident)*) => { $crate::kind::Present };
+    (Bumps; Bumps $($rest:ident)*) => { $crate::kind::Present };
     (Textures; Textures $($rest:ident)*) => { $crate::kind::Present };
     (Area; Area $($rest:ident)*) => { $crate::kind::Present };
     (Constant; Constant $($rest:ident)*) => { $crate::kind::Present };
@@ -100,8 +106,8 @@ scene_kind! {
 scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
-        RoughDielectric, RoughPlastic, Mask, Blend, Textures, Area, Constant, Envmap, Point,
-        Directional, ThinLens, Orthographic;
+        RoughDielectric, RoughPlastic, Phong, Mask, Blend, Anisotropy, Bumps, Textures, Area, Constant,
+        Envmap, Point, Directional, ThinLens, Orthographic;
 }
 
 /// What a scene has and a kind has not.
@@ -167,8 +173,11 @@ pub const FEATURES: [&str; 18] = [
     "RoughConductor",
     "RoughDielectric",
     "RoughPlastic",
+    "Phong",
     "Mask",
     "Blend",
+    "Anisotropy",
+    "Bumps",
     "Textures",
     "Area",
     "Constant",
@@ -193,8 +202,11 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "RoughConductor" => part::<K::RoughConductor, _>(),
         "RoughDielectric" => part::<K::RoughDielectric, _>(),
         "RoughPlastic" => part::<K::RoughPlastic, _>(),
+        "Phong" => part::<K::Phong, _>(),
         "Mask" => K::Mask::VALUE.is_some(),
         "Blend" => K::Blend::VALUE.is_some(),
+        "Anisotropy" => K::Anisotropy::VALUE.is_some(),
+        "Bumps" => K::Bumps::VALUE.is_some(),
         "Textures" => K::Textures::VALUE.is_some(),
         "Area" => K::Area::VALUE.is_some(),
         "Constant" => K::Constant::VALUE.is_some(),
@@ -213,7 +225,7 @@ fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
         // A kind without matte surfaces may still have black ones.
         Bsdf::Diffuse(matte) if matte.is_black() => {}
         Bsdf::TwoSided(sides) => sides.iter().for_each(|side| needed_by(side, need)),
-        Bsdf::Mask { nested, .. } => {
+        Bsdf::Mask { nested, .. } | Bsdf::Bump { nested, .. } => {
             need(bsdf.feature());
             needed_by(nested, need);
         }
@@ -221,6 +233,11 @@ fn needed_by(bsdf: &Bsdf, need: &mut impl FnMut(&'static str)) {
             need(bsdf.feature());
             nested.iter().for_each(|nested| needed_by(nested, need));
         }
-        model => need(model.feature()),
+        model => {
+            need(model.feature());
+            if model.is_anisotropic() {
+                need("Anisotropy");
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::Scattering;
 use crate::kind::{
-    Facetted, Interface, Matte, Passage, Presence, Refraction, SceneKind, Specular, With,
+    Facetted, Interface, Matte, Passage, PhongOf, Presence, Refraction, SceneKind, Specular, With,
 };
 use crate::scene::bsdf::Roughness;
 
@@ -25,6 +25,8 @@ pub enum Lobe<K: SceneKind> {
     Passage(Passage<K>),
     /// About the normals of microfacets.
     Facets(With<Facetted<K>, Roughness>),
+    /// About the mirror direction, with the exponent of the cosine.
+    Glossy(With<PhongOf<K>, f32>),
     /// About the normals of microfacets or through them, as Fresnel's equations say for each; the
     /// relative index of refraction.
     Interface(With<Interface<K>, (Roughness, f32)>),
@@ -134,7 +136,11 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let (_, beyond) = super::fresnel::dielectric(v.z, eta);
                 Direction::new(-v.x / eta, -v.y / eta, -beyond)
             }
-            Lobe::Nothing | Lobe::Matte(_) | Lobe::Facets(_) | Lobe::Interface(_) => return None,
+            Lobe::Nothing
+            | Lobe::Matte(_)
+            | Lobe::Glossy(_)
+            | Lobe::Facets(_)
+            | Lobe::Interface(_) => return None,
         })
     }
 
@@ -143,20 +149,24 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     /// that side. What refracts keeps this measure, so that paths from either side agree on an atom
     /// (Veach 1997, section 5.2).
     pub fn measure(&self, lobe: &Lobe<K>, w: Direction<f32>) -> f32 {
-        let squared = match lobe {
-            Lobe::Refraction(eta) if !self.behind => Refraction::<K>::get(*eta).powi(2),
-            _ => 1.0,
-        };
-        w.z.abs() * squared
+        match lobe {
+            // Light that passes unchanged knows no normal.
+            Lobe::Passage(_) => 1.0,
+            Lobe::Refraction(eta) if !self.behind => w.z.abs() * Refraction::<K>::get(*eta).powi(2),
+            _ => w.z.abs(),
+        }
     }
 
     /// The sum of the coefficients of the atoms that lead in direction `w`, in their measure.
     pub fn atoms(&self, w: Vec3) -> Vec3 {
-        let lobes = self.leading_to(Some(w)).filter_map(|index| self.lobe(index));
-        let value = |lobe: Weighted<K>| {
-            let direction = self.direction(&lobe.lobe)?;
-            Some(lobe.coefficient * self.measure(&lobe.lobe, direction))
-        };
-        lobes.filter_map(value).sum()
+        let mut sum = Vec3::ZERO;
+        for index in self.leading_to(Some(w)) {
+            let Some(Weighted { lobe, coefficient, .. }) = self.lobe(index) else { continue };
+            let Some(direction) = self.direction(&lobe) else { continue };
+            // Holes have no normals.
+            let unhidden = if self.is_hole(index) { 1.0 } else { self.unhidden(w) };
+            sum += coefficient * (unhidden * self.measure(&lobe, direction));
+        }
+        sum
     }
 }

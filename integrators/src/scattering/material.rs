@@ -5,7 +5,8 @@ use glam::Vec3;
 
 use super::rough_plastic::Coat;
 use crate::kind::{NotCovered, Part, PlasticOf, Presence, RoughPlasticOf, SceneKind, With};
-use crate::scene::bsdf::{Bsdf, Plastic, RoughPlastic};
+use crate::scene::bsdf::{Bsdf, Bump, Plastic, RoughPlastic};
+use crate::scene::texture::Grey;
 
 use super::fresnel;
 
@@ -30,6 +31,8 @@ pub enum Model<K: SceneKind> {
     RoughDielectric(K::RoughDielectric),
     /// Rough plastic, and what its coat reflects.
     RoughPlastic(With<RoughPlasticOf<K>, (RoughPlastic, Coat)>),
+    /// A matte base and a glossy lobe.
+    Phong(K::Phong),
 }
 
 /// What is seen from one side of a surface.
@@ -38,9 +41,14 @@ pub struct Side<K: SceneKind> {
     /// The material.
     pub base: Model<K>,
     /// A second material, and its share.
-    pub blend: Option<(K::Blend, Model<K>, f32)>,
-    /// The share of light that passes through holes.
-    pub mask: Option<(K::Mask, f32)>,
+    pub blend: Option<(K::Blend, Model<K>, Grey)>,
+    /// The share of light that does not pass through holes.
+    pub mask: Option<(K::Mask, Grey)>,
+    /// What turns the normals, and whether they are those of the front: a two-sided material around it
+    /// mirrors them to the back.
+    pub bump: Option<(K::Bumps, Bump, bool)>,
+    /// Whether the frame follows the texture coordinates.
+    pub oriented: bool,
 }
 
 impl<K: SceneKind> Model<K> {
@@ -56,8 +64,11 @@ impl<K: SceneKind> Side<K> {
     #[inline]
     pub fn is_black(&self) -> bool {
         self.base.is_black()
-            && self.blend.as_ref().is_none_or(|(_, model, share)| model.is_black() || *share == 0.0)
-            && self.mask.as_ref().is_none_or(|(_, share)| *share == 0.0)
+            && self
+                .blend
+                .as_ref()
+                .is_none_or(|(_, model, share)| model.is_black() || share.value == 0.0)
+            && self.mask.as_ref().is_none_or(|(_, opacity)| opacity.value == 1.0)
     }
 }
 
@@ -78,6 +89,11 @@ impl<K: SceneKind> Material<K> {
     pub fn new(bsdf: &Bsdf) -> Result<Self, NotCovered> {
         Ok(Material { front: side(bsdf, true)?, back: side(bsdf, false)? })
     }
+
+    /// Whether it matters how texture coordinates run over the surface.
+    pub fn is_oriented(&self) -> bool {
+        self.front.oriented || self.back.oriented
+    }
 }
 
 fn missing<K: SceneKind>(feature: &'static str) -> NotCovered {
@@ -85,17 +101,31 @@ fn missing<K: SceneKind>(feature: &'static str) -> NotCovered {
 }
 
 fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
-    let plain = |base| Side { base, blend: None, mask: None };
+    let plain = |base| Side {
+        base,
+        blend: None,
+        mask: None,
+        bump: None,
+        oriented: bsdf.is_anisotropic() && K::Anisotropy::VALUE.is_some(),
+    };
     match bsdf {
         Bsdf::TwoSided(sides) => side(&sides[usize::from(!front)], true),
         Bsdf::Mask { opacity, nested } => {
             let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            Ok(Side { mask: Some((present, 1.0 - opacity)), ..side(nested, front)? })
+            Ok(Side { mask: Some((present, *opacity)), ..side(nested, front)? })
+        }
+        Bsdf::Bump { bump, nested } => {
+            let present = K::Bumps::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
+            let bump = Some((present, *bump, front));
+            Ok(Side { bump, oriented: true, ..side(nested, front)? })
         }
         Bsdf::Blend { weight, nested } => {
             let present = K::Blend::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
             let second = model(&nested[1], front)?;
-            Ok(Side { blend: Some((present, second, *weight)), ..plain(model(&nested[0], front)?) })
+            let oriented =
+                nested.iter().any(Bsdf::is_anisotropic) && K::Anisotropy::VALUE.is_some();
+            let blend = Some((present, second, *weight));
+            Ok(Side { blend, oriented, ..plain(model(&nested[0], front)?) })
         }
         other => model(other, front).map(plain),
     }
@@ -122,8 +152,9 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
         Bsdf::RoughPlastic(plastic) => {
             RoughPlasticOf::<K>::with(|| (*plastic, Coat::new(plastic))).map(Model::RoughPlastic)
         }
+        Bsdf::Phong(phong) => K::Phong::keep(*phong).map(Model::Phong),
         // The loader refuses mixtures within mixtures.
-        Bsdf::Mask { .. } | Bsdf::Blend { .. } => return Ok(Model::Black),
+        Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => return Ok(Model::Black),
     };
     keep.ok_or_else(|| missing::<K>(bsdf.feature()))
 }

@@ -4,6 +4,7 @@
 //! needed by the integrand. What is here is written for radiance, with light that arrives from `w` and
 //! leaves to the viewer.
 
+mod bump;
 pub mod facets;
 pub mod fresnel;
 mod lobe;
@@ -21,10 +22,13 @@ pub use material::{Material, Model, Side};
 pub use rough_plastic::Coat;
 
 use crate::kind::{
-    Facetted, Interface, Part, PlasticOf, Presence, Refraction, RoughPlasticOf, SceneKind,
+    Facetted, Interface, Oriented, Part, PhongOf, PlasticOf, Presence, Refraction, RoughPlasticOf,
+    SceneKind,
 };
-use crate::scene::bsdf::{Metal, Roughness};
-use crate::scene::texture::{Colour, Texture};
+use crate::scene::bsdf::{Facets, Metal, Roughness};
+use crate::scene::texture::{Colour, Grey, Texture, luminance};
+use crate::vertex::Surface;
+use bump::Bumped;
 
 /// A material at a point, as it is seen from one side.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +42,11 @@ pub struct Scattering<'w, K: SceneKind> {
     behind: bool,
     textures: &'w [Texture],
     uv: Vec2,
+    bumped: <K::Bumps as Presence>::Field<Option<Bumped>>,
 }
+
+/// The least roughness that a texture can give.
+const LEAST_ROUGHNESS: f32 = 1e-4;
 
 /// What a metal reflects at a cosine; everything without an index of refraction.
 fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
@@ -46,23 +54,40 @@ fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
 }
 
 impl<'w, K: SceneKind> Scattering<'w, K> {
-    /// How a material scatters light to a viewer in direction `towards`, at the coordinates `uv` of its
-    /// textures; `None` from within the surface or if it is black on that side.
+    /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
+    /// or if it is black on that side.
     pub fn new(
         material: &'w Material<K>,
         textures: &'w [Texture],
-        uv: Vec2,
-        normal: Vec3,
+        surface: &Surface<K>,
         towards: Vec3,
     ) -> Option<Self> {
-        let behind = normal.dot(towards) <= 0.0;
-        let (side, n) = if behind { (&material.back, -normal) } else { (&material.front, normal) };
+        let behind = surface.shading.dot(towards) <= 0.0;
+        let (side, n) = if behind {
+            (&material.back, -surface.shading)
+        } else {
+            (&material.front, surface.shading)
+        };
         if side.is_black() {
             return None;
         }
-        let frame = Frame::around(Direction::new(n.x, n.y, n.z));
+        let uv = K::Textures::value(surface.uv);
+        let tangent = || Oriented::<K>::value(surface.tangents).du;
+        let (frame, bumped) = match &side.bump {
+            Some((_, map, front)) => {
+                let (normal, bumped) =
+                    bump::turned(*map, textures, uv, surface, towards, *front && behind);
+                (bump::frame_along(normal, tangent()), Some(bumped))
+            }
+            None if Oriented::<K>::VALUE.is_some() && side.oriented => {
+                (bump::frame_along(n, tangent()), None)
+            }
+            None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
+        };
         let view = Direction::from_vec(frame.to_local(towards));
-        (view.z > 0.0).then_some(Scattering { side, frame, view, behind, textures, uv })
+        let bumped = K::Bumps::field(|| bumped);
+        let scattering = Scattering { side, frame, view, behind, textures, uv, bumped };
+        (view.z > 0.0).then_some(scattering)
     }
 
     /// A colour here.
@@ -74,11 +99,43 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         }
     }
 
+    /// A number here.
+    #[inline]
+    fn grey(&self, grey: &Grey) -> f32 {
+        match (K::Textures::VALUE, grey.texture) {
+            (Some(_), Some(texture)) => luminance(self.textures[texture as usize].at(self.uv)),
+            _ => grey.value,
+        }
+    }
+
+    /// Microfacets here.
+    #[inline]
+    fn roughness(&self, facets: &Facets) -> Roughness {
+        let Facets { distribution, sample_visible, .. } = *facets;
+        let alpha = facets.alpha.map(|alpha| {
+            let least = if alpha.texture.is_some() { LEAST_ROUGHNESS } else { 0.0 };
+            self.grey(&alpha).max(least)
+        });
+        Roughness { distribution, alpha, sample_visible }
+    }
+
+    /// What is left of light from `w` (in world coordinates) because the normals are turned.
+    #[inline]
+    fn unhidden(&self, w: Vec3) -> f32 {
+        K::Bumps::value(self.bumped).map_or(1.0, |bumped| bumped.unhidden(w, self.frame))
+    }
+
     /// How many lobes there are.
     #[inline]
     pub fn count(&self) -> usize {
         let second = self.side.blend.as_ref().map_or(0, |(_, model, _)| count(model));
         count(&self.side.base) + second + usize::from(self.side.mask.is_some())
+    }
+
+    /// Whether the lobe is that of the holes in the surface, the last one.
+    #[inline]
+    fn is_hole(&self, index: usize) -> bool {
+        self.side.mask.is_some() && index + 1 == self.count()
     }
 
     /// A lobe, if there are so many. Chances add up to one.
@@ -102,8 +159,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     /// it is black.
     #[inline]
     fn shares(&self) -> Shares {
-        let holes = self.side.mask.as_ref().map_or(0.0, |(_, share)| *share);
-        let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| *share);
+        let holes = self.side.mask.as_ref().map_or(0.0, |(_, opacity)| 1.0 - self.grey(opacity));
+        let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| self.grey(share));
         let light = [(1.0 - holes) * (1.0 - weight), (1.0 - holes) * weight, holes];
         let first = if self.side.base.is_black() { 0.0 } else { light[0] };
         let second = match &self.side.blend {
@@ -111,7 +168,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             _ => 0.0,
         };
         let all = first + second + holes;
-        let share = |light, chance| Share { light, chance: chance / all };
+        // Where a texture leaves only what is black, nothing is chosen.
+        let share =
+            |light, chance| Share { light, chance: if all > 0.0 { chance / all } else { 0.0 } };
         Shares {
             base: share(light[0], first),
             second: share(light[1], second),
@@ -168,6 +227,10 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let share = 1.0 - coat.transmitted(self.view.z);
                 self.colour(&plastic.diffuse).lerp(self.colour(&plastic.reflectance), share)
             }
+            Model::Phong(phong) => {
+                let phong = phong.get();
+                phong.scale * (self.colour(&phong.diffuse) + self.colour(&phong.specular))
+            }
         }
     }
 
@@ -221,11 +284,12 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                     matte(1.0 - chance)
                 }
             }
-            Model::RoughConductor(m) => facets(m.get().roughness, 1.0),
+            Model::RoughConductor(m) => facets(self.roughness(&m.get().facets), 1.0),
             Model::RoughDielectric(glass) => {
                 let glass = glass.get();
                 let eta = self.relative(glass.eta);
-                let lobe = Lobe::Interface(Interface::<K>::with(|| (glass.roughness, eta))?);
+                let roughness = self.roughness(&glass.facets);
+                let lobe = Lobe::Interface(Interface::<K>::with(|| (roughness, eta))?);
                 Some(Weighted { lobe, coefficient: Vec3::ZERO, chance: 1.0 })
             }
             Model::RoughPlastic(plastic) => {
@@ -234,6 +298,15 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let chance =
                     coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
                 if index == 0 { facets(plastic.roughness, chance) } else { matte(1.0 - chance) }
+            }
+            Model::Phong(phong) => {
+                let phong = phong.get();
+                let chance = coat_chance(0.5, phong.specular.value, phong.diffuse.value);
+                if index == 1 {
+                    return matte(1.0 - chance);
+                }
+                let lobe = Lobe::Glossy(PhongOf::<K>::with(|| phong.exponent)?);
+                Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
             }
         }
     }
@@ -270,7 +343,8 @@ fn count<K: SceneKind>(model: &Model<K>) -> usize {
         Model::Dielectric(_)
         | Model::ThinDielectric(_)
         | Model::Plastic(_)
-        | Model::RoughPlastic(_) => 2,
+        | Model::RoughPlastic(_)
+        | Model::Phong(_) => 2,
     }
 }
 

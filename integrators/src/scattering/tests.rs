@@ -1,14 +1,27 @@
-//! Scattering functions are reciprocal and not negative, and their lobes cover them.
+//! Scattering functions are reciprocal and not negative, and their lobes cover them; samples are
+//! distributed as their densities say.
 
+use std::f32::consts::{PI, TAU};
+use std::path::Path;
+
+use aether_core::{PathView, Pcg32, Strategy};
 use glam::{Vec2, Vec3};
 
 use super::{Lobe, Material, Scattering};
-use crate::kind::Everything;
+use crate::kind::{Everything, Present};
 use crate::scene::bsdf::*;
-use crate::scene::texture::Colour;
+use crate::scene::texture::{Colour, Grey};
+use crate::scene::{PrimitiveId, Scene, Tangents};
+use crate::strategies::{SampleBsdf, sample_bsdf};
+use crate::vertex::{Place, SceneVertex, Surface};
+use crate::world::World;
 
 fn rough(distribution: Distribution) -> Roughness {
     Roughness { distribution, alpha: [0.3; 2], sample_visible: true }
+}
+
+fn facets(distribution: Distribution) -> Facets {
+    Facets { distribution, alpha: [0.3, 0.5].map(Grey::from), sample_visible: true }
 }
 
 fn materials() -> Vec<Bsdf> {
@@ -18,24 +31,27 @@ fn materials() -> Vec<Bsdf> {
         Bsdf::Diffuse(Diffuse { reflectance: grey }),
         Bsdf::Plastic(Plastic { eta: 1.5, diffuse: grey, reflectance: white, nonlinear: true }),
     ];
-    for roughness in [Distribution::Beckmann, Distribution::Ggx].map(rough) {
-        all.push(Bsdf::RoughConductor(RoughConductor { roughness, metal, reflectance: white }));
+    all.push(Bsdf::Phong(Phong { diffuse: grey, specular: grey, exponent: 8.0, scale: 0.9 }));
+    for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+        let facets = facets(distribution);
+        all.push(Bsdf::RoughConductor(RoughConductor { facets, metal, reflectance: white }));
         all.push(Bsdf::RoughPlastic(RoughPlastic {
-            roughness,
+            roughness: rough(distribution),
             eta: 1.5,
             diffuse: grey,
             reflectance: white,
             nonlinear: false,
+            conserving: true,
         }));
         all.push(Bsdf::RoughDielectric(RoughDielectric {
-            roughness,
+            facets,
             eta: 1.5,
             reflectance: white,
             transmittance: white,
         }));
     }
-    let pair = [all[0].clone(), all[2].clone()];
-    all.push(Bsdf::Blend { weight: 0.3, nested: Box::new(pair) });
+    let pair = [all[0].clone(), all[3].clone()];
+    all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair) });
     all
 }
 
@@ -48,7 +64,16 @@ fn direction(k: u32) -> Vec3 {
 
 /// Scattering at a surface without textures that faces +z.
 fn scattering(material: &Material<Everything>, v: Vec3) -> Option<Scattering<'_, Everything>> {
-    Scattering::new(material, &[], Vec2::ZERO, Vec3::Z, v)
+    let surface = Surface {
+        position: Vec3::ZERO,
+        normal: Vec3::Z,
+        shading: Vec3::Z,
+        primitive: PrimitiveId(0),
+        emitter: None,
+        uv: Vec2::ZERO,
+        tangents: Tangents { du: Vec3::new(0.8, 0.6, 0.0), dv: Vec3::new(-0.6, 0.8, 0.0) },
+    };
+    Scattering::new(material, &[], &surface, v)
 }
 
 /// The value for light from `w` to `v`, without the cosine; zero where the material is black.
@@ -88,7 +113,7 @@ fn chances_add_up_to_one() {
         ThinDielectric { eta: 1.5, reflectance: Vec3::ONE.into(), transmittance: Vec3::ONE.into() };
     all.extend([Bsdf::Dielectric(glass), Bsdf::ThinDielectric(pane)]);
     let masked =
-        all.iter().cloned().map(|nested| Bsdf::Mask { opacity: 0.3, nested: nested.into() });
+        all.iter().cloned().map(|nested| Bsdf::Mask { opacity: 0.3.into(), nested: nested.into() });
     for bsdf in all.clone().into_iter().chain(masked) {
         let material = Material::<Everything>::new(&bsdf).unwrap();
         for k in 0..50 {
@@ -108,4 +133,175 @@ fn chances_add_up_to_one() {
             }
         }
     }
+}
+
+/// Phong's lobe reflects all light that arrives along the normal, and never more.
+#[test]
+fn phong_reflects_no_more_than_there_is() {
+    for exponent in [0.0, 1.0, 20.0] {
+        let (diffuse, specular) = (Vec3::ZERO.into(), Vec3::ONE.into());
+        let bsdf = Bsdf::Phong(Phong { diffuse, specular, exponent, scale: 1.0 });
+        let material = Material::<Everything>::new(&bsdf).unwrap();
+        for z in [1.0f32, 0.7, 0.2] {
+            let view = Vec3::new((1.0 - z * z).sqrt(), 0.0, z);
+            let s = scattering(&material, view).unwrap();
+            const N: usize = 400;
+            let sum: f32 = (0..N * N)
+                .map(|k| {
+                    let z = ((k / N) as f32 + 0.5) / N as f32;
+                    let phi = TAU * ((k % N) as f32 + 0.5) / N as f32;
+                    let r = (1.0 - z * z).sqrt();
+                    s.value(Vec3::new(r * phi.cos(), r * phi.sin(), z)).x
+                })
+                .sum();
+            let albedo = sum * TAU / (N * N) as f32;
+            assert!(albedo < 1.001, "{albedo} for exponent {exponent} at {z}");
+            assert!(z < 1.0 || albedo > 0.999, "{albedo} for exponent {exponent}");
+        }
+    }
+}
+
+/// A square of a material under a sky that shines everywhere.
+fn square(bsdf: &str) -> Scene {
+    let xml = format!(
+        r#"<scene version="3.0.0"><sensor type="perspective"/>
+        <emitter type="constant"/><shape type="rectangle">{bsdf}</shape></scene>"#
+    );
+    Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Rows and columns of bins on the sphere of directions, and points in each along both.
+const BINS: [usize; 2] = [10, 16];
+const FINE: usize = 6;
+/// Samples of each distribution.
+const DRAWS: usize = 20_000;
+
+/// How a material is sampled, seen from a direction.
+struct Sampled<'w> {
+    strategy: SampleBsdf<'w, 'w, Everything>,
+    path: [SceneVertex; 2],
+}
+
+impl<'w> Sampled<'w> {
+    fn new(world: &'w World<'w>, view: Vec3) -> Self {
+        let eye = SceneVertex { position: 4.0 * view, place: Place::Camera };
+        let hit = world.cast_along(&eye, -view).expect("the square is in sight");
+        let path = [eye, SceneVertex::found(hit, -view)];
+        Sampled { strategy: sample_bsdf(world, u32::MAX), path }
+    }
+
+    /// How many samples fall into each bin, and how many into none: atoms, and draws that fail.
+    fn counts(&self, seed: u64) -> Vec<f64> {
+        let mut counts = vec![0.0; BINS[0] * BINS[1] + 1];
+        for k in 0..DRAWS {
+            let mut uniforms = Pcg32::new(seed, 0, k as u64);
+            let drawn = self.strategy.sample(PathView::from_slice(&self.path), &mut uniforms);
+            let bin = match drawn {
+                Some(drawn) if drawn.dirac.is_none() => bin_of(drawn.vertex.position),
+                _ => BINS[0] * BINS[1],
+            };
+            counts[bin] += 1.0;
+        }
+        counts
+    }
+
+    /// How many are expected to.
+    fn expected(&self) -> Vec<f64> {
+        let [rows, columns] = BINS.map(|n| n * FINE);
+        let mut expected = vec![0.0; BINS[0] * BINS[1] + 1];
+        for k in 0..rows * columns {
+            let theta = PI * ((k / columns) as f32 + 0.5) / rows as f32;
+            let phi = TAU * ((k % columns) as f32 + 0.5) / columns as f32;
+            let w = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+            let sky = SceneVertex { position: w, place: Place::Sky(Present) };
+            let density = self.strategy.pdf(PathView::from_slice(&self.path), &sky).value;
+            let solid_angle = theta.sin() * PI * TAU / (rows * columns) as f32;
+            expected[bin_of(w)] += f64::from(density * solid_angle) * DRAWS as f64;
+        }
+        let inside: f64 = expected.iter().sum();
+        expected[BINS[0] * BINS[1]] = (DRAWS as f64 - inside).max(0.0);
+        expected
+    }
+}
+
+fn bin_of(w: Vec3) -> usize {
+    let row = (w.x.hypot(w.y).atan2(w.z) / PI * BINS[0] as f32) as usize;
+    let column = ((w.y.atan2(w.x) / TAU).rem_euclid(1.0) * BINS[1] as f32) as usize;
+    row.min(BINS[0] - 1) * BINS[1] + column.min(BINS[1] - 1)
+}
+
+/// Pearson's statistic as standard deviations of a normal variable (Wilson and Hilferty 1931). Bins in which
+/// fewer than ten are expected are taken together; the quadrature is allowed one percent of each bin.
+fn deviation(counts: &[f64], expected: &[f64]) -> f64 {
+    let (mut statistic, mut bins, mut rest) = (0.0, 0.0, (0.0, 0.0));
+    let mut add = |count: f64, expected: f64| {
+        let off = ((count - expected).abs() - 0.01 * expected).max(0.0);
+        statistic += off * off / expected;
+        bins += 1.0;
+    };
+    for (count, expected) in counts.iter().zip(expected) {
+        if *expected >= 10.0 {
+            add(*count, *expected);
+        } else {
+            rest = (rest.0 + count, rest.1 + expected);
+        }
+    }
+    if rest.1 >= 10.0 {
+        add(rest.0, rest.1);
+    }
+    let (n, spread) = (bins - 1.0f64, 2.0 / (9.0 * (bins - 1.0)));
+    ((statistic / n).cbrt() - (1.0 - spread)) / spread.sqrt()
+}
+
+#[test]
+fn samples_have_the_densities_that_they_say() {
+    let facets = |plugin: &str, more: &str, alpha: f64| {
+        ["beckmann", "ggx"].map(|distribution| {
+            format!(
+                r#"<bsdf type="{plugin}"><float name="alpha_u" value="{alpha}"/>{more}
+                <float name="alpha_v" value="{alpha}"/>
+                <string name="distribution" value="{distribution}"/></bsdf>"#
+            )
+        })
+    };
+    let classical = r#"<boolean name="sample_visible" value="false"/>"#;
+    let mut models = vec![
+        r#"<bsdf type="diffuse"/>"#.to_owned(),
+        r#"<bsdf type="plastic"/>"#.to_owned(),
+        r#"<bsdf type="phong"><float name="exponent" value="9"/></bsdf>"#.to_owned(),
+        r#"<bsdf type="blendbsdf"><float name="weight" value="0.4"/><bsdf type="diffuse"/>
+            <bsdf type="roughconductor"><float name="alpha_u" value="0.3"/>
+                <float name="alpha_v" value="0.6"/></bsdf></bsdf>"#
+            .to_owned(),
+        r#"<bsdf type="mask"><bsdf type="roughdielectric"><float name="alpha" value="0.4"/></bsdf>
+            </bsdf>"#
+            .to_owned(),
+    ];
+    for alpha in [0.3, 0.8] {
+        models.extend(facets("roughconductor", "", alpha));
+        models.extend(facets("roughdielectric", "", alpha));
+    }
+    models.extend(facets("roughconductor", classical, 0.4));
+    models.extend(facets("roughplastic", "", 0.4));
+    for (seed, model) in (1..).zip(&models) {
+        let scene = square(model);
+        let world = World::new(&scene).unwrap();
+        for z in [0.95f32, 0.5, 0.15, -0.6] {
+            let r = (1.0 - z * z).sqrt();
+            let view = Vec3::new(0.6 * r, -0.8 * r, z);
+            if z < 0.0 && !model.contains("dielectric") {
+                continue;
+            }
+            let sampled = Sampled::new(&world, view);
+            let z = deviation(&sampled.counts(seed), &sampled.expected());
+            // One of all would be that far off once in a hundred thousand runs.
+            assert!(z < 5.0, "{z:.1} standard deviations, seen from {view}: {model}");
+        }
+    }
+    // A roughness that is five percent larger is told apart.
+    let [scene, other] = [0.3, 0.315].map(|alpha| square(&facets("roughconductor", "", alpha)[0]));
+    let [world, other] = [&scene, &other].map(|scene| World::new(scene).unwrap());
+    let view = Vec3::new(0.6, 0.0, 0.8);
+    let counts = Sampled::new(&world, view).counts(1);
+    assert!(deviation(&counts, &Sampled::new(&other, view).expected()) > 5.0);
 }

@@ -14,8 +14,9 @@ impl<K: SceneKind> Scattering<'_, K> {
     /// The value of the lobes that scatter into many directions, for light from `w` (in world
     /// coordinates, of unit length), times its cosine with the shading normal.
     pub fn value(&self, w: Vec3) -> Vec3 {
+        let unhidden = self.unhidden(w);
         let w = Direction::from_vec(self.frame.to_local(w));
-        self.mixed(|model| self.model_value(model, w))
+        self.mixed(|model| self.model_value(model, w)) * unhidden
     }
 
     #[inline]
@@ -33,7 +34,8 @@ impl<K: SceneKind> Scattering<'_, K> {
             }
             Model::RoughConductor(m) if w.z > 0.0 => {
                 let m = m.get();
-                let Some((value, h)) = m.roughness.mirrored(self.view, w) else {
+                let roughness = self.roughness(&m.facets);
+                let Some((value, h)) = roughness.mirrored(self.view, w) else {
                     return Vec3::ZERO;
                 };
                 self.colour(&m.reflectance) * metal(m.metal, h.dot(self.view)) * value
@@ -53,15 +55,24 @@ impl<K: SceneKind> Scattering<'_, K> {
             Model::RoughDielectric(glass) => {
                 let glass = glass.get();
                 let eta = self.relative(glass.eta);
+                let roughness = self.roughness(&glass.facets);
                 if w.z > 0.0 {
-                    let Some((value, h)) = glass.roughness.mirrored(self.view, w) else {
+                    let Some((value, h)) = roughness.mirrored(self.view, w) else {
                         return Vec3::ZERO;
                     };
                     let (reflected, _) = fresnel::dielectric(h.dot(self.view), eta);
                     self.colour(&glass.reflectance) * (reflected * value)
                 } else {
-                    self.colour(&glass.transmittance) * self.refracted(&glass.roughness, w, eta)
+                    self.colour(&glass.transmittance) * self.refracted(&roughness, w, eta)
                 }
+            }
+            Model::Phong(phong) if w.z > 0.0 => {
+                let phong = phong.get();
+                let v = self.view;
+                let mirrored = (v.z * w.z - v.x * w.x - v.y * w.y).max(0.0);
+                let lobe = mirrored.powf(phong.exponent) * (0.5 * phong.exponent + 1.0);
+                (self.colour(&phong.diffuse) + self.colour(&phong.specular) * lobe)
+                    * (phong.scale * FRAC_1_PI * w.z)
             }
             _ => Vec3::ZERO,
         }

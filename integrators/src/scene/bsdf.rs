@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::texture::Colour;
+use super::texture::{Colour, Grey};
 
 /// A Lambertian reflector: `reflectance / π`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,7 +82,7 @@ pub enum Distribution {
     Ggx,
 }
 
-/// A rough surface made of small mirrors.
+/// A rough surface made of small mirrors, at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughness {
     /// How the facets are distributed.
@@ -93,11 +93,22 @@ pub struct Roughness {
     pub sample_visible: bool,
 }
 
+/// A rough surface made of small mirrors, as its roughness may vary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facets {
+    /// How the facets are distributed.
+    pub distribution: Distribution,
+    /// Root mean square slope along the first texture coordinate and across it.
+    pub alpha: [Grey; 2],
+    /// Whether facets are sampled by how much of them can be seen.
+    pub sample_visible: bool,
+}
+
 /// A metal with microfacets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
     /// The facets.
-    pub roughness: Roughness,
+    pub facets: Facets,
     /// Index of refraction; none for perfect mirrors.
     pub metal: Option<Metal>,
     /// Scales the reflected light.
@@ -108,7 +119,7 @@ pub struct RoughConductor {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// The facets.
-    pub roughness: Roughness,
+    pub facets: Facets,
     /// Index of refraction behind the surface over that before it.
     pub eta: f32,
     /// Scales the reflected light.
@@ -130,6 +141,44 @@ pub struct RoughPlastic {
     pub reflectance: Colour,
     /// Whether the colour shifts because light is reflected within the coat.
     pub nonlinear: bool,
+    /// Whether what facets block from each other reaches the base; otherwise it is lost, as in Mitsuba 3.
+    pub conserving: bool,
+}
+
+/// A matte base and a lobe about the mirror direction (Lafortune and Willems 1994):
+/// `diffuse / π + specular (n + 2) / 2π cosⁿ(angle with the mirror direction)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phong {
+    /// Albedo of the base.
+    pub diffuse: Colour,
+    /// Of the lobe; its albedo at normal incidence.
+    pub specular: Colour,
+    /// The exponent n.
+    pub exponent: f32,
+    /// Scales both, so that together they reflect no more light than there is.
+    pub scale: f32,
+}
+
+/// What a texture that turns normals says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Relief {
+    /// Heights over the surface, times this.
+    Heights(f32),
+    /// Coordinates of the normal in the frame of the surface, from 0 for -1 to 1 for 1.
+    Normals,
+}
+
+/// A texture that turns the normals of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bump {
+    /// Index in [`super::Scene::textures`].
+    pub texture: u32,
+    /// What it says.
+    pub relief: Relief,
+    /// Whether normals that face away from the viewer are turned about that of the surface.
+    pub flip_invalid: bool,
+    /// Whether light at grazing angles is dimmed, so that the terminator is smooth.
+    pub shadowing: bool,
 }
 
 /// How a surface scatters.
@@ -151,21 +200,30 @@ pub enum Bsdf {
     RoughDielectric(RoughDielectric),
     /// Rough plastic, black from behind.
     RoughPlastic(RoughPlastic),
+    /// Phong's model, black from behind.
+    Phong(Phong),
     /// What is seen from the front, and what is from behind.
     TwoSided(Box<[Bsdf; 2]>),
     /// A surface with holes too small to be seen.
     Mask {
         /// The share of light that meets the surface.
-        opacity: f32,
+        opacity: Grey,
         /// The surface.
         nested: Box<Bsdf>,
     },
     /// A mixture of two materials.
     Blend {
         /// The share of the second.
-        weight: f32,
+        weight: Grey,
         /// The materials.
         nested: Box<[Bsdf; 2]>,
+    },
+    /// A material on a surface whose normals a texture turns.
+    Bump {
+        /// The texture.
+        bump: Bump,
+        /// The material.
+        nested: Box<Bsdf>,
     },
 }
 
@@ -182,9 +240,34 @@ impl Bsdf {
             Self::RoughConductor(_) => "RoughConductor",
             Self::RoughDielectric(_) => "RoughDielectric",
             Self::RoughPlastic(_) => "RoughPlastic",
+            Self::Phong(_) => "Phong",
             Self::TwoSided(sides) => sides[0].feature(),
             Self::Mask { .. } => "Mask",
             Self::Blend { .. } => "Blend",
+            Self::Bump { .. } => "Bumps",
+        }
+    }
+
+    /// Whether its roughness differs along and across the surface.
+    pub fn is_anisotropic(&self) -> bool {
+        match self {
+            Self::RoughConductor(RoughConductor { facets, .. })
+            | Self::RoughDielectric(RoughDielectric { facets, .. }) => {
+                facets.alpha[0] != facets.alpha[1]
+            }
+            _ => false,
+        }
+    }
+
+    /// Has rough plastic lose light as that of Mitsuba 3.9 does; see [`RoughPlastic::conserving`].
+    pub fn lose_energy(&mut self) {
+        match self {
+            Self::RoughPlastic(plastic) => plastic.conserving = false,
+            Self::TwoSided(nested) | Self::Blend { nested, .. } => {
+                nested.iter_mut().for_each(Self::lose_energy);
+            }
+            Self::Mask { nested, .. } | Self::Bump { nested, .. } => nested.lose_energy(),
+            _ => {}
         }
     }
 
@@ -199,9 +282,12 @@ impl Bsdf {
             Self::RoughConductor(_) => "roughconductor",
             Self::RoughDielectric(_) => "roughdielectric",
             Self::RoughPlastic(_) => "roughplastic",
+            Self::Phong(_) => "phong",
             Self::TwoSided(_) => "twosided",
             Self::Mask { .. } => "mask",
             Self::Blend { .. } => "blendbsdf",
+            Self::Bump { bump: Bump { relief: Relief::Heights(_), .. }, .. } => "bumpmap",
+            Self::Bump { bump: Bump { relief: Relief::Normals, .. }, .. } => "normalmap",
         }
     }
 }

@@ -3,15 +3,17 @@
 use glam::{DVec3, Vec3};
 
 use super::bsdf::*;
-use super::document::{Document, ObjectId, Query};
+use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
 use super::indices;
 use super::load_texture::Textures;
 use super::spectrum::Purpose;
+use super::texture::Grey;
 
 /// The plugins that exist here.
 const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughconductor, \
-                         roughdielectric, plastic, roughplastic, twosided, mask, blendbsdf";
+                         roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, \
+                         bumpmap, normalmap";
 
 /// How deep materials may be nested: a mixture in a mixture in a two-sided one has no use.
 const DEEPEST: usize = 8;
@@ -48,7 +50,7 @@ fn nested(
             reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
         }),
         "roughconductor" => Bsdf::RoughConductor(RoughConductor {
-            roughness: roughness(&query)?,
+            facets: facets(document, &query, textures)?,
             metal: metal(&query)?,
             reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
         }),
@@ -75,24 +77,64 @@ fn nested(
             diffuse: textures.colour(document, &query, "diffuse_reflectance", 0.5)?,
             reflectance: textures.colour(document, &query, "specular_reflectance", 1.0)?,
             nonlinear: query.boolean("nonlinear")?.unwrap_or(false),
+            conserving: true,
         }),
+        "phong" => phong(document, &query, textures)?,
         "twosided" => two_sided(&query, children()?)?,
-        "mask" => mask(&query, children()?)?,
-        "blendbsdf" => blend(&query, children()?)?,
+        "mask" => {
+            let nested = children()?;
+            mask(&query, share(document, &query, textures, "opacity", Some(0.5))?, nested)?
+        }
+        "blendbsdf" => {
+            let nested = children()?;
+            blend(&query, share(document, &query, textures, "weight", None)?, nested)?
+        }
+        "bumpmap" | "normalmap" => {
+            let nested = children()?;
+            bumped(document, &query, textures, nested)?
+        }
         _ => return Err(query.unsupported(SUPPORTED)),
     };
-    let is_nested = matches!(bsdf, Bsdf::TwoSided(_) | Bsdf::Mask { .. } | Bsdf::Blend { .. });
-    query.finish(if is_nested { &["bsdf"] } else { &["texture"] })?;
-    let known =
-        ["reflectance", "diffuse_reflectance", "specular_reflectance", "specular_transmittance"];
-    let mut nested = query.children().filter(|_| !is_nested);
-    if let Some((property, _)) = nested.find(|(p, _)| !known.contains(&p.name.as_str())) {
+    let tags: &[&str] = match &bsdf {
+        Bsdf::TwoSided(_) => &["bsdf"],
+        Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => &["bsdf", "texture"],
+        _ => &["texture"],
+    };
+    query.finish(tags)?;
+    let known = textures_of(&bsdf);
+    let mut nested = query.children().filter(|(_, id)| document.objects[*id].tag == "texture");
+    if let Some((property, _)) =
+        nested.find(|(p, _)| !known.contains(&p.name.as_str()) && !known.is_empty())
+    {
         return Err(property.place.error(format!(
-            "unreferenced texture \"{}\" in {}",
-            property.name, query.object.place.element
+            "unreferenced texture \"{}\" in {}; supported: {}",
+            property.name,
+            query.object.place.element,
+            known.join(", ")
         )));
     }
     Ok(bsdf)
+}
+
+/// The names of the textures that a material can have; that of a height field has any name.
+fn textures_of(bsdf: &Bsdf) -> &'static [&'static str] {
+    match bsdf {
+        Bsdf::Diffuse(_) => &["reflectance"],
+        Bsdf::Conductor(_) => &["specular_reflectance"],
+        Bsdf::RoughConductor(_) => &["specular_reflectance", "alpha", "alpha_u", "alpha_v"],
+        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) => {
+            &["specular_reflectance", "specular_transmittance"]
+        }
+        Bsdf::RoughDielectric(_) => {
+            &["specular_reflectance", "specular_transmittance", "alpha", "alpha_u", "alpha_v"]
+        }
+        Bsdf::Plastic(_) | Bsdf::RoughPlastic(_) | Bsdf::Phong(_) => {
+            &["diffuse_reflectance", "specular_reflectance"]
+        }
+        Bsdf::Mask { .. } => &["opacity"],
+        Bsdf::Blend { .. } => &["weight"],
+        Bsdf::TwoSided(_) | Bsdf::Bump { .. } => &[],
+    }
 }
 
 fn two_sided(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
@@ -104,7 +146,7 @@ fn two_sided(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
         if let Bsdf::Dielectric(_)
         | Bsdf::ThinDielectric(_)
         | Bsdf::RoughDielectric(_)
-        | Bsdf::Mask { .. } = side
+        | Bsdf::Mask { .. } = unbumped(side)
         {
             let message = format!("\"{}\" lets light through: it has both sides", side.name());
             return Err(query.error_at("", message));
@@ -118,8 +160,61 @@ fn two_sided(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     }
 }
 
-fn mask(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
-    let opacity = share(query, "opacity", Some(0.5))?;
+/// The material itself, without what turns its normals.
+fn unbumped(bsdf: &Bsdf) -> &Bsdf {
+    if let Bsdf::Bump { nested, .. } = bsdf { unbumped(nested) } else { bsdf }
+}
+
+/// A surface whose normals are turned by heights, or by a texture that gives them.
+fn bumped(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+    mut nested: Vec<Bsdf>,
+) -> Result<Bsdf, SceneError> {
+    let heights = query.object.plugin == "bumpmap";
+    let id = query.child("texture")?;
+    let id = id.ok_or_else(|| query.error_at("", "needs one nested <texture>"))?;
+    let named = |(property, _): &(&Property, ObjectId)| property.name == "normalmap";
+    if !heights && !query.children().any(|child| named(&child)) {
+        return Err(query.error_at("", "the texture \"normalmap\" is missing"));
+    }
+    let scale = if heights { query.float("scale")?.unwrap_or(1.0) } else { 1.0 };
+    if !(scale.abs() <= 1e6) {
+        let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
+        return Err(query.error_at("scale", message));
+    }
+    let bump = Bump {
+        texture: textures.index(document, id)?,
+        relief: if heights { Relief::Heights(scale as f32) } else { Relief::Normals },
+        flip_invalid: query.boolean("flip_invalid_normals")?.unwrap_or(true),
+        shadowing: query.boolean("use_shadowing_function")?.unwrap_or(true),
+    };
+    match (nested.pop(), nested.pop()) {
+        (Some(Bsdf::Mask { .. } | Bsdf::Bump { .. }), None) => Err(query.error_at(
+            "",
+            "masks and other bumps within a bump are not supported; put a mask outside",
+        )),
+        (Some(nested), None) => Ok(Bsdf::Bump { bump, nested: Box::new(nested) }),
+        _ => Err(query.error_at("", "needs one nested <bsdf>")),
+    }
+}
+
+fn phong(document: &Document, query: &Query, textures: &mut Textures) -> Result<Bsdf, SceneError> {
+    let diffuse = textures.colour(document, query, "diffuse_reflectance", 0.5)?;
+    let specular = textures.colour(document, query, "specular_reflectance", 0.2)?;
+    let exponent = query.float("exponent")?.unwrap_or(30.0);
+    if !(0.0..=1e5).contains(&exponent) {
+        let message = format!("the exponent is {exponent}, but must lie in 0..=100000");
+        return Err(query.error_at("exponent", message));
+    }
+    // As in Mitsuba 0.6: both are scaled where they may reflect more than there is.
+    let most = (textures.largest(&diffuse) + textures.largest(&specular)).max_element();
+    let scale = 1.0 / most.max(1.0);
+    Ok(Bsdf::Phong(Phong { diffuse, specular, exponent: exponent as f32, scale }))
+}
+
+fn mask(query: &Query, opacity: Grey, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     match (nested.pop(), nested.pop()) {
         (Some(Bsdf::Mask { .. }), None) => {
             Err(query.error_at("", "a mask within a mask: multiply their opacities"))
@@ -129,27 +224,37 @@ fn mask(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     }
 }
 
-fn blend(query: &Query, nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
-    let weight = share(query, "weight", None)?;
+fn blend(query: &Query, weight: Grey, nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     let nested: [Bsdf; 2] =
         nested.try_into().map_err(|_| query.error_at("", "needs two nested <bsdf>"))?;
-    if nested.iter().any(|bsdf| matches!(bsdf, Bsdf::Blend { .. } | Bsdf::Mask { .. })) {
-        let message = "mixtures of mixtures and of masks are not supported; put the mask outside";
+    let simple =
+        |bsdf: &Bsdf| !matches!(bsdf, Bsdf::Blend { .. } | Bsdf::Mask { .. } | Bsdf::Bump { .. });
+    if !nested.iter().all(simple) {
+        let message = "mixtures of mixtures, masks and bumps are not supported; put the mask or the \
+                       bump outside";
         return Err(query.error_at("", message));
     }
     Ok(Bsdf::Blend { weight, nested: Box::new(nested) })
 }
 
-/// A grey value in [0, 1].
-fn share(query: &Query, name: &'static str, default: Option<f64>) -> Result<f32, SceneError> {
-    reject_texture(query, name)?;
+/// A grey value in [0, 1], or a texture.
+fn share(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+    name: &'static str,
+    default: Option<f64>,
+) -> Result<Grey, SceneError> {
+    if let Some(grey) = textures.grey(document, query, name, 1.0)? {
+        return Ok(grey);
+    }
     let value = query.color(name, Purpose::Reflectance)?.map(|c| c.element_sum() / 3.0).or(default);
     let value =
         value.ok_or_else(|| query.error_at("", format!("the float \"{name}\" is missing")))?;
     if !(0.0..=1.0).contains(&value) {
         return Err(query.error_at(name, format!("\"{name}\" is {value}, but must lie in [0, 1]")));
     }
-    Ok(value as f32)
+    Ok(Grey::from(value as f32))
 }
 
 /// A reflectance or transmittance.
@@ -213,7 +318,7 @@ fn rough_dielectric(
     query: &Query,
     textures: &mut Textures,
 ) -> Result<Bsdf, SceneError> {
-    let (roughness, eta) = (roughness(query)?, relative_index(query)?);
+    let (facets, eta) = (facets(document, query, textures)?, relative_index(query)?);
     let reflectance = textures.colour(document, query, "specular_reflectance", 1.0)?;
     let transmittance = textures.colour(document, query, "specular_transmittance", 1.0)?;
     if !(0.4..=2.5).contains(&eta) {
@@ -226,7 +331,7 @@ fn rough_dielectric(
         // It reflects less than 1e-9 of the light, and the rest passes straight on.
         return Ok(Bsdf::ThinDielectric(ThinDielectric { eta: 1.0, reflectance, transmittance }));
     }
-    Ok(Bsdf::RoughDielectric(RoughDielectric { roughness, eta, reflectance, transmittance }))
+    Ok(Bsdf::RoughDielectric(RoughDielectric { facets, eta, reflectance, transmittance }))
 }
 
 fn plastic_index(query: &Query) -> Result<f32, SceneError> {
@@ -253,8 +358,68 @@ fn index(query: &Query, name: &'static str, default: &str) -> Result<f64, SceneE
     }
 }
 
-/// The microfacets.
+/// The microfacets of a surface whose roughness is the same everywhere and in all directions.
 fn roughness(query: &Query) -> Result<Roughness, SceneError> {
+    for name in ["alpha", "alpha_u", "alpha_v"] {
+        reject_texture(query, name)?;
+    }
+    let alpha = alphas(query, [None; 2])?;
+    if alpha[0] != alpha[1] {
+        let message = "rough plastic has the same roughness in all directions; give one alpha";
+        return Err(query.error_at("alpha_u", message));
+    }
+    let (distribution, sample_visible) = facet_normals(query)?;
+    Ok(Roughness { distribution, alpha: alpha.map(|alpha| alpha.value), sample_visible })
+}
+
+/// The microfacets.
+fn facets(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+) -> Result<Facets, SceneError> {
+    let mut texture = |name| textures.grey(document, query, name, 10.0);
+    let alpha = match texture("alpha")? {
+        Some(both) if query.get("alpha_u").or(query.get("alpha_v")).is_none() => [both; 2],
+        Some(_) => return Err(query.error_at("alpha", EITHER)),
+        None => {
+            let across = [texture("alpha_u")?, texture("alpha_v")?];
+            alphas(query, across)?
+        }
+    };
+    let (distribution, sample_visible) = facet_normals(query)?;
+    Ok(Facets { distribution, alpha, sample_visible })
+}
+
+/// What is wrong with three roughnesses.
+const EITHER: &str = "give either alpha or alpha_u and alpha_v";
+
+/// The roughness along and across the surface, of which textures may have given some.
+fn alphas(query: &Query, textures: [Option<Grey>; 2]) -> Result<[Grey; 2], SceneError> {
+    let number = |name: &'static str, texture: Option<Grey>| match texture {
+        Some(texture) => Ok(Some(texture)),
+        None => Ok(query.float(name)?.map(|alpha| Grey::from(alpha as f32))),
+    };
+    let both = number("alpha", None)?;
+    let across = [number("alpha_u", textures[0])?, number("alpha_v", textures[1])?];
+    if both.is_some() && across.iter().any(Option::is_some) {
+        return Err(query.error_at("alpha", EITHER));
+    }
+    let both = both.unwrap_or(Grey::from(0.1));
+    let alpha = across.map(|alpha| alpha.unwrap_or(both));
+    let fits = |alpha: &Grey| alpha.texture.is_some() || (1e-5..=10.0).contains(&alpha.value);
+    if !alpha.iter().all(fits) {
+        let message =
+            "the roughness must lie in 1e-5..=10; for less, there are the smooth materials";
+        let names = ["alpha", "alpha_u", "alpha_v"];
+        let name = names.into_iter().find(|name| query.get(name).is_some());
+        return Err(query.error_at(name.unwrap_or(""), message));
+    }
+    Ok(alpha)
+}
+
+/// The distribution of the normals of facets, and whether only visible ones are sampled.
+fn facet_normals(query: &Query) -> Result<(Distribution, bool), SceneError> {
     let distribution = match query.string("distribution")?.unwrap_or("beckmann") {
         "beckmann" => Distribution::Beckmann,
         "ggx" => Distribution::Ggx,
@@ -263,32 +428,7 @@ fn roughness(query: &Query) -> Result<Roughness, SceneError> {
             return Err(query.error_at("distribution", message));
         }
     };
-    reject_texture(query, "alpha")?;
-    let both = query.float("alpha")?;
-    let across = [query.float("alpha_u")?, query.float("alpha_v")?];
-    let alpha = match (both, across) {
-        (Some(_), [Some(_), _]) | (Some(_), [_, Some(_)]) => {
-            return Err(query.error_at("alpha", "give either alpha or alpha_u and alpha_v"));
-        }
-        (both, [u, v]) => {
-            let both = both.unwrap_or(0.1);
-            [u.unwrap_or(both), v.unwrap_or(both)]
-        }
-    };
-    if alpha[0] != alpha[1] {
-        return Err(query.error_at(
-            "alpha_u",
-            "different roughnesses along and across the surface are \
-             not supported; give one alpha",
-        ));
-    }
-    if alpha.iter().any(|a| !(1e-5..=10.0).contains(a)) {
-        let message =
-            "the roughness must lie in 1e-5..=10; for less, there are the smooth materials";
-        return Err(query.error_at("alpha", message));
-    }
-    let sample_visible = query.boolean("sample_visible")?.unwrap_or(true);
-    Ok(Roughness { distribution, alpha: alpha.map(|a| a as f32), sample_visible })
+    Ok((distribution, query.boolean("sample_visible")?.unwrap_or(true)))
 }
 
 /// Colours that vary over the surface are a likely wish; say so plainly.

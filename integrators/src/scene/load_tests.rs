@@ -192,7 +192,7 @@ fn errors_say_where_and_what() {
         (
             "<bsdf type=\"foo\"/>",
             "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, conductor, dielectric, \
-          thindielectric, roughconductor, roughdielectric, plastic, roughplastic, twosided, mask, blendbsdf",
+          thindielectric, roughconductor, roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, bumpmap, normalmap",
         ),
         (
             "  <shape type=\"hair\"/>",

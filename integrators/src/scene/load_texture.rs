@@ -8,7 +8,7 @@ use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
 use super::files::find_file;
 use super::spectrum::Purpose;
-use super::texture::{Colour, Interpolation, Pattern, Texture, Wrap};
+use super::texture::{Colour, Grey, Interpolation, Pattern, Texture, Wrap, luminance};
 use crate::image::decode;
 
 /// The textures of a scene under construction.
@@ -28,11 +28,52 @@ impl Textures {
         name: &'static str,
         default: f64,
     ) -> Result<Colour, SceneError> {
+        match self.within(document, query, name, 1.0)? {
+            Some(index) => {
+                let value = self.list[index as usize].mean();
+                Ok(Colour { value, texture: Some(index) })
+            }
+            None => super::load_bsdf::colour(query, name, default).map(Colour::from),
+        }
+    }
+
+    /// A texture of numbers from 0 to `largest`, if the property is one.
+    pub fn grey(
+        &mut self,
+        document: &Document,
+        query: &Query,
+        name: &'static str,
+        largest: f32,
+    ) -> Result<Option<Grey>, SceneError> {
+        let index = self.within(document, query, name, largest)?;
+        Ok(index.map(|index| {
+            let value = luminance(self.list[index as usize].mean());
+            Grey { value, texture: Some(index) }
+        }))
+    }
+
+    /// The largest value of a colour in any channel and anywhere.
+    pub fn largest(&self, colour: &Colour) -> Vec3 {
+        match colour.texture {
+            Some(index) => Vec3::splat(self.list[index as usize].range().1),
+            None => colour.value,
+        }
+    }
+
+    /// The place in the list of the texture of that name, if there is one, whose values must not be negative
+    /// nor larger than `limit`.
+    fn within(
+        &mut self,
+        document: &Document,
+        query: &Query,
+        name: &str,
+        limit: f32,
+    ) -> Result<Option<u32>, SceneError> {
         let Some((property, id)) = query.children().find(|(property, _)| property.name == name)
         else {
-            return super::load_bsdf::colour(query, name, default).map(Colour::from);
+            return Ok(None);
         };
-        self.between(document, (property, id), 1.0)
+        self.between(document, (property, id), limit).map(Some)
     }
 
     /// Radiance that may vary over the surface, if a texture gives it.
@@ -42,40 +83,54 @@ impl Textures {
         query: &Query,
     ) -> Result<Option<Colour>, SceneError> {
         let found = query.children().find(|(property, _)| property.name == "radiance");
-        found.map(|found| self.between(document, found, 1e18)).transpose()
+        let Some(found) = found else { return Ok(None) };
+        let index = self.between(document, found, 1e18)?;
+        let value = self.list[index as usize].mean();
+        Ok(Some(Colour { value, texture: Some(index) }))
     }
 
-    /// A texture with values from zero to `most`.
+    /// The place in the list of a texture, whose values must not be negative nor larger than `most`.
     fn between(
         &mut self,
         document: &Document,
         (property, id): (&Property, ObjectId),
         most: f32,
-    ) -> Result<Colour, SceneError> {
-        let index = match self.indices.get(&id) {
-            Some(index) => *index,
-            None => {
-                let texture = read(document, id)?;
-                let index = self.list.len() as u32;
-                self.list.push(texture);
-                self.indices.insert(id, index);
-                index
-            }
-        };
-        let texture = &self.list[index as usize];
-        let (least, largest) = texture.range();
+    ) -> Result<u32, SceneError> {
+        let index = self.index(document, id)?;
+        let (least, largest) = self.list[index as usize].range();
         if !(least >= 0.0 && largest <= most) {
             let name = &property.name;
             return Err(property.place.error(format!(
                 "the values of \"{name}\" are from {least} to {largest}, but must lie in [0, {most}]"
             )));
         }
-        Ok(Colour { value: texture.mean(), texture: Some(index) })
+        Ok(index)
+    }
+
+    /// The place in the list of a texture.
+    pub fn index(&mut self, document: &Document, id: ObjectId) -> Result<u32, SceneError> {
+        if let Some(index) = self.indices.get(&id) {
+            return Ok(*index);
+        }
+        let texture = read(document, id, 0)?;
+        let index = self.list.len() as u32;
+        self.list.push(texture);
+        self.indices.insert(id, index);
+        Ok(index)
     }
 }
 
-fn read(document: &Document, id: ObjectId) -> Result<Texture, SceneError> {
+/// How deep scaled textures may be nested.
+const DEEPEST: usize = 8;
+
+fn read(document: &Document, id: ObjectId, depth: usize) -> Result<Texture, SceneError> {
     let query = document.query(id);
+    if query.object.tag != "texture" {
+        return Err(query.error_at("", "a <texture> is expected here"));
+    }
+    if query.object.plugin == "scale" {
+        return scaled(document, &query, depth);
+    }
     let pattern = match query.object.plugin.as_str() {
         "bitmap" => bitmap(&query)?,
         "checkerboard" => {
@@ -86,17 +141,48 @@ fn read(document: &Document, id: ObjectId) -> Result<Texture, SceneError> {
             };
             Pattern::Checkerboard([colour("color0", 0.4)?, colour("color1", 0.2)?])
         }
-        _ => return Err(query.unsupported("bitmap, checkerboard")),
+        _ => return Err(query.unsupported("bitmap, checkerboard, scale")),
     };
-    let to_uv = query.transform("to_uv")?.map_or(Affine2::IDENTITY, |m| {
+    let to_uv = placed(&query)?;
+    query.finish(&[])?;
+    Ok(Texture { pattern, to_uv, scale: 1.0 })
+}
+
+/// From the coordinates of the surface to those of the texture.
+fn placed(query: &Query) -> Result<Affine2, SceneError> {
+    if let Some(m) = query.transform("to_uv")? {
         let m = m.as_mat4();
-        Affine2::from_mat2_translation(
+        return Ok(Affine2::from_mat2_translation(
             Mat2::from_cols(m.x_axis.truncate().truncate(), m.y_axis.truncate().truncate()),
             Vec2::new(m.w_axis.x, m.w_axis.y),
-        )
-    });
-    query.finish(&[])?;
-    Ok(Texture { pattern, to_uv })
+        ));
+    }
+    // As old files have it.
+    let number = |name, default| -> Result<f32, SceneError> {
+        Ok(query.float(name)?.map_or(default, |x| x as f32))
+    };
+    let both = number("uvscale", 1.0)?;
+    let scale = Vec2::new(number("uscale", both)?, number("vscale", both)?);
+    let offset = Vec2::new(number("uoffset", 0.0)?, number("voffset", 0.0)?);
+    Ok(Affine2::from_mat2_translation(Mat2::from_diagonal(scale), offset))
+}
+
+/// A texture within one that scales its values: old files have such.
+fn scaled(document: &Document, query: &Query, depth: usize) -> Result<Texture, SceneError> {
+    if depth > DEEPEST {
+        return Err(query.error_at("", "textures are nested too deeply"));
+    }
+    let scale = query.float("scale")?.unwrap_or(1.0);
+    if !(scale.abs() <= 1e6) {
+        return Err(
+            query.error_at("scale", format!("\"scale\" is {scale}, but at most 1e6 is allowed"))
+        );
+    }
+    let nested = query.child("texture")?;
+    let nested = nested.ok_or_else(|| query.error_at("", "needs one nested <texture>"))?;
+    query.finish(&["texture"])?;
+    let texture = read(document, nested, depth + 1)?;
+    Ok(Texture { scale: texture.scale * scale as f32, ..texture })
 }
 
 fn bitmap(query: &Query) -> Result<Pattern, SceneError> {

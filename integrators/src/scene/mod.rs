@@ -29,6 +29,7 @@ mod serialized;
 pub mod settings;
 mod shapes;
 pub mod spectrum;
+mod tangents;
 pub mod texture;
 mod trace;
 mod transform;
@@ -49,6 +50,7 @@ pub use error::SceneError;
 pub use lights::{Bulb, Distant, Sky};
 pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
+pub use tangents::Tangents;
 
 use texture::Texture;
 use trace::{End, RawHit, Tracer};

@@ -19,6 +19,26 @@ impl From<Vec3> for Colour {
     }
 }
 
+/// A number, or the luminance of what a texture gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grey {
+    /// The number; of a texture its mean.
+    pub value: f32,
+    /// Index in [`super::Scene::textures`].
+    pub texture: Option<u32>,
+}
+
+impl From<f32> for Grey {
+    fn from(value: f32) -> Self {
+        Grey { value, texture: None }
+    }
+}
+
+/// The luminance of linear Rec. 709.
+pub fn luminance(colour: Vec3) -> f32 {
+    colour.dot(Vec3::new(0.212_671, 0.715_160, 0.072_169))
+}
+
 /// How texels become a continuous function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
@@ -62,6 +82,8 @@ pub struct Texture {
     pub pattern: Pattern,
     /// From the texture coordinates of the surface to those of the pattern.
     pub to_uv: Affine2,
+    /// What its values are multiplied by.
+    pub scale: f32,
 }
 
 impl Texture {
@@ -71,6 +93,10 @@ impl Texture {
         if !uv.is_finite() {
             return self.mean();
         }
+        self.scale * self.pattern_at(uv)
+    }
+
+    fn pattern_at(&self, uv: Vec2) -> Vec3 {
         match &self.pattern {
             Pattern::Checkerboard(colours) => {
                 let second = uv - uv.floor();
@@ -95,8 +121,37 @@ impl Texture {
         }
     }
 
+    /// How the luminance changes with the two texture coordinates; zero where it jumps.
+    pub fn gradient(&self, uv: Vec2) -> Vec2 {
+        let uv = self.to_uv.transform_point2(uv);
+        let Pattern::Picture { image, interpolation: Interpolation::Bilinear, wrap } =
+            &self.pattern
+        else {
+            return Vec2::ZERO;
+        };
+        if !uv.is_finite() {
+            return Vec2::ZERO;
+        }
+        let size = Vec2::new(image.width() as f32, image.height() as f32);
+        let at = uv * size - 0.5;
+        let (low, t) = (at.floor(), at - at.floor());
+        let texel = |x: f32, y: f32| {
+            let x = wrapped(low.x + x, image.width(), *wrap);
+            let y = wrapped(low.y + y, image.height(), *wrap);
+            luminance(Vec3::from(image.pixel(x, y)))
+        };
+        let [[a, b], [c, d]] = [0.0, 1.0].map(|y| [0.0, 1.0].map(|x| texel(x, y)));
+        let mix = |p: f32, q: f32, t: f32| p + t * (q - p);
+        let slope = Vec2::new(mix(b - a, d - c, t.y), mix(c - a, d - b, t.x)) * size;
+        self.scale * (self.to_uv.matrix2.transpose() * slope)
+    }
+
     /// The mean over the unit square.
     pub fn mean(&self) -> Vec3 {
+        self.scale * self.pattern_mean()
+    }
+
+    fn pattern_mean(&self) -> Vec3 {
         match &self.pattern {
             Pattern::Checkerboard([a, b]) => 0.5 * (*a + *b),
             Pattern::Picture { image, .. } => {
@@ -113,12 +168,14 @@ impl Texture {
             (least.min(v.min_element()), largest.max(v.max_element()))
         };
         let start = (f32::INFINITY, f32::NEG_INFINITY);
-        match &self.pattern {
+        let (least, largest) = match &self.pattern {
             Pattern::Checkerboard(colours) => colours.iter().fold(start, |(a, b), c| all(a, b, *c)),
             Pattern::Picture { image, .. } => {
                 image.pixels().iter().fold(start, |(a, b), p| all(a, b, Vec3::from(*p)))
             }
-        }
+        };
+        let (a, b) = (self.scale * least, self.scale * largest);
+        (a.min(b), a.max(b))
     }
 }
 
@@ -147,6 +204,7 @@ mod tests {
         Texture {
             pattern: Pattern::Picture { image, interpolation, wrap },
             to_uv: Affine2::IDENTITY,
+            scale: 1.0,
         }
     }
 

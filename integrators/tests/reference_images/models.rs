@@ -17,7 +17,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 20] = [
+const MODELS: [(&str, u32); 24] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -32,6 +32,10 @@ const MODELS: [(&str, u32); 20] = [
     ("mask", 128),
     ("blendbsdf", 128),
     ("textures", 128),
+    ("anisotropic", 128),
+    ("varying", 128),
+    ("bumps", 128),
+    ("roughplastic-mitsuba3", 128),
     ("constant", 128),
     ("envmap", 128),
     ("textured-lights", 128),

@@ -11,7 +11,7 @@ use integrators::image::exr::Exr;
 use integrators::kind::DiffuseRooms;
 use integrators::path::{PathSettings, Techniques, radiance};
 use integrators::render::{AnyKernel, Film, Worker};
-use integrators::scene::{SamplerKind, Scene};
+use integrators::scene::{Bsdf, SamplerKind, Scene};
 use integrators::strategies::{
     Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
@@ -68,6 +68,9 @@ pub fn path_traced(
 ) -> Film {
     let mut scene = scene(name);
     scene.sampler.kind = sampler;
+    if name.ends_with("-mitsuba3") {
+        scene.bsdfs.iter_mut().for_each(Bsdf::lose_energy);
+    }
     film(&*path_tracer(&scene, seed), &scene, samples, threads)
 }
 

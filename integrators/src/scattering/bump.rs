@@ -1,0 +1,92 @@
+//! Normals that a texture turns: height fields and normal maps.
+
+use aether_core::prelude::{Direction, Frame};
+use glam::{DVec3, Vec2, Vec3};
+
+use crate::kind::{Oriented, Presence, SceneKind};
+use crate::scene::Tangents;
+use crate::scene::bsdf::{Bump, Relief};
+use crate::scene::texture::Texture;
+use crate::vertex::Surface;
+
+/// What remains to be known of a surface once its normal is turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bumped {
+    /// The normal of the surface, on the viewer's side.
+    normal: Vec3,
+    /// The squared roughness of the facets that would scatter normals as widely as they are turned.
+    alpha2: f32,
+}
+
+impl Bumped {
+    /// The share of light from `w` that reaches the surface. None, where it comes from behind the surface but
+    /// not from behind the turned one, or the other way round. Besides, where shadows are asked for, turned
+    /// normals shade each other as those of GGX facets would (Estevez, Lecocq and Stein 2019).
+    pub fn unhidden(&self, w: Vec3, turned: Frame<f32>) -> f32 {
+        let cosine = self.normal.dot(w);
+        if cosine * turned.to_local(w).z <= 0.0 {
+            return 0.0;
+        }
+        let tangent2 = (1.0 - cosine * cosine).max(0.0) / (cosine * cosine);
+        2.0 / (1.0 + (1.0 + self.alpha2 * tangent2).sqrt())
+    }
+}
+
+/// A frame about a unit normal whose first axis follows `tangent`, as far as there is one.
+pub fn frame_along(normal: Vec3, tangent: Vec3) -> Frame<f32> {
+    let n = normal.as_dvec3().normalize_or(DVec3::Z);
+    let across = tangent.as_dvec3();
+    let frame = (across - n.dot(across) * n).try_normalize().and_then(|s| {
+        let [x, y, z] = [s, n.cross(s), n].map(|axis| axis.as_vec3().into());
+        Frame::try_from_axes(x, y, z)
+    });
+    frame.unwrap_or_else(|| Frame::around(Direction::new(normal.x, normal.y, normal.z)))
+}
+
+/// The normal of a surface as a texture turns it, on the side of a viewer in direction `towards`.
+/// `mirrored` is the back of a two-sided material: what the front has is seen in a mirror there.
+pub fn turned<K: SceneKind>(
+    bump: Bump,
+    textures: &[Texture],
+    uv: Vec2,
+    surface: &Surface<K>,
+    towards: Vec3,
+    mirrored: bool,
+) -> (Vec3, Bumped) {
+    let tangents = Oriented::<K>::value(surface.tangents);
+    let frame = frame_along(surface.shading, tangents.du);
+    let texture = &textures[bump.texture as usize];
+    let mut m = match bump.relief {
+        Relief::Heights(scale) => {
+            let normal = raised(surface, tangents, scale * texture.gradient(uv));
+            normal.map_or(Vec3::Z, |normal| frame.to_local(normal).into())
+        }
+        Relief::Normals => (2.0 * texture.at(uv) - 1.0).try_normalize().unwrap_or(Vec3::Z),
+    };
+    let mut view: Vec3 = frame.to_local(towards).into();
+    let behind = view.z <= 0.0;
+    if mirrored {
+        view.z = -view.z;
+    }
+    if bump.flip_invalid && view.z * view.dot(m) <= 0.0 {
+        m = Vec3::new(-m.x, -m.y, m.z);
+    }
+    let alpha2 =
+        if bump.shadowing { (0.125 * (m.x * m.x + m.y * m.y) / (m.z * m.z)).min(1.0) } else { 0.0 };
+    let normal = if behind { -surface.shading } else { surface.shading };
+    let seen = match (behind, mirrored) {
+        (true, true) => Vec3::new(m.x, m.y, -m.z),
+        (true, false) => -m,
+        (false, _) => m,
+    };
+    (frame.to_world(seen).into(), Bumped { normal, alpha2 })
+}
+
+/// The normal of a surface that is raised along its normal by a height with this gradient in the texture
+/// coordinates, to first order; none where the surface has no tangents.
+fn raised<K: SceneKind>(surface: &Surface<K>, tangents: Tangents, slope: Vec2) -> Option<Vec3> {
+    let n = surface.shading;
+    let along = |tangent: Vec3, slope: f32| tangent + (slope - n.dot(tangent)) * n;
+    let normal = along(tangents.du, slope.x).cross(along(tangents.dv, slope.y)).try_normalize()?;
+    Some(if normal.dot(surface.normal) < 0.0 { -normal } else { normal })
+}
