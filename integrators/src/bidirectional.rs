@@ -57,7 +57,7 @@ impl Integrator for Bidirectional {
 
 impl Bidirectional {
     /// One sample: calls `record` with a pixel and what it receives.
-    fn paths<'a, K: SceneKind>(
+    pub fn paths<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
         Scratch { arena, estimator }: &mut Scratch<'a, K, LightStrategies<'a, K>>,

@@ -3,7 +3,7 @@
 use aether_core::{Pcg32, Sobol, UniformSource};
 use glam::Vec3;
 
-use crate::kind::{self, NotCovered, SceneKind};
+use crate::kind::{NotCovered, SceneKind};
 use crate::render::{AnyKernel, Splats, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
@@ -73,25 +73,4 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
     fn splats(&self) -> bool {
         I::SPLATS
     }
-}
-
-/// An integrator for a scene by the name of a precompiled kind; `None` if there is no such kind. The same
-/// seed gives the same image, whatever the kind.
-///
-/// # Errors
-/// If the scene needs what the kind leaves out.
-pub fn kernel<'s, I: Integrator + 's>(
-    kind: &str,
-    scene: &'s Scene,
-    integrator: I,
-    seed: u64,
-) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
-    struct Make<'s, I>(&'s Scene, I, u64);
-    impl<'s, I: Integrator + 's> kind::WithKind for Make<'s, I> {
-        type Output = Box<dyn AnyKernel + 's>;
-        fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
-            Ok(Box::new(Kernel::<K, I>::new(self.0, self.1, self.2)?))
-        }
-    }
-    kind::named(kind, Make(scene, integrator, seed))
 }

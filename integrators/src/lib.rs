@@ -9,7 +9,9 @@
 //! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, and
 //! [`cli`] is the program.
 
+pub mod algorithm;
 pub mod bidirectional;
+pub mod chains;
 pub mod cli;
 pub mod emission;
 pub mod envmap;
@@ -22,6 +24,7 @@ pub mod light_tracer;
 pub mod lights;
 pub mod path;
 pub mod portals;
+pub mod primary_sample;
 pub mod render;
 pub mod samplers;
 pub mod scattering;

@@ -69,6 +69,10 @@ pub(super) struct RenderArguments {
     /// from the camera, such as `0:*,1:*`
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
+    /// The id of a shape that is an opening which light has to pass, and no surface; may be repeated
+    #[arg(long = "portal", value_name = "ID")]
+    pub portals: Vec<String>,
+
     /// Have roughplastic lose light as in Mitsuba 3.9, to compare images
     #[arg(long)]
     pub mitsuba3_roughplastic: bool,

@@ -2,14 +2,17 @@
 
 use super::Failure;
 use super::arguments::{RenderArguments, check_size};
+use crate::algorithm::Algorithm;
 use crate::bidirectional::Bidirectional;
-use crate::integrator::{Integrator, kernel};
 use crate::kind;
 use crate::light_tracer::LightTracer;
 use crate::path::PathSettings;
+use crate::portals::Portals;
+use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
-use crate::scene::{Bsdf, Scene};
+use crate::scene::{Bsdf, Overrides, Scene};
 use crate::selection::Selection;
+use crate::tridirectional::Tridirectional;
 
 /// What an integrator is asked for: the scene's settings, overridden by the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +55,8 @@ impl Plan {
 
 /// Reads the scene file that the command line names, with the size that it asks for.
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
-    let mut scene = Scene::load_sized(&arguments.scene, &arguments.defines, arguments.size)?;
+    let overrides = Overrides { size: arguments.size, portals: arguments.portals.clone() };
+    let mut scene = Scene::load_with(&arguments.scene, &arguments.defines, &overrides)?;
     check_size((scene.film.width, scene.film.height))
         .map_err(|error| Failure::new(format!("image size {error}")))?;
     if arguments.mitsuba3_roughplastic {
@@ -71,39 +75,36 @@ pub(super) fn kernel_for<'a>(
         rr_depth: plan.rr_depth,
         hide_emitters: scene.integrator.hide_emitters,
     };
-    let techniques = plan.techniques.clone();
-    match plan.integrator.as_str() {
-        "path" => make(scene, plan, path),
-        "bdpt" => make(scene, plan, Bidirectional { path, techniques }),
-        "ptracer" => make(scene, plan, LightTracer { path }),
-        unknown => {
-            let message = format!(
-                "integrator `{unknown}` is not supported; supported: {}",
-                INTEGRATORS.join(", ")
-            );
-            match &scene.integrator.place {
-                Some(place) if scene.integrator.name == unknown => {
-                    Err(Failure::new(place.error(message).to_string()))
-                }
-                _ => Err(Failure::new(message)),
-            }
+    let bidirectional = Bidirectional { path, techniques: plan.techniques.clone() };
+    let algorithm = match plan.integrator.as_str() {
+        "path" => Algorithm::Path(path),
+        "ptracer" => Algorithm::LightTracer(LightTracer { path }),
+        "bdpt" => Algorithm::Bidirectional(bidirectional),
+        "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
+        "tridir" => {
+            let portals = Portals::new(scene).map_err(Failure::new)?;
+            Algorithm::Tridirectional(Tridirectional { path, portals })
         }
-    }
-}
-
-/// The integrators, by their names in scene files and on the command line.
-const INTEGRATORS: [&str; 3] = ["path", "bdpt", "ptracer"];
-
-fn make<'a, I: Integrator + 'a>(
-    scene: &'a Scene,
-    plan: &Plan,
-    integrator: I,
-) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
-    match kernel(&plan.kind, scene, integrator, plan.seed) {
+        unknown => {
+            let supported = INTEGRATORS.join(", ");
+            let message =
+                format!("integrator `{unknown}` is not supported; supported: {supported}");
+            return Err(match &scene.integrator.place {
+                Some(place) if scene.integrator.name == unknown => {
+                    Failure::new(place.error(message).to_string())
+                }
+                _ => Failure::new(message),
+            });
+        }
+    };
+    match algorithm.kernel(&plan.kind, scene, plan.seed) {
         Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
         None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
     }
 }
+
+/// The integrators, by their names in scene files and on the command line.
+const INTEGRATORS: [&str; 5] = ["path", "bdpt", "tridir", "ptracer", "pssmlt"];
 
 #[cfg(test)]
 mod tests {

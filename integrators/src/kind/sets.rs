@@ -164,7 +164,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 18] = [
+pub const FEATURES: [&str; 21] = [
     "Diffuse",
     "Conductor",
     "Dielectric",

@@ -8,7 +8,7 @@ use super::film::{Film, PixelEstimate, relative_error};
 use super::passes::next_pass;
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
-use super::{AnyKernel, Budget, RenderSettings, Splats, Worker};
+use super::{AnyKernel, Budget, Chain, RenderSettings, Splats, Worker};
 
 /// The side of a tile in pixels.
 const TILE: u32 = 16;
@@ -39,7 +39,7 @@ pub fn render(
         kernel,
         observer,
         budget: settings.budget,
-        tiles: tiles(settings.size),
+        tiles: tiles(settings.size, kernel),
         threads: settings.threads.unwrap_or_else(cores).max(1),
         start: Instant::now(),
         done: 0,
@@ -66,7 +66,7 @@ struct Job<'a> {
     observer: &'a dyn Observer,
     budget: Budget,
     /// Each is locked once for each pass, by the one thread that drew it.
-    tiles: Vec<Mutex<Tile>>,
+    tiles: Vec<Mutex<Tile<'a>>>,
     threads: usize,
     start: Instant,
     /// Samples of each pixel after the last complete pass, and the relative error then.
@@ -107,7 +107,7 @@ impl Job<'_> {
         });
     }
 
-    fn run_tile(&self, tile: &mut Tile, samples: u32, worker: &mut Worker<'_>) {
+    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) {
         let (mut invalid, mut splats) = (0, Splats::default());
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
@@ -115,7 +115,12 @@ impl Job<'_> {
             }
             let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
-            for number in self.done..self.done + samples {
+            if let Some(chain) = &mut tile.chain {
+                (0..samples).for_each(|_| chain(&mut splats));
+                pixel.count_chained(samples);
+            }
+            let drawn = if tile.chain.is_some() { 0 } else { samples };
+            for number in self.done..self.done + drawn {
                 let value = worker(position, number, &mut splats);
                 let valid = value.iter().all(|v| v.is_finite());
                 pixel.add(if valid { value } else { [0.0; 3] });
@@ -151,7 +156,7 @@ impl Job<'_> {
 
     /// Whether each pixel has `samples` samples.
     fn complete(&self, samples: u32) -> bool {
-        let all = |tile: &Mutex<Tile>| lock(tile).pixels.iter().all(|p| p.count() == samples);
+        let all = |tile: &Mutex<Tile<'_>>| lock(tile).pixels.iter().all(|p| p.count() == samples);
         self.tiles.iter().all(all) && next_pass(self.budget, samples, self.seconds()).is_none()
     }
 
@@ -184,20 +189,22 @@ impl Job<'_> {
 }
 
 /// A square part of the image (smaller at the right and lower border).
-struct Tile {
+struct Tile<'a> {
     origin: (u32, u32),
     width: u32,
     pixels: Vec<PixelEstimate>,
+    chain: Option<Chain<'a>>,
 }
 
 /// Cuts an image into tiles, row by row from the top left.
-fn tiles((width, height): (u32, u32)) -> Vec<Mutex<Tile>> {
+fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<'_>>> {
     let mut tiles = Vec::new();
     for y in (0..height).step_by(TILE as usize) {
         for x in (0..width).step_by(TILE as usize) {
             let (columns, rows) = (TILE.min(width - x), TILE.min(height - y));
             let pixels = vec![PixelEstimate::default(); (columns * rows) as usize];
-            tiles.push(Mutex::new(Tile { origin: (x, y), width: columns, pixels }));
+            let chain = kernel.chain(tiles.len());
+            tiles.push(Mutex::new(Tile { origin: (x, y), width: columns, pixels, chain }));
         }
     }
     tiles

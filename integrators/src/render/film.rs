@@ -11,6 +11,8 @@ pub struct PixelEstimate {
     spread: [f64; 3],
     /// What samples of other pixels add to the mean, and to the variance of the mean.
     splats: [[f64; 3]; 2],
+    /// Whether samples depend on each other, so that their spread says little.
+    chained: bool,
 }
 
 impl PixelEstimate {
@@ -23,6 +25,12 @@ impl PixelEstimate {
             self.mean[c] += before / n;
             self.spread[c] += before * (f64::from(value) - self.mean[c]);
         }
+    }
+
+    /// Counts steps of a Markov chain, which splats what it contributes: nothing is known of the variance.
+    pub fn count_chained(&mut self, steps: u32) {
+        self.count += steps;
+        self.chained = true;
     }
 
     /// The number of samples.
@@ -46,7 +54,7 @@ impl PixelEstimate {
     pub fn variance_of_mean(&self) -> Option<[f64; 3]> {
         let n = f64::from(self.count);
         let variance = |c: usize| self.spread[c] / (n * (n - 1.0)) + self.splats[1][c];
-        (self.count >= 2).then(|| std::array::from_fn(variance))
+        (self.count >= 2 && !self.chained).then(|| std::array::from_fn(variance))
     }
 }
 
@@ -103,9 +111,10 @@ impl Film {
         self.map(PixelEstimate::mean)
     }
 
-    /// The variance of the mean of each pixel, or `None` while a pixel has fewer than two samples.
+    /// The variance of the mean of each pixel, or `None` while a pixel has fewer than two samples, and if they
+    /// come from Markov chains.
     pub fn variance(&self) -> Option<RgbImage> {
-        let known = self.samples().0 >= 2;
+        let known = self.pixels.iter().all(|pixel| pixel.variance_of_mean().is_some());
         known.then(|| self.map(|pixel| pixel.variance_of_mean().unwrap_or_default()))
     }
 

@@ -46,11 +46,22 @@ pub trait PixelKernel: Sync {
 /// that sample contributes to other pixels.
 pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32, &mut Splats) -> [f32; 3] + 'a>;
 
+/// A Markov chain: each call takes a step, and splats what it contributes. A step counts like a sample: the
+/// steps with the same number, one for each pixel, add up to the image.
+pub type Chain<'a> = Box<dyn FnMut(&mut Splats) + Send + 'a>;
+
 /// A [`PixelKernel`] whose scratch type is hidden, so that kernels can be chosen at run time.
 /// Implemented for every kernel.
 pub trait AnyKernel: Sync {
     /// The kernel with a scratch object of its own, for the use of one thread.
     fn worker(&self) -> Worker<'_>;
+
+    /// The Markov chain with this number, if the image is made of them: one for each tile of the image, which
+    /// takes a step for each sample of each of its pixels.
+    fn chain(&self, number: usize) -> Option<Chain<'_>> {
+        let _ = number;
+        None
+    }
 
     /// Whether samples contribute to other pixels.
     fn splats(&self) -> bool {

@@ -185,8 +185,8 @@ struct Sampled<'w> {
 impl<'w> Sampled<'w> {
     fn new(world: &'w World<'w>, view: Vec3) -> Self {
         let eye = SceneVertex { position: 4.0 * view, place: Place::Camera };
-        let hit = world.cast_along(&eye, -view).expect("the square is in sight");
-        let path = [eye, SceneVertex::found(hit, -view)];
+        let hit = world.trace(eye.position, -view, None).expect("the square is in sight");
+        let path = [eye, SceneVertex::on(hit)];
         Sampled { strategy: sample_bsdf(world, u32::MAX), path }
     }
 

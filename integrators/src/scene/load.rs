@@ -31,20 +31,20 @@ impl Scene {
     ///
     /// The first thing in the file that is malformed, missing or not supported.
     pub fn load(path: &Path, defines: &[(String, String)]) -> Result<Self, SceneError> {
-        Self::load_sized(path, defines, None)
+        Self::load_with(path, defines, &Overrides::default())
     }
 
-    /// Loads a scene file as if its film had another size: the field of view keeps its axis.
+    /// Loads a scene file as if it said something else in some places.
     ///
     /// # Errors
     ///
     /// As [`Scene::load`].
-    pub fn load_sized(
+    pub fn load_with(
         path: &Path,
         defines: &[(String, String)],
-        size: Option<(u32, u32)>,
+        overrides: &Overrides,
     ) -> Result<Self, SceneError> {
-        build(&xml::read_file(path, defines)?, size)
+        build(&xml::read_file(path, defines)?, overrides)
     }
 
     /// Loads a scene from a string. `folder` is where files that it names are looked up; errors
@@ -58,8 +58,19 @@ impl Scene {
         folder: &Path,
         defines: &[(String, String)],
     ) -> Result<Self, SceneError> {
-        build(&xml::read_str(xml, Path::new("scene.xml"), folder.to_path_buf(), defines)?, None)
+        let document = xml::read_str(xml, Path::new("scene.xml"), folder.to_path_buf(), defines)?;
+        build(&document, &Overrides::default())
     }
+}
+
+/// What is asked for in place of what a scene file says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Overrides {
+    /// The size of the image; the field of view keeps its axis.
+    pub size: Option<(u32, u32)>,
+    /// The ids of shapes that are openings which light has to pass, and no surfaces; besides those that the
+    /// file's integrator names.
+    pub portals: Vec<String>,
 }
 
 /// A scene under construction.
@@ -100,9 +111,10 @@ struct Parts {
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
     degenerate: usize,
+    portals: Vec<super::Primitive>,
 }
 
-fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneError> {
+fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError> {
     let mut builder = Builder {
         document,
         pending: Vec::new(),
@@ -124,7 +136,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
             "bsdf" => drop(builder.bsdf(id)?),
             "emitter" => builder.light(&query)?,
             "sensor" => {
-                let read = read_sensor(document, &query, size)?;
+                let read = read_sensor(document, &query, overrides.size)?;
                 // As Mitsuba does, the first of several sensors is used.
                 sensor.get_or_insert(read);
             }
@@ -140,10 +152,15 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
+    let portals = [&*integrator.portals, &*overrides.portals].concat();
+    let named = |id: &String| builder.pending.iter().any(|pending| pending.shape.name == *id);
+    if let Some(unknown) = portals.iter().find(|id| !named(id)) {
+        return Err(root.error_at("", format!("the portal `{unknown}` is no id of a shape")));
+    }
     let (sky, distant) = (builder.sky.take(), std::mem::take(&mut builder.distant));
     let bulbs = std::mem::take(&mut builder.bulbs);
     let textures = std::mem::take(&mut builder.textures.list);
-    let (parts, origin) = builder.parts()?;
+    let (parts, origin) = builder.parts(&portals)?;
     let bulbs = bulbs
         .into_iter()
         .map(|(bulb, place)| Bulb { position: (place - origin).as_vec3(), ..bulb });
@@ -165,7 +182,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         sky,
         bulbs,
         distant,
-        portals: Vec::new(),
+        portals: parts.portals,
         camera,
         film,
         sampler,
@@ -301,7 +318,9 @@ impl<'a> Builder<'a> {
     }
 
     /// All shapes as primitives, and where they have their zero in the file's world.
-    fn parts(mut self) -> Result<(Parts, DVec3), SceneError> {
+    ///
+    /// `portals` are the ids of those that are no surfaces.
+    fn parts(mut self, portals: &[String]) -> Result<(Parts, DVec3), SceneError> {
         let origin = shapes::origin(self.pending.iter().map(|p| &p.source));
         for Pending { source, shape, property } in self.pending {
             let geometry = source.geometry(origin).ok_or_else(|| {
@@ -315,7 +334,11 @@ impl<'a> Builder<'a> {
             if total >= u32::MAX as usize - 16 {
                 return Err(property.place.error("the scene has too many primitives"));
             }
-            self.scene.add(shape, geometry);
+            if portals.contains(&shape.name) {
+                self.scene.portals.extend(geometry.primitives);
+            } else {
+                self.scene.add(shape, geometry);
+            }
         }
         Ok((self.scene, origin))
     }

@@ -263,6 +263,8 @@ pub fn read_integrator(query: &Query) -> Result<Integrator, SceneError> {
     let max_depth = query.integer("max_depth", -1, i64::from(u32::MAX))?;
     let rr_depth = query.integer("rr_depth", 1, i64::from(u32::MAX))?;
     let hide_emitters = query.boolean("hide_emitters")?;
+    let portals = query.string("portal")?.unwrap_or("");
+    let portals = portals.split(',').map(str::trim).filter(|id| !id.is_empty());
     query.ignore(&["timeout", "block_size", "samples_per_pass"]);
     // What another integrator may be told is not known here, and the user may choose another one
     // than the file does.
@@ -274,6 +276,7 @@ pub fn read_integrator(query: &Query) -> Result<Integrator, SceneError> {
         max_depth: max_depth.and_then(|depth| u32::try_from(depth).ok()),
         rr_depth: rr_depth.unwrap_or(5) as u32,
         hide_emitters: hide_emitters.unwrap_or(false),
+        portals: portals.map(str::to_owned).collect(),
         place: Some(query.object.place.clone()),
     })
 }

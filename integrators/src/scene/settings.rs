@@ -118,6 +118,8 @@ pub struct Integrator {
     pub rr_depth: u32,
     /// Whether emitters that the camera sees directly are invisible.
     pub hide_emitters: bool,
+    /// The ids of shapes that are openings which light has to pass.
+    pub portals: Vec<String>,
     /// Where it is written; none if the file has no integrator.
     pub place: Option<Place>,
 }
@@ -129,6 +131,7 @@ impl Default for Integrator {
             max_depth: None,
             rr_depth: 5,
             hide_emitters: false,
+            portals: Vec::new(),
             place: None,
         }
     }

@@ -40,6 +40,11 @@ impl Scene {
                 let down = Vec3::new(down.x, down.y, -height);
                 Tangents { du: to_world(around * TAU), dv: to_world(down * PI) }
             }
+            Primitive::Cylinder { base, axis, .. } => {
+                let local = shape.to_local * (hit.position - base);
+                let around = Vec3::new(-local.y, local.x, 0.0) * TAU;
+                Tangents { du: shape.to_local.inverse() * around, dv: axis }
+            }
             Primitive::Disk { u_axis, v_axis, .. } => {
                 let (x, y) = (hit.weights.x, hit.weights.y);
                 let Vec2 { x: c, y: s } = Vec2::new(x, y).normalize_or_zero();

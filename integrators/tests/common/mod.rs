@@ -1,6 +1,6 @@
 //! Renders of scenes as the program makes them.
 
-use integrators::integrator::kernel;
+use integrators::algorithm::Algorithm;
 use integrators::kind;
 use integrators::path::PathSettings;
 use integrators::render::{AnyKernel, Budget, Film, RenderSettings, render};
@@ -21,7 +21,7 @@ pub fn settings(scene: &Scene) -> PathSettings {
 /// # Panics
 /// If the scene needs what no kind has.
 pub fn path_tracer(scene: &Scene, seed: u64) -> Box<dyn AnyKernel + '_> {
-    let tracer = kernel(kind::smallest(scene), scene, settings(scene), seed);
+    let tracer = Algorithm::Path(settings(scene)).kernel(kind::smallest(scene), scene, seed);
     tracer.expect("a precompiled kind").expect("a kind that covers the scene")
 }
 

@@ -1,0 +1,139 @@
+//! Markov chains of paths as the render engine runs them: several at once, each on its own.
+//!
+//! A chain is distributed like the brightness of what its states contribute to the image, so what a state
+//! contributes counts over its brightness, times the mean brightness of all: that is estimated beforehand, from
+//! independent candidates. Chains start at candidates that are drawn in proportion to their brightness, so that
+//! they have no start-up bias (Veach 1997, section 11.3.1).
+
+use aether_core::discrete::{Cdf, Discrete};
+use aether_core::{Pcg32, UniformSource};
+use glam::Vec3;
+
+use crate::kind::{NotCovered, SceneKind};
+use crate::render::{AnyKernel, Chain, Worker};
+use crate::scene::Scene;
+use crate::strategies::Pixel;
+use crate::world::World;
+
+/// An integrator made of Markov chains.
+pub trait ChainIntegrator: Send + Sync {
+    /// How many candidates there are for the start of a chain.
+    fn candidates(&self) -> usize;
+
+    /// What finds the brightness of candidates, by their number. One for each thread.
+    fn brightness<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        seed: u64,
+    ) -> impl FnMut(usize) -> f32;
+
+    /// A chain from a candidate; `mean` is the mean brightness, `seed` and `number` give it its random
+    /// numbers. Each call takes one step and splats what it contributes.
+    fn chain<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>, start: Start) -> Chain<'a>;
+}
+
+/// How a chain begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// The number of the candidate.
+    pub candidate: usize,
+    /// The mean brightness of all candidates.
+    pub mean: f32,
+    /// The seed of the render.
+    pub seed: u64,
+    /// The number of the chain.
+    pub number: usize,
+}
+
+/// Chains of a scene, as the render engine calls them.
+pub struct ChainKernel<'s, K: SceneKind, I> {
+    world: World<'s, K>,
+    integrator: I,
+    seed: u64,
+    /// The candidates by their brightness, and its mean; none if all are black.
+    start: Option<(Cdf<f32>, f32)>,
+}
+
+impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
+    /// An integrator for a scene; the same seed gives the same image. Evaluates the candidates.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene, integrator: I, seed: u64) -> Result<Self, NotCovered> {
+        let mut kernel = ChainKernel { world: World::new(scene)?, integrator, seed, start: None };
+        let brightness = kernel.candidates();
+        let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
+        kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
+        Ok(kernel)
+    }
+
+    /// The brightness of all candidates.
+    fn candidates(&self) -> Vec<f32> {
+        let mut brightness = vec![0.0; self.integrator.candidates()];
+        let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let share = brightness.len().div_ceil(threads).max(1);
+        std::thread::scope(|scope| {
+            for (part, values) in brightness.chunks_mut(share).enumerate() {
+                scope.spawn(move || {
+                    let mut of = self.integrator.brightness(&self.world, self.seed);
+                    for (i, value) in values.iter_mut().enumerate() {
+                        let found = of(part * share + i);
+                        *value = if found.is_finite() { found } else { 0.0 };
+                    }
+                });
+            }
+        });
+        brightness
+    }
+}
+
+impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
+    fn worker(&self) -> Worker<'_> {
+        Box::new(|_, _, _| [0.0; 3])
+    }
+
+    fn splats(&self) -> bool {
+        true
+    }
+
+    fn chain(&self, number: usize) -> Option<Chain<'_>> {
+        let Some((choice, mean)) = &self.start else { return Some(Box::new(|_| {})) };
+        let mut uniforms = Pcg32::new(self.seed, number as u64, u64::MAX);
+        let candidate = Discrete::<f32>::sample(choice, uniforms.next()).index;
+        let start = Start { candidate, mean: *mean, seed: self.seed, number };
+        Some(self.integrator.chain(&self.world, start))
+    }
+}
+
+/// What a state of a chain contributes to pixels.
+#[derive(Clone, Debug, Default)]
+pub struct Contributions(Vec<(Pixel, Vec3)>);
+
+impl Contributions {
+    /// Without any.
+    pub fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    /// Adds one.
+    pub fn push(&mut self, pixel: Pixel, value: Vec3) {
+        if value != Vec3::ZERO && value.is_finite() {
+            self.0.push((pixel, value));
+        }
+    }
+
+    /// The sum of their luminances.
+    pub fn brightness(&self) -> f32 {
+        let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        self.0.iter().map(|(_, value)| luminance(value)).sum()
+    }
+
+    /// Splats all of them, times a factor.
+    pub fn splat(&self, factor: f32, splats: &mut crate::render::Splats) {
+        if factor > 0.0 && factor.is_finite() {
+            for (pixel, value) in &self.0 {
+                splats.add(*pixel, (*value * factor).to_array());
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Metropolis light transport on primary samples (Kelemen, Szirmay-Kalos, Antal and Csonka 2002): the states of
+//! the chain are the uniforms that bidirectional path tracing draws, so that it needs no densities of
+//! mutations.
+
+use aether_core::{Pcg32, UniformSource};
+
+use crate::bidirectional::Bidirectional;
+use crate::chains::{ChainIntegrator, Contributions, Start};
+use crate::integrator::Integrator;
+use crate::kind::SceneKind;
+use crate::render::{Chain, Splats};
+use crate::strategies::Pixel;
+use crate::world::World;
+
+/// Settings of Metropolis light transport on primary samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrimarySample {
+    /// What turns uniforms into light.
+    pub inner: Bidirectional,
+    /// How often all uniforms are drawn anew.
+    pub large_step: f32,
+    /// How many independent samples the brightness of the image is estimated from.
+    pub candidates: usize,
+}
+
+impl PrimarySample {
+    /// With the usual settings.
+    pub fn new(inner: Bidirectional) -> Self {
+        PrimarySample { inner, large_step: 0.3, candidates: 50_000 }
+    }
+}
+
+/// A coordinate of a primary sample, and the step in which it was last changed.
+#[derive(Clone, Copy, Debug)]
+struct Coordinate {
+    value: f32,
+    changed: u64,
+}
+
+/// The uniforms of the state of a chain, numbered by blocks of sampling dimensions. They are brought up to
+/// date when they are asked for.
+#[derive(Debug)]
+struct Primary {
+    blocks: Vec<Vec<Coordinate>>,
+    at: (usize, usize),
+    random: Pcg32,
+    step: u64,
+    /// Whether the step under way draws all coordinates anew, and when that was last accepted.
+    large: bool,
+    last_large: u64,
+    /// What the step under way has changed, to be put back if it is not accepted.
+    before: Vec<(usize, usize, Coordinate)>,
+}
+
+/// The block that the pixel is drawn from; no path uses it.
+const PIXEL: u32 = 7;
+
+impl Primary {
+    fn new(random: Pcg32) -> Self {
+        Primary {
+            blocks: Vec::new(),
+            at: (0, 0),
+            random,
+            step: 0,
+            large: true,
+            last_large: 0,
+            before: Vec::new(),
+        }
+    }
+
+    /// Begins a step, which is large with some probability.
+    fn begin(&mut self, large: f32) {
+        self.large = self.draws() < large;
+        self.step += 1;
+        self.before.clear();
+    }
+
+    fn draws(&mut self) -> f32 {
+        self.random.next()
+    }
+
+    fn accept(&mut self) {
+        if self.large {
+            self.last_large = self.step;
+        }
+    }
+
+    fn reject(&mut self) {
+        self.step -= 1;
+        for (block, index, before) in self.before.drain(..).rev() {
+            self.blocks[block][index] = before;
+        }
+    }
+
+    fn pixel(&mut self, (width, height): (u32, u32)) -> Pixel {
+        self.start(PIXEL);
+        let mut along = |size: u32| ((self.next() * size as f32) as u32).min(size - 1);
+        (along(width), along(height))
+    }
+
+    /// A small step: the distance is between 1/1024 and 1/64, distributed like its inverse.
+    fn near(&mut self, value: f32) -> f32 {
+        let u: f32 = self.random.next();
+        let (back, u) = if u < 0.5 { (true, 2.0 * u) } else { (false, 2.0 * u - 1.0) };
+        let distance = (1.0 / 64.0) * (-(16.0f32).ln() * u).exp();
+        let moved = if back { value - distance } else { value + distance };
+        // The unit interval is closed to a circle.
+        let wrapped = moved - moved.floor();
+        wrapped.min(1.0 - 0.5 * f32::EPSILON)
+    }
+}
+
+impl UniformSource<f32> for Primary {
+    fn next(&mut self) -> f32 {
+        let (block, index) = self.at;
+        self.at.1 += 1;
+        if self.blocks.len() <= block {
+            self.blocks.resize(block + 1, Vec::new());
+        }
+        while self.blocks[block].len() <= index {
+            // As if it had been drawn with the last large step.
+            let value = self.random.next();
+            self.blocks[block].push(Coordinate { value, changed: self.last_large });
+        }
+        let mut coordinate = self.blocks[block][index];
+        self.before.push((block, index, coordinate));
+        if self.large || coordinate.changed < self.last_large {
+            coordinate.value = self.random.next();
+            coordinate.changed = self.last_large;
+        }
+        if !self.large {
+            for _ in coordinate.changed..self.step {
+                coordinate.value = self.near(coordinate.value);
+            }
+        }
+        coordinate.changed = self.step;
+        self.blocks[block][index] = coordinate;
+        coordinate.value
+    }
+
+    fn start(&mut self, block: u32) {
+        self.at = (block as usize, 0);
+    }
+}
+
+impl ChainIntegrator for PrimarySample {
+    fn candidates(&self) -> usize {
+        self.candidates
+    }
+
+    fn brightness<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        seed: u64,
+    ) -> impl FnMut(usize) -> f32 {
+        let mut evaluate = self.evaluation(world);
+        let mut found = Contributions::default();
+        move |candidate| {
+            evaluate(&mut Primary::new(Pcg32::new(seed, candidate as u64, 0)), &mut found);
+            found.brightness()
+        }
+    }
+
+    fn chain<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>, start: Start) -> Chain<'a> {
+        let mut evaluate = self.evaluation(world);
+        let mut state = Primary::new(Pcg32::new(start.seed, start.candidate as u64, 0));
+        let (mut current, mut proposal) = (Contributions::default(), Contributions::default());
+        evaluate(&mut state, &mut current);
+        state.random = Pcg32::new(start.seed, start.number as u64, 1);
+        Box::new(move |splats: &mut Splats| {
+            state.begin(self.large_step);
+            evaluate(&mut state, &mut proposal);
+            let [old, new] = [&current, &proposal].map(Contributions::brightness);
+            let probability = if new < old { new / old } else { 1.0 };
+            current.splat((1.0 - probability) * start.mean / old, splats);
+            proposal.splat(probability * start.mean / new, splats);
+            if state.draws() < probability {
+                state.accept();
+                std::mem::swap(&mut current, &mut proposal);
+            } else {
+                state.reject();
+            }
+        })
+    }
+}
+
+impl PrimarySample {
+    /// What a primary sample contributes to the image.
+    fn evaluation<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+    ) -> impl FnMut(&mut Primary, &mut Contributions) + Send + 'a {
+        let mut scratch = self.inner.scratch(world);
+        let size = (world.scene.film.width, world.scene.film.height);
+        move |uniforms, found| {
+            found.clear();
+            let pixel = uniforms.pixel(size);
+            let record = |pixel, value| found.push(pixel, value);
+            self.inner.paths(world, &mut scratch, uniforms, pixel, record);
+        }
+    }
+}
