@@ -2,10 +2,12 @@
 
 use crate::bidirectional::Bidirectional;
 use crate::chains::ChainKernel;
+use crate::instant_radiosity::InstantRadiosity;
 use crate::integrator::Kernel;
 use crate::kind::{self, NotCovered, SceneKind};
 use crate::light_tracer::LightTracer;
 use crate::path::PathSettings;
+use crate::photon_mapping::{PhotonKernel, PhotonMapping};
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
 use crate::scene::Scene;
@@ -22,6 +24,10 @@ pub enum Algorithm {
     Bidirectional(Bidirectional),
     /// Tridirectional path tracing.
     Tridirectional(Tridirectional),
+    /// Instant radiosity.
+    InstantRadiosity(InstantRadiosity),
+    /// Progressive photon mapping.
+    PhotonMapping(PhotonMapping),
     /// Metropolis light transport on primary samples.
     PrimarySample(PrimarySample),
 }
@@ -57,6 +63,8 @@ impl<'s> kind::WithKind for Make<'s> {
             Algorithm::LightTracer(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
             Algorithm::Bidirectional(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
             Algorithm::Tridirectional(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
+            Algorithm::InstantRadiosity(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
+            Algorithm::PhotonMapping(it) => Box::new(PhotonKernel::<K>::new(scene, it, seed)?),
             Algorithm::PrimarySample(it) => Box::new(ChainKernel::<K, _>::new(scene, it, seed)?),
         })
     }

@@ -12,18 +12,35 @@ use crate::world::World;
 
 /// The measurement of light as an integral over paths with area measure (Veach 1997, Eq. 8.7):
 /// importance of the camera, geometry terms with visibility, scattering, emission. Vertices that are
-/// infinitely far away have the measure of solid angle.
+/// infinitely far away have the measure of solid angle. A path that begins on a surface measures the radiance
+/// that arrives there, per area of where it comes from.
 ///
 /// The importance is that of a filter which is one everywhere: a pixel's share of it is its
 /// [`Radiance::response`], so that what a path carries is computed once for all pixels that see it.
 pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     world: &'w World<'s, K>,
+    /// What the geometry term of connected vertices is at most.
+    most_geometry: f32,
+    /// Whether paths end with what their last vertex emits.
+    emission: bool,
 }
 
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
-        Radiance { world }
+        Radiance { world, most_geometry: f32::INFINITY, emission: true }
+    }
+
+    /// The integrand with the geometry terms of edges that no ray has found cut off: biased, but without the
+    /// spikes of connections across short distances.
+    pub fn clamped(world: &'w World<'s, K>, most_geometry: f32) -> Self {
+        Radiance { most_geometry, ..Radiance::new(world) }
+    }
+
+    /// What paths from the camera would carry of any radiance that their last vertices send back: the same
+    /// without emission.
+    pub fn throughput(world: &'w World<'s, K>) -> Self {
+        Radiance { emission: false, ..Radiance::new(world) }
     }
 
     /// The importance that the eye sends to what it sees, for a filter of one: per film area (and lens area),
@@ -104,20 +121,29 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         here: &SceneVertex<K>,
         next: &SceneVertex<K>,
         atom: bool,
+        most_geometry: f32,
     ) -> Vec3 {
         let Some(scattering) = self.world.scattering(here, before) else { return Vec3::ZERO };
         let along = next.direction_from(here.position);
-        let squared = next.position.distance_squared(here.position);
-        let geometry = match next.place {
-            // Seen by the eye: that is `importance`.
-            Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => return Vec3::ZERO,
-            Place::Surface(target) => target.normal.dot(along).abs() / squared,
-            Place::Bulb(_) => 1.0 / squared,
-            Place::Sky(_) | Place::Distant(_) => 1.0,
-        };
+        let geometry = geometry(here, next).min(most_geometry);
         let scattered = if atom { scattering.atoms(along) } else { scattering.value(along) };
         let value = scattered * geometry;
         if value.is_finite() { value } else { Vec3::ZERO }
+    }
+}
+
+/// The cosine at `next` over the squared distance, as far as there is either: solid angle at `here` per measure
+/// of `next`.
+fn geometry<K: SceneKind>(here: &SceneVertex<K>, next: &SceneVertex<K>) -> f32 {
+    let squared = next.position.distance_squared(here.position);
+    match next.place {
+        // Seen by the eye: that is the importance.
+        Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => 0.0,
+        Place::Surface(target) => {
+            target.normal.dot(next.direction_from(here.position)).abs() / squared
+        }
+        Place::Bulb(_) => 1.0 / squared,
+        Place::Sky(_) | Place::Distant(_) => 1.0,
     }
 }
 
@@ -128,11 +154,13 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
     fn extend(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         let (Some(new), Some(here)) = (path.back(0), path.back(1)) else { return Vec3::ONE };
         let last = path.len() - 1;
+        let most_geometry = if path.visible(last) { f32::INFINITY } else { self.most_geometry };
         let factor = match path.back(2) {
+            None if here.surface().is_some() => Vec3::splat(geometry(&here, &new)),
             None => Vec3::splat(self.importance(&here, &new)),
             Some(before) => {
                 let atom = path.carries(last - 1, Dirac::Direction);
-                self.transport(&before, &here, &new, atom)
+                self.transport(&before, &here, &new, atom, most_geometry)
             }
         };
         // The shadow ray comes last: most factors that vanish do so without it.
@@ -142,6 +170,7 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
 
     fn end(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         match (path.back(0), path.back(1)) {
+            _ if !self.emission => Vec3::ONE,
             (Some(last), Some(before)) => self.world.emitted(&last, &before),
             _ => Vec3::ZERO,
         }

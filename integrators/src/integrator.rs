@@ -22,6 +22,17 @@ pub trait Integrator: Send + Sync {
     /// A new scratch object.
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
 
+    /// Called before the samples with a number, of one pixel or of many: makes what they have in common.
+    fn begin<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        scratch: &mut Self::Scratch<'a, K>,
+        seed: u64,
+        sample: u32,
+    ) {
+        let _ = (world, scratch, seed, sample);
+    }
+
     /// One estimate of the linear Rec. 709 value of a pixel. What it contributes to others goes to
     /// `splats`; the sum over all pixels' samples with the same number is what counts.
     fn sample<'a, K: SceneKind>(
@@ -57,7 +68,12 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
         let mut scratch = self.integrator.scratch(world);
         let width = u64::from(world.scene.film.width);
         let independent = world.scene.sampler.kind == SamplerKind::Independent;
+        let mut begun = None;
         Box::new(move |pixel, sample, splats| {
+            if begun != Some(sample) {
+                self.integrator.begin(world, &mut scratch, self.seed, sample);
+                begun = Some(sample);
+            }
             let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
             let value = if independent {
                 let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));

@@ -28,7 +28,12 @@ pub struct Scratch<'a, K: SceneKind, S> {
 impl<'a, K: SceneKind, S: Strategy<SceneVertex<K>>> Scratch<'a, K, S> {
     /// Without anything.
     pub fn new(world: &'a World<'a, K>) -> Self {
-        Scratch { arena: Arena::new(), estimator: Estimator::paths(Radiance::new(world)) }
+        Self::with(Radiance::new(world))
+    }
+
+    /// With some integrand.
+    pub fn with(integrand: Radiance<'a, 'a, K>) -> Self {
+        Scratch { arena: Arena::new(), estimator: Estimator::paths(integrand) }
     }
 }
 

@@ -69,6 +69,14 @@ pub(super) struct RenderArguments {
     /// from the camera, such as `0:*,1:*`
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
+    /// How many light paths the pixels share: virtual lights (256 by default), photons (one a pixel)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    pub light_paths: Option<u32>,
+
+    /// The largest geometry term of a connection to a virtual light: biased, but without spikes
+    #[arg(long, value_name = "LIMIT", value_parser = positive)]
+    pub clamp: Option<f32>,
+
     /// The id of a shape that is an opening which light has to pass, and no surface; may be repeated
     #[arg(long = "portal", value_name = "ID")]
     pub portals: Vec<String>,
@@ -133,6 +141,11 @@ fn in_range<T: PartialOrd + std::fmt::Display>(
 ) -> Result<T, String> {
     let message = format!("expected a whole number from {} to {}", range.start(), range.end());
     value.filter(|value| range.contains(value)).ok_or(message)
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| "is not a number".to_owned())?;
+    if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

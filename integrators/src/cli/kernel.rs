@@ -4,9 +4,11 @@ use super::Failure;
 use super::arguments::{RenderArguments, check_size};
 use crate::algorithm::Algorithm;
 use crate::bidirectional::Bidirectional;
+use crate::instant_radiosity::InstantRadiosity;
 use crate::kind;
 use crate::light_tracer::LightTracer;
 use crate::path::PathSettings;
+use crate::photon_mapping::PhotonMapping;
 use crate::portals::Portals;
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
@@ -33,6 +35,10 @@ pub(super) struct Plan {
     pub kind: String,
     /// Which techniques are used, where there are several.
     pub techniques: Selection,
+    /// How many light paths the pixels share, for integrators where they do.
+    pub light_paths: Option<u32>,
+    /// What the geometry term of a connection is at most, for instant radiosity.
+    pub clamp: Option<f32>,
 }
 
 impl Plan {
@@ -49,6 +55,8 @@ impl Plan {
             rr_depth: requested.rr_depth,
             kind: arguments.kind.clone().unwrap_or_else(|| kind::smallest(scene).to_owned()),
             techniques: arguments.techniques.clone().unwrap_or_default(),
+            light_paths: arguments.light_paths,
+            clamp: arguments.clamp,
         }
     }
 }
@@ -80,6 +88,15 @@ pub(super) fn kernel_for<'a>(
         "path" => Algorithm::Path(path),
         "ptracer" => Algorithm::LightTracer(LightTracer { path }),
         "bdpt" => Algorithm::Bidirectional(bidirectional),
+        "vpl" => Algorithm::InstantRadiosity(InstantRadiosity {
+            path,
+            light_paths: plan.light_paths.unwrap_or(256),
+            clamp: plan.clamp,
+        }),
+        "ppm" => {
+            let settings = PhotonMapping::new(path);
+            Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
+        }
         "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
         "tridir" => {
             let portals = Portals::new(scene).map_err(Failure::new)?;
@@ -104,7 +121,7 @@ pub(super) fn kernel_for<'a>(
 }
 
 /// The integrators, by their names in scene files and on the command line.
-const INTEGRATORS: [&str; 5] = ["path", "bdpt", "tridir", "ptracer", "pssmlt"];
+const INTEGRATORS: [&str; 7] = ["path", "bdpt", "tridir", "pssmlt", "vpl", "ppm", "ptracer"];
 
 #[cfg(test)]
 mod tests {

@@ -190,6 +190,8 @@ mod tests {
             rr_depth: 5,
             kind: "Everything".to_owned(),
             techniques: Default::default(),
+            light_paths: None,
+            clamp: None,
         };
         let settings =
             RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };

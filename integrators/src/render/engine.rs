@@ -50,6 +50,8 @@ pub fn render(
     };
     let mut cancelled = observer.cancelled();
     while !cancelled && let Some(samples) = next_pass(job.budget, job.done, job.seconds()) {
+        let samples = samples.min(kernel.largest_pass());
+        kernel.begin_pass(job.done, job.threads);
         job.run_pass(samples);
         cancelled = observer.cancelled() && !job.complete(job.done + samples);
         job.end_pass(samples);

@@ -63,6 +63,16 @@ pub trait AnyKernel: Sync {
         None
     }
 
+    /// The most samples that a pass may add to each pixel.
+    fn largest_pass(&self) -> u32 {
+        u32::MAX
+    }
+
+    /// Called before each pass, with the number of its first sample.
+    fn begin_pass(&self, first: u32, threads: usize) {
+        let _ = (first, threads);
+    }
+
     /// Whether samples contribute to other pixels.
     fn splats(&self) -> bool {
         false

@@ -1,0 +1,193 @@
+//! Progressive photon mapping, probabilistic (Knaus and Zwicker 2011; Aether 2017, section 7.7).
+//!
+//! Each sample of the image has photons of its own, and a smaller radius than the one before. A path from the
+//! camera and one from a light whose ends lie within the radius of each other are merged: their light is the
+//! product of both, times the kernel. It is biased, and consistent: bias and noise vanish with the samples.
+
+use std::sync::{PoisonError, RwLock};
+
+use aether_core::strategy::Dirac;
+use aether_core::{Arena, Estimator, Pcg32};
+use glam::Vec3;
+
+use crate::emission::LightStrategies;
+use crate::integrand::Radiance;
+use crate::kind::{NotCovered, SceneKind};
+use crate::path::PathSettings;
+use crate::photons::{Photon, PhotonMap};
+use crate::render::{AnyKernel, Worker};
+use crate::scene::Scene;
+use crate::strategies::{Pixel, sample_bsdf};
+use crate::subpaths::{Scratch, camera_path, light_path};
+use crate::world::World;
+
+/// Settings of photon mapping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhotonMapping {
+    /// Lengths of paths, Russian roulette.
+    pub path: PathSettings,
+    /// Light paths of each sample of the image; none for as many as there are pixels.
+    pub light_paths: Option<u32>,
+    /// The first radius over that of the scene.
+    pub radius: f32,
+    /// How fast the radius shrinks: 1 not at all, 0 so that the noise stays.
+    pub alpha: f32,
+}
+
+impl PhotonMapping {
+    /// With the usual settings.
+    pub fn new(path: PathSettings) -> Self {
+        PhotonMapping { path, light_paths: None, radius: 0.02, alpha: 2.0 / 3.0 }
+    }
+
+    /// The radius of a sample over the first (Knaus and Zwicker 2011, Eq. 15).
+    fn shrunk(&self, sample: u32) -> f32 {
+        let step = |i: u32| (f64::from(i) + f64::from(self.alpha)) / (f64::from(i) + 1.0);
+        (1..=sample).map(step).product::<f64>().sqrt() as f32
+    }
+}
+
+/// Photon mapping of a scene, as the render engine calls it.
+pub struct PhotonKernel<'s, K: SceneKind> {
+    world: World<'s, K>,
+    settings: PhotonMapping,
+    seed: u64,
+    map: RwLock<PhotonMap>,
+}
+
+impl<'s, K: SceneKind> PhotonKernel<'s, K> {
+    /// Photon mapping of a scene; the same seed gives the same image.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene, settings: PhotonMapping, seed: u64) -> Result<Self, NotCovered> {
+        let world = World::new(scene)?;
+        Ok(PhotonKernel { world, settings, seed, map: RwLock::default() })
+    }
+
+    fn light_paths(&self) -> usize {
+        self.settings.light_paths.map_or(self.world.pixels(), |paths| paths as usize)
+    }
+
+    /// The photons of some light paths of a sample.
+    fn shoot(&self, sample: u32, paths: std::ops::Range<usize>) -> Vec<Photon> {
+        let world = &self.world;
+        let longest = self.settings.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let Scratch { mut arena, estimator } = Scratch::<K, LightStrategies<K>>::new(world);
+        let mut photons = Vec::new();
+        for k in paths {
+            arena.clear();
+            let uniforms = &mut Pcg32::new(self.seed, u64::MAX - k as u64, u64::from(sample));
+            let light = light_path(world, &arena, uniforms, (longest, self.settings.path.rr_depth));
+            for size in 2..=light.len() {
+                let path = light.slice(0..size).reverse();
+                let (Some(here), Some(before)) = (path.vertex(0), path.vertex(1)) else { break };
+                let Some(surface) = here.surface() else { break };
+                let power = estimator.of(&path);
+                if power == Vec3::ZERO || !power.is_finite() {
+                    continue;
+                }
+                let towards = before.direction_from(here.position);
+                let side = surface.normal.dot(towards).signum();
+                photons.push(Photon {
+                    position: here.position,
+                    normal: side * surface.normal,
+                    towards,
+                    power,
+                    edges: size as u32 - 1,
+                });
+            }
+        }
+        photons
+    }
+
+    /// What a pixel receives, given the photons.
+    fn gather<'a>(
+        &'a self,
+        map: &PhotonMap,
+        (arena, radiance, throughput): &mut Gatherer<'a, K>,
+        uniforms: &mut Pcg32,
+        pixel: Pixel,
+    ) -> Vec3 {
+        arena.clear();
+        let (world, path) = (&self.world, self.settings.path);
+        let longest = path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
+        let mut value = Vec3::ZERO;
+        if longest >= 2 && !path.hide_emitters {
+            value += radiance.of(&camera);
+        }
+        // What is seen in mirrors is followed; everything else is lit by the photons.
+        while camera.is_complete() && camera.len() < longest {
+            let (Some(here), Some(before)) = (camera.last(), camera.vertex(camera.len() - 2))
+            else {
+                break;
+            };
+            if let (Some(surface), Some(scattering)) =
+                (here.surface(), world.scattering(&here, &before))
+            {
+                let mut sum = Vec3::ZERO;
+                map.near(here.position, |photon| {
+                    let edges = camera.len() - 1 + photon.edges as usize;
+                    let side = surface.normal.dot(photon.towards).signum();
+                    if edges < longest && side * surface.normal.dot(photon.normal) > 0.0 {
+                        sum += scattering.value(photon.towards) * photon.power;
+                    }
+                });
+                let kernel = 1.0 / (std::f32::consts::PI * map.radius().powi(2));
+                value += throughput.of(&camera) * sum * (kernel / self.light_paths() as f32);
+            }
+            camera.append(sample_bsdf(world, path.rr_depth)).sample(uniforms);
+            let mirrored = |i| camera.view().carries(i, Dirac::Direction);
+            if !camera.is_complete() || !mirrored(camera.len() - 2) {
+                break;
+            }
+            value += radiance.of(&camera);
+        }
+        value * radiance.integrand().response(pixel, &camera)
+    }
+}
+
+type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, aether_core::estimator::Factors<Vec3>>;
+type Gatherer<'a, K> = (
+    Arena<crate::vertex::SceneVertex<K>, LightStrategies<'a, K>>,
+    PathEstimator<'a, K>,
+    PathEstimator<'a, K>,
+);
+
+impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
+    fn worker(&self) -> Worker<'_> {
+        let world = &self.world;
+        let mut gatherer: Gatherer<'_, K> = (
+            Arena::new(),
+            Estimator::paths(Radiance::new(world)),
+            Estimator::paths(Radiance::throughput(world)),
+        );
+        let map = self.map.read().unwrap_or_else(PoisonError::into_inner);
+        let width = u64::from(world.scene.film.width);
+        Box::new(move |pixel, sample, _| {
+            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
+            let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+            self.gather(&map, &mut gatherer, &mut uniforms, pixel).to_array()
+        })
+    }
+
+    fn largest_pass(&self) -> u32 {
+        1
+    }
+
+    fn begin_pass(&self, first: u32, threads: usize) {
+        let paths = self.light_paths();
+        let share = paths.div_ceil(threads).max(1);
+        let parts = std::thread::scope(|scope| {
+            let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(paths));
+            let threads: Vec<_> =
+                (0..paths).step_by(share).map(|start| scope.spawn(shoot(start))).collect();
+            threads.into_iter().filter_map(|thread| thread.join().ok()).collect::<Vec<_>>()
+        });
+        let (_, size) = self.world.lights.bounds;
+        let radius = self.settings.radius * size * self.settings.shrunk(first);
+        let map = PhotonMap::new(parts.concat(), radius);
+        *self.map.write().unwrap_or_else(PoisonError::into_inner) = map;
+    }
+}
