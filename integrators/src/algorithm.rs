@@ -6,6 +6,7 @@ use crate::instant_radiosity::InstantRadiosity;
 use crate::integrator::Kernel;
 use crate::kind::{self, NotCovered, SceneKind};
 use crate::light_tracer::LightTracer;
+use crate::metropolis::Metropolis;
 use crate::path::PathSettings;
 use crate::photon_mapping::{PhotonKernel, PhotonMapping};
 use crate::primary_sample::PrimarySample;
@@ -28,6 +29,8 @@ pub enum Algorithm {
     InstantRadiosity(InstantRadiosity),
     /// Progressive photon mapping.
     PhotonMapping(PhotonMapping),
+    /// Metropolis light transport in path space.
+    Metropolis(Metropolis),
     /// Metropolis light transport on primary samples.
     PrimarySample(PrimarySample),
 }
@@ -65,6 +68,7 @@ impl<'s> kind::WithKind for Make<'s> {
             Algorithm::Tridirectional(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
             Algorithm::InstantRadiosity(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
             Algorithm::PhotonMapping(it) => Box::new(PhotonKernel::<K>::new(scene, it, seed)?),
+            Algorithm::Metropolis(it) => Box::new(ChainKernel::<K, _>::new(scene, it, seed)?),
             Algorithm::PrimarySample(it) => Box::new(ChainKernel::<K, _>::new(scene, it, seed)?),
         })
     }

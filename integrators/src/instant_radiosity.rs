@@ -85,7 +85,7 @@ impl Integrator for InstantRadiosity {
                     value += estimator.of(&path) / self.light_paths as f32;
                 }
             }
-            camera.append(sample_bsdf(world, self.path.rr_depth)).sample(uniforms);
+            camera.append(sample_bsdf(world, self.path.rr_depth, None)).sample(uniforms);
             let mirrored = |i| camera.view().carries(i, Dirac::Direction);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;

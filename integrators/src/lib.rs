@@ -23,6 +23,8 @@ pub mod integrator;
 pub mod kind;
 pub mod light_tracer;
 pub mod lights;
+pub mod metropolis;
+pub mod mutations;
 pub mod path;
 pub mod photon_mapping;
 pub mod photons;

@@ -60,7 +60,7 @@ where
     let longest = settings.max_depth.map_or(usize::MAX, |d| d as usize);
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
-    camera.append(sample_camera_direction(world, pixel)).sample(uniforms);
+    camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
     while camera.is_complete() && camera.size() <= longest {
         camera.append(techniques.scatter.clone()).sample(uniforms);
     }
@@ -96,7 +96,7 @@ impl Integrator for PathSettings {
         _: &mut Splats,
     ) -> Vec3 {
         arena.clear();
-        let scatter = sample_bsdf(world, self.rr_depth);
+        let scatter = sample_bsdf(world, self.rr_depth, None);
         let techniques = Techniques { scatter, light: sample_light(world) };
         radiance(world, self, &techniques, arena, uniforms, pixel)
     }

@@ -137,7 +137,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
                 let kernel = 1.0 / (std::f32::consts::PI * map.radius().powi(2));
                 value += throughput.of(&camera) * sum * (kernel / self.light_paths() as f32);
             }
-            camera.append(sample_bsdf(world, path.rr_depth)).sample(uniforms);
+            camera.append(sample_bsdf(world, path.rr_depth, None)).sample(uniforms);
             let mirrored = |i| camera.view().carries(i, Dirac::Direction);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;

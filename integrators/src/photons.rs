@@ -101,7 +101,10 @@ mod tests {
     #[test]
     fn the_grid_finds_what_a_search_of_all_finds() {
         let mut random = Pcg32::new(1, 0, 0);
-        let mut next = move || -> f32 { 4.0 * random.next() - 2.0 };
+        let mut next = move || {
+            let u: f32 = random.next();
+            4.0 * u - 2.0
+        };
         let mut point = || Vec3::new(next(), next(), next());
         let photon = |position| Photon {
             position,

@@ -93,6 +93,28 @@ pub fn film_gaussian(u: [Uniform; 2], x: f64, y: f64, stddev: f64, mass: f64) ->
     Vec2::new(x + r * phi.cos(), y + r * phi.sin())
 }
 
+/// Uniform on a rectangle of the film.
+#[sampler]
+pub fn film_rectangle(u: [Uniform; 2], corner: Vec2, size: Vec2) -> Vec2 {
+    Vec2::new(corner.x + size.x * u[0], corner.y + size.y * u[1])
+}
+
+/// Around a point of the film, at a distance between `near` and `far` whose logarithm is uniform.
+#[sampler(near in 1e-3..=1.0, far in 1e-3..=1e5, where near < far)]
+pub fn film_near(u: [Uniform; 2], centre: Vec2, near: f64, far: f64) -> Vec2 {
+    let r = far * (-(far / near).ln() * u[0]).exp();
+    let phi = TAU * u[1];
+    Vec2::new(centre.x + r * phi.cos(), centre.y + r * phi.sin())
+}
+
+/// Directions about +z at an angle between `near` and `far` whose logarithm is uniform.
+#[sampler(near in 1e-6..=1.0, far in 1e-6..=1.5, where near < far)]
+pub fn cone_near(u: [Uniform; 2], near: f64, far: f64) -> Direction {
+    let theta = far * (-(far / near).ln() * u[0]).exp();
+    let phi = TAU * u[1];
+    Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
 /// The direction in camera space in which a pinhole camera sees a point of the film: x to the right,
 /// y down, z into the scene. `centre` is the point that the axis goes through, `scale` the width and
 /// height of one pixel at distance one.

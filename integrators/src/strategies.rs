@@ -21,6 +21,33 @@ use crate::world::World;
 /// A pixel of the image: column and row.
 pub type Pixel = (u32, u32);
 
+/// How a point of the film is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim {
+    /// About a pixel, distributed like its reconstruction filter.
+    Pixel(Pixel),
+    /// Anywhere that the filter of some pixel reaches.
+    Film,
+    /// Between a tenth of a pixel and a distance away from a point; near ones are likelier.
+    Near(Vec2<f32>, f32),
+}
+
+impl Aim {
+    /// The centre of the pixel.
+    fn centre(&self) -> (f32, f32) {
+        match self {
+            Aim::Pixel(pixel) => (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5),
+            Aim::Film | Aim::Near(..) => (0.0, 0.0),
+        }
+    }
+}
+
+impl From<Pixel> for Aim {
+    fn from(pixel: Pixel) -> Self {
+        Aim::Pixel(pixel)
+    }
+}
+
 /// The camera's eye: an atom for a pinhole and for a parallel projection, otherwise a point of the lens.
 #[strategy]
 pub fn sample_camera<K: SceneKind>(
@@ -36,26 +63,33 @@ pub fn sample_camera<K: SceneKind>(
     SceneVertex::eye(eye)
 }
 
-/// A point of the film about the pixel's centre, distributed like the reconstruction filter, and
-/// what the camera sees there.
+/// A point of the film, and what the camera sees there.
 #[strategy]
 pub fn sample_camera_direction<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
     world: &World<'_, K>,
-    pixel: Pixel,
+    aim: Aim,
 ) -> SceneVertex<K> {
     let eye = given(path.last());
-    let (x, y) = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
-    let film = match world.scene.film.filter {
-        Filter::Box => draw(film_box(x, y)),
-        Filter::Tent { radius } => {
+    let (x, y) = aim.centre();
+    let film = match (aim, world.scene.film.filter) {
+        (Aim::Film, _) => {
+            let (corner, size) = world.reachable_film();
+            draw(film_rectangle(corner, size))
+        }
+        (Aim::Near(from, far), _) => {
+            let around = given(film_near(from, 0.1, far).ok());
+            draw(around)
+        }
+        (Aim::Pixel(_), Filter::Box) => draw(film_box(x, y)),
+        (Aim::Pixel(_), Filter::Tent { radius }) => {
             let right = choose(coin(0.5f32));
             let below = choose(coin(0.5f32));
             let (rx, ry) =
                 (if right { radius } else { -radius }, if below { radius } else { -radius });
             draw(film_tent(x, y, rx, ry))
         }
-        Filter::Gaussian { stddev } => {
+        (Aim::Pixel(_), Filter::Gaussian { stddev }) => {
             // The corner of the filter's square lies at √2 · 4 standard deviations.
             let mass = 1.0 - (-16.0f32).exp();
             draw(film_gaussian(x, y, stddev, mass))
@@ -88,12 +122,13 @@ pub fn sample_camera_direction<K: SceneKind>(
 
 /// Scatters at the last vertex by one of the lobes of its material, and finds what the ray meets. From
 /// the vertex number `rr_depth` on, the path may end: Russian roulette with the albedo as the
-/// probability to go on.
+/// probability to go on. With `only`, by the lobe with that number.
 #[strategy]
 pub fn sample_bsdf<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
     world: &World<'_, K>,
     rr_depth: u32,
+    only: Option<u32>,
 ) -> SceneVertex<K> {
     let here = given(path.last());
     let before = given(path.back(1));
@@ -107,7 +142,7 @@ pub fn sample_bsdf<K: SceneKind>(
     if !survives {
         return stop();
     }
-    let lobe = choose(scattering.lobes()).identified_by(|v: &SceneVertex<K>| {
+    let lobe = choose(scattering.lobes(only)).identified_by(|v: &SceneVertex<K>| {
         scattering.leading_to(Some(v.direction_from(here.position)))
     });
     let frame = scattering.frame;

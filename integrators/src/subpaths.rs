@@ -8,7 +8,7 @@ use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emi
 use crate::integrand::Radiance;
 use crate::kind::SceneKind;
 use crate::strategies::{
-    Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
+    Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction,
 };
 use crate::vertex::SceneVertex;
@@ -65,20 +65,20 @@ impl<'a, K: SceneKind, S> FromBothEnds<'a, K> for S where
 {
 }
 
-/// A path from the camera through a pixel, of at most `longest` vertices. Russian roulette may end it from
+/// A path from the camera, of at most `longest` vertices. Russian roulette may end it from
 /// the vertex number `rr_depth` on.
 pub fn camera_path<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
     world: &'a World<'a, K>,
     arena: &'r Arena<SceneVertex<K>, S>,
     uniforms: &mut impl UniformSource<f32>,
-    pixel: Pixel,
+    aim: impl Into<Aim>,
     (longest, rr_depth): (usize, u32),
 ) -> Path<'r, K, S> {
     let mut path = arena.sequence();
     path.append(sample_camera(world));
-    path.append(sample_camera_direction(world, pixel)).sample(uniforms);
+    path.append(sample_camera_direction(world, aim.into())).sample(uniforms);
     while path.is_complete() && path.size() < longest {
-        path.append(sample_bsdf(world, rr_depth)).sample(uniforms);
+        path.append(sample_bsdf(world, rr_depth, None)).sample(uniforms);
     }
     path
 }
@@ -94,7 +94,7 @@ pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
     path.append(sample_emitter(world));
     path.append(sample_emission(world)).sample(uniforms);
     while path.is_complete() && path.size() < longest {
-        path.append(sample_bsdf(world, rr_depth)).sample(uniforms);
+        path.append(sample_bsdf(world, rr_depth, None)).sample(uniforms);
     }
     path
 }
@@ -106,7 +106,7 @@ pub fn extend<'a, K: SceneKind, S: FromCamera<'a, K>>(
     (size, rr_depth): (usize, u32),
 ) {
     while path.size() < size {
-        path.append(sample_bsdf(world, rr_depth));
+        path.append(sample_bsdf(world, rr_depth, None));
     }
 }
 
@@ -119,6 +119,6 @@ pub fn through<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
 ) -> Path<'r, K, S> {
     let mut path = arena.sequence();
     path.append(sample_camera(world));
-    path.append(sample_camera_direction(world, pixel));
+    path.append(sample_camera_direction(world, pixel.into()));
     path.concat(&camera.slice(2..))
 }

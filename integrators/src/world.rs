@@ -245,6 +245,19 @@ impl<'s, K: SceneKind> World<'s, K> {
         Scattering::new(material, &self.scene.textures, &surface, towards)
     }
 
+    /// The number of the lobe of the atom that scatters at a vertex from one neighbour to the other.
+    pub fn mirror_between(
+        &self,
+        before: &SceneVertex<K>,
+        here: &SceneVertex<K>,
+        next: &SceneVertex<K>,
+    ) -> Option<u32> {
+        let scattering = self.scattering(here, before)?;
+        let mut leading = scattering.leading_to(Some(next.direction_from(here.position)));
+        let is_atom = |lobe: &usize| scattering.lobe(*lobe).is_some_and(|l| l.lobe.is_atom());
+        leading.find(is_atom).map(|lobe| lobe as u32)
+    }
+
     /// The map from points of the film, in pixels, to the directions that they look in.
     pub fn film_to_direction(
         &self,
@@ -273,6 +286,14 @@ impl<'s, K: SceneKind> World<'s, K> {
             self.film_to_direction(eye).preimages(&direction, &mut found);
         }
         point
+    }
+
+    /// The corner and the size of the part of the film that the filter of some pixel reaches.
+    pub fn reachable_film(&self) -> (Vec2<f32>, Vec2<f32>) {
+        let beyond = self.scene.film.filter.radius() - 0.5;
+        let size = |pixels: u32| pixels as f32 + 2.0 * beyond;
+        let (width, height) = (self.scene.film.width, self.scene.film.height);
+        (Vec2::new(-beyond, -beyond), Vec2::new(size(width), size(height)))
     }
 
     /// How many pixels the image has.

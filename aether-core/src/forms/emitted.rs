@@ -224,6 +224,33 @@ pub fn apart_from_atom<V: Vertex, S: Strategy<V>, const DIRECTION: bool>(
     let _ = strategy;
 }
 
+/// Two arguments of a strategy, to be compared: `(&Alike(a, b)).alike()` with both traits below in scope.
+#[derive(Debug)]
+pub struct Alike<'a, T>(pub &'a T, pub &'a T);
+
+/// Arguments of types that know equality.
+pub trait ByEquality {
+    /// Whether they are equal.
+    fn alike(&self) -> bool;
+}
+
+impl<T: PartialEq> ByEquality for Alike<'_, T> {
+    #[inline(always)]
+    fn alike(&self) -> bool {
+        self.0 == self.1
+    }
+}
+
+/// All others: method lookup comes here last.
+pub trait Otherwise {
+    /// They count as different.
+    fn alike(&self) -> bool {
+        false
+    }
+}
+
+impl<T> Otherwise for &Alike<'_, T> {}
+
 /// The density of `sampler` at the point of `target`.
 #[inline(always)]
 pub fn density<V, S>(sampler: &S, target: &V) -> V::Real

@@ -64,7 +64,7 @@ fn scatter_or_look_up(
     if choose(coin(upwards)) {
         delegate(look_up(world))
     } else {
-        delegate(sample_bsdf(world, rr_depth))
+        delegate(sample_bsdf(world, rr_depth, None))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::bidirectional::Bidirectional;
 use crate::instant_radiosity::InstantRadiosity;
 use crate::kind;
 use crate::light_tracer::LightTracer;
+use crate::metropolis::Metropolis;
 use crate::path::PathSettings;
 use crate::photon_mapping::PhotonMapping;
 use crate::portals::Portals;
@@ -97,6 +98,7 @@ pub(super) fn kernel_for<'a>(
             let settings = PhotonMapping::new(path);
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
+        "mlt" => Algorithm::Metropolis(Metropolis::new(path)),
         "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
         "tridir" => {
             let portals = Portals::new(scene).map_err(Failure::new)?;
@@ -121,7 +123,7 @@ pub(super) fn kernel_for<'a>(
 }
 
 /// The integrators, by their names in scene files and on the command line.
-const INTEGRATORS: [&str; 7] = ["path", "bdpt", "tridir", "pssmlt", "vpl", "ppm", "ptracer"];
+const INTEGRATORS: [&str; 8] = ["path", "bdpt", "tridir", "mlt", "pssmlt", "vpl", "ppm", "ptracer"];
 
 #[cfg(test)]
 mod tests {

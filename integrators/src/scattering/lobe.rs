@@ -50,9 +50,21 @@ pub struct Weighted<K: SceneKind> {
     pub chance: f32,
 }
 
-/// The choice of a lobe.
+/// The choice of a lobe, or of the `only` one that may be chosen.
 #[derive(Clone, Copy, Debug)]
-pub struct Lobes<'w, K: SceneKind>(pub(super) Scattering<'w, K>);
+pub struct Lobes<'w, K: SceneKind>(Scattering<'w, K>, Option<u32>);
+
+impl<K: SceneKind> Lobes<'_, K> {
+    /// A lobe and its probability.
+    fn at(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
+        let Weighted { lobe, chance, .. } = self.0.lobe(index)?;
+        let probability = match self.1 {
+            Some(only) => f32::from(only as usize == index),
+            None => chance,
+        };
+        Some(Choice { index, item: lobe, probability })
+    }
+}
 
 impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
     type Item<'a>
@@ -70,15 +82,16 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
         let mut start = 0.0;
         let mut last = None;
         for index in 0..self.0.count() {
-            let Some(Weighted { lobe, chance, .. }) = self.0.lobe(index) else { continue };
-            if chance > 0.0 {
-                let rest = ((u - start) / chance).clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
-                last = Some((Choice { index, item: lobe, probability: chance }, rest));
-                if u < start + chance {
+            let Some(choice) = self.at(index) else { continue };
+            if choice.probability > 0.0 {
+                let rest = ((u - start) / choice.probability).clamp(0.0, 1.0 - 0.5 * f32::EPSILON);
+                let end = start + choice.probability;
+                last = Some((choice, rest));
+                if u < end {
                     break;
                 }
+                start = end;
             }
-            start += chance;
         }
         // Rounding leaves no gap behind the last lobe. There is no scattering without any.
         last.unwrap_or((Choice { index: 0, item: Lobe::Nothing, probability: 0.0 }, u))
@@ -86,15 +99,14 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
 
     #[inline]
     fn get(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
-        let Weighted { lobe, chance, .. } = self.0.lobe(index)?;
-        Some(Choice { index, item: lobe, probability: chance })
+        self.at(index)
     }
 }
 
 impl<'w, K: SceneKind> Scattering<'w, K> {
-    /// The choice of a lobe.
-    pub fn lobes(&self) -> Lobes<'w, K> {
-        Lobes(*self)
+    /// The choice of a lobe, or of the `only` one that may be chosen.
+    pub fn lobes(&self, only: Option<u32>) -> Lobes<'w, K> {
+        Lobes(*self, only)
     }
 
     /// The indices of the lobes that may have led in direction `w`: all that scatter into many

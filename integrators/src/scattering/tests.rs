@@ -187,7 +187,7 @@ impl<'w> Sampled<'w> {
         let eye = SceneVertex { position: 4.0 * view, place: Place::Camera };
         let hit = world.trace(eye.position, -view, None).expect("the square is in sight");
         let path = [eye, SceneVertex::on(hit)];
-        Sampled { strategy: sample_bsdf(world, u32::MAX), path }
+        Sampled { strategy: sample_bsdf(world, u32::MAX, None), path }
     }
 
     /// How many samples fall into each bin, and how many into none: atoms, and draws that fail.

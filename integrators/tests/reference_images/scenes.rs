@@ -201,7 +201,7 @@ impl<'s> MisjudgingTracer<'s> {
     ) -> [f32; 3] {
         arena.clear();
         let world = &self.world;
-        let scatter = sample_bsdf(world, self.settings.rr_depth);
+        let scatter = sample_bsdf(world, self.settings.rr_depth, None);
         let techniques = Techniques {
             scatter: Misjudged { strategy: scatter, factor: self.scatter_factor },
             light: Misjudged { strategy: sample_light(world), factor: self.light_factor },

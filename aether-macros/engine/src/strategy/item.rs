@@ -462,21 +462,16 @@ fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
             quote_spanned! {site=>
                 ::aether_core::strategy::Strategy::<#vertex>::same(&self.#name, &other.#name)
             }
-        } else if is_number(ty) {
-            quote_spanned!(site=> self.#name == other.#name)
         } else {
-            quote_spanned!(site=> false)
+            // Equal, if the type knows equality.
+            quote_spanned!(site=> (&Alike(&self.#name, &other.#name)).alike())
         }
     });
-    quote_spanned!(site=> true #(&& #equal)*)
-}
-
-fn is_number(ty: &Type) -> bool {
-    const NUMBERS: [&str; 15] = [
-        "bool", "char", "f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16",
-        "u32", "u64", "usize",
-    ];
-    matches!(ty, Type::Path(path) if NUMBERS.iter().any(|number| path.path.is_ident(number)))
+    quote_spanned! {site=>
+        #[allow(unused_imports)]
+        use ::aether_core::forms::emitted::{Alike, ByEquality as _, Otherwise as _};
+        true #(&& #equal)*
+    }
 }
 
 /// What the density sums over, as Markdown.
