@@ -98,6 +98,8 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
                 _ => camera.append(sample_bsdf(world, u32::MAX, None)),
             };
         }
+        // No light path hits the eye.
+        (camera.size() > 0).then_some(())?;
         let mut light = path.slice(first + old..n).reverse().keep();
         if light.size() == 0 && new - from_camera == 1 && camera.size() >= 2 {
             camera.append(sample_light(world));

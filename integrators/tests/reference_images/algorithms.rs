@@ -1,0 +1,203 @@
+//! All integrators against the same images as the path tracer.
+
+use aether_core::special::beta_inc;
+use integrators::algorithm::Algorithm;
+use integrators::bidirectional::Bidirectional;
+use integrators::image::block_test::holm;
+use integrators::instant_radiosity::InstantRadiosity;
+use integrators::kind;
+use integrators::light_tracer::LightTracer;
+use integrators::metropolis::Metropolis;
+use integrators::photon_mapping::PhotonMapping;
+use integrators::portals::Portals;
+use integrators::primary_sample::PrimarySample;
+use integrators::render::Film;
+use integrators::scene::Scene;
+use integrators::tridirectional::Tridirectional;
+
+use super::report;
+use super::scenes::{Reference, film, scene, scores, settings};
+
+/// The chance that any of the comparisons of a test fails for no reason, over the seeds.
+const FALSE_ALARM_RATE: f64 = 1e-4;
+
+fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
+    let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
+    let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
+    film(&*kernel, scene, samples, None)
+}
+
+fn bidirectional(scene: &Scene, techniques: &str) -> Algorithm {
+    let techniques = match techniques {
+        "" => Default::default(),
+        some => some.parse().expect("a selection"),
+    };
+    Algorithm::Bidirectional(Bidirectional { path: settings(scene), techniques })
+}
+
+/// Compares renders of integrators with independent samples with the stored images: each block and the means.
+fn assert_alike(renders: impl IntoIterator<Item = (String, Film, Reference)>) {
+    let mut all = Vec::new();
+    for (what, film, reference) in renders {
+        let scores = scores(&film, &reference);
+        report(&what, &scores);
+        all.extend(scores.into_iter().map(|score| (what.clone(), score)));
+    }
+    let p_values: Vec<f64> = all.iter().map(|(_, score)| score.p_value).collect();
+    let rejected = holm(&p_values, FALSE_ALARM_RATE);
+    let failures: Vec<_> = all.iter().zip(rejected).filter(|(_, r)| *r).map(|(s, _)| s).collect();
+    assert!(failures.is_empty(), "{failures:#?}");
+}
+
+/// Scenes, and samples for paths from both ends.
+const BOTH_ENDS: [(&str, u32); 10] = [
+    ("cornell-box", 16),
+    ("models/smooth", 16),
+    ("gaussian-filter", 4),
+    ("models/dielectric", 16),
+    ("models/roughdielectric-ggx", 8),
+    ("models/mask", 8),
+    ("models/envmap", 8),
+    ("models/spot", 8),
+    ("models/directional", 8),
+    ("models/portal-room", 16),
+];
+
+#[test]
+fn bidirectional_path_tracing_agrees_with_the_stored_images() {
+    assert_alike(BOTH_ENDS.map(|(name, samples)| {
+        let scene = scene(name);
+        let film = rendered(bidirectional(&scene, ""), &scene, samples, 1);
+        (format!("bdpt, {name}"), film, Reference::stored(name))
+    }));
+}
+
+#[test]
+fn each_technique_alone_is_unbiased() {
+    // Every path can be made by one technique of each selection.
+    let selections =
+        [("*:1", 32), ("0:*", 64), ("0:2,1:*", 32), ("0:2,1:2,2:*", 32), ("0:2,1:2,2:2,3:*", 32)];
+    assert_alike(selections.map(|(techniques, samples)| {
+        let scene = scene("cornell-box");
+        let film = rendered(bidirectional(&scene, techniques), &scene, samples, 2);
+        (format!("techniques {techniques}"), film, Reference::stored("cornell-box"))
+    }));
+}
+
+#[test]
+fn light_tracing_agrees_with_the_stored_images() {
+    let scenes = ["cornell-box", "tent-filter", "models/constant", "models/point"];
+    assert_alike(scenes.map(|name| {
+        let scene = scene(name);
+        let algorithm = Algorithm::LightTracer(LightTracer { path: settings(&scene) });
+        (format!("ptracer, {name}"), rendered(algorithm, &scene, 32, 3), Reference::stored(name))
+    }));
+}
+
+#[test]
+fn tridirectional_path_tracing_agrees_with_the_stored_image() {
+    let scene = scene("models/portal-room-tridir");
+    let portals = Portals::new(&scene).expect("a portal");
+    let algorithm = Algorithm::Tridirectional(Tridirectional { path: settings(&scene), portals });
+    let film = rendered(algorithm, &scene, 16, 4);
+    assert_alike([("tridir".to_owned(), film, Reference::stored("models/portal-room"))]);
+}
+
+/// Seeds that integrators are rendered with whose pixels or samples depend on each other.
+const SEEDS: u64 = 8;
+
+/// The p-values of the means of blocks over renders with several seeds, against a stored image: Student's t.
+fn p_values(name: &str, render: impl Fn(u64) -> Film) -> Vec<f64> {
+    const BLOCK: usize = 16;
+    let reference = Reference::stored(name);
+    let films: Vec<Film> = (0..SEEDS).map(render).collect();
+    let (width, height) = (reference.rgb.width(), reference.rgb.height());
+    let mut all = Vec::new();
+    for corner in (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (x, y))) {
+        for c in 0..3 {
+            let pixels = (0..BLOCK * BLOCK)
+                .map(|k| (corner.0 * BLOCK + k % BLOCK, corner.1 * BLOCK + k / BLOCK));
+            let sum =
+                |f: &dyn Fn(usize, usize) -> f64| pixels.clone().map(|(x, y)| f(x, y)).sum::<f64>();
+            let means: Vec<f64> = films
+                .iter()
+                .map(|film| sum(&|x, y| film.pixels()[y * width + x].mean()[c]))
+                .collect();
+            let n = SEEDS as f64;
+            let mean = means.iter().sum::<f64>() / n;
+            let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+            let expected = sum(&|x, y| f64::from(reference.rgb.pixel(x, y)[c]));
+            let noise = sum(&|x, y| f64::from(reference.variance.pixel(x, y)[c]));
+            let t2 = (mean - expected).powi(2) / (spread / n + noise);
+            let freedom = n - 1.0;
+            all.push(beta_inc(freedom / (freedom + t2), 0.5 * freedom, 0.5));
+        }
+    }
+    let least = all.iter().copied().fold(1.0, f64::min);
+    println!("{name}: least p-value {least:.1e} of {}", all.len());
+    all
+}
+
+fn assert_unbiased(name: &str, samples: u32, algorithm: impl Fn(&Scene) -> Algorithm) {
+    let scene = scene(name);
+    let p_values = p_values(name, |seed| rendered(algorithm(&scene), &scene, samples, seed + 10));
+    assert!(!holm(&p_values, FALSE_ALARM_RATE).contains(&true), "{name}");
+}
+
+#[test]
+fn chains_of_paths_are_distributed_as_they_should_be() {
+    for name in ["cornell-box", "models/dielectric"] {
+        assert_unbiased(name, 4, |scene| {
+            Algorithm::Metropolis(Metropolis {
+                candidates: 20_000,
+                ..Metropolis::new(settings(scene))
+            })
+        });
+    }
+}
+
+#[test]
+fn chains_of_primary_samples_are_distributed_as_they_should_be() {
+    assert_unbiased("cornell-box", 4, |scene| {
+        let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
+        Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
+    });
+}
+
+#[test]
+fn instant_radiosity_is_unbiased() {
+    assert_unbiased("cornell-box", 1, |scene| {
+        let path = settings(scene);
+        Algorithm::InstantRadiosity(InstantRadiosity { path, light_paths: 64, clamp: None })
+    });
+}
+
+#[test]
+fn photon_mapping_converges() {
+    // With a radius this small the bias is below the noise.
+    for name in ["cornell-box", "models/dielectric"] {
+        assert_unbiased(name, 16, |scene| {
+            let settings = PhotonMapping { radius: 0.005, ..PhotonMapping::new(settings(scene)) };
+            Algorithm::PhotonMapping(settings)
+        });
+    }
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_bit_of_splats() {
+    let scene = scene("cornell-box");
+    let render = |algorithm: Algorithm, threads| {
+        let kernel = algorithm.kernel(kind::smallest(&scene), &scene, 5);
+        film(&*kernel.expect("a kind").expect("it covers the scene"), &scene, 2, Some(threads))
+    };
+    let path = settings(&scene);
+    let metropolis = Metropolis { candidates: 1000, ..Metropolis::new(path) };
+    for algorithm in [
+        bidirectional(&scene, ""),
+        Algorithm::Metropolis(metropolis),
+        Algorithm::PhotonMapping(PhotonMapping::new(path)),
+    ] {
+        let one = render(algorithm.clone(), 1);
+        assert!(one == render(algorithm.clone(), 3), "{algorithm:?}");
+    }
+}
