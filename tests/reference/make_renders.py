@@ -42,7 +42,8 @@ MODELS = [
     for name in (
         "conductor mirror dielectric thindielectric plastic plastic-nonlinear roughconductor-ggx "
         "roughconductor-ggx-all roughconductor-beckmann roughdielectric-ggx roughdielectric-beckmann "
-        "mask blendbsdf textures constant point spot directional"
+        "mask blendbsdf textures constant point spot directional "
+        "thinlens orthographic crop cylinder instance"
     ).split()
 ]
 MODEL_BATCHES = 16

@@ -1,6 +1,6 @@
 //! From a scene file and the command line to something that can be rendered.
 
-use super::Failure;
+use super::{Failure, warn};
 use super::arguments::{RenderArguments, check_size};
 use crate::kind;
 use crate::path::{PathSettings, path_tracer};
@@ -46,9 +46,34 @@ impl Plan {
 /// Reads the scene file that the command line names, with the size that it asks for.
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
     let scene = Scene::load_sized(&arguments.scene, &arguments.defines, arguments.size)?;
+    warn_of(&scene);
     check_size((scene.film.width, scene.film.height))
         .map_err(|error| Failure::new(format!("image size {error}")))?;
     Ok(scene)
+}
+
+/// Prints what is strange about a scene file.
+pub(super) fn warn_of(scene: &Scene) {
+    for warning in &scene.warnings {
+        warn(&format!("warning: {warning}"));
+    }
+}
+
+/// Whether there is an integrator of that name.
+fn is_known(integrator: &str) -> bool {
+    integrator == "path"
+}
+
+/// Warns if the command line takes the place of an integrator that does not exist here.
+pub(super) fn warn_of_integrator(scene: &Scene, plan: &Plan) {
+    let wanted = &scene.integrator;
+    if wanted.name != plan.integrator && !is_known(&wanted.name) {
+        let message = format!("not supported; \"{}\" takes its place", plan.integrator);
+        match &wanted.place {
+            Some(place) => warn(&format!("warning: {}", place.error(message))),
+            None => warn(&format!("warning: integrator `{}`: {message}", wanted.name)),
+        }
+    }
 }
 
 /// The integrator called `plan.integrator` with the settings of `plan`.

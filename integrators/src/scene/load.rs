@@ -128,6 +128,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
                 // As Mitsuba does, the first of several sensors is used.
                 sensor.get_or_insert(read);
             }
+            "medium" => document.warn(property.place.error("no medium is supported; nothing uses it")),
             _ => {}
         }
     }
@@ -136,7 +137,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         None => Integrator::default(),
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
-    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture"])?;
+    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture", "medium"])?;
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
@@ -171,6 +172,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
         integrator,
         origin,
         bounds,
+        warnings: document.warnings.take(),
         degenerate_triangles: parts.degenerate,
     })
 }

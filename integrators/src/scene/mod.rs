@@ -90,6 +90,8 @@ pub struct Scene {
     pub origin: DVec3,
     /// The box around all primitives; [`Bounds::EMPTY`] if there are none.
     pub bounds: Bounds,
+    /// What is strange about the file but no reason not to render it.
+    pub warnings: Vec<SceneError>,
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
@@ -190,7 +192,8 @@ impl Scene {
         let w = raw.weights;
         let position = match *primitive {
             Primitive::Triangle { v0, v1, v2 } => {
-                let by_weights = w.x * v0 + w.y * v1 + w.z * v2;
+                let inner = off_the_edges(w, &[v0, v1, v2]);
+                let by_weights = inner.x * v0 + inner.y * v1 + inner.z * v2;
                 let size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
@@ -249,6 +252,32 @@ impl Scene {
             Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }
     }
+}
+
+/// The weights of a point of a triangle, brought so far away from its edges that rounding the point cannot
+/// put it beyond them.
+///
+/// A ray that starts on a wall next to another one must not start behind that one: if it runs along it, the
+/// line of the ray passes the edge of both underneath, and meets neither. The shift is more than the
+/// rounding of the point and the lift along the normal ([`trace`]) together, for walls that meet at more than
+/// about 10 degrees.
+#[inline]
+fn off_the_edges(weights: Vec3, corners: &[Vec3; 3]) -> Vec3 {
+    // A weight is the distance from an edge over the height of the triangle above it.
+    const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
+    let [a, b, c] = *corners;
+    let size = f64::from(a.abs().max(b.abs()).max(c.abs()).max_element());
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    // In double precision: areas may be at the end of the range of single precision.
+    let height = mesh::double_area_normal(corners).length() / f64::from(longest);
+    if f64::from(weights.min_element()) * height >= MARGIN * size {
+        return weights;
+    }
+    let edges = Vec3::new(c.distance(b), a.distance(c), b.distance(a)) / longest;
+    // A triangle narrower than the margin has the point in its middle.
+    let least = ((MARGIN * size / height) as f32 * edges).min(Vec3::splat(1.0 / 3.0));
+    let inner = weights.max(least);
+    inner / inner.element_sum()
 }
 
 /// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or nearly

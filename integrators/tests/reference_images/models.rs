@@ -15,7 +15,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 18] = [
+const MODELS: [(&str, u32); 23] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -34,6 +34,11 @@ const MODELS: [(&str, u32); 18] = [
     ("point", 128),
     ("spot", 128),
     ("directional", 128),
+    ("thinlens", 128),
+    ("orthographic", 128),
+    ("crop", 128),
+    ("cylinder", 256),
+    ("instance", 128),
 ];
 
 /// The chance that any of the comparisons with stored images fails for no reason, over the seeds.
