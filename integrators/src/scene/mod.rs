@@ -38,6 +38,8 @@ pub mod xml;
 #[cfg(test)]
 mod load_tests;
 #[cfg(test)]
+mod malformed_tests;
+#[cfg(test)]
 mod trace_tests;
 
 use glam::{DVec3, Vec2, Vec3};

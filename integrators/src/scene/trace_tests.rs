@@ -417,13 +417,23 @@ fn leaks(scene: &Scene, rays: u32, seed: u64) -> u32 {
         let target = corners[edge].lerp(corners[edge + 1], s);
         let from = middle + (target - middle).length() * 0.4 * random.in_cube();
         let mut last = scene.intersect(from, target - from, None);
-        for _ in 0..3 {
+        if last.is_none() { println!("FIRST {from} -> {target}"); }
+        for step in 0..3 {
             let Some(hit) = last else {
                 leaks += 1;
                 break;
             };
             let d = leaving(&mut random, hit.geometric_normal);
             last = scene.intersect(hit.position, d, Some(hit.primitive));
+            if last.is_none() {
+                println!("STEP {step} on {:?} w {} n {} cos {} d {d}", hit.primitive, hit.weights, hit.geometric_normal, d.dot(hit.geometric_normal));
+                for (i, q) in scene.primitives.iter().enumerate() {
+                    let n = q.normal(Vec3::ZERO).as_dvec3();
+                    let Primitive::Triangle { v0, .. } = *q else { panic!() };
+                    let h = n.dot(hit.position.as_dvec3() - v0.as_dvec3());
+                    println!("   {i}: height {:e} ulps {:.2} rise {:e}", h, h / (f64::from(scene.bounds.max.max_element()) * f64::from(f32::EPSILON)), n.dot(d.as_dvec3()));
+                }
+            }
         }
         leaks += u32::from(last.is_none());
     }
