@@ -80,9 +80,7 @@ impl ParallelFilm {
 
     /// Where a film point is in the world.
     pub fn point(&self, film: &Vec2<f32>) -> Vector {
-        self.origin
-            + (film.x - self.centre.x) * self.across
-            + (film.y - self.centre.y) * self.down
+        self.origin + (film.x - self.centre.x) * self.across + (film.y - self.centre.y) * self.down
     }
 
     /// The point of the film, or of the plane that it lies in, from which a point is seen.

@@ -4,8 +4,8 @@ use aether_core::prelude::*;
 use aether_core::{Includes, Recall, Vertex};
 use glam::Vec3 as Vector;
 
-use crate::kind::{Either, Everything, Presence, SceneKind, With};
 use crate::eye::{BACKDROP, LENS, ParallelFilm};
+use crate::kind::{Either, Everything, Presence, SceneKind, With};
 use crate::samplers::{HitPlane, ParallelHit, hit_plane};
 use crate::scene::PrimitiveId;
 

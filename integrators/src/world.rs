@@ -51,16 +51,7 @@ impl<'s, K: SceneKind> World<'s, K> {
         let parallel = ParallelFilm::of(&scene.camera, film_centre(&scene.camera));
         let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
-        Ok(World {
-            scene,
-            lights,
-            materials,
-            light_of,
-            camera_frame,
-            filter_scale,
-            lens,
-            parallel,
-        })
+        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale, lens, parallel })
     }
 
     /// The camera's lens, if it has one.

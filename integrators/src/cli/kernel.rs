@@ -1,7 +1,7 @@
 //! From a scene file and the command line to something that can be rendered.
 
-use super::{Failure, warn};
 use super::arguments::{RenderArguments, check_size};
+use super::{Failure, warn};
 use crate::kind;
 use crate::path::{PathSettings, path_tracer};
 use crate::render::AnyKernel;

@@ -170,13 +170,7 @@ impl AlongAxis {
 
 /// The first hit of the side of a cylinder with `0 < t`, for a ray with a unit direction. In f64, as for
 /// spheres.
-pub fn cylinder(
-    origin: Vec3,
-    direction: Vec3,
-    base: Vec3,
-    axis: Vec3,
-    radius: f32,
-) -> Option<f32> {
+pub fn cylinder(origin: Vec3, direction: Vec3, base: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
     let line = AlongAxis::new(origin, direction, base, axis);
     let ([o, d], radius) = (line.across, f64::from(radius));
     let speed2 = d.length_squared();

@@ -125,11 +125,9 @@ pub fn summary(scene: &Scene) -> String {
     line(
         "camera",
         match camera.projection {
-            Projection::Orthographic { .. } => format!(
-                "orthographic, at {} towards {}",
-                in_file(camera.origin),
-                camera.forward
-            ),
+            Projection::Orthographic { .. } => {
+                format!("orthographic, at {} towards {}", in_file(camera.origin), camera.forward)
+            }
             other => format!(
                 "{} at {} towards {}, {fov:.2}° wide",
                 other.name(),

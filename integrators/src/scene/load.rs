@@ -128,7 +128,9 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
                 // As Mitsuba does, the first of several sensors is used.
                 sensor.get_or_insert(read);
             }
-            "medium" => document.warn(property.place.error("no medium is supported; nothing uses it")),
+            "medium" => {
+                document.warn(property.place.error("no medium is supported; nothing uses it"))
+            }
             _ => {}
         }
     }

@@ -123,7 +123,9 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
     let [min, max] =
         sources.map(Source::bounds).fold(empty, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let (middle, extent) = (0.5 * (min + max), (max - min).max_element());
-    if middle.is_finite() && middle.abs().max_element() > extent { middle } else { DVec3::ZERO }
+    let distance = middle.abs().max_element();
+    // Written so that NaN is refused. Shapes that are too far away stay where they are, to be refused.
+    if distance > extent && distance <= MAX_COORDINATE { middle } else { DVec3::ZERO }
 }
 
 impl Source {
@@ -308,14 +310,21 @@ fn read_mesh(kind: ShapeKind, query: &Query) -> Result<(Mesh, bool), SceneError>
     let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
     let bytes = read_bytes(&path)
         .map_err(|e| query.error_at("filename", format!("{}: {e}", path.display())))?;
+    let mut number = None;
     let (mut mesh, flat) = match kind {
         ShapeKind::Obj => (obj::read(&bytes, &path)?, false),
         ShapeKind::Serialized => {
             let index = query.integer("shape_index", 0, i64::from(u32::MAX))?.unwrap_or(0);
-            serialized::read(&bytes, &path, index as usize)?
+            let read = serialized::read(&bytes, &path, index as usize)?;
+            number = Some(index);
+            read
         }
         _ => (ply::read(&bytes, &path)?, false),
     };
+    if mesh.triangles.is_empty() {
+        let error = SceneError::in_file(&path, "the mesh has no triangles");
+        return Err(number.map_or(error.clone(), |index| error.about(format!("mesh {index}"))));
+    }
     // As Mitsuba: files in OBJ have v upwards, pictures have their first row at v = 0.
     let flip = query.boolean("flip_tex_coords")?.unwrap_or(kind == ShapeKind::Obj);
     if flip {
