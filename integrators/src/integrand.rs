@@ -30,35 +30,6 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// measure, so that cosines and distances are included. Zero for what it does not see, visibility
     /// aside.
     pub fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        if let Some(film) = self.world.parallel() {
-            let to_point = match seen.place {
-                Place::Surface(surface) => surface.seen_by(&film),
-                Place::Backdrop(_) => film.backdrop(),
-                _ => return 0.0,
-            };
-            let Some(point) = seen.point().part() else { return 0.0 };
-            return self.response(&to_point, &point, eye, seen);
-        }
-        let to_direction = pinhole(self.world.film_centre(eye), self.world.film_scale())
-            .then(rotate(self.world.camera_frame));
-        if let Some(surface) = seen.surface() {
-            let to_surface = to_direction.then(surface.seen_from(eye.position));
-            let Some(point) = seen.point().part() else { return 0.0 };
-            self.response(&to_surface, &point, eye, seen)
-        } else {
-            let Some(direction) = seen.point().part() else { return 0.0 };
-            self.response(&to_direction, &direction, eye, seen)
-        }
-    }
-
-    /// The filter at the film points that a map takes to `x`, over the change of measure.
-    fn response<M: Map<f32, Source = Vec2<f32>>>(
-        &self,
-        map: &M,
-        x: &M::Target,
-        eye: &SceneVertex<K>,
-        seen: &SceneVertex<K>,
-    ) -> f32 {
         let filter = self.world.scene.film.filter;
         let centre = (self.pixel.0 as f32 + 0.5, self.pixel.1 as f32 + 0.5);
         let reach = filter.radius();
@@ -68,11 +39,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
         let mut importance = 0.0;
-        map.preimages(x, |film: Vec2<f32>, exists| {
+        film_points(self.world, eye, seen, |film, change| {
             let response = profile(film.x - centre.0, &|| self.film_error(eye, seen).x)
                 * profile(film.y - centre.1, &|| self.film_error(eye, seen).y);
-            if exists && response > 0.0 {
-                importance += response * self.world.filter_scale / map.jacobian(&film);
+            if response > 0.0 {
+                importance += response * self.world.filter_scale / change();
             }
         });
         importance
@@ -117,6 +88,48 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let value = scattering.value(along) * geometry;
         if value.is_finite() { value } else { Vec3::ZERO }
     }
+}
+
+/// Calls `visit` with the film points, in pixels of the image, from which an eye sees a vertex, and with the
+/// change of measure from film area to that of the vertex. There is one such point or none.
+pub fn film_points<K: SceneKind>(
+    world: &World<'_, K>,
+    eye: &SceneVertex<K>,
+    seen: &SceneVertex<K>,
+    visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+) {
+    if let Some(film) = world.parallel() {
+        let to_point = match seen.place {
+            Place::Surface(surface) => surface.seen_by(&film),
+            Place::Backdrop(_) => film.backdrop(),
+            _ => return,
+        };
+        if let Some(point) = seen.point().part() {
+            preimages(&to_point, &point, visit);
+        }
+        return;
+    }
+    let to_direction =
+        pinhole(world.film_centre(eye), world.film_scale()).then(rotate(world.camera_frame));
+    if let Some(surface) = seen.surface() {
+        if let Some(point) = seen.point().part() {
+            preimages(&to_direction.then(surface.seen_from(eye.position)), &point, visit);
+        }
+    } else if let Some(direction) = seen.point().part() {
+        preimages(&to_direction, &direction, visit);
+    }
+}
+
+fn preimages<M: Map<f32, Source = Vec2<f32>>>(
+    map: &M,
+    x: &M::Target,
+    mut visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+) {
+    map.preimages(x, |film: Vec2<f32>, exists| {
+        if exists {
+            visit(film, &|| map.jacobian(&film));
+        }
+    });
 }
 
 impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {

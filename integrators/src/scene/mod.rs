@@ -32,6 +32,7 @@ pub mod texture;
 mod trace;
 mod transform;
 mod tree;
+mod upgrade;
 mod values;
 pub mod xml;
 

@@ -405,6 +405,18 @@ fn leaks(scene: &Scene, rays: u32, seed: u64) -> u32 {
         })
         .collect();
     let mut leaks = 0;
+    let report = |from: &Hit, d: Vec3| {
+        let Hit { primitive, position, weights, geometric_normal, .. } = from;
+        println!("from {primitive:?} at {position}, weights {weights}, towards {d}");
+        println!("  normal {geometric_normal}, cosine {:e}", d.dot(*geometric_normal));
+        for (index, wall) in scene.primitives.iter().enumerate() {
+            let Primitive::Triangle { v0, .. } = *wall else { continue };
+            let n = wall.normal(v0).as_dvec3();
+            let height = n.dot(position.as_dvec3() - v0.as_dvec3()) / f64::from(f32::EPSILON);
+            let relative = height / f64::from(v0.abs().max_element());
+            println!("  {index}: {relative:.2} above, cosine {:e}", n.dot(d.as_dvec3()));
+        }
+    };
     for _ in 0..rays / 4 {
         let first = 4 * (random.uniform() * (corners.len() / 4) as f32) as usize;
         let edge = first + (3.0 * random.uniform()) as usize;
@@ -421,6 +433,9 @@ fn leaks(scene: &Scene, rays: u32, seed: u64) -> u32 {
             };
             let d = leaving(&mut random, hit.geometric_normal);
             last = scene.intersect(hit.position, d, Some(hit.primitive));
+            if last.is_none() && leaks < 5 {
+                report(&hit, d);
+            }
         }
         leaks += u32::from(last.is_none());
     }

@@ -14,6 +14,7 @@ use super::files::{MOST_TEXT, find_file, read_text};
 use super::params::Parameters;
 use super::spectrum::Spectrum;
 use super::transform::axes;
+use super::upgrade::upgrade;
 use super::values;
 
 /// Tags that make an object.
@@ -66,6 +67,7 @@ pub fn read_str(
         ));
     }
     reader.resolve_references()?;
+    reader.document.objects.iter_mut().filter(|object| object.old).for_each(upgrade);
     reader.document.reject_cycles()?;
     Ok(reader.document)
 }
