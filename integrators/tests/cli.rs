@@ -228,4 +228,5 @@ fn damaged_files_are_loaded_or_refused() {
         }
     }
     assert!((100..400).contains(&refused), "{refused} of 400 are refused");
+    assert!(!mutate::damaged_file(&seeds, 0).1.is_empty());
 }

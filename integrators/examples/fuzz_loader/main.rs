@@ -2,7 +2,8 @@
 //! --seconds 300`.
 //!
 //! Damages the files of `tests/scenes` at random and loads them. No panic, no case that takes long, none that
-//! takes much memory; what fails can be repeated by its number with `--case`.
+//! takes much memory; what fails can be repeated, and seen, by its number with
+//! `--case`.
 
 mod mutate;
 
@@ -13,7 +14,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
-use mutate::{Outcome, seeds, try_case};
+use mutate::{Outcome, damaged_file, seeds, try_case};
 
 const USAGE: &str =
     "fuzz_loader [--seconds N] [--first CASE] [--case CASE]   (60 seconds from case 0)";
@@ -64,6 +65,12 @@ fn main() -> ExitCode {
     let seeds = seeds(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes"));
     let scratch = std::env::temp_dir().join(format!("aether-fuzz-{}", std::process::id()));
     std::fs::create_dir_all(&scratch).expect("a scratch folder");
+    if let Some(case) = only {
+        let (name, bytes) = damaged_file(&seeds, case);
+        let kept = std::env::temp_dir().join(format!("damaged-{case}-{name}"));
+        std::fs::write(&kept, bytes).expect("a file");
+        println!("{}", kept.display());
+    }
     let start = Instant::now();
     let (mut cases, mut loaded, mut failures) = (0u64, 0u64, 0u64);
     let (mut slowest, mut largest) = (0.0f64, 0);

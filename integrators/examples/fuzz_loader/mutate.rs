@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
+use integrators::kind;
+use integrators::path::{PathSettings, path_tracer};
 use integrators::scene::{Scene, inspect};
 
 /// A file that is valid until it is damaged.
@@ -105,17 +107,18 @@ const WORDS: [&str; 40] = [
     "<ref id=\"group\"/>",
 ];
 
-/// Damages a file in one to eight places.
+/// Damages a file in one place or a few.
 fn damaged(seed: &Seed, others: &[Seed], random: &mut Random) -> Vec<u8> {
     let mut bytes = seed.bytes.clone();
-    for _ in 0..1 + random.below(8) {
+    let places = 1 + random.below(4) * random.below(3);
+    for _ in 0..places {
         let at = random.below(bytes.len());
         let end = bytes.len().min(at + 1 + random.below(64));
         match random.below(10) {
             0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
             1 if at < bytes.len() => bytes[at] = [0, 0xff, 0x7f, 0x80, b'9'][random.below(5)],
             2 => drop(bytes.drain(at..end)),
-            3 => bytes.truncate(at),
+            3 if random.below(4) == 0 => bytes.truncate(at),
             4 => {
                 let copy = bytes[at..end].to_vec();
                 let to = random.below(bytes.len());
@@ -143,6 +146,13 @@ fn damaged(seed: &Seed, others: &[Seed], random: &mut Random) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// The damaged file number `case`, and the name that it had.
+pub fn damaged_file(seeds: &[Seed], case: u64) -> (String, Vec<u8>) {
+    let mut random = Random(case);
+    let seed = &seeds[random.below(seeds.len())];
+    (seed.name.clone(), damaged(seed, seeds, &mut random))
 }
 
 /// Loads the damaged file number `case`, and casts a few rays if it can be loaded. `scratch` is a
@@ -186,7 +196,20 @@ pub fn try_case(seeds: &[Seed], case: u64, scratch: &Path) -> (String, Outcome) 
     (seed.name.clone(), outcome)
 }
 
+/// Paths of a few edges, whatever the file says: it may ask for endless ones.
+const SETTINGS: PathSettings =
+    PathSettings { max_depth: Some(4), rr_depth: 3, hide_emitters: false };
+
 fn look_around(scene: &Scene, random: &mut Random) {
+    let tracer = path_tracer(kind::smallest(scene), scene, SETTINGS, 1).expect("a kind");
+    let tracer = tracer.unwrap_or_else(|error| panic!("{error}"));
+    let mut worker = tracer.worker();
+    for _ in 0..4 {
+        let x = random.below(scene.film.width as usize) as u32;
+        let y = random.below(scene.film.height as usize) as u32;
+        let value = worker((x, y), 0);
+        assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "pixel {x}, {y}: {value:?}");
+    }
     assert!(!inspect::json(scene).to_string().is_empty());
     for _ in 0..8 {
         let mut unit = || random.below(1 << 20) as f32 / (1 << 19) as f32 - 1.0;

@@ -18,7 +18,7 @@ use super::model::{Bounds, Emitter, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::trace::Tracer;
-use super::{Scene, xml};
+use super::{Facts, Scene, xml};
 
 /// The most shapes and primitives that instances may add up to: about two gigabytes.
 const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
@@ -156,7 +156,7 @@ fn build(document: &Document, size: Option<(u32, u32)>) -> Result<Scene, SceneEr
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     Ok(Scene {
         tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
-        flat_normals: parts.primitives.iter().map(|p| p.normal(Vec3::ZERO)).collect(),
+        facts: parts.primitives.iter().map(Facts::new).collect(),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
         shapes: parts.shapes,

@@ -358,6 +358,7 @@ fn broken_shapes_sensors_and_lights() {
     let float = |name: &str, value: f64| format!("<float name=\"{name}\" value=\"{value}\"/>");
     let scaled = "<transform name=\"to_world\"><scale x=\"2\" y=\"2\"/></transform>";
     let flat = "<transform name=\"to_world\"><scale y=\"0\"/></transform>";
+    let wide = "<transform name=\"to_world\"><scale x=\"1e30\" y=\"1e30\"/></transform>";
     let far = "<transform name=\"to_world\"><translate x=\"1e20\"/></transform>";
     let sheared = "<transform name=\"to_world\"><matrix value=\"1 1 0 0 1 0 0 0 1\"/></transform>";
     let place = "scene.xml:2:";
@@ -454,6 +455,7 @@ fn broken_shapes_sensors_and_lights() {
                 "must be in 1e-15",
             ),
             (&sensor("orthographic", flat), place, "flattens space"),
+            (&sensor("orthographic", wide), place, "too small or too large"),
             (&sensor("orthographic", far), place, "too far away"),
             (&film(&integer("width", 0)), place, "must be in 1..=65536"),
             (&film(&integer("height", 1 << 40)), place, "must be in 1..=65536"),
@@ -525,6 +527,7 @@ fn broken_meshes() {
         mesh("obj", format!("{square}{line}\n").as_bytes(), ":6", what, "");
     }
     mesh("obj", b"", ":", "no triangles", "");
+    mesh("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1e150 0\nf 1/1 2 3\n", ":", "at most 1e15", "");
     mesh("obj", square.as_bytes(), ":", "no triangles", "");
     mesh(
         "obj",

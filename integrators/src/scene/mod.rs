@@ -98,8 +98,7 @@ pub struct Scene {
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
-    /// The normals of planar primitives; those of round ones are not used.
-    flat_normals: Vec<Vec3>,
+    facts: Vec<Facts>,
 }
 
 /// Where a ray meets the scene.
@@ -134,7 +133,7 @@ impl Scene {
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
         match self.primitive(id) {
             round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
-            _ => self.flat_normals[id.0 as usize],
+            _ => self.facts[id.0 as usize].normal,
         }
     }
 
@@ -195,7 +194,9 @@ impl Scene {
         let w = raw.weights;
         let position = match *primitive {
             Primitive::Triangle { v0, v1, v2 } => {
-                let inner = off_the_edges(w, &[v0, v1, v2]);
+                let facts = &self.facts[raw.primitive.0 as usize];
+                let edge = w.min_element() < facts.margin;
+                let inner = if edge { off_the_edges(w, &[v0, v1, v2]) } else { w };
                 let by_weights = inner.x * v0 + inner.y * v1 + inner.z * v2;
                 let size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
                 // The weights give a point with the rounding error of the corners, large beside the
@@ -257,29 +258,48 @@ impl Scene {
     }
 }
 
-/// The weights of a point of a triangle, brought so far away from its edges that rounding the point cannot
-/// put it beyond them.
+/// What is known of a primitive beside its corners.
+#[derive(Clone, Copy, Debug)]
+struct Facts {
+    /// The normal of a planar primitive; those of round ones are not used.
+    normal: Vec3,
+    /// The least weight of a corner for which a point of a triangle lies well off all edges.
+    margin: f32,
+}
+
+/// How far points of a triangle are kept off its edges, relative to the coordinates of its corners.
 ///
 /// A ray that starts on a wall next to another one must not start behind that one: if it runs along it, the
-/// line of the ray passes the edge of both underneath, and meets neither. The shift is more than the
-/// rounding of the point and the lift along the normal ([`trace`]) together, for walls that meet at more than
-/// about 10 degrees.
-#[inline]
-fn off_the_edges(weights: Vec3, corners: &[Vec3; 3]) -> Vec3 {
-    // A weight is the distance from an edge over the height of the triangle above it.
-    const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
+/// line of the ray passes the edge of both underneath, and meets neither. So hits are brought so far inside
+/// that rounding and the lift along the normal ([`trace`]) cannot put them behind a wall that
+/// meets theirs at more than about 10 degrees.
+const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
+
+impl Facts {
+    fn new(primitive: &Primitive) -> Self {
+        let mut margin = 0.0;
+        if let Primitive::Triangle { v0, v1, v2 } = *primitive {
+            margin = margins(&[v0, v1, v2]).max_element();
+        }
+        Facts { normal: primitive.normal(Vec3::ZERO), margin }
+    }
+}
+
+/// The least weights of the corners of a triangle at which points lie off its edges.
+fn margins(corners: &[Vec3; 3]) -> Vec3 {
     let [a, b, c] = *corners;
     let size = f64::from(a.abs().max(b.abs()).max(c.abs()).max_element());
-    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-    // In double precision: areas may be at the end of the range of single precision.
-    let height = mesh::double_area_normal(corners).length() / f64::from(longest);
-    if f64::from(weights.min_element()) * height >= MARGIN * size {
-        return weights;
-    }
-    let edges = Vec3::new(c.distance(b), a.distance(c), b.distance(a)) / longest;
-    // A triangle narrower than the margin has the point in its middle.
-    let least = ((MARGIN * size / height) as f32 * edges).min(Vec3::splat(1.0 / 3.0));
-    let inner = weights.max(least);
+    // A weight is the distance from an edge over the height of the triangle above it.
+    let edges = Vec3::new(c.distance(b), a.distance(c), b.distance(a)).as_dvec3();
+    let margins = MARGIN * size * edges / mesh::double_area_normal(corners).length();
+    // A triangle narrower than that has the point in its middle.
+    margins.as_vec3().min(Vec3::splat(1.0 / 3.0))
+}
+
+/// The weights of a point of a triangle, brought off its edges.
+#[cold]
+fn off_the_edges(weights: Vec3, corners: &[Vec3; 3]) -> Vec3 {
+    let inner = weights.max(margins(corners));
     inner / inner.element_sum()
 }
 

@@ -325,6 +325,10 @@ fn read_mesh(kind: ShapeKind, query: &Query) -> Result<(Mesh, bool), SceneError>
         let error = SceneError::in_file(&path, "the mesh has no triangles");
         return Err(number.map_or(error.clone(), |index| error.about(format!("mesh {index}"))));
     }
+    if mesh.texcoords.iter().any(|uv| uv.abs().max_element() > MAX_COORDINATE) {
+        let message = format!("texture coordinates must be at most {MAX_COORDINATE:e}");
+        return Err(SceneError::in_file(&path, message));
+    }
     // As Mitsuba: files in OBJ have v upwards, pictures have their first row at v = 0.
     let flip = query.boolean("flip_tex_coords")?.unwrap_or(kind == ShapeKind::Obj);
     if flip {

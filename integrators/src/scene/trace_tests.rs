@@ -295,8 +295,8 @@ fn leaving(random: &mut Random, normal: Vec3) -> Vec3 {
     }
     let d = d.normalize();
     let d = if d.dot(normal) < 0.0 { d - 2.0 * d.dot(normal) * normal } else { d };
-    // Along the surface there is neither above nor below.
-    if d.dot(normal) > 0.0 { d } else { normal }
+    // Within rounding of the surface there is neither above nor below.
+    if d.dot(normal) > 4.0 * f32::EPSILON { d } else { normal }
 }
 
 #[test]
