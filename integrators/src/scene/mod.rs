@@ -53,7 +53,7 @@ pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 
 use texture::Texture;
-use trace::{End, RawHit, Tracer};
+use trace::{End, On, RawHit, Tracer};
 
 /// A scene ready to be rendered. It does not change any more, and threads share it.
 pub struct Scene {
@@ -130,6 +130,7 @@ impl Scene {
     }
 
     /// The unit normal of a primitive at a point of it.
+    #[inline]
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
         match self.primitive(id) {
             round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
@@ -166,7 +167,7 @@ impl Scene {
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
         let from = End { point: origin, on: skip };
-        let start = skip.map(|id| self.primitive(id));
+        let start = skip.map(|id| self.on(id, origin));
         let raw = self.tracer.nearest(from, start, direction)?;
         Some(self.hit(origin, direction, &raw))
     }
@@ -184,8 +185,14 @@ impl Scene {
             return false;
         }
         let end =
-            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.primitive(id)));
+            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.on(id, point)));
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
+    }
+
+    /// A surface at a point of it.
+    #[inline]
+    fn on(&self, id: PrimitiveId, point: Vec3) -> On<'_> {
+        On { surface: self.primitive(id), normal: self.normal(id, point) }
     }
 
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
