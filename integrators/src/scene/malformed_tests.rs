@@ -336,7 +336,7 @@ fn broken_includes() {
             ),
         ],
     );
-    // A device that never ends, and a pipe that nobody writes to.
+    // A device that never ends.
     if Path::new("/dev/zero").exists() {
         check(&folder, &[(&include("/dev/zero"), "scene.xml:2:1 ", "no regular file")]);
     }

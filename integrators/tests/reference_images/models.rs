@@ -223,6 +223,16 @@ fn a_kind_that_is_too_small_is_an_error() {
     assert_eq!(message("constant"), Some(expected("Constant")));
     assert_eq!(message("mask"), Some(expected("Mask")));
     assert_eq!(message("directional"), Some(expected("Directional")));
+    for (sensor, feature) in [("thinlens", "ThinLens"), ("orthographic", "Orthographic")] {
+        let radius = r#"<float name="aperture_radius" value="1"/>"#;
+        let radius = if feature == "ThinLens" { radius } else { "" };
+        let xml = format!(
+            r#"<scene version="3.0.0"><sensor type="{sensor}">{radius}</sensor><shape type="sphere"/></scene>"#
+        );
+        let scene = Scene::from_str(&xml, Path::new("."), &[]).unwrap();
+        let error = PathTracer::<DiffuseRooms>::new(&scene, settings(&scene), 1).err();
+        assert_eq!(error.map(|e| e.to_string()), Some(expected(feature)));
+    }
     // Textures, which would otherwise be their mean colour.
     let checked =
         furnace(r#"<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"#);
