@@ -47,33 +47,9 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        if let Some(film) = self.world.parallel() {
-            let to_point = match seen.place {
-                Place::Surface(surface) => surface.seen_by(&film),
-                Place::Backdrop(_) => film.backdrop(),
-                _ => return 0.0,
-            };
-            let Some(point) = seen.point().part() else { return 0.0 };
-            return self.spread(&to_point, &point);
-        }
-        let to_direction = self.world.film_to_direction(eye);
-        if let Some(surface) = seen.surface() {
-            let to_surface = to_direction.then(surface.seen_from(eye.position));
-            let Some(point) = seen.point().part() else { return 0.0 };
-            self.spread(&to_surface, &point)
-        } else {
-            let Some(direction) = seen.point().part() else { return 0.0 };
-            self.spread(&to_direction, &direction)
-        }
-    }
-
-    /// One over the change of measure of a map of the film that takes some point to `x`.
-    fn spread<M: Map<f32, Source = Vec2<f32>>>(&self, map: &M, x: &M::Target) -> f32 {
         let mut importance = 0.0;
-        map.preimages(x, |film: Vec2<f32>, exists| {
-            if exists {
-                importance += self.world.filter_scale / map.jacobian(&film);
-            }
+        film_points(self.world, eye, seen, |_, change| {
+            importance += self.world.filter_scale / change();
         });
         importance
     }
@@ -145,6 +121,47 @@ fn geometry<K: SceneKind>(here: &SceneVertex<K>, next: &SceneVertex<K>) -> f32 {
         Place::Bulb(_) => 1.0 / squared,
         Place::Sky(_) | Place::Distant(_) => 1.0,
     }
+}
+
+/// Calls `visit` with the film points, in pixels of the image, from which an eye sees a vertex, and with the
+/// change of measure from film area to that of the vertex. There is one such point or none.
+pub fn film_points<K: SceneKind>(
+    world: &World<'_, K>,
+    eye: &SceneVertex<K>,
+    seen: &SceneVertex<K>,
+    visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+) {
+    if let Some(film) = world.parallel() {
+        let to_point = match seen.place {
+            Place::Surface(surface) => surface.seen_by(&film),
+            Place::Backdrop(_) => film.backdrop(),
+            _ => return,
+        };
+        if let Some(point) = seen.point().part() {
+            preimages(&to_point, &point, visit);
+        }
+        return;
+    }
+    let to_direction = world.film_to_direction(eye);
+    if let Some(surface) = seen.surface() {
+        if let Some(point) = seen.point().part() {
+            preimages(&to_direction.then(surface.seen_from(eye.position)), &point, visit);
+        }
+    } else if let Some(direction) = seen.point().part() {
+        preimages(&to_direction, &direction, visit);
+    }
+}
+
+fn preimages<M: Map<f32, Source = Vec2<f32>>>(
+    map: &M,
+    x: &M::Target,
+    mut visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+) {
+    map.preimages(x, |film: Vec2<f32>, exists| {
+        if exists {
+            visit(film, &|| map.jacobian(&film));
+        }
+    });
 }
 
 impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {

@@ -217,3 +217,31 @@ pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Di
     let r = (h * (2.0 - h)).sqrt();
     Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use aether_core::battery;
+
+    #[test]
+    fn cylinders_and_parallel_films_pass_the_battery() {
+        let axis = Direction::from_vec(Vec3::new(1.0, -2.0, 0.5));
+        let base = Vec3::new(0.3, 4.0, -1.0);
+        let side = uniform_cylinder(base, Frame::around(axis), 2.5, 0.7, SurfaceId(3));
+        battery::check(&side).assert_ok();
+        // Uniform: one over the area.
+        let p = side.pdf(&side.sample([0.3, 0.6])).value();
+        assert!((p * TAU * 0.7 * 2.5 - 1.0).abs() < 1e-12);
+        let onto = parallel_hit(
+            Vec2::new(32.0, 20.0),
+            base,
+            Vec3::new(0.1, 0.0, 0.02),
+            Vec3::new(0.01, -0.2, 0.0),
+            Vec3::new(0.1, 0.2, 0.97),
+            Vec3::new(1.0, 2.0, 5.0),
+            Vec3::new(0.6, 0.0, -0.8),
+            SurfaceId(1),
+        );
+        battery::check(&film_box(12.5, 40.5).then(onto)).assert_ok();
+    }
+}

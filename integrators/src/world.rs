@@ -1,12 +1,13 @@
 //! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
+use aether_core::RandomSequence;
 use aether_core::prelude::{Direction, Frame, Map, Vec2};
 use aether_core::strategy::Strategy;
-use aether_core::{Includes, RandomSequence, Vertex};
 use glam::Vec3;
 use std::ops::Range;
 
 use crate::eye::{Lens, ParallelFilm};
+use crate::integrand::film_points;
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
 use crate::samplers::{pinhole, rotate};
@@ -270,21 +271,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// if that lies behind it. It may lie beside the image.
     pub fn film_point(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Vec2<f32>> {
         let mut point = None;
-        let mut found = |film, exists| {
-            if exists {
-                point = Some(film);
-            }
-        };
-        if let Some(film) = self.parallel() {
-            let to_point = match seen.place {
-                Place::Surface(surface) => surface.seen_by(&film),
-                _ => film.backdrop(),
-            };
-            to_point.preimages(&Includes::part(&seen.point())?, &mut found);
-        } else {
-            let direction = Direction::from_unit(seen.direction_from(eye.position).into());
-            self.film_to_direction(eye).preimages(&direction, &mut found);
-        }
+        film_points(self, eye, seen, |film, _| point = Some(film));
         point
     }
 

@@ -1,5 +1,8 @@
 //! The `aether` program as a user meets it: output, messages and exit codes.
 
+#[path = "../examples/fuzz_loader/mutate.rs"]
+mod mutate;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
@@ -209,4 +212,21 @@ fn a_closed_pipe_is_no_failure() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty());
+}
+
+/// The beginning of what the example `fuzz_loader` does for longer.
+#[test]
+fn damaged_files_are_loaded_or_refused() {
+    let directory = Directory::new("damaged");
+    let seeds = mutate::seeds(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes"));
+    let mut refused = 0;
+    for case in 0..400 {
+        let (name, outcome) = mutate::try_case(&seeds, case, &directory.0);
+        if let mutate::Outcome::Refused(message) = outcome {
+            assert!(message.contains(':') && message.len() > 20, "{name}, case {case}: {message}");
+            refused += 1;
+        }
+    }
+    assert!((100..400).contains(&refused), "{refused} of 400 are refused");
+    assert!(!mutate::damaged_file(&seeds, 0).1.is_empty());
 }

@@ -310,6 +310,30 @@ registry! {
                 [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 0.0],
                 [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1e-9, 0.0],
             ];
+        "cylinder light" CylinderLight:
+            |p| renderer::uniform_cylinder(
+                vector(p, 0), Frame::around(Direction::from_vec(vector(p, 3))), p(6), p(7), SurfaceId(0),
+            ),
+            [
+                [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.5],
+                [100.0, -50.0, 1.0, 1.0, -2.0, 0.5, 1e-3, 10.0],
+                [0.0, 0.0, 0.0, 0.0, 0.6, -0.8, 1e6, 1e-6],
+            ];
+        "parallel film" ParallelFilm:
+            |p| renderer::film_box(p(0), p(1)).then(renderer::parallel_hit(
+                Vec2::new(R::of(320.0), R::of(240.0)), vector(p, 2), vector(p, 5), vector(p, 8), vector(p, 11),
+                vector(p, 14), vector(p, 17), SurfaceId(0),
+            )),
+            [
+                [
+                    12.5, 40.5, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 9.0, 0.0, 0.6,
+                    -0.8,
+                ],
+                [
+                    320.5, 240.5, 100.0, -50.0, 1.0, 0.1, 0.0, 0.02, 0.01, -0.2, 0.0, 0.1, 0.2, 0.97, 110.0, -40.0,
+                    90.0, 0.6, 0.0, -0.8,
+                ],
+            ];
         "film, box filter" FilmBox: |p| renderer::film_box(p(0), p(1)), [[0.5, 0.5], [320.5, 240.5], [8191.5, 8191.5]];
         "film, tent filter" FilmTent:
             |p| renderer::film_tent(p(0), p(1), p(2), p(3)),

@@ -1,7 +1,7 @@
 //! From a scene file and the command line to something that can be rendered.
 
-use super::Failure;
 use super::arguments::{RenderArguments, check_size};
+use super::{Failure, warn};
 use crate::algorithm::Algorithm;
 use crate::bidirectional::Bidirectional;
 use crate::instant_radiosity::InstantRadiosity;
@@ -66,12 +66,37 @@ impl Plan {
 pub(super) fn load(arguments: &RenderArguments) -> Result<Scene, Failure> {
     let overrides = Overrides { size: arguments.size, portals: arguments.portals.clone() };
     let mut scene = Scene::load_with(&arguments.scene, &arguments.defines, &overrides)?;
+    warn_of(&scene);
     check_size((scene.film.width, scene.film.height))
         .map_err(|error| Failure::new(format!("image size {error}")))?;
     if arguments.mitsuba3_roughplastic {
         scene.bsdfs.iter_mut().for_each(Bsdf::lose_energy);
     }
     Ok(scene)
+}
+
+/// Prints what is strange about a scene file.
+pub(super) fn warn_of(scene: &Scene) {
+    for warning in &scene.warnings {
+        warn(&format!("warning: {warning}"));
+    }
+}
+
+/// Whether there is an integrator of that name.
+fn is_known(integrator: &str) -> bool {
+    integrator == "path"
+}
+
+/// Warns if the command line takes the place of an integrator that does not exist here.
+pub(super) fn warn_of_integrator(scene: &Scene, plan: &Plan) {
+    let wanted = &scene.integrator;
+    if wanted.name != plan.integrator && !is_known(&wanted.name) {
+        let message = format!("not supported; \"{}\" takes its place", plan.integrator);
+        match &wanted.place {
+            Some(place) => warn(&format!("warning: {}", place.error(message))),
+            None => warn(&format!("warning: integrator `{}`: {message}", wanted.name)),
+        }
+    }
 }
 
 /// The integrator called `plan.integrator` with the settings of `plan`.

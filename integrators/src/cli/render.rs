@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
-use super::kernel::{Plan, kernel_for, load};
+use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::image::exr::{Attribute, Exr};
@@ -21,6 +21,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let scene = load(arguments)?;
     let plan = Plan::new(&scene, arguments);
     let kernel = kernel_for(&scene, &plan)?;
+    warn_of_integrator(&scene, &plan);
 
     let terminal = Terminal::new();
     let settings = RenderSettings {

@@ -11,6 +11,8 @@ use super::{ImageError, RgbImage, srgb_decode};
 
 /// Larger pictures are refused: columns or rows.
 const LARGEST: usize = 1 << 14;
+/// The most channels of an EXR file, over all its parts.
+const MOST_CHANNELS: usize = 64;
 
 /// Reads an EXR, PNG, JPEG or Radiance HDR file, told apart by its first bytes. Pictures with 8 or 16 bits
 /// a channel are decoded from sRGB to linear Rec. 709, unless they are `raw` numbers.
@@ -18,15 +20,50 @@ const LARGEST: usize = 1 << 14;
 /// # Errors
 /// If the file cannot be read, is none of these, is broken or too large.
 pub fn read(path: &Path, raw: bool) -> Result<RgbImage, ImageError> {
-    let bytes = std::fs::read(path).map_err(|error| ImageError::io("read", path, error))?;
     let fail = |message: String| ImageError::format(path, message);
+    let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
+    if !is_file.map_err(|error| ImageError::io("read", path, error))? {
+        return Err(fail("is no regular file".to_owned()));
+    }
+    let bytes = std::fs::read(path).map_err(|error| ImageError::io("read", path, error))?;
     match bytes.get(..4) {
-        Some([0x76, 0x2f, 0x31, 0x01]) => Exr::read(path).map(|exr| exr.rgb),
+        Some([0x76, 0x2f, 0x31, 0x01]) => {
+            exr_size(&bytes).and_then(|size| plausible(size, &bytes)).map_err(fail)?;
+            Exr::read(path).map(|exr| exr.rgb)
+        }
         Some([0x89, b'P', b'N', b'G']) => png(&bytes, raw).map_err(fail),
         Some([0xff, 0xd8, 0xff, _]) => jpeg(&bytes, raw).map_err(fail),
         Some([b'#', b'?', _, _]) => hdr(&bytes).map_err(fail),
         _ => Err(fail("is no EXR, PNG, JPEG or Radiance HDR file".to_owned())),
     }
+}
+
+/// Refuses pictures that are too large, and small files that claim to be large ones: nothing is reserved
+/// for those. No format packs more pixels into a byte than this.
+fn plausible((width, height): (usize, usize), bytes: &[u8]) -> Result<(), String> {
+    const PIXELS_PER_BYTE: usize = 4096;
+    if width == 0 || height == 0 || width > LARGEST || height > LARGEST {
+        return Err(format!(
+            "{width} x {height} pixels; from 1 to {LARGEST} each way are supported"
+        ));
+    }
+    if width * height > PIXELS_PER_BYTE * bytes.len() {
+        return Err(format!("{} bytes cannot hold {width} x {height} pixels", bytes.len()));
+    }
+    Ok(())
+}
+
+/// Columns and rows of the largest part of an EXR file.
+fn exr_size(bytes: &[u8]) -> Result<(usize, usize), String> {
+    let meta = ::exr::meta::MetaData::read_from_buffered(std::io::Cursor::new(bytes), false);
+    let meta = meta.map_err(|error| error.to_string())?;
+    let sizes = meta.headers.iter().map(|h| (h.layer_size.width(), h.layer_size.height()));
+    let largest = sizes.fold((0, 0), |a, b| (b.0.max(a.0), b.1.max(a.1)));
+    let channels: usize = meta.headers.iter().map(|h| h.channels.list.len()).sum();
+    if channels > MOST_CHANNELS {
+        return Err(format!("{channels} channels; at most {MOST_CHANNELS} are supported"));
+    }
+    Ok(largest)
 }
 
 /// The linear value of a code in [0, 1].
@@ -41,11 +78,6 @@ fn assemble(
     value: impl Fn(usize) -> f32,
     count: usize,
 ) -> Result<RgbImage, String> {
-    if width == 0 || height == 0 || width > LARGEST || height > LARGEST {
-        return Err(format!(
-            "{width} x {height} pixels; from 1 to {LARGEST} each way are supported"
-        ));
-    }
     if channels == 0 || count < width * height * channels {
         return Err("ends before its last pixel".to_owned());
     }
@@ -61,9 +93,7 @@ fn png(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let info = reader.info();
     let size = (info.width as usize, info.height as usize);
-    if size.0.max(size.1) > LARGEST {
-        return Err(format!("{} x {} pixels are too many", size.0, size.1));
-    }
+    plausible(size, bytes)?;
     let length = reader.output_buffer_size().ok_or("its size is not representable")?;
     let mut data = vec![0; length];
     let frame = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
@@ -84,9 +114,11 @@ fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
         .set_max_height(LARGEST)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = zune_jpeg::JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let data = decoder.decode().map_err(|error| error.to_string())?;
+    decoder.decode_headers().map_err(|error| error.to_string())?;
     let info = decoder.info().ok_or("has no size")?;
     let size = (usize::from(info.width), usize::from(info.height));
+    plausible(size, bytes)?;
+    let data = decoder.decode().map_err(|error| error.to_string())?;
     let channels = data.len() / (size.0 * size.1).max(1);
     assemble(size, channels, |i| linear(f32::from(data[i]) / 255.0, raw), data.len())
 }
@@ -94,8 +126,10 @@ fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
 fn hdr(bytes: &[u8]) -> Result<RgbImage, String> {
     let options = DecoderOptions::default().set_max_width(LARGEST).set_max_height(LARGEST);
     let mut decoder = zune_hdr::HdrDecoder::new_with_options(ZCursor::new(bytes), options);
-    let data = decoder.decode().map_err(|error| format!("{error:?}"))?;
+    decoder.decode_headers().map_err(|error| format!("{error:?}"))?;
     let (width, height) = decoder.dimensions().ok_or("has no size")?;
+    plausible((width, height), bytes)?;
+    let data = decoder.decode().map_err(|error| format!("{error:?}"))?;
     assemble((width, height), 3, |i| data[i], data.len())
 }
 

@@ -12,6 +12,9 @@ use glam::{DMat4, DVec3};
 use super::error::{Place, SceneError};
 use super::spectrum::{Purpose, Spectrum};
 
+/// The most warnings that are kept.
+const MOST_WARNINGS: usize = 100;
+
 /// Index of an object in its [`Document`].
 pub type ObjectId = usize;
 
@@ -81,6 +84,8 @@ pub struct Object {
     pub place: Place,
     /// The folders in which its files are looked up, first match wins.
     pub folders: Rc<Vec<PathBuf>>,
+    /// Whether its file is of a version before 2, whose renderer only warned of what it did not know.
+    pub old: bool,
 }
 
 /// A whole scene file with its includes; the root is object 0 and references are resolved.
@@ -90,6 +95,8 @@ pub struct Document {
     pub objects: Vec<Object>,
     /// Objects by id.
     pub ids: HashMap<String, ObjectId>,
+    /// What is strange about the file but no reason not to render it.
+    pub warnings: RefCell<Vec<SceneError>>,
 }
 
 impl Document {
@@ -121,6 +128,14 @@ impl Document {
             }
         }
         Ok(())
+    }
+
+    /// Notes a warning; a file that gives thousands of them is not worth more memory.
+    pub fn warn(&self, warning: SceneError) {
+        let mut warnings = self.warnings.borrow_mut();
+        if warnings.len() < MOST_WARNINGS {
+            warnings.push(warning);
+        }
     }
 
     /// Reads the properties of an object, keeping track of which were asked for.
@@ -283,12 +298,16 @@ impl<'a> Query<'a> {
                     )));
                 }
             } else if !known.contains(&property.name.as_str()) {
-                return Err(property.place.error(format!(
+                let error = property.place.error(format!(
                     "unreferenced property \"{}\" in {}; supported: {}",
                     property.name,
                     self.object.place.element,
                     list(known.iter().map(|name| (*name).to_owned()))
-                )));
+                ));
+                if !self.object.old {
+                    return Err(error);
+                }
+                self.document.warn(error);
             }
         }
         Ok(())

@@ -18,7 +18,7 @@ use super::model::{Bounds, Emitter, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::trace::Tracer;
-use super::{Scene, xml};
+use super::{Facts, Scene, xml};
 
 /// The most shapes and primitives that instances may add up to: about two gigabytes.
 const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
@@ -140,6 +140,9 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
                 // As Mitsuba does, the first of several sensors is used.
                 sensor.get_or_insert(read);
             }
+            "medium" => {
+                document.warn(property.place.error("no medium is supported; nothing uses it"))
+            }
             _ => {}
         }
     }
@@ -148,7 +151,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         None => Integrator::default(),
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
-    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture"])?;
+    root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture", "medium"])?;
     let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
@@ -170,7 +173,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     Ok(Scene {
         tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
-        flat_normals: parts.primitives.iter().map(|p| p.normal(Vec3::ZERO)).collect(),
+        facts: parts.primitives.iter().map(Facts::new).collect(),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
         shapes: parts.shapes,
@@ -189,6 +192,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         integrator,
         origin,
         bounds,
+        warnings: document.warnings.take(),
         degenerate_triangles: parts.degenerate,
     })
 }

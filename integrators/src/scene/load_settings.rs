@@ -161,7 +161,9 @@ fn read_orthographic(query: &Query, film: &Window) -> Result<(Camera, DVec3), Sc
     let origin = near_enough(query, to_world.w_axis.truncate() + near * z)?;
     let pixel = 2.0 / f64::from(film.film.0);
     let (across, down) = ((-pixel * x).as_vec3(), (-pixel * y).as_vec3());
-    if across.cross(down).length() < f32::MIN_POSITIVE || !across.cross(down).is_finite() {
+    let reach = film.film.0 as f32 * across.length() + film.film.1 as f32 * down.length();
+    // Written so that NaN is refused.
+    if !(across.cross(down).length() >= f32::MIN_POSITIVE && reach <= 1e15) {
         return Err(query.error_at("to_world", "the film is too small or too large"));
     }
     let camera = Camera {

@@ -317,6 +317,80 @@ fn other_integrators_are_left_to_the_renderer() {
 }
 
 #[test]
+fn old_files_are_read_as_they_were_meant() {
+    let scene = |version: &str| {
+        let text = format!(
+            r#"<scene version="{version}"><sensor type="perspective"><float name="nearClip" value="1"/>
+            <string name="unheard" value="of"/><string name="unheard" value="of"/></sensor>
+            <medium type="homogeneous" id="m"/>
+            <bsdf type="diffuse" id="a"><rgb name="diffuseReflectance" value="0.25"/></bsdf>
+            <bsdf type="diffuse" id="b"><texture type="checkerboard" name="reflectance">
+            <float name="uscale" value="4"/><float name="voffset" value="0.5"/></texture></bsdf></scene>"#
+        );
+        Scene::from_str(&text, Path::new("."), &[]).map_err(|error| error.to_string())
+    };
+    let old = scene("0.5.0").unwrap();
+    let warnings: Vec<String> = old.warnings.iter().map(|w| w.to_string()).collect();
+    assert_eq!(warnings.len(), 3, "{warnings:#?}");
+    for (warning, text) in warnings.iter().zip(["a second property", "unreferenced", "no medium"]) {
+        assert!(warning.contains(text), "{warning}");
+    }
+    assert_eq!(old.bsdfs[0], diffuse(Vec3::splat(0.25)));
+    let to_uv = old.textures[0].to_uv;
+    assert_eq!(to_uv.transform_point2(glam::Vec2::ONE), glam::Vec2::new(4.0, 1.5));
+    assert!(scene("3.0.0").err().unwrap().contains("a second property"));
+}
+
+#[test]
+fn groups_are_seen_through_their_instances() {
+    let instance = |x: f32| {
+        format!(
+            r#"<shape type="instance"><ref id="g"/><transform name="to_world"><scale value="2"/>
+            <translate x="{x}"/></transform></shape>"#
+        )
+    };
+    let group = r#"<shape type="shapegroup" id="g"><shape type="sphere"><point name="center" value="0 0 1"/>
+        </shape><shape type="cube"><bsdf type="diffuse"/></shape></shape>"#;
+    // The group may come after its instances, and is nothing by itself.
+    let alone = load(&format!("{SENSOR}{group}")).unwrap();
+    assert!(alone.primitives.is_empty());
+    let scene = load(&format!("{SENSOR}{}{group}{}", instance(0.0), instance(10.0))).unwrap();
+    assert_eq!((scene.shapes.len(), scene.primitives.len()), (4, 26));
+    assert_eq!(scene.shapes[0].bsdf, scene.shapes[2].bsdf);
+    let hit = scene.intersect(vec3(10.0, 0.0, 9.0) - scene.origin.as_vec3(), -Vec3::Z, None);
+    assert_eq!(scene.in_file(hit.unwrap().position).as_vec3(), vec3(10.0, 0.0, 4.0));
+}
+
+#[test]
+fn a_window_of_a_film_keeps_its_place_when_its_size_changes() {
+    let text = r#"<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
+        <integer name="width" value="100"/><integer name="height" value="80"/>
+        <integer name="crop_offset_x" value="20"/><integer name="crop_offset_y" value="40"/>
+        <integer name="crop_width" value="50"/><integer name="crop_height" value="40"/>
+        </film></sensor></scene>"#;
+    let folder = std::env::temp_dir().join(format!("aether-window-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("window.xml");
+    std::fs::write(&file, text).unwrap();
+    let whole = Scene::load(&file, &[]).unwrap();
+    let half =
+        Scene::load_with(&file, &[], &Overrides { size: Some((25, 20)), ..Default::default() })
+            .unwrap();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!((whole.film.width, whole.film.height), (50, 40));
+    assert_eq!((half.film.width, half.camera.width, half.camera.height), (25, 50, 40));
+    // The same point of the image looks in the same direction.
+    let [a, b] = [
+        whole.camera.direction(glam::vec2(8.0, 30.0)),
+        half.camera.direction(glam::vec2(4.0, 15.0)),
+    ];
+    assert!((a - b).length() < 1e-6);
+    let corner = whole.camera.direction(glam::vec2(30.0, 0.0));
+    let tangent = corner.dot(whole.camera.right) / corner.dot(whole.camera.forward);
+    assert!(tangent.abs() < 1e-6, "the middle of the film is 30 pixels into the window");
+}
+
+#[test]
 fn deep_nesting_is_refused() {
     let depth = 20_000;
     let body = "<bsdf type=\"twosided\">".repeat(depth) + &"</bsdf>".repeat(depth);

@@ -34,11 +34,14 @@ pub mod texture;
 mod trace;
 mod transform;
 mod tree;
+mod upgrade;
 mod values;
 pub mod xml;
 
 #[cfg(test)]
 mod load_tests;
+#[cfg(test)]
+mod malformed_tests;
 #[cfg(test)]
 mod trace_tests;
 
@@ -54,7 +57,7 @@ pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 
 use texture::Texture;
-use trace::{End, RawHit, Tracer};
+use trace::{End, On, RawHit, Tracer};
 
 /// A scene ready to be rendered. It does not change any more, and threads share it.
 pub struct Scene {
@@ -96,11 +99,12 @@ pub struct Scene {
     pub origin: DVec3,
     /// The box around all primitives; [`Bounds::EMPTY`] if there are none.
     pub bounds: Bounds,
+    /// What is strange about the file but no reason not to render it.
+    pub warnings: Vec<SceneError>,
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
-    /// The normals of planar primitives; those of round ones are not used.
-    flat_normals: Vec<Vec3>,
+    facts: Vec<Facts>,
 }
 
 /// Where a ray meets the scene.
@@ -142,10 +146,11 @@ impl Scene {
     }
 
     /// The unit normal of a primitive at a point of it.
+    #[inline]
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
         match self.primitive(id) {
             round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
-            _ => self.flat_normals[id.0 as usize],
+            _ => self.facts[id.0 as usize].normal,
         }
     }
 
@@ -178,7 +183,7 @@ impl Scene {
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
         let from = End { point: origin, on: skip };
-        let start = skip.map(|id| self.primitive(id));
+        let start = skip.map(|id| self.on(id, origin));
         let raw = self.tracer.nearest(from, start, direction)?;
         Some(self.hit(origin, direction, &raw))
     }
@@ -196,14 +201,20 @@ impl Scene {
             return false;
         }
         let end =
-            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.primitive(id)));
+            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.on(id, point)));
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
     }
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
-        let start = on.map(|id| self.primitive(id));
+        let start = on.map(|id| self.on(id, from));
         self.tracer.is_open(End { point: from, on }, start, direction)
+    }
+
+    /// A surface at a point of it.
+    #[inline]
+    fn on(&self, id: PrimitiveId, point: Vec3) -> On<'_> {
+        On { surface: self.primitive(id), normal: self.normal(id, point) }
     }
 
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
@@ -212,7 +223,10 @@ impl Scene {
         let w = raw.weights;
         let position = match *primitive {
             Primitive::Triangle { v0, v1, v2 } => {
-                let by_weights = w.x * v0 + w.y * v1 + w.z * v2;
+                let facts = &self.facts[raw.primitive.0 as usize];
+                let edge = w.min_element() < facts.margin;
+                let inner = if edge { off_the_edges(w, &[v0, v1, v2]) } else { w };
+                let by_weights = inner.x * v0 + inner.y * v1 + inner.z * v2;
                 let size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
@@ -292,4 +306,49 @@ impl Scene {
             Primitive::Disk { .. } => Vec2::new(w.x.hypot(w.y), turn(w.y, w.x)),
         }
     }
+}
+
+/// What is known of a primitive beside its corners.
+#[derive(Clone, Copy, Debug)]
+struct Facts {
+    /// The normal of a planar primitive; those of round ones are not used.
+    normal: Vec3,
+    /// The least weight of a corner for which a point of a triangle lies well off all edges.
+    margin: f32,
+}
+
+/// How far points of a triangle are kept off its edges, relative to the coordinates of its corners.
+///
+/// A ray that starts on a wall next to another one must not start behind that one: if it runs along it, the
+/// line of the ray passes the edge of both underneath, and meets neither. So hits are brought so far inside
+/// that rounding and the lift along the normal ([`trace`]) cannot put them behind a wall that
+/// meets theirs at more than about 10 degrees.
+const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
+
+impl Facts {
+    fn new(primitive: &Primitive) -> Self {
+        let mut margin = 0.0;
+        if let Primitive::Triangle { v0, v1, v2 } = *primitive {
+            margin = margins(&[v0, v1, v2]).max_element();
+        }
+        Facts { normal: primitive.normal(Vec3::ZERO), margin }
+    }
+}
+
+/// The least weights of the corners of a triangle at which points lie off its edges.
+fn margins(corners: &[Vec3; 3]) -> Vec3 {
+    let [a, b, c] = *corners;
+    let size = f64::from(a.abs().max(b.abs()).max(c.abs()).max_element());
+    // A weight is the distance from an edge over the height of the triangle above it.
+    let edges = Vec3::new(c.distance(b), a.distance(c), b.distance(a)).as_dvec3();
+    let margins = MARGIN * size * edges / mesh::double_area_normal(corners).length();
+    // A triangle narrower than that has the point in its middle.
+    margins.as_vec3().min(Vec3::splat(1.0 / 3.0))
+}
+
+/// The weights of a point of a triangle, brought off its edges.
+#[cold]
+fn off_the_edges(weights: Vec3, corners: &[Vec3; 3]) -> Vec3 {
+    let inner = weights.max(margins(corners));
+    inner / inner.element_sum()
 }

@@ -74,6 +74,7 @@ impl Primitive {
     }
 
     /// The unit normal at a point of the surface: outwards, or inwards if the shape is flipped.
+    #[inline]
     pub fn normal(&self, point: Vec3) -> Vec3 {
         match *self {
             // Triangles of no area are left out when the scene is loaded.
@@ -84,9 +85,7 @@ impl Primitive {
                 if flipped { -outwards } else { outwards }
             }
             Self::Cylinder { base, axis, flipped, .. } => {
-                let (p, axis) = (point.as_dvec3() - base.as_dvec3(), axis.as_dvec3());
-                let outwards = p - p.dot(axis) / axis.length_squared() * axis;
-                let outwards = outwards.normalize_or_zero().as_vec3();
+                let outwards = away_from_axis(point, base, axis);
                 if flipped { -outwards } else { outwards }
             }
             Self::Disk { normal, .. } => normal,
@@ -94,6 +93,7 @@ impl Primitive {
     }
 
     /// The axis-parallel box around it.
+    #[inline]
     pub fn bounds(&self) -> Bounds {
         match *self {
             Self::Triangle { v0, v1, v2 } => {
@@ -102,19 +102,31 @@ impl Primitive {
             Self::Sphere { center, radius, .. } => {
                 Bounds { min: center - radius, max: center + radius }
             }
-            Self::Cylinder { base, axis, radius, .. } => {
-                // How far the circle across the axis reaches along each coordinate.
-                let d = axis.as_dvec3().normalize_or_zero();
-                let reach = (1.0 - d * d).max(glam::DVec3::ZERO).map(f64::sqrt).as_vec3() * radius;
-                let top = base + axis;
-                Bounds { min: base.min(top) - reach, max: base.max(top) + reach }
-            }
+            Self::Cylinder { base, axis, radius, .. } => cylinder_bounds(base, axis, radius),
             Self::Disk { center, u_axis, v_axis, .. } => {
                 let [x, y, z] = [0, 1, 2].map(|i| u_axis[i].hypot(v_axis[i]));
                 Bounds { min: center - vec3(x, y, z), max: center + vec3(x, y, z) }
             }
         }
     }
+}
+
+// Out of the way of the code for triangles, which is inlined in many places.
+
+/// The unit vector to a point from an axis.
+#[inline(never)]
+fn away_from_axis(point: Vec3, base: Vec3, axis: Vec3) -> Vec3 {
+    let (p, axis) = (point.as_dvec3() - base.as_dvec3(), axis.as_dvec3());
+    (p - p.dot(axis) / axis.length_squared() * axis).normalize_or_zero().as_vec3()
+}
+
+#[inline(never)]
+fn cylinder_bounds(base: Vec3, axis: Vec3, radius: f32) -> Bounds {
+    // How far the circle across the axis reaches along each coordinate.
+    let d = axis.as_dvec3().normalize_or_zero();
+    let reach = (1.0 - d * d).max(glam::DVec3::ZERO).map(f64::sqrt).as_vec3() * radius;
+    let top = base + axis;
+    Bounds { min: base.min(top) - reach, max: base.max(top) + reach }
 }
 
 /// An axis-parallel box.

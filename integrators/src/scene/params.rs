@@ -4,7 +4,15 @@
 #[derive(Debug, Default)]
 pub struct Parameters {
     list: Vec<Parameter>,
+    /// How many names were replaced, and how many bytes put in their places.
+    replaced: usize,
+    inserted: usize,
 }
+
+/// Limits on what a file may ask for: parameters made of parameters grow exponentially.
+const MOST_PARAMETERS: usize = 4096;
+const MOST_REPLACED: usize = 1 << 17;
+const MOST_INSERTED: usize = 1 << 24;
 
 #[derive(Debug)]
 struct Parameter {
@@ -21,16 +29,23 @@ impl Parameters {
             list.retain(|p| p.name != *name);
             list.push(Parameter { name: name.clone(), value: value.clone(), used: false });
         }
-        Self { list }
+        Self { list, ..Self::default() }
     }
 
     /// A `<default>`: takes effect if nothing defined the name before.
-    pub fn set_default(&mut self, name: &str, value: &str) {
+    pub fn set_default(&mut self, name: &str, value: &str) -> Result<(), String> {
+        if name.is_empty() {
+            return Err("a parameter needs a name".to_owned());
+        }
         if let Some(known) = self.list.iter_mut().find(|p| p.name == name) {
             known.used = true;
-            return;
+            return Ok(());
+        }
+        if self.list.len() >= MOST_PARAMETERS {
+            return Err(format!("more than {MOST_PARAMETERS} parameters"));
         }
         self.list.push(Parameter { name: name.to_owned(), value: value.to_owned(), used: true });
+        Ok(())
     }
 
     /// Replaces each `$name` by its value; of several names that fit the longest wins, as in
@@ -52,6 +67,14 @@ impl Parameters {
                 ));
             };
             parameter.used = true;
+            self.replaced += 1;
+            self.inserted += parameter.value.len();
+            if self.replaced > MOST_REPLACED || self.inserted > MOST_INSERTED {
+                return Err(format!(
+                    "parameters are used more than {MOST_REPLACED} times, or add up to more than \
+                     {MOST_INSERTED} bytes"
+                ));
+            }
             result.push_str(&parameter.value);
             rest = &rest[parameter.name.len()..];
         }
@@ -73,8 +96,8 @@ mod tests {
     #[test]
     fn the_longest_name_wins_and_defines_beat_defaults() {
         let mut p = Parameters::new(&[("spp".into(), "4".into()), ("x".into(), "$spp".into())]);
-        p.set_default("spp", "64");
-        p.set_default("spp_max", "128");
+        p.set_default("spp", "64").unwrap();
+        p.set_default("spp_max", "128").unwrap();
         assert_eq!(p.substitute("a $spp_max,$spp."), Ok("a 128,4.".to_owned()));
         assert_eq!(p.unused(), Some("x"));
         assert_eq!(p.substitute("$x"), Ok("$spp".to_owned()));

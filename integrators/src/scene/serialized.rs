@@ -19,7 +19,8 @@ const DOUBLE: u32 = 0x2000;
 
 /// Reads mesh number `shape` of a file, and whether it is flat. `path` only names the file in errors.
 pub fn read(bytes: &[u8], path: &Path, shape: usize) -> Result<(Mesh, bool), SceneError> {
-    mesh(bytes, shape).map_err(|message| SceneError::in_file(path, message))
+    mesh(bytes, shape)
+        .map_err(|message| SceneError::in_file(path, message).about(format!("mesh {shape}")))
 }
 
 fn mesh(bytes: &[u8], shape: usize) -> Result<(Mesh, bool), String> {

@@ -7,7 +7,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, Mat3};
 
 use super::document::Query;
 use super::error::SceneError;
-use super::files::find_file;
+use super::files::{find_file, read_bytes};
 use super::mesh::{self, Corner, Mesh, Placement, Triangles};
 use super::model::{Primitive, ShapeKind};
 use super::values::relative_determinant;
@@ -52,6 +52,8 @@ pub fn kind(query: &Query) -> Result<ShapeKind, SceneError> {
 pub struct Source {
     form: Form,
     placement: Placement,
+    /// Whether the normals of a round shape point inwards.
+    flipped: bool,
 }
 
 /// What a shape is, in its own coordinates. Instances share the mesh.
@@ -97,7 +99,10 @@ pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
             Form::Mesh(Rc::new(mesh), face_normals.unwrap_or(flat))
         }
     };
-    let source = Source { form, placement };
+    // As in Mitsuba, a mirror image of a sphere is turned inside out, unless an instance is the mirror image.
+    let mirrored = relative_determinant(&placement.to_world) < 0.0;
+    let inside_out = mirrored && kind == ShapeKind::Sphere;
+    let source = Source { form, placement, flipped: placement.flip_normals != inside_out };
     source.check().map_err(|message| query.error_at("to_world", message))?;
     Ok(source)
 }
@@ -118,14 +123,17 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
     let [min, max] =
         sources.map(Source::bounds).fold(empty, |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let (middle, extent) = (0.5 * (min + max), (max - min).max_element());
-    if middle.is_finite() && middle.abs().max_element() > extent { middle } else { DVec3::ZERO }
+    let distance = middle.abs().max_element();
+    // Written so that NaN is refused. Shapes that are too far away stay where they are, to be refused.
+    if distance > extent && distance <= MAX_COORDINATE { middle } else { DVec3::ZERO }
 }
 
 impl Source {
     /// The same shape moved in the world.
     pub fn moved(&self, by: &DMat4) -> Source {
         let to_world = *by * self.placement.to_world;
-        Source { form: self.form.clone(), placement: Placement { to_world, ..self.placement } }
+        let placement = Placement { to_world, ..self.placement };
+        Source { form: self.form.clone(), placement, flipped: self.flipped }
     }
 
     /// How many primitives it becomes, at most.
@@ -180,10 +188,7 @@ impl Source {
             }
             _ => (DVec3::ZERO, linear),
         };
-        // As in Mitsuba, a mirror image of a round shape is turned inside out.
-        let mirrored = relative_determinant(&m) < 0.0;
-        let flipped = self.placement.flip_normals != mirrored;
-        Round { origin: m.transform_point3(origin), axes, flipped }
+        Round { origin: m.transform_point3(origin), axes, flipped: self.flipped }
     }
 
     /// The corners of a box around the shape in the world.
@@ -303,16 +308,27 @@ fn read_mesh(kind: ShapeKind, query: &Query) -> Result<(Mesh, bool), SceneError>
     let name = query.string("filename")?;
     let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
     let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
-    let bytes = std::fs::read(&path)
+    let bytes = read_bytes(&path)
         .map_err(|e| query.error_at("filename", format!("{}: {e}", path.display())))?;
+    let mut number = None;
     let (mut mesh, flat) = match kind {
         ShapeKind::Obj => (obj::read(&bytes, &path)?, false),
         ShapeKind::Serialized => {
             let index = query.integer("shape_index", 0, i64::from(u32::MAX))?.unwrap_or(0);
-            serialized::read(&bytes, &path, index as usize)?
+            let read = serialized::read(&bytes, &path, index as usize)?;
+            number = Some(index);
+            read
         }
         _ => (ply::read(&bytes, &path)?, false),
     };
+    if mesh.triangles.is_empty() {
+        let error = SceneError::in_file(&path, "the mesh has no triangles");
+        return Err(number.map_or(error.clone(), |index| error.about(format!("mesh {index}"))));
+    }
+    if mesh.texcoords.iter().any(|uv| uv.abs().max_element() > MAX_COORDINATE) {
+        let message = format!("texture coordinates must be at most {MAX_COORDINATE:e}");
+        return Err(SceneError::in_file(&path, message));
+    }
     // As Mitsuba: files in OBJ have v upwards, pictures have their first row at v = 0.
     let flip = query.boolean("flip_tex_coords")?.unwrap_or(kind == ShapeKind::Obj);
     if flip {

@@ -39,6 +39,15 @@ pub struct End {
     pub on: Option<PrimitiveId>,
 }
 
+/// A surface that an end lies on.
+#[derive(Clone, Copy, Debug)]
+pub struct On<'a> {
+    /// The surface.
+    pub surface: &'a Primitive,
+    /// Its unit normal at the end.
+    pub normal: Vec3,
+}
+
 /// A primitive in the scaled scene, and its place in the list of the scene.
 #[derive(Clone, Copy, Debug)]
 struct Item {
@@ -92,8 +101,8 @@ impl Tracer {
         Self { tree, items: order.iter().map(item).collect(), scale }
     }
 
-    /// The nearest hit of a ray. `start` is the primitive itself that the ray starts on, if any.
-    pub fn nearest(&self, from: End, start: Option<&Primitive>, direction: Vec3) -> Option<RawHit> {
+    /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
+    pub fn nearest(&self, from: End, start: Option<On>, direction: Vec3) -> Option<RawHit> {
         let query = Segment::new(self.scale, from, start, direction)?;
         let mut best: Option<RawHit> = None;
         self.tree.visit(query.tree_ray(f32::INFINITY), |index| {
@@ -109,18 +118,14 @@ impl Tracer {
     }
 
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
-    pub fn is_open(&self, from: End, start: Option<&Primitive>, direction: Vec3) -> bool {
+    pub fn is_open(&self, from: End, start: Option<On>, direction: Vec3) -> bool {
         let Some(query) = Segment::new(self.scale, from, start, direction) else { return true };
         let ray = query.tree_ray(f32::INFINITY);
         self.tree.is_free(ray, |index| query.test(&self.items[index]).is_some())
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
-    pub fn unoccluded(
-        &self,
-        from: (End, Option<&Primitive>),
-        to: (End, Option<&Primitive>),
-    ) -> bool {
+    pub fn unoccluded(&self, from: (End, Option<On>), to: (End, Option<On>)) -> bool {
         let towards = to.0.point - from.0.point;
         let a = lifted(from.0.point, from.1, towards);
         let offset = lifted(to.0.point, to.1, -towards) - a;
@@ -166,8 +171,9 @@ struct Contact {
 }
 
 impl Contact {
-    fn new(end: End, surface: Option<&Primitive>, direction: Vec3) -> Option<Self> {
-        Some(Self { on: end.on?, along_normal: surface?.normal(end.point).dot(direction) > 0.0 })
+    #[inline]
+    fn new(end: End, surface: Option<On>, direction: Vec3) -> Option<Self> {
+        Some(Self { on: end.on?, along_normal: surface?.normal.dot(direction) > 0.0 })
     }
 
     /// Whether a plane met at a distance of `t ± t_error` from this end stands in the way.
@@ -181,7 +187,7 @@ impl Contact {
 }
 
 impl Segment {
-    fn new(scale: f32, from: End, start: Option<&Primitive>, direction: Vec3) -> Option<Self> {
+    fn new(scale: f32, from: End, start: Option<On>, direction: Vec3) -> Option<Self> {
         let direction = direction.try_normalize()?;
         if !from.point.is_finite() {
             return None;
@@ -234,17 +240,8 @@ impl Segment {
                 };
                 (t.filter(|t| *t < self.length)?, Vec3::ZERO)
             }
-            Primitive::Cylinder { base, axis, radius, .. } => {
-                let chord = |point, d| hit::cylinder_chord(point, d, base, axis);
-                let t = match (starts_here, ends_here) {
-                    (true, true) => None,
-                    (true, false) => chord(ray.origin, d),
-                    (false, true) => chord(self.end_point, -d)
-                        .map(|back| self.length - back)
-                        .filter(|t| *t > 0.0),
-                    (false, false) => hit::cylinder(ray.origin, d, base, axis, radius),
-                };
-                (t.filter(|t| *t < self.length)?, Vec3::ZERO)
+            Primitive::Cylinder { .. } => {
+                (self.cylinder(&item.primitive, starts_here, ends_here)?, Vec3::ZERO)
             }
             _ if starts_here || ends_here => return None,
             Primitive::Triangle { v0, v1, v2 } => {
@@ -261,6 +258,23 @@ impl Segment {
             }
         };
         Some(RawHit { primitive: item.id, t: t.max(0.0), weights })
+    }
+
+    /// The distance at which the segment meets the side of a cylinder, as for a sphere.
+    #[inline(never)]
+    fn cylinder(&self, cylinder: &Primitive, starts_here: bool, ends_here: bool) -> Option<f32> {
+        let Primitive::Cylinder { base, axis, radius, .. } = *cylinder else { return None };
+        let (origin, d) = (self.ray.origin, self.ray.direction);
+        let chord = |point, d| hit::cylinder_chord(point, d, base, axis);
+        let t = match (starts_here, ends_here) {
+            (true, true) => None,
+            (true, false) => chord(origin, d),
+            (false, true) => {
+                chord(self.end_point, -d).map(|back| self.length - back).filter(|t| *t > 0.0)
+            }
+            (false, false) => hit::cylinder(origin, d, base, axis, radius),
+        };
+        t.filter(|t| *t < self.length)
     }
 
     /// Whether the meeting with a plane lies within the segment.
@@ -287,13 +301,13 @@ impl Segment {
 }
 
 /// A point on a surface moved off it to the side of `direction` by a bound of its rounding error.
-fn lifted(point: Vec3, surface: Option<&Primitive>, direction: Vec3) -> Vec3 {
-    let Some(surface) = surface else {
+#[inline]
+fn lifted(point: Vec3, surface: Option<On>, direction: Vec3) -> Vec3 {
+    let Some(On { surface, normal }) = surface else {
         return point;
     };
     let bounds = surface.bounds();
     let size = bounds.min.abs().max(bounds.max.abs());
-    let normal = surface.normal(point);
     let distance = LIFT * normal.abs().dot(size);
     point + normal * distance.copysign(normal.dot(direction))
 }

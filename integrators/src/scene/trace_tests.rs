@@ -294,7 +294,9 @@ fn leaving(random: &mut Random, normal: Vec3) -> Vec3 {
         d -= normal * d.dot(normal) * 0.999;
     }
     let d = d.normalize();
-    if d.dot(normal) < 0.0 { d - 2.0 * d.dot(normal) * normal } else { d }
+    let d = if d.dot(normal) < 0.0 { d - 2.0 * d.dot(normal) * normal } else { d };
+    // Within rounding of the surface there is neither above nor below.
+    if d.dot(normal) > 4.0 * f32::EPSILON { d } else { normal }
 }
 
 #[test]
@@ -359,6 +361,162 @@ fn spheres_are_left_through_the_other_side() {
     assert!(scene.visible(Vec3::new(0.0, 0.0, 2.0), None, top, id));
     assert!(scene.visible(Vec3::ZERO, None, top, id));
     assert!(!scene.visible(2.0 * Vec3::X, None, -2.0 * Vec3::X, None));
+}
+
+/// The room of [`room`] without its sphere, each wall a fan about another of its corners.
+fn turned_room(scale: f32, turn: usize) -> Scene {
+    let mut obj = String::new();
+    for i in 0..8u32 {
+        let sign = |axis: u32| if i >> axis & 1 == 1 { 1 } else { -1 };
+        obj += &format!("v {} {} {}\n", sign(0), sign(1), sign(2));
+    }
+    for (index, face) in
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
+            .iter()
+            .enumerate()
+    {
+        let corner = |i: usize| face[(i + turn * (index + 1)) % 4] + 1;
+        obj += &format!("f {} {} {} {}\n", corner(0), corner(1), corner(2), corner(3));
+    }
+    let folder = std::env::temp_dir().join(format!("aether-rooms-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(format!("{turn}.obj"));
+    std::fs::write(&path, obj).unwrap();
+    scene(&format!(
+        "<shape type=\"obj\"><string name=\"filename\" value=\"{}\"/>
+         <boolean name=\"face_normals\" value=\"true\"/><boolean name=\"flip_normals\" value=\"true\"/>
+         <transform name=\"to_world\"><rotate x=\"1\" y=\"2\" angle=\"33\"/>
+         <translate x=\"5\" y=\"-7\" z=\"3\"/><scale value=\"{scale}\"/></transform></shape>",
+        path.display()
+    ))
+}
+
+/// How many rays leave a closed room: rays aimed at its edges and corners from within, and from where they
+/// meet them on in directions that are often grazing.
+fn leaks(scene: &Scene, rays: u32, seed: u64) -> u32 {
+    let mut random = Random(seed);
+    let middle = 0.5 * (scene.bounds.min + scene.bounds.max);
+    let corners: Vec<Vec3> = scene
+        .primitives
+        .iter()
+        .flat_map(|p| {
+            let Primitive::Triangle { v0, v1, v2 } = *p else { panic!("a wall") };
+            [v0, v1, v2, v0]
+        })
+        .collect();
+    let mut leaks = 0;
+    let report = |from: &Hit, d: Vec3| {
+        let Hit { primitive, position, weights, geometric_normal, .. } = from;
+        println!("from {primitive:?} at {position}, weights {weights}, towards {d}");
+        println!("  normal {geometric_normal}, cosine {:e}", d.dot(*geometric_normal));
+        for (index, wall) in scene.primitives.iter().enumerate() {
+            let Primitive::Triangle { v0, .. } = *wall else { continue };
+            let n = wall.normal(v0).as_dvec3();
+            let height = n.dot(position.as_dvec3() - v0.as_dvec3()) / f64::from(f32::EPSILON);
+            let relative = height / f64::from(v0.abs().max_element());
+            println!("  {index}: {relative:.2} above, cosine {:e}", n.dot(d.as_dvec3()));
+        }
+    };
+    for _ in 0..rays / 4 {
+        let first = 4 * (random.uniform() * (corners.len() / 4) as f32) as usize;
+        let edge = first + (3.0 * random.uniform()) as usize;
+        // On the edge, towards one end more often than elsewhere.
+        let s = random.uniform().powi(if random.uniform() < 0.5 { 1 } else { 24 });
+        let target = corners[edge].lerp(corners[edge + 1], s);
+        // Inside: a cube within the room's inner sphere.
+        let from = middle + (target - middle).length() * 0.3 * random.in_cube();
+        let mut last = scene.intersect(from, target - from, None);
+        for _ in 0..3 {
+            let Some(hit) = last else {
+                leaks += 1;
+                break;
+            };
+            let d = leaving(&mut random, hit.geometric_normal);
+            last = scene.intersect(hit.position, d, Some(hit.primitive));
+            if last.is_none() && leaks < 5 {
+                report(&hit, d);
+            }
+        }
+        leaks += u32::from(last.is_none());
+    }
+    leaks
+}
+
+#[test]
+fn rays_aimed_at_edges_stay_in_a_room() {
+    // `AETHER_RAYS=100000000 cargo test … -- rays_aimed --nocapture` for a longer look.
+    let rays = std::env::var("AETHER_RAYS").ok().and_then(|n| n.parse().ok()).unwrap_or(1_000_000);
+    let mut found = Vec::new();
+    for (seed, scale) in (1..).zip([1e-6, 1.0, 1e6]) {
+        for turn in 0..4 {
+            let leaks = leaks(&turned_room(scale, turn), rays / 12, seed);
+            println!("scale {scale}, corners turned by {turn}: {leaks} of {} leak", rays / 12);
+            found.push(leaks);
+        }
+    }
+    assert_eq!(found, [0; 12]);
+}
+
+#[test]
+fn cylinders_are_left_through_the_other_side_or_an_end() {
+    let scene =
+        scene("<shape type=\"cylinder\"><point name=\"p0\" x=\"0\" y=\"0\" z=\"-1\"/></shape>");
+    let id = Some(PrimitiveId(0));
+    let side = Vec3::X;
+    let hit = scene.intersect(side, -Vec3::X, id).unwrap();
+    assert_eq!((hit.t, hit.position, hit.geometric_normal), (2.0, -Vec3::X, -Vec3::X));
+    assert_eq!(scene.intersect(side, Vec3::new(-1.0, 0.0, 1.0), id), None);
+    assert_eq!(scene.intersect(side, Vec3::X, id), None);
+    assert_eq!(scene.intersect(side, Vec3::Z, id), None);
+    // From outside through an end to the inside, and past it.
+    let slanted = Vec3::new(1.0, 0.0, -1.0);
+    let inside = scene.intersect(Vec3::new(-0.5, 0.0, 2.0), slanted, None).unwrap();
+    assert!((inside.position - Vec3::new(1.0, 0.0, 0.5)).length() < 1e-6);
+    assert_eq!(scene.intersect(Vec3::new(-0.5, 0.0, 3.0), slanted, None), None);
+    assert_eq!(scene.intersect(Vec3::ZERO, Vec3::Z, None), None);
+    assert!(scene.visible(side, id, -Vec3::X, id));
+    assert!(scene.visible(side, id, Vec3::new(0.0, 0.0, 3.0), None));
+    assert!(!scene.visible(side, id, Vec3::new(-3.0, 0.0, 0.0), None));
+    assert!(!scene.visible(Vec3::new(-3.0, 0.0, 0.0), None, side, id));
+}
+
+#[test]
+fn round_surfaces_do_not_hit_themselves() {
+    for scale in [1e-6, 1.0, 1e6] {
+        // A closed drum: a cylinder with two disks.
+        let scene = scene(&format!(
+            "<shape type=\"cylinder\"><boolean name=\"flip_normals\" value=\"true\"/>
+             <point name=\"p1\" x=\"2\" y=\"1\" z=\"-1\"/>
+             <transform name=\"to_world\"><translate x=\"5\"/><scale value=\"{scale}\"/></transform></shape>
+             <shape type=\"sphere\"><boolean name=\"flip_normals\" value=\"true\"/>
+             <point name=\"center\" x=\"1\" y=\"0.5\" z=\"-0.5\"/><float name=\"radius\" value=\"3\"/>
+             <transform name=\"to_world\"><translate x=\"5\"/><scale value=\"{scale}\"/></transform></shape>"
+        ));
+        let center = (f64::from(scale) * DVec3::new(6.0, 0.5, -0.5) - scene.origin).as_vec3();
+        let mut random = Random(8);
+        let (mut last, mut escaped, mut near): (Option<Hit>, u32, u32) = (None, 0, 0);
+        for _ in 0..50_000 {
+            let mut cosine = 0.0;
+            let hit = match last {
+                Some(from) => {
+                    let side = if random.uniform() < 0.5 { 1.0 } else { -1.0 };
+                    let side = if from.primitive.0 == 1 { 1.0 } else { side };
+                    let d = leaving(&mut random, side * from.geometric_normal);
+                    cosine = d.dot(from.geometric_normal).abs();
+                    scene.intersect(from.position, d, Some(from.primitive))
+                }
+                None => scene.intersect(center, random.direction(), None),
+            };
+            escaped += u32::from(hit.is_none());
+            if let (Some(from), Some(hit)) = (&last, &hit) {
+                // A surface is met again only across its inside.
+                let same = from.primitive == hit.primitive;
+                near += u32::from(same && cosine > 1e-5 && hit.t < 1e-6 * scale);
+            }
+            last = hit;
+        }
+        assert_eq!((escaped, near), (0, 0), "scale {scale}");
+    }
 }
 
 #[test]

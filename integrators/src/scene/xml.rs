@@ -10,10 +10,11 @@ use roxmltree::Node;
 
 use super::document::{Document, Object, ObjectId, Property, Value};
 use super::error::{Place, SceneError, Source};
-use super::files::{find_file, read_text};
+use super::files::{MOST_TEXT, find_file, read_text};
 use super::params::Parameters;
 use super::spectrum::Spectrum;
 use super::transform::axes;
+use super::upgrade::upgrade;
 use super::values;
 
 /// Tags that make an object.
@@ -55,6 +56,7 @@ pub fn read_str(
         parameters: Parameters::new(defines),
         references: Vec::new(),
         includes: 0,
+        included: 0,
     };
     let source = Arc::new(Source { path: path.to_path_buf(), text: text.to_owned() });
     reader.read(source, Rc::new(vec![folder]), None, 0)?;
@@ -65,6 +67,7 @@ pub fn read_str(
         ));
     }
     reader.resolve_references()?;
+    reader.document.objects.iter_mut().filter(|object| object.old).for_each(upgrade);
     reader.document.reject_cycles()?;
     Ok(reader.document)
 }
@@ -76,6 +79,8 @@ pub(super) struct Reader {
     /// Object, index of its property, the id that it names.
     references: Vec<(ObjectId, usize, String)>,
     includes: usize,
+    /// Bytes of included files.
+    included: u64,
 }
 
 /// The file being read.
@@ -167,8 +172,7 @@ impl Reader {
         match tag {
             "default" => {
                 let a = self.attributes(&place, node, &["name", "value"], &[])?;
-                self.parameters.set_default(&a[0].1, &a[1].1);
-                Ok(())
+                self.parameters.set_default(&a[0].1, &a[1].1).map_err(|e| place.error(e))
             }
             "include" => self.include(context, node, &place, parent),
             "path" => self.path(context, node, &place, parent),
@@ -218,6 +222,7 @@ impl Reader {
             properties: Vec::new(),
             place: place.clone(),
             folders: context.folders.clone(),
+            old: context.old,
         });
         if let Some(parent) = parent {
             let name = context.name(attribute(&a, "name").unwrap_or(""));
@@ -240,9 +245,18 @@ impl Reader {
         value: Value,
         place: Place,
     ) -> Result<(), SceneError> {
-        let properties = &mut self.document.objects[object].properties;
-        if !name.is_empty() && properties.iter().any(|p| p.name == name) {
-            return Err(place.error(format!("a second property named \"{name}\"")));
+        let Object { properties, old, .. } = &mut self.document.objects[object];
+        let named = if name.is_empty() { &mut [] } else { &mut properties[..] };
+        if let Some(before) = named.iter_mut().find(|p| p.name == name) {
+            let error = place.error(format!("a second property named \"{name}\""));
+            let objects = [&before.value, &value].map(|v| matches!(v, Value::Object(_)));
+            if !*old || objects.contains(&true) {
+                return Err(error);
+            }
+            // The last one counted in version 0.x.
+            *before = Property { name, value, place };
+            self.document.warn(error);
+            return Ok(());
         }
         properties.push(Property { name, value, place });
         Ok(())
@@ -294,6 +308,10 @@ impl Reader {
         }
         let path = find_file(&a[0].1, &context.folders).map_err(|e| place.error(e))?;
         let text = read_text(&path).map_err(|e| place.error(format!("{}: {e}", path.display())))?;
+        self.included += text.len() as u64;
+        if self.included > MOST_TEXT {
+            return Err(place.error(format!("the includes are larger than {MOST_TEXT} bytes")));
+        }
         let mut folders = vec![path.parent().unwrap_or(Path::new("")).to_path_buf()];
         folders.extend(context.folders.iter().cloned());
         let source = Arc::new(Source { path, text });

@@ -17,7 +17,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 24] = [
+const MODELS: [(&str, u32); 29] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -42,6 +42,11 @@ const MODELS: [(&str, u32); 24] = [
     ("point", 128),
     ("spot", 128),
     ("directional", 128),
+    ("thinlens", 128),
+    ("orthographic", 128),
+    ("crop", 128),
+    ("cylinder", 256),
+    ("instance", 128),
 ];
 
 /// The chance that any of the comparisons with stored images fails for no reason, over the seeds.
@@ -233,6 +238,16 @@ fn a_kind_that_is_too_small_is_an_error() {
     assert_eq!(message("constant"), Some(expected("Constant")));
     assert_eq!(message("mask"), Some(expected("Mask")));
     assert_eq!(message("directional"), Some(expected("Directional")));
+    for (sensor, feature) in [("thinlens", "ThinLens"), ("orthographic", "Orthographic")] {
+        let radius = r#"<float name="aperture_radius" value="1"/>"#;
+        let radius = if feature == "ThinLens" { radius } else { "" };
+        let xml = format!(
+            r#"<scene version="3.0.0"><sensor type="{sensor}">{radius}</sensor><shape type="sphere"/></scene>"#
+        );
+        let scene = Scene::from_str(&xml, Path::new("."), &[]).unwrap();
+        let error = PathTracer::<DiffuseRooms>::new(&scene, settings(&scene), 1).err();
+        assert_eq!(error.map(|e| e.to_string()), Some(expected(feature)));
+    }
     // Textures, which would otherwise be their mean colour.
     let checked =
         furnace(r#"<bsdf type="diffuse"><texture type="checkerboard" name="reflectance"/></bsdf>"#);
