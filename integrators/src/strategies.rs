@@ -136,7 +136,7 @@ pub fn sample_bsdf<K: SceneKind>(
     }
 }
 
-/// A light, chosen by its power, and a point on it: of a sphere only what can be seen, by the cone of
+/// A light, chosen by its power or by what it does here, and a point on it: of a sphere only what can be seen, by the cone of
 /// directions that it fills, unless it is so far away that single precision could not tell them apart; of a
 /// triangle that fills much of the view a direction, all alike ([`triangle_of`]).
 #[strategy(connected = false)]
@@ -145,7 +145,7 @@ pub fn sample_light<K: SceneKind>(
     world: &World<'_, K>,
 ) -> SceneVertex<K> {
     let here = given(path.last());
-    let lights = given(world.lights.choice.as_ref());
+    let lights = given(world.lights.seen_from(&here));
     let light = choose(lights).identified_by(|v: &SceneVertex<K>| world.lights.index_of(v));
     match light {
         Light::Area(light) => {
