@@ -153,6 +153,9 @@ pub fn sample_light<K: SceneKind>(
             let id = SurfaceId(light.emitter.primitive);
             let point = match light.shape {
                 Primitive::Triangle { v0, v1, v2 } => {
+                    if !world.faces(light, here.position) {
+                        return stop();
+                    }
                     let seen = triangle_of(here.position, [v0, v1, v2], light.emitter.area);
                     if let Some((frame, directions)) = seen {
                         let local = draw(directions);
@@ -179,6 +182,9 @@ pub fn sample_light<K: SceneKind>(
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
                 Primitive::Disk { center, u_axis, v_axis, .. } => {
+                    if !world.faces(light, here.position) {
+                        return stop();
+                    }
                     draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
                 }
             };

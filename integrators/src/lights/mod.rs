@@ -12,6 +12,8 @@ use crate::vertex::{Place, SceneVertex, SkyOf};
 
 mod bounds;
 pub mod hierarchy;
+#[cfg(test)]
+mod tests;
 
 use bounds::Extent;
 use hierarchy::{Group, Hierarchy, Lit};
