@@ -72,6 +72,9 @@ impl Extent {
 /// The least cone around two cones, each an axis and a half angle.
 fn cone_around(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     let ((axis, half), (other, least)) = if a.1 >= b.1 { (a, b) } else { (b, a) };
+    if half >= PI {
+        return (axis, PI);
+    }
     // By the half chord, which keeps its digits for small angles.
     let between = 2.0 * (0.5 * (other - axis).length()).min(1.0).asin();
     if (between + least).min(PI) <= half {

@@ -148,8 +148,8 @@ fn lights_that_are_atoms_have_their_closed_answers() {
 fn the_hierarchy_and_power_agree() {
     let lamps: String = (0..40)
         .map(|k| {
-            let (turn, height) = (0.7 * k as f32, 0.3 + 0.05 * k as f32);
-            let place = Vec3::new(turn.cos(), turn.sin(), height);
+            let (turn, reach) = (0.7 * k as f32, 0.3 + 0.15 * k as f32);
+            let place = Vec3::new(reach * turn.cos(), reach * turn.sin(), 0.4);
             area(
                 "sphere",
                 &format!(
