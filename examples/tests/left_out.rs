@@ -11,8 +11,13 @@ type Slice<'a> = EndianSlice<'a, LittleEndian>;
 
 /// Parts of the names of functions that only some kinds need.
 const GLASS: [&str; 3] = ["RefractIn", "RefractOut", "VisibleGgxNormals"];
-const OTHERS: [&str; 4] =
-    ["UniformDirections", "fresnel9conductor", "intensity_towards", "rough_plastic"];
+const OTHERS: [&str; 5] = [
+    "UniformDirections",
+    "LatitudeLongitude",
+    "fresnel9conductor",
+    "intensity_towards",
+    "rough_plastic",
+];
 
 /// The linkage names of all functions whose code is in a program, inlined ones included.
 fn functions(program: &str) -> BTreeSet<String> {

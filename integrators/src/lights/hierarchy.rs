@@ -204,7 +204,7 @@ mod tests {
     use crate::scene::Primitive;
 
     /// Random small triangles in a box, and two lights from afar.
-    fn lights(count: u32) -> (Vec<(u32, Extent)>, Vec<(u32, f32)>) {
+    fn lights(count: u32) -> (Vec<(u32, Extent)>, [(u32, f32); 2]) {
         let mut random = Pcg32::new(3, 0, 0);
         let mut next = || UniformSource::<f32>::next(&mut random);
         let near = (0..count).map(|number| {
@@ -214,7 +214,7 @@ mod tests {
             let weight = if number % 50 == 0 { 1e4 } else { next() };
             (number, Extent::of_primitive(&shape, shape.normal(v0), weight))
         });
-        (near.collect(), vec![(count, 0.5), (count + 1, 2.0)])
+        (near.collect(), [(count, 0.5), (count + 1, 2.0)])
     }
 
     #[test]
