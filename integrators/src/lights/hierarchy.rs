@@ -203,8 +203,10 @@ mod tests {
     use super::*;
     use crate::scene::Primitive;
 
+    type Near = (u32, Extent);
+
     /// Random small triangles in a box, and two lights from afar.
-    fn lights(count: u32) -> (Vec<(u32, Extent)>, [(u32, f32); 2]) {
+    fn lights(count: u32) -> (Vec<Near>, [(u32, f32); 2]) {
         let mut random = Pcg32::new(3, 0, 0);
         let mut next = || UniformSource::<f32>::next(&mut random);
         let near = (0..count).map(|number| {
