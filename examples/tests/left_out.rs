@@ -11,8 +11,14 @@ type Slice<'a> = EndianSlice<'a, LittleEndian>;
 
 /// Parts of the names of functions that only some kinds need.
 const GLASS: [&str; 3] = ["RefractIn", "RefractOut", "VisibleGgxNormals"];
-const OTHERS: [&str; 5] =
-    ["UniformDirections", "fresnel9conductor", "intensity_towards", "rough_plastic", "ParallelHit"];
+const OTHERS: [&str; 6] = [
+    "UniformDirections",
+    "LatitudeLongitude",
+    "fresnel9conductor",
+    "intensity_towards",
+    "rough_plastic",
+    "ParallelHit",
+];
 
 /// The linkage names of all functions whose code is in a program, inlined ones included.
 fn functions(program: &str) -> BTreeSet<String> {

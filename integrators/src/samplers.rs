@@ -210,6 +210,8 @@ pub fn uniform_cone(u: [Uniform; 2], depth: f64) -> Direction {
     tau in 1e-3..=1.0, from in -1.5707..=1.5707, half in 1e-5..=3.1, where from + half <= 1.5707
 )]
 pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Direction {
+    // The corner itself loses its azimuth, and next to it squares of coordinates vanish.
+    require(u[1] > 1e-18);
     let w = (from + half * u[0]).tan() / tau;
     let phi = (w * (1.0 + tau * tau)).atan2(tau * (1.0 - w * w));
     let depth = 2.0 * (tau * tau + w * w) / ((1.0 + tau * tau) * (1.0 + w * w));

@@ -197,7 +197,7 @@ pub fn sample_bsdf<K: SceneKind>(
     }
 }
 
-/// A light, chosen by its power, and a point on it: of a sphere only what can be seen, by the cone of
+/// A light, chosen by its power or by what it does here, and a point on it: of a sphere only what can be seen, by the cone of
 /// directions that it fills, unless it is so far away that single precision could not tell them apart; of a
 /// triangle that fills much of the view a direction, all alike ([`triangle_of`]).
 #[strategy(connected = false)]
@@ -206,7 +206,7 @@ pub fn sample_light<K: SceneKind>(
     world: &World<'_, K>,
 ) -> SceneVertex<K> {
     let here = given(path.last());
-    let lights = given(world.lights.choice.as_ref());
+    let lights = given(world.lights.seen_from(&here));
     let light = choose(lights).identified_by(|v: &SceneVertex<K>| world.lights.index_of(v));
     match light {
         Light::Area(light) => {
@@ -214,6 +214,9 @@ pub fn sample_light<K: SceneKind>(
             let id = SurfaceId(light.emitter.primitive);
             let point = match light.shape {
                 Primitive::Triangle { v0, v1, v2 } => {
+                    if !world.faces(light, here.position) {
+                        return stop();
+                    }
                     let seen = triangle_of(here.position, [v0, v1, v2], light.emitter.area);
                     if let Some((frame, directions)) = seen {
                         let local = draw(directions);
@@ -244,6 +247,9 @@ pub fn sample_light<K: SceneKind>(
                     draw(uniform_cylinder(base.into(), frame, axis.length(), radius, id))
                 }
                 Primitive::Disk { center, u_axis, v_axis, .. } => {
+                    if !world.faces(light, here.position) {
+                        return stop();
+                    }
                     draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
                 }
             };

@@ -162,6 +162,18 @@ impl<'s, K: SceneKind> World<'s, K> {
         self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
     }
 
+    /// Whether a flat light shines to the side on which a point lies.
+    pub fn faces(&self, light: &AreaLight, point: Vec3) -> bool {
+        let (on, normal) = match light.shape {
+            Primitive::Triangle { v0, .. } => {
+                (v0, self.scene.normal(PrimitiveId(light.emitter.primitive), v0))
+            }
+            Primitive::Disk { center, normal, .. } => (center, normal),
+            Primitive::Sphere { .. } | Primitive::Cylinder { .. } => return true,
+        };
+        normal.dot(point - on) > 0.0
+    }
+
     /// The piece of a light that a ray in one of the directions in which it is seen meets first.
     pub fn lit(
         &self,

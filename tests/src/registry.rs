@@ -296,6 +296,9 @@ registry! {
                 .then(facets::refract_in(view(p(1)), p(2))?),
             [[0.5, 0.6, 0.667], [0.1, 0.9, 0.75], [1e-2, 0.3, 0.667], [1e-4, 0.6, 0.5]];
         "sphere light by its cone" LightCone: |p| renderer::uniform_cone(p(0))?, [[0.5], [1e-3], [1e-7], [1.0]];
+        "triangle light by direction" TriangleByDirection:
+            |p| renderer::spherical_triangle(p(0), p(1), p(2))?,
+            [[0.6, -0.6, 1.2], [0.9, -0.7, 1.6], [0.2, 0.05, 0.1], [0.03, -0.02, 0.01]];
         "sky" Sky: |p| renderer::uniform_directions(), [[]];
         "triangle light" TriangleLight:
             |p| renderer::uniform_triangle(vector(p, 0), vector(p, 3), vector(p, 6), SurfaceId(0)),

@@ -55,20 +55,25 @@ struct Node<N> {
     data: N,
     /// Sum of the weights of the leaves below, relative to the heaviest leaf.
     weight: f64,
-    parent: Option<usize>,
+    /// [`NO_PARENT`] for the root.
+    parent: u32,
     kind: Kind,
 }
 
+/// In place of the number of a parent.
+const NO_PARENT: u32 = u32::MAX;
+
+/// Numbers of nodes and leaves have 32 bits: there may be millions.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    Leaf(usize),
-    Branch([usize; 2]),
+    Leaf(u32),
+    Branch([u32; 2]),
 }
 
 #[derive(Clone, Debug)]
 struct Leaf<T> {
     item: T,
-    node: usize,
+    node: u32,
 }
 
 /// How important a part of a tree is. Implement it for what a query is (a shading point), or pass a
@@ -141,8 +146,12 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> TreeView<'t, T, N, I, R> {
     pub fn probability(&self, leaf: usize) -> R {
         let Some(leaf) = self.tree.leaves.get(leaf) else { return R::ZERO };
         let (mut node, mut p) = (leaf.node, 1.0);
-        while let Some(parent) = self.tree.nodes[node].parent {
-            if let Kind::Branch(children) = self.tree.nodes[parent].kind {
+        loop {
+            let parent = self.tree.nodes[node as usize].parent;
+            if parent == NO_PARENT {
+                break;
+            }
+            if let Kind::Branch(children) = self.tree.nodes[parent as usize].kind {
                 let left = self.left(children);
                 p *= if node == children[0] { left } else { 1.0 - left };
             }
@@ -159,7 +168,8 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> TreeView<'t, T, N, I, R> {
 
     /// Probability of the left one of two branches. Of two branches that are both important each has
     /// at least the probability that uniforms resolve, so that none is lost to rounding.
-    fn left(&self, [left, right]: [usize; 2]) -> f64 {
+    fn left(&self, children: [u32; 2]) -> f64 {
+        let [left, right] = children.map(|child| child as usize);
         let nodes = &self.tree.nodes;
         let weights = [nodes[left].weight, nodes[right].weight];
         if weights[0] == 0.0 || weights[1] == 0.0 {
@@ -199,6 +209,7 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
         loop {
             match self.tree.nodes[node].kind {
                 Kind::Leaf(index) => {
+                    let index = index as usize;
                     let item = &self.tree.leaves[index].item;
                     let choice = Choice { index, item, probability: R::of(p) };
                     return (choice, R::of(rest).min(below_one()));
@@ -209,7 +220,7 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
                         if rest < left { (0, 0.0, left) } else { (1, left, 1.0 - left) };
                     rest = ((rest - low) / width).min(below_one());
                     p *= width;
-                    node = children[branch];
+                    node = children[branch] as usize;
                 }
             }
         }
@@ -222,12 +233,13 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
         while let Some((node, p)) = waiting.pop() {
             match self.tree.nodes[node].kind {
                 Kind::Leaf(index) => {
+                    let index = index as usize;
                     let item = &self.tree.leaves[index].item;
                     visit(Choice { index, item, probability: R::of(p) });
                 }
                 Kind::Branch([left, right]) => {
                     let share = self.left([left, right]);
-                    let parts = [(right, p * (1.0 - share)), (left, p * share)];
+                    let parts = [(right as usize, p * (1.0 - share)), (left as usize, p * share)];
                     waiting.extend(parts.into_iter().filter(|(_, p)| R::of(*p) > R::ZERO));
                 }
             }

@@ -212,7 +212,21 @@ fn errors_say_where_and_what() {
         (
             "<emitter type=\"sunsky\"/>",
             "scene.xml:3:1: <emitter type=\"sunsky\">: not supported; supported: area (inside a \
-          <shape>), constant, point, spot, directional",
+          <shape>), constant, envmap, point, spot, directional",
+        ),
+        (
+            "<emitter type=\"envmap\"/>",
+            "scene.xml:3:1: <emitter type=\"envmap\">: the string \"filename\" is missing",
+        ),
+        (
+            "<emitter type=\"envmap\"><string name=\"filename\" value=\"../tests/scenes/textures/sky.exr\"/>\
+             <transform name=\"to_world\"><scale x=\"2\"/></transform></emitter>",
+            "scene.xml:3:1: <emitter type=\"envmap\">: a sky can be turned and mirrored, but not distorted",
+        ),
+        (
+            "<emitter type=\"envmap\"><string name=\"filename\" value=\"../tests/scenes/textures/picture.png\"/>\
+             <float name=\"scale\" value=\"-1\"/></emitter>",
+            "scene.xml:3:94: <float name=\"scale\">: must not be negative",
         ),
         (
             "<emitter type=\"area\"/>",

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::{Kind, Leaf, Node, Tree};
+use super::{Kind, Leaf, NO_PARENT, Node, Tree};
 use crate::discrete::WeightError;
 use crate::discrete::weights::relative;
 
@@ -29,6 +29,8 @@ pub enum TreeError {
     Unknown(NodeId),
     /// Not all nodes are joined: this many have no parent.
     Roots(usize),
+    /// More nodes than can be numbered.
+    TooMany(usize),
 }
 
 impl fmt::Display for TreeError {
@@ -45,6 +47,9 @@ impl fmt::Display for TreeError {
                 f,
                 "{count} nodes have no parent: join them until one is left, or call `pair_up`"
             ),
+            TreeError::TooMany(count) => {
+                write!(f, "{count} nodes: a tree has less than {NO_PARENT}")
+            }
         }
     }
 }
@@ -66,8 +71,9 @@ impl<T, N> TreeBuilder<T, N> {
     /// Adds a leaf. Leaves are numbered from zero; several may hold equal items.
     pub fn leaf(&mut self, item: T, weight: f64, data: N) -> NodeId {
         let node = self.nodes.len();
-        self.nodes.push(Node { data, weight, parent: None, kind: Kind::Leaf(self.leaves.len()) });
-        self.leaves.push(Leaf { item, node });
+        let kind = Kind::Leaf(number(self.leaves.len()));
+        self.nodes.push(Node { data, weight, parent: NO_PARENT, kind });
+        self.leaves.push(Leaf { item, node: number(node) });
         self.weights.push(weight);
         NodeId(node)
     }
@@ -80,7 +86,7 @@ impl<T, N> TreeBuilder<T, N> {
         for id in [left, right] {
             match self.nodes.get(id.0) {
                 None => return Err(TreeError::Unknown(id)),
-                Some(node) if node.parent.is_some() => return Err(TreeError::Joined(id)),
+                Some(node) if node.parent != NO_PARENT => return Err(TreeError::Joined(id)),
                 Some(_) => {}
             }
         }
@@ -88,10 +94,10 @@ impl<T, N> TreeBuilder<T, N> {
             return Err(TreeError::Joined(left));
         }
         let parent = self.nodes.len();
-        self.nodes[left.0].parent = Some(parent);
-        self.nodes[right.0].parent = Some(parent);
-        let kind = Kind::Branch([left.0, right.0]);
-        self.nodes.push(Node { data, weight: 0.0, parent: None, kind });
+        self.nodes[left.0].parent = number(parent);
+        self.nodes[right.0].parent = number(parent);
+        let kind = Kind::Branch([number(left.0), number(right.0)]);
+        self.nodes.push(Node { data, weight: 0.0, parent: NO_PARENT, kind });
         Ok(NodeId(parent))
     }
 
@@ -114,19 +120,25 @@ impl<T, N> TreeBuilder<T, N> {
     /// The tree.
     ///
     /// # Errors
-    /// No leaves, or not one root; a weight that is negative, NaN or infinite; no positive weight.
+    /// No leaves, or not one root; a weight that is negative, NaN or infinite; no positive weight; more than
+    /// four billion nodes.
     pub fn build(mut self) -> Result<Tree<T, N>, TreeError>
     where
         T: Ord,
     {
+        if self.nodes.len() >= NO_PARENT as usize {
+            return Err(TreeError::TooMany(self.nodes.len()));
+        }
         let weights = relative(&self.weights).map_err(TreeError::Weights)?;
         let roots: Vec<usize> = self.roots().collect();
         let [root] = roots[..] else { return Err(TreeError::Roots(roots.len())) };
         // Children come before their parents.
         for k in 0..self.nodes.len() {
             self.nodes[k].weight = match self.nodes[k].kind {
-                Kind::Leaf(leaf) => weights[leaf],
-                Kind::Branch([a, b]) => self.nodes[a].weight + self.nodes[b].weight,
+                Kind::Leaf(leaf) => weights[leaf as usize],
+                Kind::Branch([a, b]) => {
+                    self.nodes[a as usize].weight + self.nodes[b as usize].weight
+                }
             };
         }
         let mut by_item: Vec<usize> = (0..self.leaves.len()).collect();
@@ -140,6 +152,11 @@ impl<T, N> TreeBuilder<T, N> {
     }
 
     fn roots(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.nodes.len()).filter(|k| self.nodes[*k].parent.is_none())
+        (0..self.nodes.len()).filter(|k| self.nodes[*k].parent == NO_PARENT)
     }
+}
+
+/// The number of a node or leaf; [`TreeBuilder::build`] refuses trees in which it does not fit.
+fn number(index: usize) -> u32 {
+    u32::try_from(index).unwrap_or(NO_PARENT)
 }

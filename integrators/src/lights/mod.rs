@@ -2,13 +2,21 @@
 
 use std::f32::consts::PI;
 
-use aether_core::discrete::{Choices, discrete_weighted};
+use aether_core::discrete::{Choice, Choices, Discrete, TreeView, discrete_weighted};
 use glam::Vec3;
 
 use crate::envmap::EnvironmentTable;
 use crate::kind::{NotCovered, Presence, SceneKind, With};
-use crate::scene::{Emitter, Primitive, Scene, Sky};
+use crate::scene::{Emitter, Primitive, PrimitiveId, Scene, Sky};
 use crate::vertex::{Place, SceneVertex, SkyOf};
+
+mod bounds;
+pub mod hierarchy;
+#[cfg(test)]
+mod tests;
+
+use bounds::Extent;
+use hierarchy::{Group, Hierarchy, Lit};
 
 /// An emissive primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +44,20 @@ pub enum Light<K: SceneKind> {
     Distant(With<K::Directional, (u32, Vec3)>),
 }
 
-/// All lights of a scene, chosen in proportion to their power.
+/// More lights than this are chosen by a hierarchy: it pays when lights differ in what they do at a place,
+/// and costs a walk down a tree.
+const FEW: usize = 16;
+
+/// A choice of lights in proportion to their power.
+pub type PowerChoice<K> = Choices<Vec<Light<K>>, Light<K>, f32>;
+
+/// All lights of a scene: a few are chosen in proportion to their power, many by a [`hierarchy`].
 #[derive(Clone, Debug)]
 pub struct Lights<K: SceneKind> {
-    /// The choice; none if nothing emits.
-    pub choice: Option<Choices<Vec<Light<K>>, Light<K>, f32>>,
+    /// The choice in proportion to power; none if nothing emits.
+    pub choice: Option<PowerChoice<K>>,
+    /// Which of many lights is worth sampling from where; none for few.
+    hierarchy: Option<Hierarchy>,
     /// Centre and radius of a sphere around the scene.
     pub bounds: (Vec3, f32),
     /// How to choose directions of a sky that a picture shows; none without such a picture, or if it is black.
@@ -97,8 +114,19 @@ impl<K: SceneKind> Lights<K> {
             lights.push(Light::Distant(light.ok_or_else(|| missing("Directional"))?));
         }
         // No light, or only black ones: there is nothing to choose from.
+        let hierarchy = if lights.len() > FEW { hierarchy_of(scene) } else { None };
         let choice = discrete_weighted(lights, powers).ok();
-        Ok(Lights { choice, bounds, picture, sky, bulbs, distant })
+        Ok(Lights { choice, hierarchy, bounds, picture, sky, bulbs, distant })
+    }
+
+    /// The choice of a light that is to shine on a vertex.
+    #[inline]
+    pub fn seen_from(&self, here: &SceneVertex<K>) -> Option<Selection<'_, K>> {
+        let by_power = self.choice.as_ref()?;
+        let Some(hierarchy) = &self.hierarchy else { return Some(Selection::ByPower(by_power)) };
+        let normal = here.surface().map(|surface| surface.shading);
+        let view = hierarchy.seen_by(Lit { position: here.position, normal });
+        Some(Selection::ByPlace(by_power.items(), view))
     }
 
     /// Which light a vertex lies on.
@@ -112,4 +140,81 @@ impl<K: SceneKind> Lights<K> {
             Place::Distant(index) => Some(self.distant + K::Directional::get(index) as usize),
         }
     }
+}
+
+/// The hierarchy of the lights of a scene, in the order of [`Lights::new`].
+fn hierarchy_of(scene: &Scene) -> Option<Hierarchy> {
+    let mut numbers = 0..;
+    let (mut near, mut far) = (Vec::new(), Vec::new());
+    for (emitter, number) in scene.emitters.iter().zip(&mut numbers) {
+        let (id, shape) =
+            (PrimitiveId(emitter.primitive), &scene.primitives[emitter.primitive as usize]);
+        let weight = emitter.radiance.element_sum() * emitter.area;
+        near.push((
+            number,
+            Extent::of_primitive(shape, scene.normal(id, shape.bounds().min), weight),
+        ));
+    }
+    for (sky, number) in scene.sky.iter().zip(&mut numbers) {
+        far.push((number, PI * sky.mean().element_sum()));
+    }
+    for (bulb, number) in scene.bulbs.iter().zip(&mut numbers) {
+        near.push((number, Extent::of_bulb(bulb)));
+    }
+    for (light, number) in scene.distant.iter().zip(&mut numbers) {
+        far.push((number, light.irradiance.element_sum()));
+    }
+    hierarchy::build(&near, &far)
+}
+
+/// A choice of a light.
+#[derive(Clone, Copy, Debug)]
+pub enum Selection<'w, K: SceneKind> {
+    /// In proportion to power, the same everywhere.
+    ByPower(&'w PowerChoice<K>),
+    /// By what the hierarchy says of a place.
+    ByPlace(&'w [Light<K>], TreeView<'w, u32, Group, Lit, f32>),
+}
+
+impl<'w, K: SceneKind> Discrete<f32> for Selection<'w, K> {
+    type Item<'a>
+        = &'w Light<K>
+    where
+        Self: 'a;
+
+    fn len(&self) -> usize {
+        match self {
+            Selection::ByPower(choice) => choice.len(),
+            Selection::ByPlace(lights, _) => lights.len(),
+        }
+    }
+
+    #[inline]
+    fn sample_reuse(&self, u: f32) -> (Choice<&'w Light<K>, f32>, f32) {
+        match self {
+            Selection::ByPower(choice) => Discrete::sample_reuse(choice, u),
+            Selection::ByPlace(lights, view) => {
+                let (choice, rest) = view.sample_reuse(u);
+                (of_number(lights, choice), rest)
+            }
+        }
+    }
+
+    #[inline]
+    fn get(&self, index: usize) -> Option<Choice<&'w Light<K>, f32>> {
+        match self {
+            Selection::ByPower(choice) => Discrete::get(choice, index),
+            Selection::ByPlace(lights, view) => {
+                view.get(index).map(|choice| of_number(lights, choice))
+            }
+        }
+    }
+}
+
+/// The light with the number that was chosen.
+fn of_number<'w, K: SceneKind>(
+    lights: &'w [Light<K>],
+    Choice { index, item, probability }: Choice<&u32, f32>,
+) -> Choice<&'w Light<K>, f32> {
+    Choice { index, item: &lights[*item as usize], probability }
 }

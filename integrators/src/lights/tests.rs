@@ -1,0 +1,180 @@
+//! Every light: sampling it and finding it by scattering give the same mean.
+
+use std::f32::consts::PI;
+use std::path::Path;
+
+use aether_core::{Estimator, Pcg32};
+use glam::{DMat4, Vec3};
+
+use crate::image::RgbImage;
+use crate::integrand::Radiance;
+use crate::kind::Everything;
+use crate::path::PathArena;
+use crate::scene::envmap::EnvironmentMap;
+use crate::scene::{Scene, Sky};
+use crate::strategies::{Aim, sample_bsdf, sample_camera, sample_camera_direction, sample_light};
+use crate::world::World;
+
+const SAMPLES: u32 = 40_000;
+const ALBEDO: f32 = 0.6;
+
+/// A matte floor at z = 0, seen from above in its middle, and lights.
+fn scene(lights: &str) -> Scene {
+    let xml = format!(
+        r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="0.001"/>
+        <transform name="to_world"><lookat origin="0.1,0,0.2" target="0,0,0" up="0,1,0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
+            <rfilter type="box"/></film></sensor>
+        <shape type="rectangle"><bsdf type="diffuse">
+            <rgb name="reflectance" value="{ALBEDO}"/></bsdf></shape>{lights}</scene>"#
+    );
+    Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The mean light that the floor reflects from a light directly, and the variance of that mean; the last
+/// vertex is found by sampling lights or by scattering.
+fn direct(scene: &Scene, by_light: bool, samples: u32) -> (f64, f64) {
+    direct_of(&World::new(scene).unwrap(), by_light, samples)
+}
+
+fn direct_of(world: &World<'_, Everything>, by_light: bool, samples: u32) -> (f64, f64) {
+    let mut arena = PathArena::new();
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for sample in 0..samples {
+        arena.clear();
+        let mut path = arena.sequence();
+        path.append(sample_camera(world))
+            .append(sample_camera_direction(world, Aim::Pixel((0, 0))));
+        if by_light {
+            path.append(sample_light(world));
+        } else {
+            path.append(sample_bsdf(world, 1000, None));
+        }
+        path.sample(&mut Pcg32::new(5, u64::from(by_light), u64::from(sample)));
+        let estimator = Estimator::paths(Radiance::new(world));
+        let radiance = estimator.of(&path) * estimator.integrand().response((0, 0), &path);
+        let value = f64::from(radiance.element_sum());
+        (sum, squares) = (sum + value, squares + value * value);
+    }
+    let n = f64::from(samples);
+    (sum / n, (squares / n - (sum / n).powi(2)) / (n - 1.0))
+}
+
+fn area(kind: &str, to_world: &str) -> String {
+    format!(
+        r#"<shape type="{kind}"><transform name="to_world">{to_world}</transform>
+        <emitter type="area"><rgb name="radiance" value="1,2,3"/></emitter></shape>"#
+    )
+}
+
+const DOWN: &str = r#"<rotate x="1" angle="180"/>"#;
+
+#[test]
+fn lights_are_sampled_as_they_are_found() {
+    let square = |more: &str| area("rectangle", &format!("{DOWN}{more}"));
+    let checked = square(r#"<translate x="0.3" z="1"/>"#).replace(
+        r#"<rgb name="radiance" value="1,2,3"/>"#,
+        r#"<texture name="radiance" type="checkerboard"><rgb name="color0" value="1,0.5,0.2"/>
+            <transform name="to_uv"><scale x="2" y="3"/></transform></texture>"#,
+    );
+    let cubes = (0..3).map(|k| {
+        let place = format!(r#"<scale value="0.2"/><translate x="{}" y="0.3" z="0.7"/>"#, k - 1);
+        area("cube", &place)
+    });
+    let cubes: String = cubes.collect();
+    let constant = r#"<emitter type="constant"/>"#;
+    let mut scenes = vec![
+        ("a sphere", scene(&area("sphere", r#"<scale value="0.6"/><translate x="0.4" z="1"/>"#))),
+        ("a disk", scene(&area("disk", &format!(r#"{DOWN}<translate x="0.4" z="0.8"/>"#)))),
+        ("a square near by", scene(&square(r#"<rotate y="1" angle="30"/><translate z="0.9"/>"#))),
+        ("a square far away", scene(&square(r#"<scale value="2"/><translate z="9"/>"#))),
+        ("a square with a pattern", scene(&checked)),
+        ("many triangles", scene(&cubes)),
+        ("many triangles and a sky", scene(&(cubes + constant))),
+        ("a sky", scene(constant)),
+        ("a picture of the sky", scene(constant)),
+    ];
+    let image = RgbImage::from_fn(9, 6, |x, y| [((5 * x + 3 * y) % 8) as f32, 1.0, 0.0]);
+    let map = EnvironmentMap::new(image, 0.3, &DMat4::from_rotation_x(0.9)).unwrap();
+    scenes.last_mut().unwrap().1.sky = Some(Sky::Picture(map));
+    for (what, scene) in &scenes {
+        let (light, light_variance) = direct(scene, true, SAMPLES);
+        // A far light is seldom found.
+        let samples = if what.contains("far") { 10 * SAMPLES } else { SAMPLES };
+        let (found, found_variance) = direct(scene, false, samples);
+        let error = (light_variance + found_variance).sqrt();
+        let z = (light - found) / error;
+        println!("{what}: {light:.4} {found:.4}, {z:.2} standard errors of {:.1e}", error / found);
+        // False alarms: one in 1500 for all of them, for one of these seeds.
+        assert!(z.abs() < 4.0, "{what}: {light} sampled, {found} found, {z} standard errors");
+        // An error of five percent would be noticed.
+        assert!((1.05 * light - found).abs() > 4.0 * error || what.contains("far"), "{what}");
+    }
+}
+
+#[test]
+fn lights_that_are_atoms_have_their_closed_answers() {
+    let answers = [
+        (
+            r#"<emitter type="point"><point name="position" x="1" y="2" z="2"/>
+            <rgb name="intensity" value="3"/></emitter>"#,
+            3.0 * (2.0 / 3.0) / 9.0,
+        ),
+        (
+            r#"<emitter type="spot"><rgb name="intensity" value="4"/><float name="cutoff_angle" value="30"/>
+            <transform name="to_world"><lookat origin="0,3,4" target="0,0,0" up="1,0,0"/></transform>
+            </emitter>"#,
+            4.0 * 0.8 / 25.0,
+        ),
+        (
+            r#"<emitter type="directional"><vector name="direction" x="0" y="3" z="-4"/>
+            <rgb name="irradiance" value="2"/></emitter>"#,
+            2.0 * 0.8,
+        ),
+    ];
+    for (light, irradiance) in answers {
+        let (found, _) = direct(&scene(light), true, 4);
+        let expected = f64::from(3.0 * irradiance * ALBEDO / PI);
+        assert!((found / expected - 1.0).abs() < 1e-4, "{light}: {found}, not {expected}");
+    }
+    // Next to other lights, chosen by their power.
+    let all: String = answers.iter().map(|(light, _)| *light).collect();
+    let (found, variance) = direct(&scene(&all), true, SAMPLES);
+    let sum = answers.iter().map(|(_, irradiance)| irradiance).sum::<f32>();
+    let expected = f64::from(3.0 * sum * ALBEDO / PI);
+    assert!((found - expected).abs() < 4.0 * variance.sqrt(), "{found}, not {expected}");
+}
+
+/// Many lights chosen by the hierarchy and by power alone light a place alike.
+#[test]
+fn the_hierarchy_and_power_agree() {
+    let lamps: String = (0..40)
+        .map(|k| {
+            let (turn, reach) = (0.7 * k as f32, 0.3 + 0.15 * k as f32);
+            let place = Vec3::new(reach * turn.cos(), reach * turn.sin(), 0.4);
+            area(
+                "sphere",
+                &format!(
+                    r#"<scale value="0.05"/><translate x="{}" y="{}" z="{}"/>"#,
+                    place.x, place.y, place.z
+                ),
+            )
+        })
+        .collect();
+    let scene = scene(&lamps);
+    let by_place = direct(&scene, true, SAMPLES);
+    let by_power = {
+        let mut world = World::<Everything>::new(&scene).unwrap();
+        assert!(world.lights.hierarchy.is_some());
+        world.lights.hierarchy = None;
+        direct_of(&world, true, SAMPLES)
+    };
+    let error = (by_place.1 + by_power.1).sqrt();
+    let z = (by_place.0 - by_power.0) / error;
+    println!(
+        "{:.4} {:.4}: {z:.2}; variances {:.1e} {:.1e}",
+        by_place.0, by_power.0, by_place.1, by_power.1
+    );
+    assert!(z.abs() < 4.0, "{by_place:?} by place, {by_power:?} by power: {z} standard errors");
+    assert!(by_place.1 < by_power.1);
+}
