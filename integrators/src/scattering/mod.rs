@@ -26,7 +26,7 @@ use crate::kind::{
     SceneKind,
 };
 use crate::scene::bsdf::{Facets, Metal, Roughness};
-use crate::scene::texture::{Colour, Grey, Texture, luminance};
+use crate::scene::texture::{Colour, Grey, Texture};
 use crate::vertex::Surface;
 use bump::Bumped;
 
@@ -105,7 +105,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn grey(&self, grey: &Grey) -> f32 {
         match (K::Textures::VALUE, grey.texture) {
-            (Some(_), Some(texture)) => luminance(self.textures[texture as usize].at(self.uv)),
+            (Some(_), Some(texture)) => self.textures[texture as usize].number(self.uv),
             _ => grey.value,
         }
     }
