@@ -62,6 +62,7 @@ fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
 impl<'w, K: SceneKind> Scattering<'w, K> {
     /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
     /// or if it is black on that side.
+    #[inline(always)]
     pub fn new(
         material: &'w Material<K>,
         textures: &'w [Texture],
@@ -91,7 +92,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
         };
         let view = Direction::from_vec(frame.to_local(towards));
-        if view.z.is_nan() || view.z <= 0.0 {
+        let above = view.z > 0.0;
+        if !above {
             return None;
         }
         let bumped = K::Bumps::field(|| bumped);

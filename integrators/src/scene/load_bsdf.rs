@@ -95,6 +95,10 @@ fn nested(
         }
         _ => return Err(query.unsupported(SUPPORTED)),
     };
+    if let Bsdf::Conductor(_) | Bsdf::Dielectric(_) = &bsdf {
+        // What old files keep of a rough material that was made smooth.
+        query.ignore(&["alpha"]);
+    }
     let tags: &[&str] = match &bsdf {
         Bsdf::TwoSided(_) => &["bsdf"],
         Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => &["bsdf", "texture"],
