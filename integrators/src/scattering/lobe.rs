@@ -100,6 +100,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// The indices of the lobes that may have led in direction `w`: all that scatter into many
     /// directions, and of the atoms those that point nearest to it.
+    #[inline]
     pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<'w, K> {
         let this = *self;
         let nearest = w.and_then(|w| this.nearest_atom(w));
@@ -110,6 +111,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     /// The direction, of those that atoms scatter to, that is nearest to `w`.
+    #[inline]
     fn nearest_atom(&self, w: Vec3) -> Option<[f32; 3]> {
         let mut nearest: Option<(f32, Vec3)> = None;
         for index in 0..self.count() {
@@ -137,6 +139,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     /// The direction of the lobe with this index if it is an atom, without its coefficient and chance.
+    #[inline]
     fn direction_of_atom(&self, index: usize) -> Option<Vec3> {
         let (first, blend) = (count(&self.side.base), self.side.blend.as_ref());
         if index < first {
@@ -150,6 +153,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         }
     }
 
+    #[inline]
     fn direction_in(&self, model: &Model<K>, index: usize) -> Option<Vec3> {
         match (model, index) {
             (Model::Conductor(_), _)
