@@ -184,7 +184,7 @@ fn bumped(
         return Err(query.error_at("", "the texture \"normalmap\" is missing"));
     }
     let scale = if heights { query.float("scale")?.unwrap_or(1.0) } else { 1.0 };
-    if !(scale.abs() <= 1e6) {
+    if scale.is_nan() || scale.abs() > 1e6 {
         let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
         return Err(query.error_at("scale", message));
     }
