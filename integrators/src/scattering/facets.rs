@@ -295,7 +295,10 @@ mod tests {
     fn weights_of_visible_normals_are_bounded() {
         let last = 1.0 - f32::EPSILON / 2.0;
         for distribution in [Distribution::Beckmann, Distribution::Ggx] {
-            for (alpha, z) in [(1e-3, 1e-5), (0.05, 1e-3), (0.3, 1e-4), (0.3, 0.02), (0.8, 0.5)] {
+            let grazing = [(1e-3, 1e-5), (0.05, 1e-3), (0.3, 1e-4), (0.3, 0.02), (0.8, 0.5)];
+            // Here facets that are seen edge-on are as rare as the last uniforms.
+            let rare = [(0.1, 0.3), (0.3, 0.7), (0.3, 0.75), (0.3, 0.78)];
+            for (alpha, z) in grazing.into_iter().chain(rare) {
                 let rough = Roughness { distribution, alpha: [alpha; 2], sample_visible: true };
                 let v = view(z);
                 let v = Direction::new(v.x as f32, v.y as f32, v.z as f32);
