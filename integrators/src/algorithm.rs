@@ -1,10 +1,10 @@
-//! The integrators of the program, each compiled for the precompiled kinds of scenes.
+//! The integrators of the program, compiled for the precompiled kinds of scenes.
 
 use crate::bidirectional::Bidirectional;
-use crate::chains::ChainKernel;
+use crate::chains::{ChainIntegrator, ChainKernel};
 use crate::instant_radiosity::InstantRadiosity;
-use crate::integrator::Kernel;
-use crate::kind::{self, NotCovered, SceneKind};
+use crate::integrator::{Integrator, Kernel};
+use crate::kind::{self, Everything, NotCovered, SceneKind};
 use crate::light_tracer::LightTracer;
 use crate::metropolis::Metropolis;
 use crate::path::PathSettings;
@@ -37,7 +37,8 @@ pub enum Algorithm {
 
 impl Algorithm {
     /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. The
-    /// same seed gives the same image, whatever the kind.
+    /// same seed gives the same image, whatever the kind. Path tracing and bidirectional path tracing are
+    /// compiled for all kinds, the others for [`Everything`] alone, which they use whatever the name.
     ///
     /// # Errors
     /// If the scene needs what the kind leaves out.
@@ -47,29 +48,49 @@ impl Algorithm {
         scene: &'s Scene,
         seed: u64,
     ) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
-        kind::named(kind, Make { algorithm: self, scene, seed })
+        type Any<'s> = Result<Box<dyn AnyKernel + 's>, NotCovered>;
+        let for_everything = |made: Any<'s>| kind::KINDS.contains(&kind).then_some(made);
+        match self {
+            Algorithm::Path(it) => kind::named(kind, Make { integrator: it, scene, seed }),
+            Algorithm::Bidirectional(it) => kind::named(kind, Make { integrator: it, scene, seed }),
+            Algorithm::LightTracer(it) => for_everything(general(scene, it, seed)),
+            Algorithm::Tridirectional(it) => for_everything(general(scene, it, seed)),
+            Algorithm::InstantRadiosity(it) => for_everything(general(scene, it, seed)),
+            Algorithm::PhotonMapping(it) => for_everything(
+                PhotonKernel::<Everything>::new(scene, it, seed)
+                    .map(|kernel| Box::new(kernel) as _),
+            ),
+            Algorithm::Metropolis(it) => for_everything(chained(scene, it, seed)),
+            Algorithm::PrimarySample(it) => for_everything(chained(scene, it, seed)),
+        }
     }
 }
 
-struct Make<'s> {
-    algorithm: Algorithm,
+fn general<'s, I: Integrator + 's>(
+    scene: &'s Scene,
+    integrator: I,
+    seed: u64,
+) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
+    Ok(Box::new(Kernel::<Everything, _>::new(scene, integrator, seed)?))
+}
+
+fn chained<'s, I: ChainIntegrator + 's>(
+    scene: &'s Scene,
+    integrator: I,
+    seed: u64,
+) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
+    Ok(Box::new(ChainKernel::<Everything, _>::new(scene, integrator, seed)?))
+}
+
+struct Make<'s, I> {
+    integrator: I,
     scene: &'s Scene,
     seed: u64,
 }
 
-impl<'s> kind::WithKind for Make<'s> {
+impl<'s, I: Integrator + 's> kind::WithKind for Make<'s, I> {
     type Output = Box<dyn AnyKernel + 's>;
     fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
-        let Make { algorithm, scene, seed } = self;
-        Ok(match algorithm {
-            Algorithm::Path(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::LightTracer(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::Bidirectional(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::Tridirectional(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::InstantRadiosity(it) => Box::new(Kernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::PhotonMapping(it) => Box::new(PhotonKernel::<K>::new(scene, it, seed)?),
-            Algorithm::Metropolis(it) => Box::new(ChainKernel::<K, _>::new(scene, it, seed)?),
-            Algorithm::PrimarySample(it) => Box::new(ChainKernel::<K, _>::new(scene, it, seed)?),
-        })
+        Ok(Box::new(Kernel::<K, _>::new(self.scene, self.integrator, self.seed)?))
     }
 }

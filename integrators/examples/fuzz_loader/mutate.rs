@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
+use integrators::algorithm::Algorithm;
 use integrators::kind;
-use integrators::path::{PathSettings, path_tracer};
+use integrators::path::PathSettings;
+use integrators::render::Splats;
 use integrators::scene::{Scene, inspect};
 
 /// A file that is valid until it is damaged.
@@ -204,13 +206,13 @@ const SETTINGS: PathSettings =
     PathSettings { max_depth: Some(4), rr_depth: 3, hide_emitters: false };
 
 fn look_around(scene: &Scene, random: &mut Random) {
-    let tracer = path_tracer(kind::smallest(scene), scene, SETTINGS, 1).expect("a kind");
+    let tracer = Algorithm::Path(SETTINGS).kernel(kind::smallest(scene), scene, 1).expect("a kind");
     let tracer = tracer.unwrap_or_else(|error| panic!("{error}"));
     let mut worker = tracer.worker();
     for _ in 0..4 {
         let x = random.below(scene.film.width as usize) as u32;
         let y = random.below(scene.film.height as usize) as u32;
-        let value = worker((x, y), 0);
+        let value = worker((x, y), 0, &mut Splats::default());
         assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "pixel {x}, {y}: {value:?}");
     }
     assert!(!inspect::json(scene).to_string().is_empty());

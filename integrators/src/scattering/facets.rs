@@ -76,7 +76,9 @@ pub fn visible_beckmann_normals(
     let (x, y) = (ax * view.x, ay * view.y);
     let length = x.hypot(y);
     let (c, s) = if length > 0.0 { (x / length, y / length) } else { (1.0, 0.0) };
-    let slopes = visible_beckmann_slopes((view.z / length).clamp(1e-3, 128.0)).ok()?;
+    // As if seen from slightly steeper: the density must not vanish where rounding decides whether a facet
+    // can be seen.
+    let slopes = visible_beckmann_slopes((view.z / length + 1e-3).min(128.0)).ok()?;
     Some(slopes.then(tilted(ax, ay, c, s).ok()?))
 }
 
@@ -287,14 +289,45 @@ mod tests {
         }
     }
 
+    /// Perfect mirrors reflect what the sampler of visible normals expects, and nowhere much more: there
+    /// are no fireflies where rounding decides whether a facet can be seen.
+    #[test]
+    fn weights_of_visible_normals_are_bounded() {
+        let last = 1.0 - f32::EPSILON / 2.0;
+        for distribution in [Distribution::Beckmann, Distribution::Ggx] {
+            let grazing = [(1e-3, 1e-5), (0.05, 1e-3), (0.3, 1e-4), (0.3, 0.02), (0.8, 0.5)];
+            // Here facets that are seen edge-on are as rare as the last uniforms.
+            let rare = [(0.1, 0.3), (0.3, 0.7), (0.3, 0.75), (0.3, 0.78)];
+            for (alpha, z) in grazing.into_iter().chain(rare) {
+                let rough = Roughness { distribution, alpha: [alpha; 2], sample_visible: true };
+                let v = view(z);
+                let v = Direction::new(v.x as f32, v.y as f32, v.z as f32);
+                let normals = HalfVectors::new(&rough, v).unwrap();
+                for k in 0..400 {
+                    let near_end = last - (k % 20) as f32 * f32::EPSILON;
+                    let first = [near_end, (k as f32 + 0.5) / 400.0, 1e-7 * k as f32][k % 3];
+                    let u = [first, (k as f32 * 0.618).fract()];
+                    let (m, exists) = normals.forward(u);
+                    if !exists || m.dot(v) <= 0.0 {
+                        continue;
+                    }
+                    let value = rough.visible(v, m) * m.dot(v) * rough.distribution(m) / v.z;
+                    let weight = value / normals.pdf_of_uniforms(u).value();
+                    assert!(weight <= 1.05, "{weight} for {rough:?} from {v:?} at {u:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn visible_normals_have_the_density_of_the_literature() {
         // Heitz 2018, Eq. 3: G1(v) max(0, v·m) D(m) / v.z.
         for (z, k) in [(0.9, 0), (0.2, 1), (1e-2, 2)] {
             let (v, alpha) = (view(z), [[0.05; 2], [0.3, 0.1], [0.8; 2]][k]);
             compare_with_literature(Distribution::Ggx, alpha, v, 2e-3);
-            // Here the shadowing of the literature is a fit, good to 0.35 percent.
-            compare_with_literature(Distribution::Beckmann, alpha, v, 8e-3);
+            // Here the shadowing of the literature is a fit, good to 0.35 percent, and facets are seen from
+            // slightly steeper.
+            compare_with_literature(Distribution::Beckmann, alpha, v, 1.5e-2);
         }
     }
 

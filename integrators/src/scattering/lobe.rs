@@ -4,9 +4,10 @@ use aether_core::discrete::{Choice, Discrete};
 use aether_core::prelude::Direction;
 use glam::Vec3;
 
-use super::Scattering;
+use super::{Model, Scattering, count};
 use crate::kind::{
-    Facetted, Interface, Matte, Passage, PhongOf, Presence, Refraction, SceneKind, Specular, With,
+    Facetted, Interface, Matte, Part, Passage, PhongOf, Presence, Refraction, SceneKind, Specular,
+    With,
 };
 use crate::scene::bsdf::Roughness;
 
@@ -111,23 +112,24 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// The indices of the lobes that may have led in direction `w`: all that scatter into many
     /// directions, and of the atoms those that point nearest to it.
+    #[inline]
     pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<'w, K> {
         let this = *self;
         let nearest = w.and_then(|w| this.nearest_atom(w));
         (0..this.count()).filter(move |index| {
-            let direction = this.lobe(*index).and_then(|lobe| this.direction(&lobe.lobe));
+            let direction = this.direction_of_atom(*index);
             direction
                 .is_none_or(|direction| Some(Vec3::from(direction.vec()).to_array()) == nearest)
         })
     }
 
     /// The direction, of those that atoms scatter to, that is nearest to `w`.
+    #[inline]
     fn nearest_atom(&self, w: Vec3) -> Option<[f32; 3]> {
         let w: Vec3 = self.frame.to_local(w).into();
         let mut nearest: Option<(f32, Vec3)> = None;
         for index in 0..self.count() {
-            let direction = self.lobe(index).and_then(|lobe| self.direction(&lobe.lobe));
-            let Some(direction) = direction else { continue };
+            let Some(direction) = self.direction_of_atom(index) else { continue };
             let direction: Vec3 = direction.vec().into();
             let distance = direction.distance_squared(w);
             if nearest.is_none_or(|(least, _)| distance < least) {
@@ -139,21 +141,63 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// Where an atom scatters to, in the frame; `None` for the other lobes.
     pub fn direction(&self, lobe: &Lobe<K>) -> Option<Direction<f32>> {
-        let v = self.view;
-        Some(match lobe {
-            Lobe::Mirror(_) => Direction::new(-v.x, -v.y, v.z),
-            Lobe::Passage(_) => Direction::new(-v.x, -v.y, -v.z),
-            Lobe::Refraction(eta) => {
-                let eta = Refraction::<K>::get(*eta);
-                let (_, beyond) = super::fresnel::dielectric(v.z, eta);
-                Direction::new(-v.x / eta, -v.y / eta, -beyond)
-            }
+        match lobe {
+            Lobe::Mirror(_) => Some(self.mirrored()),
+            Lobe::Passage(_) => Some(self.passed()),
+            Lobe::Refraction(eta) => Some(self.bent(Refraction::<K>::get(*eta))),
             Lobe::Nothing
             | Lobe::Matte(_)
             | Lobe::Glossy(_)
             | Lobe::Facets(_)
-            | Lobe::Interface(_) => return None,
-        })
+            | Lobe::Interface(_) => None,
+        }
+    }
+
+    /// The direction of the lobe with this index if it is an atom, without its coefficient and chance.
+    #[inline]
+    fn direction_of_atom(&self, index: usize) -> Option<Direction<f32>> {
+        let (first, blend) = (count(&self.side.base), self.side.blend.as_ref());
+        if index < first {
+            return self.direction_in(&self.side.base, index);
+        }
+        match blend {
+            Some((_, second, _)) if index - first < count(second) => {
+                self.direction_in(second, index - first)
+            }
+            _ => Some(self.passed()),
+        }
+    }
+
+    #[inline]
+    fn direction_in(&self, model: &Model<K>, index: usize) -> Option<Direction<f32>> {
+        match (model, index) {
+            (Model::Conductor(_), _)
+            | (Model::Dielectric(_) | Model::ThinDielectric(_) | Model::Plastic(_), 0) => {
+                Some(self.mirrored())
+            }
+            (Model::Dielectric(glass), _) => Some(self.bent(self.relative(glass.get().eta))),
+            (Model::ThinDielectric(_), _) => Some(self.passed()),
+            _ => None,
+        }
+    }
+
+    /// The direction straight on.
+    fn passed(&self) -> Direction<f32> {
+        let v = self.view;
+        Direction::new(-v.x, -v.y, -v.z)
+    }
+
+    /// The mirror direction.
+    fn mirrored(&self) -> Direction<f32> {
+        let v = self.view;
+        Direction::new(-v.x, -v.y, v.z)
+    }
+
+    /// The direction in which a boundary with this relative index of refraction bends light.
+    fn bent(&self, eta: f32) -> Direction<f32> {
+        let v = self.view;
+        let (_, beyond) = super::fresnel::dielectric(v.z, eta);
+        Direction::new(-v.x / eta, -v.y / eta, -beyond)
     }
 
     /// The measure in which atoms are stated, per solid angle in the direction `w` of the frame that a

@@ -22,11 +22,11 @@ pub use material::{Material, Model, Side};
 pub use rough_plastic::Coat;
 
 use crate::kind::{
-    Facetted, Interface, Oriented, Part, PhongOf, PlasticOf, Presence, Refraction, RoughPlasticOf,
-    SceneKind,
+    Either, Facetted, Interface, Oriented, Part, PhongOf, PlasticOf, Presence, Refraction,
+    RoughPlasticOf, SceneKind,
 };
 use crate::scene::bsdf::{Facets, Metal, Roughness};
-use crate::scene::texture::{Colour, Grey, Texture, luminance};
+use crate::scene::texture::{Colour, Grey, Texture};
 use crate::vertex::Surface;
 use bump::Bumped;
 
@@ -43,7 +43,11 @@ pub struct Scattering<'w, K: SceneKind> {
     textures: &'w [Texture],
     uv: Vec2,
     bumped: <K::Bumps as Presence>::Field<Option<Bumped>>,
+    shares: <Mixtures<K> as Presence>::Field<Shares>,
 }
+
+/// Whether the kind has materials of several parts.
+type Mixtures<K> = Either<<K as SceneKind>::Mask, <K as SceneKind>::Blend>;
 
 /// The least roughness that a texture can give.
 const LEAST_ROUGHNESS: f32 = 1e-4;
@@ -56,6 +60,7 @@ fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
 impl<'w, K: SceneKind> Scattering<'w, K> {
     /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
     /// or if it is black on that side.
+    #[inline(always)]
     pub fn new(
         material: &'w Material<K>,
         textures: &'w [Texture],
@@ -85,9 +90,14 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
         };
         let view = Direction::from_vec(frame.to_local(towards));
+        let above = view.z > 0.0;
+        if !above {
+            return None;
+        }
         let bumped = K::Bumps::field(|| bumped);
-        let scattering = Scattering { side, frame, view, behind, textures, uv, bumped };
-        (view.z > 0.0).then_some(scattering)
+        let shares = Default::default();
+        let plain = Scattering { side, frame, view, behind, textures, uv, bumped, shares };
+        Some(Scattering { shares: Mixtures::<K>::field(|| plain.shares_here()), ..plain })
     }
 
     /// A colour here.
@@ -103,7 +113,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn grey(&self, grey: &Grey) -> f32 {
         match (K::Textures::VALUE, grey.texture) {
-            (Some(_), Some(texture)) => luminance(self.textures[texture as usize].at(self.uv)),
+            (Some(_), Some(texture)) => self.textures[texture as usize].number(self.uv),
             _ => grey.value,
         }
     }
@@ -159,6 +169,11 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     /// it is black.
     #[inline]
     fn shares(&self) -> Shares {
+        Mixtures::<K>::value(self.shares)
+    }
+
+    /// The same, computed once.
+    fn shares_here(&self) -> Shares {
         let holes = self.side.mask.as_ref().map_or(0.0, |(_, opacity)| 1.0 - self.grey(opacity));
         let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| self.grey(share));
         let light = [(1.0 - holes) * (1.0 - weight), (1.0 - holes) * weight, holes];
@@ -319,17 +334,26 @@ impl<K: SceneKind> Weighted<K> {
 }
 
 /// What a part of a material has of the light, and how often it is chosen.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Share {
     light: f32,
     chance: f32,
 }
 
 /// The shares of the parts of a material; the light's add up to one, and the chances do.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Shares {
     base: Share,
     second: Share,
     holes: Share,
+}
+
+impl Default for Shares {
+    /// Those of a material that is no mixture.
+    fn default() -> Self {
+        let (all, none) = (Share { light: 1.0, chance: 1.0 }, Share { light: 0.0, chance: 0.0 });
+        Shares { base: all, second: none, holes: none }
+    }
 }
 
 #[inline]

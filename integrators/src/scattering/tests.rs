@@ -172,7 +172,7 @@ fn square(bsdf: &str) -> Scene {
 
 /// Rows and columns of bins on the sphere of directions, and points in each along both.
 const BINS: [usize; 2] = [10, 16];
-const FINE: usize = 6;
+const FINE: usize = 10;
 /// Samples of each distribution.
 const DRAWS: usize = 20_000;
 
@@ -210,7 +210,9 @@ impl<'w> Sampled<'w> {
         let [rows, columns] = BINS.map(|n| n * FINE);
         let mut expected = vec![0.0; BINS[0] * BINS[1] + 1];
         for k in 0..rows * columns {
-            let theta = PI * ((k / columns) as f32 + 0.5) / rows as f32;
+            // Each column starts elsewhere, so that no row of points follows the rim of a distribution.
+            let shift = ((k % columns) as f32 * 0.618_034).fract();
+            let theta = PI * ((k / columns) as f32 + shift) / rows as f32;
             let phi = TAU * ((k % columns) as f32 + 0.5) / columns as f32;
             let w = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
             let sky = SceneVertex { position: w, place: Place::Sky(Present) };
@@ -283,6 +285,7 @@ fn samples_have_the_densities_that_they_say() {
     }
     models.extend(facets("roughconductor", classical, 0.4));
     models.extend(facets("roughplastic", "", 0.4));
+    let mut off = Vec::new();
     for (seed, model) in (1..).zip(&models) {
         let scene = square(model);
         let world = World::new(&scene).unwrap();
@@ -294,10 +297,14 @@ fn samples_have_the_densities_that_they_say() {
             }
             let sampled = Sampled::new(&world, view);
             let z = deviation(&sampled.counts(seed), &sampled.expected());
+            println!("{z:.1} standard deviations, seen from {view}: {model}");
             // One of all would be that far off once in a hundred thousand runs.
-            assert!(z < 5.0, "{z:.1} standard deviations, seen from {view}: {model}");
+            if z > 5.0 {
+                off.push((z, view, model));
+            }
         }
     }
+    assert!(off.is_empty(), "{off:#?}");
     // A roughness that is five percent larger is told apart.
     let [scene, other] = [0.3, 0.315].map(|alpha| square(&facets("roughconductor", "", alpha)[0]));
     let [world, other] = [&scene, &other].map(|scene| World::new(scene).unwrap());

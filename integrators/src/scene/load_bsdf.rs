@@ -95,6 +95,10 @@ fn nested(
         }
         _ => return Err(query.unsupported(SUPPORTED)),
     };
+    if let Bsdf::Conductor(_) | Bsdf::Dielectric(_) = &bsdf {
+        // What old files keep of a rough material that was made smooth.
+        query.ignore(&["alpha"]);
+    }
     let tags: &[&str] = match &bsdf {
         Bsdf::TwoSided(_) => &["bsdf"],
         Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => &["bsdf", "texture"],
@@ -180,7 +184,7 @@ fn bumped(
         return Err(query.error_at("", "the texture \"normalmap\" is missing"));
     }
     let scale = if heights { query.float("scale")?.unwrap_or(1.0) } else { 1.0 };
-    if !(scale.abs() <= 1e6) {
+    if scale.is_nan() || scale.abs() > 1e6 {
         let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
         return Err(query.error_at("scale", message));
     }

@@ -183,6 +183,69 @@ fn includes_and_paths_are_followed() {
 }
 
 #[test]
+fn materials_say_what_is_wrong() {
+    let checks = "<texture type=\"checkerboard\"/>";
+    let named = |name: &str| format!("<texture type=\"checkerboard\" name=\"{name}\"/>");
+    let alpha = |name: &str, value: &str| format!("<float name=\"{name}\" value=\"{value}\"/>");
+    let matte = "<bsdf type=\"diffuse\"/>";
+    let twice = format!("{}{}", alpha("alpha", "0.1"), alpha("alpha_u", "0.2"));
+    let mixed = format!("{}{}", named("alpha"), alpha("alpha_u", "0.2"));
+    let two = format!("{}{}", alpha("alpha_u", "0.1"), alpha("alpha_v", "0.2"));
+    let bumped = format!("<bsdf type=\"bumpmap\">{checks}{matte}</bsdf>");
+    for (plugin, body, expected) in [
+        ("bumpmap", matte, "needs one nested <texture>"),
+        ("bumpmap", checks, "needs one nested <bsdf>"),
+        ("bumpmap", &format!("{checks}{bumped}"), "other bumps within a bump are not supported"),
+        ("bumpmap", &format!("{checks}{checks}{matte}"), "a second <texture>"),
+        ("bumpmap", &format!("{checks}{matte}{}", alpha("scale", "1e9")), "at most 1e6"),
+        ("normalmap", &format!("{checks}{matte}"), "the texture \"normalmap\" is missing"),
+        (
+            "blendbsdf",
+            &format!("{matte}{bumped}{}", alpha("weight", "0.5")),
+            "put the mask or the bump",
+        ),
+        (
+            "blendbsdf",
+            &format!("{matte}{matte}{}", named("opacity")),
+            "the float \"weight\" is missing",
+        ),
+        ("mask", &format!("{matte}{}", named("weight")), "unreferenced texture \"weight\""),
+        ("diffuse", &named("alpha"), "unreferenced texture \"alpha\""),
+        ("roughconductor", &twice, "give either alpha or alpha_u and alpha_v"),
+        ("roughdielectric", &mixed, "give either alpha or alpha_u and alpha_v"),
+        ("roughconductor", &alpha("alpha_v", "0"), "the roughness must lie in 1e-5..=10"),
+        ("roughplastic", &two, "give one alpha"),
+        ("roughplastic", &named("alpha"), "textures are not supported here"),
+        ("phong", &alpha("exponent", "-1"), "must lie in 0..=100000"),
+        (
+            "diffuse",
+            "<texture type=\"scale\" name=\"reflectance\"><float name=\"scale\" value=\"9\"/>\
+             <texture type=\"checkerboard\"/></texture>",
+            "must lie in [0, 1]",
+        ),
+        ("diffuse", "<texture type=\"scale\" name=\"reflectance\"/>", "needs one nested <texture>"),
+    ] {
+        let error = load(&format!("{SENSOR}<bsdf type=\"{plugin}\">{body}</bsdf>"));
+        let error = error.err().unwrap_or_else(|| panic!("{plugin} {body} is loaded"));
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn old_textures_are_scaled_and_moved() {
+    let scene = load(&format!(
+        "{SENSOR}<bsdf type=\"diffuse\"><texture type=\"scale\" name=\"reflectance\">\
+         <float name=\"scale\" value=\"0.5\"/><texture type=\"checkerboard\">\
+         <float name=\"uvscale\" value=\"2\"/><float name=\"uoffset\" value=\"0.5\"/></texture>\
+         </texture></bsdf>"
+    ));
+    let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+    // Half of 0.4 and of 0.2, in squares of a quarter, moved by one.
+    let [here, there] = [vec2(0.1, 0.1), vec2(0.35, 0.1)].map(|uv| scene.textures[0].at(uv).x);
+    assert!((here - 0.1).abs() < 1e-7 && (there - 0.2).abs() < 1e-7, "{here} {there}");
+}
+
+#[test]
 fn errors_say_where_and_what() {
     let with = |body: &str| match load(&format!("{SENSOR}\n{body}")) {
         Ok(_) => panic!("{body} is loaded"),

@@ -173,7 +173,7 @@ fn scaled(document: &Document, query: &Query, depth: usize) -> Result<Texture, S
         return Err(query.error_at("", "textures are nested too deeply"));
     }
     let scale = query.float("scale")?.unwrap_or(1.0);
-    if !(scale.abs() <= 1e6) {
+    if scale.is_nan() || scale.abs() > 1e6 {
         return Err(
             query.error_at("scale", format!("\"scale\" is {scale}, but at most 1e6 is allowed"))
         );

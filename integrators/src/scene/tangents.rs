@@ -64,3 +64,54 @@ fn of_triangle([e1, e2]: [Vec3; 2], [a, b, c]: &[Vec2; 3]) -> Tangents {
     }
     Tangents { du: (q.y * e1 - p.y * e2) / determinant, dv: (p.x * e2 - q.x * e1) / determinant }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// The tangents where a ray along an axis meets a shape.
+    fn of(shape: &str, origin: Vec3, direction: Vec3) -> Tangents {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/textures");
+        let xml = format!(r#"<scene version="3.0.0"><sensor type="perspective"/>{shape}</scene>"#);
+        let scene = Scene::from_str(&xml, &folder, &[]).unwrap_or_else(|error| panic!("{error}"));
+        scene.tangents(&scene.intersect(origin, direction, None).expect("a hit"))
+    }
+
+    #[test]
+    fn tangents_are_those_of_mitsuba() {
+        let (side, above) = (Vec3::new(3.0, 0.5, 0.4), Vec3::new(0.3, 0.4, 3.0));
+        let turned = r#"<shape type="sphere"><float name="radius" value="0.5"/>
+            <transform name="to_world"><scale value="2"/><rotate z="1" angle="30"/>
+            <rotate x="1" angle="-70"/></transform></shape>"#;
+        let bent = r#"<shape type="obj"><string name="filename" value="bent.obj"/></shape>"#;
+        let down = Vec3::NEG_Z;
+        // From `scene.ray_intersect` of Mitsuba 3.9.1.
+        for (shape, origin, direction, du, dv) in [
+            (
+                r#"<shape type="sphere"/>"#,
+                side,
+                Vec3::NEG_X,
+                [-PI, 4.82621, 0.0],
+                [1.05316, 0.685552, -2.87932],
+            ),
+            (
+                turned,
+                side,
+                Vec3::NEG_X,
+                [1.28722, 1.65066, -4.53515],
+                [1.84149, -2.51483, -0.39265],
+            ),
+            (r#"<shape type="disk"/>"#, above, down, [0.6, 0.8, 0.0], [-2.51327, 1.88496, 0.0]),
+            (r#"<shape type="rectangle"/>"#, above, down, [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]),
+            (r#"<shape type="cube"/>"#, above, down, [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]),
+            (bent, Vec3::new(0.3, -0.2, 3.0), down, [1.0, -0.25, 0.125], [0.0, -1.25, 0.125]),
+            (bent, Vec3::new(-0.3, 0.2, 3.0), down, [1.0, -0.25, -0.5], [0.0, -1.25, -0.5]),
+        ] {
+            let found = of(shape, origin, direction);
+            let near = |a: Vec3, b: [f32; 3]| (a - Vec3::from(b)).length() < 2e-5;
+            assert!(near(found.du, du) && near(found.dv, dv), "{found:?} for {shape}");
+        }
+    }
+}

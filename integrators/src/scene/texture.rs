@@ -96,6 +96,15 @@ impl Texture {
         self.scale * self.pattern_at(uv)
     }
 
+    /// The luminance at texture coordinates. As in Mitsuba 3, a checkerboard that is asked for numbers
+    /// exchanges its two.
+    pub fn number(&self, uv: Vec2) -> f32 {
+        match &self.pattern {
+            Pattern::Checkerboard([a, b]) => luminance(self.scale * (*a + *b) - self.at(uv)),
+            Pattern::Picture { .. } => luminance(self.at(uv)),
+        }
+    }
+
     fn pattern_at(&self, uv: Vec2) -> Vec3 {
         match &self.pattern {
             Pattern::Checkerboard(colours) => {
