@@ -38,6 +38,15 @@ pub fn triangle_of(
         return None;
     }
     let [b, a, c] = [b, a, c].map(Vec3::normalize_or_zero);
+    // The pole is opposite to the longest side.
+    let (ab, bc, ca) = (a.dot(b), b.dot(c), c.dot(a));
+    let [b, a, c] = if ca <= ab && ca <= bc {
+        [b, a, c]
+    } else if ab <= bc {
+        [c, b, a]
+    } else {
+        [a, c, b]
+    };
     // The great circle through a and c, and its point that is nearest to b.
     let n = a.cross(c).try_normalize()?;
     let sine = n.dot(b);
@@ -49,8 +58,12 @@ pub fn triangle_of(
     }
     let (foot, along) = ((b - sine * n) / cosine, n.cross(b) / cosine);
     let tau = sine / (1.0 + cosine);
-    let half_arc = |p: Vec3| p.dot(along) / (1.0 + p.dot(foot)).max(1e-6);
-    let (w_a, w_c) = (half_arc(a), half_arc(c));
+    let half_arc = |p: Vec3| {
+        let toward = 1.0 + p.dot(foot);
+        // Near the far side of the circle the way round is not known.
+        (toward > 0.01).then(|| p.dot(along) / toward)
+    };
+    let (w_a, w_c) = (half_arc(a)?, half_arc(c)?);
     // The side from a to c passes that point on its far side.
     if 1.0 + w_a * w_c < 0.0 {
         return None;

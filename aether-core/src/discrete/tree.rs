@@ -43,8 +43,8 @@ use crate::real::Scalar;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Tree<T, N = ()> {
+    /// The root first, the children of a branch side by side.
     nodes: Box<[Node<N>]>,
-    root: usize,
     leaves: Box<[Leaf<T>]>,
     /// Numbers of the leaves, in the order of their items.
     by_item: Box<[usize]>,
@@ -205,7 +205,7 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
     fn sample_reuse(&self, u: R) -> (Choice<&'t T, R>, R) {
         // In `f64`, so that the rest of a uniform in `f32` loses nothing more at each branch.
         let mut rest = u.to_f64().clamp(0.0, below_one());
-        let (mut node, mut p) = (self.tree.root, 1.0);
+        let (mut node, mut p) = (0, 1.0);
         loop {
             match self.tree.nodes[node].kind {
                 Kind::Leaf(index) => {
@@ -229,7 +229,7 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
     /// In time proportional to the number of leaves that are possible: parts of probability zero are
     /// not entered.
     fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        let mut waiting = vec![(self.tree.root, 1.0)];
+        let mut waiting = vec![(0, 1.0)];
         while let Some((node, p)) = waiting.pop() {
             match self.tree.nodes[node].kind {
                 Kind::Leaf(index) => {

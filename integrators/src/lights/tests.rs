@@ -82,6 +82,9 @@ fn lights_are_sampled_as_they_are_found() {
         area("cube", &place)
     });
     let cubes: String = cubes.collect();
+    // Walls all around, with corners above and below each other.
+    let walls = area("cube", r#"<scale x="1.5" z="1.1"/><translate x="0.3" z="1"/>"#)
+        .replace("<emitter", r#"<boolean name="flip_normals" value="true"/><emitter"#);
     let constant = r#"<emitter type="constant"/>"#;
     let mut scenes = vec![
         ("a sphere", scene(&area("sphere", r#"<scale value="0.6"/><translate x="0.4" z="1"/>"#))),
@@ -89,6 +92,7 @@ fn lights_are_sampled_as_they_are_found() {
         ("a square near by", scene(&square(r#"<rotate y="1" angle="30"/><translate z="0.9"/>"#))),
         ("a square far away", scene(&square(r#"<scale value="2"/><translate z="9"/>"#))),
         ("a square with a pattern", scene(&checked)),
+        ("walls", scene(&walls)),
         ("many triangles", scene(&cubes)),
         ("many triangles and a sky", scene(&(cubes + constant))),
         ("a sky", scene(constant)),

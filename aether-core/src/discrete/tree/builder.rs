@@ -143,17 +143,37 @@ impl<T, N> TreeBuilder<T, N> {
         }
         let mut by_item: Vec<usize> = (0..self.leaves.len()).collect();
         by_item.sort_by(|a, b| self.leaves[*a].item.cmp(&self.leaves[*b].item));
-        Ok(Tree {
-            nodes: self.nodes.into(),
-            root,
-            leaves: self.leaves.into(),
-            by_item: by_item.into(),
-        })
+        let nodes = by_level(self.nodes, root, &mut self.leaves).into();
+        Ok(Tree { nodes, leaves: self.leaves.into(), by_item: by_item.into() })
     }
 
     fn roots(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.nodes.len()).filter(|k| self.nodes[*k].parent == NO_PARENT)
     }
+}
+
+/// The nodes in the order of their levels, the root first and siblings side by side, because a walk looks at
+/// two siblings at a time.
+fn by_level<T, N>(nodes: Vec<Node<N>>, root: usize, leaves: &mut [Leaf<T>]) -> Vec<Node<N>> {
+    let mut waiting: Vec<Option<Node<N>>> = nodes.into_iter().map(Some).collect();
+    let mut ordered: Vec<Node<N>> = waiting[root].take().into_iter().collect();
+    let mut next = 0;
+    while next < ordered.len() {
+        match ordered[next].kind {
+            Kind::Leaf(leaf) => leaves[leaf as usize].node = number(next),
+            Kind::Branch(children) => {
+                let first = number(ordered.len());
+                for child in children {
+                    // A child has one parent, so it waits until it is asked for.
+                    let child = waiting[child as usize].take();
+                    ordered.extend(child.map(|child| Node { parent: number(next), ..child }));
+                }
+                ordered[next].kind = Kind::Branch([first, first + 1]);
+            }
+        }
+        next += 1;
+    }
+    ordered
 }
 
 /// The number of a node or leaf; [`TreeBuilder::build`] refuses trees in which it does not fit.
