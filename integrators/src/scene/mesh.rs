@@ -150,6 +150,24 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
     result
 }
 
+/// The same mesh already in its place, with the smooth normals that it gets there: what an instance
+/// moves is the surface with its normals.
+pub fn smoothed(mesh: &Mesh, placement: &Placement) -> Mesh {
+    let reverse = placement.reverses_winding();
+    let orient = |t: &[u32; 3]| if reverse { [t[0], t[2], t[1]] } else { *t };
+    let in_world = |p: &DVec3| placement.to_world.transform_point3(*p);
+    let positions: Vec<DVec3> = mesh.positions.iter().map(in_world).collect();
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(orient).collect();
+    Mesh {
+        normals: smooth_normals(&positions, &triangles),
+        texcoords: mesh.texcoords.clone(),
+        normal_triangles: triangles.clone(),
+        texcoord_triangles: mesh.texcoord_triangles.iter().map(orient).collect(),
+        positions,
+        triangles,
+    }
+}
+
 /// The unit normal of a triangle whose corners run counter-clockwise; none if it has no area in
 /// f32.
 pub fn unit_normal(vertices: &[Vec3; 3]) -> Option<Vec3> {

@@ -129,6 +129,18 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
 }
 
 impl Source {
+    /// The same shape with the normals that it has before an instance moves it.
+    pub fn settled(self) -> Source {
+        match &self.form {
+            Form::Mesh(mesh, false) if mesh.normals.is_empty() => {
+                let mesh = mesh::smoothed(mesh, &self.placement);
+                let placement = Placement { to_world: DMat4::IDENTITY, flip_normals: false };
+                Source { form: Form::Mesh(Rc::new(mesh), false), placement, ..self }
+            }
+            _ => self,
+        }
+    }
+
     /// The same shape moved in the world.
     pub fn moved(&self, by: &DMat4) -> Source {
         let to_world = *by * self.placement.to_world;
