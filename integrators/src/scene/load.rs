@@ -284,7 +284,7 @@ impl<'a> Builder<'a> {
             if member.shape.emission.is_some() {
                 return Err(property.place.error("a shape in a group may not emit"));
             }
-            members.push(member);
+            members.push(Member { source: member.source.settled(), ..member });
         }
         query.finish(&["shape"])?;
         let group = Rc::new(members);

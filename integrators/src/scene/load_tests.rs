@@ -439,6 +439,30 @@ fn groups_are_seen_through_their_instances() {
 }
 
 #[test]
+fn an_instance_moves_normals_with_the_surface() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/meshes");
+    let mesh = r#"<string name="filename" value="octahedron.ply"/>
+        <transform name="to_world"><scale x="-1"/></transform>"#;
+    let squeezed = r#"<transform name="to_world"><scale z="0.25"/></transform>"#;
+    let load = |shapes: String| {
+        let xml = format!("<scene version=\"3.0.0\">{SENSOR}{shapes}</scene>");
+        Scene::from_str(&xml, &folder, &[]).unwrap()
+    };
+    let plain = load(format!(r#"<shape type="ply">{mesh}</shape>"#));
+    let moved = load(format!(
+        r#"<shape type="shapegroup" id="g"><shape type="ply">{mesh}</shape></shape>
+        <shape type="instance"><ref id="g"/>{squeezed}</shape>"#
+    ));
+    // The same point of the surface, before and after.
+    let hit = |scene: &Scene, z: f32| scene.intersect(vec3(0.2, 0.3, z), -Vec3::Z, None).unwrap();
+    let (before, after) = (hit(&plain, 5.0), hit(&moved, 5.0));
+    assert!((before.position.z * 0.25 - after.position.z).abs() < 1e-6);
+    let expected = (before.shading_normal * vec3(1.0, 1.0, 4.0)).normalize();
+    assert!(before.shading_normal.dot(before.geometric_normal) > 0.5);
+    assert!((after.shading_normal - expected).length() < 1e-5, "{after:?}, {expected}");
+}
+
+#[test]
 fn a_window_of_a_film_keeps_its_place_when_its_size_changes() {
     let text = r#"<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
         <integer name="width" value="100"/><integer name="height" value="80"/>

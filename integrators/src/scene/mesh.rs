@@ -71,6 +71,9 @@ pub struct Placement {
     pub to_world: DMat4,
     /// Turn the surface inside out.
     pub flip_normals: bool,
+    /// Whether this moves a surface that had its normals before: between the corners they are then those of
+    /// before, moved, and at the corners not of unit length.
+    pub is_instance: bool,
 }
 
 impl Placement {
@@ -98,7 +101,7 @@ impl Placement {
 pub struct Triangles {
     /// The corners; counter-clockwise seen from the outside.
     pub vertices: Vec<[Vec3; 3]>,
-    /// Unit shading normals at the corners; empty if the mesh is flat.
+    /// Shading normals at the corners, of unit length but for instances; empty if the mesh is flat.
     pub normals: Vec<[Vec3; 3]>,
     /// Texture coordinates at the corners; empty if the mesh has none.
     pub texcoords: Vec<[Vec2; 3]>,
@@ -121,8 +124,11 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
         (smooth_normals(&positions, &triangles), triangles.clone())
     } else {
         let matrix = placement.normal_matrix();
-        let normals = mesh.normals.iter();
-        let normals = normals.map(|n| (matrix * *n).normalize_or_zero()).collect();
+        // The same factor for all keeps what is interpolated.
+        let size = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.length());
+        let matrix = matrix * (1.0 / size.into_iter().fold(f64::MIN_POSITIVE, f64::max));
+        let unit = |n: DVec3| if placement.is_instance { n } else { n.normalize_or_zero() };
+        let normals = mesh.normals.iter().map(|n| unit(matrix * *n)).collect();
         let indices = mesh.normal_triangles.iter().copied().map(orient);
         (normals, indices.collect())
     };
@@ -148,6 +154,26 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
         }
     }
     result
+}
+
+/// The same mesh already in its place, with the unit normals that it has there: what an instance moves is
+/// the surface with its normals.
+pub fn settled(mesh: &Mesh, placement: &Placement) -> Mesh {
+    let reverse = placement.reverses_winding();
+    let orient = |t: &[u32; 3]| if reverse { [t[0], t[2], t[1]] } else { *t };
+    let in_world = |p: &DVec3| placement.to_world.transform_point3(*p);
+    let positions: Vec<DVec3> = mesh.positions.iter().map(in_world).collect();
+    let triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(orient).collect();
+    let (normals, normal_triangles) = if mesh.normals.is_empty() {
+        (smooth_normals(&positions, &triangles), triangles.clone())
+    } else {
+        let matrix = placement.normal_matrix();
+        let normals = mesh.normals.iter().map(|n| (matrix * *n).normalize_or_zero());
+        (normals.collect(), mesh.normal_triangles.iter().map(orient).collect())
+    };
+    let texcoord_triangles = mesh.texcoord_triangles.iter().map(orient).collect();
+    let texcoords = mesh.texcoords.clone();
+    Mesh { positions, normals, texcoords, triangles, normal_triangles, texcoord_triangles }
 }
 
 /// The unit normal of a triangle whose corners run counter-clockwise; none if it has no area in
@@ -206,7 +232,7 @@ mod tests {
     }
 
     fn placement(to_world: DMat4, flip_normals: bool) -> Placement {
-        Placement { to_world, flip_normals }
+        Placement { to_world, flip_normals, is_instance: false }
     }
 
     fn place(mesh: &Mesh, placement: &Placement, face_normals: bool) -> Triangles {

@@ -67,7 +67,7 @@ pub struct Scene {
     pub primitive_shapes: Vec<u32>,
     /// The shapes in file order.
     pub shapes: Vec<Shape>,
-    /// Unit shading normals at the corners of the triangles of smooth shapes; see
+    /// Shading normals at the corners of the triangles of smooth shapes, of unit length but for instances; see
     /// [`Scene::corner_normals`].
     pub normals: Vec<[Vec3; 3]>,
     /// Texture coordinates at the corners of the triangles of shapes that have them.
@@ -164,7 +164,7 @@ impl Scene {
         &self.bsdfs[self.shape(id).bsdf as usize]
     }
 
-    /// The shading normals at the corners of a triangle, if its shape is smooth.
+    /// The shading normals at the corners of a triangle, if its shape is smooth; of unit length but for instances.
     pub fn corner_normals(&self, id: PrimitiveId) -> Option<&[Vec3; 3]> {
         let shape = self.shape(id);
         let index = shape.first_normals? + (id.0 - shape.first_primitive);

@@ -74,6 +74,7 @@ pub fn read(kind: ShapeKind, query: &Query) -> Result<Source, SceneError> {
     let placement = Placement {
         to_world: query.transform("to_world")?.unwrap_or(DMat4::IDENTITY),
         flip_normals: query.boolean("flip_normals")?.unwrap_or(false),
+        is_instance: false,
     };
     // These concern only features that do not exist here.
     query.ignore(&["silhouette_sampling_weight", "max_smooth_angle"]);
@@ -129,6 +130,15 @@ pub fn origin<'a>(sources: impl Iterator<Item = &'a Source>) -> DVec3 {
 }
 
 impl Source {
+    /// The same shape as instances move it: with the normals that it has before.
+    pub fn settled(self) -> Source {
+        let Form::Mesh(mesh, false) = &self.form else { return self };
+        let mesh = Rc::new(mesh::settled(mesh, &self.placement));
+        let placement =
+            Placement { to_world: DMat4::IDENTITY, flip_normals: false, is_instance: true };
+        Source { form: Form::Mesh(mesh, false), placement, ..self }
+    }
+
     /// The same shape moved in the world.
     pub fn moved(&self, by: &DMat4) -> Source {
         let to_world = *by * self.placement.to_world;
@@ -394,7 +404,8 @@ mod tests {
     use super::*;
     use crate::scene::mesh::unit_normal;
 
-    const IDENTITY: Placement = Placement { to_world: DMat4::IDENTITY, flip_normals: false };
+    const IDENTITY: Placement =
+        Placement { to_world: DMat4::IDENTITY, flip_normals: false, is_instance: false };
 
     #[test]
     fn cubes_face_outwards() {
