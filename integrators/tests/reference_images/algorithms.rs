@@ -130,7 +130,7 @@ fn p_values(name: &str, render: impl Fn(u64) -> Film) -> Vec<f64> {
             let noise = sum(&|x, y| f64::from(reference.variance.pixel(x, y)[c]));
             let t2 = (mean - expected).powi(2) / (spread / n + noise);
             let freedom = n - 1.0;
-            all.push(beta_inc(freedom / (freedom + t2), 0.5 * freedom, 0.5));
+            all.push(beta_inc(0.5 * freedom, 0.5, freedom / (freedom + t2)));
         }
     }
     let least = all.iter().copied().fold(1.0, f64::min);
