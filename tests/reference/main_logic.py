@@ -1,0 +1,49 @@
+"""Counts the lines of the main logic of each integrator.
+
+    python3 tests/reference/main_logic.py
+
+Counted is what lies between the start of a sample and the film, in the function named below, as rustfmt lays it
+out: without its signature, blank lines and comments. For the Markov chain these are the mutations, the paths that it
+starts with and its steps.
+"""
+
+import pathlib
+import re
+
+SOURCES = pathlib.Path(__file__).resolve().parents[2] / "integrators/src"
+INTEGRATORS = [
+    ("path", [("path.rs", "radiance")]),
+    ("bdpt", [("bidirectional.rs", "paths")]),
+    ("tridir", [("tridirectional.rs", "sample")]),
+    ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("metropolis.rs", "contribution"),
+             ("metropolis.rs", "seeds"), ("metropolis.rs", "chain")]),
+    ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),
+    ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
+    ("ptracer", [("light_tracer.rs", "sample")]),
+]
+
+
+def bodies(text, name):
+    """The bodies of all functions with this name, as lists of lines."""
+    lines = text.splitlines()
+    for start, line in enumerate(lines):
+        if not re.match(rf"\s*(pub )?fn {name}\b", line):
+            continue
+        indent = len(line) - len(line.lstrip())
+        opening = next(i for i in range(start, len(lines)) if lines[i].endswith("{"))
+        closing = next(i for i in range(opening, len(lines)) if lines[i] == " " * indent + "}")
+        yield lines[opening + 1:closing]
+
+
+def count(parts):
+    total = 0
+    for file, name in parts:
+        for body in bodies((SOURCES / file).read_text(), name):
+            code = [line.strip() for line in body]
+            total += sum(1 for line in code if line and not line.startswith("//"))
+    return total
+
+
+if __name__ == "__main__":
+    for name, parts in INTEGRATORS:
+        print(f"{name:8} {count(parts):4}")
