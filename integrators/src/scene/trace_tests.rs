@@ -382,13 +382,15 @@ fn turned_room(scale: f32, turn: usize) -> Scene {
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(format!("{turn}.obj"));
     std::fs::write(&path, obj).unwrap();
-    scene(&format!(
+    let room = scene(&format!(
         "<shape type=\"obj\"><string name=\"filename\" value=\"{}\"/>
          <boolean name=\"face_normals\" value=\"true\"/><boolean name=\"flip_normals\" value=\"true\"/>
          <transform name=\"to_world\"><rotate x=\"1\" y=\"2\" angle=\"33\"/>
          <translate x=\"5\" y=\"-7\" z=\"3\"/><scale value=\"{scale}\"/></transform></shape>",
         path.display()
-    ))
+    ));
+    std::fs::remove_dir_all(&folder).unwrap();
+    room
 }
 
 /// How many rays leave a closed room: rays aimed at its edges and corners from within, and from where they
