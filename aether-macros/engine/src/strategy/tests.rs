@@ -44,9 +44,9 @@ fn a_right_strategy_has_all_items() {
         ":: aether_core :: strategy :: Strategy < Hit > for Scatter < 'scene >",
         "vertices : 1usize , length : false",
         "let vertex = Hit :: new (hit , __point_1) ;",
-        "Drawn { value : own , .. drawn } . visible ()",
+        "Drawn { value : own , dirac : :: core :: option :: Option :: None , .. drawn } . visible ()",
         "recall (target , || { let w = :: aether_core :: forms :: emitted :: point_of",
-        "true && :: core :: ptr :: eq (self . scene , other . scene) && self . q == other . q",
+        "true && :: core :: ptr :: eq (self . scene , other . scene) && (& Alike (& self . q , & other . q)) . alike ()",
         "locally constant `hit` of `scene.cast(here, &w)`, read from the vertex",
     ] {
         assert!(text.contains(part), "{part}\nis not in\n{text}");
@@ -218,6 +218,26 @@ fn decisions_on_what_is_drawn() {
     refuses(&body(given), "use `constant(..)`");
     let late = quote!(let w = draw(line()); if w < q { return stop(); } Hit::at(w));
     assert!(body(late).contains("density_times"));
+}
+
+#[test]
+fn an_atom_is_brought_along_by_maps() {
+    let text = expand(quote! {
+        fn mirror<'s>(path: &PathView<Hit>, scene: &'s Scene) -> Hit {
+            let here = given(path.last());
+            let w = atom(here.mirrored(), here.cosine());
+            let hit = constant(scene.cast(here, &w));
+            Hit::new(hit, plane(hit).apply(&w))
+        }
+    });
+    assert_eq!(errors(&text), [""; 0]);
+    for part in [
+        ":: aether_core :: strategy :: Atom :: new (here . mirrored () , here . cosine ())",
+        "if kind == :: core :: option :: Option :: Some (:: aether_core :: strategy :: Dirac :: Direction)",
+        "position : false , direction : true",
+    ] {
+        assert!(text.contains(part), "{part}\nis not in\n{text}");
+    }
 }
 
 #[test]
