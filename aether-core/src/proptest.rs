@@ -1,4 +1,4 @@
-//! Strategies of the crate [`proptest`](::proptest) that draw the parameters of samplers and maps from
+//! Strategies of the crate `proptest` that draw the parameters of samplers and maps from
 //! their declared domains. Needs the feature `proptest`.
 //!
 //! ```

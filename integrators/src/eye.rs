@@ -1,11 +1,21 @@
-//! What cameras other than pinholes need: a lens, or a film from which all rays are parallel.
+//! What cameras other than pinholes need, a lens, or a film from which all rays are parallel; and where on the
+//! film a camera sees what.
 
+use std::ops::Range;
+
+use aether_core::RandomSequence;
 use aether_core::prelude::*;
+use aether_core::strategy::Strategy;
 use glam::Vec3 as Vector;
 
-use crate::samplers::{ParallelHit, parallel_hit};
+use crate::integrand::film_points;
+use crate::kind::SceneKind;
+use crate::samplers::{ParallelHit, parallel_hit, pinhole, rotate};
 use crate::scene::Camera;
 use crate::scene::camera::Projection;
+use crate::strategies::Pixel;
+use crate::vertex::SceneVertex;
+use crate::world::{World, film_centre};
 
 /// The surface that points of a lens lie on; no primitive has this number.
 pub const LENS: SurfaceId = SurfaceId(u32::MAX);
@@ -100,5 +110,90 @@ impl ParallelFilm {
     pub fn backdrop(&self) -> ParallelHit<f32> {
         let size = self.origin.abs().max_element() + self.across.length() + self.down.length();
         self.onto(self.origin + size * self.forward, self.forward, BACKDROP)
+    }
+}
+
+impl<'s, K: SceneKind> World<'s, K> {
+    /// The map from points of the film, in pixels, to the directions that they look in.
+    pub fn film_to_direction(
+        &self,
+        eye: &SceneVertex<K>,
+    ) -> impl Map<f32, Source = Vec2<f32>, Target = Direction<f32>> {
+        pinhole(self.film_centre(eye), self.film_scale()).then(rotate(self.camera_frame))
+    }
+
+    /// The point of the film, in pixels, where a camera at the vertex `eye` sees another vertex; `None`
+    /// if that lies behind it. It may lie beside the image.
+    pub fn film_point(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Vec2<f32>> {
+        let mut point = None;
+        film_points(self, eye, seen, |film, _| point = Some(film));
+        point
+    }
+
+    /// The corner and the size of the part of the film that the filter of some pixel reaches.
+    pub fn reachable_film(&self) -> (Vec2<f32>, Vec2<f32>) {
+        let beyond = self.scene.film.filter.radius() - 0.5;
+        let size = |pixels: u32| pixels as f32 + 2.0 * beyond;
+        let (width, height) = (self.scene.film.width, self.scene.film.height);
+        (Vec2::new(-beyond, -beyond), Vec2::new(size(width), size(height)))
+    }
+
+    /// How many pixels the image has.
+    pub fn pixels(&self) -> usize {
+        self.scene.film.width as usize * self.scene.film.height as usize
+    }
+
+    /// The pixels to which paths contribute whose second vertices are seen from their first, and `own`,
+    /// each once.
+    pub fn receivers<'p, S: Strategy<SceneVertex<K>> + 'p, const N: usize>(
+        &self,
+        own: Pixel,
+        paths: [&RandomSequence<'p, SceneVertex<K>, S>; N],
+    ) -> impl Iterator<Item = Pixel> + use<'s, 'p, K, S, N> {
+        let squares = paths.map(|path| self.reached(path));
+        let others = (0..N).flat_map(move |i| {
+            let (columns, rows) = squares[i].clone();
+            let earlier = squares.clone();
+            let square = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
+            square.filter(move |(x, y)| {
+                (*x, *y) != own
+                    && !earlier[..i].iter().any(|(xs, ys)| xs.contains(x) && ys.contains(y))
+            })
+        });
+        std::iter::once(own).chain(others)
+    }
+
+    /// The columns and rows whose pixels' filters reach the film point where a path is seen.
+    fn reached<S: Strategy<SceneVertex<K>>>(
+        &self,
+        path: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> (Range<u32>, Range<u32>) {
+        let film = match (path.vertex(0), path.vertex(1)) {
+            (Some(eye), Some(seen)) if path.is_complete() => self.film_point(&eye, &seen),
+            _ => None,
+        };
+        let Some(film) = film else { return (0..0, 0..0) };
+        let reach = self.scene.film.filter.radius();
+        let along = |x: f32, size: u32| {
+            let first = (x - reach - 0.5).ceil().max(0.0) as u32;
+            first..((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32
+        };
+        (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
+    }
+
+    /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,
+    /// or a point of the lens, from which it is shifted.
+    #[inline]
+    pub fn film_centre(&self, eye: &SceneVertex<K>) -> Vec2<f32> {
+        let centre = film_centre(&self.scene.camera);
+        let Some(lens) = self.lens() else { return centre };
+        let (shift, scale) = (lens.shift(eye.position), self.film_scale());
+        Vec2::new(centre.x + shift.x / scale.x, centre.y + shift.y / scale.y)
+    }
+
+    /// Width and height of a pixel at distance one.
+    pub fn film_scale(&self) -> Vec2<f32> {
+        let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
+        Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
     }
 }

@@ -71,8 +71,10 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x)
-            * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y)
+        let response = profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x)
+            * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y);
+        // What lies too far away for its direction to be known is not seen.
+        if response.is_finite() { response } else { 0.0 }
     }
 
     /// By how much rounding of what is seen and of its direction can move a film point, in pixels:

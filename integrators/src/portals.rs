@@ -31,7 +31,7 @@ impl Portal {
         let [a, b, c] = corners;
         let normal = (b - a).cross(c - a);
         let area = 0.5 * normal.length();
-        if !(area > 0.0) {
+        if area.is_nan() || area <= 0.0 {
             return None;
         }
         let frame = Frame::around(Direction::from_vec(normal.into()));

@@ -1,19 +1,13 @@
 //! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
-use aether_core::RandomSequence;
-use aether_core::prelude::{Direction, Frame, Map, Vec2};
-use aether_core::strategy::Strategy;
+use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
-use std::ops::Range;
 
 use crate::eye::{Lens, ParallelFilm};
-use crate::integrand::film_points;
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Lights};
-use crate::samplers::{pinhole, rotate};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
-use crate::strategies::Pixel;
 use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
 
 /// A scene ready for the strategies.
@@ -270,93 +264,10 @@ impl<'s, K: SceneKind> World<'s, K> {
         let is_atom = |lobe: &usize| scattering.lobe(*lobe).is_some_and(|l| l.lobe.is_atom());
         leading.find(is_atom).map(|lobe| lobe as u32)
     }
-
-    /// The map from points of the film, in pixels, to the directions that they look in.
-    pub fn film_to_direction(
-        &self,
-        eye: &SceneVertex<K>,
-    ) -> impl Map<f32, Source = Vec2<f32>, Target = Direction<f32>> {
-        pinhole(self.film_centre(eye), self.film_scale()).then(rotate(self.camera_frame))
-    }
-
-    /// The point of the film, in pixels, where a camera at the vertex `eye` sees another vertex; `None`
-    /// if that lies behind it. It may lie beside the image.
-    pub fn film_point(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Vec2<f32>> {
-        let mut point = None;
-        film_points(self, eye, seen, |film, _| point = Some(film));
-        point
-    }
-
-    /// The corner and the size of the part of the film that the filter of some pixel reaches.
-    pub fn reachable_film(&self) -> (Vec2<f32>, Vec2<f32>) {
-        let beyond = self.scene.film.filter.radius() - 0.5;
-        let size = |pixels: u32| pixels as f32 + 2.0 * beyond;
-        let (width, height) = (self.scene.film.width, self.scene.film.height);
-        (Vec2::new(-beyond, -beyond), Vec2::new(size(width), size(height)))
-    }
-
-    /// How many pixels the image has.
-    pub fn pixels(&self) -> usize {
-        self.scene.film.width as usize * self.scene.film.height as usize
-    }
-
-    /// The pixels to which paths contribute whose second vertices are seen from their first, and `own`,
-    /// each once.
-    pub fn receivers<'p, S: Strategy<SceneVertex<K>> + 'p, const N: usize>(
-        &self,
-        own: Pixel,
-        paths: [&RandomSequence<'p, SceneVertex<K>, S>; N],
-    ) -> impl Iterator<Item = Pixel> + use<'s, 'p, K, S, N> {
-        let squares = paths.map(|path| self.reached(path));
-        let others = (0..N).flat_map(move |i| {
-            let (columns, rows) = squares[i].clone();
-            let earlier = squares.clone();
-            let square = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
-            square.filter(move |(x, y)| {
-                (*x, *y) != own
-                    && !earlier[..i].iter().any(|(xs, ys)| xs.contains(x) && ys.contains(y))
-            })
-        });
-        std::iter::once(own).chain(others)
-    }
-
-    /// The columns and rows whose pixels' filters reach the film point where a path is seen.
-    fn reached<S: Strategy<SceneVertex<K>>>(
-        &self,
-        path: &RandomSequence<'_, SceneVertex<K>, S>,
-    ) -> (Range<u32>, Range<u32>) {
-        let film = match (path.vertex(0), path.vertex(1)) {
-            (Some(eye), Some(seen)) if path.is_complete() => self.film_point(&eye, &seen),
-            _ => None,
-        };
-        let Some(film) = film else { return (0..0, 0..0) };
-        let reach = self.scene.film.filter.radius();
-        let along = |x: f32, size: u32| {
-            let first = (x - reach - 0.5).ceil().max(0.0) as u32;
-            first..((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32
-        };
-        (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
-    }
-
-    /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,
-    /// or a point of the lens, from which it is shifted.
-    #[inline]
-    pub fn film_centre(&self, eye: &SceneVertex<K>) -> Vec2<f32> {
-        let centre = film_centre(&self.scene.camera);
-        let Some(lens) = self.lens() else { return centre };
-        let (shift, scale) = (lens.shift(eye.position), self.film_scale());
-        Vec2::new(centre.x + shift.x / scale.x, centre.y + shift.y / scale.y)
-    }
-
-    /// Width and height of a pixel at distance one.
-    pub fn film_scale(&self) -> Vec2<f32> {
-        let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
-        Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
-    }
 }
 
 /// The point of the film that the camera's axis goes through, in pixels of the image.
-fn film_centre(camera: &Camera) -> Vec2<f32> {
+pub(crate) fn film_centre(camera: &Camera) -> Vec2<f32> {
     let Camera { width, height, principal, crop, .. } = *camera;
     let along = |offset: f32, size: u32, crop: f32| (0.5 - offset) * size as f32 - crop;
     Vec2::new(along(principal.x, width, crop.x), along(principal.y, height, crop.y))

@@ -133,14 +133,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("built in {:.2} s", start.elapsed().as_secs_f64());
     println!("{:.0} MB for the lights, of {:.0} MB", megabytes() - before, megabytes());
 
-    let eye = SceneVertex::pinhole(world.pinhole());
+    let eye = SceneVertex::eye(world.eye());
     let mut random = Pcg32::new(3, 0, 0);
     let mut points = Vec::new();
     while points.len() < 30 {
         let (x, y) = (below(2.0, &mut random) - 1.0, below(2.0, &mut random) - 1.0);
         let way = Vec3::new(x, y, -1.0).normalize();
         // The floor, not a lamp.
-        let seen = world.cast_along(&eye, way).map(|seen| SceneVertex::found(seen, way));
+        let seen = world.trace(eye.position, way, None).map(SceneVertex::on);
         points.extend(seen.filter(|v| v.surface().is_some_and(|s| s.emitter.is_none())));
     }
     let by_power = world.lights.choice.as_ref().ok_or("no lights")?;

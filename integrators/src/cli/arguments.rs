@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     /// Render a scene to an EXR and a PNG file
-    Render(RenderArguments),
+    Render(Box<RenderArguments>),
     /// Compare an image with a reference: RMSE, relMSE, PSNR, FLIP, mean ratio, block z-test
     Compare(CompareArguments),
     /// List what is in a scene and what a render will use

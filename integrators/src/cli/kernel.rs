@@ -170,7 +170,7 @@ mod tests {
     fn arguments(line: &[&str]) -> RenderArguments {
         let line = ["aether", "render", "scene.xml"].iter().chain(line);
         match super::super::Arguments::parse_from(line).command {
-            super::super::Command::Render(arguments) => arguments,
+            super::super::Command::Render(arguments) => *arguments,
             other => panic!("{other:?}"),
         }
     }
@@ -202,7 +202,7 @@ mod tests {
         std::fs::write(&file, SCENE).unwrap();
         let line = ["aether", "render", file.to_str().unwrap(), "--size", "50x100"];
         let arguments = match super::super::Arguments::parse_from(line).command {
-            super::super::Command::Render(arguments) => arguments,
+            super::super::Command::Render(arguments) => *arguments,
             other => panic!("{other:?}"),
         };
         let scene = load(&arguments);

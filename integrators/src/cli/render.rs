@@ -166,7 +166,7 @@ mod tests {
     fn arguments(line: &[&str]) -> RenderArguments {
         let line = ["aether", "render"].iter().chain(line);
         match super::super::Arguments::parse_from(line).command {
-            super::super::Command::Render(arguments) => arguments,
+            super::super::Command::Render(arguments) => *arguments,
             other => panic!("{other:?}"),
         }
     }
