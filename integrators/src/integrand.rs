@@ -6,6 +6,7 @@ use aether_core::{Includes, PathIntegrand, PathView, RandomSequence, Vertex};
 use glam::Vec3;
 
 use crate::kind::{Everything, SceneKind};
+use crate::scene::{Bounds, MARGIN};
 use crate::strategies::Pixel;
 use crate::vertex::{Place, SceneVertex};
 use crate::world::World;
@@ -81,12 +82,17 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// much only for long lenses.
     fn film_error(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Vec2<f32> {
         let size = eye.position.abs().max_element() + seen.position.abs().max_element();
+        // Points of triangles are kept off the edges.
+        let moved = seen.surface().map_or(0.0, |surface| {
+            let Bounds { min, max } = self.world.scene.primitive(surface.primitive).bounds();
+            2.0 * MARGIN as f32 * min.abs().max(max.abs()).max_element()
+        });
         if let Some(film) = self.world.parallel() {
-            let error = 8.0 * f32::EPSILON * (size + film.origin.abs().max_element());
+            let error = 8.0 * f32::EPSILON * (size + film.origin.abs().max_element()) + moved;
             return Vec2::new(error / film.across.length(), error / film.down.length());
         }
         let distance = if seen.is_infinite() { size } else { seen.position.distance(eye.position) };
-        let angle = 8.0 * f32::EPSILON * (1.0 + size / distance);
+        let angle = 8.0 * f32::EPSILON * (1.0 + size / distance) + moved / distance;
         let scale = self.world.film_scale();
         Vec2::new(angle / scale.x, angle / scale.y)
     }

@@ -6,8 +6,9 @@
 
 use std::sync::{PoisonError, RwLock};
 
+use aether_core::Pcg32;
+use aether_core::estimator::{Estimator, Factors};
 use aether_core::strategy::Dirac;
-use aether_core::{Arena, Estimator, Pcg32};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -105,10 +106,11 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
     fn gather<'a>(
         &'a self,
         map: &PhotonMap,
-        (arena, radiance, throughput): &mut Gatherer<'a, K>,
+        Gatherer { scratch, throughput }: &mut Gatherer<'a, K>,
         uniforms: &mut Pcg32,
         pixel: Pixel,
     ) -> Vec3 {
+        let Scratch { arena, estimator: radiance } = scratch;
         arena.clear();
         let (world, path) = (&self.world, self.settings.path);
         let longest = path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
@@ -148,21 +150,18 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
     }
 }
 
-type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, aether_core::estimator::Factors<Vec3>>;
-type Gatherer<'a, K> = (
-    Arena<crate::vertex::SceneVertex<K>, LightStrategies<'a, K>>,
-    PathEstimator<'a, K>,
-    PathEstimator<'a, K>,
-);
+/// What one thread reuses: the paths and estimators of what a path carries, and of what it would carry of any
+/// radiance.
+struct Gatherer<'a, K: SceneKind> {
+    scratch: Scratch<'a, K, LightStrategies<'a, K>>,
+    throughput: Estimator<Radiance<'a, 'a, K>, Factors<Vec3>>,
+}
 
 impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
     fn worker(&self) -> Worker<'_> {
         let world = &self.world;
-        let mut gatherer: Gatherer<'_, K> = (
-            Arena::new(),
-            Estimator::paths(Radiance::new(world)),
-            Estimator::paths(Radiance::throughput(world)),
-        );
+        let throughput = Estimator::paths(Radiance::throughput(world));
+        let mut gatherer = Gatherer { scratch: Scratch::new(world), throughput };
         let map = self.map.read().unwrap_or_else(PoisonError::into_inner);
         let width = u64::from(world.scene.film.width);
         Box::new(move |pixel, sample, _| {

@@ -323,7 +323,7 @@ struct Facts {
 /// line of the ray passes the edge of both underneath, and meets neither. So hits are brought so far inside
 /// that rounding and the lift along the normal ([`trace`]) cannot put them behind a wall that
 /// meets theirs at more than about 10 degrees.
-const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
+pub const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
 
 impl Facts {
     fn new(primitive: &Primitive) -> Self {
