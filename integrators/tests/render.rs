@@ -159,7 +159,7 @@ fn what_is_not_supported_is_named_with_its_place() {
         assert!(!directory.path("ball.exr").exists());
     };
     fails(&SCENE.replace("\"diffuse\"", "\"glitter\""), &["ball.xml:15:9", "glitter", "diffuse"]);
-    fails(&SCENE.replace("\"path\"", "\"ptracer\""), &["ball.xml:4:5", "ptracer", "path"]);
+    fails(&SCENE.replace("\"path\"", "\"volpath\""), &["ball.xml:4:5", "volpath", "path, bdpt"]);
     fails(&SCENE.replace("$spp", "many"), &["ball.xml:8:", "many"]);
     fails(&SCENE.replace("$grey", "$gray"), &["ball.xml:15:", "gray"]);
     fails(&SCENE.replace("</sensor>", ""), &["ball.xml:"]);
