@@ -321,7 +321,7 @@ struct Facts {
 ///
 /// A ray that starts on a wall next to another one must not start behind that one: if it runs along it, the
 /// line of the ray passes the edge of both underneath, and meets neither. So hits are brought so far inside
-/// that rounding and the lift along the normal ([`trace`]) cannot put them behind a wall that
+/// that rounding and the lift along the normal (`trace.rs`) cannot put them behind a wall that
 /// meets theirs at more than about 10 degrees.
 pub const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
 
