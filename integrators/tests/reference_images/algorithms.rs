@@ -75,8 +75,7 @@ fn bidirectional_path_tracing_agrees_with_the_stored_images() {
 #[test]
 fn each_technique_alone_is_unbiased() {
     // Every path can be made by one technique of each selection.
-    let selections =
-        [("*:1", 32), ("0:*", 64), ("0:2,1:*", 32), ("0:2,1:2,2:*", 32), ("0:2,1:2,2:2,3:*", 32)];
+    let selections = [("*:1", 32), ("0:2,1:*", 32), ("0:2,1:2,2:2,3:*", 32)];
     assert_alike(selections.map(|(techniques, samples)| {
         let scene = scene("cornell-box");
         let film = rendered(bidirectional(&scene, techniques), &scene, samples, 2);
@@ -148,14 +147,9 @@ fn assert_unbiased(name: &str, samples: u32, algorithm: impl Fn(&Scene) -> Algor
 
 #[test]
 fn chains_of_paths_are_distributed_as_they_should_be() {
-    for name in ["cornell-box", "models/dielectric"] {
-        assert_unbiased(name, 4, |scene| {
-            Algorithm::Metropolis(Metropolis {
-                candidates: 20_000,
-                ..Metropolis::new(settings(scene))
-            })
-        });
-    }
+    assert_unbiased("models/dielectric", 4, |scene| {
+        Algorithm::Metropolis(Metropolis { candidates: 20_000, ..Metropolis::new(settings(scene)) })
+    });
 }
 
 #[test]
@@ -177,12 +171,10 @@ fn instant_radiosity_is_unbiased() {
 #[test]
 fn photon_mapping_converges() {
     // With a radius this small the bias is below the noise.
-    for name in ["cornell-box", "models/dielectric"] {
-        assert_unbiased(name, 16, |scene| {
-            let settings = PhotonMapping { radius: 0.005, ..PhotonMapping::new(settings(scene)) };
-            Algorithm::PhotonMapping(settings)
-        });
-    }
+    assert_unbiased("models/dielectric", 16, |scene| {
+        let settings = PhotonMapping { radius: 0.005, ..PhotonMapping::new(settings(scene)) };
+        Algorithm::PhotonMapping(settings)
+    });
 }
 
 #[test]
