@@ -48,20 +48,19 @@ impl Algorithm {
         scene: &'s Scene,
         seed: u64,
     ) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
-        type Any<'s> = Result<Box<dyn AnyKernel + 's>, NotCovered>;
-        let for_everything = |made: Any<'s>| kind::KINDS.contains(&kind).then_some(made);
         match self {
             Algorithm::Path(it) => kind::named(kind, Make { integrator: it, scene, seed }),
             Algorithm::Bidirectional(it) => kind::named(kind, Make { integrator: it, scene, seed }),
-            Algorithm::LightTracer(it) => for_everything(general(scene, it, seed)),
-            Algorithm::Tridirectional(it) => for_everything(general(scene, it, seed)),
-            Algorithm::InstantRadiosity(it) => for_everything(general(scene, it, seed)),
-            Algorithm::PhotonMapping(it) => for_everything(
-                PhotonKernel::<Everything>::new(scene, it, seed)
-                    .map(|kernel| Box::new(kernel) as _),
-            ),
-            Algorithm::Metropolis(it) => for_everything(chained(scene, it, seed)),
-            Algorithm::PrimarySample(it) => for_everything(chained(scene, it, seed)),
+            _ if !kind::KINDS.contains(&kind) => None,
+            Algorithm::LightTracer(it) => Some(general(scene, it, seed)),
+            Algorithm::Tridirectional(it) => Some(general(scene, it, seed)),
+            Algorithm::InstantRadiosity(it) => Some(general(scene, it, seed)),
+            Algorithm::PhotonMapping(it) => {
+                let kernel = PhotonKernel::<Everything>::new(scene, it, seed);
+                Some(kernel.map(|kernel| Box::new(kernel) as _))
+            }
+            Algorithm::Metropolis(it) => Some(chained(scene, it, seed)),
+            Algorithm::PrimarySample(it) => Some(chained(scene, it, seed)),
         }
     }
 }
@@ -71,7 +70,7 @@ fn general<'s, I: Integrator + 's>(
     integrator: I,
     seed: u64,
 ) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
-    Ok(Box::new(Kernel::<Everything, _>::new(scene, integrator, seed)?))
+    kind::WithKind::with::<Everything>(Make { integrator, scene, seed })
 }
 
 fn chained<'s, I: ChainIntegrator + 's>(

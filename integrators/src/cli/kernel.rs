@@ -82,15 +82,10 @@ pub(super) fn warn_of(scene: &Scene) {
     }
 }
 
-/// Whether there is an integrator of that name.
-fn is_known(integrator: &str) -> bool {
-    integrator == "path"
-}
-
 /// Warns if the command line takes the place of an integrator that does not exist here.
 pub(super) fn warn_of_integrator(scene: &Scene, plan: &Plan) {
     let wanted = &scene.integrator;
-    if wanted.name != plan.integrator && !is_known(&wanted.name) {
+    if wanted.name != plan.integrator && !INTEGRATORS.contains(&wanted.name.as_str()) {
         let message = format!("not supported; \"{}\" takes its place", plan.integrator);
         match &wanted.place {
             Some(place) => warn(&format!("warning: {}", place.error(message))),
