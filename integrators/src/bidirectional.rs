@@ -9,7 +9,7 @@ use aether_core::{PowerHeuristic, UniformSource, combine};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
-use crate::integrator::{Integrator, Kernel};
+use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::Splats;
@@ -43,15 +43,11 @@ impl Integrator for Bidirectional {
         pixel: Pixel,
         splats: &mut Splats,
     ) -> Vec3 {
-        let mut own = Vec3::ZERO;
+        let mut received = Received::new(pixel, splats);
         self.paths(world, scratch, uniforms, pixel, |receiver, value| {
-            if receiver == pixel {
-                own += value;
-            } else {
-                splats.add(receiver, value.to_array());
-            }
+            received.add(receiver, value)
         });
-        own
+        received.own
     }
 }
 
@@ -67,7 +63,7 @@ impl Bidirectional {
     ) {
         arena.clear();
         let rr = self.path.rr_depth;
-        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let longest = self.path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
         let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
         // What has ended might have gone on: it remains a technique.

@@ -49,7 +49,7 @@ impl Integrator for InstantRadiosity {
         seed: u64,
         sample: u32,
     ) {
-        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize);
+        let longest = self.path.most_vertices() - 1;
         let mut arena = Arena::new();
         paths.clear();
         for k in 0..self.light_paths {
@@ -70,7 +70,7 @@ impl Integrator for InstantRadiosity {
     ) -> Vec3 {
         let Scratch { arena, estimator } = scratch;
         arena.clear();
-        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let longest = self.path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
         let mut value = Vec3::ZERO;
         if longest >= 2 && !self.path.hide_emitters {

@@ -45,6 +45,30 @@ pub trait Integrator: Send + Sync {
     ) -> Vec3;
 }
 
+/// What a sample adds to its own pixel and to others.
+pub struct Received<'s> {
+    pixel: Pixel,
+    /// What its own pixel gets.
+    pub own: Vec3,
+    splats: &'s mut Splats,
+}
+
+impl<'s> Received<'s> {
+    /// Nothing so far, of a sample of a pixel.
+    pub fn new(pixel: Pixel, splats: &'s mut Splats) -> Self {
+        Received { pixel, own: Vec3::ZERO, splats }
+    }
+
+    /// Adds to a pixel.
+    pub fn add(&mut self, receiver: Pixel, value: Vec3) {
+        if receiver == self.pixel {
+            self.own += value;
+        } else {
+            self.splats.add(receiver, value.to_array());
+        }
+    }
+}
+
 /// An integrator with a scene, as the render engine calls it: one sample of one pixel at a time.
 pub struct Kernel<'s, K: SceneKind, I> {
     world: World<'s, K>,

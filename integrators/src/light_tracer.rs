@@ -4,7 +4,7 @@ use aether_core::UniformSource;
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::render::Splats;
@@ -37,25 +37,21 @@ impl Integrator for LightTracer {
         splats: &mut Splats,
     ) -> Vec3 {
         arena.clear();
-        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize);
+        let longest = self.path.most_vertices() - 1;
         let mut eye = arena.sequence();
         eye.append(sample_camera(world)).sample(uniforms);
         let light = light_path(world, arena, uniforms, (longest, self.path.rr_depth));
 
-        let mut own = Vec3::ZERO;
+        let mut received = Received::new(pixel, splats);
         let first = 1 + usize::from(self.path.hide_emitters);
         for length in first..=light.len().min(longest) {
             let path = eye.concat(&light.slice(0..length).reverse());
             let value = estimator.of(&path) / world.pixels() as f32;
             for receiver in world.receivers(pixel, [&path]) {
                 let share = value * estimator.integrand().response(receiver, &path);
-                if receiver == pixel {
-                    own += share;
-                } else {
-                    splats.add(receiver, share.to_array());
-                }
+                received.add(receiver, share);
             }
         }
-        own
+        received.own
     }
 }

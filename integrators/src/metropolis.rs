@@ -37,10 +37,6 @@ impl Metropolis {
         Metropolis { path, candidates: 50_000 }
     }
 
-    fn longest(&self) -> usize {
-        self.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1)
-    }
-
     /// What a path contributes to the image, and how bright that is.
     fn contribution<K: SceneKind>(
         &self,
@@ -48,15 +44,12 @@ impl Metropolis {
         estimator: &PathEstimator<'_, K>,
         path: &Path<'_, '_, K>,
     ) -> (f32, Contributions) {
-        let mut found = Contributions::default();
         let shortest = 2 + usize::from(self.path.hide_emitters);
-        if (shortest..=self.longest()).contains(&path.len()) {
-            let value = estimator.integrand_at(path);
-            // No pixel is the path's own.
-            for pixel in world.receivers((u32::MAX, u32::MAX), [path]) {
-                found.push(pixel, value * estimator.integrand().response(pixel, path));
-            }
-        }
+        let found = if (shortest..=self.path.most_vertices()).contains(&path.len()) {
+            shares(world, estimator, path, estimator.integrand_at(path))
+        } else {
+            Contributions::default()
+        };
         (found.brightness(), found)
     }
 
@@ -69,7 +62,7 @@ impl Metropolis {
         mut found: impl FnMut(f32, &Path<'_, 'a, K>),
     ) {
         arena.clear();
-        let (longest, rr) = (self.longest(), self.path.rr_depth);
+        let (longest, rr) = (self.path.most_vertices(), self.path.rr_depth);
         let mut camera = camera_path(world, arena, uniforms, Aim::Film, (longest, rr));
         let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
         let total = (camera.len() + light.len()).min(longest);
@@ -85,14 +78,25 @@ impl Metropolis {
                 (s, t) => camera.slice(0..t).concat(&light.slice(0..s).reverse()),
             }));
             for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                let mut shares = Contributions::default();
-                for pixel in world.receivers((u32::MAX, u32::MAX), [&path]) {
-                    shares.push(pixel, value * estimator.integrand().response(pixel, &path));
-                }
-                found(shares.brightness(), &path);
+                found(shares(world, estimator, &path, value).brightness(), &path);
             }
         }
     }
+}
+
+/// What a path that carries `value` contributes to the pixels that see it.
+fn shares<K: SceneKind>(
+    world: &World<'_, K>,
+    estimator: &PathEstimator<'_, K>,
+    path: &Path<'_, '_, K>,
+    value: Vec3,
+) -> Contributions {
+    let mut found = Contributions::default();
+    // No pixel is the path's own.
+    for pixel in world.receivers((u32::MAX, u32::MAX), [path]) {
+        found.push(pixel, value * estimator.integrand().response(pixel, path));
+    }
+    found
 }
 
 type Path<'r, 'a, K> = RandomSequence<'r, SceneVertex<K>, MutationStrategies<'a, K>>;
@@ -149,7 +153,7 @@ impl ChainIntegrator for Metropolis {
         let Scratch { estimator, .. } = scratch;
         let target = move |path: &Path<'_, 'a, K>| self.contribution(world, &estimator, path);
         let all = All {
-            bidirectional: BidirectionalMutation { world, longest: self.longest() },
+            bidirectional: BidirectionalMutation { world, longest: self.path.most_vertices() },
             lens: LensPerturbation { world, chains: false },
             multi_chain: LensPerturbation { world, chains: true },
             caustic: CausticPerturbation { world },

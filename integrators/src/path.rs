@@ -25,6 +25,13 @@ pub struct PathSettings {
     pub hide_emitters: bool,
 }
 
+impl PathSettings {
+    /// The most vertices of a path.
+    pub fn most_vertices(&self) -> usize {
+        self.max_depth.map_or(usize::MAX, |edges| edges as usize + 1)
+    }
+}
+
 /// The paths of one sample.
 pub type PathArena<'a, K = Everything> = Arena<SceneVertex<K>, PathStrategies<'a, K>>;
 
@@ -57,17 +64,17 @@ where
     B: Clone + Into<S>,
     L: Clone + Into<S>,
 {
-    let longest = settings.max_depth.map_or(usize::MAX, |d| d as usize);
+    let longest = settings.most_vertices();
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
-    while camera.is_complete() && camera.size() <= longest {
+    while camera.is_complete() && camera.size() < longest {
         camera.append(techniques.scatter.clone()).sample(uniforms);
     }
 
     let estimator = Estimator::paths(Radiance::new(world));
     let mut radiance = Vec3::ZERO;
-    if !settings.hide_emitters && longest > 0 {
+    if !settings.hide_emitters && longest > 1 {
         radiance += estimator.of(&camera.slice(0..2));
     }
     for length in 2..camera.size() {

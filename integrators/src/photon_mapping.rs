@@ -73,7 +73,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
     /// The photons of some light paths of a sample.
     fn shoot(&self, sample: u32, paths: std::ops::Range<usize>) -> Vec<Photon> {
         let world = &self.world;
-        let longest = self.settings.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let longest = self.settings.path.most_vertices();
         let Scratch { mut arena, estimator } = Scratch::<K, LightStrategies<K>>::new(world);
         let mut photons = Vec::new();
         for k in paths {
@@ -113,7 +113,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         let Scratch { arena, estimator: radiance } = scratch;
         arena.clear();
         let (world, path) = (&self.world, self.settings.path);
-        let longest = path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let longest = path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
         let mut value = Vec3::ZERO;
         if longest >= 2 && !path.hide_emitters {

@@ -4,7 +4,7 @@
 use aether_core::{PowerHeuristic, UniformSource, combine};
 use glam::Vec3;
 
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
@@ -43,7 +43,7 @@ impl Integrator for Tridirectional {
     ) -> Vec3 {
         arena.clear();
         let rr = self.path.rr_depth;
-        let longest = self.path.max_depth.map_or(usize::MAX, |edges| edges as usize + 1);
+        let longest = self.path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
         let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
         let mut segment = arena.sequence();
@@ -52,7 +52,7 @@ impl Integrator for Tridirectional {
         extend(&mut camera, world, (total, rr));
         extend(&mut light, world, (total, rr));
 
-        let mut own = Vec3::ZERO;
+        let mut received = Received::new(pixel, splats);
         let eye = camera.slice(0..1);
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let lit = |s: usize| light.slice(0..s).reverse();
@@ -81,14 +81,10 @@ impl Integrator for Tridirectional {
                 let techniques = arena.collect_counted(ends.chain(middles));
                 for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
                     let share = value * estimator.integrand().response(receiver, &path);
-                    if receiver == pixel {
-                        own += share;
-                    } else {
-                        splats.add(receiver, share.to_array());
-                    }
+                    received.add(receiver, share);
                 }
             }
         }
-        own
+        received.own
     }
 }

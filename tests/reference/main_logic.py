@@ -16,7 +16,7 @@ INTEGRATORS = [
     ("bdpt", [("bidirectional.rs", "paths")]),
     ("tridir", [("tridirectional.rs", "sample")]),
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("metropolis.rs", "contribution"),
-             ("metropolis.rs", "seeds"), ("metropolis.rs", "chain")]),
+             ("metropolis.rs", "shares"), ("metropolis.rs", "seeds"), ("metropolis.rs", "chain")]),
     ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),
     ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
     ("ptracer", [("light_tracer.rs", "sample")]),
