@@ -4,7 +4,7 @@ use aether_core::{Pcg32, Sobol, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Splats, Worker};
+use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -57,6 +57,21 @@ impl<'s> Received<'s> {
     /// Nothing so far, of a sample of a pixel.
     pub fn new(pixel: Pixel, splats: &'s mut Splats) -> Self {
         Received { pixel, own: Vec3::ZERO, splats }
+    }
+
+    /// The pixel that the sample was made for.
+    pub fn pixel(&self) -> Pixel {
+        self.pixel
+    }
+
+    /// Adds to a pixel what a technique contributes: by its weight, and what it would contribute alone.
+    pub fn add_by(&mut self, technique: Technique, receiver: Pixel, value: Vec3, alone: Vec3) {
+        self.add(receiver, value);
+        if technique.vertices <= self.splats.layered {
+            for (weighted, value) in [(true, value), (false, alone)] {
+                self.splats.add_to_layer(Layer { weighted, technique }, receiver, value.to_array());
+            }
+        }
     }
 
     /// Adds to a pixel.

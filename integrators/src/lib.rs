@@ -10,6 +10,7 @@
 //! [`cli`] is the program.
 
 pub mod algorithm;
+pub mod aovs;
 pub mod bidirectional;
 pub mod chains;
 pub mod cli;

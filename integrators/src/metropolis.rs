@@ -1,7 +1,7 @@
 //! Metropolis light transport in path space (Veach and Guibas 1997; Aether 2017, section 7.3): chains of paths,
 //! mutated by the functions of [`crate::mutations`]. The densities of mutations are derived.
 
-use aether_core::estimator::{Estimator, Factors};
+use aether_core::estimator::{Contribution, Estimator, Factors};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
 use aether_core::{
     Arena, MarkovChainState, Pcg32, PowerHeuristic, RandomSequence, Snapshot, UniformSource,
@@ -77,7 +77,9 @@ impl Metropolis {
                 }
                 (s, t) => camera.slice(0..t).concat(&light.slice(0..s).reverse()),
             }));
-            for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+            for Contribution { path, value, .. } in
+                estimator.each(combine::<PowerHeuristic, _>(techniques))
+            {
                 found(shares(world, estimator, &path, value).brightness(), &path);
             }
         }

@@ -69,6 +69,14 @@ pub(super) struct RenderArguments {
     /// from the camera, such as `0:*,1:*`
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
+    /// Write what each technique contributes, with its weight and alone, for paths of up to so many vertices (6
+    /// by default): as layers of the EXR file, and as a sheet of pictures
+    #[arg(long, value_name = "VERTICES", num_args = 0..=1, default_missing_value = "6",
+          value_parser = clap::value_parser!(u32).range(2..=16))]
+    pub technique_images: Option<u32>,
+    /// Write albedo, normal and depth of what is seen as layers of the EXR file
+    #[arg(long)]
+    pub aovs: bool,
     /// How many light paths the pixels share: virtual lights (256 by default), photons (one a pixel)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub light_paths: Option<u32>,

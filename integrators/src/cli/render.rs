@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
+use std::iter::once;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -9,10 +10,15 @@ use super::arguments::RenderArguments;
 use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
+use crate::aovs::aovs;
 use crate::image::exr::{Attribute, Exr};
-use crate::image::{check_writable, png};
+use crate::image::{RgbImage, check_writable, png};
 use crate::render::film::relative_error;
+use crate::render::layers::{Layered, contact_sheet};
 use crate::render::{Budget, RenderSettings, Rendered, render};
+
+/// The most samples of each pixel for albedo, normal and depth, which have little noise.
+const AOV_SAMPLES: u32 = 64;
 
 /// Loads the scene, renders it and writes both files. After Ctrl-C, what has been rendered.
 pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
@@ -29,15 +35,27 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         budget: arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds),
         threads: arguments.threads,
     };
-    let rendered = render(kernel.as_ref(), &settings, &terminal);
+    let rendered = match arguments.technique_images {
+        None => render(kernel.as_ref(), &settings, &terminal),
+        Some(vertices) => {
+            let kernel = Layered { kernel, vertices: vertices as usize };
+            render(&kernel, &settings, &terminal)
+        }
+    };
     terminal.finish();
     if rendered.film.samples().1 == 0 {
         warn("interrupted before the first sample; no file is written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
     warn_about(&rendered);
-    let picture = write_files(&output, &plan, arguments, &rendered)?;
-    print(&summary(&output, picture.as_deref(), &rendered))?;
+    let mut layers = BTreeMap::new();
+    if arguments.aovs {
+        let samples = rendered.film.samples().1.min(AOV_SAMPLES);
+        layers = aovs(&scene, settings, samples, plan.seed, &())
+            .map_err(|error| Failure::new(error.to_string()))?;
+    }
+    let pictures = write_files(&output, &plan, arguments, &rendered, layers)?;
+    print(&summary(&output, &pictures, &rendered))?;
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
@@ -60,23 +78,30 @@ fn output_path(arguments: &RenderArguments) -> Result<PathBuf, Failure> {
     Err(Failure::new(format!("the output `{output}` must end in .exr; a PNG is written beside it")))
 }
 
-/// Writes the EXR and, unless the output is a device, the PNG, whose path is returned.
+/// Writes the EXR and, unless the output is a device, the PNG and the sheet of techniques, whose paths are
+/// returned.
 fn write_files(
     output: &Path,
     plan: &Plan,
     arguments: &RenderArguments,
     rendered: &Rendered,
-) -> Result<Option<PathBuf>, Failure> {
+    mut layers: BTreeMap<String, RgbImage>,
+) -> Result<Vec<PathBuf>, Failure> {
     let rgb = rendered.film.image();
     let variance = rendered.film.variance();
-    let exr = Exr { rgb, variance, attributes: attributes(plan, arguments, rendered) };
+    layers.extend(rendered.layers.iter().map(|(layer, image)| (layer.to_string(), image.clone())));
+    let exr = Exr { rgb, variance, layers, attributes: attributes(plan, arguments, rendered) };
     exr.write(output)?;
     if !output.is_file() {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
-    Ok(Some(picture))
+    let Some(sheet) = contact_sheet(&rendered.layers) else { return Ok(vec![picture]) };
+    let name = output.file_stem().unwrap_or_default().to_string_lossy();
+    let techniques = output.with_file_name(format!("{name}-techniques.png"));
+    png::write(&sheet, &techniques)?;
+    Ok(vec![picture, techniques])
 }
 
 /// How the image was made, for the header of the file.
@@ -126,12 +151,12 @@ fn warn_about(rendered: &Rendered) {
 }
 
 /// One line about the files written and the quality reached.
-fn summary(output: &Path, picture: Option<&Path>, rendered: &Rendered) -> String {
+fn summary(output: &Path, pictures: &[PathBuf], rendered: &Rendered) -> String {
     let samples = match rendered.film.samples() {
         (fewest, most) if fewest == most => format!("{most}"),
         (fewest, most) => format!("{fewest} to {most}"),
     };
-    let files = [Some(output), picture].into_iter().flatten();
+    let files = once(output).chain(pictures.iter().map(PathBuf::as_path));
     let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
     let mut line = format!(
         "{}: {samples} samples per pixel in {}",
@@ -199,11 +224,13 @@ mod tests {
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
         let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);
-        let picture = write_files(&output, &plan, &arguments, &rendered).unwrap().unwrap();
-        assert_eq!(picture, output.with_extension("png"));
+        let layers = BTreeMap::from([("albedo".to_owned(), RgbImage::filled(7, 5, [0.5; 3]))]);
+        let pictures = write_files(&output, &plan, &arguments, &rendered, layers).unwrap();
+        assert_eq!(pictures, [output.with_extension("png")]);
         let exr = Exr::read(&output).unwrap();
         std::fs::remove_file(&output).unwrap();
-        std::fs::remove_file(&picture).unwrap();
+        std::fs::remove_file(&pictures[0]).unwrap();
+        assert_eq!(exr.layers["albedo"].pixel(3, 3), [0.5; 3]);
 
         assert_eq!(exr.rgb.pixel(6, 4), [2.0; 3]);
         assert_eq!(exr.variance.unwrap().pixel(0, 0), [1.0 / 3.0; 3]);
@@ -218,7 +245,7 @@ mod tests {
             matches!(&exr.attributes["program"], Attribute::Text(v) if v.starts_with("aether"))
         );
 
-        let line = summary(&output, Some(&picture), &rendered);
+        let line = summary(&output, &pictures, &rendered);
         assert!(
             line.contains("4 samples per pixel in") && line.ends_with("error 28.9 %"),
             "{line}"

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     fn exr(rgb: RgbImage, variance: Option<RgbImage>) -> Exr {
-        Exr { rgb, variance, attributes: Default::default() }
+        Exr { rgb, variance, layers: Default::default(), attributes: Default::default() }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Passes over tiles by all cores.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -8,7 +9,8 @@ use super::film::{Film, PixelEstimate, relative_error};
 use super::passes::next_pass;
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
-use super::{AnyKernel, Budget, Chain, RenderSettings, Splats, Worker};
+use super::{AnyKernel, Budget, Chain, Layer, RenderSettings, Splats, Worker};
+use crate::image::RgbImage;
 
 /// The side of a tile in pixels.
 const TILE: u32 = 16;
@@ -23,6 +25,8 @@ pub struct Rendered {
     /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
     /// kernel.
     pub invalid_samples: u64,
+    /// What each technique contributes, for the layers that were asked for.
+    pub layers: BTreeMap<Layer, RgbImage>,
     /// Whether the observer ended the render before the budget was used.
     pub cancelled: bool,
 }
@@ -59,7 +63,8 @@ pub fn render(
     let seconds = job.seconds();
     let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
     let invalid_samples = job.invalid.load(Ordering::Relaxed) + lost;
-    Rendered { film: job.film(), seconds, invalid_samples, cancelled }
+    let layers = job.layers();
+    Rendered { film: job.film(), seconds, invalid_samples, layers, cancelled }
 }
 
 /// A render in progress.
@@ -167,23 +172,39 @@ impl Job<'_> {
         self.error = relative_error(self.film().pixels().iter());
     }
 
+    /// The mean number of samples of a pixel. Light paths do not depend on the pixel that they were sampled
+    /// with: in a pass that was cut short, what counts is how many there were.
+    fn samples(&self) -> f64 {
+        let of = |tile: &Mutex<Tile<'_>>| {
+            lock(tile).pixels.iter().map(|p| u64::from(p.count())).sum::<u64>()
+        };
+        let pixels = f64::from(self.size.0) * f64::from(self.size.1);
+        self.tiles.iter().map(of).sum::<u64>() as f64 / pixels
+    }
+
+    /// What each technique contributes.
+    fn layers(&self) -> BTreeMap<Layer, RgbImage> {
+        let Some(sums) = &self.splats else { return BTreeMap::new() };
+        let image = |pixels: Vec<[f32; 3]>| {
+            let width = self.size.0 as usize;
+            RgbImage::from_fn(width, self.size.1 as usize, |x, y| pixels[y * width + x])
+        };
+        let layers = lock(sums).layers(self.samples());
+        layers.into_iter().map(|(layer, pixels)| (layer, image(pixels))).collect()
+    }
+
     /// The image so far.
     fn film(&self) -> Film {
         let mut film = Film::new(self.size);
-        let mut samples = 0;
         for tile in &self.tiles {
             let tile = lock(tile);
             for (index, pixel) in tile.pixels.iter().enumerate() {
                 let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
                 *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
-                samples += u64::from(pixel.count());
             }
         }
         if let Some(sums) = &self.splats {
-            // Light paths do not depend on the pixel that they were sampled with: in a pass that was cut
-            // short, what counts is how many there were.
-            let samples = samples as f64 / film.pixels().len() as f64;
-            let sums = lock(sums);
+            let (samples, sums) = (self.samples(), lock(sums));
             film.set_splats(|pixel| sums.estimate(pixel, samples));
         }
         film

@@ -14,6 +14,7 @@
 //! - [`progress`]: what is reported while it runs.
 
 pub mod film;
+pub mod layers;
 pub mod progress;
 pub mod splats;
 
@@ -23,7 +24,7 @@ mod passes;
 pub use engine::{Rendered, render};
 pub use film::Film;
 pub use progress::{Observer, Progress};
-pub use splats::Splats;
+pub use splats::{Layer, Splats, Technique};
 
 /// An estimator of the pixels of an image.
 ///

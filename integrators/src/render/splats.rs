@@ -1,26 +1,83 @@
-//! Contributions of paths to pixels that they were not sampled for.
+//! Contributions of paths to pixels that they were not sampled for, and to images beside the image.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A way to make paths of some length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Technique {
+    /// How many vertices the paths have.
+    pub vertices: usize,
+    /// What joins their ends: nothing for an edge between them, or the name of what lies there.
+    pub joint: &'static str,
+    /// How many vertices come from the camera.
+    pub camera: usize,
+    /// How many vertices come from the light.
+    pub light: usize,
+}
+
+impl Technique {
+    /// An edge between vertices from the camera and from the light.
+    pub fn edge(camera: usize, light: usize) -> Self {
+        Technique { vertices: camera + light, joint: "", camera, light }
+    }
+}
+
+/// An image beside the image: what one technique contributes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Layer {
+    /// Whether contributions have their weights.
+    pub weighted: bool,
+    /// Which technique.
+    pub technique: Technique,
+}
+
+impl fmt::Display for Layer {
+    /// The name of the channels in a file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Technique { joint, camera, light, .. } = self.technique;
+        let weighted = if self.weighted { "weighted" } else { "alone" };
+        let dash = if joint.is_empty() { "" } else { "-" };
+        write!(f, "{weighted}.{joint}{dash}s{light}t{camera}")
+    }
+}
 
 /// What one thread has to add to pixels of the image.
 #[derive(Clone, Debug, Default)]
-pub struct Splats(Vec<((u32, u32), [f32; 3])>);
+pub struct Splats {
+    waiting: Vec<((u32, u32), Option<Layer>, [f32; 3])>,
+    /// The most vertices of paths whose techniques have layers of their own.
+    pub layered: usize,
+}
 
 impl Splats {
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {
+        self.push(pixel, None, value);
+    }
+
+    /// [`Splats::add`] to a layer; nothing if there is none for so many vertices.
+    pub fn add_to_layer(&mut self, layer: Layer, pixel: (u32, u32), value: [f32; 3]) {
+        if layer.technique.vertices <= self.layered {
+            self.push(pixel, Some(layer), value);
+        }
+    }
+
+    fn push(&mut self, pixel: (u32, u32), layer: Option<Layer>, value: [f32; 3]) {
         if value != [0.0; 3] {
-            self.0.push((pixel, value));
+            self.waiting.push((pixel, layer, value));
         }
     }
 
     /// How many contributions wait.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.waiting.len()
     }
 
     /// Whether none waits.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.waiting.is_empty()
     }
 }
 
@@ -32,6 +89,7 @@ impl Splats {
 pub struct SplatSums {
     width: usize,
     sums: Vec<[[i128; 3]; 2]>,
+    layers: BTreeMap<Layer, Vec<[i128; 3]>>,
     invalid: u64,
 }
 
@@ -44,17 +102,27 @@ impl SplatSums {
     /// For an image of this size (columns, rows).
     pub fn new(size: (u32, u32)) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
-        SplatSums { width: size.0 as usize, sums: vec![[[0; 3]; 2]; pixels], invalid: 0 }
+        let (sums, layers) = (vec![[[0; 3]; 2]; pixels], BTreeMap::new());
+        SplatSums { width: size.0 as usize, sums, layers, invalid: 0 }
     }
 
     /// Takes over what waits.
     pub fn take(&mut self, splats: &mut Splats) {
-        for ((x, y), value) in splats.0.drain(..) {
-            let [sum, squares] = &mut self.sums[y as usize * self.width + x as usize];
+        for ((x, y), layer, value) in splats.waiting.drain(..) {
+            let pixel = y as usize * self.width + x as usize;
             if !value.iter().all(|v| v.abs() <= MOST) {
-                self.invalid += 1;
+                self.invalid += u64::from(layer.is_none());
                 continue;
             }
+            if let Some(layer) = layer {
+                let blank = || vec![[0; 3]; self.sums.len()];
+                let sum = &mut self.layers.entry(layer).or_insert_with(blank)[pixel];
+                for (sum, value) in sum.iter_mut().zip(value) {
+                    *sum += (f64::from(value) * ONE) as i128;
+                }
+                continue;
+            }
+            let [sum, squares] = &mut self.sums[pixel];
             for (c, value) in value.into_iter().enumerate() {
                 let value = f64::from(value);
                 sum[c] += (value * ONE) as i128;
@@ -82,6 +150,16 @@ impl SplatSums {
     }
 }
 
+impl SplatSums {
+    /// The mean of each layer that anything was added to, after `samples` samples of each pixel: its pixels,
+    /// row by row.
+    pub fn layers(&self, samples: f64) -> BTreeMap<Layer, Vec<[f32; 3]>> {
+        let mean = |sum: &[i128; 3]| sum.map(|s| (s as f64 / ONE / samples) as f32);
+        let pixels = |sums: &Vec<[i128; 3]>| sums.iter().map(mean).collect();
+        self.layers.iter().map(|(layer, sums)| (*layer, pixels(sums))).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,6 +182,23 @@ mod tests {
         assert_eq!((forwards[0][1], forwards[0][2]), (-forwards[0][0], 0.0));
         let squares: f64 = values.iter().map(|v| f64::from(*v).powi(2)).sum();
         approx::assert_relative_eq!(forwards[1][0], squares / 4.0, max_relative = 1e-15);
+    }
+
+    #[test]
+    fn layers_have_sums_of_their_own() {
+        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 1)));
+        splats.layered = 3;
+        let layer =
+            |camera, light| Layer { weighted: true, technique: Technique::edge(camera, light) };
+        for value in [1.0, 3.0] {
+            splats.add_to_layer(layer(2, 1), (1, 0), [value, 0.0, 0.5]);
+            splats.add_to_layer(layer(2, 2), (1, 0), [value; 3]);
+        }
+        sums.take(&mut splats);
+        let expected = BTreeMap::from([(layer(2, 1), vec![[0.0; 3], [1.0, 0.0, 0.25]])]);
+        assert_eq!(sums.layers(4.0), expected);
+        assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
+        assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);
     }
 
     #[test]
