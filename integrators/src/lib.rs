@@ -13,6 +13,7 @@ pub mod algorithm;
 pub mod bidirectional;
 pub mod chains;
 pub mod cli;
+pub mod convergence;
 pub mod emission;
 pub mod envmap;
 pub mod eye;

@@ -308,7 +308,7 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::PixelKernel;
+    use crate::render::{ErrorBudget, PixelKernel};
     use std::sync::atomic::AtomicU32;
 
     /// Noise whose mean is known: a hash of pixel and sample number, scaled to [0, 2 mean).
@@ -380,6 +380,72 @@ mod tests {
         assert_eq!(fewest, most);
         let same = render(&Noise, &settings(most, 1), &()).film;
         assert!(film == same, "the same number of samples gives the same image");
+    }
+
+    /// Noise in the windows of the left half, and almost none on the right.
+    struct Uneven;
+
+    impl PixelKernel for Uneven {
+        type Scratch = Vec<u8>;
+
+        fn scratch(&self) -> Vec<u8> {
+            Vec::new()
+        }
+
+        fn sample(&self, scratch: &mut Vec<u8>, pixel: (u32, u32), sample: u32) -> [f32; 3] {
+            let noise = Noise.sample(scratch, pixel, sample)[0];
+            [if pixel.0 < WINDOW { noise } else { 1.0 + 1e-3 * noise }; 3]
+        }
+    }
+
+    #[test]
+    fn an_error_ends_the_render() {
+        let error = |target, adaptive| {
+            let limit = ErrorBudget { target, samples: 5000, seconds: 1e9, adaptive };
+            let budget = Budget::Error(limit);
+            let settings = RenderSettings { size: (2 * WINDOW, WINDOW), ..settings(1, 2) };
+            render(&Uneven, &RenderSettings { budget, ..settings }, &()).film
+        };
+        // The error of n samples is the root of 1 / 3 / n / 1.01: 4.2 % after 192, 5.1 % after 128.
+        let even = error(0.045, false);
+        assert_eq!(even.samples(), (192, 192));
+        let uneven = error(0.045, true);
+        assert_eq!(uneven.samples(), (16, 192));
+        let of = |film: &Film, x: u32| film.pixels()[x as usize];
+        assert_eq!((of(&uneven, 0).count(), of(&uneven, WINDOW).count()), (192, 16));
+        assert_eq!(of(&uneven, 0), of(&even, 0));
+        // What is asked for may be too much.
+        assert_eq!(error(1e-9, false).samples(), (5000, 5000));
+    }
+
+    /// Wants to see the image at multiples of seven.
+    #[derive(Default)]
+    struct Look(Mutex<Vec<u32>>);
+
+    impl Observer for Look {
+        fn progress(&self, _: &Progress) {}
+
+        fn cancelled(&self) -> bool {
+            false
+        }
+
+        fn look(&self, film: &Film, progress: &Progress) {
+            assert_eq!(film.samples(), (progress.samples, progress.samples));
+            self.0.lock().unwrap().push(progress.samples);
+        }
+
+        fn next_look(&self, progress: &Progress) -> Option<u32> {
+            Some((progress.samples / 7 + 1) * 7)
+        }
+    }
+
+    #[test]
+    fn the_observer_sees_what_it_asks_for() {
+        let look = Look::default();
+        let watched = render(&Noise, &settings(30, 2), &look);
+        let seen = look.0.into_inner().unwrap();
+        assert!([7, 14, 21, 28, 30].iter().all(|samples| seen.contains(samples)), "{seen:?}");
+        assert!(watched.film == render(&Noise, &settings(30, 1), &()).film);
     }
 
     /// NaN in one sample of each pixel, negative infinity in another.

@@ -1,6 +1,7 @@
 //! The estimated error of parts of an image, which tells when it is good enough.
 
 use super::film::{Film, PixelEstimate};
+use crate::image::compare::RELATIVE_OFFSET;
 
 /// The side of a window in pixels; windows at the right and lower border may be smaller.
 ///
@@ -53,7 +54,7 @@ pub(super) fn window_errors(
             }
             let relative = |c: usize| {
                 let mean = sum[c] / pixels;
-                spread[c] / pixels / (mean * mean + 0.01)
+                spread[c] / pixels / (mean * mean + RELATIVE_OFFSET)
             };
             errors.push(((0..3).map(relative).sum::<f64>() / 3.0).sqrt());
         }
