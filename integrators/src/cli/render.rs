@@ -8,14 +8,16 @@ use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
+use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::aovs::aovs;
+use crate::convergence::reference::crop_text;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, check_writable, png};
 use crate::render::film::relative_error;
 use crate::render::layers::{Layered, contact_sheet};
-use crate::render::{Budget, RenderSettings, Rendered, render};
+use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
 const AOV_SAMPLES: u32 = 64;
@@ -30,18 +32,14 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_of_integrator(&scene, &plan);
 
     let terminal = Terminal::new();
-    let settings = RenderSettings {
-        size: plan.size,
-        budget: arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds),
-        threads: arguments.threads,
+    let kernel: Box<dyn AnyKernel> = match arguments.technique_images {
+        None => kernel,
+        Some(vertices) => Box::new(Layered { kernel, vertices: vertices as usize }),
     };
-    let rendered = match arguments.technique_images {
-        None => render(kernel.as_ref(), &settings, &terminal),
-        Some(vertices) => {
-            let kernel = Layered { kernel, vertices: vertices as usize };
-            render(&kernel, &settings, &terminal)
-        }
-    };
+    let budget = budget(arguments, &plan, kernel.as_ref())?;
+    let settings = RenderSettings { size: plan.size, budget, threads: arguments.threads };
+    let live = Live::new(&terminal, arguments, &output);
+    let rendered = render(kernel.as_ref(), &settings, &live);
     terminal.finish();
     if rendered.film.samples().1 == 0 {
         warn("interrupted before the first sample; no file is written");
@@ -56,7 +54,34 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     }
     let pictures = write_files(&output, &plan, arguments, &rendered, layers)?;
     print(&summary(&output, &pictures, &rendered))?;
+    if arguments.stats {
+        print(&statistics(&rendered))?;
+    }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// When to stop.
+fn budget(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    kernel: &dyn AnyKernel,
+) -> Result<Budget, Failure> {
+    let Some(target) = arguments.target_error else {
+        return Ok(arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds));
+    };
+    if arguments.adaptive && kernel.splats() {
+        return Err(Failure::new(format!(
+            "--adaptive gives pixels different numbers of samples, but those of integrator `{}` contribute to \
+             other pixels than their own; leave --adaptive out",
+            plan.integrator
+        )));
+    }
+    Ok(Budget::Error(ErrorBudget {
+        target,
+        samples: arguments.spp.unwrap_or(i32::MAX as u32),
+        seconds: arguments.time.unwrap_or(f64::INFINITY),
+        adaptive: arguments.adaptive,
+    }))
 }
 
 /// The EXR file to write: by default, the name of the scene in the current directory.
@@ -126,6 +151,9 @@ fn attributes(
         ("seed", text(&plan.seed.to_string())),
         ("samples", count(fewest)),
         ("seconds", Attribute::Number(rendered.seconds)),
+        ("rays", text(&rendered.work.rays().to_string())),
+        ("densities", text(&rendered.work.densities.to_string())),
+        ("crop", text(&crop_text(plan.crop))),
         ("program", text(concat!("aether ", env!("CARGO_PKG_VERSION")))),
     ]);
     if most != fewest {
@@ -169,6 +197,27 @@ fn summary(output: &Path, pictures: &[PathBuf], rendered: &Rendered) -> String {
     line
 }
 
+/// What was computed, and how fast.
+fn statistics(rendered: &Rendered) -> String {
+    let work = rendered.work;
+    let samples: f64 = rendered.film.pixels().iter().map(|pixel| f64::from(pixel.count())).sum();
+    let line = |name: &str, count: u64| {
+        let (count, seconds) = (count as f64, rendered.seconds.max(1e-9));
+        format!(
+            "{name:<14}{count:.4e}, {:.2} per sample, {:.3e} per second",
+            count / samples.max(1.0),
+            count / seconds
+        )
+    };
+    [
+        line("samples", samples as u64),
+        line("rays, nearest", work.nearest),
+        line("rays, any", work.occlusion),
+        line("densities", work.densities),
+    ]
+    .join("\n")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,6 +259,7 @@ mod tests {
         let plan = Plan {
             integrator: "path".to_owned(),
             size: (7, 5),
+            crop: (0, 0),
             samples: 4,
             seed: u64::MAX,
             max_depth: None,
