@@ -19,6 +19,9 @@ pub trait Integrator: Send + Sync {
     /// Whether samples contribute to other pixels than their own.
     const SPLATS: bool = false;
 
+    /// How many images beside that of the radiance samples contribute to ([`Splats::add_to`]).
+    const IMAGES: usize = 0;
+
     /// A new scratch object.
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
 
@@ -112,5 +115,9 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
 
     fn splats(&self) -> bool {
         I::SPLATS
+    }
+
+    fn images(&self) -> usize {
+        I::IMAGES
     }
 }

@@ -10,7 +10,8 @@ use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::image::exr::{Attribute, Exr};
-use crate::image::{check_writable, png};
+use crate::image::{RgbImage, check_writable, png};
+use crate::poisson::{ALPHA, Reconstruction, reconstruct};
 use crate::render::film::relative_error;
 use crate::render::{Budget, RenderSettings, Rendered, render};
 
@@ -67,16 +68,45 @@ fn write_files(
     arguments: &RenderArguments,
     rendered: &Rendered,
 ) -> Result<Option<PathBuf>, Failure> {
-    let rgb = rendered.film.image();
+    let primal = rendered.film.image();
     let variance = rendered.film.variance();
-    let exr = Exr { rgb, variance, attributes: attributes(plan, arguments, rendered) };
+    let attributes = attributes(plan, arguments, rendered);
+    let rgb = match &rendered.images[..] {
+        [dx, dy] => reconstruct(&primal, [&dx[0], &dy[0]], ALPHA, plan.reconstruction),
+        _ => primal.clone(),
+    };
+    // The variance of what gradients and pixels make together is not known.
+    let known = rendered.images.is_empty() || plan.reconstruction == Reconstruction::None;
+    let exr = Exr { rgb, variance: variance.clone().filter(|_| known), attributes };
     exr.write(output)?;
     if !output.is_file() {
         return Ok(None);
     }
+    if let [dx, dy] = &rendered.images[..] {
+        let sampled = [&primal, &dx[0], &dy[0]];
+        let variances = [variance.as_ref(), Some(&dx[1]), Some(&dy[1])];
+        write_gradients(output, sampled.into_iter().zip(variances), &exr.attributes)?;
+    }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
     Ok(Some(picture))
+}
+
+/// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`,
+/// and the right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`.
+fn write_gradients<'i>(
+    output: &Path,
+    images: impl Iterator<Item = (&'i RgbImage, Option<&'i RgbImage>)>,
+    attributes: &BTreeMap<String, Attribute>,
+) -> Result<(), Failure> {
+    for (name, (rgb, variance)) in ["primal", "dx", "dy"].into_iter().zip(images) {
+        let mut file = output.file_stem().unwrap_or_default().to_owned();
+        file.push(format!("-{name}.exr"));
+        let (rgb, variance) = (rgb.clone(), variance.cloned());
+        let exr = Exr { rgb, variance, attributes: attributes.clone() };
+        exr.write(&output.with_file_name(file))?;
+    }
+    Ok(())
 }
 
 /// How the image was made, for the header of the file.
@@ -193,6 +223,7 @@ mod tests {
             techniques: Default::default(),
             light_paths: None,
             clamp: None,
+            reconstruction: Default::default(),
         };
         let settings =
             RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };

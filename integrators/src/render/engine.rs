@@ -9,6 +9,7 @@ use super::passes::next_pass;
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
 use super::{AnyKernel, Budget, Chain, RenderSettings, Splats, Worker};
+use crate::image::RgbImage;
 
 /// The side of a tile in pixels.
 const TILE: u32 = 16;
@@ -18,6 +19,9 @@ const TILE: u32 = 16;
 pub struct Rendered {
     /// The pixels. All have the same number of samples, unless the render was cancelled.
     pub film: Film,
+    /// The further images that samples contribute to, each with the variance of its pixels; see
+    /// [`AnyKernel::images`].
+    pub images: Vec<[RgbImage; 2]>,
     /// Seconds from start to end.
     pub seconds: f64,
     /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
@@ -45,7 +49,9 @@ pub fn render(
         done: 0,
         error: None,
         invalid: AtomicU64::new(0),
-        splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+        splats: kernel
+            .splats()
+            .then(|| Mutex::new(SplatSums::new(settings.size, 1 + kernel.images()))),
         size: settings.size,
     };
     let mut cancelled = observer.cancelled();
@@ -59,7 +65,7 @@ pub fn render(
     let seconds = job.seconds();
     let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
     let invalid_samples = job.invalid.load(Ordering::Relaxed) + lost;
-    Rendered { film: job.film(), seconds, invalid_samples, cancelled }
+    Rendered { film: job.film(), images: job.images(), seconds, invalid_samples, cancelled }
 }
 
 /// A render in progress.
@@ -167,22 +173,44 @@ impl Job<'_> {
         self.error = relative_error(self.film().pixels().iter());
     }
 
+    /// The further images so far.
+    fn images(&self) -> Vec<[RgbImage; 2]> {
+        let Some(sums) = &self.splats else { return Vec::new() };
+        let (sums, samples) = (lock(sums), self.samples_per_pixel());
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let images = 1..=self.kernel.images();
+        let of = |image: usize, part: usize| {
+            RgbImage::from_fn(width, height, |x, y| {
+                let pixel = (image * height + y) * width + x;
+                sums.estimate(pixel, samples)[part].map(|v| v as f32)
+            })
+        };
+        images.map(|image| [of(image, 0), of(image, 1)]).collect()
+    }
+
+    /// The mean number of samples of a pixel.
+    fn samples_per_pixel(&self) -> f64 {
+        let count = |tile: &Mutex<Tile<'_>>| {
+            lock(tile).pixels.iter().map(|pixel| u64::from(pixel.count())).sum::<u64>()
+        };
+        let samples: u64 = self.tiles.iter().map(count).sum();
+        samples as f64 / (f64::from(self.size.0) * f64::from(self.size.1))
+    }
+
     /// The image so far.
     fn film(&self) -> Film {
         let mut film = Film::new(self.size);
-        let mut samples = 0;
         for tile in &self.tiles {
             let tile = lock(tile);
             for (index, pixel) in tile.pixels.iter().enumerate() {
                 let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
                 *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
-                samples += u64::from(pixel.count());
             }
         }
         if let Some(sums) = &self.splats {
             // Light paths do not depend on the pixel that they were sampled with: in a pass that was cut
             // short, what counts is how many there were.
-            let samples = samples as f64 / film.pixels().len() as f64;
+            let samples = self.samples_per_pixel();
             let sums = lock(sums);
             film.set_splats(|pixel| sums.estimate(pixel, samples));
         }

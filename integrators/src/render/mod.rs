@@ -77,6 +77,12 @@ pub trait AnyKernel: Sync {
     fn splats(&self) -> bool {
         false
     }
+
+    /// How many images beside the main one samples contribute to, with [`Splats::add_to`]. If there are any,
+    /// [`AnyKernel::splats`] must hold.
+    fn images(&self) -> usize {
+        0
+    }
 }
 
 impl<K: PixelKernel> AnyKernel for K {

@@ -2,14 +2,26 @@
 
 /// What one thread has to add to pixels of the image.
 #[derive(Clone, Debug, Default)]
-pub struct Splats(Vec<((u32, u32), [f32; 3])>);
+pub struct Splats(Vec<Splat>);
+
+/// The image (0 for the main one), the pixel, and what it gets.
+type Splat = (u32, (u32, u32), [f32; 3]);
 
 impl Splats {
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {
         if value != [0.0; 3] {
-            self.0.push((pixel, value));
+            self.0.push((0, pixel, value));
+        }
+    }
+
+    /// Adds to a pixel of a further image, of those that the kernel has ([`AnyKernel::images`]).
+    ///
+    /// [`AnyKernel::images`]: super::AnyKernel::images
+    pub fn add_to(&mut self, image: usize, pixel: (u32, u32), value: [f32; 3]) {
+        if value != [0.0; 3] {
+            self.0.push((image as u32 + 1, pixel, value));
         }
     }
 
@@ -31,6 +43,8 @@ impl Splats {
 #[derive(Clone, Debug)]
 pub struct SplatSums {
     width: usize,
+    /// Pixels of an image; the images follow each other.
+    pixels: usize,
     sums: Vec<[[i128; 3]; 2]>,
     invalid: u64,
 }
@@ -41,16 +55,18 @@ const ONE: f64 = 18_446_744_073_709_551_616.0;
 const MOST: f32 = 1e15;
 
 impl SplatSums {
-    /// For an image of this size (columns, rows).
-    pub fn new(size: (u32, u32)) -> Self {
+    /// For so many images of this size (columns, rows).
+    pub fn new(size: (u32, u32), images: usize) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
-        SplatSums { width: size.0 as usize, sums: vec![[[0; 3]; 2]; pixels], invalid: 0 }
+        let sums = vec![[[0; 3]; 2]; images * pixels];
+        SplatSums { width: size.0 as usize, pixels, sums, invalid: 0 }
     }
 
     /// Takes over what waits.
     pub fn take(&mut self, splats: &mut Splats) {
-        for ((x, y), value) in splats.0.drain(..) {
-            let [sum, squares] = &mut self.sums[y as usize * self.width + x as usize];
+        for (image, (x, y), value) in splats.0.drain(..) {
+            let pixel = y as usize * self.width + x as usize;
+            let [sum, squares] = &mut self.sums[image as usize * self.pixels + pixel];
             if !value.iter().all(|v| v.abs() <= MOST) {
                 self.invalid += 1;
                 continue;
@@ -68,7 +84,7 @@ impl SplatSums {
         self.invalid
     }
 
-    /// What is added to the mean of a pixel (by its number, row by row) and to the variance of the mean
+    /// What is added to the mean of a pixel (by its number, row by row, one image after the other) and to the variance of the mean
     /// after `samples` samples of each pixel. Light paths are many, and each adds little to a pixel: the
     /// variance of their sum is the sum of squares.
     pub fn estimate(&self, pixel: usize, samples: f64) -> [[f64; 3]; 2] {
@@ -90,7 +106,7 @@ mod tests {
     fn the_order_of_contributions_does_not_matter() {
         let values = [1e-9f32, 3.7e4, 0.1, 5e-4, 123.456, 1e9];
         let total = |order: &[usize]| {
-            let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 2)));
+            let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 2), 1));
             for i in order {
                 splats.add((1, 1), [values[*i], -values[*i], 0.0]);
                 sums.take(&mut splats);
@@ -108,7 +124,7 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_left_out_and_counted() {
-        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((1, 1)));
+        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((1, 1), 1));
         for value in [f32::NAN, f32::INFINITY, 1e30, 1.0] {
             splats.add((0, 0), [value, 0.0, 0.0]);
         }
