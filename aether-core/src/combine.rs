@@ -4,10 +4,12 @@
 mod heuristic;
 mod loose;
 mod paths;
+mod shifted;
 
 pub use heuristic::{BalanceHeuristic, Heuristic, MaximumHeuristic, PowerHeuristic};
 pub use loose::{LooseTechnique, WeightedSample};
 pub use paths::{Combined, Paths, Weighted};
+pub use shifted::Shifted;
 
 /// Things that [`combine`] can weigh against each other: paths (an array, slice or `Vec` of
 /// [`RandomSequence`](crate::sequence::RandomSequence)s, or

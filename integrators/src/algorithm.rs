@@ -2,6 +2,7 @@
 
 use crate::bidirectional::Bidirectional;
 use crate::chains::{ChainIntegrator, ChainKernel};
+use crate::gradient_domain::GradientDomain;
 use crate::instant_radiosity::InstantRadiosity;
 use crate::integrator::{Integrator, Kernel};
 use crate::kind::{self, Everything, NotCovered, SceneKind};
@@ -33,6 +34,9 @@ pub enum Algorithm {
     Metropolis(Metropolis),
     /// Metropolis light transport on primary samples.
     PrimarySample(PrimarySample),
+    /// Gradient-domain path tracing: the image is still to be made of what is rendered
+    /// ([`crate::poisson`]).
+    GradientDomain(GradientDomain),
 }
 
 impl Algorithm {
@@ -61,6 +65,7 @@ impl Algorithm {
             }
             Algorithm::Metropolis(it) => Some(chained(scene, it, seed)),
             Algorithm::PrimarySample(it) => Some(chained(scene, it, seed)),
+            Algorithm::GradientDomain(it) => Some(general(scene, it, seed)),
         }
     }
 }

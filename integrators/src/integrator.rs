@@ -69,7 +69,11 @@ impl<'s> Received<'s> {
         self.add(receiver, value);
         if technique.vertices <= self.splats.layered {
             for (weighted, value) in [(true, value), (false, alone)] {
-                self.splats.add_to_layer(Layer { weighted, technique }, receiver, value.to_array());
+                self.splats.add_to(
+                    Layer::Technique { weighted, technique },
+                    receiver,
+                    value.to_array(),
+                );
             }
         }
     }

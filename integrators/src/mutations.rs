@@ -1,8 +1,9 @@
 //! The mutations of Metropolis light transport in path space (Veach and Guibas 1997), each a function from a path
 //! to a path. No densities of mutations are written here or anywhere.
 //!
-//! Perturbations follow chains of mirrors and panes: each new vertex scatters by the lobe by which the old one
-//! did.
+//! Perturbations follow chains of smooth surfaces: at mirrors and panes each new vertex scatters by the lobe by
+//! which the old one did, at rough ones of small roughness by nearly the same half vector, reflected or refracted
+//! as it was.
 
 use aether_core::mutation::{Decisions, Draft, Mutation};
 use aether_core::prelude::*;
@@ -11,6 +12,7 @@ use aether_core::{PathView, RandomSequence, strategies};
 use glam::Vec3 as Vector;
 
 use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emitter};
+use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
 use crate::kind::{Everything, SceneKind};
 use crate::samplers::{cone_near, rotate};
 use crate::strategies::{
@@ -55,6 +57,8 @@ strategies! {
         Emission(SampleEmission<'a, 'a, K>),
         /// Next to an old direction.
         Near(SampleNear<'a, 'a, K>),
+        /// Scattering by nearly an old half vector.
+        HalfVector(SampleHalfVector<'a, 'a, K>),
     }
 }
 
@@ -116,13 +120,13 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
     }
 }
 
-/// Moves the film point a little, follows mirrors to the first vertex that is none, and goes on where the old
-/// path went. With `chains`, also where that meets further mirrors: the direction into each chain of them is
-/// moved a little as well.
+/// Moves the film point a little, follows smooth surfaces to the first vertex that is rough, and goes on where the
+/// old path went. With `chains`, also where that meets further smooth surfaces: the direction into each chain of
+/// them is moved a little as well.
 pub struct LensPerturbation<'a, K: SceneKind> {
     /// The scene.
     pub world: &'a World<'a, K>,
-    /// Whether chains of mirrors beyond the first are perturbed: the multi-chain perturbation.
+    /// Whether chains of smooth surfaces beyond the first are perturbed: the multi-chain perturbation.
     pub chains: bool,
 }
 
@@ -141,7 +145,7 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
         let mut draft = path.slice(0..1).keep();
         draft.append(sample_camera_direction(world, Aim::Near(film, far)));
         follow(world, path, &mut draft);
-        while draft.size() < n && is_mirror(path, draft.size()) {
+        while draft.size() < n && is_smooth(world, path, draft.size()) {
             if !self.chains {
                 return None;
             }
@@ -152,29 +156,30 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
         Some(draft.concat(&path.slice(draft.size()..n).keep()))
     }
 
-    /// Paths with further chains of mirrors are for one of the two, all others for the other.
+    /// Paths with further chains of smooth surfaces are for one of the two, all others for the other.
     fn weight(&self, path: &Path<'_, 'a, K>) -> f32 {
-        let first = (1..path.len()).find(|i| !is_mirror(path, *i)).unwrap_or(path.len());
-        let further = first + 1 < path.len() && is_mirror(path, first + 1);
+        let smooth = |i: usize| is_smooth(self.world, path, i);
+        let first = (1..path.len()).find(|i| !smooth(*i)).unwrap_or(path.len());
+        let further = smooth(first + 1);
         f32::from(further == self.chains)
     }
 }
 
-/// Moves a little the direction in which light enters a chain of mirrors that leads to the first vertex seen, and
+/// Moves a little the direction in which light enters a chain of smooth surfaces that leads to the first vertex seen, and
 /// connects what it meets to the camera: for caustics.
 pub struct CausticPerturbation<'a, K: SceneKind> {
     /// The scene.
     pub world: &'a World<'a, K>,
 }
 
-impl<K: SceneKind> CausticPerturbation<'_, K> {
+impl<'a, K: SceneKind> CausticPerturbation<'a, K> {
     /// Where the chain that leads to the first vertex seen begins, if there is one.
-    fn origin(path: &Path<'_, '_, K>) -> Option<usize> {
-        let n = path.len();
-        if n < 4 || is_mirror(path, 1) || !is_mirror(path, 2) {
+    fn origin(&self, path: &Path<'_, 'a, K>) -> Option<usize> {
+        let (n, smooth) = (path.len(), |i: usize| is_smooth(self.world, path, i));
+        if n < 4 || smooth(1) || !smooth(2) {
             return None;
         }
-        let origin = (3..n).find(|i| !is_mirror(path, *i))?;
+        let origin = (3..n).find(|i| !smooth(*i))?;
         let vertex = path.vertex(origin)?;
         (!vertex.is_infinite()).then_some(origin)
     }
@@ -190,7 +195,7 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
     ) -> Option<Proposal<'r, 'a, K>> {
         let (n, world) = (path.len(), self.world);
         decide.wants(n).then_some(())?;
-        let origin = Self::origin(path)?;
+        let origin = self.origin(path)?;
         let (here, next) = (path.vertex(origin)?, path.vertex(origin - 1)?);
         let backwards = path.reverse();
         let mut draft = backwards.slice(0..n - origin).keep();
@@ -201,26 +206,44 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
     }
 
     fn weight(&self, path: &Path<'_, 'a, K>) -> f32 {
-        f32::from(Self::origin(path).is_some())
+        f32::from(self.origin(path).is_some())
     }
 }
 
-/// Whether a vertex of a path scatters in a single direction.
+/// Surfaces with less roughness than this belong to chains.
+const ROUGH: f32 = 0.2;
+/// How far half vectors are moved, in units of the roughness.
+const MOVED: f32 = 0.1;
+
+/// Whether a vertex of a path scatters in a single direction, or in few: none of its ends.
+fn is_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>, i: usize) -> bool {
+    let inside = i > 0 && i + 1 < path.len();
+    let few = || path.vertex(i).is_some_and(|vertex| world.roughness(&vertex) < ROUGH);
+    inside && (is_mirror(path, i) || few())
+}
+
 fn is_mirror<K: SceneKind>(path: &Path<'_, '_, K>, i: usize) -> bool {
     path.view().carries(i, Dirac::Direction)
 }
 
-/// Goes on from the last vertex of a draft as long as the vertices of the path at these places are mirrors.
+/// Goes on from the last vertex of a draft as long as the vertices of the path at these places are smooth.
 fn follow<'a, K: SceneKind>(
     world: &'a World<'a, K>,
     path: &Path<'_, 'a, K>,
     draft: &mut Proposal<'_, 'a, K>,
 ) {
-    while draft.size() < path.len() && is_mirror(path, draft.size() - 1) {
+    while is_smooth(world, path, draft.size() - 1) {
         let i = draft.size() - 1;
-        let [before, here, next] = [i.wrapping_sub(1), i, i + 1].map(|i| path.vertex(i));
+        let [before, here, next] = [i - 1, i, i + 1].map(|i| path.vertex(i));
         let (Some(before), Some(here), Some(next)) = (before, here, next) else { return };
-        let Some(lobe) = world.mirror_between(&before, &here, &next) else { return };
-        draft.append(sample_bsdf(world, u32::MAX, Some(lobe)));
+        if is_mirror(path, i) {
+            let Some(lobe) = world.mirror_between(&before, &here, &next) else { return };
+            draft.append(sample_bsdf(world, u32::MAX, Some(lobe)));
+        } else {
+            let width = (MOVED * world.roughness(&here)).clamp(1e-6, 1.0);
+            let nearly = HalfVector::between(world, [&before, &here, &next], width);
+            let Some(half) = nearly else { return };
+            draft.append(sample_half_vector(world, half));
+        }
     }
 }

@@ -115,6 +115,15 @@ pub fn cone_near(u: [Uniform; 2], near: f64, far: f64) -> Direction {
     Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
+/// Directions whose projection onto the plane at distance one is uniform on a square about +z with sides of twice
+/// `width`.
+#[sampler(width in 1e-6..=1.0)]
+pub fn square_of_directions(u: [Uniform; 2], width: f64) -> Direction {
+    let x = width * (2.0 * u[0] - 1.0);
+    let y = width * (2.0 * u[1] - 1.0);
+    Direction::from_vec(Vec3::new(x, y, 1.0).normalize())
+}
+
 /// The direction in camera space in which a pinhole camera sees a point of the film: x to the right,
 /// y down, z into the scene. `centre` is the point that the axis goes through, `scale` the width and
 /// height of one pixel at distance one.

@@ -30,6 +30,8 @@ pub enum Aim {
     Film,
     /// Between a tenth of a pixel and a distance away from a point; near ones are likelier.
     Near(Vec2<f32>, f32),
+    /// Within half a pixel along each axis of a point; the middle of all uniforms is the point itself.
+    About(Vec2<f32>),
 }
 
 impl Aim {
@@ -37,6 +39,7 @@ impl Aim {
     fn centre(&self) -> (f32, f32) {
         match self {
             Aim::Pixel(pixel) => (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5),
+            Aim::About(point) => (point.x, point.y),
             Aim::Film | Aim::Near(..) => (0.0, 0.0),
         }
     }
@@ -81,7 +84,7 @@ pub fn sample_camera_direction<K: SceneKind>(
             let around = given(film_near(from, 0.1, far).ok());
             draw(around)
         }
-        (Aim::Pixel(_), Filter::Box) => draw(film_box(x, y)),
+        (Aim::About(_), _) | (Aim::Pixel(_), Filter::Box) => draw(film_box(x, y)),
         (Aim::Pixel(_), Filter::Tent { radius }) => {
             let right = choose(coin(0.5f32));
             let below = choose(coin(0.5f32));

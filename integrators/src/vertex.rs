@@ -174,6 +174,15 @@ impl<K: SceneKind> SceneVertex<K> {
         self.surface().map(|s| s.primitive)
     }
 
+    /// Whether it may emit light: a lamp, the sky, or a surface that shines.
+    pub fn is_light(&self) -> bool {
+        match self.place {
+            Place::Camera | Place::Parallel(_) => false,
+            Place::Surface(surface) => surface.emitter.is_some(),
+            Place::Backdrop(_) | Place::Sky(_) | Place::Bulb(_) | Place::Distant(_) => true,
+        }
+    }
+
     /// Whether it is infinitely far away.
     #[inline]
     pub fn is_infinite(&self) -> bool {

@@ -252,6 +252,13 @@ impl<'s, K: SceneKind> World<'s, K> {
         Scattering::new(material, &self.scene.textures, &surface, towards)
     }
 
+    /// The least roughness of what a vertex scatters by beside atoms; infinite where there is no surface.
+    pub fn roughness(&self, vertex: &SceneVertex<K>) -> f32 {
+        vertex.primitive().map_or(f32::INFINITY, |primitive| {
+            self.scene.bsdfs[self.scene.shape(primitive).bsdf as usize].roughness()
+        })
+    }
+
     /// The number of the lobe of the atom that scatters at a vertex from one neighbour to the other.
     pub fn mirror_between(
         &self,

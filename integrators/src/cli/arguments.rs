@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::poisson::Reconstruction;
 use crate::selection::Selection;
 use clap::{Args, Parser, Subcommand};
 
@@ -104,6 +105,10 @@ pub(super) struct RenderArguments {
     /// The largest geometry term of a connection to a virtual light: biased, but without spikes
     #[arg(long, value_name = "LIMIT", value_parser = positive)]
     pub clamp: Option<f32>,
+
+    /// How gdpt makes an image of its gradients: l1 (least noise, the default), l2 (unbiased) or none
+    #[arg(long, value_name = "NORM")]
+    pub reconstruction: Option<Reconstruction>,
 
     /// The id of a shape that is an opening which light has to pass, and no surface; may be repeated
     #[arg(long = "portal", value_name = "ID")]

@@ -4,12 +4,14 @@ use super::arguments::{RenderArguments, check_size};
 use super::{Failure, warn};
 use crate::algorithm::Algorithm;
 use crate::bidirectional::Bidirectional;
+use crate::gradient_domain::GradientDomain;
 use crate::instant_radiosity::InstantRadiosity;
 use crate::kind;
 use crate::light_tracer::LightTracer;
 use crate::metropolis::Metropolis;
 use crate::path::PathSettings;
 use crate::photon_mapping::PhotonMapping;
+use crate::poisson::Reconstruction;
 use crate::portals::Portals;
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
@@ -42,6 +44,8 @@ pub(super) struct Plan {
     pub light_paths: Option<u32>,
     /// What the geometry term of a connection is at most, for instant radiosity.
     pub clamp: Option<f32>,
+    /// How an image is made of its gradients, for integrators that have them.
+    pub reconstruction: Reconstruction,
 }
 
 impl Plan {
@@ -62,6 +66,7 @@ impl Plan {
             techniques: arguments.techniques.clone().unwrap_or_default(),
             light_paths: arguments.light_paths,
             clamp: arguments.clamp,
+            reconstruction: arguments.reconstruction.unwrap_or_default(),
         }
     }
 }
@@ -124,6 +129,7 @@ pub(super) fn kernel_for<'a>(
         }
         "mlt" => Algorithm::Metropolis(Metropolis::new(path)),
         "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
+        "gdpt" => Algorithm::GradientDomain(GradientDomain::new(path)),
         "tridir" => {
             let portals = Portals::new(scene).map_err(Failure::new)?;
             Algorithm::Tridirectional(Tridirectional { path, portals })
@@ -147,7 +153,8 @@ pub(super) fn kernel_for<'a>(
 }
 
 /// The integrators, by their names in scene files and on the command line.
-const INTEGRATORS: [&str; 8] = ["path", "bdpt", "tridir", "mlt", "pssmlt", "vpl", "ppm", "ptracer"];
+const INTEGRATORS: [&str; 9] =
+    ["path", "bdpt", "tridir", "gdpt", "mlt", "pssmlt", "vpl", "ppm", "ptracer"];
 
 #[cfg(test)]
 mod tests {

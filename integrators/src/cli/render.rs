@@ -15,6 +15,8 @@ use crate::aovs::aovs;
 use crate::convergence::reference::crop_text;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, check_writable, png};
+use crate::poisson::{ALPHA, Reconstruction, reconstruct};
+use crate::render::Layer;
 use crate::render::film::relative_error;
 use crate::render::layers::{Layered, contact_sheet};
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
@@ -112,13 +114,30 @@ fn write_files(
     rendered: &Rendered,
     mut layers: BTreeMap<String, RgbImage>,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let rgb = rendered.film.image();
+    let primal = rendered.film.image();
     let variance = rendered.film.variance();
-    layers.extend(rendered.layers.iter().map(|(layer, image)| (layer.to_string(), image.clone())));
-    let exr = Exr { rgb, variance, layers, attributes: attributes(plan, arguments, rendered) };
+    let attributes = attributes(plan, arguments, rendered);
+    let gradients = rendered.layers.get(&Layer::Dx).zip(rendered.layers.get(&Layer::Dy));
+    let rgb = match gradients {
+        Some((dx, dy)) => reconstruct(&primal, [&dx[0], &dy[0]], ALPHA, plan.reconstruction),
+        None => primal.clone(),
+    };
+    // The variance of what gradients and pixels make together is not known.
+    let known = gradients.is_none() || plan.reconstruction == Reconstruction::None;
+    for (layer, [image, _]) in &rendered.layers {
+        if let Layer::Technique { .. } = layer {
+            layers.insert(layer.to_string(), image.clone());
+        }
+    }
+    let exr = Exr { rgb, variance: variance.clone().filter(|_| known), layers, attributes };
     exr.write(output)?;
     if !output.is_file() {
         return Ok(Vec::new());
+    }
+    if let Some((dx, dy)) = gradients {
+        let sampled = [&primal, &dx[0], &dy[0]];
+        let variances = [variance.as_ref(), Some(&dx[1]), Some(&dy[1])];
+        write_gradients(output, sampled.into_iter().zip(variances), &exr.attributes)?;
     }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
@@ -127,6 +146,24 @@ fn write_files(
     let techniques = output.with_file_name(format!("{name}-techniques.png"));
     png::write(&sheet, &techniques)?;
     Ok(vec![picture, techniques])
+}
+
+/// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`,
+/// and the right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`.
+fn write_gradients<'i>(
+    output: &Path,
+    images: impl Iterator<Item = (&'i RgbImage, Option<&'i RgbImage>)>,
+    attributes: &BTreeMap<String, Attribute>,
+) -> Result<(), Failure> {
+    for (name, (rgb, variance)) in ["primal", "dx", "dy"].into_iter().zip(images) {
+        let mut file = output.file_stem().unwrap_or_default().to_owned();
+        file.push(format!("-{name}.exr"));
+        let (rgb, variance) = (rgb.clone(), variance.cloned());
+        let layers = BTreeMap::new();
+        let exr = Exr { rgb, variance, layers, attributes: attributes.clone() };
+        exr.write(&output.with_file_name(file))?;
+    }
+    Ok(())
 }
 
 /// How the image was made, for the header of the file.
@@ -268,6 +305,7 @@ mod tests {
             techniques: Default::default(),
             light_paths: None,
             clamp: None,
+            reconstruction: Default::default(),
         };
         let settings =
             RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };

@@ -29,8 +29,8 @@ pub struct Rendered {
     /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
     /// kernel.
     pub invalid_samples: u64,
-    /// What each technique contributes, for the layers that were asked for.
-    pub layers: BTreeMap<Layer, RgbImage>,
+    /// The images beside the image that samples added to, each with the variance of its pixels.
+    pub layers: BTreeMap<Layer, [RgbImage; 2]>,
     /// Whether the observer ended the render before the budget was used.
     pub cancelled: bool,
 }
@@ -267,15 +267,16 @@ impl<'a> Job<'a> {
         self.tiles.iter().map(of).sum::<u64>() as f64 / pixels
     }
 
-    /// What each technique contributes.
-    fn layers(&self) -> BTreeMap<Layer, RgbImage> {
+    /// The images beside the image.
+    fn layers(&self) -> BTreeMap<Layer, [RgbImage; 2]> {
         let Some(sums) = &self.splats else { return BTreeMap::new() };
-        let image = |pixels: Vec<[f32; 3]>| {
-            let width = self.size.0 as usize;
-            RgbImage::from_fn(width, self.size.1 as usize, |x, y| pixels[y * width + x])
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let image = |pixels: &[[[f64; 3]; 2]], part: usize| {
+            RgbImage::from_fn(width, height, |x, y| pixels[y * width + x][part].map(|v| v as f32))
         };
         let layers = lock(sums).layers(self.samples());
-        layers.into_iter().map(|(layer, pixels)| (layer, image(pixels))).collect()
+        let images = |pixels: Vec<_>| [image(&pixels, 0), image(&pixels, 1)];
+        layers.into_iter().map(|(layer, pixels)| (layer, images(pixels))).collect()
     }
 
     /// The image so far.

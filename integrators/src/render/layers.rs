@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{AnyKernel, Chain, Layer, Worker};
+use super::{AnyKernel, Chain, Layer, Preparation, Technique, Worker};
 use crate::image::RgbImage;
 
 /// A kernel whose techniques have layers of their own, for paths of up to so many vertices.
@@ -34,28 +34,33 @@ impl<K: std::ops::Deref<Target: AnyKernel> + Sync> AnyKernel for Layered<K> {
         self.kernel.begin_pass(first, threads);
     }
 
+    fn preparation(&self) -> Preparation {
+        self.kernel.preparation()
+    }
+
     fn splats(&self) -> bool {
         true
     }
 }
 
-/// All layers on one sheet: a row for the paths of each length, first with weights, then alone; in a row the
-/// techniques by the number of vertices that come from the light. Longer paths carry less light: each row is
-/// 1.5 times as bright as it is for each vertex beyond the second. `None` if there are no layers.
-pub fn contact_sheet(layers: &BTreeMap<Layer, RgbImage>) -> Option<RgbImage> {
-    let (_, first) = layers.first_key_value()?;
-    let (width, height) = (first.width(), first.height());
-    let row = |layer: &Layer| (!layer.weighted, layer.technique.vertices);
-    let mut rows: BTreeMap<_, Vec<(&Layer, &RgbImage)>> = BTreeMap::new();
-    for (layer, image) in layers {
-        rows.entry(row(layer)).or_default().push((layer, image));
+/// What techniques contribute, on one sheet: a row for the paths of each length, first with weights, then alone;
+/// in a row the techniques by the number of vertices that come from the light. Longer paths carry less light:
+/// each row is 1.5 times as bright as it is for each vertex beyond the second. `None` if no technique has a layer.
+pub fn contact_sheet(layers: &BTreeMap<Layer, [RgbImage; 2]>) -> Option<RgbImage> {
+    let mut rows: BTreeMap<_, Vec<(Technique, &RgbImage)>> = BTreeMap::new();
+    for (layer, [image, _]) in layers {
+        if let Layer::Technique { weighted, technique } = *layer {
+            rows.entry((!weighted, technique.vertices)).or_default().push((technique, image));
+        }
     }
+    let (_, first) = *rows.values().next()?.first()?;
+    let (width, height) = (first.width(), first.height());
     let columns = rows.values().map(Vec::len).max()?;
     let mut sheet = RgbImage::filled(columns * (width + 1), rows.len() * (height + 1), [0.02; 3]);
     for (y, row) in rows.values_mut().enumerate() {
-        row.sort_by_key(|(layer, _)| (layer.technique.joint, layer.technique.light));
-        for (x, (layer, image)) in row.iter().enumerate() {
-            let factor = 1.5f32.powi(layer.technique.vertices as i32 - 2);
+        row.sort_by_key(|(technique, _)| (technique.joint, technique.light));
+        for (x, (technique, image)) in row.iter().enumerate() {
+            let factor = 1.5f32.powi(technique.vertices as i32 - 2);
             for (from, pixel) in image.pixels().iter().enumerate() {
                 let (column, line) = (from % width, from / width);
                 let at = (y * (height + 1) + line) * sheet.width() + x * (width + 1) + column;

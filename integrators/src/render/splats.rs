@@ -23,22 +23,34 @@ impl Technique {
     }
 }
 
-/// An image beside the image: what one technique contributes.
+/// An image beside the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Layer {
-    /// Whether contributions have their weights.
-    pub weighted: bool,
-    /// Which technique.
-    pub technique: Technique,
+pub enum Layer {
+    /// How pixels differ from their right neighbours.
+    Dx,
+    /// How pixels differ from their lower neighbours.
+    Dy,
+    /// What one technique contributes.
+    Technique {
+        /// Whether contributions have their weights.
+        weighted: bool,
+        /// Which technique.
+        technique: Technique,
+    },
 }
 
 impl fmt::Display for Layer {
     /// The name of the channels in a file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Technique { joint, camera, light, .. } = self.technique;
-        let weighted = if self.weighted { "weighted" } else { "alone" };
-        let dash = if joint.is_empty() { "" } else { "-" };
-        write!(f, "{weighted}.{joint}{dash}s{light}t{camera}")
+        match self {
+            Layer::Dx => write!(f, "dx"),
+            Layer::Dy => write!(f, "dy"),
+            Layer::Technique { weighted, technique: Technique { joint, camera, light, .. } } => {
+                let weighted = if *weighted { "weighted" } else { "alone" };
+                let dash = if joint.is_empty() { "" } else { "-" };
+                write!(f, "{weighted}.{joint}{dash}s{light}t{camera}")
+            }
+        }
     }
 }
 
@@ -57,11 +69,9 @@ impl Splats {
         self.push(pixel, None, value);
     }
 
-    /// [`Splats::add`] to a layer; nothing if there is none for so many vertices.
-    pub fn add_to_layer(&mut self, layer: Layer, pixel: (u32, u32), value: [f32; 3]) {
-        if layer.technique.vertices <= self.layered {
-            self.push(pixel, Some(layer), value);
-        }
+    /// [`Splats::add`] to a layer.
+    pub fn add_to(&mut self, layer: Layer, pixel: (u32, u32), value: [f32; 3]) {
+        self.push(pixel, Some(layer), value);
     }
 
     fn push(&mut self, pixel: (u32, u32), layer: Option<Layer>, value: [f32; 3]) {
@@ -89,7 +99,7 @@ impl Splats {
 pub struct SplatSums {
     width: usize,
     sums: Vec<[[i128; 3]; 2]>,
-    layers: BTreeMap<Layer, Vec<[i128; 3]>>,
+    layers: BTreeMap<Layer, Vec<[[i128; 3]; 2]>>,
     invalid: u64,
 }
 
@@ -114,15 +124,11 @@ impl SplatSums {
                 self.invalid += u64::from(layer.is_none());
                 continue;
             }
-            if let Some(layer) = layer {
-                let blank = || vec![[0; 3]; self.sums.len()];
-                let sum = &mut self.layers.entry(layer).or_insert_with(blank)[pixel];
-                for (sum, value) in sum.iter_mut().zip(value) {
-                    *sum += (f64::from(value) * ONE) as i128;
-                }
-                continue;
-            }
-            let [sum, squares] = &mut self.sums[pixel];
+            let blank = || vec![[[0; 3]; 2]; self.sums.len()];
+            let [sum, squares] = match layer {
+                None => &mut self.sums[pixel],
+                Some(layer) => &mut self.layers.entry(layer).or_insert_with(blank)[pixel],
+            };
             for (c, value) in value.into_iter().enumerate() {
                 let value = f64::from(value);
                 sum[c] += (value * ONE) as i128;
@@ -136,27 +142,27 @@ impl SplatSums {
         self.invalid
     }
 
-    /// What is added to the mean of a pixel (by its number, row by row) and to the variance of the mean
+    /// What is added to the mean of a pixel (by its number, row by row, one image after the other) and to the variance of the mean
     /// after `samples` samples of each pixel. Light paths are many, and each adds little to a pixel: the
     /// variance of their sum is the sum of squares.
     pub fn estimate(&self, pixel: usize, samples: f64) -> [[f64; 3]; 2] {
-        let [sum, squares] = self.sums[pixel];
-        let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
-        if samples > 0.0 {
-            [over(sum, samples), over(squares, samples * samples)]
-        } else {
-            [[0.0; 3]; 2]
-        }
+        estimate(self.sums[pixel], samples)
+    }
+
+    /// [`SplatSums::estimate`] for the pixels of each layer that anything was added to.
+    pub fn layers(&self, samples: f64) -> BTreeMap<Layer, Vec<[[f64; 3]; 2]>> {
+        let pixels = |sums: &Vec<_>| sums.iter().map(|sums| estimate(*sums, samples)).collect();
+        self.layers.iter().map(|(layer, sums)| (*layer, pixels(sums))).collect()
     }
 }
 
-impl SplatSums {
-    /// The mean of each layer that anything was added to, after `samples` samples of each pixel: its pixels,
-    /// row by row.
-    pub fn layers(&self, samples: f64) -> BTreeMap<Layer, Vec<[f32; 3]>> {
-        let mean = |sum: &[i128; 3]| sum.map(|s| (s as f64 / ONE / samples) as f32);
-        let pixels = |sums: &Vec<[i128; 3]>| sums.iter().map(mean).collect();
-        self.layers.iter().map(|(layer, sums)| (*layer, pixels(sums))).collect()
+/// The mean of so many samples, and the variance of the mean.
+fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
+    let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
+    if samples > 0.0 {
+        [over(sum, samples), over(squares, samples * samples)]
+    } else {
+        [[0.0; 3]; 2]
     }
 }
 
@@ -187,15 +193,16 @@ mod tests {
     #[test]
     fn layers_have_sums_of_their_own() {
         let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 1)));
-        splats.layered = 3;
-        let layer =
-            |camera, light| Layer { weighted: true, technique: Technique::edge(camera, light) };
+        let layer = |camera, light| Layer::Technique {
+            weighted: true,
+            technique: Technique::edge(camera, light),
+        };
         for value in [1.0, 3.0] {
-            splats.add_to_layer(layer(2, 1), (1, 0), [value, 0.0, 0.5]);
-            splats.add_to_layer(layer(2, 2), (1, 0), [value; 3]);
+            splats.add_to(layer(2, 1), (1, 0), [value, 0.0, 0.5]);
         }
         sums.take(&mut splats);
-        let expected = BTreeMap::from([(layer(2, 1), vec![[0.0; 3], [1.0, 0.0, 0.25]])]);
+        let pixels = vec![[[0.0; 3]; 2], [[1.0, 0.0, 0.25], [10.0 / 16.0, 0.0, 0.5 / 16.0]]];
+        let expected = BTreeMap::from([(layer(2, 1), pixels)]);
         assert_eq!(sums.layers(4.0), expected);
         assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
         assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);

@@ -139,6 +139,14 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         nearest.map(|(_, direction)| direction.to_array())
     }
 
+    /// The relative index of refraction of the facets that refract, if there are any.
+    pub fn refracting_facets(&self) -> Option<f32> {
+        (0..self.count()).find_map(|index| match self.lobe(index)?.lobe {
+            Lobe::Interface(interface) => Some(Interface::<K>::get(interface).1),
+            _ => None,
+        })
+    }
+
     /// Where an atom scatters to, in the frame; `None` for the other lobes.
     pub fn direction(&self, lobe: &Lobe<K>) -> Option<Direction<f32>> {
         match lobe {

@@ -259,6 +259,28 @@ impl Bsdf {
         }
     }
 
+    /// The least roughness of its lobes that scatter into many directions, as the root mean square slope of
+    /// facets, a texture's by its mean; infinite for matte surfaces, zero if it has no such lobe. It is the same
+    /// from both sides.
+    pub fn roughness(&self) -> f32 {
+        let least = |nested: &[Self; 2]| nested[0].roughness().min(nested[1].roughness());
+        match self {
+            Self::Diffuse(_) | Self::Plastic(_) => f32::INFINITY,
+            Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
+            Self::RoughConductor(RoughConductor { facets, .. })
+            | Self::RoughDielectric(RoughDielectric { facets, .. }) => {
+                facets.alpha[0].value.min(facets.alpha[1].value)
+            }
+            Self::RoughPlastic(plastic) => {
+                plastic.roughness.alpha[0].min(plastic.roughness.alpha[1])
+            }
+            // The power of a cosine that falls off like Beckmann's distribution (Walter et al. 2007).
+            Self::Phong(phong) => (2.0 / (phong.exponent + 2.0)).sqrt(),
+            Self::TwoSided(nested) | Self::Blend { nested, .. } => least(nested),
+            Self::Mask { nested, .. } | Self::Bump { nested, .. } => nested.roughness(),
+        }
+    }
+
     /// Has rough plastic lose light as that of Mitsuba 3.9 does; see [`RoughPlastic::conserving`].
     pub fn lose_energy(&mut self) {
         match self {

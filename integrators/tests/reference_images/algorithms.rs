@@ -3,15 +3,18 @@
 use aether_core::special::beta_inc;
 use integrators::algorithm::Algorithm;
 use integrators::bidirectional::Bidirectional;
+use integrators::gradient_domain::GradientDomain;
+use integrators::image::RgbImage;
 use integrators::image::block_test::holm;
 use integrators::instant_radiosity::InstantRadiosity;
 use integrators::kind;
 use integrators::light_tracer::LightTracer;
 use integrators::metropolis::Metropolis;
 use integrators::photon_mapping::PhotonMapping;
+use integrators::poisson::{ALPHA, Reconstruction, reconstruct};
 use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
-use integrators::render::Film;
+use integrators::render::{Budget, Film, Layer, RenderSettings, render};
 use integrators::scene::Scene;
 use integrators::tridirectional::Tridirectional;
 
@@ -105,44 +108,93 @@ fn tridirectional_path_tracing_agrees_with_the_stored_image() {
 /// Seeds that integrators are rendered with whose pixels or samples depend on each other.
 const SEEDS: u64 = 8;
 
-/// The p-values of the means of blocks over renders with several seeds, against a stored image: Student's t.
-fn p_values(name: &str, render: impl Fn(u64) -> Film) -> Vec<f64> {
+/// The p-values of the means of blocks over renders with several seeds, against an expected image: Student's t.
+fn p_values(what: &str, reference: &Reference, renders: &[RgbImage]) -> Vec<f64> {
     const BLOCK: usize = 16;
-    let reference = Reference::stored(name);
-    let films: Vec<Film> = (0..SEEDS).map(render).collect();
     let (width, height) = (reference.rgb.width(), reference.rgb.height());
     let mut all = Vec::new();
     for corner in (0..height / BLOCK).flat_map(|y| (0..width / BLOCK).map(move |x| (x, y))) {
         for c in 0..3 {
             let pixels = (0..BLOCK * BLOCK)
                 .map(|k| (corner.0 * BLOCK + k % BLOCK, corner.1 * BLOCK + k / BLOCK));
-            let sum =
-                |f: &dyn Fn(usize, usize) -> f64| pixels.clone().map(|(x, y)| f(x, y)).sum::<f64>();
-            let means: Vec<f64> = films
-                .iter()
-                .map(|film| sum(&|x, y| film.pixels()[y * width + x].mean()[c]))
-                .collect();
-            let n = SEEDS as f64;
+            let sum = |image: &RgbImage| {
+                pixels.clone().map(|(x, y)| f64::from(image.pixel(x, y)[c])).sum::<f64>()
+            };
+            let means: Vec<f64> = renders.iter().map(sum).collect();
+            let n = renders.len() as f64;
             let mean = means.iter().sum::<f64>() / n;
             let spread = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
-            let expected = sum(&|x, y| f64::from(reference.rgb.pixel(x, y)[c]));
-            let noise = sum(&|x, y| f64::from(reference.variance.pixel(x, y)[c]));
+            let (expected, noise) = (sum(&reference.rgb), sum(&reference.variance));
             // A sky without noise is rounded.
-            let rounding = (1e-5 * expected).powi(2);
+            let rounding = (1e-5 * expected).powi(2) + 1e-20;
             let t2 = (mean - expected).powi(2) / (spread / n + noise + rounding);
             let freedom = n - 1.0;
             all.push(beta_inc(0.5 * freedom, 0.5, freedom / (freedom + t2)));
         }
     }
     let least = all.iter().copied().fold(1.0, f64::min);
-    println!("{name}: least p-value {least:.1e} of {}", all.len());
+    println!("{what}: least p-value {least:.1e} of {}", all.len());
     all
 }
 
 fn assert_unbiased(name: &str, samples: u32, algorithm: impl Fn(&Scene) -> Algorithm) {
     let scene = scene(name);
-    let p_values = p_values(name, |seed| rendered(algorithm(&scene), &scene, samples, seed + 10));
+    let render = |seed| rendered(algorithm(&scene), &scene, samples, seed + 10).image();
+    let renders: Vec<RgbImage> = (0..SEEDS).map(render).collect();
+    let p_values = p_values(name, &Reference::stored(name), &renders);
     assert!(!holm(&p_values, FALSE_ALARM_RATE).contains(&true), "{name}");
+}
+
+/// The differences of an image to the right or down, with their variance; nothing where they lead out of it.
+fn differences(image: &Reference, (dx, dy): (usize, usize)) -> Reference {
+    let (width, height) = (image.rgb.width(), image.rgb.height());
+    let of = |image: &RgbImage, sign: f32| {
+        RgbImage::from_fn(width, height, |x, y| {
+            let next = (x + dx < width && y + dy < height).then(|| image.pixel(x + dx, y + dy));
+            let here = image.pixel(x, y);
+            next.map_or([0.0; 3], |next| std::array::from_fn(|c| next[c] + sign * here[c]))
+        })
+    };
+    Reference { rgb: of(&image.rgb, -1.0), variance: of(&image.variance, 1.0) }
+}
+
+#[test]
+fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
+    let scenes = [
+        "cornell-box",
+        "gaussian-filter",
+        "models/dielectric",
+        "models/mirror",
+        "models/roughdielectric-ggx",
+        "models/envmap",
+    ];
+    let mut p = Vec::new();
+    for name in scenes {
+        let scene = scene(name);
+        let settings = GradientDomain::new(settings(&scene));
+        let kernel = Algorithm::GradientDomain(settings);
+        let mut renders = [const { Vec::new() }; 3];
+        for seed in 0..SEEDS {
+            let kernel = kernel.clone().kernel(kind::smallest(&scene), &scene, seed + 10);
+            let kernel = kernel.expect("a kind").expect("it covers the scene");
+            let size = (scene.film.width, scene.film.height);
+            let budget = Budget::Samples(1);
+            let rendered = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
+            assert_eq!(rendered.invalid_samples, 0);
+            let [dx, dy] = [Layer::Dx, Layer::Dy].map(|layer| &rendered.layers[&layer][0]);
+            let primal = rendered.film.image();
+            renders[0].push(reconstruct(&primal, [dx, dy], ALPHA, Reconstruction::L2));
+            renders[1].push(dx.clone());
+            renders[2].push(dy.clone());
+        }
+        let image = Reference::stored(name);
+        let expected = [image.clone(), differences(&image, (1, 0)), differences(&image, (0, 1))];
+        for (part, (expected, renders)) in expected.iter().zip(&renders).enumerate() {
+            let what = format!("{name}, {}", ["least squares", "dx", "dy"][part]);
+            p.extend(p_values(&what, expected, renders));
+        }
+    }
+    assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
 }
 
 #[test]

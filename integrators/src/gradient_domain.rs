@@ -1,0 +1,194 @@
+//! Gradient-domain path tracing (Kettunen et al. 2015; Aether 2017, section 7.5): beside each path, similar ones
+//! through the four pixels next to its own. Their differences are the gradients of the image, with much less
+//! noise than the image has, and [`crate::poisson`] makes an image of both.
+//!
+//! A pair of paths can be made from either of its pixels, by scattering and by next-event estimation: its weight
+//! is that of multiple importance sampling over all of these. A filter moves with its pixel, so that the shift by
+//! a whole pixel keeps its value and any filter serves; the gradients are differences of neighbouring pixels as
+//! that filter sees them. They are written to layers of their own, [`Layer::Dx`] and [`Layer::Dy`]: the
+//! right, and the lower, neighbour minus the pixel.
+
+use aether_core::combine::Shifted;
+use aether_core::{Estimator, PowerHeuristic, UniformSource};
+use glam::Vec3;
+
+use crate::integrand::Radiance;
+use crate::integrator::Integrator;
+use crate::kind::SceneKind;
+use crate::path::PathSettings;
+use crate::render::{Layer, Splats};
+use crate::shift::{Beginning, Path, PathArena, Shift, ShiftStrategies};
+use crate::strategies::{Pixel, sample_light};
+use crate::subpaths::{Scratch, camera_path, through};
+use crate::vertex::SceneVertex;
+use crate::world::World;
+
+/// Settings of gradient-domain path tracing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GradientDomain {
+    /// Lengths of paths, Russian roulette.
+    pub path: PathSettings,
+    /// The least roughness of surfaces between which a shifted path may meet its base path.
+    pub rough: f32,
+}
+
+impl GradientDomain {
+    /// With the usual threshold.
+    pub fn new(path: PathSettings) -> Self {
+        GradientDomain { path, rough: 0.02 }
+    }
+}
+
+/// A pixel next to that of a sample, and the path there.
+struct Neighbour<'r, 'a, K: SceneKind> {
+    pixel: Pixel,
+    /// Which gradient the difference to this pixel is, of which pixel, with which sign.
+    gradient: (Layer, Pixel, f32),
+    shift: Shift<'a, K>,
+    /// The camera path's strategies, through this pixel.
+    camera: Path<'r, 'a, K>,
+    /// The shifted path, as far as it is another one.
+    beginning: Option<Beginning<'r, 'a, K>>,
+    /// The sum of differences.
+    difference: Vec3,
+}
+
+impl Integrator for GradientDomain {
+    type Scratch<'a, K: SceneKind> = Scratch<'a, K, ShiftStrategies<'a, K>>;
+    const SPLATS: bool = true;
+
+    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
+        Scratch::new(world)
+    }
+
+    fn sample<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        Scratch { arena, estimator }: &mut Self::Scratch<'a, K>,
+        uniforms: &mut impl UniformSource<f32>,
+        pixel: Pixel,
+        splats: &mut Splats,
+    ) -> Vec3 {
+        arena.clear();
+        let limits = (self.path.most_vertices(), self.path.rr_depth);
+        let camera = camera_path(world, arena, uniforms, pixel, limits);
+        let mut neighbours = self.neighbours(world, arena, pixel, &camera);
+
+        let response = estimator.integrand().response(pixel, &camera);
+        let mut radiance = Vec3::ZERO;
+        for n in 1 + usize::from(self.path.hide_emitters)..camera.size() {
+            let mut own = techniques(world, &camera, n);
+            own[1].sample(uniforms);
+            // The eye does not look for lights.
+            let own = &own[..n.min(2)];
+            for (i, base) in own.iter().enumerate().filter(|(_, base)| base.is_complete()) {
+                let value = estimator.of(base) * response;
+                if value != Vec3::ZERO {
+                    radiance += value * base.weight_with(&PowerHeuristic, (own, i), None);
+                }
+                for side in neighbours.iter_mut().flatten() {
+                    let shifted = side.shifted(base, n, i == 0);
+                    let there =
+                        shifted.map_or(Vec3::ZERO, |shifted| side.value(estimator, &shifted, base));
+                    if value != Vec3::ZERO || there != Vec3::ZERO {
+                        let theirs = techniques(world, &side.camera, n);
+                        let shifted =
+                            shifted.as_ref().map(|shifted| (shifted, &theirs[..own.len()]));
+                        let weight = base.weight_with(&PowerHeuristic, (own, i), shifted);
+                        side.difference += (there - value) * weight;
+                    }
+                }
+            }
+        }
+        for Neighbour { gradient: (layer, of, sign), difference, .. } in
+            neighbours.into_iter().flatten()
+        {
+            splats.add_to(layer, of, (sign * difference).to_array());
+        }
+        radiance
+    }
+}
+
+/// The path that scattering finds, and the one that goes to a light instead, after `n` vertices of a path.
+fn techniques<'r, 'a, K: SceneKind>(
+    world: &'a World<'a, K>,
+    path: &Path<'r, 'a, K>,
+    n: usize,
+) -> [Path<'r, 'a, K>; 2] {
+    let mut direct = path.slice(0..n);
+    direct.append(sample_light(world));
+    [path.slice(0..n + 1), direct]
+}
+
+impl GradientDomain {
+    /// The pixels of the image to the right and left of one, below and above.
+    fn neighbours<'r, 'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
+        arena: &'r PathArena<'a, K>,
+        pixel: Pixel,
+        camera: &Path<'r, 'a, K>,
+    ) -> [Option<Neighbour<'r, 'a, K>>; 4] {
+        let film = world.scene.film;
+        [(1, 0), (-1, 0), (0, 1), (0, -1)].map(|(dx, dy): (i32, i32)| {
+            let (x, y) = (pixel.0.checked_add_signed(dx)?, pixel.1.checked_add_signed(dy)?);
+            if x >= film.width || y >= film.height || camera.is_empty() {
+                return None;
+            }
+            let other = (x, y);
+            let shift = Shift { world, by: (dx as f32, dy as f32), rough: self.rough };
+            let forwards = dx + dy > 0;
+            let first = if forwards { pixel } else { other };
+            let layer = if dx == 0 { Layer::Dy } else { Layer::Dx };
+            Some(Neighbour {
+                pixel: other,
+                gradient: (layer, first, if forwards { 1.0 } else { -1.0 }),
+                shift,
+                camera: through(world, arena, other, camera),
+                beginning: Some(shift.begin(camera)),
+                difference: Vec3::ZERO,
+            })
+        })
+    }
+}
+
+impl<'r, 'a, K: SceneKind> Neighbour<'r, 'a, K> {
+    /// The shift of a path with `n` vertices before its last one. Those come from the camera, which goes on from
+    /// there as in `follows`.
+    fn shifted(
+        &mut self,
+        base: &Path<'r, 'a, K>,
+        n: usize,
+        follows: bool,
+    ) -> Option<Shifted<'r, SceneVertex<K>, ShiftStrategies<'a, K>>> {
+        let before = self.beginning?;
+        let beginning = if n == 1 { Some(before) } else { self.shift.extend(&before, base) };
+        if follows {
+            self.beginning = beginning;
+        }
+        let beginning = beginning?;
+        // What is kept and no light contributes to neither pixel.
+        let ends = beginning.is_joined() && !base.last()?.is_light();
+        if ends { None } else { self.shift.finish(&beginning, base) }
+    }
+
+    /// What the shifted path contributes to this pixel, as a sample of the base path.
+    fn value(
+        &self,
+        estimator: &PathEstimator<'a, K>,
+        shifted: &Shifted<'r, SceneVertex<K>, ShiftStrategies<'a, K>>,
+        base: &Path<'r, 'a, K>,
+    ) -> Vec3 {
+        if !shifted.path.last().is_some_and(|last| last.is_light()) {
+            return Vec3::ZERO;
+        }
+        let value = estimator.of(&shifted.path);
+        if value == Vec3::ZERO {
+            return value;
+        }
+        let response = estimator.integrand().response(self.pixel, &shifted.path);
+        value * (response * shifted.rescaling(base))
+    }
+}
+
+type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, aether_core::estimator::Factors<Vec3>>;
