@@ -5,14 +5,17 @@
 //! independent candidates. Chains start at candidates that are drawn in proportion to their brightness, so that
 //! they have no start-up bias (Veach 1997, section 11.3.1).
 
+use std::time::Instant;
+
 use aether_core::discrete::{Cdf, Discrete};
 use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Chain, Worker};
+use crate::render::{AnyKernel, Chain, Preparation, Worker};
 use crate::scene::Scene;
 use crate::strategies::Pixel;
+use crate::work::{self, Work};
 use crate::world::World;
 
 /// An integrator made of Markov chains.
@@ -52,6 +55,7 @@ pub struct ChainKernel<'s, K: SceneKind, I> {
     seed: u64,
     /// The candidates by their brightness, and its mean; none if all are black.
     start: Option<(Cdf<f32>, f32)>,
+    preparation: Preparation,
 }
 
 impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
@@ -60,10 +64,15 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
     /// # Errors
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene, integrator: I, seed: u64) -> Result<Self, NotCovered> {
-        let mut kernel = ChainKernel { world: World::new(scene)?, integrator, seed, start: None };
+        let world = World::new(scene)?;
+        let (begin, before) = (Instant::now(), Work::here());
+        let preparation = Preparation::default();
+        let mut kernel = ChainKernel { world, integrator, seed, start: None, preparation };
         let brightness = kernel.candidates();
         let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
         kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
+        let seconds = begin.elapsed().as_secs_f64();
+        kernel.preparation = Preparation { seconds, work: Work::here() - before };
         Ok(kernel)
     }
 
@@ -72,17 +81,15 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         let mut brightness = vec![0.0; self.integrator.candidates()];
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
         let share = brightness.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            for (part, values) in brightness.chunks_mut(share).enumerate() {
-                scope.spawn(move || {
-                    let mut of = self.integrator.brightness(&self.world, self.seed);
-                    for (i, value) in values.iter_mut().enumerate() {
-                        let found = of(part * share + i);
-                        *value = if found.is_finite() { found } else { 0.0 };
-                    }
-                });
+        let job = |(part, values): (usize, &mut [f32])| {
+            let mut of = self.integrator.brightness(&self.world, self.seed);
+            for (i, value) in values.iter_mut().enumerate() {
+                let found = of(part * share + i);
+                *value = if found.is_finite() { found } else { 0.0 };
             }
-        });
+        };
+        let job = &job;
+        work::threads(brightness.chunks_mut(share).enumerate().map(|part| move || job(part)));
         brightness
     }
 }
@@ -94,6 +101,10 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
 
     fn splats(&self) -> bool {
         true
+    }
+
+    fn preparation(&self) -> Preparation {
+        self.preparation
     }
 
     fn chain(&self, number: usize) -> Option<Chain<'_>> {

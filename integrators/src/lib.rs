@@ -40,4 +40,5 @@ pub mod strategies;
 pub mod subpaths;
 pub mod tridirectional;
 pub mod vertex;
+pub mod work;
 pub mod world;

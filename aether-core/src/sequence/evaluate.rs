@@ -6,6 +6,7 @@ use crate::sequence::tape::Entry;
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
+use crate::work::count_densities;
 
 /// Most preceding vertices that a remembered density may depend on.
 const REMEMBERED: usize = 3;
@@ -30,6 +31,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
         self.tape.take(place, i, &drawn);
         if let Some(value) = drawn.value {
+            count_densities(1);
             let vertex = self.tape.step(place, i).vertex;
             if let Some(key) = self.key(id, drawn.dirac, before, reads, vertex) {
                 self.memo.borrow_mut().insert(key, value);
@@ -86,6 +88,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
         let strategy = self.strategies.borrow()[step.strategy as usize].clone();
         let view = PathView::of_tape(&self.tape, before).asking(dirac).limited(reads);
+        count_densities(1);
         let value = strategy.pdf(view, &target).of_kind(dirac);
         if let Some(key) = key {
             self.memo.borrow_mut().insert(key, value);

@@ -5,21 +5,25 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::film::{Film, PixelEstimate, relative_error};
-use super::passes::next_pass;
+use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
+use super::windows::{Batches, WINDOW, decides_at, window_errors};
 use super::{AnyKernel, Budget, Chain, RenderSettings, Splats, Worker};
+use crate::work::{Work, threads};
 
-/// The side of a tile in pixels.
-const TILE: u32 = 16;
+/// The side of a tile in pixels: tiles are the windows whose error is judged.
+const TILE: u32 = WINDOW;
 
 /// The outcome of [`render`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
-    /// The pixels. All have the same number of samples, unless the render was cancelled.
+    /// The pixels. All have the same number of samples, unless the render was cancelled or adaptive.
     pub film: Film,
-    /// Seconds from start to end.
+    /// Seconds from start to end, with those that making the kernel spent on the image.
     pub seconds: f64,
+    /// Rays and densities.
+    pub work: Work,
     /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
     /// kernel.
     pub invalid_samples: u64,
@@ -34,32 +38,25 @@ pub fn render(
     settings: &RenderSettings,
     observer: &dyn Observer,
 ) -> Rendered {
-    let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
-    let mut job = Job {
-        kernel,
-        observer,
-        budget: settings.budget,
-        tiles: tiles(settings.size, kernel),
-        threads: settings.threads.unwrap_or_else(cores).max(1),
-        start: Instant::now(),
-        done: 0,
-        error: None,
-        invalid: AtomicU64::new(0),
-        splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
-        size: settings.size,
-    };
+    let mut job = Job::new(kernel, settings, observer);
     let mut cancelled = observer.cancelled();
-    while !cancelled && let Some(samples) = next_pass(job.budget, job.done, job.seconds()) {
+    while !cancelled && let Some(samples) = next_pass(job.budget, &job.state()) {
         let samples = samples.min(kernel.largest_pass());
         kernel.begin_pass(job.done, job.threads);
         job.run_pass(samples);
         cancelled = observer.cancelled() && !job.complete(job.done + samples);
-        job.end_pass(samples);
+        if !cancelled {
+            job.end_pass(samples);
+        }
     }
-    let seconds = job.seconds();
     let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
-    let invalid_samples = job.invalid.load(Ordering::Relaxed) + lost;
-    Rendered { film: job.film(), seconds, invalid_samples, cancelled }
+    Rendered {
+        seconds: job.seconds(),
+        film: job.film(),
+        work: job.work(),
+        invalid_samples: job.invalid.load(Ordering::Relaxed) + lost,
+        cancelled,
+    }
 }
 
 /// A render in progress.
@@ -71,9 +68,16 @@ struct Job<'a> {
     tiles: Vec<Mutex<Tile<'a>>>,
     threads: usize,
     start: Instant,
+    /// Seconds that the observer looked at the image.
+    looking: f64,
+    /// What this thread had counted at the start.
+    before: Work,
     /// Samples of each pixel after the last complete pass, and the relative error then.
     done: u32,
     error: Option<f64>,
+    /// Batches of samples that depend on each other, and whether all windows are good enough.
+    batches: Batches,
+    good_enough: bool,
     invalid: AtomicU64,
     /// What samples add to other pixels, if they do.
     splats: Option<Mutex<SplatSums>>,
@@ -83,15 +87,64 @@ struct Job<'a> {
 /// How many contributions to other pixels a thread collects before it hands them over.
 const COLLECTED: usize = 1 << 14;
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    fn new(
+        kernel: &'a dyn AnyKernel,
+        settings: &RenderSettings,
+        observer: &'a dyn Observer,
+    ) -> Self {
+        let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
+        Job {
+            kernel,
+            observer,
+            budget: settings.budget,
+            start: Instant::now(),
+            before: Work::here(),
+            tiles: tiles(settings.size, kernel),
+            threads: settings.threads.unwrap_or_else(cores).max(1),
+            looking: 0.0,
+            done: 0,
+            error: None,
+            batches: Batches::default(),
+            good_enough: false,
+            invalid: AtomicU64::new(0),
+            splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+            size: settings.size,
+        }
+    }
+
+    /// Seconds used so far.
     fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.sampling() + self.kernel.preparation().seconds
+    }
+
+    /// Seconds that samples took.
+    fn sampling(&self) -> f64 {
+        self.start.elapsed().as_secs_f64() - self.looking
+    }
+
+    /// What has been computed up to the last pass.
+    fn work(&self) -> Work {
+        let mut work = Work::here() - self.before;
+        work += self.kernel.preparation().work;
+        work
+    }
+
+    fn state(&self) -> State {
+        State {
+            done: self.done,
+            seconds: self.seconds(),
+            sampling: self.sampling(),
+            next_look: self.observer.next_look(&self.progress(0, 0, self.work())),
+            good_enough: self.good_enough,
+        }
     }
 
     /// Adds `samples` to each pixel, or fewer if the observer cancels.
     fn run_pass(&self, samples: u32) {
         let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let work = || {
+        let work = self.work();
+        let job = || {
             let mut worker = self.kernel.worker();
             while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
                 self.run_tile(&mut lock(tile), samples, &mut worker);
@@ -99,17 +152,16 @@ impl Job<'_> {
                     return;
                 }
                 let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                self.observer.progress(&self.progress(samples, finished));
+                self.observer.progress(&self.progress(samples, finished, work));
             }
         };
-        std::thread::scope(|scope| {
-            for _ in 0..self.threads.min(self.tiles.len()) {
-                scope.spawn(work);
-            }
-        });
+        threads((0..self.threads.min(self.tiles.len())).map(|_| job));
     }
 
     fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) {
+        if tile.good_enough {
+            return;
+        }
         let (mut invalid, mut splats) = (0, Splats::default());
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
@@ -143,28 +195,61 @@ impl Job<'_> {
     }
 
     /// The state when `finished` tiles of a pass of `samples` are done.
-    fn progress(&self, samples: u32, finished: usize) -> Progress {
+    fn progress(&self, samples: u32, finished: usize, work: Work) -> Progress {
         let seconds = self.seconds();
         let part = finished as f64 / self.tiles.len() as f64;
+        let drawn = f64::from(self.done) + part * f64::from(samples);
         let fraction = match self.budget {
-            Budget::Samples(total) => {
-                (f64::from(self.done) + part * f64::from(samples)) / f64::from(total)
-            }
+            Budget::Samples(total) => drawn / f64::from(total),
             Budget::Seconds(limit) => seconds / limit,
+            Budget::Error(limit) => (seconds / limit.seconds).max(drawn / f64::from(limit.samples)),
         };
         let fraction = fraction.clamp(0.0, 1.0);
-        Progress { fraction, seconds, samples: self.done, relative_error: self.error }
+        Progress { fraction, seconds, samples: self.done, relative_error: self.error, work }
     }
 
     /// Whether each pixel has `samples` samples.
     fn complete(&self, samples: u32) -> bool {
-        let all = |tile: &Mutex<Tile<'_>>| lock(tile).pixels.iter().all(|p| p.count() == samples);
-        self.tiles.iter().all(all) && next_pass(self.budget, samples, self.seconds()).is_none()
+        let all = |tile: &Mutex<Tile<'_>>| {
+            let tile = lock(tile);
+            tile.good_enough || tile.pixels.iter().all(|p| p.count() == samples)
+        };
+        let state = State { done: samples, ..self.state() };
+        self.tiles.iter().all(all) && next_pass(self.budget, &state).is_none()
     }
 
     fn end_pass(&mut self, samples: u32) {
         self.done += samples;
-        self.error = relative_error(self.film().pixels().iter());
+        let film = self.film();
+        self.error = relative_error(film.pixels().iter());
+        if let Budget::Error(limit) = self.budget {
+            self.judge(&film, limit.target, limit.adaptive && self.splats.is_none());
+        }
+        let begin = Instant::now();
+        self.observer.look(&film, &self.progress(0, 0, self.work()));
+        self.looking += begin.elapsed().as_secs_f64();
+    }
+
+    /// Finds out which windows are good enough.
+    fn judge(&mut self, film: &Film, target: f64, adaptive: bool) {
+        let chained = self.tiles.first().is_some_and(|tile| lock(tile).chain.is_some());
+        if chained && (self.done.is_power_of_two() || decides_at(self.done)) {
+            self.batches.take(film, self.done);
+        }
+        if !decides_at(self.done) {
+            return;
+        }
+        let variance = |index: usize, pixel: &PixelEstimate| {
+            if chained { self.batches.variance(index) } else { pixel.variance_of_mean() }
+        };
+        let Some(errors) = window_errors(film, variance) else { return };
+        self.good_enough = errors.iter().all(|error| *error <= target);
+        if adaptive {
+            for (tile, error) in self.tiles.iter().zip(errors) {
+                lock(tile).good_enough |= error <= target;
+            }
+            self.good_enough = self.tiles.iter().all(|tile| lock(tile).good_enough);
+        }
     }
 
     /// The image so far.
@@ -196,6 +281,8 @@ struct Tile<'a> {
     width: u32,
     pixels: Vec<PixelEstimate>,
     chain: Option<Chain<'a>>,
+    /// Whether it needs no more samples.
+    good_enough: bool,
 }
 
 /// Cuts an image into tiles, row by row from the top left.
@@ -206,7 +293,8 @@ fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<
             let (columns, rows) = (TILE.min(width - x), TILE.min(height - y));
             let pixels = vec![PixelEstimate::default(); (columns * rows) as usize];
             let chain = kernel.chain(tiles.len());
-            tiles.push(Mutex::new(Tile { origin: (x, y), width: columns, pixels, chain }));
+            let tile = Tile { origin: (x, y), width: columns, pixels, chain, good_enough: false };
+            tiles.push(Mutex::new(tile));
         }
     }
     tiles
