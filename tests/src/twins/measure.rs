@@ -1,7 +1,7 @@
 //! What a call costs: instructions as callgrind counts them, and time.
 
-use core::hint::black_box;
 use core::fmt::Debug;
+use core::hint::black_box;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::points::FromCoordinates;
 pub const COUNTING: &str = "--counting";
 
 /// How many inputs are gone through.
-const INPUTS: usize = 256;
+pub const INPUTS: usize = 256;
 
 /// The part of the program whose instructions are counted.
 #[inline(never)]
@@ -42,14 +42,42 @@ fn count(work: &mut dyn FnMut()) {
 /// A loop over inputs, to be repeated.
 pub type Work<'a> = &'a mut dyn FnMut();
 
+/// What is compared.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// A sampler.
+    Sampler,
+    /// An integrator, and what the derived and the hand-written one compute in a loop.
+    Integrator([integrators::work::Work; 2]),
+}
+
+/// Two loops that do the same.
+#[derive(Clone, Copy, Debug)]
+pub struct Task {
+    /// What it is.
+    pub kind: Kind,
+    /// The row of the catalogue; 0 for what is not in there.
+    pub row: u64,
+    /// Its name.
+    pub name: &'static str,
+    /// What is done.
+    pub operation: &'static str,
+    /// How often, in one loop.
+    pub calls: usize,
+}
+
 /// What is done with the loops of two programs that do the same.
 pub trait Meter {
-    /// Measures the derived and the hand-written one, which go through this many inputs.
-    fn measure(&mut self, row: u64, name: &'static str, operation: &'static str, works: [Work<'_>; 2]);
+    /// Measures the derived and the hand-written one.
+    fn measure(&mut self, task: Task, works: [Work<'_>; 2]);
 }
 
 /// A loop that hides from the compiler what it calls `call` with, and that nobody wants the results.
-fn over<'a, S, I, O>(sampler: S, inputs: &'a [I], call: impl Fn(&S, &I) -> O + 'a) -> impl FnMut() + 'a
+fn over<'a, S, I, O>(
+    sampler: S,
+    inputs: &'a [I],
+    call: impl Fn(&S, &I) -> O + 'a,
+) -> impl FnMut() + 'a
 where
     S: 'a,
 {
@@ -88,18 +116,19 @@ impl<M: Meter> Visitor for EachOperation<'_, M> {
             .enumerate()
             .map(|(i, u)| if i % 4 == 3 { numbers.stray() } else { derived.forward(*u).0 })
             .collect();
+        let task = |operation| Task { kind: Kind::Sampler, row, name, operation, calls: INPUTS };
         let mut ours = over(derived, &uniforms, |s: &S, u| s.sample(*u).value());
         let mut theirs = over(by_hand, &uniforms, |s: &H, u| s.sample(*u));
-        self.meter.measure(row, name, "sample", [&mut ours, &mut theirs]);
+        self.meter.measure(task("sample"), [&mut ours, &mut theirs]);
         let mut ours = over(derived, &points, |s: &S, x| s.pdf(x).value());
         let mut theirs = over(by_hand, &points, |s: &H, x| s.pdf(x));
-        self.meter.measure(row, name, "pdf", [&mut ours, &mut theirs]);
+        self.meter.measure(task("pdf"), [&mut ours, &mut theirs]);
         let mut ours = over(derived, &uniforms, |s: &S, u| {
             let sample = s.sample(*u);
             (sample.value(), sample.pdf().value())
         });
         let mut theirs = over(by_hand, &uniforms, |s: &H, u| s.draw(*u));
-        self.meter.measure(row, name, "sample+pdf", [&mut ours, &mut theirs]);
+        self.meter.measure(task("sample+pdf"), [&mut ours, &mut theirs]);
     }
 }
 
@@ -116,50 +145,71 @@ impl Counting {
 }
 
 impl Meter for Counting {
-    fn measure(&mut self, _: u64, _: &'static str, _: &'static str, works: [Work<'_>; 2]) {
+    fn measure(&mut self, _: Task, works: [Work<'_>; 2]) {
         works.into_iter().for_each(count);
     }
 }
 
-/// Nanoseconds a call: the least of several runs, which alternate so that both see the same machine.
-#[derive(Debug, Default)]
-pub struct Timing {
-    /// What was measured: row, name, operation, nanoseconds of the derived and of the hand-written one, and
-    /// the median of the ratios of neighbouring runs.
-    pub rows: Vec<(u64, &'static str, &'static str, [f64; 2], f64)>,
+/// What a pair has cost.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed {
+    /// What was done.
+    pub task: Task,
+    /// Nanoseconds a call of the derived and of the hand-written one: the least of several runs.
+    pub nanoseconds: [f64; 2],
+    /// The median of the ratios of neighbouring runs.
+    pub ratio: f64,
+    /// How often each asks for memory in a loop.
+    pub allocations: [u64; 2],
 }
 
-/// How many runs of each, and how many times each goes through its inputs.
-const RUNS: usize = 31;
-const ROUNDS: usize = 40;
+/// Times loops in turns, so that both see the same machine.
+#[derive(Debug)]
+pub struct Timing {
+    /// What was measured.
+    pub rows: Vec<Timed>,
+    /// How often the program has asked for memory.
+    pub allocations: fn() -> u64,
+}
+
+/// How many runs of each, and how long one takes at least.
+const RUNS: usize = 41;
+const SECONDS: f64 = 4e-4;
 
 impl Meter for Timing {
-    fn measure(&mut self, row: u64, name: &'static str, operation: &'static str, works: [Work<'_>; 2]) {
+    fn measure(&mut self, task: Task, [ours, theirs]: [Work<'_>; 2]) {
+        let rounds = (SECONDS / seconds(theirs, 1).max(1e-9)).ceil() as usize;
         let mut least = [f64::INFINITY; 2];
         let mut ratios = Vec::with_capacity(RUNS);
-        let [ours, theirs] = works;
         for _ in 0..RUNS {
-            let times = [nanoseconds(ours), nanoseconds(theirs)];
+            let times = [seconds(ours, rounds), seconds(theirs, rounds)];
             for k in 0..2 {
-                least[k] = least[k].min(times[k]);
+                least[k] = least[k].min(times[k] * 1e9 / (rounds * task.calls) as f64);
             }
             ratios.push(times[0] / times[1]);
         }
         ratios.sort_by(f64::total_cmp);
-        self.rows.push((row, name, operation, least, ratios[RUNS / 2]));
+        let asked = |work: Work<'_>| {
+            let before = (self.allocations)();
+            work();
+            (self.allocations)() - before
+        };
+        let allocations = [asked(ours), asked(theirs)];
+        let (nanoseconds, ratio) = (least, ratios[RUNS / 2]);
+        self.rows.push(Timed { task, nanoseconds, ratio, allocations });
     }
 }
 
-fn nanoseconds(work: Work<'_>) -> f64 {
+fn seconds(work: Work<'_>, rounds: usize) -> f64 {
     let start = Instant::now();
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         work();
     }
-    start.elapsed().as_secs_f64() * 1e9 / (ROUNDS * INPUTS) as f64
+    start.elapsed().as_secs_f64()
 }
 
-/// Instructions a call of each loop, in order, as callgrind counts them: this program runs itself again with
-/// [`COUNTING`] and these arguments. `None` if there is no valgrind.
+/// Instructions of each loop, in order, as callgrind counts them: this program runs itself again with
+/// [`COUNTING`] and these arguments. The first loop is empty. `None` if there is no valgrind.
 ///
 /// # Errors
 /// If it cannot be run, or does not write what it should.
@@ -173,10 +223,10 @@ pub fn count_instructions(arguments: &[String]) -> io::Result<Option<Vec<f64>>> 
     let totals = run_counting(&directory, arguments);
     fs::remove_dir_all(&directory)?;
     let totals = totals?;
-    let Some((empty, loops)) = totals.split_first() else {
+    if totals.is_empty() {
         return Err(io::Error::other("callgrind has counted nothing"));
-    };
-    Ok(Some(loops.iter().map(|total| (total - empty) / INPUTS as f64).collect()))
+    }
+    Ok(Some(totals))
 }
 
 /// The instructions of each call of [`measured_part`].
@@ -198,7 +248,10 @@ fn run_counting(directory: &Path, arguments: &[String]) -> io::Result<Vec<f64>> 
     loop {
         let path = directory.join(format!("out.{}", 2 * totals.len() + 2));
         let Ok(text) = fs::read_to_string(&path) else { return Ok(totals) };
-        let total = text.lines().find_map(|line| line.strip_prefix("summary: ")?.trim().parse().ok());
-        totals.push(total.ok_or_else(|| io::Error::other(format!("{}: no summary", path.display())))?);
+        let total =
+            text.lines().find_map(|line| line.strip_prefix("summary: ")?.trim().parse().ok());
+        totals.push(
+            total.ok_or_else(|| io::Error::other(format!("{}: no summary", path.display())))?,
+        );
     }
 }

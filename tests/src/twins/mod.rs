@@ -8,7 +8,9 @@ pub mod direction;
 pub mod line;
 pub mod measure;
 pub mod pairs;
+pub mod path;
 pub mod plane;
+pub mod renderers;
 pub mod space;
 
 /// A random variable written by hand.

@@ -131,7 +131,12 @@ fn visit_space(v: &mut impl Visitor) -> Result<(), DomainError> {
     v.visit(47, "triangle", derived::triangle(a, b, c), Triangle { a, b, c });
     let sphere = SphereSurface { centre: a, radius: 0.7 };
     v.visit(93, "sphere surface", derived::sphere_surface(a, 0.7), sphere);
-    v.visit(98, "sphere light", derived::sphere_light(0.05, 2.0, 0.8)?, SphereLight { m: 0.05, d: 2.0, r: 0.8 });
+    v.visit(
+        98,
+        "sphere light",
+        derived::sphere_light(0.05, 2.0, 0.8)?,
+        SphereLight { m: 0.05, d: 2.0, r: 0.8 },
+    );
     v.visit(103, "shell", derived::shell(0.4, 1.2)?, Shell { a: 0.4, b: 1.2 });
     v.visit(104, "tetrahedron", derived::tetrahedron(a, b, c, d), Tetrahedron { a, b, c, d });
     Ok(())
