@@ -10,9 +10,6 @@ use super::record::{Estimate, Row, read_estimates, read_rows, write_estimates, w
 use super::summary::summarise;
 use super::{chart, page, table};
 
-/// Pictures of a curve by what they show.
-pub const PICTURES: [&str; 4] = ["", "-error", "-crop", "-crop-error"];
-
 /// What was measured, of one directory or of several.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurements {
@@ -112,12 +109,13 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
 /// All PNG files of a directory, in the order of their names.
 fn pictures(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
     let picture = |path: PathBuf| {
         let is_png = path.extension().is_some_and(|extension| extension == "png");
         let name = path.file_stem()?.to_str()?.to_owned();
         if is_png { Some((name, fs::read(&path).ok()?)) } else { None }
     };
-    paths.into_iter().filter_map(picture).collect()
+    let mut pictures: Vec<(String, Vec<u8>)> =
+        entries.flatten().filter_map(|entry| picture(entry.path())).collect();
+    pictures.sort();
+    pictures
 }
