@@ -9,7 +9,8 @@
 //! Eq. 7), which are derived; of what is kept it is one.
 //!
 //! A shift is undone by the shift back. Where that is not so, because the way back would keep another vertex
-//! or meet something else, there is no shifted path.
+//! or meet something else, there is no shifted path. Nor is there one whose first vertices do not see the rest,
+//! unless that is only a point of a light: next-event estimation would make such a path, though a black one.
 
 use aether_core::combine::Shifted;
 use aether_core::prelude::Vec2;
@@ -96,8 +97,13 @@ impl<'a, K: SceneKind> Shift<'a, K> {
         let meets = |other: &Path<'r, 'a, K>| {
             self.may_join(beginning, base) && self.is_rough(other, i) && !is_atom(base, i)
         };
-        if beginning.joined || meets(base) {
-            return Some(Beginning { joined: true, ..*beginning });
+        if beginning.joined {
+            return Some(*beginning);
+        }
+        if meets(base) {
+            // Scattering finds only what it sees: no other way leads to such a path.
+            let sees = self.world.visible(&beginning.new.last()?, &base.vertex(i)?);
+            return sees.then_some(Beginning { joined: true, ..*beginning });
         }
         let longer = self.copy(beginning, base)?;
         // There the way back would have met it.

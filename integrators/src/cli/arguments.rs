@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::metropolis::MutationSet;
 use crate::poisson::Reconstruction;
 use crate::selection::Selection;
 use clap::{Args, Parser, Subcommand};
@@ -77,6 +78,13 @@ pub(super) struct RenderArguments {
     /// The largest geometry term of a connection to a virtual light: biased, but without spikes
     #[arg(long, value_name = "LIMIT", value_parser = positive)]
     pub clamp: Option<f32>,
+
+    /// Which mutations mlt uses, instead of all: bidirectional, lens, multi-chain, caustic
+    #[arg(long, value_name = "NAME,..")]
+    pub mutations: Option<MutationSet>,
+    /// Print what has been counted: how often mutations were accepted
+    #[arg(long)]
+    pub stats: bool,
 
     /// How gdpt makes an image of its gradients: l1 (least noise, the default), l2 (unbiased) or none
     #[arg(long, value_name = "NORM")]

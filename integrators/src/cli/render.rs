@@ -39,6 +39,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_about(&rendered);
     let picture = write_files(&output, &plan, arguments, &rendered)?;
     print(&summary(&output, picture.as_deref(), &rendered))?;
+    if let Some(statistics) = kernel.statistics().filter(|_| arguments.stats) {
+        print(&statistics)?;
+    }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
@@ -223,6 +226,7 @@ mod tests {
             techniques: Default::default(),
             light_paths: None,
             clamp: None,
+            mutations: Default::default(),
             reconstruction: Default::default(),
         };
         let settings =
