@@ -139,11 +139,8 @@ fn able<'t, 'r, 'a, K: SceneKind>(
         (Some(here), Some(light)) => world.visible(&here, &light),
         _ => false,
     };
-    if value != Vec3::ZERO || path.view().visible(last) || sees() {
-        techniques
-    } else {
-        &techniques[1..]
-    }
+    let seen = value != Vec3::ZERO || path.view().visible(last) || techniques.len() == 1;
+    if seen || sees() { techniques } else { &techniques[1..] }
 }
 
 impl GradientDomain {
