@@ -316,7 +316,7 @@ mod tests {
             &CausticPerturbation { world },
         ];
         let (mut pairs, mut through_rough, mut worst) = ([0; 4], [0; 4], 0.0_f32);
-        for sample in 0..1500 {
+        for sample in 0..4000 {
             let mut paths = Vec::new();
             let uniforms = &mut Pcg32::new(3, sample, 0);
             metropolis
