@@ -79,10 +79,15 @@ impl Integrator for GradientDomain {
         let mut radiance = Vec3::ZERO;
         for n in 1 + usize::from(self.path.hide_emitters)..camera.size() {
             let mut own = techniques(world, &camera, n);
-            own[1].sample(uniforms);
             // The eye does not look for lights.
-            let own = &own[..n.min(2)];
-            for (i, base) in own.iter().enumerate().filter(|(_, base)| base.is_complete()) {
+            let own = &mut own[..n.min(2)];
+            own[1..].iter_mut().for_each(|direct| {
+                direct.sample(uniforms);
+            });
+            let own = &*own;
+            // The camera path goes on from what scattering found, which therefore comes last.
+            let samples = own.iter().enumerate().filter(|(_, base)| base.is_complete());
+            for (i, base) in samples.rev() {
                 let value = estimator.of(base) * response;
                 if value != Vec3::ZERO {
                     radiance += value * base.weight_with(&PowerHeuristic, (own, i), None);
