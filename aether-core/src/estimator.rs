@@ -134,6 +134,20 @@ impl<I> Estimator<I> {
     }
 }
 
+/// What a path contributes to the estimate of several techniques.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution<'a, V: Vertex, S, T> {
+    /// The path.
+    pub path: RandomSequence<'a, V, S>,
+    /// The number of its technique in the list of techniques.
+    pub technique: usize,
+    /// Its share of the combined estimate: weight × f / p.
+    pub value: T,
+    /// f / p over the number of samples that its technique takes: what it would contribute if there were no
+    /// other technique.
+    pub alone: T,
+}
+
 /// What an [`Estimator`] of paths remembers about the contents of one arena.
 #[derive(Clone, Debug)]
 pub struct Factors<T> {
@@ -213,17 +227,19 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     pub fn each<'a, S, H>(
         &self,
         mut combined: Combined<'a, I::Vertex, S, H>,
-    ) -> impl Iterator<Item = (RandomSequence<'a, I::Vertex, S>, I::Value)>
+    ) -> impl Iterator<Item = Contribution<'a, I::Vertex, S, I::Value>>
     where
         I::Vertex: 'a,
         S: Strategy<I::Vertex> + 'a,
         H: Heuristic<<I::Vertex as Vertex>::Real>,
     {
         core::iter::from_fn(move || {
-            while let Some((i, path)) = combined.next_sample() {
+            while let Some((technique, path)) = combined.next_sample() {
                 let estimate = self.of(&path);
                 if !estimate.is_zero() {
-                    return Some((path, estimate.times(combined.weight_of(i))));
+                    let value = estimate.times(combined.weight_of(technique));
+                    let alone = estimate.over(combined.samples_of(technique));
+                    return Some(Contribution { path, technique, value, alone });
                 }
             }
             None
@@ -237,7 +253,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         S: Strategy<I::Vertex> + 'a,
         H: Heuristic<<I::Vertex as Vertex>::Real>,
     {
-        self.each(combined).fold(I::Value::zero(), |sum, (_, estimate)| sum.plus(estimate))
+        self.each(combined).fold(I::Value::zero(), |sum, path| sum.plus(path.value))
     }
 
     /// Forgets everything if it is about other contents.

@@ -30,6 +30,7 @@
 //!   [`path_density`];
 //! - Markov chains of paths: [`mutation`](mod@mutation);
 //! - uniform random numbers: [`uniform`];
+//! - how much was computed: [`work`];
 //! - checks for any sampler, in one line: [`battery`];
 //! - which parameters are legal, for generators of tests: [`legal`].
 //!
@@ -74,6 +75,7 @@ pub mod support;
 pub mod tables;
 pub mod uniform;
 pub mod vec;
+pub mod work;
 
 pub use aether_macros::{map, sampler, strategy};
 pub use combine::{

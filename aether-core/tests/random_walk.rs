@@ -8,7 +8,7 @@ mod world;
 use aether_core::estimator::Factors;
 use aether_core::{
     Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
-    combine, combine_with,
+    UniformSource, combine, combine_with,
 };
 use world::{Camera, Light, Mean, Seen, Step, Walks, World};
 
@@ -223,4 +223,62 @@ fn only_connections_need_shadow_rays() {
     assert_eq!(world.shadow_rays.get(), 1);
     assert!(estimator.of(&cam.slice(0..2).concat(&emt.reverse())) > 0.0);
     assert_eq!(world.shadow_rays.get(), 2);
+}
+
+/// Vertex connection and merging (Georgiev et al. 2012) for paths of `edges` edges: the technique that the
+/// camera follows to the end, all connections with one light path, and all merges with `LIGHTS`, within a
+/// distance of `RADIUS`. `with` says which of the kinds of techniques are used.
+fn connecting_and_merging<'w>(
+    world: &'w World,
+    arena: &Walks<'w>,
+    estimator: &Seer<'w>,
+    edges: usize,
+    with: [bool; 2],
+    uniforms: &mut Pcg32,
+) -> f64 {
+    const LIGHTS: usize = 8;
+    const RADIUS: f64 = 0.01;
+    let n = edges + 1;
+    let walk = |first: world::Ways<'w>, uniforms: &mut Pcg32| {
+        let mut path = arena.sequence();
+        path.append(first);
+        while path.size() < n {
+            path.append(Step(world));
+        }
+        *path.sample(uniforms)
+    };
+    let cam = walk(Camera.into(), uniforms);
+    let seed: f64 = uniforms.next();
+    let mut seen = 0.0;
+    for number in 0..LIGHTS {
+        let mut source = Pcg32::new(seed.to_bits(), number as u64, 0);
+        let light = walk(Light(world).into(), &mut source);
+        let connections = (2..=n).filter(|_| with[0]).map(|t| {
+            let path = cam.slice(0..t).concat(&light.slice(0..n - t).reverse());
+            (if number == 0 { path } else { path.technique() }, 1)
+        });
+        let merges = (2..=n).filter(|_| with[1]).map(|t| {
+            let (here, there) = (cam.slice(0..t), light.slice(0..n + 1 - t).reverse());
+            let met = match (here.vertex(t - 1), there.vertex(0)) {
+                (Some(x), Some(y)) => (x.0 - y.0).abs() < RADIUS,
+                _ => false,
+            };
+            let path = here.merge(&there, 2.0 * RADIUS);
+            (if met { path } else { path.technique() }, LIGHTS)
+        });
+        let paths = arena.collect_counted(connections.chain(merges));
+        seen += estimator.sum(combine::<PowerHeuristic, _>(paths));
+    }
+    seen
+}
+
+#[test]
+fn merging_finds_the_exact_value() {
+    for mirror in [0.0, 0.4] {
+        for with in [[false, true], [true, true]] {
+            let z =
+                z(mirror, |w| w.exact(4), |w, a, e, u| connecting_and_merging(w, a, e, 4, with, u));
+            assert!(z.abs() < LIMIT, "mirror {mirror}, connections {}: {z}", with[0]);
+        }
+    }
 }

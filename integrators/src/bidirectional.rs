@@ -12,7 +12,7 @@ use crate::emission::LightStrategies;
 use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
-use crate::render::Splats;
+use crate::render::{Splats, Technique};
 use crate::selection::Selection;
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
@@ -44,22 +44,23 @@ impl Integrator for Bidirectional {
         splats: &mut Splats,
     ) -> Vec3 {
         let mut received = Received::new(pixel, splats);
-        self.paths(world, scratch, uniforms, pixel, |receiver, value| {
-            received.add(receiver, value)
+        self.paths(world, scratch, uniforms, pixel, |technique, receiver, value, alone| {
+            received.add_by(technique, receiver, value, alone);
         });
         received.own
     }
 }
 
 impl Bidirectional {
-    /// One sample: calls `record` with a pixel and what it receives.
+    /// One sample: calls `record` with a technique, a pixel, what that receives from it, and what it would if
+    /// there were no other technique.
     pub fn paths<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
         Scratch { arena, estimator }: &mut Scratch<'a, K, LightStrategies<'a, K>>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
-        mut record: impl FnMut(Pixel, Vec3),
+        mut record: impl FnMut(Technique, Pixel, Vec3, Vec3),
     ) {
         arena.clear();
         let rr = self.path.rr_depth;
@@ -80,18 +81,21 @@ impl Bidirectional {
                     false => through(world, arena, receiver, &camera),
                 };
                 let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
-                let techniques = arena.collect_counted(splits.map(|t| match (length - t, t) {
-                    (_, 1) => (seen, world.pixels()),
-                    (1, t) => {
-                        let mut direct = view.slice(0..t);
-                        direct.append(sample_light(world)).sample(uniforms);
-                        (direct, 1)
-                    }
-                    (s, t) => (view.slice(0..t).concat(&light.slice(0..s).reverse()), 1),
-                }));
-                for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let response = estimator.integrand().response(receiver, &path);
-                    record(receiver, value * response);
+                let techniques =
+                    arena.collect_counted(splits.clone().map(|t| match (length - t, t) {
+                        (_, 1) => (seen, world.pixels()),
+                        (1, t) => {
+                            let mut direct = view.slice(0..t);
+                            direct.append(sample_light(world)).sample(uniforms);
+                            (direct, 1)
+                        }
+                        (s, t) => (view.slice(0..t).concat(&light.slice(0..s).reverse()), 1),
+                    }));
+                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let response = estimator.integrand().response(receiver, &found.path);
+                    let t = splits.clone().nth(found.technique).unwrap_or_default();
+                    let technique = Technique::edge(t, length - t);
+                    record(technique, receiver, found.value * response, found.alone * response);
                 }
             }
         }

@@ -6,15 +6,17 @@
 //! they have no start-up bias (Veach 1997, section 11.3.1).
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use aether_core::discrete::{Cdf, Discrete};
 use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Chain, Worker};
+use crate::render::{AnyKernel, Chain, Preparation, Worker};
 use crate::scene::Scene;
 use crate::strategies::Pixel;
+use crate::work::{self, Work};
 use crate::world::World;
 
 /// An integrator made of Markov chains.
@@ -92,6 +94,7 @@ pub struct ChainKernel<'s, K: SceneKind, I> {
     /// The candidates by their brightness, and its mean; none if all are black.
     start: Option<(Cdf<f32>, f32)>,
     statistics: Statistics,
+    preparation: Preparation,
 }
 
 impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
@@ -101,11 +104,16 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene, integrator: I, seed: u64) -> Result<Self, NotCovered> {
         let world = World::new(scene)?;
+        let (begin, before) = (Instant::now(), Work::here());
+        let preparation = Preparation::default();
         let statistics = Statistics::new(I::STEPS);
-        let mut kernel = ChainKernel { world, integrator, seed, start: None, statistics };
+        let mut kernel =
+            ChainKernel { world, integrator, seed, start: None, statistics, preparation };
         let brightness = kernel.candidates();
         let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
         kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
+        let seconds = begin.elapsed().as_secs_f64();
+        kernel.preparation = Preparation { seconds, work: Work::here() - before };
         Ok(kernel)
     }
 
@@ -114,17 +122,15 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         let mut brightness = vec![0.0; self.integrator.candidates()];
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
         let share = brightness.len().div_ceil(threads).max(1);
-        std::thread::scope(|scope| {
-            for (part, values) in brightness.chunks_mut(share).enumerate() {
-                scope.spawn(move || {
-                    let mut of = self.integrator.brightness(&self.world, self.seed);
-                    for (i, value) in values.iter_mut().enumerate() {
-                        let found = of(part * share + i);
-                        *value = if found.is_finite() { found } else { 0.0 };
-                    }
-                });
+        let job = |(part, values): (usize, &mut [f32])| {
+            let mut of = self.integrator.brightness(&self.world, self.seed);
+            for (i, value) in values.iter_mut().enumerate() {
+                let found = of(part * share + i);
+                *value = if found.is_finite() { found } else { 0.0 };
             }
-        });
+        };
+        let job = &job;
+        work::threads(brightness.chunks_mut(share).enumerate().map(|part| move || job(part)));
         brightness
     }
 }
@@ -136,6 +142,10 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
 
     fn splats(&self) -> bool {
         true
+    }
+
+    fn preparation(&self) -> Preparation {
+        self.preparation
     }
 
     fn chain(&self, number: usize) -> Option<Chain<'_>> {

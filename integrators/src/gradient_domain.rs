@@ -5,8 +5,8 @@
 //! A pair of paths can be made from either of its pixels, by scattering and by next-event estimation: its weight
 //! is that of multiple importance sampling over all of these. A filter moves with its pixel, so that the shift by
 //! a whole pixel keeps its value and any filter serves; the gradients are differences of neighbouring pixels as
-//! that filter sees them. They are written to images of their own ([`Splats::add_to`]): in 0 the right
-//! neighbour minus the pixel, in 1 the lower neighbour minus the pixel.
+//! that filter sees them. They are written to layers of their own, [`Layer::Dx`] and [`Layer::Dy`]: the
+//! right, and the lower, neighbour minus the pixel.
 
 use aether_core::combine::Shifted;
 use aether_core::{Estimator, PowerHeuristic, UniformSource};
@@ -16,7 +16,7 @@ use crate::integrand::Radiance;
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
-use crate::render::Splats;
+use crate::render::{Layer, Splats};
 use crate::shift::{Beginning, Path, PathArena, Shift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, through};
@@ -43,7 +43,7 @@ impl GradientDomain {
 struct Neighbour<'r, 'a, K: SceneKind> {
     pixel: Pixel,
     /// Which gradient the difference to this pixel is, of which pixel, with which sign.
-    gradient: (usize, Pixel, f32),
+    gradient: (Layer, Pixel, f32),
     shift: Shift<'a, K>,
     /// The camera path's strategies, through this pixel.
     camera: Path<'r, 'a, K>,
@@ -56,7 +56,6 @@ struct Neighbour<'r, 'a, K: SceneKind> {
 impl Integrator for GradientDomain {
     type Scratch<'a, K: SceneKind> = Scratch<'a, K, ShiftStrategies<'a, K>>;
     const SPLATS: bool = true;
-    const IMAGES: usize = 2;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
         Scratch::new(world)
@@ -110,10 +109,10 @@ impl Integrator for GradientDomain {
                 }
             }
         }
-        for Neighbour { gradient: (image, of, sign), difference, .. } in
+        for Neighbour { gradient: (layer, of, sign), difference, .. } in
             neighbours.into_iter().flatten()
         {
-            splats.add_to(image, of, (sign * difference).to_array());
+            splats.add_to(layer, of, (sign * difference).to_array());
         }
         radiance
     }
@@ -167,9 +166,10 @@ impl GradientDomain {
             let shift = Shift { world, by: (dx as f32, dy as f32), rough: self.rough };
             let forwards = dx + dy > 0;
             let first = if forwards { pixel } else { other };
+            let layer = if dx == 0 { Layer::Dy } else { Layer::Dx };
             Some(Neighbour {
                 pixel: other,
-                gradient: (usize::from(dx == 0), first, if forwards { 1.0 } else { -1.0 }),
+                gradient: (layer, first, if forwards { 1.0 } else { -1.0 }),
                 shift,
                 camera: through(world, arena, other, camera),
                 beginning: Some(shift.begin(camera)),

@@ -4,7 +4,7 @@ use aether_core::{Pcg32, Sobol, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Splats, Worker};
+use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -18,9 +18,6 @@ pub trait Integrator: Send + Sync {
 
     /// Whether samples contribute to other pixels than their own.
     const SPLATS: bool = false;
-
-    /// How many images beside that of the radiance samples contribute to ([`Splats::add_to`]).
-    const IMAGES: usize = 0;
 
     /// A new scratch object.
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
@@ -60,6 +57,25 @@ impl<'s> Received<'s> {
     /// Nothing so far, of a sample of a pixel.
     pub fn new(pixel: Pixel, splats: &'s mut Splats) -> Self {
         Received { pixel, own: Vec3::ZERO, splats }
+    }
+
+    /// The pixel that the sample was made for.
+    pub fn pixel(&self) -> Pixel {
+        self.pixel
+    }
+
+    /// Adds to a pixel what a technique contributes: by its weight, and what it would contribute alone.
+    pub fn add_by(&mut self, technique: Technique, receiver: Pixel, value: Vec3, alone: Vec3) {
+        self.add(receiver, value);
+        if technique.vertices <= self.splats.layered {
+            for (weighted, value) in [(true, value), (false, alone)] {
+                self.splats.add_to(
+                    Layer::Technique { weighted, technique },
+                    receiver,
+                    value.to_array(),
+                );
+            }
+        }
     }
 
     /// Adds to a pixel.
@@ -115,9 +131,5 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
 
     fn splats(&self) -> bool {
         I::SPLATS
-    }
-
-    fn images(&self) -> usize {
-        I::IMAGES
     }
 }

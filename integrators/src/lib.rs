@@ -10,9 +10,11 @@
 //! [`cli`] is the program.
 
 pub mod algorithm;
+pub mod aovs;
 pub mod bidirectional;
 pub mod chains;
 pub mod cli;
+pub mod convergence;
 pub mod emission;
 pub mod envmap;
 pub mod eye;
@@ -44,4 +46,5 @@ pub mod strategies;
 pub mod subpaths;
 pub mod tridirectional;
 pub mod vertex;
+pub mod work;
 pub mod world;

@@ -7,7 +7,7 @@ use crate::emission::LightStrategies;
 use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
-use crate::render::Splats;
+use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_camera};
 use crate::subpaths::{Scratch, light_path};
 use crate::world::World;
@@ -49,7 +49,7 @@ impl Integrator for LightTracer {
             let value = estimator.of(&path) / world.pixels() as f32;
             for receiver in world.receivers(pixel, [&path]) {
                 let share = value * estimator.integrand().response(receiver, &path);
-                received.add(receiver, share);
+                received.add_by(Technique::edge(1, length), receiver, share, share);
             }
         }
         received.own

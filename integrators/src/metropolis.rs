@@ -4,7 +4,7 @@
 use std::cell::Cell;
 use std::str::FromStr;
 
-use aether_core::estimator::{Estimator, Factors};
+use aether_core::estimator::{Contribution, Estimator, Factors};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
 use aether_core::{
     Arena, MarkovChainState, Pcg32, PowerHeuristic, RandomSequence, Snapshot, UniformSource,
@@ -83,7 +83,9 @@ impl Metropolis {
                 }
                 (s, t) => camera.slice(0..t).concat(&light.slice(0..s).reverse()),
             }));
-            for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+            for Contribution { path, value, .. } in
+                estimator.each(combine::<PowerHeuristic, _>(techniques))
+            {
                 found(shares(world, estimator, &path, value).brightness(), &path);
             }
         }

@@ -1,16 +1,18 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::{Arena, Estimator, PowerHeuristic, Strategy, UniformSource, combine};
+use std::iter::once;
+
+use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource, combine};
 use glam::Vec3;
 
-use crate::integrand::Radiance;
-use crate::integrator::{Integrator, Kernel};
+use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
-use crate::render::Splats;
+use crate::render::{Splats, Technique};
 use crate::strategies::{
     PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
 };
+use crate::subpaths::Scratch;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -37,75 +39,92 @@ pub type PathArena<'a, K = Everything> = Arena<SceneVertex<K>, PathStrategies<'a
 
 /// The strategies that a path is extended with: how to scatter, and how to reach a light.
 #[derive(Clone, Copy, Debug)]
-pub struct Techniques<B, L> {
+pub struct Techniques<'t, S> {
     /// Continues a path by scattering.
-    pub scatter: B,
-    /// Ends a path on a light.
-    pub light: L,
+    pub scatter: S,
+    /// Ways to end a path on a light, in place of scattering as often as they have steps: one for next-event
+    /// estimation, several to reach a light by way of something.
+    pub endings: &'t [&'t [S]],
 }
 
-/// One estimate of the radiance that a pixel receives.
+/// One sample of the radiance that a pixel receives.
 ///
 /// `S` is the set of strategies that the paths are made of; a user's own set and his own
 /// [`Techniques`] work as well as the renderer's.
-pub fn radiance<'a, K, S, B, L>(
+pub fn trace<'a, K, S>(
     world: &'a World<'a, K>,
     settings: &PathSettings,
-    techniques: &Techniques<B, L>,
-    arena: &Arena<SceneVertex<K>, S>,
+    Techniques { scatter, endings }: &Techniques<'_, S>,
+    Scratch { arena, estimator }: &mut Scratch<'a, K, S>,
     uniforms: &mut impl UniformSource<f32>,
-    pixel: Pixel,
-) -> Vec3
-where
+    received: &mut Received<'_>,
+) where
     K: SceneKind,
     S: Strategy<SceneVertex<K>>
         + From<SampleCamera<'a, 'a, K>>
         + From<SampleCameraDirection<'a, 'a, K>>,
-    B: Clone + Into<S>,
-    L: Clone + Into<S>,
 {
-    let longest = settings.most_vertices();
+    arena.clear();
+    let (pixel, longest) = (received.pixel(), settings.most_vertices());
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
     while camera.is_complete() && camera.size() < longest {
-        camera.append(techniques.scatter.clone()).sample(uniforms);
+        camera.append(scatter.clone()).sample(uniforms);
+    }
+    // Where scattering has found nothing, an ending of several steps may.
+    for _ in 1..endings.iter().map(|ending| ending.len()).max().unwrap_or(1) {
+        if camera.size() < longest {
+            camera.append(scatter.clone());
+        }
     }
 
-    let estimator = Estimator::paths(Radiance::new(world));
-    let mut radiance = Vec3::ZERO;
+    let response = estimator.integrand().response(pixel, &camera);
     if !settings.hide_emitters && longest > 1 {
-        radiance += estimator.of(&camera.slice(0..2));
+        let seen = estimator.of(&camera.slice(0..2)) * response;
+        received.add_by(Technique::edge(2, 0), pixel, seen, seen);
     }
-    for length in 2..camera.size() {
-        // The path that scattering found, and the one that goes to a light instead.
-        let scattered = camera.slice(0..length + 1);
-        let mut direct = camera.slice(0..length);
-        direct.append(techniques.light.clone()).sample(uniforms);
-        radiance += estimator.sum(combine::<PowerHeuristic, _>([scattered, direct]));
+    for length in 3..=camera.size() {
+        // The path that scattering found, and those that go to a light instead.
+        let endings = endings.iter().filter(|ending| ending.len() + 2 <= length);
+        let ended = endings.clone().map(|ending| {
+            let mut path = camera.slice(0..length - ending.len());
+            for step in *ending {
+                path.append(step.clone()).sample(uniforms);
+            }
+            path
+        });
+        let techniques = arena.collect(once(camera.slice(0..length)).chain(ended));
+        for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+            let steps = once(0).chain(endings.clone().map(|ending| ending.len()));
+            let ended = steps.clone().nth(found.technique).unwrap_or_default();
+            let technique = Technique::edge(length - ended, ended);
+            received.add_by(technique, pixel, found.value * response, found.alone * response);
+        }
     }
-    radiance * estimator.integrand().response(pixel, &camera)
 }
 
 impl Integrator for PathSettings {
-    type Scratch<'a, K: SceneKind> = PathArena<'a, K>;
+    type Scratch<'a, K: SceneKind> = Scratch<'a, K, PathStrategies<'a, K>>;
 
-    fn scratch<'a, K: SceneKind>(&'a self, _: &'a World<'a, K>) -> PathArena<'a, K> {
-        PathArena::new()
+    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
+        Scratch::new(world)
     }
 
     fn sample<'a, K: SceneKind>(
         &'a self,
         world: &'a World<'a, K>,
-        arena: &mut PathArena<'a, K>,
+        scratch: &mut Self::Scratch<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
-        _: &mut Splats,
+        splats: &mut Splats,
     ) -> Vec3 {
-        arena.clear();
-        let scatter = sample_bsdf(world, self.rr_depth, None);
-        let techniques = Techniques { scatter, light: sample_light(world) };
-        radiance(world, self, &techniques, arena, uniforms, pixel)
+        let scatter = sample_bsdf(world, self.rr_depth, None).into();
+        let light = [sample_light(world).into()];
+        let techniques = Techniques { scatter, endings: &[&light] };
+        let mut received = Received::new(pixel, splats);
+        trace(world, self, &techniques, scratch, uniforms, &mut received);
+        received.own
     }
 }
 

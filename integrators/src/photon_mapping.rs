@@ -20,6 +20,7 @@ use crate::render::{AnyKernel, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, light_path};
+use crate::work;
 use crate::world::World;
 
 /// Settings of photon mapping.
@@ -178,12 +179,8 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
     fn begin_pass(&self, first: u32, threads: usize) {
         let paths = self.light_paths();
         let share = paths.div_ceil(threads).max(1);
-        let parts = std::thread::scope(|scope| {
-            let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(paths));
-            let threads: Vec<_> =
-                (0..paths).step_by(share).map(|start| scope.spawn(shoot(start))).collect();
-            threads.into_iter().filter_map(|thread| thread.join().ok()).collect::<Vec<_>>()
-        });
+        let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(paths));
+        let parts = work::threads((0..paths).step_by(share).map(shoot));
         let (_, size) = self.world.lights.bounds;
         let radius = self.settings.radius * size * self.settings.shrunk(first);
         let map = PhotonMap::new(parts.concat(), radius);

@@ -204,7 +204,7 @@ impl PrimarySample {
         move |uniforms, found| {
             found.clear();
             let pixel = uniforms.pixel(size);
-            let record = |pixel, value| found.push(pixel, value);
+            let record = |_, pixel, value, _| found.push(pixel, value);
             self.inner.paths(world, &mut scratch, uniforms, pixel, record);
         }
     }

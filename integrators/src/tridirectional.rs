@@ -8,7 +8,7 @@ use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
-use crate::render::Splats;
+use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
 use crate::world::World;
@@ -79,9 +79,23 @@ impl Integrator for Tridirectional {
                     t => (view.slice(0..t).concat(&segment).concat(&lit(length - t - 2)), 1),
                 });
                 let techniques = arena.collect_counted(ends.chain(middles));
-                for (path, value) in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let share = value * estimator.integrand().response(receiver, &path);
-                    received.add(receiver, share);
+                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let response = estimator.integrand().response(receiver, &found.path);
+                    let technique = match found.technique + 1 {
+                        t if t <= length => Technique::edge(t, length - t),
+                        t => Technique {
+                            vertices: length,
+                            joint: "portal",
+                            camera: t - length,
+                            light: 2 * length - t - 2,
+                        },
+                    };
+                    received.add_by(
+                        technique,
+                        receiver,
+                        found.value * response,
+                        found.alone * response,
+                    );
                 }
             }
         }

@@ -23,7 +23,9 @@ impl Directory {
     fn exr(&self, name: &str, rgb: RgbImage, variance: Option<f32>) -> PathBuf {
         let path = self.0.join(name);
         let variance = variance.map(|v| RgbImage::filled(rgb.width(), rgb.height(), [v; 3]));
-        Exr { rgb, variance, attributes: Default::default() }.write(&path).unwrap();
+        Exr { rgb, variance, layers: Default::default(), attributes: Default::default() }
+            .write(&path)
+            .unwrap();
         path
     }
 }

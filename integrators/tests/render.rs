@@ -194,3 +194,31 @@ fn ctrl_c_keeps_what_has_been_rendered() {
     assert!(exr.rgb.pixels().iter().any(|p| p[0] > 0.0));
     assert!(directory.path("ball.png").exists());
 }
+
+#[test]
+fn what_techniques_contribute_adds_up_to_the_image() {
+    let directory = Directory::new("techniques");
+    let options = ["--integrator", "bdpt", "--technique-images", "5", "--aovs", "--spp", "8"];
+    let exr = directory.rendered("bdpt.exr", &options);
+    assert!(directory.path("bdpt-techniques.png").is_file());
+    let sum = |prefix: &str, pixel: usize| -> f32 {
+        let layers = exr.layers.iter().filter(|(name, _)| name.starts_with(prefix));
+        layers.map(|(_, image)| image.pixels()[pixel][1]).sum()
+    };
+    // All lengths of paths that the scene asks for are shown.
+    for (pixel, value) in exr.rgb.pixels().iter().enumerate() {
+        let weighted = sum("weighted.", pixel);
+        assert!((weighted - value[1]).abs() <= 1e-5 * value[1].max(1.0), "{weighted} {value:?}");
+    }
+    // The lamp and the ball: light that is seen directly, and techniques alone that agree on it.
+    let mean = |name: &str| {
+        let pixels = exr.layers[name].pixels();
+        pixels.iter().map(|p| f64::from(p[1])).sum::<f64>() / pixels.len() as f64
+    };
+    let [scattered, direct, light] = ["alone.s0t3", "alone.s1t2", "alone.s2t1"].map(mean);
+    assert!(direct > 0.0 && (light / direct - 1.0).abs() < 0.2, "{scattered} {direct} {light}");
+    let centre = 8 * 24 + 12;
+    assert!((exr.layers["depth"].pixels()[centre][0] - 4.0).abs() < 0.05);
+    assert!((exr.layers["albedo"].pixels()[centre][0] - 0.5).abs() < 1e-6);
+    assert!(exr.layers["normal"].pixels()[centre][2] > 0.97);
+}

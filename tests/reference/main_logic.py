@@ -12,7 +12,7 @@ import re
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "integrators/src"
 INTEGRATORS = [
-    ("path", [("path.rs", "radiance")]),
+    ("path", [("path.rs", "trace")]),
     ("bdpt", [("bidirectional.rs", "paths")]),
     ("tridir", [("tridirectional.rs", "sample")]),
     ("gdpt", [("gradient_domain.rs", "sample"), ("gradient_domain.rs", "techniques"), ("gradient_domain.rs", "able"),

@@ -16,6 +16,7 @@ pub mod reference;
 pub mod registry;
 pub mod stability;
 pub mod textbook;
+pub mod twins;
 
 /// The front page: its examples are tests.
 #[cfg(doctest)]

@@ -140,6 +140,11 @@ impl<'a, V: Vertex, S: Strategy<V>, H: Heuristic<V::Real>> Combined<'a, V, S, H>
         None
     }
 
+    /// How many samples a technique takes.
+    pub(crate) fn samples_of(&self, i: usize) -> V::Real {
+        self.paths.map_or(V::Real::ONE, |paths| paths.count(i))
+    }
+
     pub(crate) fn weight_of(&self, i: usize) -> V::Real {
         self.paths.map_or(V::Real::ZERO, |paths| paths.weight(i, &self.heuristic))
     }

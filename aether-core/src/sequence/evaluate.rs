@@ -6,6 +6,7 @@ use crate::sequence::tape::Entry;
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
+use crate::work::count_densities;
 
 /// Most preceding vertices that a remembered density may depend on.
 const REMEMBERED: usize = 3;
@@ -30,6 +31,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
         self.tape.take(place, i, &drawn);
         if let Some(value) = drawn.value {
+            count_densities(1);
             let vertex = self.tape.step(place, i).vertex;
             if let Some(key) = self.key(id, drawn.dirac, before, reads, vertex) {
                 self.memo.borrow_mut().insert(key, value);
@@ -74,18 +76,30 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         if S::VERTICES > 1 && step.part.is_joint() {
             return self.run_factor(technique, k, path);
         }
+        let factor = self.step_factor(step.strategy, step.backward, k, path);
+        if step.merged == NONE {
+            return factor;
+        }
+        let merger = self.tape.merger(step.merged);
+        let other = self.step_factor(merger.strategy, !step.backward, k, path);
+        factor * other * merger.kernel
+    }
+
+    /// The conditional density of vertex `k` of a path under a strategy that comes from one side.
+    fn step_factor(&self, strategy: u32, backward: bool, k: usize, path: Place) -> V::Real {
         let n = path.len as usize;
-        let before = if step.backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
-        let dirac = self.tape.kind(path, k, step.backward);
+        let before = if backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
+        let dirac = self.tape.kind(path, k, backward);
         let vertex = self.tape.entry(path.at(k)).vertex;
-        let reads = self.strategies.borrow()[step.strategy as usize].reads();
-        let key = self.key(step.strategy, dirac, before, reads, vertex);
+        let reads = self.strategies.borrow()[strategy as usize].reads();
+        let key = self.key(strategy, dirac, before, reads, vertex);
         if let Some(known) = key.and_then(|key| self.memo.borrow().get(&key)) {
             return known;
         }
         let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
-        let strategy = self.strategies.borrow()[step.strategy as usize].clone();
+        let strategy = self.strategies.borrow()[strategy as usize].clone();
         let view = PathView::of_tape(&self.tape, before).asking(dirac).limited(reads);
+        count_densities(1);
         let value = strategy.pdf(view, &target).of_kind(dirac);
         if let Some(key) = key {
             self.memo.borrow_mut().insert(key, value);
@@ -98,8 +112,8 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     fn covers(&self, technique: Place, path: Place) -> bool {
         let n = path.len as usize;
         (0..n).all(|i| {
-            let forward = i + 1 < n && !self.tape.step(technique, i + 1).backward;
-            let backward = i > 0 && self.tape.step(technique, i - 1).backward;
+            let forward = i + 1 < n && self.tape.step(technique, i + 1).goes(false);
+            let backward = i > 0 && self.tape.step(technique, i - 1).goes(true);
             forward || backward || !self.tape.carries(path, i, Dirac::Direction)
         })
     }
@@ -179,7 +193,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let mut densities = [PathDensity::ONE; 2];
         for k in 0..path.len as usize {
             let (step, other) = (self.tape.step(a, k), self.tape.step(b, k));
-            let made = |step: Entry| (step.strategy, step.backward, step.part);
+            let made = |step: Entry| (step.strategy, step.backward, step.part, step.merged);
             if made(step) != made(other) {
                 densities[0] = densities[0] * self.factor(a, k, path);
                 densities[1] = densities[1] * self.factor(b, k, path);

@@ -4,6 +4,7 @@ use crate::real::Real;
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{MOST_VERTICES, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
+use crate::work::count_densities;
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// Draws the joint run that begins with step `i`; returns whether there is one.
@@ -25,10 +26,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             return false;
         }
         self.tape.take_run(place, i, &drawn);
-        if let Some(value) = drawn.value
-            && let Some(key) = self.run_key(step.strategy, run, before, reads)
-        {
-            self.memo.borrow_mut().insert(key, value);
+        if let Some(value) = drawn.value {
+            count_densities(1);
+            if let Some(key) = self.run_key(step.strategy, run, before, reads) {
+                self.memo.borrow_mut().insert(key, value);
+            }
         }
         true
     }
@@ -95,6 +97,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let targets: [V; MOST_VERTICES] = core::array::from_fn(vertex);
         let strategy = self.strategies.borrow()[strategy as usize].clone();
         let view = PathView::of_tape(&self.tape, before).limited(reads);
+        count_densities(1);
         let value = strategy.pdf_joint(view, &targets[..len]);
         if value > V::Real::ZERO { value } else { V::Real::ZERO }
     }

@@ -4,6 +4,7 @@ use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
 use crate::path_density::PathDensity;
+use crate::sequence::tape::{Entry, Merger};
 use crate::sequence::{Arena, Part, PathView, Place};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -257,6 +258,38 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         let place = Place::new(start, (h.place.len + o.place.len) as usize);
         let (len, ended) = if h.complete() { (h.len + o.len, o.ended) } else { (h.len, true) };
         self.with(Handle { place, len, ended, lane: h.lane | 1, ..h })
+    }
+
+    /// The strategies of this path without its vertices: a technique to weigh others against, and no sample.
+    pub fn technique(&self) -> Self {
+        self.with(Handle { len: 0, ended: true, ..self.handle })
+    }
+
+    /// This path, then `other` without its first vertex, which lies next to the last one of this path: two
+    /// paths that have met (vertex merging, Georgiev et al. 2012; Hachisuka et al. 2012). What is known of
+    /// `other` counts for the path as if it had ended at the vertex of this one, which it sees.
+    ///
+    /// `kernel` is the measure of the places that count as next to it. The density of the result is the product
+    /// of both densities and the kernel: how often two samples meet like this, as long as the density of
+    /// `other` hardly changes within the kernel (from which the bias of merging comes). Where one path could
+    /// not have gone on from the other's end, or a joint draw would be cut, the result does not exist.
+    pub fn merge(&self, other: &Self, kernel: V::Real) -> Self {
+        let (h, o) = (self.handle, other.handle);
+        if h.absent || o.absent || h.place.len == 0 || o.place.len == 0 {
+            return self.absent();
+        }
+        let tape = &self.arena.tape;
+        let at = h.place.len as usize - 1;
+        let (last, first) = (tape.step(h.place, at), other.arena.tape.step(o.place, 0));
+        if last.backward || !first.backward || last.part.is_joint() || first.part.is_joint() {
+            return self.absent();
+        }
+        let joined = self.concat(&other.slice(1..));
+        if !joined.handle.absent {
+            let Entry { strategy, dirac, .. } = first;
+            tape.merge(joined.handle.place.at(at), Merger { strategy, dirac, kernel });
+        }
+        joined
     }
 
     /// The density of this path under its own strategies: the product of the conditional densities

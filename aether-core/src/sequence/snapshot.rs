@@ -3,7 +3,7 @@
 use crate::sequence::{Arena, RandomSequence};
 use crate::strategy::{Strategy, Vertex};
 
-use super::tape::Entry;
+use super::tape::{Entry, NONE};
 
 /// A complete path outside any arena: its vertices, the strategies that made them and their Dirac
 /// factors. Storing another path of no greater length needs no heap.
@@ -24,20 +24,21 @@ impl<V: Vertex, S: Strategy<V>> Snapshot<V, S> {
         Self::default()
     }
 
-    /// A copy of a path; the empty path if it is not complete.
+    /// A copy of a path; the empty path if it is not complete, or if vertices of it have been merged.
     pub fn of(path: &RandomSequence<'_, V, S>) -> Self {
         let mut snapshot = Self::new();
         snapshot.store(path);
         snapshot
     }
 
-    /// Replaces what is stored by a copy of a path; by the empty path if that is not complete.
+    /// Replaces what is stored by a copy of a path; by the empty path if that has no [`Snapshot::of`].
     pub fn store(&mut self, path: &RandomSequence<'_, V, S>) {
         self.steps.clear();
-        if !path.is_complete() {
+        let (arena, place) = (path.arena, path.handle.place);
+        let merged = |i: usize| arena.tape.step(place, i).merged != NONE;
+        if !path.is_complete() || (0..path.len()).any(merged) {
             return;
         }
-        let (arena, place) = (path.arena, path.handle.place);
         let strategies = arena.strategies.borrow();
         self.steps.extend((0..path.len()).filter_map(|i| {
             let entry = arena.tape.step(place, i);

@@ -65,6 +65,27 @@ pub(crate) struct Entry {
     pub dirac: Option<Dirac>,
     /// Which vertex of its strategy's draw it is.
     pub part: Part,
+    /// The [`Merger`] by which the vertex is also reached from the other side, or [`NONE`].
+    pub merged: u32,
+}
+
+impl Entry {
+    /// Whether the step goes in a direction, alone or beside one in the other.
+    #[inline]
+    pub fn goes(&self, backward: bool) -> bool {
+        self.backward == backward || self.merged != NONE
+    }
+}
+
+/// A second step to a vertex, from the other side: it has led to a place next to it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Merger<R> {
+    /// Id of its strategy.
+    pub strategy: u32,
+    /// The Dirac factor that its vertex was drawn with.
+    pub dirac: Option<Dirac>,
+    /// The measure of the places that count as next to the vertex.
+    pub kernel: R,
 }
 
 /// A range of the tape, read in one direction or the other.
@@ -109,6 +130,7 @@ pub(crate) struct Tape<V: Vertex> {
     entries: RefCell<Vec<Entry>>,
     /// Density of the run that ends at a step, indexed by [`Entry::prefix`].
     prefixes: RefCell<Vec<Option<PathDensity<V::Real>>>>,
+    mergers: RefCell<Vec<Merger<V::Real>>>,
 }
 
 impl<V: Vertex> Tape<V> {
@@ -117,6 +139,7 @@ impl<V: Vertex> Tape<V> {
             vertices: RefCell::new(Vec::new()),
             entries: RefCell::new(Vec::new()),
             prefixes: RefCell::new(Vec::new()),
+            mergers: RefCell::new(Vec::new()),
         }
     }
 
@@ -124,6 +147,7 @@ impl<V: Vertex> Tape<V> {
         self.vertices.get_mut().clear();
         self.entries.get_mut().clear();
         self.prefixes.get_mut().clear();
+        self.mergers.get_mut().clear();
     }
 
     /// Number of steps on the tape.
@@ -161,6 +185,7 @@ impl<V: Vertex> Tape<V> {
             visible: false,
             dirac: None,
             part,
+            merged: NONE,
         });
     }
 
@@ -177,6 +202,18 @@ impl<V: Vertex> Tape<V> {
     pub fn set_origin(&self, at: usize, visible: bool, dirac: Option<Dirac>) {
         let entry = &mut self.entries.borrow_mut()[at];
         *entry = Entry { visible, dirac, run: 0, prefix: at as u32, ..*entry };
+    }
+
+    /// Makes a step lead to its vertex from both sides.
+    pub fn merge(&self, at: usize, merger: Merger<V::Real>) {
+        let mut mergers = self.mergers.borrow_mut();
+        let entry = &mut self.entries.borrow_mut()[at];
+        *entry = Entry { merged: mergers.len() as u32, run: 0, prefix: at as u32, ..*entry };
+        mergers.push(merger);
+    }
+
+    pub fn merger(&self, id: u32) -> Merger<V::Real> {
+        self.mergers.borrow()[id as usize]
     }
 
     fn push_entry(&self, entry: Entry) {
@@ -275,7 +312,17 @@ impl<V: Vertex> Tape<V> {
     /// Whether step `i` of a place is known to see step `i - 1`.
     pub fn visible(&self, place: Place, i: usize) -> bool {
         let (step, before) = (self.step(place, i), self.step(place, i - 1));
-        (!step.backward && step.visible) || (before.backward && before.visible)
+        (!step.backward && step.visible)
+            || (before.backward && before.visible)
+            || self.is_merged_from(place, i, true)
+            || self.is_merged_from(place, i - 1, false)
+    }
+
+    /// Whether vertex `i` of a place has been merged, and `forward` is the direction of the second step to it:
+    /// its vertex saw the one that it was made from.
+    fn is_merged_from(&self, place: Place, i: usize, forward: bool) -> bool {
+        let step = self.step(place, i);
+        step.merged != NONE && step.backward == forward
     }
 
     /// Whether vertex `i` of a place carries a Dirac factor.
@@ -283,7 +330,14 @@ impl<V: Vertex> Tape<V> {
     pub fn carries(&self, place: Place, i: usize, dirac: Dirac) -> bool {
         let made = |i: usize, backward: bool| {
             let step = self.step(place, i);
-            step.backward == backward && step.dirac == Some(Dirac::Direction)
+            let dirac = if step.backward == backward {
+                step.dirac
+            } else if step.merged != NONE {
+                self.merger(step.merged).dirac
+            } else {
+                None
+            };
+            dirac == Some(Dirac::Direction)
         };
         match dirac {
             Dirac::Position => self.step(place, i).dirac == Some(Dirac::Position),

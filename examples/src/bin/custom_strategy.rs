@@ -14,17 +14,19 @@
 use std::path::Path;
 
 use aether_core::prelude::*;
-use aether_core::{Arena, PathView, Pcg32, coin, strategies};
+use aether_core::{PathView, Pcg32, coin, strategies};
 use integrators::image::exr::Exr;
+use integrators::integrator::Received;
 use integrators::kind::NotCovered;
-use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
-use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Worker, render};
+use integrators::path::{PathSettings, PathTracer, Techniques, trace};
+use integrators::render::{AnyKernel, Budget, Film, RenderSettings, Splats, Worker, render};
 use integrators::samplers::rotate;
 use integrators::scene::Scene;
 use integrators::scene_kind;
 use integrators::strategies::{
     Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
+use integrators::subpaths::Scratch;
 use integrators::vertex::{SceneVertex, Surface};
 use integrators::world::World;
 
@@ -89,26 +91,26 @@ struct Upward<'s> {
 impl Upward<'_> {
     fn sample<'a>(
         &'a self,
-        arena: &mut Arena<SceneVertex<Rooms>, Strategies<'a>>,
+        scratch: &mut Scratch<'a, Rooms, Strategies<'a>>,
         (x, y): Pixel,
         sample: u32,
+        splats: &mut Splats,
     ) -> [f32; 3] {
-        arena.clear();
         let world = &self.world;
-        let techniques = Techniques {
-            scatter: scatter_or_look_up(world, self.settings.rr_depth, 0.3),
-            light: sample_light(world),
-        };
+        let scatter = scatter_or_look_up(world, self.settings.rr_depth, 0.3).into();
+        let techniques = Techniques { scatter, endings: &[&[sample_light(world).into()]] };
         let stream = u64::from(y) * u64::from(world.scene.film.width) + u64::from(x);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-        radiance(world, &self.settings, &techniques, arena, &mut uniforms, (x, y)).to_array()
+        let mut received = Received::new((x, y), splats);
+        trace(world, &self.settings, &techniques, scratch, &mut uniforms, &mut received);
+        received.own.to_array()
     }
 }
 
 impl AnyKernel for Upward<'_> {
     fn worker(&self) -> Worker<'_> {
-        let mut arena = Arena::new();
-        Box::new(move |pixel, sample, _| self.sample(&mut arena, pixel, sample))
+        let mut scratch = Scratch::new(&self.world);
+        Box::new(move |pixel, sample, splats| self.sample(&mut scratch, pixel, sample, splats))
     }
 }
 
@@ -153,8 +155,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{name:<12} mean {mean:.4} ± {error:.4}");
     }
     let output = Path::new("custom-strategy.exr");
-    let exr =
-        Exr { rgb: upward.image(), variance: upward.variance(), attributes: Default::default() };
+    let exr = Exr {
+        rgb: upward.image(),
+        variance: upward.variance(),
+        layers: Default::default(),
+        attributes: Default::default(),
+    };
     exr.write(output)?;
     println!("wrote {}", output.display());
     Ok(())

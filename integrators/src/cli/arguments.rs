@@ -31,6 +31,10 @@ pub(super) enum Command {
     Compare(CompareArguments),
     /// List what is in a scene and what a render will use
     Inspect(InspectArguments),
+    /// Measure the errors of integrators against time: tables, charts and a page, with what stands out in words
+    Convergence(Box<ConvergenceArguments>),
+    /// Join what `convergence` has measured of several scenes into one page
+    Report(ReportArguments),
 }
 
 #[derive(Debug, Args)]
@@ -54,6 +58,22 @@ pub(super) struct RenderArguments {
     /// Seconds to render for, instead of a number of samples
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub time: Option<f64>,
+    /// Stop when the estimated relative error of each window of 16x16 pixels is below this; --spp or --time
+    /// then are the most that is spent
+    #[arg(long, value_name = "ERROR", value_parser = positive_number, allow_negative_numbers = true)]
+    pub target_error: Option<f64>,
+    /// With --target-error, give no more samples to windows that are good enough: faster, and more biased
+    #[arg(long, requires = "target_error")]
+    pub adaptive: bool,
+    /// Print rays, densities and their rates; of Markov chains also how often their steps were accepted
+    #[arg(long)]
+    pub stats: bool,
+    /// Show the picture in the terminal as it grows
+    #[arg(long)]
+    pub live: bool,
+    /// Write the output file every so many seconds, for viewers that reload it
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub live_exr: Option<f64>,
     /// Seed of the random numbers: the same seed gives the same image [default: the scene's, or 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -71,6 +91,14 @@ pub(super) struct RenderArguments {
     /// from the camera, such as `0:*,1:*`
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
+    /// Write what each technique contributes, with its weight and alone, for paths of up to so many vertices (6
+    /// by default): as layers of the EXR file, and as a sheet of pictures
+    #[arg(long, value_name = "VERTICES", num_args = 0..=1, default_missing_value = "6",
+          value_parser = clap::value_parser!(u32).range(2..=16))]
+    pub technique_images: Option<u32>,
+    /// Write albedo, normal and depth of what is seen as layers of the EXR file
+    #[arg(long)]
+    pub aovs: bool,
     /// How many light paths the pixels share: virtual lights (256 by default), photons (one a pixel)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub light_paths: Option<u32>,
@@ -82,9 +110,6 @@ pub(super) struct RenderArguments {
     /// Which mutations mlt uses, instead of all: bidirectional, lens, multi-chain, caustic
     #[arg(long, value_name = "NAME,..")]
     pub mutations: Option<MutationSet>,
-    /// Print what has been counted: how often mutations were accepted
-    #[arg(long)]
-    pub stats: bool,
 
     /// How gdpt makes an image of its gradients: l1 (least noise, the default), l2 (unbiased) or none
     #[arg(long, value_name = "NORM")]
@@ -126,6 +151,120 @@ pub(super) struct InspectArguments {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ConvergenceArguments {
+    /// Scene file in Mitsuba 3 format
+    #[arg(value_name = "SCENE.xml")]
+    pub scene: PathBuf,
+    /// Integrators to measure, by their names
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', default_value = "path,bdpt")]
+    pub integrators: Vec<String>,
+    /// An integrator with options of `render`, under a name of its own, such as
+    /// `bsdf only=bdpt --techniques 0:*`; may be repeated
+    #[arg(long, value_name = "LABEL=NAME OPTIONS", value_parser = define)]
+    pub variant: Vec<(String, String)>,
+    /// Seconds of the longest render of each integrator and seed
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub budget: f64,
+    /// Seeds for each integrator; intervals need three
+    #[arg(long, value_name = "N", default_value = "4", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub repeats: u16,
+    /// The first seed
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u64,
+    /// The image taken as the truth; it is made if there is none
+    #[arg(long, value_name = "REF.exr", conflicts_with_all = ["reference_by", "reference_time"])]
+    pub reference: Option<PathBuf>,
+    /// Unbiased integrators whose union is the reference
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', default_value = "path,bdpt")]
+    pub reference_by: Vec<String>,
+    /// Seconds for each part of the reference [default: 16 budgets]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    pub reference_time: Option<f64>,
+    /// Another renderer: `mitsuba`, or a program that takes the options of the script for Mitsuba; may be repeated
+    #[arg(long, value_name = "RENDERER")]
+    pub against: Vec<String>,
+    /// The Python that can import mitsuba
+    #[arg(long, value_name = "PYTHON", default_value = "python3")]
+    pub python: PathBuf,
+    /// Images that other renderers wrote: a table with the columns renderer,integrator,seed,spp,seconds,file
+    #[arg(long, value_name = "IMAGES.csv")]
+    pub images: Option<PathBuf>,
+    /// Directory for tables, charts, pictures and the page [default: convergence-SCENE]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Name of the scene in reports [default: that of the file, or of its directory for `scene.xml`]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+    /// Part of the image for strips [default: where the integrators differ most]
+    #[arg(long, value_name = "X,Y,W,H", value_parser = crop)]
+    pub crop: Option<(usize, usize, usize, usize)>,
+    /// Value of a scene parameter, written $name in the scene; may be repeated
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    pub defines: Vec<(String, String)>,
+    /// Columns and rows of the image, instead of the scene's
+    #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
+    pub size: Option<(u32, u32)>,
+    /// Longest path, as for `render`
+    #[arg(long, value_name = "N", value_parser = max_depth, allow_negative_numbers = true)]
+    pub max_depth: Option<i32>,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
+    pub threads: Option<usize>,
+    /// The id of a shape that is an opening which light has to pass, and no surface; may be repeated
+    #[arg(long = "portal", value_name = "ID")]
+    pub portals: Vec<String>,
+    /// Have roughplastic lose light as in Mitsuba 3.9, to compare images
+    #[arg(long)]
+    pub mitsuba3_roughplastic: bool,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    /// Directories that `convergence` has written
+    #[arg(value_name = "DIR", required = true)]
+    pub directories: Vec<PathBuf>,
+    /// Directory for the report
+    #[arg(short, long, value_name = "DIR", default_value = "report")]
+    pub output: PathBuf,
+}
+
+/// The render that a convergence measurement does of an integrator with options.
+pub(super) fn render_arguments(
+    shared: &ConvergenceArguments,
+    integrator: &str,
+) -> Result<RenderArguments, String> {
+    let mut words: Vec<String> = ["aether", "render", "--integrator"].map(str::to_owned).to_vec();
+    words.extend(integrator.split_whitespace().map(str::to_owned));
+    words.extend(shared.defines.iter().map(|(name, value)| format!("-D{name}={value}")));
+    words.extend(shared.size.map(|(width, height)| format!("--size={width}x{height}")));
+    words.extend(shared.max_depth.map(|depth| format!("--max-depth={depth}")));
+    words.extend(shared.threads.map(|threads| format!("--threads={threads}")));
+    words.extend(shared.portals.iter().map(|id| format!("--portal={id}")));
+    words.extend(shared.mitsuba3_roughplastic.then(|| "--mitsuba3-roughplastic".to_owned()));
+    // Paths need not be text.
+    let mut words: Vec<std::ffi::OsString> = words.into_iter().map(Into::into).collect();
+    words.extend(["--".into(), shared.scene.clone().into_os_string()]);
+    match Arguments::try_parse_from(words).map(|arguments| arguments.command) {
+        Ok(Command::Render(arguments)) => Ok(*arguments),
+        Ok(_) => Err(format!("`{integrator}` is no integrator")),
+        Err(error) => Err(format!("integrator `{integrator}`: {error}")),
+    }
+}
+
+fn crop(text: &str) -> Result<(usize, usize, usize, usize), String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok((x, y, width, height)),
+        _ => Err("expected column, row, width and height, such as 10,20,64,48".to_owned()),
+    }
+}
+
+fn positive_number(text: &str) -> Result<f64, String> {
+    let allowed = |value: &f64| *value > 0.0 && value.is_finite();
+    text.parse().ok().filter(allowed).ok_or("expected a number above 0".to_owned())
 }
 
 fn define(text: &str) -> Result<(String, String), String> {

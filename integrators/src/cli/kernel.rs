@@ -26,6 +26,8 @@ pub(super) struct Plan {
     pub integrator: String,
     /// Columns and rows of the image.
     pub size: (u32, u32),
+    /// The first column and row of the image on the film that the scene describes.
+    pub crop: (u32, u32),
     /// Samples per pixel, unless a time is given.
     pub samples: u32,
     /// Seed of the random numbers.
@@ -55,6 +57,8 @@ impl Plan {
         Self {
             integrator: arguments.integrator.clone().unwrap_or_else(|| requested.name.clone()),
             size: (scene.film.width, scene.film.height),
+            // Whole numbers of pixels.
+            crop: (scene.camera.crop.x as u32, scene.camera.crop.y as u32),
             samples: arguments.spp.unwrap_or(scene.sampler.sample_count),
             seed: arguments.seed.unwrap_or(scene.sampler.seed),
             // -1 has no counterpart in u32: no limit.

@@ -1,18 +1,21 @@
-//! The `aether` program: `render`, `compare` and `inspect`.
+//! The `aether` program: `render`, `compare`, `inspect`, `convergence` and `report`.
 //!
 //! - `arguments`: the command line and its limits.
 //! - `kernel`: from a scene file to something that can be rendered.
-//! - `render`, `compare`, `inspect`: one module for each command.
-//! - `terminal`: the progress bar and Ctrl-C.
+//! - `render`, `compare`, `inspect`, `convergence`, `report`: one module for each command.
+//! - `terminal`: the progress bar and Ctrl-C; `live`: the picture while it grows.
 //!
 //! Exit codes: 0 on success, 2 on wrong usage or input (with a message on stderr), 130 when a
 //! render was interrupted, whose image is kept.
 
 mod arguments;
 mod compare;
+mod convergence;
 mod inspect;
 mod kernel;
+mod live;
 mod render;
+mod report;
 mod terminal;
 
 use std::fmt;
@@ -35,6 +38,8 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(arguments),
         Command::Compare(arguments) => compare::run(arguments),
         Command::Inspect(arguments) => inspect::run(arguments),
+        Command::Convergence(arguments) => convergence::run(arguments),
+        Command::Report(arguments) => report::run(arguments),
     };
     result.unwrap_or_else(|failure| {
         warn(&format!("error: {failure}"));

@@ -2,18 +2,27 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
+use std::iter::once;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
+use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
+use crate::aovs::aovs;
+use crate::convergence::reference::crop_text;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, check_writable, png};
 use crate::poisson::{ALPHA, Reconstruction, reconstruct};
+use crate::render::Layer;
 use crate::render::film::relative_error;
-use crate::render::{Budget, RenderSettings, Rendered, render};
+use crate::render::layers::{Layered, contact_sheet};
+use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
+
+/// The most samples of each pixel for albedo, normal and depth, which have little noise.
+const AOV_SAMPLES: u32 = 64;
 
 /// Loads the scene, renders it and writes both files. After Ctrl-C, what has been rendered.
 pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
@@ -25,24 +34,59 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_of_integrator(&scene, &plan);
 
     let terminal = Terminal::new();
-    let settings = RenderSettings {
-        size: plan.size,
-        budget: arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds),
-        threads: arguments.threads,
+    let kernel: Box<dyn AnyKernel> = match arguments.technique_images {
+        None => kernel,
+        Some(vertices) => Box::new(Layered { kernel, vertices: vertices as usize }),
     };
-    let rendered = render(kernel.as_ref(), &settings, &terminal);
+    let budget = budget(arguments, &plan, kernel.as_ref())?;
+    let settings = RenderSettings { size: plan.size, budget, threads: arguments.threads };
+    let live = Live::new(&terminal, arguments, &output);
+    let rendered = render(kernel.as_ref(), &settings, &live);
     terminal.finish();
     if rendered.film.samples().1 == 0 {
         warn("interrupted before the first sample; no file is written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
     warn_about(&rendered);
-    let picture = write_files(&output, &plan, arguments, &rendered)?;
-    print(&summary(&output, picture.as_deref(), &rendered))?;
-    if let Some(statistics) = kernel.statistics().filter(|_| arguments.stats) {
-        print(&statistics)?;
+    let mut layers = BTreeMap::new();
+    if arguments.aovs {
+        let samples = rendered.film.samples().1.min(AOV_SAMPLES);
+        layers = aovs(&scene, settings, samples, plan.seed, &())
+            .map_err(|error| Failure::new(error.to_string()))?;
+    }
+    let pictures = write_files(&output, &plan, arguments, &rendered, layers)?;
+    print(&summary(&output, &pictures, &rendered))?;
+    if arguments.stats {
+        print(&statistics(&rendered))?;
+        if let Some(counted) = kernel.statistics() {
+            print(&counted)?;
+        }
     }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// When to stop.
+fn budget(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    kernel: &dyn AnyKernel,
+) -> Result<Budget, Failure> {
+    let Some(target) = arguments.target_error else {
+        return Ok(arguments.time.map_or(Budget::Samples(plan.samples), Budget::Seconds));
+    };
+    if arguments.adaptive && kernel.splats() {
+        return Err(Failure::new(format!(
+            "--adaptive gives pixels different numbers of samples, but those of integrator `{}` contribute to \
+             other pixels than their own; leave --adaptive out",
+            plan.integrator
+        )));
+    }
+    Ok(Budget::Error(ErrorBudget {
+        target,
+        samples: arguments.spp.unwrap_or(i32::MAX as u32),
+        seconds: arguments.time.unwrap_or(f64::INFINITY),
+        adaptive: arguments.adaptive,
+    }))
 }
 
 /// The EXR file to write: by default, the name of the scene in the current directory.
@@ -64,35 +108,47 @@ fn output_path(arguments: &RenderArguments) -> Result<PathBuf, Failure> {
     Err(Failure::new(format!("the output `{output}` must end in .exr; a PNG is written beside it")))
 }
 
-/// Writes the EXR and, unless the output is a device, the PNG, whose path is returned.
+/// Writes the EXR and, unless the output is a device, the PNG and the sheet of techniques, whose paths are
+/// returned.
 fn write_files(
     output: &Path,
     plan: &Plan,
     arguments: &RenderArguments,
     rendered: &Rendered,
-) -> Result<Option<PathBuf>, Failure> {
+    mut layers: BTreeMap<String, RgbImage>,
+) -> Result<Vec<PathBuf>, Failure> {
     let primal = rendered.film.image();
     let variance = rendered.film.variance();
     let attributes = attributes(plan, arguments, rendered);
-    let rgb = match &rendered.images[..] {
-        [dx, dy] => reconstruct(&primal, [&dx[0], &dy[0]], ALPHA, plan.reconstruction),
-        _ => primal.clone(),
+    let gradients = rendered.layers.get(&Layer::Dx).zip(rendered.layers.get(&Layer::Dy));
+    let rgb = match gradients {
+        Some((dx, dy)) => reconstruct(&primal, [&dx[0], &dy[0]], ALPHA, plan.reconstruction),
+        None => primal.clone(),
     };
     // The variance of what gradients and pixels make together is not known.
-    let known = rendered.images.is_empty() || plan.reconstruction == Reconstruction::None;
-    let exr = Exr { rgb, variance: variance.clone().filter(|_| known), attributes };
+    let known = gradients.is_none() || plan.reconstruction == Reconstruction::None;
+    for (layer, [image, _]) in &rendered.layers {
+        if let Layer::Technique { .. } = layer {
+            layers.insert(layer.to_string(), image.clone());
+        }
+    }
+    let exr = Exr { rgb, variance: variance.clone().filter(|_| known), layers, attributes };
     exr.write(output)?;
     if !output.is_file() {
-        return Ok(None);
+        return Ok(Vec::new());
     }
-    if let [dx, dy] = &rendered.images[..] {
+    if let Some((dx, dy)) = gradients {
         let sampled = [&primal, &dx[0], &dy[0]];
         let variances = [variance.as_ref(), Some(&dx[1]), Some(&dy[1])];
         write_gradients(output, sampled.into_iter().zip(variances), &exr.attributes)?;
     }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
-    Ok(Some(picture))
+    let Some(sheet) = contact_sheet(&rendered.layers) else { return Ok(vec![picture]) };
+    let name = output.file_stem().unwrap_or_default().to_string_lossy();
+    let techniques = output.with_file_name(format!("{name}-techniques.png"));
+    png::write(&sheet, &techniques)?;
+    Ok(vec![picture, techniques])
 }
 
 /// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`,
@@ -106,7 +162,8 @@ fn write_gradients<'i>(
         let mut file = output.file_stem().unwrap_or_default().to_owned();
         file.push(format!("-{name}.exr"));
         let (rgb, variance) = (rgb.clone(), variance.cloned());
-        let exr = Exr { rgb, variance, attributes: attributes.clone() };
+        let layers = BTreeMap::new();
+        let exr = Exr { rgb, variance, layers, attributes: attributes.clone() };
         exr.write(&output.with_file_name(file))?;
     }
     Ok(())
@@ -134,6 +191,9 @@ fn attributes(
         ("seed", text(&plan.seed.to_string())),
         ("samples", count(fewest)),
         ("seconds", Attribute::Number(rendered.seconds)),
+        ("rays", text(&rendered.work.rays().to_string())),
+        ("densities", text(&rendered.work.densities.to_string())),
+        ("crop", text(&crop_text(plan.crop))),
         ("program", text(concat!("aether ", env!("CARGO_PKG_VERSION")))),
     ]);
     if most != fewest {
@@ -159,12 +219,12 @@ fn warn_about(rendered: &Rendered) {
 }
 
 /// One line about the files written and the quality reached.
-fn summary(output: &Path, picture: Option<&Path>, rendered: &Rendered) -> String {
+fn summary(output: &Path, pictures: &[PathBuf], rendered: &Rendered) -> String {
     let samples = match rendered.film.samples() {
         (fewest, most) if fewest == most => format!("{most}"),
         (fewest, most) => format!("{fewest} to {most}"),
     };
-    let files = [Some(output), picture].into_iter().flatten();
+    let files = once(output).chain(pictures.iter().map(PathBuf::as_path));
     let files: Vec<String> = files.map(|file| file.display().to_string()).collect();
     let mut line = format!(
         "{}: {samples} samples per pixel in {}",
@@ -175,6 +235,27 @@ fn summary(output: &Path, picture: Option<&Path>, rendered: &Rendered) -> String
         line += &format!(", error {}", percent(error));
     }
     line
+}
+
+/// What was computed, and how fast.
+fn statistics(rendered: &Rendered) -> String {
+    let work = rendered.work;
+    let samples: f64 = rendered.film.pixels().iter().map(|pixel| f64::from(pixel.count())).sum();
+    let line = |name: &str, count: u64| {
+        let (count, seconds) = (count as f64, rendered.seconds.max(1e-9));
+        format!(
+            "{name:<14}{count:.4e}, {:.2} per sample, {:.3e} per second",
+            count / samples.max(1.0),
+            count / seconds
+        )
+    };
+    [
+        line("samples", samples as u64),
+        line("rays, nearest", work.nearest),
+        line("rays, any", work.occlusion),
+        line("densities", work.densities),
+    ]
+    .join("\n")
 }
 
 #[cfg(test)]
@@ -218,6 +299,7 @@ mod tests {
         let plan = Plan {
             integrator: "path".to_owned(),
             size: (7, 5),
+            crop: (0, 0),
             samples: 4,
             seed: u64::MAX,
             max_depth: None,
@@ -234,11 +316,13 @@ mod tests {
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
         let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);
-        let picture = write_files(&output, &plan, &arguments, &rendered).unwrap().unwrap();
-        assert_eq!(picture, output.with_extension("png"));
+        let layers = BTreeMap::from([("albedo".to_owned(), RgbImage::filled(7, 5, [0.5; 3]))]);
+        let pictures = write_files(&output, &plan, &arguments, &rendered, layers).unwrap();
+        assert_eq!(pictures, [output.with_extension("png")]);
         let exr = Exr::read(&output).unwrap();
         std::fs::remove_file(&output).unwrap();
-        std::fs::remove_file(&picture).unwrap();
+        std::fs::remove_file(&pictures[0]).unwrap();
+        assert_eq!(exr.layers["albedo"].pixel(3, 3), [0.5; 3]);
 
         assert_eq!(exr.rgb.pixel(6, 4), [2.0; 3]);
         assert_eq!(exr.variance.unwrap().pixel(0, 0), [1.0 / 3.0; 3]);
@@ -253,7 +337,7 @@ mod tests {
             matches!(&exr.attributes["program"], Attribute::Text(v) if v.starts_with("aether"))
         );
 
-        let line = summary(&output, Some(&picture), &rendered);
+        let line = summary(&output, &pictures, &rendered);
         assert!(
             line.contains("4 samples per pixel in") && line.ends_with("error 28.9 %"),
             "{line}"

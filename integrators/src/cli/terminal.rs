@@ -1,6 +1,6 @@
 //! The progress bar, and Ctrl-C.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -43,6 +43,24 @@ impl Terminal {
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
+        }
+    }
+
+    /// The columns of the terminal, if stderr is one.
+    pub fn columns(&self) -> Option<usize> {
+        self.bar.as_ref()?;
+        Some(console::Term::stderr().size_checked().map_or(80, |(_, columns)| columns.into()))
+    }
+
+    /// Prints a text that is to stay, above the bar.
+    pub fn print(&self, text: &str) {
+        let write = || {
+            // There is nowhere left to report a failure to do so.
+            let _ = io::stderr().write_all(text.as_bytes());
+        };
+        match &self.bar {
+            Some(bar) => bar.suspend(write),
+            None => write(),
         }
     }
 
@@ -123,8 +141,9 @@ mod tests {
         assert_eq!(duration(3725.0), "1 h 02 min");
         assert_eq!((percent(0.012345), percent(1.5)), ("1.23 %".into(), "150 %".into()));
         assert_eq!(percent(0.0), "0.000000 %");
+        let (fraction, relative_error) = (0.5, Some(0.05));
         let half =
-            Progress { fraction: 0.5, seconds: 20.0, samples: 8, relative_error: Some(0.05) };
+            Progress { fraction, seconds: 20.0, samples: 8, relative_error, ..Progress::default() };
         assert_eq!(message(&half), "20 s left, 8 spp, error 5.00 %");
     }
 }

@@ -5,7 +5,10 @@ use super::exr::Exr;
 use super::flip::flip;
 use super::{ImageError, RgbImage, is_finite};
 
-/// How far an image is from its reference.
+/// What is added to the squared reference in relMSE, so that dark pixels do not decide alone.
+pub const RELATIVE_OFFSET: f64 = 0.01;
+
+/// How far an image is from its reference: the error measures of the whole program.
 ///
 /// Pixels where either is NaN or infinite are left out of all measures (FLIP takes them as black
 /// in both), and counted.
@@ -21,13 +24,17 @@ pub struct Comparison {
     pub rmse: f64,
     /// Mean over pixels and channels of `(x - r)² / (r² + 0.01)`; nothing is trimmed.
     pub rel_mse: f64,
+    /// Symmetric mean absolute error, in [0, 1] for positive images: the mean over pixels and channels of
+    /// `|x - r| / (|x| + |r| + 0.01)` (Vogels et al., *Denoising with Kernel Prediction and Asymmetric Loss
+    /// Functions*, ACM Trans. Graph. 37(4), 2018, section 4).
+    pub smape: f64,
     /// Peak signal-to-noise ratio in dB. The peak is 1: both images are clamped to [0, 1], in
     /// linear light, and the ratio is `-10 log10` of their mean squared difference. Infinite if
     /// they are equal.
     pub psnr: f64,
     /// Mean of the image over the mean of the reference; 1 if both are zero.
     pub mean_ratio: f64,
-    /// Perceived difference in [0, 1], see [`flip`].
+    /// Perceived difference in [0, 1] between the images as they are shown, clamped to [0, 1]: see [`flip`].
     pub flip: f64,
     /// Whether the expected values agree, if both images carry their variance.
     pub block_test: Option<BlockTest>,
@@ -74,7 +81,8 @@ pub fn compare_pixels(image: &RgbImage, reference: &RgbImage) -> Result<Comparis
         non_finite_pixels: image.non_finite_pixels(),
         non_finite_reference_pixels: reference.non_finite_pixels(),
         rmse: mean(|x, r| (x - r).powi(2)).sqrt(),
-        rel_mse: mean(|x, r| (x - r).powi(2) / (r * r + 0.01)),
+        rel_mse: mean(|x, r| (x - r).powi(2) / (r * r + RELATIVE_OFFSET)),
+        smape: mean(|x, r| (x - r).abs() / (x.abs() + r.abs() + 0.01)),
         // The sum with 0 turns -0 dB into 0 dB.
         psnr: -10.0 * shown_mse.log10() + 0.0,
         mean_ratio: ratio(mean(|x, _| x), mean(|_, r| r)),
@@ -92,7 +100,7 @@ mod tests {
     use super::*;
 
     fn exr(rgb: RgbImage, variance: Option<RgbImage>) -> Exr {
-        Exr { rgb, variance, attributes: Default::default() }
+        Exr { rgb, variance, layers: Default::default(), attributes: Default::default() }
     }
 
     #[test]
@@ -113,6 +121,7 @@ mod tests {
         let result = compare_pixels(&image, &reference).unwrap();
         assert_eq!(result.rmse, 0.25);
         approx::assert_relative_eq!(result.rel_mse, 0.0625 / 0.26, max_relative = 1e-14);
+        approx::assert_relative_eq!(result.smape, 0.25 / 1.26, max_relative = 1e-14);
         approx::assert_relative_eq!(result.psnr, 12.041_199_826_559_25, max_relative = 1e-14);
         assert_eq!(result.mean_ratio, 1.5);
         assert!(result.flip > 0.0);

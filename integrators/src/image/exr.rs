@@ -37,6 +37,9 @@ pub struct Exr {
     pub rgb: RgbImage,
     /// The variance of the mean of each pixel and channel, if it is known.
     pub variance: Option<RgbImage>,
+    /// Further images by the names of their groups of channels: those called `x` have the channels `x.R`, `x.G`
+    /// and `x.B`.
+    pub layers: BTreeMap<String, RgbImage>,
     /// Header attributes by name: scene, seed, samples, seconds and so on.
     pub attributes: BTreeMap<String, Attribute>,
 }
@@ -45,7 +48,7 @@ impl Exr {
     /// Writes the file at once or not at all: a crash never leaves a broken file.
     ///
     /// # Errors
-    /// If the file cannot be written, has no pixels, or the variance differs in size.
+    /// If the file cannot be written, has no pixels, or the variance or a layer differs in size.
     pub fn write(&self, path: &Path) -> Result<(), ImageError> {
         if self.rgb.pixels().is_empty() {
             return Err(ImageError::Empty);
@@ -54,6 +57,10 @@ impl Exr {
         if let Some(variance) = &self.variance {
             self.rgb.check_same_size(variance)?;
             channels.extend(channels_of("variance.", variance));
+        }
+        for (name, layer) in &self.layers {
+            self.rgb.check_same_size(layer)?;
+            channels.extend(channels_of(&format!("{name}."), layer));
         }
         let encoding = openexr::Encoding {
             compression: openexr::Compression::ZIP16,
@@ -78,7 +85,8 @@ impl Exr {
         write_file(path, bytes.get_ref()).map_err(|error| ImageError::io("write", path, error))
     }
 
-    /// Reads the picture, its variance if there is one, and the attributes of any EXR file.
+    /// Reads the picture, its variance if there is one, other images of its size, and the attributes of any EXR
+    /// file.
     ///
     /// The picture is the group of channels `R`, `G`, `B` without a prefix, or else the first
     /// group with these three that is not a variance. Its variance has the prefix `variance`,
@@ -100,7 +108,8 @@ impl Exr {
         if let Some(variance) = &variance {
             rgb.check_same_size(variance)?;
         }
-        Ok(Self { rgb, variance, attributes })
+        groups.retain(|_, image| rgb.check_same_size(image).is_ok());
+        Ok(Self { rgb, variance, layers: groups, attributes })
     }
 }
 
@@ -263,7 +272,8 @@ mod tests {
             ("samples".to_owned(), Attribute::Integer(64)),
             ("seconds".to_owned(), Attribute::Number(0.1)),
         ];
-        Exr { rgb, variance, attributes: attributes.into() }
+        let layers = BTreeMap::from([("one.two".to_owned(), RgbImage::filled(5, 3, [7.0; 3]))]);
+        Exr { rgb, variance, layers, attributes: attributes.into() }
     }
 
     #[test]
@@ -274,6 +284,7 @@ mod tests {
         let read = Exr::read(&path).unwrap();
         std::fs::remove_file(&path).unwrap();
         assert_eq!((&read.rgb, &read.variance), (&image.rgb, &image.variance));
+        assert_eq!(read.layers, image.layers);
         assert_eq!(read.attributes["samples"], Attribute::Integer(64));
         assert_eq!(read.attributes["seconds"], Attribute::Number(0.1));
         assert_eq!(read.attributes["scene"], Attribute::Text("caf\u{e9} ?.xml".to_owned()));

@@ -19,7 +19,8 @@ pub fn write(image: &RgbImage, path: &Path) -> Result<(), ImageError> {
     write_file(path, &bytes).map_err(|error| ImageError::io("write", path, error))
 }
 
-fn encode(image: &RgbImage) -> Result<Vec<u8>, ::png::EncodingError> {
+/// The bytes of the file that [`write()`] writes.
+pub(crate) fn encode(image: &RgbImage) -> Result<Vec<u8>, ::png::EncodingError> {
     let mut bytes = Vec::new();
     // Sizes beyond u32 cannot be allocated, so the conversion is exact.
     let mut encoder = ::png::Encoder::new(&mut bytes, image.width() as u32, image.height() as u32);

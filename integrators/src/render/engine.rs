@@ -1,32 +1,36 @@
 //! Passes over tiles by all cores.
 
+use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::film::{Film, PixelEstimate, relative_error};
-use super::passes::next_pass;
+use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
-use super::{AnyKernel, Budget, Chain, RenderSettings, Splats, Worker};
+use super::windows::{Batches, WINDOW, decides_at, window_errors};
+use super::{AnyKernel, Budget, Chain, Layer, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
+use crate::work::{Work, threads};
 
-/// The side of a tile in pixels.
-const TILE: u32 = 16;
+/// The side of a tile in pixels: tiles are the windows whose error is judged.
+const TILE: u32 = WINDOW;
 
 /// The outcome of [`render`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
-    /// The pixels. All have the same number of samples, unless the render was cancelled.
+    /// The pixels. All have the same number of samples, unless the render was cancelled or adaptive.
     pub film: Film,
-    /// The further images that samples contribute to, each with the variance of its pixels; see
-    /// [`AnyKernel::images`].
-    pub images: Vec<[RgbImage; 2]>,
-    /// Seconds from start to end.
+    /// Seconds from start to end, with those that making the kernel spent on the image.
     pub seconds: f64,
+    /// Rays and densities.
+    pub work: Work,
     /// Samples that were NaN or infinite and count as black. Any such sample is a defect of the
     /// kernel.
     pub invalid_samples: u64,
+    /// The images beside the image that samples added to, each with the variance of its pixels.
+    pub layers: BTreeMap<Layer, [RgbImage; 2]>,
     /// Whether the observer ended the render before the budget was used.
     pub cancelled: bool,
 }
@@ -38,34 +42,26 @@ pub fn render(
     settings: &RenderSettings,
     observer: &dyn Observer,
 ) -> Rendered {
-    let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
-    let mut job = Job {
-        kernel,
-        observer,
-        budget: settings.budget,
-        tiles: tiles(settings.size, kernel),
-        threads: settings.threads.unwrap_or_else(cores).max(1),
-        start: Instant::now(),
-        done: 0,
-        error: None,
-        invalid: AtomicU64::new(0),
-        splats: kernel
-            .splats()
-            .then(|| Mutex::new(SplatSums::new(settings.size, 1 + kernel.images()))),
-        size: settings.size,
-    };
+    let mut job = Job::new(kernel, settings, observer);
     let mut cancelled = observer.cancelled();
-    while !cancelled && let Some(samples) = next_pass(job.budget, job.done, job.seconds()) {
+    while !cancelled && let Some(samples) = next_pass(job.budget, &job.state()) {
         let samples = samples.min(kernel.largest_pass());
         kernel.begin_pass(job.done, job.threads);
         job.run_pass(samples);
         cancelled = observer.cancelled() && !job.complete(job.done + samples);
-        job.end_pass(samples);
+        if !cancelled {
+            job.end_pass(samples);
+        }
     }
-    let seconds = job.seconds();
     let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
-    let invalid_samples = job.invalid.load(Ordering::Relaxed) + lost;
-    Rendered { film: job.film(), images: job.images(), seconds, invalid_samples, cancelled }
+    Rendered {
+        seconds: job.seconds(),
+        film: job.film(),
+        work: job.work(),
+        layers: job.layers(),
+        invalid_samples: job.invalid.load(Ordering::Relaxed) + lost,
+        cancelled,
+    }
 }
 
 /// A render in progress.
@@ -77,9 +73,16 @@ struct Job<'a> {
     tiles: Vec<Mutex<Tile<'a>>>,
     threads: usize,
     start: Instant,
+    /// Seconds that the observer looked at the image.
+    looking: f64,
+    /// What this thread had counted at the start.
+    before: Work,
     /// Samples of each pixel after the last complete pass, and the relative error then.
     done: u32,
     error: Option<f64>,
+    /// Batches of samples that depend on each other, and whether all windows are good enough.
+    batches: Batches,
+    good_enough: bool,
     invalid: AtomicU64,
     /// What samples add to other pixels, if they do.
     splats: Option<Mutex<SplatSums>>,
@@ -89,15 +92,64 @@ struct Job<'a> {
 /// How many contributions to other pixels a thread collects before it hands them over.
 const COLLECTED: usize = 1 << 14;
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    fn new(
+        kernel: &'a dyn AnyKernel,
+        settings: &RenderSettings,
+        observer: &'a dyn Observer,
+    ) -> Self {
+        let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
+        Job {
+            kernel,
+            observer,
+            budget: settings.budget,
+            start: Instant::now(),
+            before: Work::here(),
+            tiles: tiles(settings.size, kernel),
+            threads: settings.threads.unwrap_or_else(cores).max(1),
+            looking: 0.0,
+            done: 0,
+            error: None,
+            batches: Batches::default(),
+            good_enough: false,
+            invalid: AtomicU64::new(0),
+            splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+            size: settings.size,
+        }
+    }
+
+    /// Seconds used so far.
     fn seconds(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        self.sampling() + self.kernel.preparation().seconds
+    }
+
+    /// Seconds that samples took.
+    fn sampling(&self) -> f64 {
+        self.start.elapsed().as_secs_f64() - self.looking
+    }
+
+    /// What has been computed up to the last pass.
+    fn work(&self) -> Work {
+        let mut work = Work::here() - self.before;
+        work += self.kernel.preparation().work;
+        work
+    }
+
+    fn state(&self) -> State {
+        State {
+            done: self.done,
+            seconds: self.seconds(),
+            sampling: self.sampling(),
+            next_look: self.observer.next_look(&self.progress(0, 0, self.work())),
+            good_enough: self.good_enough,
+        }
     }
 
     /// Adds `samples` to each pixel, or fewer if the observer cancels.
     fn run_pass(&self, samples: u32) {
         let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-        let work = || {
+        let work = self.work();
+        let job = || {
             let mut worker = self.kernel.worker();
             while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
                 self.run_tile(&mut lock(tile), samples, &mut worker);
@@ -105,17 +157,16 @@ impl Job<'_> {
                     return;
                 }
                 let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                self.observer.progress(&self.progress(samples, finished));
+                self.observer.progress(&self.progress(samples, finished, work));
             }
         };
-        std::thread::scope(|scope| {
-            for _ in 0..self.threads.min(self.tiles.len()) {
-                scope.spawn(work);
-            }
-        });
+        threads((0..self.threads.min(self.tiles.len())).map(|_| job));
     }
 
     fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) {
+        if tile.good_enough {
+            return;
+        }
         let (mut invalid, mut splats) = (0, Splats::default());
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
@@ -149,52 +200,83 @@ impl Job<'_> {
     }
 
     /// The state when `finished` tiles of a pass of `samples` are done.
-    fn progress(&self, samples: u32, finished: usize) -> Progress {
+    fn progress(&self, samples: u32, finished: usize, work: Work) -> Progress {
         let seconds = self.seconds();
         let part = finished as f64 / self.tiles.len() as f64;
+        let drawn = f64::from(self.done) + part * f64::from(samples);
         let fraction = match self.budget {
-            Budget::Samples(total) => {
-                (f64::from(self.done) + part * f64::from(samples)) / f64::from(total)
-            }
+            Budget::Samples(total) => drawn / f64::from(total),
             Budget::Seconds(limit) => seconds / limit,
+            Budget::Error(limit) => (seconds / limit.seconds).max(drawn / f64::from(limit.samples)),
         };
         let fraction = fraction.clamp(0.0, 1.0);
-        Progress { fraction, seconds, samples: self.done, relative_error: self.error }
+        Progress { fraction, seconds, samples: self.done, relative_error: self.error, work }
     }
 
     /// Whether each pixel has `samples` samples.
     fn complete(&self, samples: u32) -> bool {
-        let all = |tile: &Mutex<Tile<'_>>| lock(tile).pixels.iter().all(|p| p.count() == samples);
-        self.tiles.iter().all(all) && next_pass(self.budget, samples, self.seconds()).is_none()
+        let all = |tile: &Mutex<Tile<'_>>| {
+            let tile = lock(tile);
+            tile.good_enough || tile.pixels.iter().all(|p| p.count() == samples)
+        };
+        let state = State { done: samples, ..self.state() };
+        self.tiles.iter().all(all) && next_pass(self.budget, &state).is_none()
     }
 
     fn end_pass(&mut self, samples: u32) {
         self.done += samples;
-        self.error = relative_error(self.film().pixels().iter());
+        let film = self.film();
+        self.error = relative_error(film.pixels().iter());
+        if let Budget::Error(limit) = self.budget {
+            self.judge(&film, limit.target, limit.adaptive && self.splats.is_none());
+        }
+        let begin = Instant::now();
+        self.observer.look(&film, &self.progress(0, 0, self.work()));
+        self.looking += begin.elapsed().as_secs_f64();
     }
 
-    /// The further images so far.
-    fn images(&self) -> Vec<[RgbImage; 2]> {
-        let Some(sums) = &self.splats else { return Vec::new() };
-        let (sums, samples) = (lock(sums), self.samples_per_pixel());
+    /// Finds out which windows are good enough.
+    fn judge(&mut self, film: &Film, target: f64, adaptive: bool) {
+        let chained = self.tiles.first().is_some_and(|tile| lock(tile).chain.is_some());
+        if chained && (self.done.is_power_of_two() || decides_at(self.done)) {
+            self.batches.take(film, self.done);
+        }
+        if !decides_at(self.done) {
+            return;
+        }
+        let variance = |index: usize, pixel: &PixelEstimate| {
+            if chained { self.batches.variance(index) } else { pixel.variance_of_mean() }
+        };
+        let Some(errors) = window_errors(film, variance) else { return };
+        self.good_enough = errors.iter().all(|error| *error <= target);
+        if adaptive {
+            for (tile, error) in self.tiles.iter().zip(errors) {
+                lock(tile).good_enough |= error <= target;
+            }
+            self.good_enough = self.tiles.iter().all(|tile| lock(tile).good_enough);
+        }
+    }
+
+    /// The mean number of samples of a pixel. Light paths do not depend on the pixel that they were sampled
+    /// with: in a pass that was cut short, what counts is how many there were.
+    fn samples(&self) -> f64 {
+        let of = |tile: &Mutex<Tile<'_>>| {
+            lock(tile).pixels.iter().map(|p| u64::from(p.count())).sum::<u64>()
+        };
+        let pixels = f64::from(self.size.0) * f64::from(self.size.1);
+        self.tiles.iter().map(of).sum::<u64>() as f64 / pixels
+    }
+
+    /// The images beside the image.
+    fn layers(&self) -> BTreeMap<Layer, [RgbImage; 2]> {
+        let Some(sums) = &self.splats else { return BTreeMap::new() };
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
-        let images = 1..=self.kernel.images();
-        let of = |image: usize, part: usize| {
-            RgbImage::from_fn(width, height, |x, y| {
-                let pixel = (image * height + y) * width + x;
-                sums.estimate(pixel, samples)[part].map(|v| v as f32)
-            })
+        let image = |pixels: &[[[f64; 3]; 2]], part: usize| {
+            RgbImage::from_fn(width, height, |x, y| pixels[y * width + x][part].map(|v| v as f32))
         };
-        images.map(|image| [of(image, 0), of(image, 1)]).collect()
-    }
-
-    /// The mean number of samples of a pixel.
-    fn samples_per_pixel(&self) -> f64 {
-        let count = |tile: &Mutex<Tile<'_>>| {
-            lock(tile).pixels.iter().map(|pixel| u64::from(pixel.count())).sum::<u64>()
-        };
-        let samples: u64 = self.tiles.iter().map(count).sum();
-        samples as f64 / (f64::from(self.size.0) * f64::from(self.size.1))
+        let layers = lock(sums).layers(self.samples());
+        let images = |pixels: Vec<_>| [image(&pixels, 0), image(&pixels, 1)];
+        layers.into_iter().map(|(layer, pixels)| (layer, images(pixels))).collect()
     }
 
     /// The image so far.
@@ -208,10 +290,7 @@ impl Job<'_> {
             }
         }
         if let Some(sums) = &self.splats {
-            // Light paths do not depend on the pixel that they were sampled with: in a pass that was cut
-            // short, what counts is how many there were.
-            let samples = self.samples_per_pixel();
-            let sums = lock(sums);
+            let (samples, sums) = (self.samples(), lock(sums));
             film.set_splats(|pixel| sums.estimate(pixel, samples));
         }
         film
@@ -224,6 +303,8 @@ struct Tile<'a> {
     width: u32,
     pixels: Vec<PixelEstimate>,
     chain: Option<Chain<'a>>,
+    /// Whether it needs no more samples.
+    good_enough: bool,
 }
 
 /// Cuts an image into tiles, row by row from the top left.
@@ -234,7 +315,8 @@ fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<
             let (columns, rows) = (TILE.min(width - x), TILE.min(height - y));
             let pixels = vec![PixelEstimate::default(); (columns * rows) as usize];
             let chain = kernel.chain(tiles.len());
-            tiles.push(Mutex::new(Tile { origin: (x, y), width: columns, pixels, chain }));
+            let tile = Tile { origin: (x, y), width: columns, pixels, chain, good_enough: false };
+            tiles.push(Mutex::new(tile));
         }
     }
     tiles
@@ -248,7 +330,7 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::PixelKernel;
+    use crate::render::{ErrorBudget, PixelKernel};
     use std::sync::atomic::AtomicU32;
 
     /// Noise whose mean is known: a hash of pixel and sample number, scaled to [0, 2 mean).
@@ -320,6 +402,72 @@ mod tests {
         assert_eq!(fewest, most);
         let same = render(&Noise, &settings(most, 1), &()).film;
         assert!(film == same, "the same number of samples gives the same image");
+    }
+
+    /// Noise in the windows of the left half, and almost none on the right.
+    struct Uneven;
+
+    impl PixelKernel for Uneven {
+        type Scratch = Vec<u8>;
+
+        fn scratch(&self) -> Vec<u8> {
+            Vec::new()
+        }
+
+        fn sample(&self, scratch: &mut Vec<u8>, pixel: (u32, u32), sample: u32) -> [f32; 3] {
+            let noise = Noise.sample(scratch, pixel, sample)[0];
+            [if pixel.0 < WINDOW { noise } else { 1.0 + 1e-3 * noise }; 3]
+        }
+    }
+
+    #[test]
+    fn an_error_ends_the_render() {
+        let error = |target, adaptive| {
+            let limit = ErrorBudget { target, samples: 5000, seconds: 1e9, adaptive };
+            let budget = Budget::Error(limit);
+            let settings = RenderSettings { size: (2 * WINDOW, WINDOW), ..settings(1, 2) };
+            render(&Uneven, &RenderSettings { budget, ..settings }, &()).film
+        };
+        // The error of n samples is the root of 1 / 3 / n / 1.01: 4.2 % after 192, 5.1 % after 128.
+        let even = error(0.045, false);
+        assert_eq!(even.samples(), (192, 192));
+        let uneven = error(0.045, true);
+        assert_eq!(uneven.samples(), (16, 192));
+        let of = |film: &Film, x: u32| film.pixels()[x as usize];
+        assert_eq!((of(&uneven, 0).count(), of(&uneven, WINDOW).count()), (192, 16));
+        assert_eq!(of(&uneven, 0), of(&even, 0));
+        // What is asked for may be too much.
+        assert_eq!(error(1e-9, false).samples(), (5000, 5000));
+    }
+
+    /// Wants to see the image at multiples of seven.
+    #[derive(Default)]
+    struct Look(Mutex<Vec<u32>>);
+
+    impl Observer for Look {
+        fn progress(&self, _: &Progress) {}
+
+        fn cancelled(&self) -> bool {
+            false
+        }
+
+        fn look(&self, film: &Film, progress: &Progress) {
+            assert_eq!(film.samples(), (progress.samples, progress.samples));
+            self.0.lock().unwrap().push(progress.samples);
+        }
+
+        fn next_look(&self, progress: &Progress) -> Option<u32> {
+            Some((progress.samples / 7 + 1) * 7)
+        }
+    }
+
+    #[test]
+    fn the_observer_sees_what_it_asks_for() {
+        let look = Look::default();
+        let watched = render(&Noise, &settings(30, 2), &look);
+        let seen = look.0.into_inner().unwrap();
+        assert!([7, 14, 21, 28, 30].iter().all(|samples| seen.contains(samples)), "{seen:?}");
+        assert!(watched.film == render(&Noise, &settings(30, 1), &()).film);
     }
 
     /// NaN in one sample of each pixel, negative infinity in another.

@@ -14,16 +14,21 @@
 //! - [`progress`]: what is reported while it runs.
 
 pub mod film;
+pub mod layers;
 pub mod progress;
 pub mod splats;
 
 mod engine;
 mod passes;
+mod windows;
 
 pub use engine::{Rendered, render};
 pub use film::Film;
 pub use progress::{Observer, Progress};
-pub use splats::Splats;
+pub use splats::{Layer, Splats, Technique};
+pub use windows::WINDOW;
+
+use crate::work::Work;
 
 /// An estimator of the pixels of an image.
 ///
@@ -78,16 +83,25 @@ pub trait AnyKernel: Sync {
         let _ = (first, threads);
     }
 
+    /// What of a render was computed when the kernel was made.
+    fn preparation(&self) -> Preparation {
+        Preparation::default()
+    }
+
     /// Whether samples contribute to other pixels.
     fn splats(&self) -> bool {
         false
     }
+}
 
-    /// How many images beside the main one samples contribute to, with [`Splats::add_to`]. If there are any,
-    /// [`AnyKernel::splats`] must hold.
-    fn images(&self) -> usize {
-        0
-    }
+/// What making a kernel has computed of the image already, such as the start of Markov chains: it counts as
+/// rendering, while reading a scene does not.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Preparation {
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// What was computed.
+    pub work: Work,
 }
 
 impl<K: PixelKernel> AnyKernel for K {
@@ -104,6 +118,28 @@ pub enum Budget {
     Samples(u32),
     /// About so many seconds: as many equal passes as fit, and at least one sample per pixel.
     Seconds(f64),
+    /// Until the estimated error is small, or one of the others is used up.
+    Error(ErrorBudget),
+}
+
+/// Renders until the estimated relative error of each window of the image is below a target; see
+/// [`WINDOW`] for what that is. It is looked at from 16 samples per pixel on, at powers of two and then at
+/// multiples of 64, so that the image does not depend on the speed unless `seconds` ends it.
+///
+/// When to stop depends on the samples, so the image is biased a little: a window that has missed what is
+/// rare seems to have little error, and ends early, too dark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBudget {
+    /// The relative error that is small enough.
+    pub target: f64,
+    /// At most so many samples for each pixel.
+    pub samples: u32,
+    /// At most about so many seconds.
+    pub seconds: f64,
+    /// Whether a window that is good enough gets no more samples while others go on, in place of equal
+    /// numbers for all. That saves time and increases the bias, since each window decides for itself.
+    /// Without effect where samples contribute to other pixels.
+    pub adaptive: bool,
 }
 
 /// The size of the image, the effort and the number of threads.

@@ -1,7 +1,10 @@
 //! What a render reports while it runs.
 
+use super::Film;
+use crate::work::Work;
+
 /// The state of a render.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Progress {
     /// The part of the budget that is used, in [0, 1].
     pub fraction: f64,
@@ -12,6 +15,8 @@ pub struct Progress {
     /// Root mean square of the standard errors of the pixels over the mean of the image, after
     /// the last pass; `None` until each pixel has two samples.
     pub relative_error: Option<f64>,
+    /// Rays and densities up to the last pass.
+    pub work: Work,
 }
 
 impl Progress {
@@ -28,6 +33,19 @@ pub trait Observer: Sync {
 
     /// Whether to stop at the next pixel and keep what has been rendered.
     fn cancelled(&self) -> bool;
+
+    /// Called after each pass with the image so far, in which all pixels have the same number of samples (unless
+    /// sampling is adaptive). The time that it takes is not counted as rendering.
+    fn look(&self, film: &Film, progress: &Progress) {
+        let _ = (film, progress);
+    }
+
+    /// The number of samples at which a pass is to end for the next [`look`](Self::look); passes grow as they
+    /// like if there is none, or it has been reached.
+    fn next_look(&self, progress: &Progress) -> Option<u32> {
+        let _ = progress;
+        None
+    }
 }
 
 /// The observer that neither looks nor stops.
@@ -45,8 +63,7 @@ mod tests {
 
     #[test]
     fn time_left_extrapolates() {
-        let mut progress =
-            Progress { fraction: 0.25, seconds: 10.0, samples: 1, relative_error: None };
+        let mut progress = Progress { fraction: 0.25, seconds: 10.0, ..Progress::default() };
         assert_eq!(progress.seconds_left(), Some(30.0));
         progress.fraction = 0.0;
         assert_eq!(progress.seconds_left(), None);

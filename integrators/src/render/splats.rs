@@ -1,38 +1,93 @@
-//! Contributions of paths to pixels that they were not sampled for.
+//! Contributions of paths to pixels that they were not sampled for, and to images beside the image.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A way to make paths of some length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Technique {
+    /// How many vertices the paths have.
+    pub vertices: usize,
+    /// What joins their ends: nothing for an edge between them, or the name of what lies there.
+    pub joint: &'static str,
+    /// How many vertices come from the camera.
+    pub camera: usize,
+    /// How many vertices come from the light.
+    pub light: usize,
+}
+
+impl Technique {
+    /// An edge between vertices from the camera and from the light.
+    pub fn edge(camera: usize, light: usize) -> Self {
+        Technique { vertices: camera + light, joint: "", camera, light }
+    }
+}
+
+/// An image beside the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Layer {
+    /// How pixels differ from their right neighbours.
+    Dx,
+    /// How pixels differ from their lower neighbours.
+    Dy,
+    /// What one technique contributes.
+    Technique {
+        /// Whether contributions have their weights.
+        weighted: bool,
+        /// Which technique.
+        technique: Technique,
+    },
+}
+
+impl fmt::Display for Layer {
+    /// The name of the channels in a file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Layer::Dx => write!(f, "dx"),
+            Layer::Dy => write!(f, "dy"),
+            Layer::Technique { weighted, technique: Technique { joint, camera, light, .. } } => {
+                let weighted = if *weighted { "weighted" } else { "alone" };
+                let dash = if joint.is_empty() { "" } else { "-" };
+                write!(f, "{weighted}.{joint}{dash}s{light}t{camera}")
+            }
+        }
+    }
+}
 
 /// What one thread has to add to pixels of the image.
 #[derive(Clone, Debug, Default)]
-pub struct Splats(Vec<Splat>);
-
-/// The image (0 for the main one), the pixel, and what it gets.
-type Splat = (u32, (u32, u32), [f32; 3]);
+pub struct Splats {
+    waiting: Vec<((u32, u32), Option<Layer>, [f32; 3])>,
+    /// The most vertices of paths whose techniques have layers of their own.
+    pub layered: usize,
+}
 
 impl Splats {
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {
-        if value != [0.0; 3] {
-            self.0.push((0, pixel, value));
-        }
+        self.push(pixel, None, value);
     }
 
-    /// Adds to a pixel of a further image, of those that the kernel has ([`AnyKernel::images`]).
-    ///
-    /// [`AnyKernel::images`]: super::AnyKernel::images
-    pub fn add_to(&mut self, image: usize, pixel: (u32, u32), value: [f32; 3]) {
+    /// [`Splats::add`] to a layer.
+    pub fn add_to(&mut self, layer: Layer, pixel: (u32, u32), value: [f32; 3]) {
+        self.push(pixel, Some(layer), value);
+    }
+
+    fn push(&mut self, pixel: (u32, u32), layer: Option<Layer>, value: [f32; 3]) {
         if value != [0.0; 3] {
-            self.0.push((image as u32 + 1, pixel, value));
+            self.waiting.push((pixel, layer, value));
         }
     }
 
     /// How many contributions wait.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.waiting.len()
     }
 
     /// Whether none waits.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.waiting.is_empty()
     }
 }
 
@@ -43,9 +98,8 @@ impl Splats {
 #[derive(Clone, Debug)]
 pub struct SplatSums {
     width: usize,
-    /// Pixels of an image; the images follow each other.
-    pixels: usize,
     sums: Vec<[[i128; 3]; 2]>,
+    layers: BTreeMap<Layer, Vec<[[i128; 3]; 2]>>,
     invalid: u64,
 }
 
@@ -55,22 +109,26 @@ const ONE: f64 = 18_446_744_073_709_551_616.0;
 const MOST: f32 = 1e15;
 
 impl SplatSums {
-    /// For so many images of this size (columns, rows).
-    pub fn new(size: (u32, u32), images: usize) -> Self {
+    /// For an image of this size (columns, rows).
+    pub fn new(size: (u32, u32)) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
-        let sums = vec![[[0; 3]; 2]; images * pixels];
-        SplatSums { width: size.0 as usize, pixels, sums, invalid: 0 }
+        let (sums, layers) = (vec![[[0; 3]; 2]; pixels], BTreeMap::new());
+        SplatSums { width: size.0 as usize, sums, layers, invalid: 0 }
     }
 
     /// Takes over what waits.
     pub fn take(&mut self, splats: &mut Splats) {
-        for (image, (x, y), value) in splats.0.drain(..) {
+        for ((x, y), layer, value) in splats.waiting.drain(..) {
             let pixel = y as usize * self.width + x as usize;
-            let [sum, squares] = &mut self.sums[image as usize * self.pixels + pixel];
             if !value.iter().all(|v| v.abs() <= MOST) {
-                self.invalid += 1;
+                self.invalid += u64::from(layer.is_none());
                 continue;
             }
+            let blank = || vec![[[0; 3]; 2]; self.sums.len()];
+            let [sum, squares] = match layer {
+                None => &mut self.sums[pixel],
+                Some(layer) => &mut self.layers.entry(layer).or_insert_with(blank)[pixel],
+            };
             for (c, value) in value.into_iter().enumerate() {
                 let value = f64::from(value);
                 sum[c] += (value * ONE) as i128;
@@ -88,13 +146,23 @@ impl SplatSums {
     /// after `samples` samples of each pixel. Light paths are many, and each adds little to a pixel: the
     /// variance of their sum is the sum of squares.
     pub fn estimate(&self, pixel: usize, samples: f64) -> [[f64; 3]; 2] {
-        let [sum, squares] = self.sums[pixel];
-        let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
-        if samples > 0.0 {
-            [over(sum, samples), over(squares, samples * samples)]
-        } else {
-            [[0.0; 3]; 2]
-        }
+        estimate(self.sums[pixel], samples)
+    }
+
+    /// [`SplatSums::estimate`] for the pixels of each layer that anything was added to.
+    pub fn layers(&self, samples: f64) -> BTreeMap<Layer, Vec<[[f64; 3]; 2]>> {
+        let pixels = |sums: &Vec<_>| sums.iter().map(|sums| estimate(*sums, samples)).collect();
+        self.layers.iter().map(|(layer, sums)| (*layer, pixels(sums))).collect()
+    }
+}
+
+/// The mean of so many samples, and the variance of the mean.
+fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
+    let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
+    if samples > 0.0 {
+        [over(sum, samples), over(squares, samples * samples)]
+    } else {
+        [[0.0; 3]; 2]
     }
 }
 
@@ -106,7 +174,7 @@ mod tests {
     fn the_order_of_contributions_does_not_matter() {
         let values = [1e-9f32, 3.7e4, 0.1, 5e-4, 123.456, 1e9];
         let total = |order: &[usize]| {
-            let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 2), 1));
+            let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 2)));
             for i in order {
                 splats.add((1, 1), [values[*i], -values[*i], 0.0]);
                 sums.take(&mut splats);
@@ -123,8 +191,26 @@ mod tests {
     }
 
     #[test]
+    fn layers_have_sums_of_their_own() {
+        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((2, 1)));
+        let layer = |camera, light| Layer::Technique {
+            weighted: true,
+            technique: Technique::edge(camera, light),
+        };
+        for value in [1.0, 3.0] {
+            splats.add_to(layer(2, 1), (1, 0), [value, 0.0, 0.5]);
+        }
+        sums.take(&mut splats);
+        let pixels = vec![[[0.0; 3]; 2], [[1.0, 0.0, 0.25], [10.0 / 16.0, 0.0, 0.5 / 16.0]]];
+        let expected = BTreeMap::from([(layer(2, 1), pixels)]);
+        assert_eq!(sums.layers(4.0), expected);
+        assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
+        assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);
+    }
+
+    #[test]
     fn what_is_no_number_is_left_out_and_counted() {
-        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((1, 1), 1));
+        let (mut splats, mut sums) = (Splats::default(), SplatSums::new((1, 1)));
         for value in [f32::NAN, f32::INFINITY, 1e30, 1.0] {
             splats.add((0, 0), [value, 0.0, 0.0]);
         }

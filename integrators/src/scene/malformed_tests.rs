@@ -721,8 +721,12 @@ fn broken_pictures() {
     crc.update(&huge[12..29]);
     huge[29..33].copy_from_slice(&crc.sum().to_be_bytes());
     let exr = folder.0.join("good.exr");
-    let file =
-        crate::image::exr::Exr { rgb: image, variance: None, attributes: Default::default() };
+    let file = crate::image::exr::Exr {
+        rgb: image,
+        variance: None,
+        layers: Default::default(),
+        attributes: Default::default(),
+    };
     file.write(&exr).unwrap();
     let exr = std::fs::read(&exr).unwrap();
     let mut wide = exr.clone();

@@ -59,6 +59,8 @@ pub use tangents::Tangents;
 use texture::Texture;
 use trace::{End, On, RawHit, Tracer};
 
+use crate::work::{count_nearest, count_occlusion};
+
 /// A scene ready to be rendered. It does not change any more, and threads share it.
 pub struct Scene {
     /// The surfaces; those of a shape lie next to each other.
@@ -184,6 +186,7 @@ impl Scene {
     ) -> Option<Hit> {
         let from = End { point: origin, on: skip };
         let start = skip.map(|id| self.on(id, origin));
+        count_nearest();
         let raw = self.tracer.nearest(from, start, direction)?;
         Some(self.hit(origin, direction, &raw))
     }
@@ -200,6 +203,7 @@ impl Scene {
         if !(a.is_finite() && b.is_finite()) {
             return false;
         }
+        count_occlusion();
         let end =
             |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.on(id, point)));
         self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
@@ -207,6 +211,7 @@ impl Scene {
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
+        count_occlusion();
         let start = on.map(|id| self.on(id, from));
         self.tracer.is_open(End { point: from, on }, start, direction)
     }

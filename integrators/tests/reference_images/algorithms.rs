@@ -14,7 +14,7 @@ use integrators::photon_mapping::PhotonMapping;
 use integrators::poisson::{ALPHA, Reconstruction, reconstruct};
 use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
-use integrators::render::{Budget, Film, RenderSettings, render};
+use integrators::render::{Budget, Film, Layer, RenderSettings, render};
 use integrators::scene::Scene;
 use integrators::tridirectional::Tridirectional;
 
@@ -194,7 +194,7 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
             let budget = Budget::Samples(1);
             let rendered = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
             assert_eq!(rendered.invalid_samples, 0);
-            let [[dx, _], [dy, _]] = &rendered.images[..] else { panic!("two gradients") };
+            let [dx, dy] = [Layer::Dx, Layer::Dy].map(|layer| &rendered.layers[&layer][0]);
             let primal = rendered.film.image();
             renders[0].push(reconstruct(&primal, [dx, dy], ALPHA, Reconstruction::L2));
             renders[1].push(dx.clone());

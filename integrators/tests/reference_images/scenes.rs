@@ -3,18 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use aether_core::{
-    Arena, Conditional, Drawn, PathView, Pcg32, Reads, Strategy, UniformSource, strategies,
+    Conditional, Drawn, PathView, Pcg32, Reads, Strategy, UniformSource, strategies,
 };
 use integrators::image::RgbImage;
 use integrators::image::block_test::{BlockScore, BlockTestOptions, block_scores};
 use integrators::image::exr::Exr;
+use integrators::integrator::Received;
 use integrators::kind::DiffuseRooms;
-use integrators::path::{PathSettings, Techniques, radiance};
-use integrators::render::{AnyKernel, Film, Worker};
+use integrators::path::{PathSettings, Techniques, trace};
+use integrators::render::{AnyKernel, Film, Splats, Worker};
 use integrators::scene::{Bsdf, SamplerKind, Scene};
 use integrators::strategies::{
     Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
+use integrators::subpaths::Scratch;
 use integrators::vertex::SceneVertex;
 use integrators::world::World;
 
@@ -195,26 +197,27 @@ impl<'s> MisjudgingTracer<'s> {
 
     fn sample<'a>(
         &'a self,
-        arena: &mut Arena<Vertex, MisjudgedStrategies<'a>>,
+        scratch: &mut Scratch<'a, DiffuseRooms, MisjudgedStrategies<'a>>,
         pixel: Pixel,
         sample: u32,
+        splats: &mut Splats,
     ) -> [f32; 3] {
-        arena.clear();
         let world = &self.world;
         let scatter = sample_bsdf(world, self.settings.rr_depth, None);
-        let techniques = Techniques {
-            scatter: Misjudged { strategy: scatter, factor: self.scatter_factor },
-            light: Misjudged { strategy: sample_light(world), factor: self.light_factor },
-        };
+        let light = Misjudged { strategy: sample_light(world), factor: self.light_factor };
+        let scatter = Misjudged { strategy: scatter, factor: self.scatter_factor };
+        let techniques = Techniques { scatter: scatter.into(), endings: &[&[light.into()]] };
         let stream = u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-        radiance(world, &self.settings, &techniques, arena, &mut uniforms, pixel).to_array()
+        let mut received = Received::new(pixel, splats);
+        trace(world, &self.settings, &techniques, scratch, &mut uniforms, &mut received);
+        received.own.to_array()
     }
 }
 
 impl AnyKernel for MisjudgingTracer<'_> {
     fn worker(&self) -> Worker<'_> {
-        let mut arena = Arena::new();
-        Box::new(move |pixel, sample, _| self.sample(&mut arena, pixel, sample))
+        let mut scratch = Scratch::new(&self.world);
+        Box::new(move |pixel, sample, splats| self.sample(&mut scratch, pixel, sample, splats))
     }
 }

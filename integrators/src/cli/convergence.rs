@@ -1,0 +1,353 @@
+//! `aether convergence`: errors of integrators against time.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::arguments::{ConvergenceArguments, RenderArguments, render_arguments};
+use super::kernel::{Plan, kernel_for, load};
+use super::terminal::Terminal;
+use super::{Failure, INTERRUPTED, print, warn};
+use crate::convergence::adapter::{self, Request};
+use crate::convergence::bias::spread;
+use crate::convergence::measure::{
+    Effort, Subject, ladder, measure, reference_seed, row, samples_within,
+};
+use crate::convergence::page::reference_curve;
+use crate::convergence::picture::{Crop, cut, error_picture, mean, telling_crop};
+use crate::convergence::record::{Curve, Estimate, Row, plain};
+use crate::convergence::reference::{Reference, crop_text};
+use crate::convergence::report::Measurements;
+use crate::convergence::summary::summarise;
+use crate::image::exr::{Attribute, Exr};
+use crate::image::{RgbImage, png};
+use crate::render::{Budget, Observer, RenderSettings, render};
+use crate::scene::Scene;
+
+/// Measures, and writes tables, pictures and the report.
+pub(super) fn run(arguments: &ConvergenceArguments) -> Result<ExitCode, Failure> {
+    let name = arguments.name.clone().unwrap_or_else(|| scene_name(&arguments.scene));
+    let output = match &arguments.output {
+        Some(output) => output.clone(),
+        None => PathBuf::from(format!("convergence-{name}")),
+    };
+    std::fs::create_dir_all(&output)
+        .map_err(|error| Failure::new(format!("cannot make `{}`: {error}", output.display())))?;
+    let entries = entries(arguments)?;
+    let Some((_, first)) = entries.first() else {
+        return Err(Failure::new(
+            "there is no integrator to measure; give --integrators or --variant",
+        ));
+    };
+    let scene = load(first)?;
+    let run = Run { arguments, scene: &scene, plan: Plan::new(&scene, first), name: plain(&name) };
+    let terminal = Terminal::new();
+    let outcome = run.measure(&entries, &output, &terminal);
+    terminal.finish();
+    if terminal.cancelled() {
+        warn("interrupted; nothing is written");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
+    let measurements = outcome?;
+    measurements.write(&output).map_err(Failure::new)?;
+    print(&measurements.report(&output).map_err(Failure::new)?)?;
+    print(&format!("{}", output.join("report.html").display()))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The name of the file, or of its directory if the file is only called `scene`.
+fn scene_name(path: &Path) -> String {
+    let text = |part: Option<&std::ffi::OsStr>| part.map(|p| p.to_string_lossy().into_owned());
+    let stem = text(path.file_stem()).unwrap_or_default();
+    let directory = || text(path.parent()?.file_name());
+    if stem == "scene" { directory().unwrap_or(stem) } else { stem }
+}
+
+/// What is measured: names, and the renders that they stand for.
+fn entries(arguments: &ConvergenceArguments) -> Result<Vec<(String, RenderArguments)>, Failure> {
+    let named = arguments.integrators.iter().filter(|name| !name.is_empty());
+    let named = named.map(|name| (name.clone(), name.clone()));
+    let all = named.chain(arguments.variant.iter().cloned());
+    let entry = |(label, integrator): (String, String)| {
+        Ok((plain(&label), render_arguments(arguments, &integrator).map_err(Failure::new)?))
+    };
+    all.map(entry).collect()
+}
+
+/// One scene.
+struct Run<'a> {
+    arguments: &'a ConvergenceArguments,
+    scene: &'a Scene,
+    plan: Plan,
+    name: String,
+}
+
+/// The images of the seeds of a curve.
+type Images = Vec<(Curve, Vec<RgbImage>)>;
+
+impl<'a> Run<'a> {
+    fn subject(&self, label: &str, arguments: &RenderArguments) -> Subject<'a> {
+        let (plan, scene) = (Plan::new(self.scene, arguments), self.scene);
+        let kernel = move |seed| {
+            let plan = Plan { seed, ..plan.clone() };
+            kernel_for(scene, &plan).map_err(|error| error.to_string())
+        };
+        Subject { name: label.to_owned(), kernel: Box::new(kernel) }
+    }
+
+    fn effort(&self) -> Effort {
+        Effort {
+            scene: self.name.clone(),
+            size: self.plan.size,
+            threads: self.arguments.threads,
+            budget: self.arguments.budget,
+        }
+    }
+
+    fn measure(
+        &self,
+        entries: &[(String, RenderArguments)],
+        output: &Path,
+        terminal: &Terminal,
+    ) -> Result<Measurements, Failure> {
+        let effort = self.effort();
+        let given = self.given_reference()?;
+        let mut measured = Vec::new();
+        for (label, arguments) in entries {
+            let subject = self.subject(label, arguments);
+            let samples = samples_within(&subject, &effort, terminal).map_err(Failure::new)?;
+            warn(&format!("{label}: {samples} samples per pixel in {} s", effort.budget));
+            measured.push((subject, samples));
+        }
+        let reference = match given {
+            Some(reference) => reference,
+            None => self.make_reference(&output.join("reference.exr"), terminal)?,
+        };
+        let mut all = Measurements { notes: reference.doubts.clone(), ..Measurements::default() };
+        let mut images: Images = Vec::new();
+        // Seed by seed, so that a machine that is busy for a while disturbs all integrators alike.
+        for k in 0..u64::from(self.arguments.repeats) {
+            for (subject, samples) in &measured {
+                let seed = self.arguments.seed.wrapping_add(k);
+                let (rows, image) =
+                    measure(subject, (seed, *samples), &effort, &reference, terminal)
+                        .map_err(Failure::new)?;
+                note_broken(&mut all.notes, &image, &rows);
+                keep(&mut images, &rows, image);
+                all.rows.extend(rows);
+            }
+        }
+        all.rows
+            .sort_by_key(|row| measured.iter().position(|(s, _)| s.name == row.curve.integrator));
+        self.others(output, measured[0].1, &reference, (&mut all, &mut images))?;
+        all.estimates = images
+            .iter()
+            .filter_map(|(curve, images)| estimate(curve, images, &all.rows, &reference))
+            .collect();
+        if all.estimates.is_empty() {
+            all.notes.push(format!("{}: intervals and biases need three seeds.", self.name));
+        }
+        self.pictures(&mut all, &images, &reference)?;
+        Ok(all)
+    }
+
+    fn given_reference(&self) -> Result<Option<Reference>, Failure> {
+        let read = |path: &PathBuf| Reference::read(path, self.plan.size, self.plan.crop);
+        self.arguments.reference.as_ref().map(read).transpose().map_err(Failure::new)
+    }
+
+    /// Renders the reference by several integrators.
+    fn make_reference(&self, path: &Path, terminal: &Terminal) -> Result<Reference, Failure> {
+        let seconds = self.arguments.reference_time.unwrap_or(16.0 * self.arguments.budget);
+        let mut parts = Vec::new();
+        for (k, name) in self.arguments.reference_by.iter().enumerate() {
+            let arguments = render_arguments(self.arguments, name).map_err(Failure::new)?;
+            let subject = self.subject(name, &arguments);
+            let kernel = (subject.kernel)(reference_seed(k)).map_err(Failure::new)?;
+            let settings = RenderSettings {
+                size: self.plan.size,
+                budget: Budget::Seconds(seconds),
+                threads: self.arguments.threads,
+            };
+            warn(&format!("reference: {name} for {seconds} s"));
+            let rendered = render(kernel.as_ref(), &settings, terminal);
+            let Some(variance) = rendered.film.variance().filter(|_| !rendered.cancelled) else {
+                return Err(Failure::new(format!(
+                    "the reference cannot be made by `{name}`, whose variance is not known after {seconds} s; give \
+                     other integrators with --reference-by, more seconds with --reference-time, or --reference"
+                )));
+            };
+            parts.push((name.clone(), rendered.film.image(), variance));
+        }
+        let mut reference = Reference::union(&parts)?;
+        if let [(name, ..)] = &parts[..]
+            && self.arguments.integrators.contains(name)
+        {
+            reference.doubts.push(format!(
+                "The reference is made by {name} alone, so that a bias of {name} does not show."
+            ));
+        }
+        let text = |text: &str| Attribute::Text(text.to_owned());
+        let attributes = [
+            ("integrator".to_owned(), text(&reference.made_by)),
+            ("crop".to_owned(), text(&crop_text(self.plan.crop))),
+        ];
+        let (rgb, variance) = (reference.image.clone(), reference.variance.clone());
+        Exr { rgb, variance, layers: Default::default(), attributes: attributes.into() }
+            .write(path)?;
+        Ok(reference)
+    }
+
+    /// Renders with other programs, and takes images that they have written.
+    fn others(
+        &self,
+        output: &Path,
+        samples: u32,
+        reference: &Reference,
+        (all, images): (&mut Measurements, &mut Images),
+    ) -> Result<(), Failure> {
+        let mut lists: Vec<PathBuf> = self.arguments.images.iter().cloned().collect();
+        for program in &self.arguments.against {
+            warn(&format!("{program} renders"));
+            let request = Request {
+                scene: &self.arguments.scene,
+                defines: &self.arguments.defines,
+                size: self.plan.size,
+                max_depth: self.plan.max_depth,
+                rr_depth: self.plan.rr_depth,
+                threads: self.arguments.threads,
+                budget: self.arguments.budget,
+                samples: &ladder(samples),
+                seeds: self.arguments.seed..self.arguments.seed + u64::from(self.arguments.repeats),
+            };
+            let list = adapter::run(program, &self.arguments.python, &request, output);
+            lists.push(list.map_err(Failure::new)?);
+        }
+        for list in &lists {
+            let entries = adapter::read_list(list).map_err(Failure::new)?;
+            for entry in entries {
+                let image = Exr::read(&entry.file)?.rgb;
+                let (renderer, integrator) = (entry.renderer, entry.integrator);
+                let curve = Curve { scene: self.name.clone(), renderer, integrator };
+                let effort = (entry.spp, entry.seconds);
+                let row = row(&curve, entry.seed, effort, &image, reference).map_err(|error| {
+                    Failure::new(format!("`{}`: {error}", entry.file.display()))
+                })?;
+                let largest = all.rows.iter().filter(|r| r.curve == curve).map(|r| r.spp).max();
+                if largest.is_some_and(|largest| row.spp > largest) {
+                    images.retain(|(other, _)| *other != curve);
+                }
+                if largest.is_none_or(|largest| row.spp >= largest) {
+                    keep(images, std::slice::from_ref(&row), image);
+                }
+                all.rows.push(row);
+            }
+        }
+        Ok(())
+    }
+
+    /// Pictures of the reference and of one seed of each curve, and the parts of them for strips.
+    fn pictures(
+        &self,
+        all: &mut Measurements,
+        images: &Images,
+        reference: &Reference,
+    ) -> Result<(), Failure> {
+        let firsts: Vec<&RgbImage> = images.iter().filter_map(|(_, seeds)| seeds.first()).collect();
+        let crop = self.arguments.crop.unwrap_or_else(|| telling_crop(&firsts, &reference.image));
+        check_crop(crop, &reference.image)?;
+        let mut add = |name: String, image: &RgbImage| {
+            let bytes = png::encode(image).map_err(|error| Failure::new(error.to_string()))?;
+            all.pictures.push((name, bytes));
+            Ok::<(), Failure>(())
+        };
+        let scene = summarise(&all.rows, &[]);
+        let slug = scene.first().map(|scene| reference_curve(scene).slug()).unwrap_or_default();
+        add(slug.clone(), &reference.image)?;
+        add(format!("{slug}-crop"), &cut(&reference.image, crop))?;
+        for (curve, seeds) in images {
+            let Some(first) = seeds.first() else { continue };
+            let slug = curve.slug();
+            let error = error_picture(first, &reference.image);
+            add(format!("{slug}-crop"), &cut(first, crop))?;
+            add(format!("{slug}-crop-error"), &cut(&error, crop))?;
+            add(format!("{slug}-error"), &error)?;
+            add(slug.clone(), first)?;
+            let all_seeds: Vec<&RgbImage> = seeds.iter().collect();
+            if let Some(mean) = mean(&all_seeds).filter(|_| seeds.len() > 1) {
+                add(format!("{slug}-mean-error"), &error_picture(&mean, &reference.image))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An error unless a part of an image lies in it.
+fn check_crop((x, y, width, height): Crop, image: &RgbImage) -> Result<(), Failure> {
+    let within = |begin: usize, length: usize, side: usize| begin < side && length <= side - begin;
+    if within(x, width, image.width()) && within(y, height, image.height()) {
+        return Ok(());
+    }
+    let (columns, rows) = (image.width(), image.height());
+    Err(Failure::new(format!(
+        "--crop {x},{y},{width},{height} does not lie in the image of {columns}x{rows} pixels"
+    )))
+}
+
+fn keep(images: &mut Images, rows: &[Row], image: RgbImage) {
+    let Some(row) = rows.last() else { return };
+    match images.iter_mut().find(|(curve, _)| *curve == row.curve) {
+        Some((_, seeds)) => seeds.push(image),
+        None => images.push((row.curve.clone(), vec![image])),
+    }
+}
+
+fn note_broken(notes: &mut Vec<String>, image: &RgbImage, rows: &[Row]) {
+    if let (Some(row), count @ 1..) = (rows.last(), image.non_finite_pixels()) {
+        let (label, seed) = (row.curve.label(), row.seed);
+        notes.push(format!("{label}, seed {seed}: {count} pixels are NaN or infinite."));
+    }
+}
+
+/// What the images of all seeds say together.
+fn estimate(
+    curve: &Curve,
+    images: &[RgbImage],
+    rows: &[Row],
+    reference: &Reference,
+) -> Option<Estimate> {
+    let spp = rows.iter().filter(|row| row.curve == *curve).map(|row| row.spp).max()?;
+    let spread = spread(&images.iter().collect::<Vec<_>>(), reference)?;
+    let scaled = |value: f64| value * f64::from(spp);
+    let (variance, bias) = (spread.variance, spread.bias);
+    Some(Estimate {
+        curve: curve.clone(),
+        seeds: images.len(),
+        spp,
+        variance: [variance.value, variance.low, variance.high].map(scaled),
+        bias: [bias.value, bias.low, bias.high],
+        biased: spread.biased,
+        floor: reference.floor(),
+        reference: plain(&reference.made_by),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_scenes() {
+        assert_eq!(scene_name(Path::new("a/veach-mis/scene.xml")), "veach-mis");
+        assert_eq!(scene_name(Path::new("a/box.xml")), "box");
+        assert_eq!(scene_name(Path::new("scene.xml")), "scene");
+    }
+
+    #[test]
+    fn parts_lie_in_the_image() {
+        let image = RgbImage::filled(8, 6, [0.0; 3]);
+        assert!(check_crop((0, 0, 8, 6), &image).is_ok());
+        for wrong in [(8, 0, 1, 1), (0, 0, 9, 1), (4, 4, 2, 3), (usize::MAX, 0, 2, 2)] {
+            assert!(check_crop(wrong, &image).is_err(), "{wrong:?}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! The line.
+
+use core::f64::consts::{FRAC_1_PI, TAU};
+
+use super::by_hand;
+
+by_hand! {
+    /// Row 1: uniform on an interval.
+    Affine(a: f64, b: f64): [1] => f64;
+    sample(u) { a + (b - a) * u[0] }
+    pdf(x) {
+        let t = (x - a) / (b - a);
+        if (0.0..=1.0).contains(&t) { 1.0 / (b - a).abs() } else { 0.0 }
+    }
+    draw(u) { (a + (b - a) * u[0], 1.0 / (b - a).abs()) }
+
+    /// Row 2: a power.
+    Power(k: f64): [1] => f64;
+    sample(u) { u[0].powf(1.0 / k) }
+    pdf(x) { if (0.0..=1.0).contains(x) { k * x.powf(k - 1.0) } else { 0.0 } }
+    draw(u) {
+        let x = u[0].powf(1.0 / k);
+        // x to the power of k - 1.
+        (x, k * u[0] / x)
+    }
+
+    /// Row 3: free flight.
+    Exponential(s: f64): [1] => f64;
+    sample(u) { -(-u[0]).ln_1p() / s }
+    pdf(x) { if *x >= 0.0 && x.is_finite() { s * (-s * x).exp() } else { 0.0 } }
+    draw(u) { (-(-u[0]).ln_1p() / s, s * (1.0 - u[0])) }
+
+    /// Row 4: free flight within a distance.
+    TruncatedExponential(s: f64, d: f64): [1] => f64;
+    sample(u) { -(u[0] * (-s * d).exp_m1()).ln_1p() / s }
+    pdf(x) {
+        if (0.0..=d).contains(x) { -s * (-s * x).exp() / (-s * d).exp_m1() } else { 0.0 }
+    }
+    draw(u) {
+        let mass = (-s * d).exp_m1();
+        let t = u[0] * mass;
+        (-t.ln_1p() / s, -s * (1.0 + t) / mass)
+    }
+
+    /// Row 5: a line.
+    Linear(a: f64, b: f64): [1] => f64;
+    sample(u) {
+        let s = ((1.0 - u[0]) * a * a + u[0] * b * b).sqrt();
+        u[0] * (a + b) / (a + s)
+    }
+    pdf(x) {
+        if (0.0..=1.0).contains(x) { 2.0 * ((1.0 - x) * a + x * b) / (a + b) } else { 0.0 }
+    }
+    draw(u) {
+        let s = ((1.0 - u[0]) * a * a + u[0] * b * b).sqrt();
+        (u[0] * (a + b) / (a + s), 2.0 * s / (a + b))
+    }
+
+    /// Row 6: a tent.
+    Tent(r: f64): [1] => f64;
+    sample(u) {
+        if u[0] < 0.5 {
+            r * ((2.0 * u[0]).sqrt() - 1.0)
+        } else {
+            r * (1.0 - (2.0 * (1.0 - u[0])).sqrt())
+        }
+    }
+    pdf(x) {
+        let t = x.abs() / r;
+        if t <= 1.0 { (1.0 - t) / r } else { 0.0 }
+    }
+    draw(u) {
+        if u[0] < 0.5 {
+            let s = (2.0 * u[0]).sqrt();
+            (r * (s - 1.0), s / r)
+        } else {
+            let s = (2.0 * (1.0 - u[0])).sqrt();
+            (r * (1.0 - s), s / r)
+        }
+    }
+
+    /// Row 15: Student's t with two degrees of freedom.
+    Student2(): [1] => f64;
+    sample(u) { (2.0 * u[0] - 1.0) / (2.0 * u[0] * (1.0 - u[0])).sqrt() }
+    pdf(x) {
+        if !x.is_finite() {
+            return 0.0;
+        }
+        let s = 2.0 + x * x;
+        1.0 / (s * s.sqrt())
+    }
+    draw(u) {
+        let v = 2.0 * u[0] * (1.0 - u[0]);
+        let r = v.sqrt();
+        // 2 + x² is 1 / v.
+        ((2.0 * u[0] - 1.0) / r, v * r)
+    }
+
+    /// Row 17: Laplace.
+    Laplace(b: f64): [1] => f64;
+    sample(u) {
+        if u[0] < 0.5 { b * (2.0 * u[0]).ln() } else { -b * (2.0 * (1.0 - u[0])).ln() }
+    }
+    pdf(x) { if x.is_finite() { (-x.abs() / b).exp() / (2.0 * b) } else { 0.0 } }
+    draw(u) {
+        if u[0] < 0.5 {
+            (b * (2.0 * u[0]).ln(), u[0] / b)
+        } else {
+            (-b * (2.0 * (1.0 - u[0])).ln(), (1.0 - u[0]) / b)
+        }
+    }
+
+    /// Row 18: Weibull.
+    Weibull(l: f64, k: f64): [1] => f64;
+    sample(u) { l * (-(-u[0]).ln_1p()).powf(1.0 / k) }
+    pdf(x) {
+        if *x >= 0.0 && x.is_finite() {
+            let t = x / l;
+            let p = t.powf(k - 1.0);
+            k / l * p * (-p * t).exp()
+        } else {
+            0.0
+        }
+    }
+    draw(u) {
+        let e = -(-u[0]).ln_1p();
+        let t = e.powf(1.0 / k);
+        (l * t, k / l * (e / t) * (1.0 - u[0]))
+    }
+
+    /// Row 33: the cosine of a uniform angle.
+    Cosine(): [1] => f64;
+    sample(u) { (TAU * u[0]).cos() }
+    pdf(x) {
+        if x.abs() <= 1.0 { FRAC_1_PI / ((1.0 - x) * (1.0 + x)).sqrt() } else { 0.0 }
+    }
+    draw(u) {
+        let (s, c) = (TAU * u[0]).sin_cos();
+        (c, FRAC_1_PI / s.abs())
+    }
+}

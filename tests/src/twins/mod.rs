@@ -1,0 +1,76 @@
+//! Samplers and integrators written by hand, as an expert writes them, to measure what the derived ones cost.
+//!
+//! This and the tests are the only places where densities are written by hand. A twin keeps the contract of
+//! what it is compared with: the same values on the same inputs, zero outside of the support, on the back
+//! side, and for coordinates that are no finite numbers. The binary `twins` compares instructions and time.
+
+pub mod direction;
+pub mod line;
+pub mod measure;
+pub mod pairs;
+pub mod path;
+pub mod plane;
+pub mod renderers;
+pub mod space;
+
+/// A random variable written by hand.
+pub trait ByHand: Copy {
+    /// The uniforms that a sample consumes.
+    type Uniforms: Copy;
+    /// The space of the samples.
+    type Point: Copy;
+    /// The point of some uniforms.
+    fn sample(&self, u: Self::Uniforms) -> Self::Point;
+    /// The density at any point, in the measure of the space.
+    fn pdf(&self, x: &Self::Point) -> f64;
+    /// The point of some uniforms and its density, which share what they can.
+    fn draw(&self, u: Self::Uniforms) -> (Self::Point, f64);
+}
+
+/// Defines random variables by their three functions; parameters are in scope under their names.
+macro_rules! by_hand {
+    ($(
+        $(#[$doc:meta])*
+        $name:ident($($p:ident: $t:ty),*): [$n:literal] => $point:ty;
+        sample($u:ident) $sample:block
+        pdf($x:ident) $pdf:block
+        draw($v:ident) $draw:block
+    )*) => {
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug)]
+            #[allow(missing_docs)]
+            pub struct $name { $(pub $p: $t),* }
+
+            impl $crate::twins::ByHand for $name {
+                type Uniforms = [f64; $n];
+                type Point = $point;
+                #[inline(always)]
+                fn sample(&self, $u: [f64; $n]) -> $point {
+                    #[allow(unused_variables)]
+                    let $name { $($p),* } = *self;
+                    $sample
+                }
+                #[inline(always)]
+                fn pdf(&self, $x: &$point) -> f64 {
+                    #[allow(unused_variables)]
+                    let $name { $($p),* } = *self;
+                    $pdf
+                }
+                #[inline(always)]
+                fn draw(&self, $v: [f64; $n]) -> ($point, f64) {
+                    #[allow(unused_variables)]
+                    let $name { $($p),* } = *self;
+                    $draw
+                }
+            }
+        )*
+    };
+}
+pub(crate) use by_hand;
+
+/// Whether a point has finite coordinates: of any other number, the difference from itself is no zero.
+#[inline(always)]
+pub(crate) fn finite<const N: usize>(x: [f64; N]) -> bool {
+    x.iter().map(|x| x - x).sum::<f64>() == 0.0
+}
