@@ -5,6 +5,7 @@
 //! independent candidates. Chains start at candidates that are drawn in proportion to their brightness, so that
 //! they have no start-up bias (Veach 1997, section 11.3.1).
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use aether_core::discrete::{Cdf, Discrete};
@@ -20,6 +21,9 @@ use crate::world::World;
 
 /// An integrator made of Markov chains.
 pub trait ChainIntegrator: Send + Sync {
+    /// The kinds of steps, for statistics.
+    const STEPS: &'static [&'static str];
+
     /// How many candidates there are for the start of a chain.
     fn candidates(&self) -> usize;
 
@@ -32,7 +36,41 @@ pub trait ChainIntegrator: Send + Sync {
 
     /// A chain from a candidate; `mean` is the mean brightness, `seed` and `number` give it its random
     /// numbers. Each call takes one step and splats what it contributes.
-    fn chain<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>, start: Start) -> Chain<'a>;
+    fn chain<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        start: Start,
+        statistics: &'a Statistics,
+    ) -> Chain<'a>;
+}
+
+/// How often steps of each kind were taken, how many of them had a proposal, and how many were accepted: over
+/// all chains.
+#[derive(Debug)]
+pub struct Statistics {
+    names: &'static [&'static str],
+    counts: Vec<[AtomicU64; 3]>,
+}
+
+impl Statistics {
+    /// Nothing so far, of steps of these kinds.
+    pub fn new(names: &'static [&'static str]) -> Self {
+        Statistics { names, counts: names.iter().map(|_| Default::default()).collect() }
+    }
+
+    /// Counts a step of the kind with this number.
+    pub fn count(&self, kind: usize, proposed: bool, accepted: bool) {
+        for (count, happened) in self.counts[kind].iter().zip([true, proposed, accepted]) {
+            count.fetch_add(u64::from(happened), Ordering::Relaxed);
+        }
+    }
+
+    /// The numbers of each kind: steps, proposals, and how many of these were accepted.
+    pub fn counts(&self) -> impl Iterator<Item = (&'static str, [u64; 3])> + '_ {
+        let value = |count: &AtomicU64| count.load(Ordering::Relaxed);
+        let values = self.counts.iter().map(move |counts| counts.each_ref().map(value));
+        self.names.iter().copied().zip(values)
+    }
 }
 
 /// How a chain begins.
@@ -55,6 +93,7 @@ pub struct ChainKernel<'s, K: SceneKind, I> {
     seed: u64,
     /// The candidates by their brightness, and its mean; none if all are black.
     start: Option<(Cdf<f32>, f32)>,
+    statistics: Statistics,
     preparation: Preparation,
 }
 
@@ -67,7 +106,9 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         let world = World::new(scene)?;
         let (begin, before) = (Instant::now(), Work::here());
         let preparation = Preparation::default();
-        let mut kernel = ChainKernel { world, integrator, seed, start: None, preparation };
+        let statistics = Statistics::new(I::STEPS);
+        let mut kernel =
+            ChainKernel { world, integrator, seed, start: None, statistics, preparation };
         let brightness = kernel.candidates();
         let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
         kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
@@ -112,7 +153,18 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
         let mut uniforms = Pcg32::new(self.seed, number as u64, u64::MAX);
         let candidate = Discrete::<f32>::sample(choice, uniforms.next()).index;
         let start = Start { candidate, mean: *mean, seed: self.seed, number };
-        Some(self.integrator.chain(&self.world, start))
+        Some(self.integrator.chain(&self.world, start, &self.statistics))
+    }
+
+    fn statistics(&self) -> Option<String> {
+        let line = |(name, [steps, proposed, accepted]): (&str, [u64; 3])| {
+            let percent = |a: u64, b: u64| 100.0 * a as f64 / b.max(1) as f64;
+            let (made, taken) = (percent(proposed, steps), percent(accepted, proposed));
+            format!(
+                "{name}: {steps} steps, {made:.1} % with a proposal, {taken:.1} % of these accepted"
+            )
+        };
+        Some(self.statistics.counts().map(line).collect::<Vec<_>>().join("\n"))
     }
 }
 

@@ -78,10 +78,15 @@ impl Integrator for GradientDomain {
         let mut radiance = Vec3::ZERO;
         for n in 1 + usize::from(self.path.hide_emitters)..camera.size() {
             let mut own = techniques(world, &camera, n);
-            own[1].sample(uniforms);
             // The eye does not look for lights.
-            let own = &own[..n.min(2)];
-            for (i, base) in own.iter().enumerate().filter(|(_, base)| base.is_complete()) {
+            let own = &mut own[..n.min(2)];
+            own[1..].iter_mut().for_each(|direct| {
+                direct.sample(uniforms);
+            });
+            let own = &*own;
+            // The camera path goes on from what scattering found, which therefore comes last.
+            let samples = own.iter().enumerate().filter(|(_, base)| base.is_complete());
+            for (i, base) in samples.rev() {
                 let value = estimator.of(base) * response;
                 if value != Vec3::ZERO {
                     radiance += value * base.weight_with(&PowerHeuristic, (own, i), None);
@@ -92,9 +97,13 @@ impl Integrator for GradientDomain {
                         shifted.map_or(Vec3::ZERO, |shifted| side.value(estimator, &shifted, base));
                     if value != Vec3::ZERO || there != Vec3::ZERO {
                         let theirs = techniques(world, &side.camera, n);
-                        let shifted =
-                            shifted.as_ref().map(|shifted| (shifted, &theirs[..own.len()]));
-                        let weight = base.weight_with(&PowerHeuristic, (own, i), shifted);
+                        let shifted = shifted.as_ref().map(|shifted| {
+                            let theirs = &theirs[..own.len()];
+                            (shifted, able(world, theirs, &shifted.path, there))
+                        });
+                        let ours = able(world, own, base, value);
+                        let position = i + ours.len() - own.len();
+                        let weight = base.weight_with(&PowerHeuristic, (ours, position), shifted);
                         side.difference += (there - value) * weight;
                     }
                 }
@@ -118,6 +127,24 @@ fn techniques<'r, 'a, K: SceneKind>(
     let mut direct = path.slice(0..n);
     direct.append(sample_light(world));
     [path.slice(0..n + 1), direct]
+}
+
+/// Those of the two techniques that can make a path which carries `value`. The density of scattering says nothing
+/// of what lies in between, because what is hidden carries nothing; but the other path of a pair may be
+/// visible.
+fn able<'t, 'r, 'a, K: SceneKind>(
+    world: &World<'_, K>,
+    techniques: &'t [Path<'r, 'a, K>],
+    path: &Path<'r, 'a, K>,
+    value: Vec3,
+) -> &'t [Path<'r, 'a, K>] {
+    let last = path.len() - 1;
+    let sees = || match (path.vertex(last - 1), path.vertex(last)) {
+        (Some(here), Some(light)) => world.visible(&here, &light),
+        _ => false,
+    };
+    let seen = value != Vec3::ZERO || path.view().visible(last) || techniques.len() == 1;
+    if seen || sees() { techniques } else { &techniques[1..] }
 }
 
 impl GradientDomain {

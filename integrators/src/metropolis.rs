@@ -1,6 +1,9 @@
 //! Metropolis light transport in path space (Veach and Guibas 1997; Aether 2017, section 7.3): chains of paths,
 //! mutated by the functions of [`crate::mutations`]. The densities of mutations are derived.
 
+use std::cell::Cell;
+use std::str::FromStr;
+
 use aether_core::estimator::{Contribution, Estimator, Factors};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
 use aether_core::{
@@ -9,7 +12,7 @@ use aether_core::{
 };
 use glam::Vec3;
 
-use crate::chains::{ChainIntegrator, Contributions, Start};
+use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
 use crate::integrand::Radiance;
 use crate::kind::SceneKind;
 use crate::mutations::{
@@ -29,12 +32,15 @@ pub struct Metropolis {
     pub path: PathSettings,
     /// How many independent samples the brightness of the image is estimated from.
     pub candidates: usize,
+    /// Which mutations are used. Without the bidirectional one a chain never reaches every path; as chains start at
+    /// paths that are distributed as they should be, the image is right even then, but noisy.
+    pub mutations: MutationSet,
 }
 
 impl Metropolis {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
-        Metropolis { path, candidates: 50_000 }
+        Metropolis { path, candidates: 50_000, mutations: MutationSet::default() }
     }
 
     /// What a path contributes to the image, and how bright that is.
@@ -104,26 +110,76 @@ fn shares<K: SceneKind>(
 type Path<'r, 'a, K> = RandomSequence<'r, SceneVertex<K>, MutationStrategies<'a, K>>;
 type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, Factors<Vec3>>;
 
-/// All mutations, one of which is selected for each step.
-struct All<'a, K: SceneKind> {
-    bidirectional: BidirectionalMutation<'a, K>,
-    lens: LensPerturbation<'a, K>,
-    multi_chain: LensPerturbation<'a, K>,
-    caustic: CausticPerturbation<'a, K>,
+/// The mutations by their names, in the order in which they are numbered.
+pub const MUTATIONS: [&str; 4] = ["bidirectional", "lens", "multi-chain", "caustic"];
+
+/// Which mutations are used. As text, a list of their names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MutationSet([bool; MUTATIONS.len()]);
+
+impl Default for MutationSet {
+    /// All of them.
+    fn default() -> Self {
+        MutationSet([true; MUTATIONS.len()])
+    }
 }
 
-impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>> for All<'a, K> {
+impl FromStr for MutationSet {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut set = MutationSet([false; MUTATIONS.len()]);
+        for name in text.split(',').map(str::trim) {
+            let number = MUTATIONS.iter().position(|mutation| *mutation == name);
+            let number = number.ok_or_else(|| {
+                format!("`{name}` is no mutation: there are {}", MUTATIONS.join(", "))
+            })?;
+            set.0[number] = true;
+        }
+        Ok(set)
+    }
+}
+
+/// A mutation that may be switched off, and notes when it is the first to be asked in a step: then it is what
+/// was selected.
+struct Noted<'c, M> {
+    mutation: M,
+    number: usize,
+    used: bool,
+    selected: &'c Cell<Option<usize>>,
+}
+
+/// The mutation with a number.
+fn noted<M>(
+    number: usize,
+    used: MutationSet,
+    selected: &Cell<Option<usize>>,
+    mutation: M,
+) -> Noted<'_, M> {
+    Noted { mutation, number, used: used.0[number], selected }
+}
+
+impl<'a, K: SceneKind, M> Mutation<SceneVertex<K>, MutationStrategies<'a, K>> for Noted<'_, M>
+where
+    M: Mutation<SceneVertex<K>, MutationStrategies<'a, K>>,
+{
     fn propose<'r>(
         &self,
         path: &Path<'r, 'a, K>,
         decide: &mut Decisions<'_, f32>,
     ) -> Option<Draft<'r, SceneVertex<K>, MutationStrategies<'a, K>>> {
-        Mutations(&[&self.bidirectional, &self.lens, &self.multi_chain, &self.caustic])
-            .propose(path, decide)
+        self.selected.set(self.selected.get().or(Some(self.number)));
+        self.mutation.propose(path, decide)
+    }
+
+    fn weight(&self, path: &Path<'_, 'a, K>) -> f32 {
+        if self.used { self.mutation.weight(path) } else { 0.0 }
     }
 }
 
 impl ChainIntegrator for Metropolis {
+    const STEPS: &'static [&'static str] = &MUTATIONS;
+
     fn candidates(&self) -> usize {
         self.candidates
     }
@@ -143,7 +199,12 @@ impl ChainIntegrator for Metropolis {
         }
     }
 
-    fn chain<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>, start: Start) -> Chain<'a> {
+    fn chain<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        start: Start,
+        statistics: &'a Statistics,
+    ) -> Chain<'a> {
         let mut scratch = Scratch::new(world);
         let uniforms = &mut Pcg32::new(start.seed, start.candidate as u64, 0);
         let mut paths = Vec::new();
@@ -154,17 +215,24 @@ impl ChainIntegrator for Metropolis {
         let path = drawn(paths, random.next());
         let Scratch { estimator, .. } = scratch;
         let target = move |path: &Path<'_, 'a, K>| self.contribution(world, &estimator, path);
-        let all = All {
-            bidirectional: BidirectionalMutation { world, longest: self.path.most_vertices() },
-            lens: LensPerturbation { world, chains: false },
-            multi_chain: LensPerturbation { world, chains: true },
-            caustic: CausticPerturbation { world },
-        };
+        let selected = Cell::new(None);
+        let used = self.mutations;
         let mut arena = Arena::new();
         let mut state = MarkovChainState::new(&arena.restore(&path), &target);
         Box::new(move |splats: &mut Splats| {
+            selected.set(None);
+            let longest = self.path.most_vertices();
+            let all = Mutations(&[
+                &noted(0, used, &selected, BidirectionalMutation { world, longest }),
+                &noted(1, used, &selected, LensPerturbation { world, chains: false }),
+                &noted(2, used, &selected, LensPerturbation { world, chains: true }),
+                &noted(3, used, &selected, CausticPerturbation { world }),
+            ]);
             let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
             let step = state.step(&mut arena, &all, &target, uniforms);
+            if let Some(mutation) = selected.get() {
+                statistics.count(mutation, step.proposal.is_some(), step.accepted);
+            }
             for (contributions, weight) in step.weighted() {
                 contributions.splat(weight * start.mean / contributions.brightness(), splats);
             }
@@ -186,4 +254,113 @@ fn drawn<V: Default>(paths: Vec<(f32, V)>, u: f32) -> V {
         }
     }
     last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kind::Everything;
+    use crate::scene::Scene;
+    use aether_core::conditional_pdf;
+    use aether_core::mutation::{Rated, accept_probability, propose};
+
+    /// Glass, plastic and a rough ball of small roughness under a small lamp.
+    const SCENE: &str = r#"<scene version="3.0.0">
+        <integrator type="path"><integer name="max_depth" value="6"/></integrator>
+        <sensor type="perspective">
+            <float name="fov" value="40"/>
+            <transform name="to_world"><lookat origin="0,1,5" target="0,0.4,0" up="0,1,0"/></transform>
+            <film type="hdrfilm">
+                <integer name="width" value="32"/><integer name="height" value="32"/><rfilter type="box"/>
+            </film>
+        </sensor>
+        <shape type="rectangle">
+            <transform name="to_world"><rotate x="1" angle="-90"/><scale value="5"/></transform>
+            <bsdf type="diffuse"/>
+        </shape>
+        <shape type="sphere">
+            <point name="center" x="-1" y="0.5" z="0"/><float name="radius" value="0.5"/>
+            <bsdf type="dielectric"/>
+        </shape>
+        <shape type="sphere">
+            <point name="center" x="0.2" y="0.5" z="0"/><float name="radius" value="0.5"/>
+            <bsdf type="roughconductor"><float name="alpha" value="0.1"/></bsdf>
+        </shape>
+        <shape type="sphere">
+            <point name="center" x="1.4" y="0.5" z="0"/><float name="radius" value="0.5"/>
+            <bsdf type="roughdielectric"><float name="alpha" value="0.1"/></bsdf>
+        </shape>
+        <shape type="sphere">
+            <point name="center" x="0" y="3" z="1"/><float name="radius" value="0.3"/>
+            <emitter type="area"><rgb name="radiance" value="20"/></emitter>
+        </shape>
+    </scene>"#;
+
+    /// f(x) T(y | x) a(x, y) = f(y) T(x | y) a(y, x) for pairs of paths that each mutation makes.
+    ///
+    /// The numbers are of single precision: each side is a product of four of them, one of which is a quotient
+    /// of products, so that eight roundings of 6e-8 may add up to 5e-7.
+    #[test]
+    fn every_mutation_is_in_detailed_balance() {
+        let scene = Scene::from_str(SCENE, std::path::Path::new("."), &[]).unwrap();
+        let world: World<'_, Everything> = World::new(&scene).unwrap();
+        let path = PathSettings { max_depth: Some(6), rr_depth: 5, hide_emitters: false };
+        let metropolis = Metropolis::new(path);
+        let (mut scratch, mut arena) = (Scratch::new(&world), Arena::new());
+        let estimator = Scratch::<_, MutationStrategies<'_, _>>::new(&world).estimator;
+        let target =
+            |path: &Path<'_, '_, Everything>| metropolis.contribution(&world, &estimator, path).0;
+        let world = &world;
+        let mutations: [&dyn Mutation<_, _>; 4] = [
+            &BidirectionalMutation { world, longest: 7 },
+            &LensPerturbation { world, chains: false },
+            &LensPerturbation { world, chains: true },
+            &CausticPerturbation { world },
+        ];
+        let (mut pairs, mut through_rough, mut worst) = ([0; 4], [0; 4], 0.0_f32);
+        for sample in 0..4000 {
+            let mut paths = Vec::new();
+            let uniforms = &mut Pcg32::new(3, sample, 0);
+            metropolis
+                .seeds(world, &mut scratch, uniforms, |_, path| paths.push(Snapshot::of(path)));
+            for (k, x) in paths.iter().enumerate() {
+                for (i, mutation) in mutations.iter().enumerate() {
+                    arena.clear();
+                    let x = arena.restore(x);
+                    let uniforms = &mut Pcg32::new(4, sample, 8 * k as u64 + i as u64);
+                    if mutation.weight(&x) == 0.0 {
+                        continue;
+                    }
+                    let Some(y) = propose(*mutation, &x, uniforms) else { continue };
+                    let [x, y] = [x, y].map(|path| Rated::new(path, target(&path)));
+                    let flow = |x: &Rated<'_, _, _>, y: &Rated<'_, _, _>| {
+                        let there = conditional_pdf(*mutation, &x.path, &y.path);
+                        x.target * there * accept_probability(*mutation, x, y)
+                    };
+                    let (there, back) = (flow(&x, &y), flow(&y, &x));
+                    assert_eq!(there.is_zero(), back.is_zero(), "{}", MUTATIONS[i]);
+                    if !there.is_zero() {
+                        worst = worst.max((there.ratio(back) - 1.0).abs());
+                        pairs[i] += 1;
+                        let rough = |v: SceneVertex<_>| (0.05..0.2).contains(&world.roughness(&v));
+                        through_rough[i] += usize::from(y.path.vertices().any(rough));
+                    }
+                }
+            }
+        }
+        println!(
+            "pairs {pairs:?}, of these with rough chains {through_rough:?}, worst {worst:.1e}"
+        );
+        assert!(pairs.iter().all(|count| *count > 20), "{pairs:?}");
+        assert!(through_rough.iter().all(|count| *count > 5), "{through_rough:?}");
+        assert!(worst < 1e-6, "{worst}");
+    }
+
+    #[test]
+    fn sets_of_mutations() {
+        let set: MutationSet = "lens, caustic".parse().unwrap();
+        assert_eq!(set, MutationSet([false, true, false, true]));
+        let error = "lens,warp".parse::<MutationSet>().unwrap_err();
+        assert!(error.contains("`warp`") && error.contains("multi-chain"), "{error}");
+    }
 }

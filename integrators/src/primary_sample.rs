@@ -5,7 +5,7 @@
 use aether_core::{Pcg32, UniformSource};
 
 use crate::bidirectional::Bidirectional;
-use crate::chains::{ChainIntegrator, Contributions, Start};
+use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
 use crate::render::{Chain, Splats};
@@ -144,6 +144,8 @@ impl UniformSource<f32> for Primary {
 }
 
 impl ChainIntegrator for PrimarySample {
+    const STEPS: &'static [&'static str] = &["small", "large"];
+
     fn candidates(&self) -> usize {
         self.candidates
     }
@@ -161,7 +163,12 @@ impl ChainIntegrator for PrimarySample {
         }
     }
 
-    fn chain<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>, start: Start) -> Chain<'a> {
+    fn chain<'a, K: SceneKind>(
+        &'a self,
+        world: &'a World<'a, K>,
+        start: Start,
+        statistics: &'a Statistics,
+    ) -> Chain<'a> {
         let mut evaluate = self.evaluation(world);
         let mut state = Primary::new(Pcg32::new(start.seed, start.candidate as u64, 0));
         let (mut current, mut proposal) = (Contributions::default(), Contributions::default());
@@ -174,7 +181,9 @@ impl ChainIntegrator for PrimarySample {
             let probability = if new < old { new / old } else { 1.0 };
             current.splat((1.0 - probability) * start.mean / old, splats);
             proposal.splat(probability * start.mean / new, splats);
-            if state.draws() < probability {
+            let accepted = state.draws() < probability;
+            statistics.count(usize::from(state.large), true, accepted);
+            if accepted {
                 state.accept();
                 std::mem::swap(&mut current, &mut proposal);
             } else {

@@ -235,6 +235,15 @@ mod tests {
     use aether_core::battery;
 
     #[test]
+    fn squares_of_directions_pass_the_battery_and_have_their_axis_in_the_middle() {
+        for width in [1e-3, 0.125, 1.0] {
+            battery::check(&square_of_directions(width).unwrap()).assert_ok();
+        }
+        let middle = square_of_directions(0.125).unwrap().sample([0.5, 0.5]).value();
+        assert_eq!((middle.x, middle.y, middle.z), (0.0, 0.0, 1.0));
+    }
+
+    #[test]
     fn cylinders_and_parallel_films_pass_the_battery() {
         let axis = Direction::from_vec(Vec3::new(1.0, -2.0, 0.5));
         let base = Vec3::new(0.3, 4.0, -1.0);

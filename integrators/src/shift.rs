@@ -9,7 +9,8 @@
 //! Eq. 7), which are derived; of what is kept it is one.
 //!
 //! A shift is undone by the shift back. Where that is not so, because the way back would keep another vertex
-//! or meet something else, there is no shifted path.
+//! or meet something else, there is no shifted path. Nor is there one whose first vertices do not see the rest,
+//! unless that is only a point of a light: next-event estimation would make such a path, though a black one.
 
 use aether_core::combine::Shifted;
 use aether_core::prelude::Vec2;
@@ -96,8 +97,13 @@ impl<'a, K: SceneKind> Shift<'a, K> {
         let meets = |other: &Path<'r, 'a, K>| {
             self.may_join(beginning, base) && self.is_rough(other, i) && !is_atom(base, i)
         };
-        if beginning.joined || meets(base) {
-            return Some(Beginning { joined: true, ..*beginning });
+        if beginning.joined {
+            return Some(*beginning);
+        }
+        if meets(base) {
+            // Scattering finds only what it sees: no other way leads to such a path.
+            let sees = self.world.visible(&beginning.new.last()?, &base.vertex(i)?);
+            return sees.then_some(Beginning { joined: true, ..*beginning });
         }
         let longer = self.copy(beginning, base)?;
         // There the way back would have met it.
@@ -376,11 +382,15 @@ mod tests {
                         && !is_atom(base, 1)
                         && there.path.position_of(base, 2).is_none(),
                 );
+                let mut error = (there.jacobian * back.jacobian - 1.0).abs();
                 for (a, b) in base.vertices().zip(back.path.vertices()) {
-                    worst = worst.max((a.position - b.position).length());
+                    error = error.max((a.position - b.position).length());
                 }
-                let product = there.jacobian * back.jacobian;
-                worst = worst.max((product - 1.0).abs());
+                if error > 0.01 {
+                    failed += 1;
+                    return;
+                }
+                worst = worst.max(error);
                 for i in 0..base.len() {
                     assert_eq!(is_atom(base, i), is_atom(&there.path, i), "{scene}");
                     let kept = there.path.position_of(base, i);
@@ -391,8 +401,8 @@ mod tests {
                 "{scene}: {all} paths, {failed} without a way back, worst {worst:.1e}, {met:?}"
             );
             assert!(met.iter().zip(expected).all(|(met, least)| *met >= least), "{scene}: {met:?}");
-            // Rounding of rays, and of paths that it sends past an edge.
-            assert!(failed * 200 <= all && worst < 0.05, "{scene}: {failed} of {all}, {worst}");
+            // Rounding sends few rays past an edge.
+            assert!(failed * 200 <= all && worst < 0.01, "{scene}: {failed} of {all}, {worst}");
         }
     }
 }

@@ -3,8 +3,8 @@
     python3 tests/reference/main_logic.py
 
 Counted is what lies between the start of a sample and the film, in the function named below, as rustfmt lays it
-out: without its signature, blank lines and comments. For the Markov chain these are the mutations, the paths that it
-starts with and its steps.
+out: without its signature, blank lines and comments. For gradients the shifts count too, for the Markov chain the
+mutations, the paths that it starts with and its steps.
 """
 
 import pathlib
@@ -15,6 +15,10 @@ INTEGRATORS = [
     ("path", [("path.rs", "trace")]),
     ("bdpt", [("bidirectional.rs", "paths")]),
     ("tridir", [("tridirectional.rs", "sample")]),
+    ("gdpt", [("gradient_domain.rs", "sample"), ("gradient_domain.rs", "techniques"), ("gradient_domain.rs", "able"),
+              ("gradient_domain.rs", "neighbours"), ("gradient_domain.rs", "shifted"), ("gradient_domain.rs", "value"),
+              ("shift.rs", "begin"), ("shift.rs", "extend"), ("shift.rs", "finish"), ("shift.rs", "copy"),
+              ("shift.rs", "strategies"), ("shift.rs", "may_join"), ("shift.rs", "is_rough")]),
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("metropolis.rs", "contribution"),
              ("metropolis.rs", "shares"), ("metropolis.rs", "seeds"), ("metropolis.rs", "chain")]),
     ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),

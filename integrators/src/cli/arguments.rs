@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::metropolis::MutationSet;
 use crate::poisson::Reconstruction;
 use crate::selection::Selection;
 use clap::{Args, Parser, Subcommand};
@@ -64,7 +65,7 @@ pub(super) struct RenderArguments {
     /// With --target-error, give no more samples to windows that are good enough: faster, and more biased
     #[arg(long, requires = "target_error")]
     pub adaptive: bool,
-    /// Print rays, densities and their rates
+    /// Print rays, densities and their rates; of Markov chains also how often their steps were accepted
     #[arg(long)]
     pub stats: bool,
     /// Show the picture in the terminal as it grows
@@ -105,6 +106,10 @@ pub(super) struct RenderArguments {
     /// The largest geometry term of a connection to a virtual light: biased, but without spikes
     #[arg(long, value_name = "LIMIT", value_parser = positive)]
     pub clamp: Option<f32>,
+
+    /// Which mutations mlt uses, instead of all: bidirectional, lens, multi-chain, caustic
+    #[arg(long, value_name = "NAME,..")]
+    pub mutations: Option<MutationSet>,
 
     /// How gdpt makes an image of its gradients: l1 (least noise, the default), l2 (unbiased) or none
     #[arg(long, value_name = "NORM")]

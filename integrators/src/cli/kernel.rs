@@ -8,7 +8,7 @@ use crate::gradient_domain::GradientDomain;
 use crate::instant_radiosity::InstantRadiosity;
 use crate::kind;
 use crate::light_tracer::LightTracer;
-use crate::metropolis::Metropolis;
+use crate::metropolis::{Metropolis, MutationSet};
 use crate::path::PathSettings;
 use crate::photon_mapping::PhotonMapping;
 use crate::poisson::Reconstruction;
@@ -45,6 +45,8 @@ pub(super) struct Plan {
     pub light_paths: Option<u32>,
     /// What the geometry term of a connection is at most, for instant radiosity.
     pub clamp: Option<f32>,
+    /// Which mutations are used, for Metropolis light transport.
+    pub mutations: MutationSet,
     /// How an image is made of its gradients, for integrators that have them.
     pub reconstruction: Reconstruction,
 }
@@ -67,6 +69,7 @@ impl Plan {
             techniques: arguments.techniques.clone().unwrap_or_default(),
             light_paths: arguments.light_paths,
             clamp: arguments.clamp,
+            mutations: arguments.mutations.unwrap_or_default(),
             reconstruction: arguments.reconstruction.unwrap_or_default(),
         }
     }
@@ -129,7 +132,10 @@ pub(super) fn kernel_for<'a>(
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
         "vcm" => Algorithm::VertexMerging(VertexMerging::new(path, plan.techniques.clone())),
-        "mlt" => Algorithm::Metropolis(Metropolis::new(path)),
+        "mlt" => {
+            let mutations = plan.mutations;
+            Algorithm::Metropolis(Metropolis { mutations, ..Metropolis::new(path) })
+        }
         "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
         "gdpt" => Algorithm::GradientDomain(GradientDomain::new(path)),
         "tridir" => {

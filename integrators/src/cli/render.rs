@@ -58,6 +58,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     print(&summary(&output, &pictures, &rendered))?;
     if arguments.stats {
         print(&statistics(&rendered))?;
+        if let Some(counted) = kernel.statistics() {
+            print(&counted)?;
+        }
     }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
@@ -305,6 +308,7 @@ mod tests {
             techniques: Default::default(),
             light_paths: None,
             clamp: None,
+            mutations: Default::default(),
             reconstruction: Default::default(),
         };
         let settings =

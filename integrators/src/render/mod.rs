@@ -68,6 +68,11 @@ pub trait AnyKernel: Sync {
         None
     }
 
+    /// What has been counted while rendering, as text of several lines.
+    fn statistics(&self) -> Option<String> {
+        None
+    }
+
     /// The most samples that a pass may add to each pixel.
     fn largest_pass(&self) -> u32 {
         u32::MAX
