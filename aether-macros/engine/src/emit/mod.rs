@@ -12,7 +12,10 @@ mod numeric;
 mod own;
 mod pieces;
 mod sampler;
+mod tame;
 pub mod text;
+mod whole;
 
 pub use documentation::Texts;
 pub use item::Emitter;
+pub use whole::Support;
