@@ -1,9 +1,8 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::{Arena, Estimator, PowerHeuristic, Strategy, UniformSource, combine};
+use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource, combine};
 use glam::Vec3;
 
-use crate::integrand::Radiance;
 use crate::integrator::{Integrator, Kernel};
 use crate::kind::{Everything, SceneKind};
 use crate::render::Splats;
@@ -11,6 +10,7 @@ use crate::strategies::{
     PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
 };
+use crate::subpaths::Scratch;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -52,7 +52,7 @@ pub fn radiance<'a, K, S, B, L>(
     world: &'a World<'a, K>,
     settings: &PathSettings,
     techniques: &Techniques<B, L>,
-    arena: &Arena<SceneVertex<K>, S>,
+    Scratch { arena, estimator }: &Scratch<'a, K, S>,
     uniforms: &mut impl UniformSource<f32>,
     pixel: Pixel,
 ) -> Vec3
@@ -72,7 +72,6 @@ where
         camera.append(techniques.scatter.clone()).sample(uniforms);
     }
 
-    let estimator = Estimator::paths(Radiance::new(world));
     let mut radiance = Vec3::ZERO;
     if !settings.hide_emitters && longest > 1 {
         radiance += estimator.of(&camera.slice(0..2));
@@ -88,24 +87,24 @@ where
 }
 
 impl Integrator for PathSettings {
-    type Scratch<'a, K: SceneKind> = PathArena<'a, K>;
+    type Scratch<'a, K: SceneKind> = Scratch<'a, K, PathStrategies<'a, K>>;
 
-    fn scratch<'a, K: SceneKind>(&'a self, _: &'a World<'a, K>) -> PathArena<'a, K> {
-        PathArena::new()
+    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
+        Scratch::new(world)
     }
 
     fn sample<'a, K: SceneKind>(
         &'a self,
         world: &'a World<'a, K>,
-        arena: &mut PathArena<'a, K>,
+        scratch: &mut Self::Scratch<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
         _: &mut Splats,
     ) -> Vec3 {
-        arena.clear();
+        scratch.arena.clear();
         let scatter = sample_bsdf(world, self.rr_depth, None);
         let techniques = Techniques { scatter, light: sample_light(world) };
-        radiance(world, self, &techniques, arena, uniforms, pixel)
+        radiance(world, self, &techniques, scratch, uniforms, pixel)
     }
 }
 

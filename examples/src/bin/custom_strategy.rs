@@ -14,7 +14,7 @@
 use std::path::Path;
 
 use aether_core::prelude::*;
-use aether_core::{Arena, PathView, Pcg32, coin, strategies};
+use aether_core::{PathView, Pcg32, coin, strategies};
 use integrators::image::exr::Exr;
 use integrators::kind::NotCovered;
 use integrators::path::{PathSettings, PathTracer, Techniques, radiance};
@@ -25,6 +25,7 @@ use integrators::scene_kind;
 use integrators::strategies::{
     Pixel, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
+use integrators::subpaths::Scratch;
 use integrators::vertex::{SceneVertex, Surface};
 use integrators::world::World;
 
@@ -89,11 +90,11 @@ struct Upward<'s> {
 impl Upward<'_> {
     fn sample<'a>(
         &'a self,
-        arena: &mut Arena<SceneVertex<Rooms>, Strategies<'a>>,
+        scratch: &mut Scratch<'a, Rooms, Strategies<'a>>,
         (x, y): Pixel,
         sample: u32,
     ) -> [f32; 3] {
-        arena.clear();
+        scratch.arena.clear();
         let world = &self.world;
         let techniques = Techniques {
             scatter: scatter_or_look_up(world, self.settings.rr_depth, 0.3),
@@ -101,14 +102,14 @@ impl Upward<'_> {
         };
         let stream = u64::from(y) * u64::from(world.scene.film.width) + u64::from(x);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-        radiance(world, &self.settings, &techniques, arena, &mut uniforms, (x, y)).to_array()
+        radiance(world, &self.settings, &techniques, scratch, &mut uniforms, (x, y)).to_array()
     }
 }
 
 impl AnyKernel for Upward<'_> {
     fn worker(&self) -> Worker<'_> {
-        let mut arena = Arena::new();
-        Box::new(move |pixel, sample, _| self.sample(&mut arena, pixel, sample))
+        let mut scratch = Scratch::new(&self.world);
+        Box::new(move |pixel, sample, _| self.sample(&mut scratch, pixel, sample))
     }
 }
 

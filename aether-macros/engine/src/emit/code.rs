@@ -44,6 +44,11 @@ impl<'a> Code<'a> {
         self.lets.clone()
     }
 
+    /// The statements written since they were last taken.
+    pub(super) fn take_statements(&mut self) -> TokenStream {
+        std::mem::take(&mut self.lets)
+    }
+
     /// The expressions.
     pub(super) fn graph(&self) -> &'a Graph {
         self.graph

@@ -10,6 +10,7 @@ mod logarithm;
 mod map;
 mod numeric;
 mod own;
+mod peeled;
 mod pieces;
 mod sampler;
 mod tame;

@@ -11,6 +11,7 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
+use super::peeled::{UnitTest, unit_test};
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
@@ -280,6 +281,40 @@ impl<'a> Emitter<'a> {
         } else {
             quote!(R::ZERO)
         };
+        let plainly = is_unguarded(place).then(|| {
+            let name = format_ident!("plainly_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let conditions: Vec<TokenStream> =
+                preimage.conditions.iter().map(|&c| code.value(c)).collect();
+            let requirements: Vec<TokenStream> =
+                preimage.requirements.iter().map(|&c| code.value(c)).collect();
+            let first_lets = code.take_statements();
+            let units: Vec<UnitTest> =
+                checked.iter().map(|&i| unit_test(&mut code, preimage.tested[i], false)).collect();
+            let unit_lets = code.take_statements();
+            let inside = units.iter().map(|unit| &unit.inside);
+            // Of several unknowns, one at an end leaves the others undetermined.
+            let near = match &units[..] {
+                [UnitTest { near: Some(near), .. }] => quote!(#near),
+                _ => quote!(),
+            };
+            let conditions = &conditions;
+            quote! {
+                /// Whether the preimage plainly exists, and whether it may.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> (R::Mask, R::Mask) {
+                    #first_lets
+                    let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
+                    let slack = R::of(-1.0 / 256.0);
+                    let possible = exists #(.and(#conditions.lt(slack).not()))*;
+                    if !possible.any() {
+                        return (possible, possible);
+                    }
+                    #unit_lets
+                    (exists #(.and(#conditions.ge(#least)))* #(#inside)*, possible #near)
+                }
+            }
+        });
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
@@ -299,6 +334,7 @@ impl<'a> Emitter<'a> {
                 let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(slack).not()));
                 ([#(#uniforms),*], tests, plain, possible)
             }
+            #plainly
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
             #log_density
@@ -344,6 +380,11 @@ impl<'a> Emitter<'a> {
             }
         }
     }
+}
+
+/// Whether nothing but the ends of unknowns limits the piece of a sampler.
+pub(super) fn is_unguarded(place: Place) -> bool {
+    place.problem.guards.is_empty() && place.problem.argument.is_none()
 }
 
 /// The conjunction of some tests.

@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
 use super::own::{forward_with_density, own_density};
-use super::pieces::Place;
+use super::pieces::{Place, is_unguarded};
 use super::tame::Tame;
 
 /// The implementation of the trait for an item whose inverse was derived.
@@ -190,15 +190,29 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
             } else { #strict };
         }
     });
-    let unit = in_unit(place);
+    let mostly = if is_unguarded(place) {
+        let plainly = format_ident!("plainly_{k}");
+        quote! {
+            let (#strict, ok) = #plainly::<R>(&p, &x);
+            let ok = ok.and(belongs) #wide;
+            let #strict = #strict.and(ok);
+            let unknowns = || { let (checked, ..) = #support::<R>(&p, &x); checked };
+        }
+    } else {
+        quote! {
+            let (checked, _, plain, ok) = #support::<R>(&p, &x);
+            let ok = ok.and(belongs) #wide;
+            let #strict = ok.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
+            let unknowns = || checked;
+        }
+    };
     let tested = quote! {
-        let (checked, _, plain, ok) = #support::<R>(&p, &x);
-        let ok = ok.and(belongs) #wide;
-        let #strict = ok.and(plain) #unit #guarded;
+        #mostly
         // Mostly a point lies plainly inside, or not at all.
         let #possible = if #strict.all() {
             #strict
         } else if ok.any() {
+            let checked = unknowns();
             ok.and(#near)
         } else {
             ok
@@ -218,20 +232,6 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
             };
         },
     }
-}
-
-/// Tests of the unknowns that were `checked`: that they lie in [0, 1), as far as their ranges do not tell. What
-/// cannot be above one may come out as one, on a border.
-fn in_unit(place: Place) -> TokenStream {
-    let g = &place.problem.graph;
-    let tests = place.checked().into_iter().enumerate().map(|(k, i)| {
-        let range = g.range(place.preimage.tested[i]);
-        let guarded = !place.problem.guards.is_empty();
-        let below = (guarded || range.lo < 0.0).then(|| quote!(.and(checked[#k].ge(R::ZERO))));
-        let above = (guarded || range.hi > 1.0 + 1e-12).then(|| quote!(.and(checked[#k].lt(R::ONE))));
-        quote!(#below #above)
-    });
-    quote!(#(#tests)*)
 }
 
 /// What is decided with error bounds, and so for each lane alone: whether a point that does not
