@@ -123,10 +123,19 @@ fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -
     R::select(d.ge(d), d, first)
 }
 
-/// Whether every number is finite.
+/// Whether every number is finite: of any other, the difference from itself is no zero.
 #[inline(always)]
 pub fn finite<R: Real>(x: &[R]) -> R::Mask {
-    x.iter().fold(R::Mask::TRUE, |m, x| m.and(Real::finite(*x)))
+    let differences = x.iter().map(|x| *x - *x).reduce(|sum, d| sum + d);
+    differences.map_or(R::Mask::TRUE, |sum| sum.ge(R::ZERO))
+}
+
+/// Whether a place within a segment lies so near to one of its ends that rounding may have put it on either
+/// side.
+#[inline(always)]
+pub fn at_end<R: Real>(t: R) -> R::Mask {
+    let end = R::of(1.0 / 1024.0);
+    t.lt(end).or(t.gt(R::ONE - end))
 }
 
 /// A mask with all lanes alike.

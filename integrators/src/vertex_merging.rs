@@ -189,12 +189,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
                     let response = estimator.integrand().response(receiver, &found.path);
                     let technique = Technique::edge(found.technique + 1, n - found.technique - 1);
-                    received.add_by(
-                        technique,
-                        receiver,
-                        found.value * response,
-                        found.alone * response,
-                    );
+                    received.add_found(technique, receiver, &found, response);
                 }
             }
         }
@@ -221,12 +216,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
                     let technique =
                         Technique { vertices: n, joint: "merge", camera: t, light: n + 1 - t };
-                    received.add_by(
-                        technique,
-                        pixel,
-                        found.value * response,
-                        found.alone * response,
-                    );
+                    received.add_found(technique, pixel, &found, response);
                 }
             });
         }
