@@ -250,6 +250,7 @@ fn convergence_measures_and_reports() {
     for (more, expected) in [
         (&["--variant=x=teapot"][..], "integrator `teapot` is not supported"),
         (&["--variant=x=path --paint"], "unexpected argument '--paint'"),
+        (&["--variant=path=bdpt"], "two integrators are called `path`"),
         (&["--images", "none.csv"], "none.csv"),
         (&["--repeats=0"], "1..=1000"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
@@ -257,6 +258,7 @@ fn convergence_measures_and_reports() {
         let message = failure(run(&[&["-o", &out], more].concat()));
         assert!(message.contains(expected), "{more:?}: {message}");
     }
+    assert!(failure(aether(&["report", &out, &out])).contains("measured twice"));
     assert!(
         failure(aether(&["report", &path("none")])).contains("`aether convergence` has written")
     );

@@ -8,7 +8,7 @@ use super::kernel::{Plan, kernel_for, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::convergence::adapter::{self, Request};
-use crate::convergence::bias::spread;
+use crate::convergence::bias::{Spread, spread};
 use crate::convergence::measure::{
     Effort, Subject, ladder, measure, reference_seed, row, samples_within,
 };
@@ -17,6 +17,7 @@ use crate::convergence::picture::{Crop, cut, error_picture, mean, telling_crop};
 use crate::convergence::record::{Curve, Estimate, Row, plain};
 use crate::convergence::reference::{Reference, crop_text};
 use crate::convergence::report::Measurements;
+use crate::convergence::statistics::Interval;
 use crate::convergence::summary::summarise;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, png};
@@ -70,7 +71,14 @@ fn entries(arguments: &ConvergenceArguments) -> Result<Vec<(String, RenderArgume
     let entry = |(label, integrator): (String, String)| {
         Ok((plain(&label), render_arguments(arguments, &integrator).map_err(Failure::new)?))
     };
-    all.map(entry).collect()
+    let entries: Vec<(String, RenderArguments)> = all.map(entry).collect::<Result<_, Failure>>()?;
+    for (k, (label, _)) in entries.iter().enumerate() {
+        if entries[..k].iter().any(|(other, _)| other == label) {
+            let message = format!("two integrators are called `{label}`; give each its own name");
+            return Err(Failure::new(message));
+        }
+    }
+    Ok(entries)
 }
 
 /// One scene.
@@ -156,7 +164,7 @@ impl<'a> Run<'a> {
             .iter()
             .filter_map(|(curve, images)| estimate(curve, images, &all.rows, &reference))
             .collect();
-        if all.estimates.is_empty() {
+        if self.arguments.repeats < 3 {
             all.notes.push(format!("{}: intervals and biases need three seeds.", self.name));
         }
         self.pictures(&mut all, &images, &reference)?;
@@ -329,16 +337,20 @@ fn estimate(
     reference: &Reference,
 ) -> Option<Estimate> {
     let spp = rows.iter().filter(|row| row.curve == *curve).map(|row| row.spp).max()?;
-    let spread = spread(&images.iter().collect::<Vec<_>>(), reference)?;
-    let scaled = |value: f64| value * f64::from(spp);
-    let (variance, bias) = (spread.variance, spread.bias);
+    let spread = spread(&images.iter().collect::<Vec<_>>(), reference);
+    let three = |of: fn(&Spread) -> Interval| {
+        spread.as_ref().map_or([f64::NAN; 3], |spread| {
+            let Interval { value, low, high } = of(spread);
+            [value, low, high]
+        })
+    };
     Some(Estimate {
         curve: curve.clone(),
         seeds: images.len(),
         spp,
-        variance: [variance.value, variance.low, variance.high].map(scaled),
-        bias: [bias.value, bias.low, bias.high],
-        biased: spread.biased,
+        variance: three(|spread| spread.variance).map(|value| value * f64::from(spp)),
+        bias: three(|spread| spread.bias),
+        biased: spread.is_some_and(|spread| spread.biased),
         floor: reference.floor(),
         reference: plain(&reference.made_by),
     })

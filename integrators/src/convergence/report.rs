@@ -3,6 +3,7 @@
 //! A directory holds `errors.csv`, `estimates.csv`, `notes.txt` (remarks of the run, one a line) and `images/`, with
 //! pictures of each curve by its name for files.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,16 @@ impl Measurements {
         if all.rows.is_empty() {
             return Err("there are no measurements to report".to_owned());
         }
-        Ok(all)
+        match twice(&all.rows) {
+            Some(row) => Err(format!(
+                "{}, {}, seed {} with {} samples is measured twice; give one of the scenes another --name",
+                row.curve.scene,
+                row.curve.label(),
+                row.seed,
+                row.spp
+            )),
+            None => Ok(all),
+        }
     }
 
     /// The picture with a name.
@@ -100,6 +110,12 @@ impl Measurements {
         put(&directory.join("report.md"), text.as_bytes())?;
         Ok(text)
     }
+}
+
+/// A measurement that there is already.
+fn twice(rows: &[Row]) -> Option<&Row> {
+    let mut seen = BTreeSet::new();
+    rows.iter().find(|row| !seen.insert((&row.curve, row.seed, row.spp)))
 }
 
 fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {

@@ -66,7 +66,8 @@ pub fn cells(summary: &Summary) -> [String; 8] {
     let slope = summary.slope.map_or_else(none, |slope| {
         format!("{:.2} ± {:.2}", slope.value, (slope.high - slope.low) / 2.0)
     });
-    let bias = summary.estimate.as_ref().map_or_else(none, |estimate| {
+    let estimate = summary.estimate.as_ref().filter(|estimate| !estimate.bias[0].is_nan());
+    let bias = estimate.map_or_else(none, |estimate| {
         let root = |square: f64| (square - estimate.floor.unwrap_or(0.0)).max(0.0).sqrt();
         match estimate.biased {
             true => format!("{:.4} *", root(estimate.bias[0])),
