@@ -169,7 +169,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
 }
 
 /// Whether the images of two pieces have no more than a border in common, by the ranges of a coordinate.
-fn apart(e: &Emitter, j: usize, k: usize) -> bool {
+pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
     let range = |piece: usize, i: usize| {
         let problem = &e.parsed.pieces[piece].problem;
         problem.graph.range(problem.outputs[i])

@@ -136,6 +136,13 @@ pub(super) struct UnitTest {
     pub near: Option<TokenStream>,
 }
 
+/// Base and exponent of a power of which only the parameters know whether it grows.
+fn unknown_power(g: &Graph, id: Id) -> Option<(Id, Id)> {
+    let Node::Product(factors) = g.node(id) else { return None };
+    let [(base, exponent)] = factors[..] else { return None };
+    (g.as_number(exponent).is_none() && g.range(exponent).lo <= 0.0).then_some((base, exponent))
+}
+
 /// The tests of an unknown, as far as its range leaves them open; `all` asks for both sides.
 pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     let g = code.graph();
@@ -146,6 +153,12 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         peeled = peel_nothing(id);
     }
     let Peeled { inner, falling, bounds } = peeled;
+    if let Some((base, exponent)) = unknown_power(g, id) {
+        let (base, exponent) = (code.value(base), code.value(exponent));
+        // Below one if the base is and the exponent is positive, or if neither is so.
+        let inside = quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
+        return UnitTest { inside, near: None };
+    }
     let value = code.value(inner);
     let above = |bound: f64, equal: bool| match (falling, equal) {
         _ if bound == f64::NEG_INFINITY || bound == f64::INFINITY => quote!(),
@@ -192,6 +205,30 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         quote!(#low #high)
     });
     UnitTest { inside, near }
+}
+
+/// What decides about the sign of an expression, if it is one factor of it, and whether that stands below a line:
+/// then it cannot be zero.
+pub(super) fn sign_of(g: &Graph, id: Id) -> (Id, bool) {
+    let factors = match g.node(id) {
+        Node::Product(factors) => factors.as_slice(),
+        Node::Sum(c, terms) => match (c.is_zero(), &terms[..]) {
+            (true, [(q, term)]) if !q.is_negative() => return sign_of(g, *term),
+            _ => return (id, false),
+        },
+        _ => return (id, false),
+    };
+    let odd = |e: Id| g.as_number(e).is_some_and(|q| q.is_int() && q.num() % 2 != 0);
+    let mut open = factors.iter().filter(|(b, e)| odd(*e) && !g.range(*b).nonnegative());
+    let even_otherwise = |(b, e): &(Id, Id)| odd(*e) || g.range(*b).nonnegative() || {
+        g.as_number(*e).is_some_and(|q| q.is_int())
+    };
+    match (open.next(), open.next()) {
+        (Some(&(base, e)), None) if factors.iter().all(even_otherwise) => {
+            (base, g.as_number(e).is_some_and(Q::is_negative))
+        }
+        _ => (id, false),
+    }
 }
 
 /// The unknown as it is.

@@ -11,7 +11,7 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
-use super::peeled::{UnitTest, unit_test};
+use super::peeled::{UnitTest, sign_of, unit_test};
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
@@ -44,6 +44,12 @@ impl Place<'_> {
         let guarded = !self.problem.guards.is_empty();
         let tested = &self.preimage.tested;
         (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
+    }
+
+    /// Whether one of these has a longer and more accurate form.
+    pub(super) fn has_longer_forms(&self) -> bool {
+        let Preimage { tested, unknowns, .. } = self.preimage;
+        self.checked().into_iter().any(|i| tested[i] != unknowns[i])
     }
 }
 
@@ -285,8 +291,17 @@ impl<'a> Emitter<'a> {
         let plainly = is_unguarded(place).then(|| {
             let name = format_ident!("plainly_{}", place.number);
             let mut code = Code::new(g, &at);
-            let conditions: Vec<TokenStream> =
-                preimage.conditions.iter().map(|&c| code.value(c)).collect();
+            let mut signs: Vec<(Id, bool)> =
+                preimage.conditions.iter().map(|&c| sign_of(g, c)).collect();
+            signs.sort_unstable();
+            signs.dedup();
+            let signs = signs.into_iter().map(|(c, below)| (code.value(c), below));
+            let (strictly, possibly): (Vec<TokenStream>, Vec<TokenStream>) = signs
+                .map(|(c, below)| match below {
+                    true => (quote!(#c.gt(R::ZERO)), quote!(#c.gt(R::ZERO))),
+                    false => (quote!(#c.ge(#least)), quote!(#c.lt(slack).not())),
+                })
+                .unzip();
             let requirements: Vec<TokenStream> =
                 preimage.requirements.iter().map(|&c| code.value(c)).collect();
             let first_lets = code.take_statements();
@@ -299,7 +314,6 @@ impl<'a> Emitter<'a> {
                 [UnitTest { near: Some(near), .. }] => quote!(#near),
                 _ => quote!(),
             };
-            let conditions = &conditions;
             quote! {
                 /// Whether the preimage plainly exists, and whether it may.
                 #[inline(always)]
@@ -307,12 +321,12 @@ impl<'a> Emitter<'a> {
                     #first_lets
                     let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
                     let slack = R::of(-1.0 / 256.0);
-                    let possible = exists #(.and(#conditions.lt(slack).not()))*;
+                    let possible = exists #(.and(#possibly))*;
                     if !possible.any() {
                         return (possible, possible);
                     }
                     #unit_lets
-                    (exists #(.and(#conditions.ge(#least)))* #(#inside)*, possible #near)
+                    (exists #(.and(#strictly))* #(#inside)*, possible #near)
                 }
             }
         });
@@ -320,6 +334,18 @@ impl<'a> Emitter<'a> {
         let value = code.value(preimage.density);
         let density_lets = code.statements();
         let log_density = self.has_logarithms().then(|| self.log_density(place));
+        let accurate = place.has_longer_forms().then(|| {
+            let name = format_ident!("accurate_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let values: Vec<TokenStream> =
+                checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
+            let lets = code.statements();
+            quote! {
+                /// The unknowns that are tested, as accurate as they can be had.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #c] { #lets [#(#values),*] }
+            }
+        });
         quote! {
             #[inline(always)]
             fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
@@ -336,6 +362,7 @@ impl<'a> Emitter<'a> {
                 ([#(#uniforms),*], tests, plain, possible)
             }
             #plainly
+            #accurate
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
             #log_density

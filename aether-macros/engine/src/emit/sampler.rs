@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{forward_with_density, own_density};
+use super::own::{apart, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::tame::Tame;
 
@@ -108,7 +108,14 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
-    existence_where(e, &|_| None)
+    let places = e.places();
+    // A point that lies in the image of one piece does not lie in those that are apart from it.
+    existence_where(e, &|piece| {
+        let earlier = places.iter().filter(|place| place.piece < piece);
+        let apart = earlier.filter(|place| apart(e, place.piece, piece));
+        let found: Vec<_> = apart.map(|place| format_ident!("strict_{}", place.number)).collect();
+        (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
+    })
 }
 
 /// The same for the preimages of each piece only where a mask holds, if there is one.
@@ -170,24 +177,30 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
     let member = format_ident!("member_{k}");
     // What is tested is short; where a longer form is more accurate, it says whether a point is near.
     let about = quote!(::aether_core::support::about_unit::<R, _>);
-    let near = if place.preimage.tested == place.preimage.unknowns {
-        quote!(#about(&checked))
-    } else {
+    let accurate = format_ident!("accurate_{k}");
+    let near = if place.has_longer_forms() {
         quote! {
             {
                 let near = #about(&checked);
-                if near.all() { near } else { near.or(#about(&#inverse::<R>(&p, &x))) }
+                if near.all() { near } else { near.or(#about(&#accurate::<R>(&p, &x))) }
             }
         }
+    } else {
+        quote!(#about(&checked))
     };
     let membership = place.derived.check_forward.then(|| {
         quote! {
-            let #strict = if #strict.any() {
+            let (#strict, #possible) = if #strict.any() {
                 let back = #forward::<R>(&p, &#inverse::<R>(&p, &x));
                 let near = ::aether_core::support::near::<R, #m>(&back, &x);
-                #strict.and(near.or(::aether_core::support::member::<R, #m, #s>(
-                    #strict.and(near.not()), &p, &x, #member::<R::Lane>)))
-            } else { #strict };
+                let far = #strict.and(::aether_core::support::far::<R, #m>(&back, &x));
+                let doubtful = #strict.and(near.or(far).not());
+                let found = near.or(::aether_core::support::member::<R, #m, #s>(
+                    doubtful, &p, &x, #member::<R::Lane>));
+                (#strict.and(found), #possible.and(far.not()))
+            } else {
+                (#strict, #possible)
+            };
         }
     });
     let mostly = if is_unguarded(place) {
