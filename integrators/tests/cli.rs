@@ -280,6 +280,11 @@ fn a_render_ends_at_its_target_and_tells_what_it_did() {
         };
         assert!(samples >= 16 && (samples as u32).is_power_of_two(), "{integrator}: {samples}");
     }
+    // A ray for each sample finds what is seen directly.
+    let seen = ["render", scene, "-o", path, "--spp=3", "--max-depth=1", "--threads=3", "--stats"];
+    let text = stdout(&aether(&seen));
+    assert!(text.contains("rays, nearest 5.7600e2, 1.00 per sample"), "{text}");
+    assert!(text.contains("rays, any     0.0000e0, 0.00 per sample"), "{text}");
     let adaptive = [&render[..], &["--adaptive", "--integrator", "bdpt"]].concat();
     assert!(failure(aether(&adaptive)).contains("leave --adaptive out"));
     assert!(failure(aether(&["render", scene, "--adaptive"])).contains("--target-error"));
