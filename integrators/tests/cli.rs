@@ -270,15 +270,15 @@ fn a_render_ends_at_its_target_and_tells_what_it_did() {
     let (scene, path) = (scene.to_str().unwrap(), output.to_str().unwrap());
     let render =
         ["render", scene, "-o", path, "--target-error", "0.5", "--stats", "--live-exr=0.01"];
-    for integrator in ["path", "bdpt", "mlt", "ppm", "vpl"] {
-        let text =
-            stdout(&aether(&[&render[..], &["--time=5", "--integrator", integrator]].concat()));
+    for integrator in ["path", "bdpt", "mlt", "ppm"] {
+        let more = ["--spp=4096", "--integrator", integrator];
+        let text = stdout(&aether(&[&render[..], &more].concat()));
         assert!(text.contains("rays, nearest") && text.contains("densities"), "{text}");
         let samples = match &Exr::read(&output).unwrap().attributes["samples"] {
             integrators::image::exr::Attribute::Integer(samples) => *samples,
             other => panic!("{other:?}"),
         };
-        assert!(samples >= 16 && (samples as u32).is_power_of_two(), "{integrator}: {samples}");
+        assert!((16..4096).contains(&samples), "{integrator}: {samples}");
     }
     // A ray for each sample finds what is seen directly.
     let seen = ["render", scene, "-o", path, "--spp=3", "--max-depth=1", "--threads=3", "--stats"];

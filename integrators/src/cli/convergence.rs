@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::{ConvergenceArguments, RenderArguments, render_arguments};
-use super::kernel::{Plan, kernel_for, load};
+use super::kernel::{Plan, algorithm_for, kernel_for, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::convergence::adapter::{self, Request};
@@ -118,6 +118,10 @@ impl<'a> Run<'a> {
         terminal: &Terminal,
     ) -> Result<Measurements, Failure> {
         let effort = self.effort();
+        // What cannot work fails before anything is rendered.
+        for (_, arguments) in entries {
+            algorithm_for(self.scene, &Plan::new(self.scene, arguments))?;
+        }
         let given = self.given_reference()?;
         let list = self.arguments.images.as_ref().map(|path| adapter::read_list(path));
         let list = list.transpose().map_err(Failure::new)?.unwrap_or_default();
