@@ -250,12 +250,13 @@ fn convergence_measures_and_reports() {
         (&["--variant=x=path --paint"], "unexpected argument '--paint'"),
         (&["--variant=path=bdpt"], "two integrators are called `path`"),
         (&["--images", "none.csv"], "none.csv"),
-        (&["--repeats=0"], "1..=1000"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
     ] {
         let message = failure(run(&[&["-o", &out], more].concat()));
         assert!(message.contains(expected), "{more:?}: {message}");
     }
+    let none = ["convergence", scene, "--budget=1", "--repeats=0"];
+    assert!(failure(aether(&none)).contains("1..=1000"));
     assert!(failure(aether(&["report", &out, &out])).contains("measured twice"));
     assert!(
         failure(aether(&["report", &path("none")])).contains("`aether convergence` has written")
