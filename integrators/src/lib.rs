@@ -6,8 +6,8 @@
 //! together; none of the three knows of the others' business, and no density is written by hand. All of
 //! them are generic over the [`kind`] of scene: what a scene does not need is not compiled. [`scattering`]
 //! is what surfaces do with light.
-//! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, and
-//! [`cli`] is the program.
+//! [`render`] distributes pixels over threads, [`image`] reads, writes and compares pictures, [`convergence`]
+//! measures errors against time, and [`cli`] is the program.
 
 pub mod algorithm;
 pub mod aovs;

@@ -252,12 +252,13 @@ fn convergence_measures_and_reports() {
         (&["--variant=x=path --paint"], "unexpected argument '--paint'"),
         (&["--variant=path=bdpt"], "two integrators are called `path`"),
         (&["--images", "none.csv"], "none.csv"),
-        (&["--repeats=0"], "1..=1000"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
     ] {
         let message = failure(run(&[&["-o", &out], more].concat()));
         assert!(message.contains(expected), "{more:?}: {message}");
     }
+    let none = ["convergence", scene, "--budget=1", "--repeats=0"];
+    assert!(failure(aether(&none)).contains("1..=1000"));
     assert!(failure(aether(&["report", &out, &out])).contains("measured twice"));
     assert!(
         failure(aether(&["report", &path("none")])).contains("`aether convergence` has written")
@@ -272,16 +273,21 @@ fn a_render_ends_at_its_target_and_tells_what_it_did() {
     let (scene, path) = (scene.to_str().unwrap(), output.to_str().unwrap());
     let render =
         ["render", scene, "-o", path, "--target-error", "0.5", "--stats", "--live-exr=0.01"];
-    for integrator in ["path", "bdpt", "mlt", "ppm", "vpl"] {
-        let text =
-            stdout(&aether(&[&render[..], &["--time=5", "--integrator", integrator]].concat()));
+    for integrator in ["path", "bdpt", "mlt", "ppm"] {
+        let more = ["--spp=4096", "--integrator", integrator];
+        let text = stdout(&aether(&[&render[..], &more].concat()));
         assert!(text.contains("rays, nearest") && text.contains("densities"), "{text}");
         let samples = match &Exr::read(&output).unwrap().attributes["samples"] {
             integrators::image::exr::Attribute::Integer(samples) => *samples,
             other => panic!("{other:?}"),
         };
-        assert!(samples >= 16 && (samples as u32).is_power_of_two(), "{integrator}: {samples}");
+        assert!((16..4096).contains(&samples), "{integrator}: {samples}");
     }
+    // A ray for each sample finds what is seen directly.
+    let seen = ["render", scene, "-o", path, "--spp=3", "--max-depth=1", "--threads=3", "--stats"];
+    let text = stdout(&aether(&seen));
+    assert!(text.contains("rays, nearest 5.7600e2, 1.00 per sample"), "{text}");
+    assert!(text.contains("rays, any     0.0000e0, 0.00 per sample"), "{text}");
     let adaptive = [&render[..], &["--adaptive", "--integrator", "bdpt"]].concat();
     assert!(failure(aether(&adaptive)).contains("leave --adaptive out"));
     assert!(failure(aether(&["render", scene, "--adaptive"])).contains("--target-error"));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::{ConvergenceArguments, RenderArguments, render_arguments};
-use super::kernel::{Plan, kernel_for, load};
+use super::kernel::{Plan, algorithm_for, kernel_for, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::convergence::adapter::{self, Request};
@@ -118,21 +118,33 @@ impl<'a> Run<'a> {
         terminal: &Terminal,
     ) -> Result<Measurements, Failure> {
         let effort = self.effort();
+        // What cannot work fails before anything is rendered.
+        for (_, arguments) in entries {
+            algorithm_for(self.scene, &Plan::new(self.scene, arguments))?;
+        }
         let given = self.given_reference()?;
         let list = self.arguments.images.as_ref().map(|path| adapter::read_list(path));
         let list = list.transpose().map_err(Failure::new)?.unwrap_or_default();
-        let mut measured = Vec::new();
+        let (mut measured, mut slow) = (Vec::new(), Vec::new());
         for (label, arguments) in entries {
             let subject = self.subject(label, arguments);
-            let samples = samples_within(&subject, &effort, terminal).map_err(Failure::new)?;
-            warn(&format!("{label}: {samples} samples per pixel in {} s", effort.budget));
+            let (samples, seconds) =
+                samples_within(&subject, &effort, terminal).map_err(Failure::new)?;
+            warn(&format!("{label}: {samples} samples per pixel in {seconds:.1} s"));
+            if seconds > 1.5 * effort.budget {
+                slow.push(format!(
+                    "{}, {label}: the budget of {} s is too small for it; one sample per pixel takes {seconds:.0} s.",
+                    self.name, effort.budget
+                ));
+            }
             measured.push((subject, samples));
         }
         let reference = match given {
             Some(reference) => reference,
             None => self.make_reference(&output.join("reference.exr"), terminal)?,
         };
-        let mut all = Measurements { notes: reference.doubts.clone(), ..Measurements::default() };
+        slow.extend(reference.doubts.iter().map(|doubt| format!("{}: {doubt}", self.name)));
+        let mut all = Measurements { notes: slow, ..Measurements::default() };
         let mut images: Images = Vec::new();
         // Seed by seed, so that a machine that is busy for a while disturbs all integrators alike.
         for k in 0..u64::from(self.arguments.repeats) {

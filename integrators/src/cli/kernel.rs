@@ -112,6 +112,14 @@ pub(super) fn kernel_for<'a>(
     scene: &'a Scene,
     plan: &Plan,
 ) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
+    match algorithm_for(scene, plan)?.kernel(&plan.kind, scene, plan.seed) {
+        Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
+        None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
+    }
+}
+
+/// The algorithm called `plan.integrator` with the settings of `plan`, not yet prepared for a scene.
+pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Failure> {
     let path = PathSettings {
         max_depth: plan.max_depth,
         rr_depth: plan.rr_depth,
@@ -154,10 +162,7 @@ pub(super) fn kernel_for<'a>(
             });
         }
     };
-    match algorithm.kernel(&plan.kind, scene, plan.seed) {
-        Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
-        None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
-    }
+    Ok(algorithm)
 }
 
 /// The integrators, by their names in scene files and on the command line.

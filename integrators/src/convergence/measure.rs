@@ -44,7 +44,8 @@ pub fn ladder(most: u32) -> Vec<u32> {
     steps
 }
 
-/// How many samples per pixel fit into the budget, by the speed of a render of an eighth of it.
+/// How many samples per pixel fit into the budget, and the seconds that they are expected to take: more than the budget
+/// if it is too small for one. By the speed of a render of an eighth of the budget.
 ///
 /// # Errors
 /// If the integrator cannot render the scene, or the observer cancels.
@@ -52,7 +53,7 @@ pub fn samples_within(
     subject: &Subject<'_>,
     effort: &Effort,
     observer: &dyn Observer,
-) -> Result<u32, String> {
+) -> Result<(u32, f64), String> {
     let kernel = (subject.kernel)(CALIBRATION_SEED)?;
     let settings = RenderSettings {
         size: effort.size,
@@ -66,7 +67,8 @@ pub fn samples_within(
     let prepared = kernel.preparation().seconds;
     let speed = f64::from(rendered.film.samples().0) / (rendered.seconds - prepared).max(1e-9);
     // A float outside the range of u32 becomes its nearest end.
-    Ok(((effort.budget - prepared) * speed).clamp(1.0, f64::from(i32::MAX)) as u32)
+    let samples = ((effort.budget - prepared) * speed).clamp(1.0, f64::from(i32::MAX)) as u32;
+    Ok((samples, prepared + f64::from(samples) / speed))
 }
 
 /// Seeds of renders that are not measured, far from those that are.
