@@ -89,6 +89,14 @@ pub trait Sampler<R: Real>: Copy {
     /// The density of the sample that `u` maps to. Needs no inversion if the map is injective.
     fn pdf_of_uniforms(&self, u: Self::Uniforms) -> PdfOf<Self, R>;
 
+    /// [`Sampler::forward`] together with [`Sampler::pdf_of_uniforms`], which share what they can. The density
+    /// says nothing where there is no point.
+    #[inline(always)]
+    fn forward_with_pdf(&self, u: Self::Uniforms) -> (Self::Point, R::Mask, PdfOf<Self, R>) {
+        let (point, valid) = self.forward(u);
+        (point, valid, self.pdf_of_uniforms(u))
+    }
+
     /// Calls `visit` with every preimage of `x` (where the mask holds).
     fn preimages(&self, x: &Self::Point, visit: impl FnMut(Self::Uniforms, R::Mask));
 

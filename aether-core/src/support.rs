@@ -123,10 +123,19 @@ fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -
     R::select(d.ge(d), d, first)
 }
 
-/// Whether every number is finite.
+/// Whether every number is finite: of any other, the difference from itself is no zero.
 #[inline(always)]
 pub fn finite<R: Real>(x: &[R]) -> R::Mask {
-    x.iter().fold(R::Mask::TRUE, |m, x| m.and(Real::finite(*x)))
+    let differences = x.iter().map(|x| *x - *x).reduce(|sum, d| sum + d);
+    differences.map_or(R::Mask::TRUE, |sum| sum.ge(R::ZERO))
+}
+
+/// Whether a place within a segment lies so near to one of its ends that rounding may have put it on either
+/// side.
+#[inline(always)]
+pub fn at_end<R: Real>(t: R) -> R::Mask {
+    let end = R::of(1.0 / 1024.0);
+    t.lt(end).or(t.gt(R::ONE - end))
 }
 
 /// A mask with all lanes alike.
@@ -321,6 +330,14 @@ pub fn not_negative<R: Real>(x: R) -> R {
 pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     let tolerance = R::of(SLACK) * R::EPSILON;
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())))
+}
+
+/// Whether two points are so far from each other, for their size, that no rounding has moved one there.
+#[inline(always)]
+pub fn far<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
+    let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
+    let limit = size * R::of(0.0625);
+    a.iter().zip(b).fold(R::Mask::FALSE, |m, (a, b)| m.or((*a - *b).abs().gt(limit)))
 }
 
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.

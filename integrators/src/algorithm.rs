@@ -14,6 +14,7 @@ use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
 use crate::scene::Scene;
 use crate::tridirectional::Tridirectional;
+use crate::vertex_merging::{MergingKernel, VertexMerging};
 
 /// A light transport algorithm with its settings.
 #[derive(Clone, Debug)]
@@ -30,6 +31,8 @@ pub enum Algorithm {
     InstantRadiosity(InstantRadiosity),
     /// Progressive photon mapping.
     PhotonMapping(PhotonMapping),
+    /// Vertex connection and merging.
+    VertexMerging(VertexMerging),
     /// Metropolis light transport in path space.
     Metropolis(Metropolis),
     /// Metropolis light transport on primary samples.
@@ -61,6 +64,10 @@ impl Algorithm {
             Algorithm::InstantRadiosity(it) => Some(general(scene, it, seed)),
             Algorithm::PhotonMapping(it) => {
                 let kernel = PhotonKernel::<Everything>::new(scene, it, seed);
+                Some(kernel.map(|kernel| Box::new(kernel) as _))
+            }
+            Algorithm::VertexMerging(it) => {
+                let kernel = MergingKernel::<Everything>::new(scene, it, seed);
                 Some(kernel.map(|kernel| Box::new(kernel) as _))
             }
             Algorithm::Metropolis(it) => Some(chained(scene, it, seed)),

@@ -1,6 +1,7 @@
 //! What an integrator is to the renderer: an estimator of pixels, for every kind of scene.
 
-use aether_core::{Pcg32, Sobol, UniformSource};
+use aether_core::estimator::Contribution;
+use aether_core::{Pcg32, Sobol, UniformSource, Vertex};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
@@ -62,6 +63,17 @@ impl<'s> Received<'s> {
     /// The pixel that the sample was made for.
     pub fn pixel(&self) -> Pixel {
         self.pixel
+    }
+
+    /// Adds to a pixel what a path that a technique has found contributes, with the pixel's response to it.
+    pub fn add_found<V: Vertex, S>(
+        &mut self,
+        technique: Technique,
+        receiver: Pixel,
+        found: &Contribution<'_, V, S, Vec3>,
+        response: f32,
+    ) {
+        self.add_by(technique, receiver, found.value * response, found.alone * response);
     }
 
     /// Adds to a pixel what a technique contributes: by its weight, and what it would contribute alone.

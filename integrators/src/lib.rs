@@ -46,5 +46,6 @@ pub mod strategies;
 pub mod subpaths;
 pub mod tridirectional;
 pub mod vertex;
+pub mod vertex_merging;
 pub mod work;
 pub mod world;

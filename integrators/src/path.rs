@@ -80,11 +80,7 @@ pub fn trace<'a, K, S>(
     }
 
     let response = estimator.integrand().response(pixel, &camera);
-    if !settings.hide_emitters && longest > 1 {
-        let seen = estimator.of(&camera.slice(0..2)) * response;
-        received.add_by(Technique::edge(2, 0), pixel, seen, seen);
-    }
-    for length in 3..=camera.size() {
+    for length in 2 + usize::from(settings.hide_emitters)..=camera.size() {
         // The path that scattering found, and those that go to a light instead.
         let endings = endings.iter().filter(|ending| ending.len() + 2 <= length);
         let ended = endings.clone().map(|ending| {
@@ -96,10 +92,9 @@ pub fn trace<'a, K, S>(
         });
         let techniques = arena.collect(once(camera.slice(0..length)).chain(ended));
         for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-            let steps = once(0).chain(endings.clone().map(|ending| ending.len()));
-            let ended = steps.clone().nth(found.technique).unwrap_or_default();
-            let technique = Technique::edge(length - ended, ended);
-            received.add_by(technique, pixel, found.value * response, found.alone * response);
+            let mut steps = once(0).chain(endings.clone().map(|ending| ending.len()));
+            let ended = steps.nth(found.technique).unwrap_or(0);
+            received.add_found(Technique::edge(length - ended, ended), pixel, &found, response);
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{Photon, PhotonMap};
+use crate::photons::{Photon, PhotonMap, shrunk};
 use crate::render::{AnyKernel, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
@@ -40,12 +40,6 @@ impl PhotonMapping {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
         PhotonMapping { path, light_paths: None, radius: 0.02, alpha: 2.0 / 3.0 }
-    }
-
-    /// The radius of a sample over the first (Knaus and Zwicker 2011, Eq. 15).
-    fn shrunk(&self, sample: u32) -> f32 {
-        let step = |i: u32| (f64::from(i) + f64::from(self.alpha)) / (f64::from(i) + 1.0);
-        (1..=sample).map(step).product::<f64>().sqrt() as f32
     }
 }
 
@@ -182,7 +176,7 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(paths));
         let parts = work::threads((0..paths).step_by(share).map(shoot));
         let (_, size) = self.world.lights.bounds;
-        let radius = self.settings.radius * size * self.settings.shrunk(first);
+        let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
         let map = PhotonMap::new(parts.concat(), radius);
         *self.map.write().unwrap_or_else(PoisonError::into_inner) = map;
     }

@@ -18,22 +18,47 @@ pub struct Photon {
     pub edges: u32,
 }
 
-/// Photons, sorted by the cells of a grid.
-#[derive(Clone, Debug, Default)]
-pub struct PhotonMap {
-    photons: Vec<Photon>,
+/// The search radius of a sample over that of the first, where `alpha` says how fast it shrinks (Knaus and
+/// Zwicker 2011, Eq. 15).
+pub fn shrunk(alpha: f32, sample: u32) -> f32 {
+    let step = |i: u32| (f64::from(i) + f64::from(alpha)) / (f64::from(i) + 1.0);
+    (1..=sample).map(step).product::<f64>().sqrt() as f32
+}
+
+/// Something at a place.
+pub trait Placed: Copy {
+    /// Where it is.
+    fn position(&self) -> Vec3;
+}
+
+impl Placed for Photon {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+}
+
+/// Photons, or other things at places, sorted by the cells of a grid.
+#[derive(Clone, Debug)]
+pub struct PhotonMap<P = Photon> {
+    photons: Vec<P>,
     /// Where the photons of each bucket of cells begin.
     starts: Vec<u32>,
     radius: f32,
 }
 
-impl PhotonMap {
+impl<P> Default for PhotonMap<P> {
+    fn default() -> Self {
+        PhotonMap { photons: Vec::new(), starts: Vec::new(), radius: 0.0 }
+    }
+}
+
+impl<P: Placed> PhotonMap<P> {
     /// A map for searches within a radius.
-    pub fn new(photons: Vec<Photon>, radius: f32) -> Self {
+    pub fn new(photons: Vec<P>, radius: f32) -> Self {
         let buckets = photons.len().next_power_of_two().max(16);
         let mut map = PhotonMap { photons: Vec::new(), starts: vec![0; buckets + 1], radius };
         let bucket: Vec<usize> =
-            photons.iter().map(|photon| map.bucket(map.cell(photon.position))).collect();
+            photons.iter().map(|photon| map.bucket(map.cell(photon.position()))).collect();
         for bucket in &bucket {
             map.starts[bucket + 1] += 1;
         }
@@ -64,7 +89,7 @@ impl PhotonMap {
     }
 
     /// Calls `visit` with each photon within the radius of a point.
-    pub fn near(&self, point: Vec3, mut visit: impl FnMut(&Photon)) {
+    pub fn near(&self, point: Vec3, mut visit: impl FnMut(&P)) {
         if self.photons.is_empty() {
             return;
         }
@@ -85,7 +110,7 @@ impl PhotonMap {
                     count += 1;
                     let [start, end] = [bucket, bucket + 1].map(|b| self.starts[b] as usize);
                     let within = self.radius * self.radius;
-                    let inside = |p: &&Photon| p.position.distance_squared(point) <= within;
+                    let inside = |p: &&P| p.position().distance_squared(point) <= within;
                     self.photons[start..end].iter().filter(inside).for_each(&mut visit);
                 }
             }
@@ -127,6 +152,6 @@ mod tests {
             assert_eq!(found, all);
         }
         assert!(!photons.is_empty());
-        PhotonMap::new(Vec::new(), 0.1).near(Vec3::ZERO, |_| panic!("there is none"));
+        PhotonMap::<Photon>::new(Vec::new(), 0.1).near(Vec3::ZERO, |_| panic!("there is none"));
     }
 }

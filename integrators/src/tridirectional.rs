@@ -90,12 +90,7 @@ impl Integrator for Tridirectional {
                             light: 2 * length - t - 2,
                         },
                     };
-                    received.add_by(
-                        technique,
-                        receiver,
-                        found.value * response,
-                        found.alone * response,
-                    );
+                    received.add_found(technique, receiver, &found, response);
                 }
             }
         }

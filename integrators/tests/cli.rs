@@ -190,6 +190,104 @@ fn inspect_lists_the_scene() {
     assert!(message.contains("ball.xml:9") && message.contains("teapot"), "{message}");
 }
 
+/// A small closed room with a lamp.
+const ROOM: &str = r#"<scene version="3.0.0">
+    <integrator type="path"><integer name="max_depth" value="4"/></integrator>
+    <sensor type="perspective">
+        <float name="fov" value="60"/>
+        <film type="hdrfilm">
+            <integer name="width" value="16"/><integer name="height" value="12"/>
+            <rfilter type="box"/>
+        </film>
+    </sensor>
+    <shape type="sphere"><float name="radius" value="3"/><boolean name="flip_normals" value="true"/>
+        <bsdf type="diffuse"/></shape>
+    <shape type="sphere"><float name="radius" value="0.5"/><point name="center" x="1" y="1" z="1"/>
+        <emitter type="area"><rgb name="radiance" value="5"/></emitter></shape>
+</scene>"#;
+
+#[test]
+fn convergence_measures_and_reports() {
+    let directory = Directory::new("convergence");
+    let scene = directory.0.join("room.xml");
+    std::fs::write(&scene, ROOM).unwrap();
+    let path = |name: &str| directory.0.join(name).to_str().unwrap().to_owned();
+    let options = [
+        "--integrators=path",
+        "--variant=camera only=bdpt --techniques 0:*",
+        "--budget=0.05",
+        "--repeats=3",
+        "--reference-time=0.2",
+        "--threads=1",
+    ];
+    let run = |more: &[&str]| {
+        let scene = scene.to_str().unwrap();
+        aether(&[&["convergence", scene], &options[..], more].concat())
+    };
+    let out = path("out");
+    let text = stdout(&run(&["-o", &out]));
+    assert!(text.contains("| room | path |") && text.contains("| room | camera only |"), "{text}");
+    let read = |name: &str| std::fs::read_to_string(directory.0.join(name)).unwrap();
+    let columns =
+        "scene,renderer,integrator,seed,spp,seconds,rays,densities,rmse,relmse,smape,flip\n";
+    let errors = read("out/errors.csv");
+    assert!(errors.starts_with(columns) && errors.contains("\nroom,aether,camera only,2,"));
+    assert!(read("out/room.svg").contains("<svg") && read("out/room-strip.svg").contains("<svg"));
+
+    // Measured again with the reference that was made, and joined.
+    let (again, joined) = (path("again"), path("joined"));
+    let reference = path("out/reference.exr");
+    let rest = ["--reference", &reference, "--name", "hall", "-o", &again];
+    let scene = scene.to_str().unwrap();
+    let once = ["convergence", scene, "--budget=0.02", "--repeats=1", "--integrators=mlt"];
+    assert!(stdout(&aether(&[&once[..], &rest].concat())).contains("need three seeds"));
+    let text = stdout(&aether(&["report", &out, &again, "-o", &joined]));
+    assert!(text.contains("| room | path |") && text.contains("| hall | mlt |"), "{text}");
+    assert!(read("joined/report.html").contains("data:image/png;base64,"));
+
+    let small = ["convergence", scene, "--budget=1", "--size=8x8", "--reference", &reference];
+    assert!(failure(aether(&small)).contains("has 16x12 pixels, the render 8x8"));
+    for (more, expected) in [
+        (&["--variant=x=teapot"][..], "integrator `teapot` is not supported"),
+        (&["--variant=x=path --paint"], "unexpected argument '--paint'"),
+        (&["--variant=path=bdpt"], "two integrators are called `path`"),
+        (&["--images", "none.csv"], "none.csv"),
+        (&["--repeats=0"], "1..=1000"),
+        (&["--crop=9,9,9"], "such as 10,20,64,48"),
+    ] {
+        let message = failure(run(&[&["-o", &out], more].concat()));
+        assert!(message.contains(expected), "{more:?}: {message}");
+    }
+    assert!(failure(aether(&["report", &out, &out])).contains("measured twice"));
+    assert!(
+        failure(aether(&["report", &path("none")])).contains("`aether convergence` has written")
+    );
+}
+
+#[test]
+fn a_render_ends_at_its_target_and_tells_what_it_did() {
+    let directory = Directory::new("target");
+    let (scene, output) = (directory.0.join("room.xml"), directory.0.join("out.exr"));
+    std::fs::write(&scene, ROOM).unwrap();
+    let (scene, path) = (scene.to_str().unwrap(), output.to_str().unwrap());
+    let render =
+        ["render", scene, "-o", path, "--target-error", "0.5", "--stats", "--live-exr=0.01"];
+    for integrator in ["path", "bdpt", "mlt", "ppm", "vpl"] {
+        let text =
+            stdout(&aether(&[&render[..], &["--time=5", "--integrator", integrator]].concat()));
+        assert!(text.contains("rays, nearest") && text.contains("densities"), "{text}");
+        let samples = match &Exr::read(&output).unwrap().attributes["samples"] {
+            integrators::image::exr::Attribute::Integer(samples) => *samples,
+            other => panic!("{other:?}"),
+        };
+        assert!(samples >= 16 && (samples as u32).is_power_of_two(), "{integrator}: {samples}");
+    }
+    let adaptive = [&render[..], &["--adaptive", "--integrator", "bdpt"]].concat();
+    assert!(failure(aether(&adaptive)).contains("leave --adaptive out"));
+    assert!(failure(aether(&["render", scene, "--adaptive"])).contains("--target-error"));
+    assert!(failure(aether(&["render", scene, "--target-error=0"])).contains("above 0"));
+}
+
 #[test]
 fn help_and_version_succeed() {
     assert!(stdout(&aether(&["--help"])).contains("render"));

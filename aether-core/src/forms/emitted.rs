@@ -18,8 +18,8 @@ pub fn draw_with_density<R: Scalar, S: Sampler<R>, U: UniformSource<R> + ?Sized>
     uniforms: &mut U,
 ) -> Option<(S::Point, Option<R>)> {
     let u = draw_uniforms::<R, S::Uniforms>(uniforms);
-    let (point, valid) = sampler.forward(u);
-    valid.then(|| (point, Some(sampler.pdf_of_uniforms(u).value())))
+    let (point, valid, density) = sampler.forward_with_pdf(u);
+    valid.then(|| (point, Some(density.value())))
 }
 
 /// The image of `x`, if there is one, and its density if that of `x`, a sample of `sampler`, is known. If

@@ -46,7 +46,9 @@ impl<V: Vertex, S: Strategy<V>> Snapshot<V, S> {
             Some((arena.tape.vertex(place.at(i))?, strategy, entry))
         }));
     }
+}
 
+impl<V: Vertex, S> Snapshot<V, S> {
     /// How many vertices the path has.
     pub fn len(&self) -> usize {
         self.steps.len()
@@ -56,25 +58,48 @@ impl<V: Vertex, S: Strategy<V>> Snapshot<V, S> {
     pub fn is_empty(&self) -> bool {
         self.steps.is_empty()
     }
+
+    /// Vertex `i`, if the path has it.
+    pub fn vertex(&self, i: usize) -> Option<V> {
+        self.steps.get(i).map(|step| step.0)
+    }
+
+    /// The same path with something else in the place of its strategies: without those that borrow, it can be
+    /// stored where they cannot.
+    pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> Snapshot<V, T> {
+        let steps =
+            self.steps.into_iter().map(|(vertex, strategy, entry)| (vertex, f(strategy), entry));
+        Snapshot { steps: steps.collect() }
+    }
 }
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// The path of a snapshot, with vertices of its own here: restoring it twice yields two paths
     /// that share no vertex.
     pub fn restore(&self, snapshot: &Snapshot<V, S>) -> RandomSequence<'_, V, S> {
+        self.restore_with(snapshot, |_, strategy| strategy.clone())
+    }
+
+    /// [`Arena::restore`] of a snapshot whose strategies are something else, from which, and from the number of
+    /// the vertex, `make` makes those of this arena.
+    pub fn restore_with<T>(
+        &self,
+        snapshot: &Snapshot<V, T>,
+        make: impl Fn(usize, &T) -> S,
+    ) -> RandomSequence<'_, V, S> {
         let mut path = self.sequence();
         let start = self.tape.len();
         // Neighbours with one strategy have one here too: those of a joint run belong together.
         let mut last = None;
-        for (vertex, strategy, entry) in &snapshot.steps {
+        for (i, (vertex, strategy, entry)) in snapshot.steps.iter().enumerate() {
             let id = match last {
                 Some((before, id)) if before == entry.strategy => id,
-                _ => self.intern(strategy.clone()),
+                _ => self.intern(make(i, strategy)),
             };
             last = Some((entry.strategy, id));
             self.tape.push_taken(*vertex, Entry { strategy: id, ..*entry });
         }
-        path.occupy(start, snapshot.len());
+        path.occupy(start, snapshot.steps.len());
         path
     }
 }

@@ -127,6 +127,8 @@ pub struct Derived {
     pub preimages: Vec<Preimage>,
     /// √det(JᵀJ) in terms of the unknowns.
     pub volume: Id,
+    /// One over it: the density of a sample by its uniforms.
+    pub own_density: Id,
     /// Whether a preimage must be mapped forward again to see that it is one.
     pub check_forward: bool,
     /// The scalar parameters that must not be exactly zero, because the formulas have only a limit
@@ -201,10 +203,14 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let at_point: Vec<Id> = at_point.collect();
     let mut limits = parameters_with_limits(&problem.graph, &at_uniforms, &unknown_points);
     limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
+    let g = &mut problem.graph;
+    let one = g.int(1);
+    let own_density = g.div(one, own);
     Ok(Derived {
         forward,
         preimages,
         volume: own,
+        own_density,
         check_forward,
         limits,
         worst_error: worst,

@@ -7,7 +7,7 @@ use syn::parse::{Parse, ParseStream};
 
 use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
-use crate::emit::{Emitter, Texts, compose};
+use crate::emit::{Emitter, Support, Texts, compose};
 use crate::interpret::Item;
 use crate::parse::{Options, ParamKind, signature};
 
@@ -51,8 +51,9 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         if compose::is_composition(&function) {
             return compose::emit(&function, &signature, &options, &mut errors);
         }
-        let Item { mut parsed, derived } =
-            Item::compile(&function, signature, &options, &mut errors)?;
+        let item = Item::compile(&function, signature, &options, &mut errors)?;
+        let support = Support::of(&item);
+        let Item { mut parsed, derived } = item;
         let texts = Texts::new(&mut parsed.pieces, &derived);
         let emitter = Emitter {
             item: &function,
@@ -60,6 +61,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             derived: &derived,
             texts: &texts,
             options: &options,
+            support,
         };
         if options.explain || explained(&parsed.signature.name.to_string()) {
             emitter.explain();

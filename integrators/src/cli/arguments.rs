@@ -169,7 +169,7 @@ pub(super) struct ConvergenceArguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub budget: f64,
     /// Seeds for each integrator; intervals need three
-    #[arg(long, value_name = "N", default_value = "4", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value = "5", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub repeats: u16,
     /// The first seed
     #[arg(long, value_name = "N", default_value = "0")]

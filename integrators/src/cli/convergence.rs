@@ -8,7 +8,7 @@ use super::kernel::{Plan, kernel_for, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::convergence::adapter::{self, Request};
-use crate::convergence::bias::spread;
+use crate::convergence::bias::{Spread, spread};
 use crate::convergence::measure::{
     Effort, Subject, ladder, measure, reference_seed, row, samples_within,
 };
@@ -17,6 +17,7 @@ use crate::convergence::picture::{Crop, cut, error_picture, mean, telling_crop};
 use crate::convergence::record::{Curve, Estimate, Row, plain};
 use crate::convergence::reference::{Reference, crop_text};
 use crate::convergence::report::Measurements;
+use crate::convergence::statistics::Interval;
 use crate::convergence::summary::summarise;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, png};
@@ -70,7 +71,14 @@ fn entries(arguments: &ConvergenceArguments) -> Result<Vec<(String, RenderArgume
     let entry = |(label, integrator): (String, String)| {
         Ok((plain(&label), render_arguments(arguments, &integrator).map_err(Failure::new)?))
     };
-    all.map(entry).collect()
+    let entries: Vec<(String, RenderArguments)> = all.map(entry).collect::<Result<_, Failure>>()?;
+    for (k, (label, _)) in entries.iter().enumerate() {
+        if entries[..k].iter().any(|(other, _)| other == label) {
+            let message = format!("two integrators are called `{label}`; give each its own name");
+            return Err(Failure::new(message));
+        }
+    }
+    Ok(entries)
 }
 
 /// One scene.
@@ -111,6 +119,8 @@ impl<'a> Run<'a> {
     ) -> Result<Measurements, Failure> {
         let effort = self.effort();
         let given = self.given_reference()?;
+        let list = self.arguments.images.as_ref().map(|path| adapter::read_list(path));
+        let list = list.transpose().map_err(Failure::new)?.unwrap_or_default();
         let mut measured = Vec::new();
         for (label, arguments) in entries {
             let subject = self.subject(label, arguments);
@@ -138,12 +148,23 @@ impl<'a> Run<'a> {
         }
         all.rows
             .sort_by_key(|row| measured.iter().position(|(s, _)| s.name == row.curve.integrator));
-        self.others(output, measured[0].1, &reference, (&mut all, &mut images))?;
+        self.take(list, &reference, (&mut all, &mut images))?;
+        for program in &self.arguments.against {
+            // What has been measured is not lost if another program fails.
+            let outcome = self
+                .render_with(program, output, measured[0].1)
+                .and_then(|list| self.take(list, &reference, (&mut all, &mut images)));
+            if let Err(failure) = outcome {
+                warn(&format!("warning: {failure}"));
+                let line = failure.to_string().replace('\n', " ");
+                all.notes.push(format!("{}: {program} is not measured: {line}", self.name));
+            }
+        }
         all.estimates = images
             .iter()
             .filter_map(|(curve, images)| estimate(curve, images, &all.rows, &reference))
             .collect();
-        if all.estimates.is_empty() {
+        if self.arguments.repeats < 3 {
             all.notes.push(format!("{}: intervals and biases need three seeds.", self.name));
         }
         self.pictures(&mut all, &images, &reference)?;
@@ -197,50 +218,50 @@ impl<'a> Run<'a> {
         Ok(reference)
     }
 
-    /// Renders with other programs, and takes images that they have written.
-    fn others(
+    /// Renders with another program.
+    fn render_with(
         &self,
+        program: &str,
         output: &Path,
         samples: u32,
+    ) -> Result<Vec<adapter::Entry>, Failure> {
+        warn(&format!("{program} renders"));
+        let request = Request {
+            scene: &self.arguments.scene,
+            defines: &self.arguments.defines,
+            size: self.plan.size,
+            max_depth: self.plan.max_depth,
+            rr_depth: self.plan.rr_depth,
+            threads: self.arguments.threads,
+            budget: self.arguments.budget,
+            samples: &ladder(samples),
+            seeds: self.arguments.seed..self.arguments.seed + u64::from(self.arguments.repeats),
+        };
+        let list = adapter::run(program, &self.arguments.python, &request, output);
+        list.and_then(|list| adapter::read_list(&list)).map_err(Failure::new)
+    }
+
+    /// Compares images that other programs have written; of each curve, those with most samples are kept.
+    fn take(
+        &self,
+        list: Vec<adapter::Entry>,
         reference: &Reference,
         (all, images): (&mut Measurements, &mut Images),
     ) -> Result<(), Failure> {
-        let mut lists: Vec<PathBuf> = self.arguments.images.iter().cloned().collect();
-        for program in &self.arguments.against {
-            warn(&format!("{program} renders"));
-            let request = Request {
-                scene: &self.arguments.scene,
-                defines: &self.arguments.defines,
-                size: self.plan.size,
-                max_depth: self.plan.max_depth,
-                rr_depth: self.plan.rr_depth,
-                threads: self.arguments.threads,
-                budget: self.arguments.budget,
-                samples: &ladder(samples),
-                seeds: self.arguments.seed..self.arguments.seed + u64::from(self.arguments.repeats),
-            };
-            let list = adapter::run(program, &self.arguments.python, &request, output);
-            lists.push(list.map_err(Failure::new)?);
-        }
-        for list in &lists {
-            let entries = adapter::read_list(list).map_err(Failure::new)?;
-            for entry in entries {
-                let image = Exr::read(&entry.file)?.rgb;
-                let (renderer, integrator) = (entry.renderer, entry.integrator);
-                let curve = Curve { scene: self.name.clone(), renderer, integrator };
-                let effort = (entry.spp, entry.seconds);
-                let row = row(&curve, entry.seed, effort, &image, reference).map_err(|error| {
-                    Failure::new(format!("`{}`: {error}", entry.file.display()))
-                })?;
-                let largest = all.rows.iter().filter(|r| r.curve == curve).map(|r| r.spp).max();
-                if largest.is_some_and(|largest| row.spp > largest) {
-                    images.retain(|(other, _)| *other != curve);
-                }
-                if largest.is_none_or(|largest| row.spp >= largest) {
-                    keep(images, std::slice::from_ref(&row), image);
-                }
-                all.rows.push(row);
+        for entry in list {
+            let image = Exr::read(&entry.file)?.rgb;
+            let (renderer, integrator) = (plain(&entry.renderer), plain(&entry.integrator));
+            let curve = Curve { scene: self.name.clone(), renderer, integrator };
+            let row = row(&curve, entry.seed, (entry.spp, entry.seconds), &image, reference)
+                .map_err(|error| Failure::new(format!("`{}`: {error}", entry.file.display())))?;
+            let largest = all.rows.iter().filter(|r| r.curve == curve).map(|r| r.spp).max();
+            if largest.is_some_and(|largest| row.spp > largest) {
+                images.retain(|(other, _)| *other != curve);
             }
+            if largest.is_none_or(|largest| row.spp >= largest) {
+                keep(images, std::slice::from_ref(&row), image);
+            }
+            all.rows.push(row);
         }
         Ok(())
     }
@@ -316,16 +337,20 @@ fn estimate(
     reference: &Reference,
 ) -> Option<Estimate> {
     let spp = rows.iter().filter(|row| row.curve == *curve).map(|row| row.spp).max()?;
-    let spread = spread(&images.iter().collect::<Vec<_>>(), reference)?;
-    let scaled = |value: f64| value * f64::from(spp);
-    let (variance, bias) = (spread.variance, spread.bias);
+    let spread = spread(&images.iter().collect::<Vec<_>>(), reference);
+    let three = |of: fn(&Spread) -> Interval| {
+        spread.as_ref().map_or([f64::NAN; 3], |spread| {
+            let Interval { value, low, high } = of(spread);
+            [value, low, high]
+        })
+    };
     Some(Estimate {
         curve: curve.clone(),
         seeds: images.len(),
         spp,
-        variance: [variance.value, variance.low, variance.high].map(scaled),
-        bias: [bias.value, bias.low, bias.high],
-        biased: spread.biased,
+        variance: three(|spread| spread.variance).map(|value| value * f64::from(spp)),
+        bias: three(|spread| spread.bias),
+        biased: spread.is_some_and(|spread| spread.biased),
         floor: reference.floor(),
         reference: plain(&reference.made_by),
     })

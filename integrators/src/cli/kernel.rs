@@ -18,6 +18,7 @@ use crate::render::AnyKernel;
 use crate::scene::{Bsdf, Overrides, Scene};
 use crate::selection::Selection;
 use crate::tridirectional::Tridirectional;
+use crate::vertex_merging::VertexMerging;
 
 /// What an integrator is asked for: the scene's settings, overridden by the command line.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,6 +131,7 @@ pub(super) fn kernel_for<'a>(
             let settings = PhotonMapping::new(path);
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
+        "vcm" => Algorithm::VertexMerging(VertexMerging::new(path, plan.techniques.clone())),
         "mlt" => {
             let mutations = plan.mutations;
             Algorithm::Metropolis(Metropolis { mutations, ..Metropolis::new(path) })
@@ -159,8 +161,8 @@ pub(super) fn kernel_for<'a>(
 }
 
 /// The integrators, by their names in scene files and on the command line.
-const INTEGRATORS: [&str; 9] =
-    ["path", "bdpt", "tridir", "gdpt", "mlt", "pssmlt", "vpl", "ppm", "ptracer"];
+const INTEGRATORS: [&str; 10] =
+    ["path", "bdpt", "tridir", "gdpt", "mlt", "pssmlt", "vpl", "ppm", "vcm", "ptracer"];
 
 #[cfg(test)]
 mod tests {

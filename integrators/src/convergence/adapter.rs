@@ -11,7 +11,7 @@ use std::process::Command;
 use super::record::Fields;
 
 /// The script that renders with Mitsuba 3.
-pub const MITSUBA: &str = include_str!("mitsuba.py");
+pub const MITSUBA: &str = include_str!("mitsuba_adapter.py");
 /// The columns of a list of images.
 pub const LIST_COLUMNS: &str = "renderer,integrator,seed,spp,seconds,file";
 
@@ -81,7 +81,7 @@ pub fn run(
     std::fs::create_dir_all(&output)
         .map_err(|error| format!("cannot make `{}`: {error}", output.display()))?;
     let mut command = if adapter == "mitsuba" {
-        let script = output.join("mitsuba.py");
+        let script = output.join("mitsuba_adapter.py");
         std::fs::write(&script, MITSUBA)
             .map_err(|error| format!("cannot write `{}`: {error}", script.display()))?;
         let mut command = Command::new(python);

@@ -1,10 +1,8 @@
 //! What is strange about measurements, in words.
 
-use super::statistics::median;
+use super::statistics::{CONFIDENCE, student};
 use super::summary::{ABOVE_FLOOR, SceneSummary, Summary};
 
-/// How many robust standard deviations, of the logarithm of relMSE, make an outlier.
-const OUTLIER: f64 = 6.0;
 /// The least standard deviation of the logarithm that seeds are taken to have.
 const LEAST_SPREAD: f64 = 0.02;
 
@@ -54,25 +52,27 @@ fn bias(scene: &SceneSummary, summary: &Summary) -> Option<String> {
     ))
 }
 
-/// Seeds differ by a factor, so errors are compared by their logarithms; how much they usually differ is
-/// taken from all numbers of samples together.
+/// Seeds differ by factors, so errors are compared by their logarithms: a seed stands out if it lies further from the
+/// mean of the others than Student's t allows with their standard deviation (the externally studentised residual;
+/// Grubbs 1950). Among normal logarithms, one curve in a hundred has such a seed by chance.
 fn outlier(summary: &Summary) -> Option<String> {
     let last = summary.points.last().filter(|point| point.by_seed.len() >= 4)?;
-    let distance = |error: f64, middle: f64| (error / middle).ln();
-    let all: Vec<f64> = (summary.points.iter())
-        .filter(|point| point.by_seed.len() >= 4)
-        .flat_map(|point| {
-            point.by_seed.iter().map(|(_, error)| distance(*error, point.quartiles[1]).abs())
-        })
-        .collect();
-    let spread = (1.4826 * median(&all)).max(LEAST_SPREAD);
-    let far =
-        |(_, error): &&(u64, f64)| distance(*error, last.quartiles[1]).abs() > OUTLIER * spread;
-    let (seed, error) = last.by_seed.iter().find(far)?;
+    let n = last.by_seed.len() as f64;
+    let limit = student(1.0 - (1.0 - CONFIDENCE) / n, n - 2.0) * (1.0 + 1.0 / (n - 1.0)).sqrt();
+    let distance = |k: usize| {
+        let others = last.by_seed.iter().enumerate().filter(|(i, _)| *i != k);
+        let others: Vec<f64> = others.map(|(_, (_, error))| error.ln()).collect();
+        let mean = others.iter().sum::<f64>() / (n - 1.0);
+        let squares: f64 = others.iter().map(|x| (x - mean).powi(2)).sum();
+        (last.by_seed[k].1.ln() - mean).abs() / (squares / (n - 2.0)).sqrt().max(LEAST_SPREAD)
+    };
+    let distances = (0..last.by_seed.len()).map(|k| (k, distance(k)));
+    let (k, _) = distances.filter(|(_, d)| *d > limit).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (seed, error) = last.by_seed[k];
     Some(format!(
-        "seed {seed} stands out: its relMSE at {} samples is {:.3e}, the median {:.3e}; a few samples \
+        "seed {seed} stands out: its relMSE at {} samples is {error:.3e}, the median {:.3e}; a few samples \
          make up its error.",
-        last.spp, error, last.quartiles[1]
+        last.spp, last.quartiles[1]
     ))
 }
 

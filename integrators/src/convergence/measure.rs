@@ -11,12 +11,15 @@ use crate::render::{
 };
 use crate::work::Work;
 
+/// An integrator with a scene, for a seed, or why there is none.
+pub type MakeKernel<'a> = dyn Fn(u64) -> Result<Box<dyn AnyKernel + 'a>, String> + 'a;
+
 /// An integrator to be measured.
 pub struct Subject<'a> {
     /// Its name in reports.
     pub name: String,
     /// The integrator for a seed.
-    pub kernel: Box<dyn Fn(u64) -> Result<Box<dyn AnyKernel + 'a>, String> + 'a>,
+    pub kernel: Box<MakeKernel<'a>>,
 }
 
 /// What all renders have in common.

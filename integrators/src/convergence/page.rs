@@ -63,6 +63,7 @@ fn rows(html: &mut String, scene: &SceneSummary) {
         "RMSE",
         "SMAPE",
         "FLIP",
+        "variance of a sample",
     ];
     html.push_str("<table><tr>");
     heads.iter().for_each(|head| html.push_str(&format!("<th>{head}</th>")));
@@ -71,7 +72,12 @@ fn rows(html: &mut String, scene: &SceneSummary) {
         let _ = write!(html, "<tr style=\"color:{}\">", colour(index));
         let others = summary.points.last().map_or([f64::NAN; 3], |point| point.others);
         let others = others.map(|value| format!("{value:.4}"));
-        for cell in cells(summary).iter().chain(&others) {
+        let estimate = summary.estimate.as_ref().filter(|estimate| !estimate.variance[0].is_nan());
+        let variance = estimate.map_or("–".to_owned(), |estimate| {
+            let [value, low, high] = estimate.variance;
+            format!("{value:.3} ({low:.3} to {high:.3})")
+        });
+        for cell in cells(summary).iter().chain(&others).chain([&variance]) {
             let _ = write!(html, "<td>{}</td>", escape(cell));
         }
         html.push_str("</tr>\n");

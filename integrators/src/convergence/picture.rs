@@ -36,7 +36,7 @@ fn heat(value: f32) -> [f32; 3] {
 pub type Crop = (usize, usize, usize, usize);
 
 /// The part, a third as wide and high as the image, in which the logarithms of the errors of several images differ
-/// most: what a figure should show.
+/// most, and which shows something: their spread counts by the contrast of the reference.
 pub fn telling_crop(images: &[&RgbImage], reference: &RgbImage) -> Crop {
     let (width, height) = (reference.width(), reference.height());
     let (w, h) = ((width / 3).max(1), (height / 3).max(1));
@@ -52,12 +52,23 @@ pub fn telling_crop(images: &[&RgbImage], reference: &RgbImage) -> Crop {
             let errors: Vec<f64> = images.iter().map(error).collect();
             let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
             let spread: f64 = errors.iter().map(|e| (e - mean).powi(2)).sum();
-            if spread > best.0 {
-                best = (spread, (x, y, w, h));
+            let score = spread * (0.05 + contrast(reference, (x, y, w, h)));
+            if score > best.0 {
+                best = (score, (x, y, w, h));
             }
         }
     }
     best.1
+}
+
+/// The standard deviation of what is shown of a part of an image.
+fn contrast(image: &RgbImage, part: Crop) -> f64 {
+    let shown =
+        |pixel: &[f32; 3]| f64::from(pixel.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0).sqrt();
+    let values: Vec<f64> = cut(image, part).pixels().iter().map(shown).collect();
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
 }
 
 /// The part of an image.

@@ -71,7 +71,8 @@ pub struct Estimate {
     pub seeds: usize,
     /// Samples per pixel.
     pub spp: u32,
-    /// Relative variance of one sample (in the units of relMSE) with its interval of 99 %.
+    /// Relative variance of one sample (in the units of relMSE) with its interval of 99 %; NaN with fewer than three
+    /// seeds, like the bias.
     pub variance: [f64; 3],
     /// Relative squared bias, the error of the reference not yet taken off, with its interval of 99 %.
     pub bias: [f64; 3],

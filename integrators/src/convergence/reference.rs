@@ -119,7 +119,7 @@ impl Reference {
                 if !test.passed() {
                     reference.doubts.push(format!(
                         "The parts of the reference disagree: {} and {} differ in {} of {} blocks (|z| up \
-                         to {:.1}).",
+                         to {:.1}): one is biased, or has missed what is rare.",
                         a.0,
                         b.0,
                         test.failing_blocks,

@@ -3,15 +3,13 @@
 //! A directory holds `errors.csv`, `estimates.csv`, `notes.txt` (remarks of the run, one a line) and `images/`, with
 //! pictures of each curve by its name for files.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::record::{Estimate, Row, read_estimates, read_rows, write_estimates, write_rows};
 use super::summary::summarise;
 use super::{chart, page, table};
-
-/// Pictures of a curve by what they show.
-pub const PICTURES: [&str; 4] = ["", "-error", "-crop", "-crop-error"];
 
 /// What was measured, of one directory or of several.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,7 +53,16 @@ impl Measurements {
         if all.rows.is_empty() {
             return Err("there are no measurements to report".to_owned());
         }
-        Ok(all)
+        match twice(&all.rows) {
+            Some(row) => Err(format!(
+                "{}, {}, seed {} with {} samples is measured twice; give one of the scenes another --name",
+                row.curve.scene,
+                row.curve.label(),
+                row.seed,
+                row.spp
+            )),
+            None => Ok(all),
+        }
     }
 
     /// The picture with a name.
@@ -105,6 +112,12 @@ impl Measurements {
     }
 }
 
+/// A measurement that there is already.
+fn twice(rows: &[Row]) -> Option<&Row> {
+    let mut seen = BTreeSet::new();
+    rows.iter().find(|row| !seen.insert((&row.curve, row.seed, row.spp)))
+}
+
 fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|error| format!("cannot write `{}`: {error}", path.display()))
 }
@@ -112,12 +125,13 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), String> {
 /// All PNG files of a directory, in the order of their names.
 fn pictures(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
-    let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    paths.sort();
     let picture = |path: PathBuf| {
         let is_png = path.extension().is_some_and(|extension| extension == "png");
         let name = path.file_stem()?.to_str()?.to_owned();
         if is_png { Some((name, fs::read(&path).ok()?)) } else { None }
     };
-    paths.into_iter().filter_map(picture).collect()
+    let mut pictures: Vec<(String, Vec<u8>)> =
+        entries.flatten().filter_map(|entry| picture(entry.path())).collect();
+    pictures.sort();
+    pictures
 }

@@ -25,8 +25,9 @@ pub fn legend(scenes: &[SceneSummary]) -> String {
         "Error: root of the median relMSE after that many samples and seconds. Time to target: seconds to the \
          error that the baseline has with {TARGET_SAMPLES} samples per pixel (~ extrapolated as 1/√t, < reached \
          at the first measurement). Efficiency: 1/(error² time) relative to the baseline. Slope: exponent of the \
-         error over samples with its 99 % interval. Bias: root mean square of what remains of the relative error \
-         when the seeds are averaged, without what the reference explains; `*` if that is significant.\n"
+         error over samples with its 99 % interval. Bias: root mean square of what \
+         remains of the relative error when the seeds are averaged, without what the reference explains: with `*` if \
+         it is significant, otherwise the upper end of its 99 % interval.\n"
     );
     for scene in scenes {
         let target = scene.target.map_or("unknown".to_owned(), |target| format!("{target:.4}"));
@@ -65,9 +66,13 @@ pub fn cells(summary: &Summary) -> [String; 8] {
     let slope = summary.slope.map_or_else(none, |slope| {
         format!("{:.2} ± {:.2}", slope.value, (slope.high - slope.low) / 2.0)
     });
-    let bias = summary.estimate.as_ref().map_or_else(none, |estimate| {
-        let left = (estimate.bias[0] - estimate.floor.unwrap_or(0.0)).max(0.0).sqrt();
-        format!("{left:.4}{}", if estimate.biased { " *" } else { "" })
+    let estimate = summary.estimate.as_ref().filter(|estimate| !estimate.bias[0].is_nan());
+    let bias = estimate.map_or_else(none, |estimate| {
+        let root = |square: f64| (square - estimate.floor.unwrap_or(0.0)).max(0.0).sqrt();
+        match estimate.biased {
+            true => format!("{:.4} *", root(estimate.bias[0])),
+            false => format!("< {:.4}", root(estimate.bias[2])),
+        }
     });
     [
         summary.curve.label(),

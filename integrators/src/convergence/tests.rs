@@ -46,16 +46,16 @@ fn clamped(u: f32) -> f32 {
     (2.0 * u).min(1.8)
 }
 
-/// The integral of 2/3 (1 + x) over [0, 1], from x with density 2x: unbiased.
+/// The integral of 3x² over [0, 1], from x with density 2x: unbiased.
 fn right_density(u: f32) -> f32 {
     let x = (1.0 - u).sqrt();
-    (1.0 + x) / 1.5 / (2.0 * x)
+    3.0 * x * x / (2.0 * x)
 }
 
 /// The same, but the density is thought to be steeper, with integral one.
 fn wrong_density(u: f32) -> f32 {
     let x = (1.0 - u).sqrt();
-    (1.0 + x) / 1.5 / (2.0 * x * (1.0 + 0.3 * (x - 2.0 / 3.0)))
+    3.0 * x * x / (2.0 * x * (1.0 + 0.3 * (x - 2.0 / 3.0)))
 }
 
 fn exact() -> Reference {
@@ -64,8 +64,11 @@ fn exact() -> Reference {
     Reference { image, variance, made_by: "hand".to_owned(), doubts: Vec::new() }
 }
 
+/// A name, and an estimate from a uniform number.
+type Estimator = (&'static str, fn(f32) -> f32);
+
 /// Measures estimators with six seeds and 256 samples.
-fn measured(estimators: &[(&str, fn(f32) -> f32)]) -> Measurements {
+fn measured(estimators: &[Estimator]) -> Measurements {
     let effort = Effort { scene: "constant".to_owned(), size: SIZE, threads: Some(1), budget: 1.0 };
     let reference = exact();
     let mut all = Measurements::default();
@@ -114,7 +117,8 @@ fn slope_and_variance_of_a_known_integrand() {
     let [value, low, high] = measurements.estimates[0].variance;
     let expected = 1.0 / 3.0 / 1.01;
     assert!(low < expected && expected < high, "{low} {expected} {high}");
-    assert!((value / expected - 1.0).abs() < 0.05 && high - low < 0.1 * expected);
+    // From 2304 values and five degrees of freedom: a relative standard deviation of 1.3 %.
+    assert!((value / expected - 1.0).abs() < 0.05 && high - low < 0.2 * expected);
     // relMSE with n samples is the same over n, and the target that of 64 samples.
     approx::assert_relative_eq!(
         scene.target.unwrap(),
@@ -198,6 +202,7 @@ fn rows(integrator: &str, exponent: f64, speed: f64, factors: &[f64]) -> Vec<Row
 fn what_stands_out_is_told() {
     let mut all = rows("path", -0.5, 0.1, &[1.0, 1.01, 0.99, 1.02, 0.98]);
     all.extend(rows("slow", -0.3, 0.1, &[1.0, 1.01, 0.99, 1.02, 0.98]));
+    all.extend(rows("spiky", -0.5, 0.1, &[1.0, 1.01, 0.99, 1.02, 0.98]));
     all.last_mut().unwrap().relmse *= 9.0;
     let scene = summarise(&all, &[]).remove(0);
     let texts = findings(&scene);
@@ -205,7 +210,7 @@ fn what_stands_out_is_told() {
     assert!(
         texts[0].contains("room, slow: the error falls as n^-0.") && texts[0].contains("slower")
     );
-    assert!(texts[1].contains("seed 4 stands out"), "{texts:?}");
+    assert!(texts[1].contains("room, spiky: seed 4 stands out"), "{texts:?}");
 }
 
 #[test]
@@ -260,8 +265,8 @@ fn files(directory: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 #[test]
 fn a_report_is_a_function_of_the_tables() {
-    let mut measurements = Measurements::default();
-    measurements.rows = rows("path", -0.5, 0.1, &[1.0, 1.1, 0.9]);
+    let path = rows("path", -0.5, 0.1, &[1.0, 1.1, 0.9]);
+    let mut measurements = Measurements { rows: path, ..Measurements::default() };
     measurements.rows.extend(rows("a <b>", -0.3, 0.2, &[1.0, 1.1, 0.9]));
     measurements.notes.push("A remark & more.".to_owned());
     let image = RgbImage::from_fn(12, 9, |x, y| [x as f32 / 12.0, y as f32 / 9.0, 0.5]);
@@ -274,11 +279,11 @@ fn a_report_is_a_function_of_the_tables() {
     measurements.pictures.sort();
     let (data, one, two) = (Directory::new("data"), Directory::new("one"), Directory::new("two"));
     measurements.write(&data.0).unwrap();
-    let read = Measurements::read(&[data.0.clone()]).unwrap();
+    let read = Measurements::read(std::slice::from_ref(&data.0)).unwrap();
     assert_eq!(read.rows.len(), measurements.rows.len());
     assert_eq!((&read.notes, &read.pictures), (&measurements.notes, &measurements.pictures));
     let text = read.report(&one.0).unwrap();
-    let again = Measurements::read(&[data.0.clone()]).unwrap().report(&two.0).unwrap();
+    let again = Measurements::read(std::slice::from_ref(&data.0)).unwrap().report(&two.0).unwrap();
     assert_eq!(text, again);
     assert!(files(&one.0) == files(&two.0));
     let names: Vec<PathBuf> = files(&one.0).into_iter().map(|(name, _)| name).collect();

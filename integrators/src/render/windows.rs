@@ -91,8 +91,8 @@ impl Batches {
             for c in 0..3 {
                 let batch = (image[c] * now - mean[c] * before) / new;
                 spread[c] += (batch - mean[c]).powi(2) * new * before / now;
-                mean[c] = image[c];
             }
+            *mean = image;
         }
         (self.count, self.samples) = (self.count + 1, now);
     }

@@ -124,8 +124,8 @@ impl<M: Meter> Visitor for EachOperation<'_, M> {
         let mut theirs = over(by_hand, &points, |s: &H, x| s.pdf(x));
         self.meter.measure(task("pdf"), [&mut ours, &mut theirs]);
         let mut ours = over(derived, &uniforms, |s: &S, u| {
-            let sample = s.sample(*u);
-            (sample.value(), sample.pdf().value())
+            let (point, _, density) = s.forward_with_pdf(*u);
+            (point, density.value())
         });
         let mut theirs = over(by_hand, &uniforms, |s: &H, u| s.draw(*u));
         self.meter.measure(task("sample+pdf"), [&mut ours, &mut theirs]);

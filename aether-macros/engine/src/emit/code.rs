@@ -44,6 +44,11 @@ impl<'a> Code<'a> {
         self.lets.clone()
     }
 
+    /// The statements written since they were last taken.
+    pub(super) fn take_statements(&mut self) -> TokenStream {
+        std::mem::take(&mut self.lets)
+    }
+
     /// The expressions.
     pub(super) fn graph(&self) -> &'a Graph {
         self.graph
@@ -81,10 +86,43 @@ impl<'a> Code<'a> {
                         super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
                     );
                 }
-                node => open.extend(children(node).into_iter().map(|c| (c, false))),
+                node => match self.multiple(id) {
+                    Some((_, factors)) => {
+                        open.extend(factors.iter().flat_map(|(b, e)| [(*b, false), (*e, false)]));
+                    }
+                    None => open.extend(children(node).into_iter().map(|c| (c, false))),
+                },
             }
         }
         self.reference(id)
+    }
+
+    /// A multiple of a product with a constant that is rounded anyway, such as 2 π u: one number times the rest.
+    fn multiple(&self, id: Id) -> Option<(Q, &'a [(Id, Id)])> {
+        let Node::Sum(c, terms) = self.graph.node(id) else { return None };
+        let [(q, term)] = terms[..] else { return None };
+        let Node::Product(factors) = self.graph.node(term) else { return None };
+        let written = self.names.contains_key(&term);
+        (c.is_zero() && !written && self.constant(factors).is_some()).then_some((q, factors))
+    }
+
+    /// The numbers among some factors as one, if one of them has to be rounded.
+    fn constant(&self, factors: &[(Id, Id)]) -> Option<Dd> {
+        let numbers = factors.iter().filter(|factor| self.is_number(factor));
+        let mut rounded = false;
+        let value = numbers.fold(Dd::from_f64(1.0), |product, (base, exponent)| {
+            rounded |= matches!(self.graph.node(*base), Node::Pi | Node::Float(_));
+            let base = evaluate::<Dd>(self.graph, *base, &|_| Dd::from_f64(f64::NAN));
+            let power = self.graph.as_number(*exponent).map_or(0, |q| q.num());
+            (0..power.abs()).fold(product, |p, _| if power < 0 { p / base } else { p * base })
+        });
+        (rounded && factors.len() > 1 && value.to_f64().is_finite()).then_some(value)
+    }
+
+    /// Whether a factor is a number to a small integer power.
+    fn is_number(&self, (base, exponent): &(Id, Id)) -> bool {
+        let small = |q: Q| q.is_int() && q.num().abs() < 8;
+        self.graph.deps(*base) == 0 && self.graph.as_number(*exponent).is_some_and(small)
     }
 
     /// The name or the literal of an expression that has been written.
@@ -108,8 +146,11 @@ impl<'a> Code<'a> {
 
     fn expression(&self, id: Id) -> TokenStream {
         match self.graph.node(id) {
-            Node::Sum(c, terms) => self.sum(*c, terms),
-            Node::Product(factors) => self.product(factors),
+            Node::Sum(c, terms) => match self.multiple(id) {
+                Some((q, factors)) => self.product(q, factors),
+                None => self.sum(*c, terms),
+            },
+            Node::Product(factors) => self.product(Q::ONE, factors),
             Node::Call(f, args) => {
                 let a = self.reference(args[0]);
                 match f {
@@ -191,8 +232,17 @@ impl<'a> Code<'a> {
         out.unwrap_or_else(|| quote!(R::ZERO))
     }
 
-    fn product(&self, factors: &[(Id, Id)]) -> TokenStream {
+    /// A product times `q`, which is one unless a number among the factors has to be rounded.
+    fn product(&self, q: Q, all: &[(Id, Id)]) -> TokenStream {
         let mut parts = Parts::default();
+        let constant = self.constant(all);
+        let is_folded = |factor: &&(Id, Id)| constant.is_some() && self.is_number(factor);
+        let factors: Vec<(Id, Id)> = all.iter().filter(|f| !is_folded(f)).copied().collect();
+        let factors = &factors[..];
+        if let Some(constant) = constant {
+            let scale = <Dd as Number>::from_ratio(q.num(), q.den());
+            parts.top.push(number((constant * scale).to_f64()));
+        }
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
         let shared = self.shared_powers(factors);

@@ -6,6 +6,7 @@ use syn::ItemFn;
 
 use super::documentation::Texts;
 use super::interface::{bound, hidden_body, interface, type_name};
+use super::whole::Support;
 use crate::derive::Derived;
 use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
 
@@ -21,6 +22,8 @@ pub struct Emitter<'a> {
     pub texts: &'a Texts,
     /// The attribute's arguments.
     pub options: &'a Options,
+    /// The support of a uniform density, if it is one of a few.
+    pub support: Option<Support>,
 }
 
 impl Emitter<'_> {

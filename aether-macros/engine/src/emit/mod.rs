@@ -10,9 +10,13 @@ mod logarithm;
 mod map;
 mod numeric;
 mod own;
+mod peeled;
 mod pieces;
 mod sampler;
+mod tame;
 pub mod text;
+mod whole;
 
 pub use documentation::Texts;
 pub use item::Emitter;
+pub use whole::Support;

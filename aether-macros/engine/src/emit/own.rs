@@ -4,19 +4,62 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::Emitter;
-use super::sampler::existence;
+use super::sampler::{existence, existence_where, image, value_at};
+use super::tame::Tame;
 
-/// The Jacobian at the uniforms, and the densities by way of the other preimages.
+/// The density at the uniforms, and the densities by way of the other preimages.
 pub(super) fn own_density(e: &Emitter) -> TokenStream {
-    if e.is_whole() && e.places().len() == 1 { single(e) } else { among_several(e) }
+    if let Some(support) = e.support {
+        let value = support.value();
+        return quote!(::aether_core::Density::new(#value));
+    }
+    if e.is_single() {
+        let density = quote!(let d = own_0::<R>(&p, &u););
+        let checked = single(e);
+        return quote!(#density #checked);
+    }
+    let several = e.derived.iter().any(|derived| derived.preimages.len() > 1);
+    if several { among_several(e) } else { one_a_piece(e) }
 }
 
-fn single(e: &Emitter) -> TokenStream {
+/// The point and its density in one, where there is anything to share.
+pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
+    if !e.is_single() || e.support.is_some() {
+        return None;
+    }
     let (n, m, _) = e.sizes();
-    let made = e
-        .point(&quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))));
+    let made = e.point(&quote!(c));
+    let density = single(e);
+    let closed = (!e.forward_is_tame(0)).then(|| {
+        quote! {
+            let c = if ::aether_core::support::finite::<R>(&c).all() {
+                c
+            } else {
+                ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))
+            };
+        }
+    });
+    let parameters = e.parameters();
+    Some(quote! {
+        #[inline(always)]
+        fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+            #parameters
+            let (c, d) = both_0::<R>(&p, &u);
+            #closed
+            let density = { #density };
+            (#made, exists_0::<R>(&p, &u), density)
+        }
+    })
+}
+
+/// The density `d` at the uniforms, or its limit.
+fn single(e: &Emitter) -> TokenStream {
+    if is_tame(e, 0) {
+        return quote!(::aether_core::Density::new(d));
+    }
+    let image = image(e);
+    let made = e.point(&image);
     quote! {
-        let d = R::ONE / volume_0::<R>(&p, &u);
         // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
         // Jacobian; the density at the point knows it.
         let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
@@ -29,10 +72,119 @@ fn single(e: &Emitter) -> TokenStream {
     }
 }
 
+/// Whether the density of a piece has a value at all uniforms.
+fn is_tame(e: &Emitter, piece: usize) -> bool {
+    let graph = &e.parsed.pieces[piece].problem.graph;
+    Tame::new(graph, true, false).all(&[e.derived[piece].own_density])
+}
+
+/// Where each piece has one preimage: that of the piece that `u` takes is `u` itself, with the density of the
+/// uniforms, and only pieces whose images overlap with its own are inverted.
+fn one_a_piece(e: &Emitter) -> TokenStream {
+    let (n, _, _) = e.sizes();
+    let coordinates = e.coordinates();
+    let pieces = e.parsed.pieces.len();
+    let own = e.by_piece(|j| {
+        let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
+        let problem = &e.parsed.pieces[j].problem;
+        let ends = problem.segments.iter().enumerate().filter(|(_, s)| s.is_some());
+        let ends = ends.map(|(i, _)| quote!(.or(::aether_core::support::at_end(t[#i]))));
+        // What else decides about the piece has no known distance.
+        let ends = if problem.guards.is_empty() {
+            quote!(<R::Mask as Mask>::FALSE #(#ends)*)
+        } else {
+            quote!(<R::Mask as Mask>::TRUE)
+        };
+        let here = if is_tame(e, j) {
+            quote!(taken)
+        } else {
+            quote!(t.iter().fold(taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO))))
+        };
+        let taken = format_ident!("own_piece_{j}");
+        quote! {
+            let t = #enter::<R>(&p, &u);
+            let d = #own::<R>(&p, &t);
+            let here = #here;
+            sum = R::select(here, d, sum);
+            inner = inner.or(here);
+            at_border = at_border.or(here.and(#ends));
+            #taken = here;
+        }
+    });
+    let masks: Vec<_> = (0..pieces).map(|j| format_ident!("own_piece_{j}")).collect();
+    let wanted = |k: usize| {
+        let overlapping = (0..pieces).filter(|&j| j != k && !apart(e, j, k));
+        let overlapping: Vec<_> = overlapping.map(|j| &masks[j]).collect();
+        Some(quote!(<R::Mask as Mask>::FALSE #(.or(#overlapping))*))
+    };
+    let alone = (0..pieces).all(|k| (0..pieces).all(|j| j == k || apart(e, j, k)));
+    let others = if alone {
+        quote!()
+    } else {
+        let existence = existence_where(e, &wanted);
+        let terms = e.places().into_iter().map(|place| {
+            let [strict, recovered, inverse] = ["strict", "recovered", "inverse"]
+                .map(|name| format_ident!("{name}_{}", place.number));
+            let leave = format_ident!("leave_{}", place.piece);
+            let value = value_at(e, place, &quote!(other));
+            quote! {
+                let other = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
+                // On a border `u` itself may have been found in the other piece.
+                let other = if other.and(at_border).any() {
+                    let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
+                    other.and(at_border.and(::aether_core::support::coincide(&u, &v)).not())
+                } else {
+                    other
+                };
+                if other.any() {
+                    let d = #value;
+                    sum += R::select(other.and(d.gt(R::ZERO)), d, R::ZERO);
+                }
+            }
+        });
+        quote! {
+            let point = &point;
+            let x = #coordinates;
+            #existence
+            #(#terms)*
+        }
+    };
+    quote! {
+        let (point, exists) = ::aether_core::Sampler::forward(self, u);
+        let mut sum = R::ZERO;
+        let mut inner = <R::Mask as Mask>::FALSE;
+        let mut at_border = <R::Mask as Mask>::FALSE;
+        #(let mut #masks = <R::Mask as Mask>::FALSE;)*
+        #own
+        // At an end of a piece the map may only have a limit; the density at the point knows it.
+        let outer = exists.and(inner.not());
+        let limit = if outer.any() {
+            ::aether_core::Sampler::pdf(self, &point).value()
+        } else {
+            R::ZERO
+        };
+        #others
+        ::aether_core::Density::new(R::select(exists, R::select(inner, sum, limit), R::ZERO))
+    }
+}
+
+/// Whether the images of two pieces have no more than a border in common, by the ranges of a coordinate.
+pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
+    let range = |piece: usize, i: usize| {
+        let problem = &e.parsed.pieces[piece].problem;
+        problem.graph.range(problem.outputs[i])
+    };
+    let (_, m, _) = e.sizes();
+    (0..m).any(|i| {
+        let (a, b) = (range(j, i), range(k, i));
+        a.hi <= b.lo || b.hi <= a.lo
+    })
+}
+
 /// Of the preimages in the piece that `u` takes, the nearest is `u` itself: its density is that of
 /// the uniforms, not of the rounded point.
 fn among_several(e: &Emitter) -> TokenStream {
-    let (n, m, _) = e.sizes();
+    let (n, _, _) = e.sizes();
     let coordinates = e.coordinates();
     let existence = existence(e);
     let jacobians = jacobians(e);
@@ -56,15 +208,16 @@ fn among_several(e: &Emitter) -> TokenStream {
         }
     });
     let others = e.places().into_iter().map(|place| {
-        let [distance, strict, recovered, density] = ["distance", "strict", "recovered", "density"]
+        let [distance, strict, recovered] = ["distance", "strict", "recovered"]
             .map(|name| format_ident!("{name}_{}", place.number));
+        let value = value_at(e, place, &quote!(other));
         quote! {
             let itself = #distance.le(nearest).and(#distance.lt(R::INFINITY)).and(counted.not());
             counted = counted.or(itself);
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             let other = inside.and(itself.not());
             if other.any() {
-                let d = ::aether_core::support::limit::<R, #m>(other, &x, |x| #density::<R>(&p, x));
+                let d = #value;
                 sum += R::select(other.and(d.gt(R::ZERO)), d, R::ZERO);
             }
         }
@@ -99,7 +252,7 @@ fn among_several(e: &Emitter) -> TokenStream {
 /// has one there.
 fn jacobians(e: &Emitter) -> TokenStream {
     let one = |j: usize| {
-        let [enter, volume] = ["enter", "volume"].map(|name| format_ident!("{name}_{j}"));
+        let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
         let (entered, taken) = if e.is_whole() {
             (quote!(u), quote!(<R::Mask as Mask>::TRUE))
         } else {
@@ -107,7 +260,7 @@ fn jacobians(e: &Emitter) -> TokenStream {
         };
         quote! {
             let t = #entered;
-            let d = R::ONE / #volume::<R>(&p, &t);
+            let d = #own::<R>(&p, &t);
             let here = t.iter().fold(#taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO)));
             sum = R::select(here, d, sum);
             inner = inner.or(here);

@@ -11,6 +11,8 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
+use super::peeled::{UnitTest, sign_of, unit_test};
+use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Piece, Test};
@@ -30,7 +32,34 @@ pub struct Place<'a> {
     pub preimage: &'a Preimage,
 }
 
+impl Place<'_> {
+    /// The unknowns that have to be tested: those whose range is not settled by interval arithmetic,
+    /// and all of them where the piece has tests of its own.
+    pub(super) fn checked(&self) -> Vec<usize> {
+        let g = &self.problem.graph;
+        let settled = |id: Id| {
+            let r = g.range(id);
+            r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
+        };
+        let guarded = !self.problem.guards.is_empty();
+        let tested = &self.preimage.tested;
+        (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
+    }
+
+    /// Whether one of these has a longer and more accurate form.
+    pub(super) fn has_longer_forms(&self) -> bool {
+        let Preimage { tested, unknowns, .. } = self.preimage;
+        self.checked().into_iter().any(|i| tested[i] != unknowns[i])
+    }
+}
+
 impl<'a> Emitter<'a> {
+    /// Whether a piece of the map has a value at all uniforms, so that nobody need look.
+    pub(super) fn forward_is_tame(&self, piece: usize) -> bool {
+        let graph = &self.parsed.pieces[piece].problem.graph;
+        Tame::new(graph, true, true).all(&self.derived[piece].forward)
+    }
+
     /// All preimages.
     pub(super) fn places(&self) -> Vec<Place<'a>> {
         let pieces = self.parsed.pieces.iter().zip(self.derived).enumerate();
@@ -46,6 +75,11 @@ impl<'a> Emitter<'a> {
     pub(super) fn is_whole(&self) -> bool {
         let [piece] = &self.parsed.pieces[..] else { return false };
         piece.tests.is_empty()
+    }
+
+    /// Whether a point has one preimage at most, and no uniforms are tested.
+    pub(super) fn is_single(&self) -> bool {
+        self.is_whole() && self.places().len() == 1
     }
 
     /// All of them.
@@ -98,8 +132,9 @@ impl<'a> Emitter<'a> {
         let (n, m, p) = self.sizes();
         let problem = &piece.problem;
         let g = &problem.graph;
-        let [forward, exists, volume, leave] =
-            ["forward", "exists", "volume", "leave"].map(|name| format_ident!("{name}_{j}"));
+        let [forward, exists, size_name, both, leave] =
+            ["forward", "exists", "volume", "both", "leave"]
+                .map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::lenient(g, &at);
         let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
@@ -108,9 +143,28 @@ impl<'a> Emitter<'a> {
         let required: Vec<TokenStream> =
             problem.requirements.iter().map(|&r| code.value(r)).collect();
         let exists_lets = code.statements();
+        // Of a sampler the density is asked, of a map the Jacobian.
+        let is_sampler = problem.argument.is_none();
+        let size = if is_sampler { derived.own_density } else { derived.volume };
+        let size_name = if is_sampler { format_ident!("own_{j}") } else { size_name };
         let mut code = Code::new(g, &at);
-        let size = code.value(derived.volume);
-        let volume_lets = code.statements();
+        let size_value = code.value(size);
+        let size_lets = code.statements();
+        let joint = (is_sampler && self.is_single()).then(|| {
+            let mut code = Code::lenient(g, &at);
+            let outputs: Vec<TokenStream> =
+                derived.forward.iter().map(|&f| code.value(f)).collect();
+            let density = code.value(size);
+            let lets = code.statements();
+            quote! {
+                /// The point and its density.
+                #[inline(always)]
+                fn #both<R: Real>(p: &[R; #p], t: &[R; #n]) -> ([R; #m], R) {
+                    #lets
+                    ([#(#outputs),*], #density)
+                }
+            }
+        });
         let (into, out, open) = self.segments(problem);
         // One map on the whole of its domain has no borders.
         let borders = (!self.is_whole()).then(|| self.borders(j, piece, &into, &open));
@@ -123,7 +177,8 @@ impl<'a> Emitter<'a> {
                 <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))*
             }
             #[inline(always)]
-            fn #volume<R: Real>(p: &[R; #p], t: &[R; #n]) -> R { #volume_lets #size }
+            fn #size_name<R: Real>(p: &[R; #p], t: &[R; #n]) -> R { #size_lets #size_value }
+            #joint
             #borders
             #[inline(always)]
             fn #leave<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #n] { #out }
@@ -216,7 +271,7 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let unknowns: Vec<TokenStream> = preimage.unknowns.iter().map(|&u| code.value(u)).collect();
         let inverse_lets = code.statements();
-        let checked = self.checked(place);
+        let checked = place.checked();
         let c = checked.len();
         let mut code = Code::new(g, &at);
         let conditions: Vec<TokenStream> =
@@ -233,10 +288,64 @@ impl<'a> Emitter<'a> {
         } else {
             quote!(R::ZERO)
         };
+        let plainly = is_unguarded(place).then(|| {
+            let name = format_ident!("plainly_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let mut signs: Vec<(Id, bool)> =
+                preimage.conditions.iter().map(|&c| sign_of(g, c)).collect();
+            signs.sort_unstable();
+            signs.dedup();
+            let signs = signs.into_iter().map(|(c, below)| (code.value(c), below));
+            let (strictly, possibly): (Vec<TokenStream>, Vec<TokenStream>) = signs
+                .map(|(c, below)| match below {
+                    true => (quote!(#c.gt(R::ZERO)), quote!(#c.gt(R::ZERO))),
+                    false => (quote!(#c.ge(#least)), quote!(#c.lt(slack).not())),
+                })
+                .unzip();
+            let requirements: Vec<TokenStream> =
+                preimage.requirements.iter().map(|&c| code.value(c)).collect();
+            let first_lets = code.take_statements();
+            let units: Vec<UnitTest> =
+                checked.iter().map(|&i| unit_test(&mut code, preimage.tested[i], false)).collect();
+            let unit_lets = code.take_statements();
+            let inside = units.iter().map(|unit| &unit.inside);
+            // Of several unknowns, one at an end leaves the others undetermined.
+            let near = match &units[..] {
+                [UnitTest { near: Some(near), .. }] => quote!(#near),
+                _ => quote!(),
+            };
+            quote! {
+                /// Whether the preimage plainly exists, and whether it may.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> (R::Mask, R::Mask) {
+                    #first_lets
+                    let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
+                    let slack = R::of(-1.0 / 256.0);
+                    let possible = exists #(.and(#possibly))*;
+                    if !possible.any() {
+                        return (possible, possible);
+                    }
+                    #unit_lets
+                    (exists #(.and(#strictly))* #(#inside)*, possible #near)
+                }
+            }
+        });
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
         let log_density = self.has_logarithms().then(|| self.log_density(place));
+        let accurate = place.has_longer_forms().then(|| {
+            let name = format_ident!("accurate_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let values: Vec<TokenStream> =
+                checked.iter().map(|&i| code.value(preimage.unknowns[i])).collect();
+            let lets = code.statements();
+            quote! {
+                /// The unknowns that are tested, as accurate as they can be had.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #c] { #lets [#(#values),*] }
+            }
+        });
         quote! {
             #[inline(always)]
             fn #inverse<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #n] { #inverse_lets [#(#unknowns),*] }
@@ -252,6 +361,8 @@ impl<'a> Emitter<'a> {
                 let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(slack).not()));
                 ([#(#uniforms),*], tests, plain, possible)
             }
+            #plainly
+            #accurate
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
             #log_density
@@ -297,19 +408,11 @@ impl<'a> Emitter<'a> {
             }
         }
     }
+}
 
-    /// The unknowns that have to be tested: those whose range is not settled by interval arithmetic,
-    /// and all of them where the piece has tests of its own.
-    fn checked(&self, place: Place) -> Vec<usize> {
-        let g = &place.problem.graph;
-        let settled = |id: Id| {
-            let r = g.range(id);
-            r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
-        };
-        let guarded = !place.problem.guards.is_empty();
-        let tested = &place.preimage.tested;
-        (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
-    }
+/// Whether nothing but the ends of unknowns limits the piece of a sampler.
+pub(super) fn is_unguarded(place: Place) -> bool {
+    place.problem.guards.is_empty() && place.problem.argument.is_none()
 }
 
 /// The conjunction of some tests.

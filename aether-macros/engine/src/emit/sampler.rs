@@ -4,8 +4,9 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::own_density;
-use super::pieces::Place;
+use super::own::{apart, forward_with_density, own_density};
+use super::pieces::{Place, is_unguarded};
+use super::tame::Tame;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
@@ -16,6 +17,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let forward = forward(e);
     let density = density(e);
     let own = own_density(e);
+    let both = forward_with_density(e);
     let visits = visits(e);
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
@@ -47,6 +49,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 #own
             }
 
+            #both
+
             fn preimages(&self, point: &Self::Point, mut visit: impl FnMut([R; #n], R::Mask)) {
                 #parameters
                 let x = #coordinates;
@@ -63,17 +67,23 @@ fn forward(e: &Emitter) -> TokenStream {
     let (n, m, _) = e.sizes();
     let made = e.point(&quote!(c));
     if e.is_whole() {
+        let image = image(e);
         return quote! {
-            let c = ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t));
+            let c = #image;
             (#made, exists_0::<R>(&p, &u))
         };
     }
     let pieces = e.by_piece(|j| {
         let [enter, forward, exists] =
             ["enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let y = if e.forward_is_tame(j) {
+            quote!(#forward::<R>(&p, &t))
+        } else {
+            quote!(::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t)))
+        };
         quote! {
             let t = #enter::<R>(&p, &u);
-            let y = ::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t));
+            let y = #y;
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
             exists = exists.or(taken.and(#exists::<R>(&p, &t)));
         }
@@ -86,12 +96,36 @@ fn forward(e: &Emitter) -> TokenStream {
     }
 }
 
+/// The coordinates of the image of `u` under the only piece.
+pub(super) fn image(e: &Emitter) -> TokenStream {
+    if e.forward_is_tame(0) {
+        return quote!(forward_0::<R>(&p, &u));
+    }
+    let (n, m, _) = e.sizes();
+    quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t)))
+}
+
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
+    let places = e.places();
+    // A point that lies in the image of one piece does not lie in those that are apart from it.
+    existence_where(e, &|piece| {
+        let earlier = places.iter().filter(|place| place.piece < piece);
+        let apart = earlier.filter(|place| apart(e, place.piece, piece));
+        let found: Vec<_> = apart.map(|place| format_ident!("strict_{}", place.number)).collect();
+        (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
+    })
+}
+
+/// The same for the preimages of each piece only where a mask holds, if there is one.
+pub(super) fn existence_where(
+    e: &Emitter,
+    wanted: &dyn Fn(usize) -> Option<TokenStream>,
+) -> TokenStream {
     let belongs = e.belongs();
     let places = e.places();
-    let strict = places.iter().map(|&place| strictly(e, place));
+    let strict = places.iter().map(|&place| strictly(e, place, wanted(place.piece)));
     let once = places.iter().map(|&place| once(place, &places));
     let recovered = places.iter().map(|&place| recovered(e, place, &places));
     quote! {
@@ -129,7 +163,7 @@ fn once(place: Place, places: &[Place]) -> TokenStream {
     quote!(#(#pairs)*)
 }
 
-fn strictly(e: &Emitter, place: Place) -> TokenStream {
+fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStream {
     let (k, j) = (place.number, place.piece);
     let (_, m, s) = e.sizes();
     let [support, inverse, strict, possible] =
@@ -143,32 +177,73 @@ fn strictly(e: &Emitter, place: Place) -> TokenStream {
     let member = format_ident!("member_{k}");
     // What is tested is short; where a longer form is more accurate, it says whether a point is near.
     let about = quote!(::aether_core::support::about_unit::<R, _>);
-    let near = if place.preimage.tested == place.preimage.unknowns {
-        quote!(#about(&checked))
-    } else {
+    let accurate = format_ident!("accurate_{k}");
+    let near = if place.has_longer_forms() {
         quote! {
             {
                 let near = #about(&checked);
-                if near.all() { near } else { near.or(#about(&#inverse::<R>(&p, &x))) }
+                if near.all() { near } else { near.or(#about(&#accurate::<R>(&p, &x))) }
             }
         }
+    } else {
+        quote!(#about(&checked))
     };
     let membership = place.derived.check_forward.then(|| {
         quote! {
-            let #strict = if #strict.any() {
+            let (#strict, #possible) = if #strict.any() {
                 let back = #forward::<R>(&p, &#inverse::<R>(&p, &x));
                 let near = ::aether_core::support::near::<R, #m>(&back, &x);
-                #strict.and(near.or(::aether_core::support::member::<R, #m, #s>(
-                    #strict.and(near.not()), &p, &x, #member::<R::Lane>)))
-            } else { #strict };
+                let far = #strict.and(::aether_core::support::far::<R, #m>(&back, &x));
+                let doubtful = #strict.and(near.or(far).not());
+                let found = near.or(::aether_core::support::member::<R, #m, #s>(
+                    doubtful, &p, &x, #member::<R::Lane>));
+                (#strict.and(found), #possible.and(far.not()))
+            } else {
+                (#strict, #possible)
+            };
         }
     });
-    quote! {
-        let (checked, _, plain, ok) = #support::<R>(&p, &x);
-        let #possible = ok.and(belongs) #wide;
-        let #possible = if #possible.any() { #possible.and(#near) } else { #possible };
-        let #strict = #possible.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
+    let mostly = if is_unguarded(place) {
+        let plainly = format_ident!("plainly_{k}");
+        quote! {
+            let (#strict, ok) = #plainly::<R>(&p, &x);
+            let ok = ok.and(belongs) #wide;
+            let #strict = #strict.and(ok);
+            let unknowns = || { let (checked, ..) = #support::<R>(&p, &x); checked };
+        }
+    } else {
+        quote! {
+            let (checked, _, plain, ok) = #support::<R>(&p, &x);
+            let ok = ok.and(belongs) #wide;
+            let #strict = ok.and(plain).and(::aether_core::support::in_unit::<R, _>(&checked)) #guarded;
+            let unknowns = || checked;
+        }
+    };
+    let tested = quote! {
+        #mostly
+        // Mostly a point lies plainly inside, or not at all.
+        let #possible = if #strict.all() {
+            #strict
+        } else if ok.any() {
+            let checked = unknowns();
+            ok.and(#near)
+        } else {
+            ok
+        };
         #membership
+    };
+    match wanted {
+        None => tested,
+        Some(wanted) => quote! {
+            let wanted: R::Mask = #wanted;
+            let (#strict, #possible) = if wanted.any() {
+                let belongs = belongs.and(wanted);
+                #tested
+                (#strict, #possible)
+            } else {
+                (wanted, wanted)
+            };
+        },
     }
 }
 
@@ -266,16 +341,28 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 }
 
 fn density(e: &Emitter) -> TokenStream {
+    if let Some(support) = e.support {
+        let (belongs, test, value) = (e.belongs(), support.test(), support.value());
+        return quote! {
+            let belongs: R::Mask = #belongs;
+            ::aether_core::Density::new(R::select(belongs #test, #value, R::ZERO))
+        };
+    }
     let existence = existence(e);
-    let (n, m, _) = e.sizes();
-    let terms = e.places().into_iter().map(|place| {
-        let [density, strict, recovered] =
-            ["density", "strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
+    let (n, _, _) = e.sizes();
+    let places = e.places();
+    let single = places.len() == 1;
+    let terms = places.into_iter().map(|place| {
+        let [strict, recovered] =
+            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
+        let value = value_at(e, place, &quote!(inside));
+        let sum = if single { quote!(sum = d) } else { quote!(sum += d) };
         quote! {
             let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
             if inside.any() {
-                let d = ::aether_core::support::limit::<R, #m>(inside, &x, |x| #density::<R>(&p, x));
-                sum += R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
+                let d = #value;
+                let d = R::select(inside.and(d.gt(R::ZERO)), d, R::ZERO);
+                #sum;
             }
         }
     });
@@ -284,6 +371,17 @@ fn density(e: &Emitter) -> TokenStream {
         let mut sum = R::ZERO;
         #(#terms)*
         ::aether_core::Density::new(sum)
+    }
+}
+
+/// The density at `x` by way of a preimage, or its limit where it is 0/0 and `wanted`.
+pub(super) fn value_at(e: &Emitter, place: Place, wanted: &TokenStream) -> TokenStream {
+    let (_, m, _) = e.sizes();
+    let density = format_ident!("density_{}", place.number);
+    if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
+        quote!(#density::<R>(&p, &x))
+    } else {
+        quote!(::aether_core::support::limit::<R, #m>(#wanted, &x, |x| #density::<R>(&p, x)))
     }
 }
 

@@ -1,12 +1,14 @@
 """Renders a scene with Mitsuba 3 for `aether convergence`: the same file, size, depth, samples and threads.
 
 Writes EXR files and their list `images.csv` into the directory given. What is measured is rendering alone: the
-scene is loaded and, with LLVM, compiled by a render of one sample before.
+scene is loaded, and compiled by LLVM, before.
 """
 
 import argparse
 import csv
 import os
+import subprocess
+import sys
 import time
 
 import mitsuba as mi
@@ -28,6 +30,7 @@ def arguments():
     parser.add_argument("--spp", required=True)
     parser.add_argument("--seeds", required=True)
     parser.add_argument("--output", required=True)
+    parser.add_argument("--variant", choices=VARIANTS)
     return parser.parse_args()
 
 
@@ -65,36 +68,56 @@ def render(scene, sensor, integrator, seed, spp, pixels):
     return result, time.perf_counter() - begin
 
 
+def measure(options, name):
+    """Renders with one variant; the rows of the list of images."""
+    mi.set_variant(VARIANTS[name])
+    if options.threads:
+        import drjit as dr
+
+        dr.set_thread_count(options.threads)
+    scene, sensor, integrator, pixels = load(options)
+    fitting = [int(spp) for spp in options.spp.split(",")]
+    seeds = [int(seed) for seed in options.seeds.split(",")]
+    for seed in [None, *seeds]:
+        speed = None
+        for spp in fitting:
+            if speed and spp * speed > 1.3 * options.budget:
+                fitting = [step for step in fitting if step < spp]
+                break
+            # The first time, LLVM compiles for each number of samples: that is not measured.
+            number = seeds[0] + 1_000_003 if seed is None else seed
+            image, seconds = render(scene, sensor, integrator, number, spp, pixels)
+            if seed is None:
+                continue
+            speed = seconds / spp
+            file = f"{name}-{seed}-{spp}.exr"
+            image.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False).write(
+                os.path.join(options.output, file)
+            )
+            yield [name, "path", seed, spp, f"{seconds:.6f}", file]
+
+
 def main():
     options = arguments()
     os.makedirs(options.output, exist_ok=True)
-    steps = [int(spp) for spp in options.spp.split(",")]
-    seeds = [int(seed) for seed in options.seeds.split(",")]
+    if options.variant:
+        with open(os.path.join(options.output, f"{options.variant}.csv"), "w", newline="") as table:
+            csv.writer(table, lineterminator="\n").writerows(measure(options, options.variant))
+        return
+    # Each variant in a process of its own: with an LLVM that is too old, Mitsuba aborts.
+    rows = []
+    for name in VARIANTS:
+        outcome = subprocess.run([sys.executable, *sys.argv, f"--variant={name}"])
+        if outcome.returncode == 0:
+            with open(os.path.join(options.output, f"{name}.csv"), newline="") as table:
+                rows += list(csv.reader(table))
+        else:
+            print(f"{name} failed and is left out ({outcome.returncode})", file=sys.stderr)
+    if not rows:
+        sys.exit("no variant of Mitsuba could render the scene")
     with open(os.path.join(options.output, "images.csv"), "w", newline="") as table:
-        out = csv.writer(table, lineterminator="\n")
-        out.writerow(["renderer", "integrator", "seed", "spp", "seconds", "file"])
-        for name, variant in VARIANTS.items():
-            mi.set_variant(variant)
-            if options.threads:
-                import drjit as dr
-
-                dr.set_thread_count(options.threads)
-            scene, sensor, integrator, pixels = load(options)
-            render(scene, sensor, integrator, seeds[0] + 1_000_003, 1, pixels)
-            fitting = steps
-            for seed in seeds:
-                speed = None
-                for spp in fitting:
-                    if speed and spp * speed > 1.3 * options.budget:
-                        fitting = [step for step in fitting if step < spp]
-                        break
-                    image, seconds = render(scene, sensor, integrator, seed, spp, pixels)
-                    speed = seconds / spp
-                    file = f"{name}-{seed}-{spp}.exr"
-                    image.convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False).write(
-                        os.path.join(options.output, file)
-                    )
-                    out.writerow([name, "path", seed, spp, f"{seconds:.6f}", file])
+        head = ["renderer", "integrator", "seed", "spp", "seconds", "file"]
+        csv.writer(table, lineterminator="\n").writerows([head, *rows])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,281 @@
+//! Vertex connection and merging (Georgiev et al. 2012; Hachisuka et al. 2012): bidirectional path tracing whose
+//! pieces of paths may also meet, as in photon mapping. A piece from the camera and one from a light whose ends
+//! lie within a radius of each other are one path; it is made as often as the densities of both pieces and the
+//! area within the radius say. That is one more technique for each inner vertex, which the light paths of all
+//! pixels serve. It is biased, and consistent: the radius shrinks from sample to sample.
+
+use std::f32::consts::PI;
+use std::panic::resume_unwind;
+use std::sync::{PoisonError, RwLock};
+
+use aether_core::{Arena, Pcg32, PowerHeuristic, Snapshot, combine};
+use glam::Vec3;
+
+use crate::emission::{LightStrategies, sample_emission, sample_emitter};
+use crate::integrator::Received;
+use crate::kind::{NotCovered, SceneKind};
+use crate::path::PathSettings;
+use crate::photons::{PhotonMap, Placed, shrunk};
+use crate::render::{AnyKernel, Splats, Technique, Worker};
+use crate::scene::Scene;
+use crate::selection::Selection;
+use crate::strategies::{Pixel, sample_bsdf, sample_light};
+use crate::subpaths::{Path, Scratch, camera_path, extend, light_path, through};
+use crate::vertex::SceneVertex;
+use crate::world::World;
+
+/// Settings of vertex connection and merging.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VertexMerging {
+    /// Lengths of paths, Russian roulette.
+    pub path: PathSettings,
+    /// Which connections are used.
+    pub techniques: Selection,
+    /// The first radius over that of the scene.
+    pub radius: f32,
+    /// How fast the radius shrinks: 1 not at all, 0 so that the noise stays.
+    pub alpha: f32,
+}
+
+impl VertexMerging {
+    /// With the usual settings.
+    pub fn new(path: PathSettings, techniques: Selection) -> Self {
+        VertexMerging { path, techniques, radius: 0.005, alpha: 0.75 }
+    }
+}
+
+/// A vertex of a light path that camera paths may meet.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    position: Vec3,
+    /// The unit normal, on the side that the light has come to.
+    normal: Vec3,
+    /// The number of the light path, and how many of its vertices lead here.
+    path: u32,
+    vertices: u32,
+}
+
+impl Placed for End {
+    fn position(&self) -> Vec3 {
+        self.position
+    }
+}
+
+type LightPath<K> = Snapshot<SceneVertex<K>, ()>;
+
+/// The light paths of a sample of the image, one for each pixel, and where they end.
+struct LightPaths<K: SceneKind> {
+    paths: Vec<LightPath<K>>,
+    ends: PhotonMap<End>,
+}
+
+/// Vertex connection and merging in a scene, as the render engine calls it.
+pub struct MergingKernel<'s, K: SceneKind> {
+    world: World<'s, K>,
+    settings: VertexMerging,
+    seed: u64,
+    lights: RwLock<LightPaths<K>>,
+}
+
+impl<'s, K: SceneKind> MergingKernel<'s, K> {
+    /// An integrator for a scene; the same seed gives the same image.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(scene: &'s Scene, settings: VertexMerging, seed: u64) -> Result<Self, NotCovered> {
+        let lights = RwLock::new(LightPaths { paths: Vec::new(), ends: PhotonMap::default() });
+        Ok(MergingKernel { world: World::new(scene)?, settings, seed, lights })
+    }
+
+    /// Some of the light paths of a sample, by their numbers.
+    fn shoot(&self, sample: u32, paths: std::ops::Range<usize>) -> Vec<LightPath<K>> {
+        let (longest, rr) = (self.settings.path.most_vertices(), self.settings.path.rr_depth);
+        let mut arena = Arena::new();
+        paths
+            .map(|k| {
+                arena.clear();
+                let uniforms = &mut Pcg32::new(self.seed, u64::MAX - k as u64, u64::from(sample));
+                let light = light_path(&self.world, &arena, uniforms, (longest - 1, rr));
+                Snapshot::<_, LightStrategies<K>>::of(&light.slice(0..light.len())).map(|_| ())
+            })
+            .collect()
+    }
+
+    /// A light path, with the strategies that would go on to `size` vertices.
+    fn light<'r, 'a>(
+        &'a self,
+        arena: &'r Arena<SceneVertex<K>, LightStrategies<'a, K>>,
+        path: &LightPath<K>,
+        size: usize,
+    ) -> Path<'r, K, LightStrategies<'a, K>> {
+        let (world, rr) = (&self.world, self.settings.path.rr_depth);
+        let mut light = arena.restore_with(path, |i, ()| match i {
+            0 => sample_emitter(world).into(),
+            1 => sample_emission(world).into(),
+            _ => sample_bsdf(world, rr, None).into(),
+        });
+        for i in light.size()..size {
+            match i {
+                0 => light.append(sample_emitter(world)),
+                1 => light.append(sample_emission(world)),
+                _ => light.append(sample_bsdf(world, rr, None)),
+            };
+        }
+        light
+    }
+
+    /// All ways to make a path of `n` vertices from a camera path and a light path, each with the number of its
+    /// samples: connections by the number of vertices from the camera, from one to all, then merges by the
+    /// number of the merged vertex, from the second to the last but one.
+    fn techniques<'r, 'a: 'r>(
+        &'a self,
+        camera: Path<'r, K, LightStrategies<'a, K>>,
+        light: Path<'r, K, LightStrategies<'a, K>>,
+        (n, radius): (usize, f32),
+    ) -> impl Iterator<Item = (Path<'r, K, LightStrategies<'a, K>>, usize)> + Clone {
+        let (world, pixels) = (&self.world, self.world.pixels());
+        let lit = move |s: usize| light.slice(0..s).reverse();
+        let connections = (1..=n).map(move |t| match (n - t, t) {
+            (s, t) if !self.settings.techniques.has(s, t) => (camera.slice(0..t), 0),
+            (1, t) if t > 1 => {
+                let mut direct = camera.slice(0..t);
+                direct.append(sample_light(world));
+                (direct, 1)
+            }
+            (s, t) => (camera.slice(0..t).concat(&lit(s)), if t == 1 { pixels } else { 1 }),
+        });
+        let merges = (2..n).map(move |t| {
+            (camera.slice(0..t).merge(&lit(n + 1 - t), PI * radius * radius), pixels)
+        });
+        connections.chain(merges)
+    }
+
+    /// One sample of a pixel.
+    fn sample<'a>(
+        &'a self,
+        lights: &LightPaths<K>,
+        Scratch { arena, estimator }: &mut Scratch<'a, K, LightStrategies<'a, K>>,
+        uniforms: &mut Pcg32,
+        pixel: Pixel,
+        splats: &mut Splats,
+    ) -> Vec3 {
+        arena.clear();
+        let (world, rr, radius) = (&self.world, self.settings.path.rr_depth, lights.ends.radius());
+        let longest = self.settings.path.most_vertices();
+        let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let reached = camera.len();
+        let own = &lights.paths[(pixel.1 * world.scene.film.width + pixel.0) as usize];
+        let total = (reached + own.len()).min(longest);
+        extend(&mut camera, world, (total, rr));
+        let light = self.light(arena, own, total);
+
+        let mut received = Received::new(pixel, splats);
+        let eye = camera.slice(0..1);
+        for n in 2 + usize::from(self.settings.path.hide_emitters)..=total {
+            let seen = eye.concat(&light.slice(0..n - 1).reverse());
+            for receiver in world.receivers(pixel, [&seen]) {
+                let view = match receiver == pixel {
+                    true => camera,
+                    false => through(world, arena, receiver, &camera),
+                };
+                let list = self.techniques(view, light, (n, radius)).enumerate();
+                let list = list.map(|(i, (mut path, count))| match i {
+                    0 => (seen, count),
+                    i if i + 2 == n => (*path.sample(uniforms), count),
+                    i if i < n => (path, count),
+                    _ => (path.technique(), count),
+                });
+                let techniques = arena.collect_counted(list);
+                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let response = estimator.integrand().response(receiver, &found.path);
+                    let technique = Technique::edge(found.technique + 1, n - found.technique - 1);
+                    received.add_found(technique, receiver, &found, response);
+                }
+            }
+        }
+
+        let response = estimator.integrand().response(pixel, &camera);
+        for t in 2..=reached.min(longest - 1) {
+            let Some(here) = camera.vertex(t - 1) else { break };
+            let Some(surface) = here.surface() else { break };
+            lights.ends.near(here.position, |end| {
+                let n = t + end.vertices as usize - 1;
+                let faces = surface.normal.dot(end.normal).abs() > 0.5;
+                if n > longest || !faces {
+                    return;
+                }
+                let light = self.light(arena, &lights.paths[end.path as usize], n);
+                let mut camera = camera.slice(0..camera.size().min(n));
+                extend(&mut camera, world, (n, rr));
+                let list = self.techniques(camera, light, (n, radius)).enumerate();
+                let list = list.map(|(i, (path, count))| match i == n + t - 2 {
+                    true => (path, count),
+                    false => (path.technique(), count),
+                });
+                let techniques = arena.collect_counted(list);
+                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let technique =
+                        Technique { vertices: n, joint: "merge", camera: t, light: n + 1 - t };
+                    received.add_found(technique, pixel, &found, response);
+                }
+            });
+        }
+        received.own
+    }
+}
+
+impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
+    fn worker(&self) -> Worker<'_> {
+        let lights = self.lights.read().unwrap_or_else(PoisonError::into_inner);
+        let mut scratch = Scratch::new(&self.world);
+        let width = u64::from(self.world.scene.film.width);
+        Box::new(move |pixel, sample, splats| {
+            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
+            let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+            self.sample(&lights, &mut scratch, &mut uniforms, pixel, splats).to_array()
+        })
+    }
+
+    fn splats(&self) -> bool {
+        true
+    }
+
+    fn largest_pass(&self) -> u32 {
+        1
+    }
+
+    fn begin_pass(&self, first: u32, threads: usize) {
+        let count = self.world.pixels();
+        let share = count.div_ceil(threads).max(1);
+        let parts = std::thread::scope(|scope| {
+            let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(count));
+            let threads: Vec<_> =
+                (0..count).step_by(share).map(|start| scope.spawn(shoot(start))).collect();
+            threads
+                .into_iter()
+                .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
+                .collect::<Vec<_>>()
+        });
+        let paths: Vec<_> = parts.into_iter().flatten().collect();
+        let (_, size) = self.world.lights.bounds;
+        let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
+        let ends = PhotonMap::new(ends(&paths), radius);
+        *self.lights.write().unwrap_or_else(PoisonError::into_inner) = LightPaths { paths, ends };
+    }
+}
+
+/// Where light paths end that camera paths may meet.
+fn ends<K: SceneKind>(paths: &[LightPath<K>]) -> Vec<End> {
+    let mut ends = Vec::new();
+    for (path, number) in paths.iter().zip(0..) {
+        for vertices in 2..=path.len() {
+            let [before, here] = [vertices - 2, vertices - 1].map(|i| path.vertex(i));
+            let (Some(before), Some(here)) = (before, here) else { break };
+            let Some(surface) = here.surface() else { break };
+            let side = surface.normal.dot(before.direction_from(here.position)).signum();
+            let (normal, vertices) = (side * surface.normal, vertices as u32);
+            ends.push(End { position: here.position, normal, path: number, vertices });
+        }
+    }
+    ends
+}
