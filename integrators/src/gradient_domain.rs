@@ -102,7 +102,7 @@ impl Integrator for GradientDomain {
                         let shifted = shifted
                             .as_ref()
                             .map(|shifted| (shifted, able(world, &theirs, &shifted.path, there)));
-                        let ours = able(world, &own, base, value);
+                        let ours = if i == 0 { &own[..] } else { able(world, &own, base, value) };
                         let position = i + ours.len() - own.len();
                         let weight = base.weight_with(&PowerHeuristic, (ours, position), shifted);
                         side.difference += (there - value) * weight;
