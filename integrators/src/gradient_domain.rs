@@ -6,17 +6,20 @@
 //! is that of multiple importance sampling over all of these. A filter moves with its pixel, so that the shift by
 //! a whole pixel keeps its value and any filter serves; the gradients are differences of neighbouring pixels as
 //! that filter sees them. They are written to layers of their own, [`Layer::Dx`] and [`Layer::Dy`]: the
-//! right, and the lower, neighbour minus the pixel.
+//! right, and the lower, neighbour minus the pixel. Light that the camera sees at its source is left out of them: it
+//! has little noise, but edges that would spread. It is a layer too, [`Layer::Direct`].
 
 use aether_core::combine::Shifted;
 use aether_core::{Estimator, PowerHeuristic, UniformSource};
 use glam::Vec3;
 
+use crate::image::RgbImage;
 use crate::integrand::Radiance;
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
-use crate::render::{Layer, Splats};
+use crate::poisson::{ALPHA, Reconstruction, reconstruct};
+use crate::render::{Layer, Rendered, Splats};
 use crate::shift::{Beginning, Path, PathArena, Shift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, through};
@@ -76,32 +79,30 @@ impl Integrator for GradientDomain {
 
         let response = estimator.integrand().response(pixel, &camera);
         let mut radiance = Vec3::ZERO;
-        for n in 1 + usize::from(self.path.hide_emitters)..camera.size() {
+        if !self.path.hide_emitters && limits.0 > 1 {
+            radiance += estimator.of(&camera.slice(0..2)) * response;
+            splats.add_to(Layer::Direct, pixel, radiance.to_array());
+        }
+        for n in 2..camera.size() {
             let mut own = techniques(world, &camera, n);
-            // The eye does not look for lights.
-            let own = &mut own[..n.min(2)];
-            own[1..].iter_mut().for_each(|direct| {
-                direct.sample(uniforms);
-            });
-            let own = &*own;
+            own[1].sample(uniforms);
             // The camera path goes on from what scattering found, which therefore comes last.
             let samples = own.iter().enumerate().filter(|(_, base)| base.is_complete());
             for (i, base) in samples.rev() {
                 let value = estimator.of(base) * response;
                 if value != Vec3::ZERO {
-                    radiance += value * base.weight_with(&PowerHeuristic, (own, i), None);
+                    radiance += value * base.weight_with(&PowerHeuristic, (&own, i), None);
                 }
                 for side in neighbours.iter_mut().flatten() {
-                    let shifted = side.shifted(base, n, i == 0);
+                    let shifted = side.shifted(base, i == 0);
                     let there =
                         shifted.map_or(Vec3::ZERO, |shifted| side.value(estimator, &shifted, base));
                     if value != Vec3::ZERO || there != Vec3::ZERO {
                         let theirs = techniques(world, &side.camera, n);
-                        let shifted = shifted.as_ref().map(|shifted| {
-                            let theirs = &theirs[..own.len()];
-                            (shifted, able(world, theirs, &shifted.path, there))
-                        });
-                        let ours = able(world, own, base, value);
+                        let shifted = shifted
+                            .as_ref()
+                            .map(|shifted| (shifted, able(world, &theirs, &shifted.path, there)));
+                        let ours = if i == 0 { &own[..] } else { able(world, &own, base, value) };
                         let position = i + ours.len() - own.len();
                         let weight = base.weight_with(&PowerHeuristic, (ours, position), shifted);
                         side.difference += (there - value) * weight;
@@ -134,7 +135,7 @@ fn techniques<'r, 'a, K: SceneKind>(
 /// visible.
 fn able<'t, 'r, 'a, K: SceneKind>(
     world: &World<'_, K>,
-    techniques: &'t [Path<'r, 'a, K>],
+    techniques: &'t [Path<'r, 'a, K>; 2],
     path: &Path<'r, 'a, K>,
     value: Vec3,
 ) -> &'t [Path<'r, 'a, K>] {
@@ -143,8 +144,11 @@ fn able<'t, 'r, 'a, K: SceneKind>(
         (Some(here), Some(light)) => world.visible(&here, &light),
         _ => false,
     };
-    let seen = value != Vec3::ZERO || path.view().visible(last) || techniques.len() == 1;
-    if seen || sees() { techniques } else { &techniques[1..] }
+    if value != Vec3::ZERO || path.view().visible(last) || sees() {
+        techniques
+    } else {
+        &techniques[1..]
+    }
 }
 
 impl GradientDomain {
@@ -180,16 +184,15 @@ impl GradientDomain {
 }
 
 impl<'r, 'a, K: SceneKind> Neighbour<'r, 'a, K> {
-    /// The shift of a path with `n` vertices before its last one. Those come from the camera, which goes on from
-    /// there as in `follows`.
+    /// The shift of a path, all but the last two of whose vertices the beginning has been made for; if the camera path
+    /// `follows` it, that goes on with it.
     fn shifted(
         &mut self,
         base: &Path<'r, 'a, K>,
-        n: usize,
         follows: bool,
     ) -> Option<Shifted<'r, SceneVertex<K>, ShiftStrategies<'a, K>>> {
         let before = self.beginning?;
-        let beginning = if n == 1 { Some(before) } else { self.shift.extend(&before, base) };
+        let beginning = self.shift.extend(&before, base);
         if follows {
             self.beginning = beginning;
         }
@@ -216,6 +219,26 @@ impl<'r, 'a, K: SceneKind> Neighbour<'r, 'a, K> {
         let response = estimator.integrand().response(self.pixel, &shifted.path);
         value * (response * shifted.rescaling(base))
     }
+}
+
+/// The image that fits what was rendered and its gradients. Of other integrators, what was rendered.
+pub fn reconstructed(rendered: &Rendered, reconstruction: Reconstruction) -> RgbImage {
+    let image = rendered.film.image();
+    let layer = |layer: Layer| rendered.layers.get(&layer).map(|[image, _]| image.clone());
+    let gradients = [Layer::Dx, Layer::Dy].map(layer);
+    if reconstruction == Reconstruction::None || gradients.iter().all(Option::is_none) {
+        return image;
+    }
+    let black = || RgbImage::filled(image.width(), image.height(), [0.0; 3]);
+    let [dx, dy] = gradients.map(|gradient| gradient.unwrap_or_else(black));
+    let direct = layer(Layer::Direct).unwrap_or_else(black);
+    let plus = |a: &RgbImage, sign: f32| {
+        RgbImage::from_fn(a.width(), a.height(), |x, y| {
+            let (a, b) = (a.pixel(x, y), direct.pixel(x, y));
+            std::array::from_fn(|c| a[c] + sign * b[c])
+        })
+    };
+    plus(&reconstruct(&plus(&image, -1.0), [&dx, &dy], ALPHA, reconstruction), 1.0)
 }
 
 type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, aether_core::estimator::Factors<Vec3>>;

@@ -13,9 +13,10 @@ use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::aovs::aovs;
 use crate::convergence::reference::crop_text;
+use crate::gradient_domain::reconstructed;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::{RgbImage, check_writable, png};
-use crate::poisson::{ALPHA, Reconstruction, reconstruct};
+use crate::poisson::Reconstruction;
 use crate::render::Layer;
 use crate::render::film::relative_error;
 use crate::render::layers::{Layered, contact_sheet};
@@ -117,30 +118,24 @@ fn write_files(
     rendered: &Rendered,
     mut layers: BTreeMap<String, RgbImage>,
 ) -> Result<Vec<PathBuf>, Failure> {
-    let primal = rendered.film.image();
     let variance = rendered.film.variance();
     let attributes = attributes(plan, arguments, rendered);
-    let gradients = rendered.layers.get(&Layer::Dx).zip(rendered.layers.get(&Layer::Dy));
-    let rgb = match gradients {
-        Some((dx, dy)) => reconstruct(&primal, [&dx[0], &dy[0]], ALPHA, plan.reconstruction),
-        None => primal.clone(),
-    };
+    let gradients = plan.integrator == "gdpt";
+    let rgb = reconstructed(rendered, plan.reconstruction);
     // The variance of what gradients and pixels make together is not known.
-    let known = gradients.is_none() || plan.reconstruction == Reconstruction::None;
+    let known = !gradients || plan.reconstruction == Reconstruction::None;
     for (layer, [image, _]) in &rendered.layers {
         if let Layer::Technique { .. } = layer {
             layers.insert(layer.to_string(), image.clone());
         }
     }
-    let exr = Exr { rgb, variance: variance.clone().filter(|_| known), layers, attributes };
+    let exr = Exr { rgb, variance: variance.filter(|_| known), layers, attributes };
     exr.write(output)?;
     if !output.is_file() {
         return Ok(Vec::new());
     }
-    if let Some((dx, dy)) = gradients {
-        let sampled = [&primal, &dx[0], &dy[0]];
-        let variances = [variance.as_ref(), Some(&dx[1]), Some(&dy[1])];
-        write_gradients(output, sampled.into_iter().zip(variances), &exr.attributes)?;
+    if gradients {
+        write_gradients(output, rendered, &exr.attributes)?;
     }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
@@ -151,20 +146,27 @@ fn write_files(
     Ok(vec![picture, techniques])
 }
 
-/// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`,
-/// and the right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`.
-fn write_gradients<'i>(
+/// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`, the
+/// right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`, and what they leave out as
+/// `NAME-direct.exr`.
+fn write_gradients(
     output: &Path,
-    images: impl Iterator<Item = (&'i RgbImage, Option<&'i RgbImage>)>,
+    rendered: &Rendered,
     attributes: &BTreeMap<String, Attribute>,
 ) -> Result<(), Failure> {
-    for (name, (rgb, variance)) in ["primal", "dx", "dy"].into_iter().zip(images) {
+    let write = |name: &str, rgb: RgbImage, variance: Option<RgbImage>| {
         let mut file = output.file_stem().unwrap_or_default().to_owned();
         file.push(format!("-{name}.exr"));
-        let (rgb, variance) = (rgb.clone(), variance.cloned());
-        let layers = BTreeMap::new();
-        let exr = Exr { rgb, variance, layers, attributes: attributes.clone() };
-        exr.write(&output.with_file_name(file))?;
+        let exr = Exr { rgb, variance, layers: BTreeMap::new(), attributes: attributes.clone() };
+        exr.write(&output.with_file_name(file))
+    };
+    let (width, height) = rendered.film.size();
+    let black = || RgbImage::filled(width as usize, height as usize, [0.0; 3]);
+    write("primal", rendered.film.image(), rendered.film.variance())?;
+    for layer in [Layer::Dx, Layer::Dy, Layer::Direct] {
+        let found = rendered.layers.get(&layer).cloned();
+        let [rgb, variance] = found.unwrap_or_else(|| [black(), black()]);
+        write(&layer.to_string(), rgb, Some(variance))?;
     }
     Ok(())
 }

@@ -26,6 +26,8 @@ impl Technique {
 /// An image beside the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Layer {
+    /// Light that the camera sees at its source, where that is kept apart.
+    Direct,
     /// How pixels differ from their right neighbours.
     Dx,
     /// How pixels differ from their lower neighbours.
@@ -43,6 +45,7 @@ impl fmt::Display for Layer {
     /// The name of the channels in a file.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Layer::Direct => write!(f, "direct"),
             Layer::Dx => write!(f, "dx"),
             Layer::Dy => write!(f, "dy"),
             Layer::Technique { weighted, technique: Technique { joint, camera, light, .. } } => {

@@ -3,7 +3,7 @@
 use aether_core::special::beta_inc;
 use integrators::algorithm::Algorithm;
 use integrators::bidirectional::Bidirectional;
-use integrators::gradient_domain::GradientDomain;
+use integrators::gradient_domain::{GradientDomain, reconstructed};
 use integrators::image::RgbImage;
 use integrators::image::block_test::holm;
 use integrators::instant_radiosity::InstantRadiosity;
@@ -11,7 +11,7 @@ use integrators::kind;
 use integrators::light_tracer::LightTracer;
 use integrators::metropolis::Metropolis;
 use integrators::photon_mapping::PhotonMapping;
-use integrators::poisson::{ALPHA, Reconstruction, reconstruct};
+use integrators::poisson::Reconstruction;
 use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
 use integrators::render::{Budget, Film, Layer, RenderSettings, render};
@@ -163,12 +163,20 @@ fn differences(image: &Reference, (dx, dy): (usize, usize)) -> Reference {
     Reference { rgb: of(&image.rgb, &|[here, next]| next - here), variance }
 }
 
-/// The products of pixels.
-fn product(a: &RgbImage, b: &RgbImage) -> RgbImage {
+/// A number made of each two.
+fn zip(a: &RgbImage, b: &RgbImage, of: impl Fn(f32, f32) -> f32) -> RgbImage {
     RgbImage::from_fn(a.width(), a.height(), |x, y| {
         let (a, b) = (a.pixel(x, y), b.pixel(x, y));
-        std::array::from_fn(|c| a[c] * b[c])
+        std::array::from_fn(|c| of(a[c], b[c]))
     })
+}
+
+fn product(a: &RgbImage, b: &RgbImage) -> RgbImage {
+    zip(a, b, |a, b| a * b)
+}
+
+fn sum(a: &RgbImage, b: &RgbImage) -> RgbImage {
+    zip(a, b, |a, b| a + b)
 }
 
 #[test]
@@ -194,11 +202,14 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
             let budget = Budget::Samples(1);
             let rendered = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
             assert_eq!(rendered.invalid_samples, 0);
-            let [dx, dy] = [Layer::Dx, Layer::Dy].map(|layer| &rendered.layers[&layer][0]);
-            let primal = rendered.film.image();
-            renders[0].push(reconstruct(&primal, [dx, dy], ALPHA, Reconstruction::L2));
-            renders[1].push(dx.clone());
-            renders[2].push(dy.clone());
+            renders[0].push(reconstructed(&rendered, Reconstruction::L2));
+            // What the camera sees at its source has differences too.
+            let [rgb, variance] = &rendered.layers[&Layer::Direct];
+            let direct = Reference { rgb: rgb.clone(), variance: variance.clone() };
+            for (part, layer, step) in [(1, Layer::Dx, (1, 0)), (2, Layer::Dy, (0, 1))] {
+                let (gradient, edges) = (&rendered.layers[&layer][0], differences(&direct, step));
+                renders[part].push(sum(gradient, &edges.rgb));
+            }
         }
         let image = Reference::stored(name);
         let expected = [image.clone(), differences(&image, (1, 0)), differences(&image, (0, 1))];

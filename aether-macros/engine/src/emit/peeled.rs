@@ -156,7 +156,8 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     if let Some((base, exponent)) = unknown_power(g, id) {
         let (base, exponent) = (code.value(base), code.value(exponent));
         // Below one if the base is and the exponent is positive, or if neither is so.
-        let inside = quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
+        let inside =
+            quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
         return UnitTest { inside, near: None };
     }
     let value = code.value(inner);
@@ -220,8 +221,8 @@ pub(super) fn sign_of(g: &Graph, id: Id) -> (Id, bool) {
     };
     let odd = |e: Id| g.as_number(e).is_some_and(|q| q.is_int() && q.num() % 2 != 0);
     let mut open = factors.iter().filter(|(b, e)| odd(*e) && !g.range(*b).nonnegative());
-    let even_otherwise = |(b, e): &(Id, Id)| odd(*e) || g.range(*b).nonnegative() || {
-        g.as_number(*e).is_some_and(|q| q.is_int())
+    let even_otherwise = |(b, e): &(Id, Id)| {
+        odd(*e) || g.range(*b).nonnegative() || { g.as_number(*e).is_some_and(|q| q.is_int()) }
     };
     match (open.next(), open.next()) {
         (Some(&(base, e)), None) if factors.iter().all(even_otherwise) => {
