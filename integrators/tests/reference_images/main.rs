@@ -141,8 +141,8 @@ fn assert_noticed(name: &str, samples: u32, scatter_factor: f32, light_factor: f
 
 #[test]
 fn one_percent_in_the_density_of_light_sampling_is_noticed() {
-    // A lamp of each shape, and a filter.
-    let some = ["cornell-box", "sphere", "disk", "two-lights", "tent-filter"];
+    // A lamp of each shape.
+    let some = ["cornell-box", "sphere", "disk"];
     for (name, samples) in SCENES.into_iter().filter(|(name, _)| some.contains(name)) {
         assert_noticed(name, samples, 1.0, 1.01);
     }
