@@ -61,7 +61,7 @@ pub struct Summary {
     pub slope: Option<Interval>,
     /// When it has the error of the baseline.
     pub reached: Option<Reached>,
-    /// 1 / (error² time) over that of the baseline.
+    /// 1 / (error² time) over that of the baseline, by the medians of relMSE without the floor.
     pub efficiency: Option<f64>,
     /// Variance and bias.
     pub estimate: Option<Estimate>,
@@ -120,7 +120,7 @@ fn summarise_scene(scene: &str, rows: &[Row], estimates: &[Estimate]) -> SceneSu
     let target = baseline.as_ref().and_then(|b| error_at(&b.points, TARGET_SAMPLES));
     let efficiency = |summary: &Summary| {
         let last = summary.points.last()?;
-        let error = last.above(above);
+        let error = last.quartiles[1] - above;
         (error > above && last.seconds > 0.0).then(|| 1.0 / (error * last.seconds))
     };
     let base = baseline.as_ref().and_then(efficiency);
