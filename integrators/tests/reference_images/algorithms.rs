@@ -10,6 +10,7 @@ use integrators::instant_radiosity::InstantRadiosity;
 use integrators::kind;
 use integrators::light_tracer::LightTracer;
 use integrators::metropolis::Metropolis;
+use integrators::path::PathSettings;
 use integrators::photon_mapping::PhotonMapping;
 use integrators::poisson::Reconstruction;
 use integrators::portals::Portals;
@@ -154,12 +155,7 @@ fn differences(image: &Reference, (dx, dy): (usize, usize)) -> Reference {
             next.map_or([0.0; 3], |next| std::array::from_fn(|c| value([here[c], next[c]])))
         })
     };
-    let mut variance = of(&image.variance, &|[here, next]| here + next);
-    // A sky without noise is rounded, and a difference of it is nothing else.
-    let rounding = of(&image.rgb, &|[here, next]| (1e-5 * (here + next)).powi(2));
-    for (variance, rounding) in variance.pixels_mut().iter_mut().zip(rounding.pixels()) {
-        (0..3).for_each(|c| variance[c] += rounding[c]);
-    }
+    let variance = of(&image.variance, &|[here, next]| here + next);
     Reference { rgb: of(&image.rgb, &|[here, next]| next - here), variance }
 }
 
@@ -192,27 +188,31 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
     let mut p = Vec::new();
     for name in scenes {
         let scene = scene(name);
-        let settings = GradientDomain::new(settings(&scene));
-        let kernel = Algorithm::GradientDomain(settings);
+        let path = settings(&scene);
+        let kernel = Algorithm::GradientDomain(GradientDomain::new(path));
         let mut renders = [const { Vec::new() }; 3];
         for seed in 0..SEEDS {
             let kernel = kernel.clone().kernel(kind::smallest(&scene), &scene, seed + 10);
             let kernel = kernel.expect("a kind").expect("it covers the scene");
             let size = (scene.film.width, scene.film.height);
             let budget = Budget::Samples(1);
-            let rendered = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
-            assert_eq!(rendered.invalid_samples, 0);
-            renders[0].push(reconstructed(&rendered, Reconstruction::L2));
-            // What the camera sees at its source has differences too.
-            let [rgb, variance] = &rendered.layers[&Layer::Direct];
-            let direct = Reference { rgb: rgb.clone(), variance: variance.clone() };
-            for (part, layer, step) in [(1, Layer::Dx, (1, 0)), (2, Layer::Dy, (0, 1))] {
-                let (gradient, edges) = (&rendered.layers[&layer][0], differences(&direct, step));
-                renders[part].push(sum(gradient, &edges.rgb));
-            }
+            let gradients = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
+            assert_eq!(gradients.invalid_samples, 0);
+            renders[0].push(reconstructed(&gradients, Reconstruction::L2));
+            renders[1].push(gradients.layers[&Layer::Dx][0].clone());
+            renders[2].push(gradients.layers[&Layer::Dy][0].clone());
         }
         let image = Reference::stored(name);
-        let expected = [image.clone(), differences(&image, (1, 0)), differences(&image, (0, 1))];
+        // Gradients are those of light that has been scattered.
+        let seen = PathSettings { max_depth: Some(1), ..path };
+        let seen = rendered(Algorithm::Path(seen), &scene, 512, 3);
+        let noise = sum(&image.variance, &seen.variance().expect("two samples a pixel"));
+        // A sky without noise is rounded, and what is left of it is nothing else.
+        let rounding = zip(&image.rgb, &image.rgb, |a, b| 1e-10 * a * b);
+        let rgb = zip(&image.rgb, &seen.image(), |all, seen| all - seen);
+        let scattered = Reference { rgb, variance: sum(&noise, &rounding) };
+        let [dx, dy] = [(1, 0), (0, 1)].map(|step| differences(&scattered, step));
+        let expected = [image.clone(), dx, dy];
         for (part, (expected, renders)) in expected.iter().zip(&renders).enumerate() {
             let what = format!("{name}, {}", ["least squares", "dx", "dy"][part]);
             p.extend(p_values(&what, expected, renders, 16));
