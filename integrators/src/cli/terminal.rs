@@ -124,13 +124,8 @@ mod tests {
         assert_eq!((percent(0.012345), percent(1.5)), ("1.23 %".into(), "150 %".into()));
         assert_eq!(percent(0.0), "0.000000 %");
         let (fraction, relative_error) = (0.5, Some(0.05));
-        let half = Progress {
-            fraction,
-            seconds: 20.0,
-            samples: 8,
-            relative_error,
-            ..Progress::default()
-        };
+        let half =
+            Progress { fraction, seconds: 20.0, samples: 8, relative_error, ..Progress::default() };
         assert_eq!(message(&half), "20 s left, 8 spp, error 5.00 %");
     }
 }

@@ -5,8 +5,8 @@ use quote::quote;
 use syn::ItemFn;
 
 use super::documentation::Texts;
-use super::whole::Support;
 use super::interface::{bound, hidden_body, interface, type_name};
+use super::whole::Support;
 use crate::derive::Derived;
 use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
 

@@ -77,7 +77,9 @@ fn step(g: &Graph, peeled: &Peeled) -> Option<Peeled> {
             };
             match f {
                 Fun::Exp => Some(through(a, false, &|b| if b <= 0.0 { low } else { libm::log(b) })),
-                Fun::ExpM1 => Some(through(a, false, &|b| if b <= -1.0 { low } else { libm::log1p(b) })),
+                Fun::ExpM1 => {
+                    Some(through(a, false, &|b| if b <= -1.0 { low } else { libm::log1p(b) }))
+                }
                 Fun::Ln if g.range(a).nonnegative() => Some(through(a, false, &libm::exp)),
                 Fun::Ln1p if g.range(a).lo >= -1.0 => Some(through(a, false, &libm::expm1)),
                 Fun::Tanh => Some(through(a, false, &|b| within(1.0, b, libm::atanh(b)))),
@@ -154,21 +156,40 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     if let Some((base, exponent)) = unknown_power(g, id) {
         let (base, exponent) = (code.value(base), code.value(exponent));
         // Below one if the base is and the exponent is positive, or if neither is so.
-        let inside = quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
+        let inside =
+            quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
         return UnitTest { inside, near: None };
     }
     let value = code.value(inner);
     let above = |bound: f64, equal: bool| match (falling, equal) {
         _ if bound == f64::NEG_INFINITY || bound == f64::INFINITY => quote!(),
-        (false, true) => { let b = number(bound); quote!(.and(#value.ge(#b))) }
-        (false, false) => { let b = number(bound); quote!(.and(#value.gt(#b))) }
-        (true, true) => { let b = number(bound); quote!(.and(#value.le(#b))) }
-        (true, false) => { let b = number(bound); quote!(.and(#value.lt(#b))) }
+        (false, true) => {
+            let b = number(bound);
+            quote!(.and(#value.ge(#b)))
+        }
+        (false, false) => {
+            let b = number(bound);
+            quote!(.and(#value.gt(#b)))
+        }
+        (true, true) => {
+            let b = number(bound);
+            quote!(.and(#value.le(#b)))
+        }
+        (true, false) => {
+            let b = number(bound);
+            quote!(.and(#value.lt(#b)))
+        }
     };
     let below = |bound: f64| match falling {
         _ if bound == f64::NEG_INFINITY || bound == f64::INFINITY => quote!(),
-        false => { let b = number(bound); quote!(.and(#value.lt(#b))) }
-        true => { let b = number(bound); quote!(.and(#value.gt(#b))) }
+        false => {
+            let b = number(bound);
+            quote!(.and(#value.lt(#b)))
+        }
+        true => {
+            let b = number(bound);
+            quote!(.and(#value.gt(#b)))
+        }
     };
     let [far_below, zero, one, far_above] = bounds;
     let mut inside = quote!();
@@ -200,8 +221,8 @@ pub(super) fn sign_of(g: &Graph, id: Id) -> (Id, bool) {
     };
     let odd = |e: Id| g.as_number(e).is_some_and(|q| q.is_int() && q.num() % 2 != 0);
     let mut open = factors.iter().filter(|(b, e)| odd(*e) && !g.range(*b).nonnegative());
-    let even_otherwise = |(b, e): &(Id, Id)| odd(*e) || g.range(*b).nonnegative() || {
-        g.as_number(*e).is_some_and(|q| q.is_int())
+    let even_otherwise = |(b, e): &(Id, Id)| {
+        odd(*e) || g.range(*b).nonnegative() || { g.as_number(*e).is_some_and(|q| q.is_int()) }
     };
     match (open.next(), open.next()) {
         (Some(&(base, e)), None) if factors.iter().all(even_otherwise) => {

@@ -132,8 +132,9 @@ impl<'a> Emitter<'a> {
         let (n, m, p) = self.sizes();
         let problem = &piece.problem;
         let g = &problem.graph;
-        let [forward, exists, size_name, both, leave] = ["forward", "exists", "volume", "both", "leave"]
-            .map(|name| format_ident!("{name}_{j}"));
+        let [forward, exists, size_name, both, leave] =
+            ["forward", "exists", "volume", "both", "leave"]
+                .map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::lenient(g, &at);
         let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();

@@ -50,9 +50,9 @@ impl<'a> Tame<'a> {
             }
             Node::Sum(c, terms) => {
                 let start = Some(Interval::point(c.to_f64()));
-                terms.iter().fold(start, |sum, (q, t)| {
-                    Some(sum?.add(self.range(*t)?.scale(q.to_f64())))
-                })
+                terms
+                    .iter()
+                    .fold(start, |sum, (q, t)| Some(sum?.add(self.range(*t)?.scale(q.to_f64()))))
             }
             Node::Product(factors) => {
                 factors.iter().try_fold(Interval::point(1.0), |product, (base, exponent)| {
@@ -91,8 +91,12 @@ impl<'a> Tame<'a> {
         let ranges: Vec<Interval> = args.iter().map(|&a| self.range(a)).collect::<Option<_>>()?;
         let a = *ranges.first()?;
         let exists = match f {
-            Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi | Fun::Atan | Fun::Atan2 | Fun::Turn => true,
-            Fun::Abs | Fun::Sign | Fun::Tanh | Fun::Cbrt | Fun::Asinh | Fun::Erf | Fun::Erfc => true,
+            Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi | Fun::Atan | Fun::Atan2 | Fun::Turn => {
+                true
+            }
+            Fun::Abs | Fun::Sign | Fun::Tanh | Fun::Cbrt | Fun::Asinh | Fun::Erf | Fun::Erfc => {
+                true
+            }
             Fun::Exp | Fun::ExpM1 => a.hi <= LARGEST_EXPONENT,
             Fun::Ln => a.lo > 0.0,
             Fun::Ln1p => a.lo > -1.0,
