@@ -56,7 +56,7 @@ by_hand! {
         let square = radius * radius;
         let bound = ROUNDING * (size(x.vec()) + size(centre) + radius);
         let near = (d.length_squared() - square).abs() <= 2.0 * bound * radius;
-        if near { 0.25 * FRAC_1_PI / square } else { 0.0 }
+        if near && finite(x.0) { 0.25 * FRAC_1_PI / square } else { 0.0 }
     }
     draw(u) {
         let z = 1.0 - 2.0 * u[0];

@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::item::Emitter;
 use super::sampler::{existence, existence_where, image, value_at};
 use super::tame::Tame;
+use crate::expr::{OUTS, UNKNOWNS};
 
 /// The density at the uniforms, and the densities by way of the other preimages.
 pub(super) fn own_density(e: &Emitter) -> TokenStream {
@@ -54,15 +55,21 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
 
 /// The density `d` at the uniforms, or its limit.
 fn single(e: &Emitter) -> TokenStream {
-    if is_tame(e, 0) {
+    let tame = is_tame(e, 0);
+    if tame && !has_parameters(e, 0) {
         return quote!(::aether_core::Density::new(d));
     }
     let image = image(e);
     let made = e.point(&image);
+    // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
+    // Jacobian; the density at the point knows it. Parameters may overflow.
+    let inner = if tame {
+        quote!(d.ge(R::ZERO))
+    } else {
+        quote!(u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO))))
+    };
     quote! {
-        // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
-        // Jacobian; the density at the point knows it.
-        let inner = u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO)));
+        let inner = #inner;
         if inner.all() {
             ::aether_core::Density::new(d)
         } else {
@@ -76,6 +83,12 @@ fn single(e: &Emitter) -> TokenStream {
 fn is_tame(e: &Emitter, piece: usize) -> bool {
     let graph = &e.parsed.pieces[piece].problem.graph;
     Tame::new(graph, true, false).all(&[e.derived[piece].own_density])
+}
+
+/// Whether the density of a piece depends on parameters.
+fn has_parameters(e: &Emitter, piece: usize) -> bool {
+    let graph = &e.parsed.pieces[piece].problem.graph;
+    graph.has(e.derived[piece].own_density, !(UNKNOWNS | OUTS))
 }
 
 /// Where each piece has one preimage: that of the piece that `u` takes is `u` itself, with the density of the
@@ -96,7 +109,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
             quote!(<R::Mask as Mask>::TRUE)
         };
         let here = if is_tame(e, j) {
-            quote!(taken)
+            quote!(taken.and(d.ge(R::ZERO)))
         } else {
             quote!(t.iter().fold(taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO))))
         };
