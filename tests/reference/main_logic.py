@@ -24,6 +24,8 @@ INTEGRATORS = [
              ("metropolis.rs", "chain")]),
     ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),
     ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
+    ("vcm", [("vertex_merging.rs", "shoot"), ("vertex_merging.rs", "light"), ("vertex_merging.rs", "techniques"),
+             ("vertex_merging.rs", "sample"), ("vertex_merging.rs", "ends")]),
     ("ptracer", [("light_tracer.rs", "sample")]),
 ]
 
