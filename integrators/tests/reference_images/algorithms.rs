@@ -17,7 +17,9 @@ use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
 use integrators::render::{Budget, Film, Layer, RenderSettings, render};
 use integrators::scene::Scene;
+use integrators::selection::Selection;
 use integrators::tridirectional::Tridirectional;
+use integrators::vertex_merging::VertexMerging;
 
 use super::report;
 use super::scenes::{Reference, film, scene, scores, settings};
@@ -265,6 +267,16 @@ fn photon_mapping_converges() {
 }
 
 #[test]
+fn merging_converges() {
+    // Without connections of camera vertices to light paths, so that merges have most of the weight.
+    let techniques = "0:*,1:*,*:1".parse().expect("a selection");
+    assert_unbiased("models/dielectric", 4, |scene| {
+        let settings = VertexMerging::new(settings(scene), Selection::clone(&techniques));
+        Algorithm::VertexMerging(settings)
+    });
+}
+
+#[test]
 fn the_number_of_threads_does_not_change_a_bit_of_splats() {
     let scene = scene("cornell-box");
     let render = |algorithm: Algorithm, threads| {
@@ -277,6 +289,7 @@ fn the_number_of_threads_does_not_change_a_bit_of_splats() {
         bidirectional(&scene, ""),
         Algorithm::Metropolis(metropolis),
         Algorithm::PhotonMapping(PhotonMapping::new(path)),
+        Algorithm::VertexMerging(VertexMerging::new(path, Selection::default())),
     ] {
         let one = render(algorithm.clone(), 1);
         assert!(one == render(algorithm.clone(), 3), "{algorithm:?}");
