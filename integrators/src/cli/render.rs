@@ -20,6 +20,7 @@ use crate::poisson::Reconstruction;
 use crate::render::Layer;
 use crate::render::film::relative_error;
 use crate::render::layers::{Layered, contact_sheet};
+use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
@@ -37,7 +38,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let terminal = Terminal::new();
     let kernel: Box<dyn AnyKernel> = match arguments.technique_images {
         None => kernel,
-        Some(vertices) => Box::new(Layered { kernel, vertices: vertices as usize }),
+        Some(vertices) => Box::new(layered(kernel, vertices, plan.size)?),
     };
     let budget = budget(arguments, &plan, kernel.as_ref())?;
     let settings = RenderSettings { size: plan.size, budget, threads: arguments.threads };
@@ -49,6 +50,14 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::from(INTERRUPTED));
     }
     warn_about(&rendered);
+    let shown = |layer: &Layer| matches!(layer, Layer::Technique { .. });
+    if arguments.technique_images.is_some() && !rendered.layers.keys().any(shown) {
+        let name = &plan.integrator;
+        warn(&format!(
+            "warning: `{name}` contributes no images of techniques: there are none, or it does not tell them \
+             apart; `path`, `bdpt`, `tridir`, `vcm` and `ptracer` do"
+        ));
+    }
     let mut layers = BTreeMap::new();
     if arguments.aovs {
         let samples = rendered.film.samples().1.min(AOV_SAMPLES);
@@ -64,6 +73,29 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         }
     }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// The most bytes that images of techniques may take.
+const MOST_BYTES: u64 = 8_000_000_000;
+
+/// A kernel whose techniques have images, if these fit into memory.
+fn layered<'a>(
+    kernel: Box<dyn AnyKernel + 'a>,
+    vertices: u32,
+    (width, height): (u32, u32),
+) -> Result<Layered<Box<dyn AnyKernel + 'a>>, Failure> {
+    // Of paths of n vertices, up to 2n - 2 techniques, weighted and alone.
+    let layers = 2 * u64::from(vertices) * u64::from(vertices - 1);
+    let bytes = layers * u64::from(width) * u64::from(height) * BYTES_OF_A_SUM;
+    if bytes > MOST_BYTES {
+        return Err(Failure::new(format!(
+            "images of the techniques of paths of up to {vertices} vertices may take {:.1} GB; ask for fewer \
+             vertices, `--technique-images {}`, or for a smaller image, `--size`",
+            bytes as f64 / 1e9,
+            vertices - 1
+        )));
+    }
+    Ok(Layered { kernel, vertices: vertices as usize })
 }
 
 /// When to stop.

@@ -106,6 +106,9 @@ pub struct SplatSums {
     invalid: u64,
 }
 
+/// What the sums of one pixel of a layer take.
+pub const BYTES_OF_A_SUM: u64 = size_of::<[[i128; 3]; 2]>() as u64;
+
 /// One, in the units of the sums.
 const ONE: f64 = 18_446_744_073_709_551_616.0;
 /// What a contribution may be at most.
