@@ -15,12 +15,11 @@ use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{Photon, PhotonMap, shrunk};
+use crate::photons::{Photon, PhotonMap, in_parts, shrunk};
 use crate::render::{AnyKernel, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, light_path};
-use crate::work;
 use crate::world::World;
 
 /// Settings of photon mapping.
@@ -171,13 +170,10 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
     }
 
     fn begin_pass(&self, first: u32, threads: usize) {
-        let paths = self.light_paths();
-        let share = paths.div_ceil(threads).max(1);
-        let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(paths));
-        let parts = work::threads((0..paths).step_by(share).map(shoot));
+        let photons = in_parts(self.light_paths(), threads, |part| self.shoot(first, part));
         let (_, size) = self.world.lights.bounds;
         let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
-        let map = PhotonMap::new(parts.concat(), radius);
+        let map = PhotonMap::new(photons, radius);
         *self.map.write().unwrap_or_else(PoisonError::into_inner) = map;
     }
 }

@@ -5,7 +5,6 @@
 //! pixels serve. It is biased, and consistent: the radius shrinks from sample to sample.
 
 use std::f32::consts::PI;
-use std::panic::resume_unwind;
 use std::sync::{PoisonError, RwLock};
 
 use aether_core::{Arena, Pcg32, PowerHeuristic, Snapshot, combine};
@@ -15,7 +14,7 @@ use crate::emission::{LightStrategies, sample_emission, sample_emitter};
 use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{PhotonMap, Placed, shrunk};
+use crate::photons::{PhotonMap, Placed, in_parts, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::selection::Selection;
@@ -245,18 +244,7 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
     }
 
     fn begin_pass(&self, first: u32, threads: usize) {
-        let count = self.world.pixels();
-        let share = count.div_ceil(threads).max(1);
-        let parts = std::thread::scope(|scope| {
-            let shoot = |start: usize| move || self.shoot(first, start..(start + share).min(count));
-            let threads: Vec<_> =
-                (0..count).step_by(share).map(|start| scope.spawn(shoot(start))).collect();
-            threads
-                .into_iter()
-                .map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)))
-                .collect::<Vec<_>>()
-        });
-        let paths: Vec<_> = parts.into_iter().flatten().collect();
+        let paths = in_parts(self.world.pixels(), threads, |part| self.shoot(first, part));
         let (_, size) = self.world.lights.bounds;
         let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
         let ends = PhotonMap::new(ends(&paths), radius);
