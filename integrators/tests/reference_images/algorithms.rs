@@ -208,20 +208,26 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
         // Gradients are those of light that has been scattered.
         let seen = PathSettings { max_depth: Some(1), ..path };
         let seen = rendered(Algorithm::Path(seen), &scene, 512, 3);
-        let noise = sum(&image.variance, &seen.variance().expect("two samples a pixel"));
+        let seen_noise = seen.variance().expect("two samples a pixel");
+        let noise = sum(&image.variance, &seen_noise);
         // A sky without noise is rounded, and what is left of it is nothing else.
         let rounding = zip(&image.rgb, &image.rgb, |a, b| 1e-10 * a * b);
         let rgb = zip(&image.rgb, &seen.image(), |all, seen| all - seen);
         let scattered = Reference { rgb, variance: sum(&noise, &rounding) };
         let [dx, dy] = [(1, 0), (0, 1)].map(|step| differences(&scattered, step));
         let expected = [image.clone(), dx, dy];
+        let noise = Reference { rgb: seen.image(), variance: seen_noise };
+        let steps = [(0, 0), (1, 0), (0, 1)];
         for (part, (expected, renders)) in expected.iter().zip(&renders).enumerate() {
             let what = format!("{name}, {}", ["least squares", "dx", "dy"][part]);
             p.extend(p_values(&what, expected, renders, 16));
-            // Too weak or too strong gradients show when they are laid against those expected.
-            let along = |image: &RgbImage| product(image, &expected.rgb);
+            // Too weak or too strong gradients show when they are laid against those expected, where the noise
+            // of these does not come in twice.
+            let noise = differences(&noise, steps[part]).variance;
+            let clean = zip(&expected.rgb, &noise, |e, noise| if noise > 0.0 { 0.0 } else { e });
+            let along = |image: &RgbImage| product(image, &clean);
             let renders: Vec<RgbImage> = renders.iter().map(along).collect();
-            let variance = product(&expected.variance, &along(&expected.rgb));
+            let variance = product(&expected.variance, &product(&clean, &clean));
             let expected = Reference { rgb: along(&expected.rgb), variance };
             p.extend(p_values(
                 &format!("{what}, along it"),
