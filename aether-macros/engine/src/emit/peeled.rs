@@ -162,7 +162,7 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     }
     let value = code.value(inner);
     let above = |bound: f64, equal: bool| match (falling, equal) {
-        _ if bound == f64::NEG_INFINITY || bound == f64::INFINITY => quote!(),
+        _ if bound.is_infinite() => quote!(),
         (false, true) => {
             let b = number(bound);
             quote!(.and(#value.ge(#b)))
@@ -181,7 +181,7 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         }
     };
     let below = |bound: f64| match falling {
-        _ if bound == f64::NEG_INFINITY || bound == f64::INFINITY => quote!(),
+        _ if bound.is_infinite() => quote!(),
         false => {
             let b = number(bound);
             quote!(.and(#value.lt(#b)))
