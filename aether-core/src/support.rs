@@ -125,6 +125,7 @@ fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -
 
 /// Whether every number is finite: of any other, the difference from itself is no zero.
 #[inline(always)]
+#[allow(clippy::eq_op)]
 pub fn finite<R: Real>(x: &[R]) -> R::Mask {
     let differences = x.iter().map(|x| *x - *x).reduce(|sum, d| sum + d);
     differences.map_or(R::Mask::TRUE, |sum| sum.ge(R::ZERO))

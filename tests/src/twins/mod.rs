@@ -71,6 +71,7 @@ pub(crate) use by_hand;
 
 /// Whether a point has finite coordinates: of any other number, the difference from itself is no zero.
 #[inline(always)]
+#[allow(clippy::eq_op)]
 pub(crate) fn finite<const N: usize>(x: [f64; N]) -> bool {
     x.iter().map(|x| x - x).sum::<f64>() == 0.0
 }
