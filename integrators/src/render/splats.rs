@@ -57,10 +57,13 @@ impl fmt::Display for Layer {
     }
 }
 
+/// The pixel, the layer (none for the image itself), and what it gets.
+type Splat = ((u32, u32), Option<Layer>, [f32; 3]);
+
 /// What one thread has to add to pixels of the image.
 #[derive(Clone, Debug, Default)]
 pub struct Splats {
-    waiting: Vec<((u32, u32), Option<Layer>, [f32; 3])>,
+    waiting: Vec<Splat>,
     /// The most vertices of paths whose techniques have layers of their own.
     pub layered: usize,
 }
