@@ -161,7 +161,7 @@ impl tests::twins::pairs::Visitor for Same {
         let mut numbers = tests::twins::pairs::Numbers::new(1000 + row);
         for i in 0..400 {
             // Every eighth uniform lies next to an end: forms that lose digits there show.
-            let u = S::Uniforms::from_fn(|_| match (numbers.next(), numbers.next()) {
+            let u = S::Uniforms::from_fn(|_| match (numbers.number(), numbers.number()) {
                 (choice, u) if choice < 0.0625 => 1e-5 * u,
                 (choice, u) if choice < 0.125 => 1.0 - 1e-5 * u,
                 (_, u) => u,
