@@ -30,7 +30,7 @@ impl Numbers {
     }
 
     /// The next number (the mixing function of Steele, Lea and Flood 2014, SplitMix).
-    pub fn next(&mut self) -> f64 {
+    pub fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -40,13 +40,13 @@ impl Numbers {
 
     /// Uniforms of a sample.
     pub fn uniforms<U: Uniforms<f64>>(&mut self) -> U {
-        U::from_fn(|_| self.next())
+        U::from_fn(|_| self.number())
     }
 
     /// A point of a space, wherever the support may be.
     pub fn stray<P: FromCoordinates<f64>>(&mut self) -> P {
         let mut coordinates = [0.0; 8];
-        coordinates.fill_with(|| 3.0 * self.next() - 1.5);
+        coordinates.fill_with(|| 3.0 * self.number() - 1.5);
         P::made_of(&coordinates)
     }
 }

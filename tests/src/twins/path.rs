@@ -307,7 +307,7 @@ fn light_density<K: SceneKind>(
     there: &SceneVertex<K>,
 ) -> f32 {
     let density = || {
-        let choice = world.lights.seen_from(here)?.get(world.lights.index_of(there)?)?.clone();
+        let choice = world.lights.seen_from(here)?.get(world.lights.index_of(there)?)?;
         let Light::Area(light) = choice.item else { return None };
         let light = K::Area::get_ref(light);
         let density = match light.shape {
