@@ -152,7 +152,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn the_technique_does_not_change_the_expected_image() {
     // With a moon so large that scattering finds it now and then.
     let scene = night(&[("width", "32"), ("height", "18"), ("moon", "3")]);
-    let [standard, moonlight] = both(&scene, 256).unwrap().map(|film| mean_and_error(&film));
+    let [standard, moonlight] = both(&scene, 768).unwrap().map(|film| mean_and_error(&film));
     let error = standard.1.hypot(moonlight.1);
     assert!((standard.0 - moonlight.0).abs() < 4.0 * error, "{standard:?}, {moonlight:?}");
     assert!(error < 0.03 * standard.0, "too few samples to tell: {standard:?}, {moonlight:?}");

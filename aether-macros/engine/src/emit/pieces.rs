@@ -11,7 +11,7 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
-use super::peeled::{UnitTest, sign_of, unit_test};
+use super::peeled::{SURELY_ONE, UnitTest, sign_of, unit_test};
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
@@ -39,7 +39,7 @@ impl Place<'_> {
         let g = &self.problem.graph;
         let settled = |id: Id| {
             let r = g.range(id);
-            r.lo >= 0.0 && r.hi <= 1.0 + 1e-12
+            r.lo >= 0.0 && r.hi <= SURELY_ONE
         };
         let guarded = !self.problem.guards.is_empty();
         let tested = &self.preimage.tested;
