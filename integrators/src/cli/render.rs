@@ -266,7 +266,9 @@ fn summary(output: &Path, pictures: &[PathBuf], rendered: &Rendered) -> String {
         duration(rendered.seconds)
     );
     if let Some(error) = relative_error(rendered.film.pixels().iter()) {
-        line += &format!(", error {}", percent(error));
+        // What gradients add to it is not known.
+        let sampled = if rendered.layers.contains_key(&Layer::Dx) { " of the samples" } else { "" };
+        line += &format!(", error{sampled} {}", percent(error));
     }
     line
 }
