@@ -333,14 +333,6 @@ pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())))
 }
 
-/// Whether two points are so far from each other, for their size, that no rounding has moved one there.
-#[inline(always)]
-pub fn far<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
-    let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
-    let limit = size * R::of(0.0625);
-    a.iter().zip(b).fold(R::Mask::FALSE, |m, (a, b)| m.or((*a - *b).abs().gt(limit)))
-}
-
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.
 pub fn leads_back<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],

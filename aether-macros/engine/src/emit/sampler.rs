@@ -190,17 +190,12 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
     };
     let membership = place.derived.check_forward.then(|| {
         quote! {
-            let (#strict, #possible) = if #strict.any() {
+            let #strict = if #strict.any() {
                 let back = #forward::<R>(&p, &#inverse::<R>(&p, &x));
                 let near = ::aether_core::support::near::<R, #m>(&back, &x);
-                let far = #strict.and(::aether_core::support::far::<R, #m>(&back, &x));
-                let doubtful = #strict.and(near.or(far).not());
-                let found = near.or(::aether_core::support::member::<R, #m, #s>(
-                    doubtful, &p, &x, #member::<R::Lane>));
-                (#strict.and(found), #possible.and(far.not()))
-            } else {
-                (#strict, #possible)
-            };
+                #strict.and(near.or(::aether_core::support::member::<R, #m, #s>(
+                    #strict.and(near.not()), &p, &x, #member::<R::Lane>)))
+            } else { #strict };
         }
     });
     let mostly = if is_unguarded(place) {
