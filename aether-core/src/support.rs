@@ -56,16 +56,19 @@ pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce()
 /// The square root of a sum of squares. Where the squares underflow, `scaled` computes the sum again
 /// with the numbers that are squared multiplied by what it is given.
 #[inline(always)]
-pub fn root<R: Real>(sum: R, scaled: impl FnOnce(R) -> R) -> R {
+pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
     if small.any() { small_root(sum, scaled) } else { sum.sqrt() }
 }
 
 #[cold]
-fn small_root<R: Real>(sum: R, scaled: impl FnOnce(R) -> R) -> R {
-    let up = R::MIN_POSITIVE.sqrt().recip();
+fn small_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
-    R::select(small, scaled(up).sqrt() / up, sum.sqrt())
+    // Large numbers overflow, if they are multiplied by what brings the smallest ones up to one.
+    let up = R::MIN_POSITIVE.sqrt().recip();
+    let [most, less] = [up, up.sqrt()].map(|up| scaled(up).sqrt() / up);
+    let root = R::select(less.finite(), less, sum.sqrt());
+    R::select(small, R::select(most.finite(), most, root), sum.sqrt())
 }
 
 /// Whether every number is in [0, 1).

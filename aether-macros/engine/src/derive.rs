@@ -7,6 +7,7 @@ mod limits;
 mod parts;
 mod regimes;
 mod strays;
+mod through;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
@@ -223,7 +224,10 @@ fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
     if let Some(volume) = joint::volume(problem).or_else(|| spherical(problem)) {
         return volume;
     }
-    let source = source_of(problem);
+    if let Some(volume) = through::volume(problem) {
+        return Ok(volume);
+    }
+    let source = (source_of(problem), problem.is_direction());
     let g = &mut problem.graph;
     volume(g, &problem.outputs, &problem.unknowns, source, &problem.frames)
 }

@@ -138,6 +138,7 @@ pub struct Graph {
     leaf_ranges: Map<Leaf, Interval>,
     names: Map<Leaf, String>,
     units: Vec<[Id; 3]>,
+    vectors: Vec<[Id; 3]>,
     /// Known ranges of quotients: numerator, denominator.
     quotients: Vec<(Id, Id, Interval)>,
     /// What [`crate::poly`] made of expressions, as long as ranges stay what they are.
@@ -250,6 +251,16 @@ impl Graph {
     /// The triples that were declared so.
     pub fn units(&self) -> &[[Id; 3]] {
         &self.units
+    }
+    /// Notes three expressions that the author calls a vector.
+    pub fn note_vector(&mut self, coordinates: [Id; 3]) {
+        if !self.vectors.contains(&coordinates) {
+            self.vectors.push(coordinates);
+        }
+    }
+    /// The vectors that were noted, in the order in which they were made.
+    pub fn vectors(&self) -> &[[Id; 3]] {
+        &self.vectors
     }
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {

@@ -1,11 +1,12 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
+mod moved;
 pub mod sphere;
 
 use std::hash::BuildHasherDefault;
 
 use crate::derivative::derivative;
-use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::hash::Quick;
 use crate::poly::{Expander, gathered, paired};
 use crate::rational::Q;
@@ -21,12 +22,13 @@ pub enum Source {
     Direction([Id; 3]),
 }
 
-/// Equal expressions for the volume that the map spans, the first as derived.
+/// Equal expressions for the volume that the map spans, the first as derived; `unit` says that the type of the
+/// result makes it a vector of unit length.
 pub fn volume(
     g: &mut Graph,
     outputs: &[Id],
     unknowns: &[Leaf],
-    source: Source,
+    (source, unit): (Source, bool),
     frames: &[[[Id; 3]; 3]],
 ) -> Result<Vec<Id>, String> {
     let columns: Vec<Vec<Id>> =
@@ -53,7 +55,7 @@ pub fn volume(
             let normal = cross(g, &rows[0], &rows[1]);
             let d = dot(g, &w, &normal);
             let tidy = simplify(g, d, Some(w));
-            let candidates = [d, tidy].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            let candidates = [d, tidy].map(|d| g.call(Fun::Abs, &[d]));
             Ok(distinct(candidates.to_vec()))
         }
         Source::Direction(_) if m != 3 => Err(format!(
@@ -62,6 +64,12 @@ pub fn volume(
         Source::Direction(w) => {
             let w_form = |g: &mut Graph, id| simplify(g, id, Some(w));
             let normal = image_of_plane(g, &columns, w);
+            if unit {
+                let units: Vec<[Id; 3]> = g.units().iter().copied().chain([w]).collect();
+                let mut forms = moved::area(g, outputs, unknowns, w, &units).unwrap_or_default();
+                forms.extend(along(g, outputs, &normal, &units));
+                return Ok(distinct(forms));
+            }
             let raw = norm(g, &normal);
             let tidy: Vec<Id> = normal.iter().map(|&c| w_form(g, c)).collect();
             let tidy = norm(g, &tidy);
@@ -74,11 +82,16 @@ pub fn volume(
             let gather = |g: &mut Graph, c: &Vec<Id>| c.iter().map(|&f| gathered(g, f)).collect();
             let columns: Vec<Vec<Id>> = columns.iter().map(|c| gather(g, c)).collect();
             let short = determinant(g, &columns);
-            let candidates = [d, tidy, short].map(|d| g.call(crate::expr::Fun::Abs, &[d]));
+            let candidates = [d, tidy, short].map(|d| g.call(Fun::Abs, &[d]));
             Ok(distinct(candidates.to_vec()))
         }
         Source::Free if n < m => {
             let mut candidates = sphere::unit_sphere(g, outputs, unknowns).unwrap_or_default();
+            if unit && n == 2 && m == 3 {
+                let normal = cross(g, &columns[0], &columns[1]);
+                let units = g.units().to_vec();
+                candidates.extend(along(g, outputs, &normal, &units));
+            }
             candidates.extend(embedded(g, &columns)?);
             Ok(distinct(candidates))
         }
@@ -125,10 +138,10 @@ fn normalised(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf], source: Source) 
     let cubed = g.number(Q::new(-3, 2)?);
     let over = g.pow(base, cubed);
     let cube = g.powi(common, 3);
-    let cube = g.call(crate::expr::Fun::Abs, &[cube]);
+    let cube = g.call(Fun::Abs, &[cube]);
     let over = g.mul(cube, over);
     let candidates = [tidy, triple].map(|d| {
-        let size = g.call(crate::expr::Fun::Abs, &[d]);
+        let size = g.call(Fun::Abs, &[d]);
         g.mul(size, over)
     });
     Some(distinct(candidates.to_vec()))
@@ -146,6 +159,14 @@ fn image_of_plane(g: &mut Graph, columns: &[Vec<Id>], w: [Id; 3]) -> Vec<Id> {
             dot(g, &w, &along)
         })
         .collect()
+}
+
+/// The area of an image on the unit sphere: its normal has the direction of the point itself, so that its length
+/// is the product of both.
+fn along(g: &mut Graph, point: &[Id], normal: &[Id], units: &[[Id; 3]]) -> Vec<Id> {
+    let product = dot(g, point, normal);
+    let tidy = simplify_with(g, product, units);
+    distinct([tidy, product].map(|d| g.call(Fun::Abs, &[d])).to_vec())
 }
 
 /// Fewer unknowns than outputs: Gram's determinant where it simplifies, the vector product else.
@@ -205,11 +226,16 @@ pub fn factor_out(g: &mut Graph, id: Id) -> Id {
 
 /// The cheapest of an expression and its normal forms.
 pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
+    simplify_with(g, id, unit.as_slice())
+}
+
+/// The same, where these vectors have unit length.
+fn simplify_with(g: &mut Graph, id: Id, units: &[[Id; 3]]) -> Id {
     let mut best = id;
     for open in [UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
         let mut e = Expander::new(g).only(open);
-        if let Some(w) = unit {
-            e = e.unit(w);
+        for unit in units {
+            e = e.unit(*unit);
         }
         if let Some(n) = e.normal_form(id)
             && cost(g, n) < cost(g, best)

@@ -1,6 +1,6 @@
 //! The change of measure of several points sampled together.
 
-use super::Problem;
+use super::{Problem, Target};
 use crate::expr::{Id, Leaf, leaf_bit};
 use crate::jacobian::{self, Source};
 
@@ -26,11 +26,12 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
             let own: Vec<Leaf> = unknowns.iter().filter(used).copied().collect();
             (own.len() == part.dimension).then_some((i, own))
         })?;
-        let (_, place) = open.remove(index);
+        let (part, place) = open.remove(index);
         unknowns.retain(|u| !own.contains(u));
         let outputs = problem.outputs[place].to_vec();
         let g = &mut problem.graph;
-        let volumes = match jacobian::volume(g, &outputs, &own, Source::Free, &problem.frames) {
+        let source = (Source::Free, part.target == Target::Direction);
+        let volumes = match jacobian::volume(g, &outputs, &own, source, &problem.frames) {
             Ok(volumes) => volumes,
             Err(e) => return Some(Err(e)),
         };

@@ -257,7 +257,11 @@ fn vector_method(
                 _ => {
                     let e = g.number(Q::HALF.neg());
                     let r = g.pow(squared, e);
-                    Some(Value::Vector(v.iter().map(|&c| g.mul(c, r)).collect()))
+                    let unit: Vec<Id> = v.iter().map(|&c| g.mul(c, r)).collect();
+                    if let [x, y, z] = unit[..] {
+                        g.note_vector([x, y, z]);
+                    }
+                    Some(Value::Vector(unit))
                 }
             }
         }
@@ -318,7 +322,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
         (_, "Some", [a]) => body.expr(a),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
         ("Vec3", "new", [x, y, z]) => {
-            Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?, body.scalar(z)?]))
+            let v = [body.scalar(x)?, body.scalar(y)?, body.scalar(z)?];
+            body.graph.note_vector(v);
+            Some(Value::Vector(v.to_vec()))
         }
         ("Vec2" | "Vec3", "splat", [x]) => {
             let x = body.scalar(x)?;

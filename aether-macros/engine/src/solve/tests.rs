@@ -31,7 +31,7 @@ fn report(s: &mut Setup, f: &[Id], unit: bool) -> (String, String) {
         .iter()
         .map(|x| x.unknowns.values().map(|v| show(&s.g, *v)).collect::<Vec<_>>().join("; "))
         .collect();
-    let v = volume(&mut s.g, f, &leaves, Source::Free, &[]).unwrap();
+    let v = volume(&mut s.g, f, &leaves, (Source::Free, false), &[]).unwrap();
     let best = *v.iter().min_by_key(|v| crate::jacobian::cost(&s.g, **v)).unwrap();
     let p = s.g.powi(best, -1);
     let p = s.g.substitute(p, &solutions[0].known);

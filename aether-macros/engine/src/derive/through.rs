@@ -1,0 +1,145 @@
+//! The change of measure by way of a direction of which the result is made, such as a half vector about which
+//! another direction is reflected: that of the direction, times that of the result as a map of directions.
+
+use super::Problem;
+use crate::expr::{Deps, Graph, Id, Leaf, Node, leaf_bit};
+use crate::hash::Map;
+use crate::interval::Interval;
+use crate::jacobian::{self, Source, sphere};
+use crate::poly::Expander;
+use crate::rational::Q;
+
+/// How many equal forms are kept.
+const FORMS: usize = 4;
+
+/// The volume of a sampler whose result is a function of a direction in its body, and not that direction itself.
+/// `None` if there is no such direction.
+pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
+    if problem.argument.is_some() || problem.parts.len() != 1 || problem.unknowns.len() != 2 {
+        return None;
+    }
+    let unit = problem.is_direction();
+    let (outputs, unknowns) = (problem.outputs.clone(), problem.unknowns.clone());
+    let g = &mut problem.graph;
+    g.vectors().to_vec().into_iter().find_map(|h| {
+        let is_drawn = unknowns.iter().all(|&u| h.iter().any(|&c| g.has(c, leaf_bit(u))));
+        if h[..] == outputs[..] || !is_drawn || !is_unit(g, h) {
+            return None;
+        }
+        let leaves = [0, 1, 2].map(|i| Leaf::Unknown(unknowns.len() as u8 + i));
+        let names = ["h.x", "h.y", "h.z"];
+        let inner: [Id; 3] =
+            std::array::from_fn(|i| g.leaf(leaves[i], names[i], Interval::new(-1.0, 1.0)));
+        let own = unknowns.iter().fold(0, |bits, &u| bits | leaf_bit(u));
+        let mut named = Named { h, leaves: inner, own, known: Map::default() };
+        let outer: Vec<Id> = outputs.iter().map(|&x| named.of(g, x)).collect::<Option<_>>()?;
+        let outer =
+            jacobian::volume(g, &outer, &leaves, (Source::Direction(inner), unit), &[]).ok()?;
+        let first = match sphere::area(g, &h, &unknowns) {
+            Some(forms) => forms,
+            None => jacobian::volume(g, &h, &unknowns, (Source::Free, true), &[]).ok()?,
+        };
+        let back = inner.into_iter().zip(h).collect();
+        let outer: Vec<Id> = outer.iter().map(|&v| g.substitute(v, &back)).collect();
+        let pairs = first.iter().flat_map(|&a| outer.iter().map(move |&b| (a, b)));
+        Some(pairs.take(FORMS).map(|(a, b)| g.mul(a, b)).collect())
+    })
+}
+
+fn is_unit(g: &mut Graph, v: [Id; 3]) -> bool {
+    let squares = v.map(|c| (Q::ONE, g.powi(c, 2)));
+    let sum = g.sum(Q::ZERO, &squares);
+    let length = Expander::new(g).normal_form(sum);
+    length.is_some_and(|length| g.as_number(length) == Some(Q::ONE))
+}
+
+/// Expressions in which the coordinates of a vector have names.
+struct Named {
+    h: [Id; 3],
+    leaves: [Id; 3],
+    /// The inputs that must not be left.
+    own: Deps,
+    known: Map<Id, Option<Id>>,
+}
+
+impl Named {
+    /// An expression in terms of the vector; `None` if it depends on the inputs otherwise.
+    fn of(&mut self, g: &mut Graph, id: Id) -> Option<Id> {
+        if !g.has(id, self.own) {
+            return Some(id);
+        }
+        if let Some(i) = self.h.iter().position(|&c| c == id) {
+            return Some(self.leaves[i]);
+        }
+        if let Some(known) = self.known.get(&id) {
+            return *known;
+        }
+        let found = self.of_node(g, id);
+        self.known.insert(id, found);
+        found
+    }
+
+    fn of_node(&mut self, g: &mut Graph, id: Id) -> Option<Id> {
+        match g.node(id).clone() {
+            Node::Sum(c, terms) => {
+                let terms: Option<Vec<(Q, Id)>> =
+                    terms.iter().map(|&(q, t)| Some((q, self.of(g, t)?))).collect();
+                Some(g.sum(c, &terms?))
+            }
+            Node::Product(_) => {
+                let (mut product, mut rest) = (g.int(1), id);
+                while let Some((name, body)) = self.contained(g, rest) {
+                    product = g.mul(product, name);
+                    rest = g.div(rest, body);
+                }
+                let (q, body) = g.split(rest);
+                for (base, exponent) in g.factors(body) {
+                    let (base, exponent) = (self.of(g, base)?, self.of(g, exponent)?);
+                    let power = g.pow(base, exponent);
+                    product = g.mul(product, power);
+                }
+                Some(g.sum(Q::ZERO, &[(q, product)]))
+            }
+            Node::Call(f, args) => {
+                let args: Option<Vec<Id>> = args.iter().map(|&a| self.of(g, a)).collect();
+                Some(g.call(f, &args?))
+            }
+            _ => None,
+        }
+    }
+
+    /// A coordinate that a product contains, as what takes the place of some of its factors: that with the most of
+    /// them, as the others may be parts of it.
+    fn contained(&self, g: &mut Graph, id: Id) -> Option<(Id, Id)> {
+        let (_, body) = g.split(id);
+        let all = g.factors(body);
+        let mut best = None;
+        for (coordinate, name) in self.h.into_iter().zip(self.leaves) {
+            let (q, body) = g.split(coordinate);
+            let factors = g.factors(body);
+            let own: Vec<(Id, Id)> = factors
+                .into_iter()
+                .filter(|&(b, e)| g.has(b, self.own) || g.has(e, self.own))
+                .collect();
+            let is_part = |&(base, exponent): &(Id, Id)| {
+                all.iter().any(|&(b, e)| b == base && is_part_of(g, exponent, e))
+            };
+            let most = best.is_none_or(|(count, _)| own.len() > count);
+            if most && !own.is_empty() && own.iter().all(is_part) {
+                best = Some((own.len(), (q, name, body)));
+            }
+        }
+        let (_, (q, name, body)) = best?;
+        Some((g.sum(Q::ZERO, &[(q.recip()?, name)]), body))
+    }
+}
+
+/// Whether a power has another one, with this exponent, in it.
+fn is_part_of(g: &Graph, exponent: Id, of: Id) -> bool {
+    let sizes = g.as_number(exponent).zip(g.as_number(of));
+    exponent == of
+        || sizes.is_some_and(|(e, of)| {
+            let (e, of) = (e.to_f64(), of.to_f64());
+            e * of > 0.0 && of.abs() >= e.abs()
+        })
+}
