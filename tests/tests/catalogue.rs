@@ -136,10 +136,9 @@ impl Same {
         at: impl std::fmt::Debug,
         [ours, theirs]: [f64; 2],
     ) {
-        // Usual forms lose digits next to ends of uniforms. Derived ones do in the density of reflections at
-        // normals across the axis, and of a sample with a second preimage, which is that of the rounded point.
+        // Usual forms lose digits next to ends of uniforms. Derived ones do in the density of a sample with a
+        // second preimage, which is that of the rounded point.
         let tolerance = match name {
-            "reflected GGX" => 1e-3,
             "cosine of an angle" => 1e-4,
             _ => 1e-8,
         };

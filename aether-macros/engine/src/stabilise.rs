@@ -225,6 +225,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(half_angle(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
+            out.extend(over_sum(g, c, &terms));
             let f = factor_out(g, id);
             out.push(f);
             for open in [crate::expr::UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
@@ -374,6 +375,22 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let top = g.sum(Q::ZERO, &[(Q::ONE, a2), (q.mul(q)?.neg(), b2)]);
     let top = Expander::new(g).normal_form(top).unwrap_or(top);
     let bottom = g.sum(Q::ZERO, &[(Q::ONE, rest), (q.neg(), root)]);
+    Some(g.div(top, bottom))
+}
+
+/// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.
+fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let minus = g.int(-1);
+    let bottom = terms.iter().find_map(|&(_, t)| {
+        let factors = g.factors(t);
+        let is_sum = |&(b, e): &(Id, Id)| e == minus && matches!(g.node(b), Node::Sum(..));
+        factors.into_iter().find(is_sum).map(|(b, _)| b)
+    })?;
+    let mut tops = vec![(c, bottom)];
+    for &(q, t) in terms {
+        tops.push((q, g.mul(t, bottom)));
+    }
+    let top = g.sum(Q::ZERO, &tops);
     Some(g.div(top, bottom))
 }
 
