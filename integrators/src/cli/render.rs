@@ -19,7 +19,7 @@ use crate::image::{RgbImage, check_writable, png};
 use crate::poisson::Reconstruction;
 use crate::render::Layer;
 use crate::render::film::relative_error;
-use crate::render::layers::{Layered, contact_sheet};
+use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
 
@@ -36,12 +36,12 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_of_integrator(&scene, &plan);
 
     let terminal = Terminal::new();
-    let kernel: Box<dyn AnyKernel> = match arguments.technique_images {
-        None => kernel,
-        Some(vertices) => Box::new(layered(kernel, vertices, plan.size)?),
+    let settings = RenderSettings {
+        size: plan.size,
+        budget: budget(arguments, &plan, kernel.as_ref())?,
+        threads: arguments.threads,
+        layered: layered(arguments, plan.size)?,
     };
-    let budget = budget(arguments, &plan, kernel.as_ref())?;
-    let settings = RenderSettings { size: plan.size, budget, threads: arguments.threads };
     let live = Live::new(&terminal, arguments, &output);
     let rendered = render(kernel.as_ref(), &settings, &live);
     terminal.finish();
@@ -78,12 +78,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
 /// The most bytes that images of techniques may take.
 const MOST_BYTES: u64 = 8_000_000_000;
 
-/// A kernel whose techniques have images, if these fit into memory.
-fn layered<'a>(
-    kernel: Box<dyn AnyKernel + 'a>,
-    vertices: u32,
-    (width, height): (u32, u32),
-) -> Result<Layered<Box<dyn AnyKernel + 'a>>, Failure> {
+/// The most vertices of paths whose techniques get images, if these fit into memory; 0 without such images.
+fn layered(arguments: &RenderArguments, (width, height): (u32, u32)) -> Result<usize, Failure> {
+    let Some(vertices) = arguments.technique_images else { return Ok(0) };
     // Of paths of n vertices, up to 2n - 2 techniques, weighted and alone.
     let layers = 2 * u64::from(vertices) * u64::from(vertices - 1);
     let bytes = layers * u64::from(width) * u64::from(height) * BYTES_OF_A_SUM;
@@ -95,7 +92,7 @@ fn layered<'a>(
             vertices - 1
         )));
     }
-    Ok(Layered { kernel, vertices: vertices as usize })
+    Ok(vertices as usize)
 }
 
 /// When to stop.
@@ -113,6 +110,12 @@ fn budget(
              other pixels than their own; leave --adaptive out",
             plan.integrator
         )));
+    }
+    if arguments.adaptive && arguments.technique_images.is_some() {
+        return Err(Failure::new(
+            "--adaptive gives pixels different numbers of samples, which --technique-images needs equal; leave \
+             one of the two out",
+        ));
     }
     Ok(Budget::Error(ErrorBudget {
         target,
@@ -347,8 +350,7 @@ mod tests {
             mutations: Default::default(),
             reconstruction: Default::default(),
         };
-        let settings =
-            RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };
+        let settings = RenderSettings::new(plan.size, Budget::Samples(4));
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
         let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);

@@ -86,6 +86,7 @@ struct Job<'a> {
     invalid: AtomicU64,
     /// What samples add to other pixels, if they do.
     splats: Option<Mutex<SplatSums>>,
+    layered: usize,
     size: (u32, u32),
 }
 
@@ -98,6 +99,7 @@ impl<'a> Job<'a> {
         settings: &RenderSettings,
         observer: &'a dyn Observer,
     ) -> Self {
+        let has_splats = kernel.splats() || settings.layered > 0;
         let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
         Job {
             kernel,
@@ -113,7 +115,8 @@ impl<'a> Job<'a> {
             batches: Batches::default(),
             good_enough: false,
             invalid: AtomicU64::new(0),
-            splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+            splats: has_splats.then(|| Mutex::new(SplatSums::new(settings.size))),
+            layered: settings.layered,
             size: settings.size,
         }
     }
@@ -167,7 +170,7 @@ impl<'a> Job<'a> {
         if tile.good_enough {
             return;
         }
-        let (mut invalid, mut splats) = (0, Splats::default());
+        let (mut invalid, mut splats) = (0, Splats::new(self.layered));
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
                 break;
@@ -355,7 +358,7 @@ mod tests {
 
     fn settings(samples: u32, threads: usize) -> RenderSettings {
         let budget = Budget::Samples(samples);
-        RenderSettings { size: (37, 21), budget, threads: Some(threads) }
+        RenderSettings { threads: Some(threads), ..RenderSettings::new((37, 21), budget) }
     }
 
     #[test]

@@ -151,4 +151,13 @@ pub struct RenderSettings {
     pub budget: Budget,
     /// The number of threads, or `None` for one on each core.
     pub threads: Option<usize>,
+    /// The most vertices of paths whose techniques have layers of their own; 0 for none ([`Layer::Technique`]).
+    pub layered: usize,
+}
+
+impl RenderSettings {
+    /// On all cores, without layers of techniques.
+    pub fn new(size: (u32, u32), budget: Budget) -> Self {
+        RenderSettings { size, budget, threads: None, layered: 0 }
+    }
 }

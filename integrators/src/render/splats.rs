@@ -69,6 +69,11 @@ pub struct Splats {
 }
 
 impl Splats {
+    /// Without any, for techniques of paths with up to so many vertices to have layers.
+    pub fn new(layered: usize) -> Self {
+        Splats { layered, ..Splats::default() }
+    }
+
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {

@@ -198,7 +198,7 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
             let kernel = kernel.expect("a kind").expect("it covers the scene");
             let size = (scene.film.width, scene.film.height);
             let budget = Budget::Samples(1);
-            let gradients = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
+            let gradients = render(&*kernel, &RenderSettings::new(size, budget), &());
             assert_eq!(gradients.invalid_samples, 0);
             renders[0].push(reconstructed(&gradients, Reconstruction::L2));
             renders[1].push(gradients.layers[&Layer::Dx][0].clone());
