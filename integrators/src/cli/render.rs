@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
+use super::checkpoint::checkpoint;
 use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
 use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
@@ -42,9 +43,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         threads: arguments.threads,
         layered: layered(arguments, plan.size)?,
     };
-    let live = Live::new(&terminal, arguments, &output);
-    let rendered = render(kernel.as_ref(), &settings, &live);
+    let checkpoint = match &arguments.checkpoint {
+        Some(file) => Some(checkpoint(file, &scene, &plan, arguments)?),
+        None => None,
+    };
+    let live = Live::new(&terminal, arguments, &output, checkpoint.as_ref());
+    let rendered = match &checkpoint {
+        Some(checkpoint) => checkpoint.render(kernel.as_ref(), &settings, &live),
+        None => Ok(render(kernel.as_ref(), &settings, &live)),
+    };
     terminal.finish();
+    let rendered = rendered?;
     if rendered.film.samples().1 == 0 {
         warn("interrupted before the first sample; no file is written");
         return Ok(ExitCode::from(INTERRUPTED));

@@ -7,14 +7,22 @@ use std::path::{Path, PathBuf};
 /// Writes `bytes` to `path`: first to a temporary file in the same directory, which is then
 /// renamed. A symbolic link is followed; a device or pipe is written to directly.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_with(path, &|file| file.write_all(bytes))
+}
+
+/// [`write_file`] for what `write` writes.
+pub(crate) fn write_with(
+    path: &Path,
+    write: &dyn Fn(&mut File) -> io::Result<()>,
+) -> io::Result<()> {
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     match fs::metadata(&target) {
         Ok(existing) if existing.is_dir() => return Err(is_a_directory()),
-        Ok(existing) if !existing.is_file() => return fs::write(&target, bytes),
+        Ok(existing) if !existing.is_file() => return write(&mut File::create(&target)?),
         _ => {}
     }
     let temporary = temporary_path(&target)?;
-    let result = write_and_sync(&temporary, bytes).and_then(|()| fs::rename(&temporary, &target));
+    let result = write_and_sync(&temporary, write).and_then(|()| fs::rename(&temporary, &target));
     if result.is_err() {
         // The first error is the one to report; a file that was never created cannot be removed.
         let _ = fs::remove_file(&temporary);
@@ -51,9 +59,9 @@ fn temporary_path(target: &Path) -> io::Result<PathBuf> {
     Ok(target.with_file_name(hidden))
 }
 
-fn write_and_sync(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write_and_sync(path: &Path, write: &dyn Fn(&mut File) -> io::Result<()>) -> io::Result<()> {
     let mut file = File::create(path)?;
-    file.write_all(bytes)?;
+    write(&mut file)?;
     file.sync_all()
 }
 

@@ -1,7 +1,8 @@
 //! Passes over tiles by all cores.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::io::{self, Read};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -13,6 +14,8 @@ use super::windows::{Batches, WINDOW, decides_at, window_errors};
 use super::{AnyKernel, Budget, Chain, Layer, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
 use crate::work::{Work, threads};
+
+mod state;
 
 /// The side of a tile in pixels: tiles are the windows whose error is judged.
 const TILE: u32 = WINDOW;
@@ -42,26 +45,23 @@ pub fn render(
     settings: &RenderSettings,
     observer: &dyn Observer,
 ) -> Rendered {
+    Job::new(kernel, settings, observer).run()
+}
+
+/// Goes on with a render whose state an observer has kept, with a kernel and settings that are the same, apart from
+/// the budget and the number of threads. The image is that of a render in one go, bit by bit.
+///
+/// # Errors
+/// If the state cannot be read, or is that of another render.
+pub fn resume(
+    kernel: &dyn AnyKernel,
+    settings: &RenderSettings,
+    observer: &dyn Observer,
+    state: &mut dyn Read,
+) -> io::Result<Rendered> {
     let mut job = Job::new(kernel, settings, observer);
-    let mut cancelled = observer.cancelled();
-    while !cancelled && let Some(samples) = next_pass(job.budget, &job.state()) {
-        let samples = samples.min(kernel.largest_pass());
-        kernel.begin_pass(job.done, job.threads);
-        job.run_pass(samples);
-        cancelled = observer.cancelled() && !job.complete(job.done + samples);
-        if !cancelled {
-            job.end_pass(samples);
-        }
-    }
-    let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
-    Rendered {
-        seconds: job.seconds(),
-        film: job.film(),
-        work: job.work(),
-        layers: job.layers(),
-        invalid_samples: job.invalid.load(Ordering::Relaxed) + lost,
-        cancelled,
-    }
+    job.restore(state)?;
+    Ok(job.run())
 }
 
 /// A render in progress.
@@ -77,6 +77,8 @@ struct Job<'a> {
     looking: f64,
     /// What this thread had counted at the start.
     before: Work,
+    /// Seconds that samples had taken, and what they had computed, where this goes on with another render.
+    earlier: (f64, Work),
     /// Samples of each pixel after the last complete pass, and the relative error then.
     done: u32,
     error: Option<f64>,
@@ -107,6 +109,7 @@ impl<'a> Job<'a> {
             budget: settings.budget,
             start: Instant::now(),
             before: Work::here(),
+            earlier: Default::default(),
             tiles: tiles(settings.size, kernel),
             threads: settings.threads.unwrap_or_else(cores).max(1),
             looking: 0.0,
@@ -121,6 +124,43 @@ impl<'a> Job<'a> {
         }
     }
 
+    /// Renders until the budget is used or the observer cancels.
+    fn run(mut self) -> Rendered {
+        let (kernel, observer) = (self.kernel, self.observer);
+        let mut cancelled = observer.cancelled();
+        while !cancelled && let Some(samples) = next_pass(self.budget, &self.state()) {
+            let samples = samples.min(kernel.largest_pass());
+            kernel.begin_pass(self.done, self.threads);
+            // A pass that waits while its state is written goes on where each pixel is.
+            while !self.run_pass(samples) {
+                self.keep_state();
+            }
+            cancelled = observer.cancelled() && !self.complete(self.done + samples);
+            if !cancelled {
+                self.end_pass(samples);
+            }
+        }
+        if observer.wants_state(true) {
+            self.keep_state();
+        }
+        let lost = self.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
+        Rendered {
+            seconds: self.seconds(),
+            film: self.film(),
+            work: self.work(),
+            layers: self.layers(),
+            invalid_samples: self.invalid.load(Ordering::Relaxed) + lost,
+            cancelled,
+        }
+    }
+
+    /// Has the observer keep the state. No thread computes meanwhile.
+    fn keep_state(&mut self) {
+        let begin = Instant::now();
+        self.observer.keep_state(&|to| self.save(to));
+        self.looking += begin.elapsed().as_secs_f64();
+    }
+
     /// Seconds used so far.
     fn seconds(&self) -> f64 {
         self.sampling() + self.kernel.preparation().seconds
@@ -128,12 +168,19 @@ impl<'a> Job<'a> {
 
     /// Seconds that samples took.
     fn sampling(&self) -> f64 {
-        self.start.elapsed().as_secs_f64() - self.looking
+        self.earlier.0 + self.start.elapsed().as_secs_f64() - self.looking
+    }
+
+    /// What samples up to the last pass have computed.
+    fn sampled(&self) -> Work {
+        let mut work = Work::here() - self.before;
+        work += self.earlier.1;
+        work
     }
 
     /// What has been computed up to the last pass.
     fn work(&self) -> Work {
-        let mut work = Work::here() - self.before;
+        let mut work = self.sampled();
         work += self.kernel.preparation().work;
         work
     }
@@ -148,28 +195,37 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Adds `samples` to each pixel, or fewer if the observer cancels.
-    fn run_pass(&self, samples: u32) {
+    /// Adds samples to each pixel until it has `samples` more than all had, or fewer if the observer cancels. Returns
+    /// false if it has stopped earlier for the observer to keep the state.
+    fn run_pass(&self, samples: u32) -> bool {
+        let waits = AtomicBool::new(false);
         let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let work = self.work();
         let job = || {
             let mut worker = self.kernel.worker();
             while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-                self.run_tile(&mut lock(tile), samples, &mut worker);
-                if self.observer.cancelled() {
+                let moved = self.run_tile(&mut lock(tile), samples, &mut worker);
+                if self.observer.cancelled() || waits.load(Ordering::Relaxed) {
                     return;
+                }
+                // Something is computed in between, however often the state is wanted.
+                if moved && self.observer.wants_state(false) {
+                    waits.store(true, Ordering::Relaxed);
                 }
                 let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 self.observer.progress(&self.progress(samples, finished, work));
             }
         };
         threads((0..self.threads.min(self.tiles.len())).map(|_| job));
+        !waits.into_inner()
     }
 
-    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) {
+    /// [`Job::run_pass`] for a tile: whether any pixel got a sample.
+    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) -> bool {
         if tile.good_enough {
-            return;
+            return false;
         }
+        let (target, mut moved) = (self.done + samples, false);
         let (mut invalid, mut splats) = (0, Splats::new(self.layered));
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
@@ -177,12 +233,14 @@ impl<'a> Job<'a> {
             }
             let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
+            let begin = pixel.count();
+            moved |= begin < target;
             if let Some(chain) = &mut tile.chain {
-                (0..samples).for_each(|_| chain(&mut splats));
-                pixel.count_chained(samples);
+                (begin..target).for_each(|_| chain.step(&mut splats));
+                pixel.count_chained(target.saturating_sub(begin));
             }
-            let drawn = if tile.chain.is_some() { 0 } else { samples };
-            for number in self.done..self.done + drawn {
+            // None is left where the chain has taken them.
+            for number in pixel.count()..target {
                 let value = worker(position, number, &mut splats);
                 let valid = value.iter().all(|v| v.is_finite());
                 pixel.add(if valid { value } else { [0.0; 3] });
@@ -194,6 +252,7 @@ impl<'a> Job<'a> {
         }
         self.hand_over(&mut splats);
         self.invalid.fetch_add(invalid, Ordering::Relaxed);
+        moved
     }
 
     fn hand_over(&self, splats: &mut Splats) {
@@ -216,11 +275,11 @@ impl<'a> Job<'a> {
         Progress { fraction, seconds, samples: self.done, relative_error: self.error, work }
     }
 
-    /// Whether each pixel has `samples` samples.
+    /// Whether no pixel lacks one of `samples` samples.
     fn complete(&self, samples: u32) -> bool {
         let all = |tile: &Mutex<Tile<'_>>| {
             let tile = lock(tile);
-            tile.good_enough || tile.pixels.iter().all(|p| p.count() == samples)
+            tile.good_enough || tile.pixels.iter().all(|p| p.count() >= samples)
         };
         let state = State { done: samples, ..self.state() };
         self.tiles.iter().all(all) && next_pass(self.budget, &state).is_none()

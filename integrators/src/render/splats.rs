@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::{self, Read, Write};
+
+use crate::stored::{Stored, malformed};
 
 /// A way to make paths of some length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -180,6 +183,62 @@ fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
     }
 }
 
+impl Stored for SplatSums {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        (self.width, self.invalid, self.layers.len()).store(to)?;
+        self.sums.store(to)?;
+        self.layers.iter().try_for_each(|(layer, sums)| {
+            layer.store(to)?;
+            sums.store(to)
+        })
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (width, invalid, layers) = <(usize, u64, usize)>::load(from)?;
+        let sums: Vec<_> = Stored::load(from)?;
+        let layers =
+            (0..layers).map(|_| Stored::load(from)).collect::<io::Result<BTreeMap<_, _>>>()?;
+        if layers.values().any(|layer: &Vec<_>| layer.len() != sums.len()) {
+            return Err(malformed("a layer has another size than the image"));
+        }
+        Ok(SplatSums { width, sums, layers, invalid })
+    }
+}
+
+impl Stored for Layer {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Layer::Direct => 0u8.store(to),
+            Layer::Dx => 1u8.store(to),
+            Layer::Dy => 2u8.store(to),
+            Layer::Technique { weighted, technique } => {
+                let Technique { vertices, joint, camera, light } = *technique;
+                (3u8, *weighted, joint.to_owned()).store(to)?;
+                [vertices, camera, light].store(to)
+            }
+        }
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        match u8::load(from)? {
+            0 => Ok(Layer::Direct),
+            1 => Ok(Layer::Dx),
+            2 => Ok(Layer::Dy),
+            3 => {
+                let (weighted, joint) = <(bool, String)>::load(from)?;
+                let [vertices, camera, light] = Stored::load(from)?;
+                // A name lives as long as the program, like those that are written in it.
+                let joint = if joint.is_empty() { "" } else { joint.leak() };
+                Ok(Layer::Technique {
+                    weighted,
+                    technique: Technique { vertices, joint, camera, light },
+                })
+            }
+            _ => Err(malformed("a layer of no known sort")),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,6 +277,9 @@ mod tests {
         let pixels = vec![[[0.0; 3]; 2], [[1.0, 0.0, 0.25], [10.0 / 16.0, 0.0, 0.5 / 16.0]]];
         let expected = BTreeMap::from([(layer(2, 1), pixels)]);
         assert_eq!(sums.layers(4.0), expected);
+        let mut file = Vec::new();
+        sums.store(&mut file).unwrap();
+        assert_eq!(SplatSums::load(&mut &file[..]).unwrap().layers(4.0), expected);
         assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
         assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);
     }
