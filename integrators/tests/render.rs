@@ -1,6 +1,6 @@
 //! `aether render` from a scene file to the files that it leaves.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
@@ -193,6 +193,98 @@ fn ctrl_c_keeps_what_has_been_rendered() {
     assert!(samples(&exr) >= 1);
     assert!(exr.rgb.pixels().iter().any(|p| p[0] > 0.0));
     assert!(directory.path("ball.png").exists());
+}
+
+/// What a render leaves that does not depend on the clock.
+fn lasting(exr: Exr) -> Exr {
+    let mut attributes = exr.attributes;
+    attributes.remove("seconds");
+    Exr { attributes, ..exr }
+}
+
+/// Kills a render as soon as there is a checkpoint; false if it has ended before.
+#[cfg(unix)]
+fn killed(mut render: Command, checkpoint: &Path) -> bool {
+    use std::os::unix::process::ExitStatusExt;
+    let mut child = render.spawn().unwrap();
+    while !checkpoint.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // SIGKILL, which no program can answer.
+    child.kill().unwrap();
+    child.wait().unwrap().signal() == Some(9)
+}
+
+/// One integrator of each sort: pixels, splats, passes that are prepared, chains of both sorts.
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_killed_goes_on_to_the_same_image() {
+    let directory = Directory::new("checkpoint");
+    let runs =
+        [("path", "3000"), ("bdpt", "500"), ("ppm", "100"), ("mlt", "500"), ("pssmlt", "200")];
+    for (integrator, spp) in runs {
+        let options = ["--integrator", integrator, "--spp", spp, "--threads", "2"];
+        let expected = directory.rendered("whole.exr", &options);
+        let more = ["--checkpoint", integrator, "--checkpoint-every", "0.01"];
+        let options = [&options[..], &more].concat();
+        let checkpoint = directory.path(integrator);
+        let was_killed = (0..5).any(|_| {
+            let _ = std::fs::remove_file(&checkpoint);
+            let arguments = [&["ball.xml", "-o", "killed.exr"], &options[..]].concat();
+            killed(directory.render(&arguments), &checkpoint)
+        });
+        assert!(was_killed && !directory.path("killed.exr").exists(), "{integrator}");
+        let resumed = directory.rendered("resumed.exr", &options);
+        let (mut expected, mut resumed) = (lasting(expected), lasting(resumed));
+        if integrator == "ppm" {
+            // The photons of the pass that was under way are shot again.
+            for exr in [&mut expected, &mut resumed] {
+                exr.attributes.retain(|name, _| name != "rays" && name != "densities");
+            }
+        }
+        assert!(expected == resumed, "{integrator}");
+        // What has ended has nothing to add, and more samples can follow.
+        let again = directory.rendered("again.exr", &options);
+        assert!(lasting(again).rgb == expected.rgb, "{integrator}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused() {
+    let directory = Directory::new("foreign");
+    let options = ["--spp", "4", "--checkpoint", "state"];
+    directory.rendered("four.exr", &options);
+    let kept = std::fs::read(directory.path("state")).unwrap();
+    // More samples follow those that are there.
+    let eight = directory.rendered("eight.exr", &["--spp", "8", "--checkpoint", "state"]);
+    assert!(lasting(eight) == lasting(directory.rendered("whole.exr", &["--spp", "8"])));
+    let refused = |state: &[u8], more: &[&str], expected: &str| {
+        std::fs::write(directory.path("state"), state).unwrap();
+        let arguments = [&["ball.xml", "-o", "no.exr"], &options[..], more].concat();
+        let run = directory.render(&arguments).output().unwrap();
+        let text = message(&run);
+        assert_eq!(run.status.code(), Some(2), "{text}");
+        assert!(text.starts_with("error: ") && text.contains("`state`"), "{text}");
+        assert!(text.contains(expected), "`{expected}` in {text}");
+        assert_eq!(std::fs::read(directory.path("state")).unwrap(), state);
+    };
+    refused(&kept, &["--seed", "5"], "its seed is `0`, and that of this render `5`");
+    refused(&kept, &["--integrator", "bdpt"], "integrator");
+    refused(&kept, &["--size", "8x8"], "its size is `24x16`");
+    refused(&kept, &["--technique-images"], "technique images");
+    refused(&kept, &["-D", "grey=0.6"], "parameters");
+    refused(b"<scene/>", &[], "no checkpoint");
+    refused(&kept[..kept.len() / 2], &[], "cut short");
+    let changed = |at: usize| {
+        let mut bytes = kept.clone();
+        bytes[at] ^= 4;
+        bytes
+    };
+    refused(&changed(16), &[], "version 5 of the format");
+    refused(&changed(kept.len() - 100), &[], "damaged");
+    std::fs::write(directory.path("ball.xml"), SCENE.replace("value=\"20\"", "value=\"21\""))
+        .unwrap();
+    refused(&kept, &[], "its file 1 is `ball.xml, ");
 }
 
 #[test]

@@ -392,7 +392,10 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{ErrorBudget, PixelKernel};
+    use crate::render::progress::StateWriter;
+    use crate::render::{ErrorBudget, MarkovChain, PixelKernel};
+    use crate::stored::Stored;
+    use std::io::Write;
     use std::sync::atomic::AtomicU32;
 
     /// Noise whose mean is known: a hash of pixel and sample number, scaled to [0, 2 mean).
@@ -593,6 +596,175 @@ mod tests {
 
         let nothing = render(&Noise, &settings(100, 1), &Watch::new(0));
         assert_eq!((nothing.film.samples(), nothing.cancelled), ((0, 0), true));
+    }
+
+    /// Adds to its own pixel, to another, and to a layer.
+    struct Splashing;
+
+    impl AnyKernel for Splashing {
+        fn worker(&self) -> Worker<'_> {
+            Box::new(|pixel, number, splats| {
+                let value = Noise.sample(&mut Vec::new(), pixel, number);
+                splats.add(((pixel.0 + number) % 37, pixel.1), value);
+                splats.add_to(Layer::Dx, pixel, value);
+                value
+            })
+        }
+
+        fn splats(&self) -> bool {
+            true
+        }
+
+        /// As if each pass had to be prepared.
+        fn largest_pass(&self) -> u32 {
+            5
+        }
+    }
+
+    /// A chain whose next state depends on the one before, and how many steps all have taken.
+    #[derive(Default)]
+    struct Wandering(AtomicU64);
+
+    struct Wanderer<'a>(u64, &'a AtomicU64);
+
+    impl MarkovChain for Wanderer<'_> {
+        fn step(&mut self, splats: &mut Splats) {
+            self.0 = (self.0 ^ (self.0 >> 29)).wrapping_mul(0xbf58_476d_1ce4_e5b9).wrapping_add(1);
+            let place = (self.0 >> 40) as u32;
+            splats.add((place % 37, place % 21), [1.0, 0.5, 0.0]);
+            self.1.fetch_add(1, Ordering::Relaxed);
+        }
+
+        fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+            self.0.store(to)
+        }
+
+        fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+            self.0 = u64::load(from)?;
+            Ok(())
+        }
+    }
+
+    impl AnyKernel for Wandering {
+        fn worker(&self) -> Worker<'_> {
+            Box::new(|_, _, _| [0.0; 3])
+        }
+
+        fn chain(&self, number: usize) -> Option<Chain<'_>> {
+            Some(Box::new(Wanderer(number as u64, &self.0)))
+        }
+
+        fn splats(&self) -> bool {
+            true
+        }
+
+        fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+            self.0.load(Ordering::Relaxed).store(to)
+        }
+
+        fn restore(&self, from: &mut dyn Read) -> io::Result<()> {
+            self.0.store(u64::load(from)?, Ordering::Relaxed);
+            Ok(())
+        }
+    }
+
+    /// Keeps every state there is, and cancels after so many work units.
+    struct Keeper {
+        watch: Watch,
+        states: Mutex<Vec<Vec<u8>>>,
+    }
+
+    impl Observer for Keeper {
+        fn progress(&self, progress: &Progress) {
+            self.watch.progress(progress);
+        }
+
+        fn cancelled(&self) -> bool {
+            self.watch.cancelled()
+        }
+
+        fn wants_state(&self, _: bool) -> bool {
+            true
+        }
+
+        fn keep_state(&self, write: StateWriter<'_>) {
+            let mut state = Vec::new();
+            write(&mut state).unwrap();
+            self.states.lock().unwrap().push(state);
+        }
+    }
+
+    /// The states of a render that is cancelled after so many work units.
+    fn states(kernel: &dyn AnyKernel, settings: &RenderSettings, units: u32) -> Vec<Vec<u8>> {
+        let keeper = Keeper { watch: Watch::new(units), states: Mutex::default() };
+        render(kernel, settings, &keeper);
+        keeper.states.into_inner().unwrap()
+    }
+
+    #[test]
+    fn a_render_goes_on_from_every_state_to_the_same_image() {
+        let limit = ErrorBudget { target: 0.05, samples: 600, seconds: 1e9, adaptive: true };
+        let [uneven, all] = [true, false].map(|adaptive| ErrorBudget { adaptive, ..limit });
+        type Make = fn() -> Box<dyn AnyKernel>;
+        let cases: [(Make, Budget); 5] = [
+            (|| Box::new(Noise), Budget::Samples(23)),
+            (|| Box::new(Splashing), Budget::Samples(23)),
+            (|| Box::<Wandering>::default(), Budget::Samples(23)),
+            (|| Box::new(Uneven), Budget::Error(uneven)),
+            (|| Box::<Wandering>::default(), Budget::Error(all)),
+        ];
+        for (case, (make, budget)) in cases.into_iter().enumerate() {
+            let settings = |threads| RenderSettings { budget, ..settings(1, threads) };
+            let counted = |kernel: &dyn AnyKernel| {
+                let mut counted = Vec::new();
+                kernel.save(&mut counted).unwrap();
+                counted
+            };
+            let whole = make();
+            let expected = render(&*whole, &settings(2), &());
+            // Two threads, so that tiles differ in how far they are.
+            let states = states(&*make(), &settings(2), 40);
+            assert!(states.len() > 20, "{case}: {}", states.len());
+            for (number, state) in states.iter().enumerate() {
+                let kernel = make();
+                let resumed = resume(&*kernel, &settings(1), &(), &mut &state[..]).unwrap();
+                assert!(resumed.film == expected.film, "case {case}, state {number}");
+                assert!(resumed.layers == expected.layers, "case {case}, state {number}");
+                assert_eq!(counted(&*kernel), counted(&*whole), "case {case}, state {number}");
+            }
+        }
+    }
+
+    #[test]
+    fn states_of_other_renders_are_refused() {
+        let states = states(&Noise, &settings(4, 1), 7);
+        let state = states.last().unwrap();
+        let error = |settings: &RenderSettings, mut state: &[u8]| {
+            resume(&Noise, settings, &(), &mut state).map(|_| ()).unwrap_err().kind()
+        };
+        let wide = RenderSettings { size: (38, 21), ..settings(4, 1) };
+        let layered = RenderSettings { layered: 3, ..settings(4, 1) };
+        for other in [wide, layered] {
+            assert_eq!(error(&other, state), io::ErrorKind::InvalidData);
+        }
+        for length in (0..state.len()).step_by(97) {
+            let kind = error(&settings(4, 1), &state[..length]);
+            assert_eq!(kind, io::ErrorKind::UnexpectedEof, "{length}");
+        }
+        let longer = [&state[..], &[0]].concat();
+        assert_eq!(error(&settings(4, 1), &longer), io::ErrorKind::InvalidData);
+    }
+
+    #[test]
+    fn time_goes_on_too() {
+        let budget = Budget::Seconds(0.05);
+        let settings = RenderSettings { budget, ..settings(1, 1) };
+        let keeper = Keeper { watch: Watch::new(u32::MAX), states: Mutex::default() };
+        let whole = render(&Noise, &settings, &keeper);
+        let state = keeper.states.into_inner().unwrap().pop().unwrap();
+        let resumed = resume(&Noise, &settings, &(), &mut &state[..]).unwrap();
+        // The time is used up.
+        assert!(resumed.seconds >= whole.seconds && resumed.film == whole.film);
     }
 
     #[test]
