@@ -14,7 +14,7 @@ use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Chain, MarkovChain, Preparation, Splats, Worker};
+use crate::render::{AnyKernel, Chain, MarkovChain, Preparation, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::stored::Stored;
 use crate::strategies::Pixel;
@@ -206,9 +206,9 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     }
 }
 
-/// What a state of a chain contributes to pixels.
+/// What a state of a chain contributes to pixels, and what its techniques would contribute alone.
 #[derive(Clone, Debug, Default)]
-pub struct Contributions(Vec<(Pixel, Vec3)>);
+pub struct Contributions(Vec<(Technique, Pixel, [Vec3; 2])>);
 
 impl Contributions {
     /// Without any.
@@ -216,24 +216,26 @@ impl Contributions {
         self.0.clear();
     }
 
-    /// Adds one.
-    pub fn push(&mut self, pixel: Pixel, value: Vec3) {
+    /// Adds what a technique contributes by its weight, and what it would alone.
+    pub fn push(&mut self, technique: Technique, pixel: Pixel, value: Vec3, alone: Vec3) {
         if value != Vec3::ZERO && value.is_finite() {
-            self.0.push((pixel, value));
+            self.0.push((technique, pixel, [value, alone]));
         }
     }
 
     /// The sum of their luminances.
     pub fn brightness(&self) -> f32 {
         let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        self.0.iter().map(|(_, value)| luminance(value)).sum()
+        self.0.iter().map(|(_, _, [value, _])| luminance(value)).sum()
     }
 
     /// Splats all of them, times a factor.
     pub fn splat(&self, factor: f32, splats: &mut Splats) {
         if factor > 0.0 && factor.is_finite() {
-            for (pixel, value) in &self.0 {
-                splats.add(*pixel, (*value * factor).to_array());
+            for (technique, pixel, values) in &self.0 {
+                let values = values.map(|value| (value * factor).to_array());
+                splats.add(*pixel, values[0]);
+                splats.add_by(*technique, *pixel, values);
             }
         }
     }

@@ -20,7 +20,7 @@ use crate::mutations::{
     BidirectionalMutation, CausticPerturbation, LensPerturbation, MutationStrategies,
 };
 use crate::path::PathSettings;
-use crate::render::{Chain, MarkovChain, Splats};
+use crate::render::{Chain, MarkovChain, Splats, Technique};
 use crate::stored::Stored;
 use crate::strategies::{Aim, sample_camera, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path};
@@ -104,7 +104,8 @@ fn shares<K: SceneKind>(
     let mut found = Contributions::default();
     // No pixel is the path's own.
     for pixel in world.receivers((u32::MAX, u32::MAX), [path]) {
-        found.push(pixel, value * estimator.integrand().response(pixel, path));
+        let share = value * estimator.integrand().response(pixel, path);
+        found.push(Technique::mutations(path.len()), pixel, share, share);
     }
     found
 }

@@ -267,7 +267,8 @@ impl PrimarySample {
         move |uniforms, found| {
             found.clear();
             let pixel = uniforms.pixel(size);
-            let record = |_, pixel, value, _| found.push(pixel, value);
+            let record =
+                |technique, pixel, value, alone| found.push(technique, pixel, value, alone);
             self.inner.paths(world, &mut scratch, uniforms, pixel, record);
         }
     }

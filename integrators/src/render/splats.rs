@@ -24,6 +24,16 @@ impl Technique {
     pub fn edge(camera: usize, light: usize) -> Self {
         Technique { vertices: camera + light, joint: "", camera, light }
     }
+
+    /// A vertex where pieces from the camera and from the light meet, which belongs to both.
+    pub fn merge(camera: usize, light: usize) -> Self {
+        Technique { vertices: camera + light - 1, joint: "merge", camera, light }
+    }
+
+    /// Mutations of paths with so many vertices, which have no ends where they began.
+    pub fn mutations(vertices: usize) -> Self {
+        Technique { vertices, joint: "mutated", camera: vertices, light: 0 }
+    }
 }
 
 /// An image beside the image.
@@ -81,6 +91,16 @@ impl Splats {
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {
         self.push(pixel, None, value);
+    }
+
+    /// [`Splats::add`] to the layers of a technique, if it is to have layers: what it contributes by its weight, and
+    /// what it would alone.
+    pub fn add_by(&mut self, technique: Technique, pixel: (u32, u32), values: [[f32; 3]; 2]) {
+        if technique.vertices <= self.layered {
+            for (weighted, value) in [true, false].into_iter().zip(values) {
+                self.add_to(Layer::Technique { weighted, technique }, pixel, value);
+            }
+        }
     }
 
     /// [`Splats::add`] to a layer.
@@ -205,6 +225,21 @@ impl Stored for SplatSums {
     }
 }
 
+impl Stored for Technique {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        [self.vertices, self.camera, self.light].store(to)?;
+        self.joint.to_owned().store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let ([vertices, camera, light], joint) = <(_, String)>::load(from)?;
+        let known = ["", "merge", "mutated", "portal"].into_iter().find(|name| *name == joint);
+        // A name lives as long as the program, like those that are written in it.
+        let joint = known.unwrap_or_else(|| joint.leak());
+        Ok(Technique { vertices, joint, camera, light })
+    }
+}
+
 impl Stored for Layer {
     fn store(&self, to: &mut dyn Write) -> io::Result<()> {
         match self {
@@ -212,9 +247,8 @@ impl Stored for Layer {
             Layer::Dx => 1u8.store(to),
             Layer::Dy => 2u8.store(to),
             Layer::Technique { weighted, technique } => {
-                let Technique { vertices, joint, camera, light } = *technique;
-                (3u8, *weighted, joint.to_owned()).store(to)?;
-                [vertices, camera, light].store(to)
+                (3u8, *weighted).store(to)?;
+                technique.store(to)
             }
         }
     }
@@ -225,14 +259,8 @@ impl Stored for Layer {
             1 => Ok(Layer::Dx),
             2 => Ok(Layer::Dy),
             3 => {
-                let (weighted, joint) = <(bool, String)>::load(from)?;
-                let [vertices, camera, light] = Stored::load(from)?;
-                // A name lives as long as the program, like those that are written in it.
-                let joint = if joint.is_empty() { "" } else { joint.leak() };
-                Ok(Layer::Technique {
-                    weighted,
-                    technique: Technique { vertices, joint, camera, light },
-                })
+                let (weighted, technique) = Stored::load(from)?;
+                Ok(Layer::Technique { weighted, technique })
             }
             _ => Err(malformed("a layer of no known sort")),
         }

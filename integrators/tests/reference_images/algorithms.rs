@@ -112,7 +112,7 @@ fn tridirectional_path_tracing_agrees_with_the_stored_image() {
 const SEEDS: u64 = 8;
 
 /// The p-values of the means of blocks over renders with several seeds, against an expected image: Student's t.
-fn p_values(what: &str, reference: &Reference, renders: &[RgbImage], block: usize) -> Vec<f64> {
+pub fn p_values(what: &str, reference: &Reference, renders: &[RgbImage], block: usize) -> Vec<f64> {
     let (width, height) = (reference.rgb.width(), reference.rgb.height());
     let mut all = Vec::new();
     for corner in (0..height / block).flat_map(|y| (0..width / block).map(move |x| (x, y))) {
