@@ -181,7 +181,9 @@ where
 }
 
 impl ChainIntegrator for Metropolis {
-    const STEPS: &'static [&'static str] = &MUTATIONS;
+    /// The last are those where none of the mutations that are used fits the path: the chain stays.
+    const STEPS: &'static [&'static str] =
+        &[MUTATIONS[0], MUTATIONS[1], MUTATIONS[2], MUTATIONS[3], "none that fits"];
 
     fn candidates(&self) -> usize {
         self.candidates
@@ -250,9 +252,8 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
         let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
         let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
         let step = self.state.step(&mut self.arena, &all, &target, uniforms);
-        if let Some(mutation) = selected.get() {
-            self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
-        }
+        let mutation = selected.get().unwrap_or(MUTATIONS.len());
+        self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
         for (contributions, weight) in step.weighted() {
             contributions.splat(weight * start.mean / contributions.brightness(), splats);
         }

@@ -16,7 +16,7 @@ use flate2::write::GzEncoder;
 
 use super::progress::StateWriter;
 use super::{AnyKernel, Observer, RenderSettings, Rendered, render, resume};
-use crate::image::atomic_write::write_with;
+use crate::image::atomic_write::write_as;
 use crate::stored::Stored;
 
 /// What a file begins with.
@@ -66,7 +66,7 @@ impl Checkpoint {
     /// # Errors
     /// If the file cannot be written; the one before is still there.
     pub fn write(&self, state: StateWriter<'_>) -> io::Result<()> {
-        write_with(&self.path, &|file: &mut File| {
+        write_as(&self.path, "checkpoint", &|file: &mut File| {
             file.write_all(NAME)?;
             VERSION.store(file)?;
             // Sums and noise hardly get smaller.

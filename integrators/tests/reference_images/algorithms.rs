@@ -9,7 +9,7 @@ use integrators::image::block_test::holm;
 use integrators::instant_radiosity::InstantRadiosity;
 use integrators::kind;
 use integrators::light_tracer::LightTracer;
-use integrators::metropolis::Metropolis;
+use integrators::metropolis::{MUTATIONS, Metropolis};
 use integrators::path::PathSettings;
 use integrators::photon_mapping::PhotonMapping;
 use integrators::poisson::Reconstruction;
@@ -255,6 +255,33 @@ fn chains_of_primary_samples_are_distributed_as_they_should_be() {
         let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
         Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
     });
+}
+
+/// A chain stays where it began if no mutation fits its path. Here most of the light is that of paths which fit.
+#[test]
+fn every_mutation_alone_moves_chains() {
+    let scene = scene("../../examples/scenes/mirrored-lamp");
+    for name in MUTATIONS {
+        let mutations = name.parse().expect("a mutation");
+        let chains =
+            Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(&scene)) };
+        let kernel = Algorithm::Metropolis(chains).kernel("Everything", &scene, 1);
+        let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
+        film(&*kernel, &scene, 16, None);
+        let text = kernel.statistics().expect("the numbers of steps");
+        println!("{name} alone:\n{text}");
+        for line in text.lines() {
+            // NAME: STEPS steps, PART % with a proposal, PART % of these accepted
+            let (mutation, counts) = line.split_once(": ").expect("a name");
+            let words = counts.split_whitespace();
+            let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+            if mutation == name {
+                assert!(numbers.len() == 3 && numbers.iter().all(|n| *n > 0.0), "{line}");
+            } else if MUTATIONS.contains(&mutation) {
+                assert_eq!(numbers[0], 0.0, "{line}");
+            }
+        }
+    }
 }
 
 #[test]
