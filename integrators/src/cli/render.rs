@@ -63,8 +63,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     if arguments.technique_images.is_some() && !rendered.layers.keys().any(shown) {
         let name = &plan.integrator;
         warn(&format!(
-            "warning: `{name}` contributes no images of techniques: there are none, or it does not tell them \
-             apart; `path`, `bdpt`, `tridir`, `vcm` and `ptracer` do"
+            "warning: `{name}` contributes no images of techniques: no path with so few vertices carries light"
         ));
     }
     let mut layers = BTreeMap::new();
