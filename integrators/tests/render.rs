@@ -290,18 +290,21 @@ fn a_checkpoint_of_something_else_is_refused() {
 #[test]
 fn what_techniques_contribute_adds_up_to_the_image() {
     let directory = Directory::new("techniques");
-    let options = ["--integrator", "bdpt", "--technique-images", "5", "--aovs", "--spp", "8"];
-    let exr = directory.rendered("bdpt.exr", &options);
-    assert!(directory.path("bdpt-techniques.png").is_file());
-    let sum = |prefix: &str, pixel: usize| -> f32 {
-        let layers = exr.layers.iter().filter(|(name, _)| name.starts_with(prefix));
-        layers.map(|(_, image)| image.pixels()[pixel][1]).sum()
-    };
-    // All lengths of paths that the scene asks for are shown.
-    for (pixel, value) in exr.rgb.pixels().iter().enumerate() {
-        let weighted = sum("weighted.", pixel);
-        assert!((weighted - value[1]).abs() <= 1e-5 * value[1].max(1.0), "{weighted} {value:?}");
-    }
+    let names = ["path", "gdpt", "vpl", "ppm", "vcm", "ptracer", "mlt", "pssmlt", "bdpt"];
+    let [.., exr] = names.map(|name| {
+        let options = ["--integrator", name, "--technique-images", "5", "--aovs", "--spp", "8"];
+        let more = ["--reconstruction", "none", "--light-paths", "64"];
+        let exr = directory.rendered(&format!("{name}.exr"), &[&options[..], &more].concat());
+        assert!(directory.path(&format!("{name}-techniques.png")).is_file());
+        // All lengths of paths that the scene asks for are shown.
+        for (pixel, value) in exr.rgb.pixels().iter().enumerate() {
+            let layers = exr.layers.iter().filter(|(name, _)| name.starts_with("weighted."));
+            let weighted: f32 = layers.map(|(_, image)| image.pixels()[pixel][1]).sum();
+            let off = (weighted - value[1]).abs();
+            assert!(off <= 2e-5 * value[1].max(1.0), "{name}: {weighted} {value:?}");
+        }
+        exr
+    });
     // The lamp and the ball: light that is seen directly, and techniques alone that agree on it.
     let mean = |name: &str| {
         let pixels = exr.layers[name].pixels();

@@ -763,8 +763,8 @@ mod tests {
         let whole = render(&Noise, &settings, &keeper);
         let state = keeper.states.into_inner().unwrap().pop().unwrap();
         let resumed = resume(&Noise, &settings, &(), &mut &state[..]).unwrap();
-        // The time is used up.
-        assert!(resumed.seconds >= whole.seconds && resumed.film == whole.film);
+        // The time was used up, and was kept.
+        assert!(resumed.seconds > 0.04 && resumed.film == whole.film);
     }
 
     #[test]

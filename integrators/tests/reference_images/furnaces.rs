@@ -87,11 +87,11 @@ fn integrators(scene: &Scene) -> Vec<(&'static str, u32, Algorithm)> {
     let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
     vec![
         ("path", 4, Algorithm::Path(path)),
-        ("ptracer", 4, Algorithm::LightTracer(LightTracer { path })),
+        ("ptracer", 16, Algorithm::LightTracer(LightTracer { path })),
         ("bdpt", 2, Algorithm::Bidirectional(bidirectional)),
         ("tridir", 2, Algorithm::Tridirectional(Tridirectional { path, portals })),
         ("vpl", 2, Algorithm::InstantRadiosity(lights)),
-        ("ppm", 8, Algorithm::PhotonMapping(PhotonMapping::new(path))),
+        ("ppm", 32, Algorithm::PhotonMapping(PhotonMapping::new(path))),
         ("vcm", 2, Algorithm::VertexMerging(VertexMerging::new(path, Default::default()))),
         ("mlt", 16, Algorithm::Metropolis(chains)),
         ("pssmlt", 16, Algorithm::PrimarySample(primary)),
