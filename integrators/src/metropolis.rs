@@ -34,8 +34,9 @@ pub struct Metropolis {
     pub path: PathSettings,
     /// How many independent samples the brightness of the image is estimated from.
     pub candidates: usize,
-    /// Which mutations are used. Without the bidirectional one a chain never reaches every path; as chains start at
-    /// paths that are distributed as they should be, the image is right even then, but noisy.
+    /// Which mutations are used. Without the bidirectional one the image has the light of those paths alone that one
+    /// of them fits. No chain leaves these, for from others there is no way back; and as chains start at paths that
+    /// are distributed as they should be, the image is right even where they do not reach all of these.
     pub mutations: MutationSet,
 }
 
@@ -61,7 +62,7 @@ impl Metropolis {
         (found.brightness(), found)
     }
 
-    /// Bidirectional samples of the whole image: paths, each with its share of the brightness.
+    /// Bidirectional samples of the whole image: paths that fit, each with its share of the brightness.
     fn seeds<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
@@ -88,9 +89,22 @@ impl Metropolis {
             for Contribution { path, value, .. } in
                 estimator.each(combine::<PowerHeuristic, _>(techniques))
             {
-                found(shares(world, estimator, &path, value).brightness(), &path);
+                if self.fits(world, &path) {
+                    found(shares(world, estimator, &path, value).brightness(), &path);
+                }
             }
         }
+    }
+
+    /// Whether one of the mutations that are used fits a path.
+    fn fits<'a, K: SceneKind>(&self, world: &'a World<'a, K>, path: &Path<'_, 'a, K>) -> bool {
+        let weight = |number: usize| match number {
+            0 => 1.0,
+            1 => LensPerturbation { world, chains: false }.weight(path),
+            2 => LensPerturbation { world, chains: true }.weight(path),
+            _ => CausticPerturbation { world }.weight(path),
+        };
+        (0..MUTATIONS.len()).any(|number| self.mutations.0[number] && weight(number) > 0.0)
     }
 }
 
@@ -181,9 +195,7 @@ where
 }
 
 impl ChainIntegrator for Metropolis {
-    /// The last are those where none of the mutations that are used fits the path: the chain stays.
-    const STEPS: &'static [&'static str] =
-        &[MUTATIONS[0], MUTATIONS[1], MUTATIONS[2], MUTATIONS[3], "none that fits"];
+    const STEPS: &'static [&'static str] = &MUTATIONS;
 
     fn candidates(&self) -> usize {
         self.candidates
@@ -252,8 +264,9 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
         let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
         let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
         let step = self.state.step(&mut self.arena, &all, &target, uniforms);
-        let mutation = selected.get().unwrap_or(MUTATIONS.len());
-        self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
+        if let Some(mutation) = selected.get() {
+            self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
+        }
         for (contributions, weight) in step.weighted() {
             contributions.splat(weight * start.mean / contributions.brightness(), splats);
         }

@@ -257,31 +257,51 @@ fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     });
 }
 
-/// A chain stays where it began if no mutation fits its path. Here most of the light is that of paths which fit.
+/// Of the light of a scene full of caustics, the numbers of steps of a chain of some mutations and the image.
+fn mutated(scene: &Scene, mutations: &str, seed: u64) -> (Vec<(String, Vec<f64>)>, RgbImage) {
+    let mutations = mutations.parse().expect("names of mutations");
+    let chains = Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(scene)) };
+    let kernel = Algorithm::Metropolis(chains).kernel("Everything", scene, seed);
+    let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
+    let image = film(&*kernel, scene, 16, None).image();
+    let text = kernel.statistics().expect("the numbers of steps");
+    println!("{text}");
+    // NAME: STEPS steps, PART % with a proposal, PART % of these accepted
+    let line = |line: &str| {
+        let (name, counts) = line.split_once(": ").expect("a name");
+        let words = counts.split_whitespace();
+        (name.to_owned(), words.filter_map(|word| word.parse().ok()).collect())
+    };
+    (text.lines().map(line).collect(), image)
+}
+
 #[test]
 fn every_mutation_alone_moves_chains() {
     let scene = scene("../../examples/scenes/mirrored-lamp");
     for name in MUTATIONS {
-        let mutations = name.parse().expect("a mutation");
-        let chains =
-            Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(&scene)) };
-        let kernel = Algorithm::Metropolis(chains).kernel("Everything", &scene, 1);
-        let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
-        film(&*kernel, &scene, 16, None);
-        let text = kernel.statistics().expect("the numbers of steps");
-        println!("{name} alone:\n{text}");
-        for line in text.lines() {
-            // NAME: STEPS steps, PART % with a proposal, PART % of these accepted
-            let (mutation, counts) = line.split_once(": ").expect("a name");
-            let words = counts.split_whitespace();
-            let numbers: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
-            if mutation == name {
-                assert!(numbers.len() == 3 && numbers.iter().all(|n| *n > 0.0), "{line}");
-            } else if MUTATIONS.contains(&mutation) {
-                assert_eq!(numbers[0], 0.0, "{line}");
-            }
+        for (mutation, numbers) in mutated(&scene, name, 1).0 {
+            // All chains begin at paths that fit: each of their steps is one of this mutation.
+            let steps = if mutation == name { 16.0 * 32.0 * 32.0 } else { 0.0 };
+            assert_eq!(numbers[0], steps, "{mutation} of {name} alone");
+            assert!(mutation != name || numbers.iter().all(|n| *n > 0.0), "{name}: {numbers:?}");
         }
     }
+}
+
+/// Each path fits one of the two, and so does all light.
+#[test]
+fn two_mutations_share_the_light_between_them() {
+    let scene = scene("../../examples/scenes/mirrored-lamp");
+    let both = |seed| {
+        let [lens, chains] = ["lens", "multi-chain"].map(|name| mutated(&scene, name, seed).1);
+        sum(&lens, &chains)
+    };
+    let images: Vec<RgbImage> = (0..SEEDS).map(both).collect();
+    let film = rendered(bidirectional(&scene, ""), &scene, 64, 1);
+    let variance = film.variance().expect("two samples a pixel");
+    let expected = Reference { rgb: film.image(), variance };
+    let p = p_values("lens and multi-chain", &expected, &images, 16);
+    assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
 }
 
 #[test]
