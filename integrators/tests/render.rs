@@ -220,8 +220,7 @@ fn killed(mut render: Command, checkpoint: &Path) -> bool {
 #[test]
 fn a_render_that_is_killed_goes_on_to_the_same_image() {
     let directory = Directory::new("checkpoint");
-    let runs =
-        [("path", "3000"), ("bdpt", "500"), ("ppm", "100"), ("mlt", "500"), ("pssmlt", "200")];
+    let runs = [("path", "2000"), ("bdpt", "250"), ("ppm", "60"), ("mlt", "100"), ("pssmlt", "60")];
     for (integrator, spp) in runs {
         let options = ["--integrator", integrator, "--spp", spp, "--threads", "2"];
         let expected = directory.rendered("whole.exr", &options);

@@ -203,17 +203,19 @@ impl<'a> Job<'a> {
         let work = self.work();
         let job = || {
             let mut worker = self.kernel.worker();
-            while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            while !waits.load(Ordering::Relaxed)
+                && let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed))
+            {
                 let moved = self.run_tile(&mut lock(tile), samples, &mut worker);
-                if self.observer.cancelled() || waits.load(Ordering::Relaxed) {
+                if self.observer.cancelled() {
                     return;
                 }
+                let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
+                self.observer.progress(&self.progress(samples, finished, work));
                 // Something is computed in between, however often the state is wanted.
                 if moved && self.observer.wants_state(false) {
                     waits.store(true, Ordering::Relaxed);
                 }
-                let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
-                self.observer.progress(&self.progress(samples, finished, work));
             }
         };
         threads((0..self.threads.min(self.tiles.len())).map(|_| job));
