@@ -5,7 +5,7 @@
 
 use std::cell::Cell;
 use std::io::{self, Read, Write};
-use std::ops::{AddAssign, Sub};
+use std::ops::{AddAssign, Range, Sub};
 
 use aether_core::work::{count_densities, densities};
 
@@ -102,6 +102,18 @@ pub fn threads<T: Send, J: FnOnce() -> T + Send>(jobs: impl IntoIterator<Item = 
         };
         started.into_iter().map(finish).collect()
     })
+}
+
+/// What `make` makes of the numbers below `count`, in their order, by several threads.
+pub fn in_parts<T: Send>(
+    count: usize,
+    cores: usize,
+    make: impl Fn(Range<usize>) -> Vec<T> + Sync,
+) -> Vec<T> {
+    let share = count.div_ceil(cores).max(1);
+    let make = &make;
+    let part = |start: usize| move || make(start..(start + share).min(count));
+    threads((0..count).step_by(share).map(part)).into_iter().flatten().collect()
 }
 
 #[cfg(test)]
