@@ -187,6 +187,10 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     }
 
     fn statistics(&self) -> Option<String> {
+        if self.start.is_none() {
+            let candidates = self.integrator.candidates();
+            return Some(format!("no chain has begun: none of {candidates} candidates has light"));
+        }
         let line = |(name, [steps, proposed, accepted]): (&str, [u64; 3])| {
             let percent = |a: u64, b: u64| 100.0 * a as f64 / b.max(1) as f64;
             let (made, taken) = (percent(proposed, steps), percent(accepted, proposed));

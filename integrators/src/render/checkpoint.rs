@@ -1,7 +1,7 @@
 //! Files that keep the state of a render, so that it can go on after a break as if there had been none.
 //!
-//! A file begins with a name and a version of its format. The rest is compressed by nothing and has a checksum
-//! (RFC 1952): the settings that a render which goes on has to have too, by name, and the state of the engine. Each
+//! A file begins with a name and a version of its format. The rest is a stream with a checksum (RFC 1952,
+//! without compression): the settings that a render which goes on has to have too, by name, and the state of the engine. Each
 //! new state is written to a file of its own, which then takes the place of the one before: whenever a program
 //! ends, one of the two is there.
 

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::{Job, Tile, lock};
+use crate::render::Budget;
 use crate::render::splats::SplatSums;
 use crate::stored::{Stored, malformed};
 use crate::work::Work;
@@ -44,6 +45,12 @@ impl Job<'_> {
         }
         (self.done, self.good_enough, self.earlier) = (done, good_enough, earlier);
         self.invalid.store(invalid, Ordering::Relaxed);
+        // What was good enough may not be for the target of this render.
+        if let Budget::Error(limit) = self.budget
+            && self.good_enough
+        {
+            self.judge(&self.film(), limit);
+        }
         // What it took to get here is no part of what comes.
         (self.start, self.before) = (Instant::now(), Work::here());
         Ok(())
