@@ -35,6 +35,16 @@ impl<R: Scalar> PathDensity<R> {
         Self::normalised(value, 0)
     }
 
+    /// The number m 2^(32 e) of a mantissa m and an exponent e: what [`PathDensity::parts`] has given, unchanged.
+    pub fn from_parts(mantissa: R, exponent: i32) -> Self {
+        Self::normalised(mantissa, exponent)
+    }
+
+    /// The mantissa m and the exponent e of the number m 2^(32 e), to be kept in a file.
+    pub fn parts(self) -> (R, i32) {
+        (self.mantissa, self.exponent)
+    }
+
     fn normalised(mut mantissa: R, mut exponent: i32) -> Self {
         if mantissa == R::INFINITY {
             return Self::INFINITY;

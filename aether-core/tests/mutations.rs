@@ -361,6 +361,13 @@ fn a_snapshot_is_the_path() {
     assert_eq!(to.vertices().collect::<Vec<_>>(), from.vertices().collect::<Vec<_>>());
     assert!((to.pdf().ratio(p) - 1.0).abs() < 1e-14);
     assert_eq!(estimator.integrand_at(&to), f);
+    // The same from the numbers that a file may keep.
+    let steps: Vec<_> = snapshot.steps().map(|(v, s, code)| (*v, s.clone(), code)).collect();
+    let kept = Snapshot::from_steps(steps.clone());
+    let again = other.restore(&kept);
+    assert!((again.pdf().ratio(p) - 1.0).abs() < 1e-14);
+    assert_eq!(estimator.integrand_at(&again), f);
+    assert!(kept.steps().map(|(_, _, code)| code).eq(steps.iter().map(|step| step.2)));
     assert!(Snapshot::of(&from.slice(0..9)).is_empty());
     assert!((0..6).all(|i| arena.restore(&snapshot).position_of(&from, i).is_none()));
 }

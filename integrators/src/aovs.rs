@@ -79,7 +79,7 @@ pub fn aovs(
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<BTreeMap<String, RgbImage>, NotCovered> {
-    let settings = RenderSettings { budget: Budget::Samples(samples), ..settings };
+    let settings = RenderSettings { budget: Budget::Samples(samples), layered: 0, ..settings };
     let world = &World::new(scene)?;
     let image = |(name, aov): (&str, Aov)| {
         let kernel = AovKernel { world, aov, seed };

@@ -5,6 +5,7 @@
 //! independent candidates. Chains start at candidates that are drawn in proportion to their brightness, so that
 //! they have no start-up bias (Veach 1997, section 11.3.1).
 
+use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -13,8 +14,9 @@ use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Chain, Preparation, Worker};
+use crate::render::{AnyKernel, Chain, MarkovChain, Preparation, Splats, Technique, Worker};
 use crate::scene::Scene;
+use crate::stored::Stored;
 use crate::strategies::Pixel;
 use crate::work::{Work, in_parts};
 use crate::world::World;
@@ -35,7 +37,7 @@ pub trait ChainIntegrator: Send + Sync {
     ) -> impl FnMut(usize) -> f32;
 
     /// A chain from a candidate; `mean` is the mean brightness, `seed` and `number` give it its random
-    /// numbers. Each call takes one step and splats what it contributes.
+    /// numbers.
     fn chain<'a, K: SceneKind>(
         &'a self,
         world: &'a World<'a, K>,
@@ -70,6 +72,34 @@ impl Statistics {
         let value = |count: &AtomicU64| count.load(Ordering::Relaxed);
         let values = self.counts.iter().map(move |counts| counts.each_ref().map(value));
         self.names.iter().copied().zip(values)
+    }
+}
+
+impl Statistics {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.counts().try_for_each(|(_, counts)| counts.store(to))
+    }
+
+    fn restore(&self, from: &mut dyn Read) -> io::Result<()> {
+        for count in self.counts.iter().flatten() {
+            count.store(Stored::load(from)?, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+}
+
+/// The chain of a scene without light.
+struct Still;
+
+impl MarkovChain for Still {
+    fn step(&mut self, _: &mut Splats) {}
+
+    fn save(&self, _: &mut dyn Write) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn restore(&mut self, _: &mut dyn Read) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -141,14 +171,26 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     }
 
     fn chain(&self, number: usize) -> Option<Chain<'_>> {
-        let Some((choice, mean)) = &self.start else { return Some(Box::new(|_| {})) };
+        let Some((choice, mean)) = &self.start else { return Some(Box::new(Still)) };
         let mut uniforms = Pcg32::new(self.seed, number as u64, u64::MAX);
         let candidate = Discrete::<f32>::sample(choice, uniforms.next()).index;
         let start = Start { candidate, mean: *mean, seed: self.seed, number };
         Some(self.integrator.chain(&self.world, start, &self.statistics))
     }
 
+    fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.statistics.store(to)
+    }
+
+    fn restore(&self, from: &mut dyn Read) -> io::Result<()> {
+        self.statistics.restore(from)
+    }
+
     fn statistics(&self) -> Option<String> {
+        if self.start.is_none() {
+            let candidates = self.integrator.candidates();
+            return Some(format!("no chain has begun: none of {candidates} candidates has light"));
+        }
         let line = |(name, [steps, proposed, accepted]): (&str, [u64; 3])| {
             let percent = |a: u64, b: u64| 100.0 * a as f64 / b.max(1) as f64;
             let (made, taken) = (percent(proposed, steps), percent(accepted, proposed));
@@ -160,9 +202,9 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     }
 }
 
-/// What a state of a chain contributes to pixels.
+/// What a state of a chain contributes to pixels, and what its techniques would contribute alone.
 #[derive(Clone, Debug, Default)]
-pub struct Contributions(Vec<(Pixel, Vec3)>);
+pub struct Contributions(Vec<(Technique, Pixel, [Vec3; 2])>);
 
 impl Contributions {
     /// Without any.
@@ -170,25 +212,37 @@ impl Contributions {
         self.0.clear();
     }
 
-    /// Adds one.
-    pub fn push(&mut self, pixel: Pixel, value: Vec3) {
+    /// Adds what a technique contributes by its weight, and what it would alone.
+    pub fn push(&mut self, technique: Technique, pixel: Pixel, value: Vec3, alone: Vec3) {
         if value != Vec3::ZERO && value.is_finite() {
-            self.0.push((pixel, value));
+            self.0.push((technique, pixel, [value, alone]));
         }
     }
 
     /// The sum of their luminances.
     pub fn brightness(&self) -> f32 {
         let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        self.0.iter().map(|(_, value)| luminance(value)).sum()
+        self.0.iter().map(|(_, _, [value, _])| luminance(value)).sum()
     }
 
     /// Splats all of them, times a factor.
-    pub fn splat(&self, factor: f32, splats: &mut crate::render::Splats) {
+    pub fn splat(&self, factor: f32, splats: &mut Splats) {
         if factor > 0.0 && factor.is_finite() {
-            for (pixel, value) in &self.0 {
-                splats.add(*pixel, (*value * factor).to_array());
+            for (technique, pixel, values) in &self.0 {
+                let values = values.map(|value| (value * factor).to_array());
+                splats.add(*pixel, values[0]);
+                splats.add_by(*technique, *pixel, values);
             }
         }
+    }
+}
+
+impl Stored for Contributions {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.0.store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        Ok(Contributions(Stored::load(from)?))
     }
 }

@@ -15,11 +15,11 @@ use glam::Vec3;
 
 use crate::image::RgbImage;
 use crate::integrand::Radiance;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::poisson::{ALPHA, Reconstruction, reconstruct};
-use crate::render::{Layer, Rendered, Splats};
+use crate::render::{Layer, Rendered, Splats, Technique};
 use crate::shift::{Beginning, Path, PathArena, Shift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, through};
@@ -78,11 +78,13 @@ impl Integrator for GradientDomain {
         let mut neighbours = self.neighbours(world, arena, pixel, &camera);
 
         let response = estimator.integrand().response(pixel, &camera);
-        let mut radiance = Vec3::ZERO;
+        let mut seen = Vec3::ZERO;
         if !self.path.hide_emitters && limits.0 > 1 {
-            radiance += estimator.of(&camera.slice(0..2)) * response;
-            splats.add_to(Layer::Direct, pixel, radiance.to_array());
+            seen = estimator.of(&camera.slice(0..2)) * response;
+            splats.add_to(Layer::Direct, pixel, seen.to_array());
         }
+        let mut received = Received::new(pixel, splats);
+        received.add_by(Technique::edge(2, 0), pixel, seen, seen);
         for n in 2..camera.size() {
             let mut own = techniques(world, &camera, n);
             own[1].sample(uniforms);
@@ -91,7 +93,8 @@ impl Integrator for GradientDomain {
             for (i, base) in samples.rev() {
                 let value = estimator.of(base) * response;
                 if value != Vec3::ZERO {
-                    radiance += value * base.weight_with(&PowerHeuristic, (&own, i), None);
+                    let weighted = value * base.weight_with(&PowerHeuristic, (&own, i), None);
+                    received.add_by(Technique::edge(n + 1 - i, i), pixel, weighted, value);
                 }
                 for side in neighbours.iter_mut().flatten() {
                     let shifted = side.shifted(base, i == 0);
@@ -110,6 +113,7 @@ impl Integrator for GradientDomain {
                 }
             }
         }
+        let radiance = received.own;
         for Neighbour { gradient: (layer, of, sign), difference, .. } in
             neighbours.into_iter().flatten()
         {

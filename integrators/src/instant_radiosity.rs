@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
-use crate::render::Splats;
+use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
 use crate::vertex::SceneVertex;
@@ -65,15 +65,19 @@ impl Integrator for InstantRadiosity {
         VirtualLights { scratch, paths }: &mut VirtualLights<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
-        _: &mut Splats,
+        splats: &mut Splats,
     ) -> Vec3 {
         let Scratch { arena, estimator } = scratch;
         arena.clear();
         let longest = self.path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
-        let mut value = Vec3::ZERO;
+        let response = estimator.integrand().response(pixel, &camera);
+        let mut received = Received::new(pixel, splats);
+        let mut add = |camera: usize, light: usize, value: Vec3| {
+            received.add_by(Technique::edge(camera, light), pixel, value, value);
+        };
         if longest >= 2 && !self.path.hide_emitters {
-            value += estimator.of(&camera);
+            add(camera.len(), 0, estimator.of(&camera) * response);
         }
         // What is seen in mirrors is followed; everything else is lit by the virtual lights.
         while camera.is_complete() && camera.len() < longest {
@@ -81,7 +85,8 @@ impl Integrator for InstantRadiosity {
                 let light = arena.restore(light);
                 for s in 1..=light.len().min(longest - camera.len()) {
                     let path = camera.concat(&light.slice(0..s).reverse());
-                    value += estimator.of(&path) / self.light_paths as f32;
+                    let share = response / self.light_paths as f32;
+                    add(camera.len(), s, estimator.of(&path) * share);
                 }
             }
             camera.append(sample_bsdf(world, self.path.rr_depth, None)).sample(uniforms);
@@ -89,8 +94,8 @@ impl Integrator for InstantRadiosity {
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
             }
-            value += estimator.of(&camera);
+            add(camera.len(), 0, estimator.of(&camera) * response);
         }
-        value * estimator.integrand().response(pixel, &camera)
+        received.own
     }
 }

@@ -5,7 +5,7 @@ use aether_core::{Pcg32, Sobol, UniformSource, Vertex};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
+use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -79,15 +79,7 @@ impl<'s> Received<'s> {
     /// Adds to a pixel what a technique contributes: by its weight, and what it would contribute alone.
     pub fn add_by(&mut self, technique: Technique, receiver: Pixel, value: Vec3, alone: Vec3) {
         self.add(receiver, value);
-        if technique.vertices <= self.splats.layered {
-            for (weighted, value) in [(true, value), (false, alone)] {
-                self.splats.add_to(
-                    Layer::Technique { weighted, technique },
-                    receiver,
-                    value.to_array(),
-                );
-            }
-        }
+        self.splats.add_by(technique, receiver, [value, alone].map(|v| v.to_array()));
     }
 
     /// Adds to a pixel.

@@ -42,6 +42,7 @@ pub mod scene;
 pub mod seen;
 pub mod selection;
 pub mod shift;
+pub mod stored;
 pub mod strategies;
 pub mod subpaths;
 pub mod tridirectional;

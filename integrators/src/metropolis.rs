@@ -2,13 +2,14 @@
 //! mutated by the functions of [`crate::mutations`]. The densities of mutations are derived.
 
 use std::cell::Cell;
+use std::io::{self, Read, Write};
 use std::str::FromStr;
 
 use aether_core::estimator::{Contribution, Estimator, Factors};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
 use aether_core::{
-    Arena, MarkovChainState, Pcg32, PowerHeuristic, RandomSequence, Snapshot, UniformSource,
-    combine,
+    Arena, MarkovChainState, PathDensity, Pcg32, PowerHeuristic, RandomSequence, Snapshot,
+    UniformSource, combine,
 };
 use glam::Vec3;
 
@@ -19,8 +20,9 @@ use crate::mutations::{
     BidirectionalMutation, CausticPerturbation, LensPerturbation, MutationStrategies,
 };
 use crate::path::PathSettings;
-use crate::render::{Chain, Splats};
-use crate::strategies::Aim;
+use crate::render::{Chain, MarkovChain, Splats, Technique};
+use crate::stored::Stored;
+use crate::strategies::{Aim, sample_camera};
 use crate::subpaths::{Scratch, camera_path, connection, extend, light_path};
 use crate::vertex::SceneVertex;
 use crate::world::World;
@@ -32,8 +34,9 @@ pub struct Metropolis {
     pub path: PathSettings,
     /// How many independent samples the brightness of the image is estimated from.
     pub candidates: usize,
-    /// Which mutations are used. Without the bidirectional one a chain never reaches every path; as chains start at
-    /// paths that are distributed as they should be, the image is right even then, but noisy.
+    /// Which mutations are used. Without the bidirectional one the image has the light of those paths alone that one
+    /// of them fits. No chain leaves these, for from others there is no way back; and as chains start at paths that
+    /// are distributed as they should be, the image is right even where they do not reach all of these.
     pub mutations: MutationSet,
 }
 
@@ -59,7 +62,7 @@ impl Metropolis {
         (found.brightness(), found)
     }
 
-    /// Bidirectional samples of the whole image: paths, each with its share of the brightness.
+    /// Bidirectional samples of the whole image: paths that fit, each with its share of the brightness.
     fn seeds<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
@@ -82,9 +85,22 @@ impl Metropolis {
             for Contribution { path, value, .. } in
                 estimator.each(combine::<PowerHeuristic, _>(techniques))
             {
-                found(shares(world, estimator, &path, value).brightness(), &path);
+                if self.fits(world, &path) {
+                    found(shares(world, estimator, &path, value).brightness(), &path);
+                }
             }
         }
+    }
+
+    /// Whether one of the mutations that are used fits a path.
+    fn fits<'a, K: SceneKind>(&self, world: &'a World<'a, K>, path: &Path<'_, 'a, K>) -> bool {
+        let weight = |number: usize| match number {
+            0 => 1.0,
+            1 => LensPerturbation { world, chains: false }.weight(path),
+            2 => LensPerturbation { world, chains: true }.weight(path),
+            _ => CausticPerturbation { world }.weight(path),
+        };
+        (0..MUTATIONS.len()).any(|number| self.mutations.0[number] && weight(number) > 0.0)
     }
 }
 
@@ -98,7 +114,8 @@ fn shares<K: SceneKind>(
     let mut found = Contributions::default();
     // No pixel is the path's own.
     for pixel in world.receivers((u32::MAX, u32::MAX), [path]) {
-        found.push(pixel, value * estimator.integrand().response(pixel, path));
+        let share = value * estimator.integrand().response(pixel, path);
+        found.push(Technique::mutations(path.len()), pixel, share, share);
     }
     found
 }
@@ -210,29 +227,62 @@ impl ChainIntegrator for Metropolis {
         let mut random = Pcg32::new(start.seed, start.number as u64, u64::MAX - 1);
         let path = drawn(paths, random.next());
         let Scratch { estimator, .. } = scratch;
-        let target = move |path: &Path<'_, 'a, K>| self.contribution(world, &estimator, path);
-        let selected = Cell::new(None);
-        let used = self.mutations;
         let mut arena = Arena::new();
-        let mut state = MarkovChainState::new(&arena.restore(&path), &target);
-        Box::new(move |splats: &mut Splats| {
-            selected.set(None);
-            let longest = self.path.most_vertices();
-            let all = Mutations(&[
-                &noted(0, used, &selected, BidirectionalMutation { world, longest }),
-                &noted(1, used, &selected, LensPerturbation { world, chains: false }),
-                &noted(2, used, &selected, LensPerturbation { world, chains: true }),
-                &noted(3, used, &selected, CausticPerturbation { world }),
-            ]);
-            let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
-            let step = state.step(&mut arena, &all, &target, uniforms);
-            if let Some(mutation) = selected.get() {
-                statistics.count(mutation, step.proposal.is_some(), step.accepted);
-            }
-            for (contributions, weight) in step.weighted() {
-                contributions.splat(weight * start.mean / contributions.brightness(), splats);
-            }
-        })
+        let target = |path: &Path<'_, 'a, K>| self.contribution(world, &estimator, path);
+        let state = MarkovChainState::new(&arena.restore(&path), &target);
+        arena.clear();
+        Box::new(PathChain { metropolis: self, world, estimator, arena, state, start, statistics })
+    }
+}
+
+/// A chain of paths.
+struct PathChain<'a, K: SceneKind> {
+    metropolis: &'a Metropolis,
+    world: &'a World<'a, K>,
+    estimator: PathEstimator<'a, K>,
+    arena: Arena<SceneVertex<K>, MutationStrategies<'a, K>>,
+    state: MarkovChainState<SceneVertex<K>, MutationStrategies<'a, K>, Contributions>,
+    start: Start,
+    statistics: &'a Statistics,
+}
+
+impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
+    fn step(&mut self, splats: &mut Splats) {
+        let PathChain { metropolis, world, estimator, start, .. } = self;
+        let (world, used) = (*world, metropolis.mutations);
+        let (longest, selected) = (metropolis.path.most_vertices(), Cell::new(None));
+        let all = Mutations(&[
+            &noted(0, used, &selected, BidirectionalMutation { world, longest }),
+            &noted(1, used, &selected, LensPerturbation { world, chains: false }),
+            &noted(2, used, &selected, LensPerturbation { world, chains: true }),
+            &noted(3, used, &selected, CausticPerturbation { world }),
+        ]);
+        let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
+        let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
+        let step = self.state.step(&mut self.arena, &all, &target, uniforms);
+        if let Some(mutation) = selected.get() {
+            self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
+        }
+        for (contributions, weight) in step.weighted() {
+            contributions.splat(weight * start.mean / contributions.brightness(), splats);
+        }
+    }
+
+    fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+        let steps = self.state.path().steps();
+        steps.map(|(vertex, _, code)| (*vertex, code)).collect::<Vec<_>>().store(to)?;
+        (self.state.target().parts(), self.state.steps()).store(to)?;
+        self.state.contribution().store(to)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let steps: Vec<_> = Stored::load(from)?;
+        let ((mantissa, exponent), count) = Stored::load(from)?;
+        let made_by = |(vertex, code)| (vertex, sample_camera(self.world).into(), code);
+        let path = Snapshot::from_steps(steps.into_iter().map(made_by));
+        let target = PathDensity::from_parts(mantissa, exponent);
+        self.state = MarkovChainState::resumed(path, target, Stored::load(from)?, count);
+        Ok(())
     }
 }
 

@@ -12,10 +12,11 @@ use glam::Vec3;
 
 use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
+use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
 use crate::photons::{Photon, PhotonMap, shrunk};
-use crate::render::{AnyKernel, Worker};
+use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
@@ -103,15 +104,18 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         Gatherer { scratch, throughput }: &mut Gatherer<'a, K>,
         uniforms: &mut Pcg32,
         pixel: Pixel,
+        splats: &mut Splats,
     ) -> Vec3 {
         let Scratch { arena, estimator: radiance } = scratch;
         arena.clear();
         let (world, path) = (&self.world, self.settings.path);
         let longest = path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
-        let mut value = Vec3::ZERO;
+        let response = radiance.integrand().response(pixel, &camera);
+        let mut received = Received::new(pixel, splats);
         if longest >= 2 && !path.hide_emitters {
-            value += radiance.of(&camera);
+            let value = radiance.of(&camera) * response;
+            received.add_by(Technique::edge(camera.len(), 0), pixel, value, value);
         }
         // What is seen in mirrors is followed; everything else is lit by the photons.
         while camera.is_complete() && camera.len() < longest {
@@ -122,25 +126,28 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
             if let (Some(surface), Some(scattering)) =
                 (here.surface(), world.scattering(&here, &before))
             {
-                let mut sum = Vec3::ZERO;
+                let kernel = 1.0 / (std::f32::consts::PI * map.radius().powi(2));
+                let share = response * kernel / self.light_paths() as f32;
+                let carried = throughput.of(&camera) * share;
                 map.near(here.position, |photon| {
-                    let edges = camera.len() - 1 + photon.edges as usize;
+                    let technique = Technique::merge(camera.len(), photon.edges as usize + 1);
                     let side = surface.normal.dot(photon.towards).signum();
-                    if edges < longest && side * surface.normal.dot(photon.normal) > 0.0 {
-                        sum += scattering.value(photon.towards) * photon.power;
+                    let faces = side * surface.normal.dot(photon.normal) > 0.0;
+                    if technique.vertices <= longest && faces {
+                        let value = carried * scattering.value(photon.towards) * photon.power;
+                        received.add_by(technique, pixel, value, value);
                     }
                 });
-                let kernel = 1.0 / (std::f32::consts::PI * map.radius().powi(2));
-                value += throughput.of(&camera) * sum * (kernel / self.light_paths() as f32);
             }
             camera.append(sample_bsdf(world, path.rr_depth, None)).sample(uniforms);
             let mirrored = |i| is_atom(&camera, i);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
             }
-            value += radiance.of(&camera);
+            let value = radiance.of(&camera) * response;
+            received.add_by(Technique::edge(camera.len(), 0), pixel, value, value);
         }
-        value * radiance.integrand().response(pixel, &camera)
+        received.own
     }
 }
 
@@ -158,10 +165,10 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         let mut gatherer = Gatherer { scratch: Scratch::new(world), throughput };
         let map = self.map.read().unwrap_or_else(PoisonError::into_inner);
         let width = u64::from(world.scene.film.width);
-        Box::new(move |pixel, sample, _| {
+        Box::new(move |pixel, sample, splats| {
             let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
             let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-            self.gather(&map, &mut gatherer, &mut uniforms, pixel).to_array()
+            self.gather(&map, &mut gatherer, &mut uniforms, pixel, splats).to_array()
         })
     }
 

@@ -2,13 +2,16 @@
 //! the chain are the uniforms that bidirectional path tracing draws, so that it needs no densities of
 //! mutations.
 
+use std::io::{self, Read, Write};
+
 use aether_core::{Pcg32, UniformSource};
 
 use crate::bidirectional::Bidirectional;
 use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
-use crate::render::{Chain, Splats};
+use crate::render::{Chain, MarkovChain, Splats};
+use crate::stored::Stored;
 use crate::strategies::Pixel;
 use crate::world::World;
 
@@ -110,6 +113,30 @@ impl Primary {
     }
 }
 
+impl Stored for Coordinate {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        (self.value, self.changed).store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (value, changed) = Stored::load(from)?;
+        Ok(Coordinate { value, changed })
+    }
+}
+
+/// The state between two steps.
+impl Stored for Primary {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.blocks.store(to)?;
+        (self.random.words(), self.step, self.last_large).store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (blocks, words, step, last_large) = Stored::load(from)?;
+        Ok(Primary { blocks, step, last_large, ..Primary::new(Pcg32::from_words(words)) })
+    }
+}
+
 impl UniformSource<f32> for Primary {
     fn next(&mut self) -> f32 {
         let (block, index) = self.at;
@@ -171,25 +198,61 @@ impl ChainIntegrator for PrimarySample {
     ) -> Chain<'a> {
         let mut evaluate = self.evaluation(world);
         let mut state = Primary::new(Pcg32::new(start.seed, start.candidate as u64, 0));
-        let (mut current, mut proposal) = (Contributions::default(), Contributions::default());
+        let (mut current, proposal) = (Contributions::default(), Contributions::default());
         evaluate(&mut state, &mut current);
         state.random = Pcg32::new(start.seed, start.number as u64, 1);
-        Box::new(move |splats: &mut Splats| {
-            state.begin(self.large_step);
-            evaluate(&mut state, &mut proposal);
-            let [old, new] = [&current, &proposal].map(Contributions::brightness);
-            let probability = if new < old { new / old } else { 1.0 };
-            current.splat((1.0 - probability) * start.mean / old, splats);
-            proposal.splat(probability * start.mean / new, splats);
-            let accepted = state.draws() < probability;
-            statistics.count(usize::from(state.large), true, accepted);
-            if accepted {
-                state.accept();
-                std::mem::swap(&mut current, &mut proposal);
-            } else {
-                state.reject();
-            }
+        Box::new(PrimaryChain {
+            settings: self,
+            evaluate,
+            state,
+            current,
+            proposal,
+            start,
+            statistics,
         })
+    }
+}
+
+/// A chain of primary samples.
+struct PrimaryChain<'a, E> {
+    settings: &'a PrimarySample,
+    /// What a primary sample contributes to the image.
+    evaluate: E,
+    state: Primary,
+    current: Contributions,
+    /// Memory for the next one.
+    proposal: Contributions,
+    start: Start,
+    statistics: &'a Statistics,
+}
+
+impl<E: FnMut(&mut Primary, &mut Contributions) + Send> MarkovChain for PrimaryChain<'_, E> {
+    fn step(&mut self, splats: &mut Splats) {
+        let PrimaryChain { state, current, proposal, start, .. } = self;
+        state.begin(self.settings.large_step);
+        (self.evaluate)(state, proposal);
+        let (old, new) = (current.brightness(), proposal.brightness());
+        let probability = if new < old { new / old } else { 1.0 };
+        current.splat((1.0 - probability) * start.mean / old, splats);
+        proposal.splat(probability * start.mean / new, splats);
+        let accepted = state.draws() < probability;
+        self.statistics.count(usize::from(state.large), true, accepted);
+        if accepted {
+            state.accept();
+            std::mem::swap(current, proposal);
+        } else {
+            state.reject();
+        }
+    }
+
+    fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+        self.state.store(to)?;
+        self.current.store(to)
+    }
+
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        (self.state, self.current) = Stored::load(from)?;
+        Ok(())
     }
 }
 
@@ -204,7 +267,8 @@ impl PrimarySample {
         move |uniforms, found| {
             found.clear();
             let pixel = uniforms.pixel(size);
-            let record = |_, pixel, value, _| found.push(pixel, value);
+            let record =
+                |technique, pixel, value, alone| found.push(technique, pixel, value, alone);
             self.inner.paths(world, &mut scratch, uniforms, pixel, record);
         }
     }

@@ -203,8 +203,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
                 });
                 let techniques = arena.collect_counted(list);
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let technique =
-                        Technique { vertices: n, joint: "merge", camera: t, light: n + 1 - t };
+                    let technique = Technique::merge(t, n + 1 - t);
                     received.add_found(technique, pixel, &found, response);
                 }
             });

@@ -4,9 +4,12 @@
 //! count, so that the thread that renders knows all of it in the end.
 
 use std::cell::Cell;
+use std::io::{self, Read, Write};
 use std::ops::{AddAssign, Range, Sub};
 
 use aether_core::work::{count_densities, densities};
+
+use crate::stored::Stored;
 
 /// Numbers of operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -71,6 +74,17 @@ impl Sub for Work {
             occlusion: self.occlusion - before.occlusion,
             densities: self.densities - before.densities,
         }
+    }
+}
+
+impl Stored for Work {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        [self.nearest, self.occlusion, self.densities].store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let [nearest, occlusion, densities] = Stored::load(from)?;
+        Ok(Work { nearest, occlusion, densities })
     }
 }
 

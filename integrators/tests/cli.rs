@@ -290,6 +290,8 @@ fn a_render_ends_at_its_target_and_tells_what_it_did() {
     assert!(text.contains("rays, any     0.0000e0, 0.00 per sample"), "{text}");
     let adaptive = [&render[..], &["--adaptive", "--integrator", "bdpt"]].concat();
     assert!(failure(aether(&adaptive)).contains("leave --adaptive out"));
+    let layers = [&render[..], &["--adaptive", "--technique-images"]].concat();
+    assert!(failure(aether(&layers)).contains("leave one of the two out"));
     assert!(failure(aether(&["render", scene, "--adaptive"])).contains("--target-error"));
     assert!(failure(aether(&["render", scene, "--target-error=0"])).contains("above 0"));
 }

@@ -1,6 +1,6 @@
 //! `aether render` from a scene file to the files that it leaves.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
@@ -195,21 +195,115 @@ fn ctrl_c_keeps_what_has_been_rendered() {
     assert!(directory.path("ball.png").exists());
 }
 
+/// What a render leaves that does not depend on the clock.
+fn lasting(exr: Exr) -> Exr {
+    let mut attributes = exr.attributes;
+    attributes.remove("seconds");
+    Exr { attributes, ..exr }
+}
+
+/// Kills a render as soon as there is a checkpoint; false if it has ended before.
+#[cfg(unix)]
+fn killed(mut render: Command, checkpoint: &Path) -> bool {
+    use std::os::unix::process::ExitStatusExt;
+    let mut child = render.spawn().unwrap();
+    while !checkpoint.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // SIGKILL, which no program can answer.
+    child.kill().unwrap();
+    child.wait().unwrap().signal() == Some(9)
+}
+
+/// One integrator of each sort: pixels, splats, passes that are prepared, chains of both sorts.
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_killed_goes_on_to_the_same_image() {
+    let directory = Directory::new("checkpoint");
+    let runs = [("path", "2000"), ("bdpt", "250"), ("ppm", "60"), ("mlt", "100"), ("pssmlt", "60")];
+    for (integrator, spp) in runs {
+        let options = ["--integrator", integrator, "--spp", spp, "--threads", "2"];
+        let expected = directory.rendered("whole.exr", &options);
+        let more = ["--checkpoint", integrator, "--checkpoint-every", "0.01"];
+        let options = [&options[..], &more].concat();
+        let checkpoint = directory.path(integrator);
+        let was_killed = (0..5).any(|_| {
+            let _ = std::fs::remove_file(&checkpoint);
+            let arguments = [&["ball.xml", "-o", "killed.exr"], &options[..]].concat();
+            killed(directory.render(&arguments), &checkpoint)
+        });
+        assert!(was_killed && !directory.path("killed.exr").exists(), "{integrator}");
+        let resumed = directory.rendered("resumed.exr", &options);
+        let (mut expected, mut resumed) = (lasting(expected), lasting(resumed));
+        if integrator == "ppm" {
+            // The photons of the pass that was under way are shot again.
+            for exr in [&mut expected, &mut resumed] {
+                exr.attributes.retain(|name, _| name != "rays" && name != "densities");
+            }
+        }
+        assert!(expected == resumed, "{integrator}");
+        // What has ended has nothing to add, and more samples can follow.
+        let again = directory.rendered("again.exr", &options);
+        assert!(lasting(again).rgb == expected.rgb, "{integrator}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_something_else_is_refused() {
+    let directory = Directory::new("foreign");
+    let options = ["--spp", "4", "--checkpoint", "state"];
+    directory.rendered("four.exr", &options);
+    let kept = std::fs::read(directory.path("state")).unwrap();
+    // More samples follow those that are there.
+    let eight = directory.rendered("eight.exr", &["--spp", "8", "--checkpoint", "state"]);
+    assert!(lasting(eight) == lasting(directory.rendered("whole.exr", &["--spp", "8"])));
+    let refused = |state: &[u8], more: &[&str], expected: &str| {
+        std::fs::write(directory.path("state"), state).unwrap();
+        let arguments = [&["ball.xml", "-o", "no.exr"], &options[..], more].concat();
+        let run = directory.render(&arguments).output().unwrap();
+        let text = message(&run);
+        assert_eq!(run.status.code(), Some(2), "{text}");
+        assert!(text.starts_with("error: ") && text.contains("`state`"), "{text}");
+        assert!(text.contains(expected), "`{expected}` in {text}");
+        assert_eq!(std::fs::read(directory.path("state")).unwrap(), state);
+    };
+    refused(&kept, &["--seed", "5"], "its seed is `0`, and that of this render `5`");
+    refused(&kept, &["--integrator", "bdpt"], "integrator");
+    refused(&kept, &["--size", "8x8"], "its size is `24x16`");
+    refused(&kept, &["--technique-images"], "technique images");
+    refused(&kept, &["-D", "grey=0.6"], "parameters");
+    refused(b"<scene/>", &[], "no checkpoint");
+    refused(&kept[..kept.len() / 2], &[], "cut short");
+    let changed = |at: usize| {
+        let mut bytes = kept.clone();
+        bytes[at] ^= 4;
+        bytes
+    };
+    refused(&changed(16), &[], "version 5 of the format");
+    refused(&changed(kept.len() - 100), &[], "damaged");
+    std::fs::write(directory.path("ball.xml"), SCENE.replace("value=\"20\"", "value=\"21\""))
+        .unwrap();
+    refused(&kept, &[], "its file 1 is `ball.xml, ");
+}
+
 #[test]
 fn what_techniques_contribute_adds_up_to_the_image() {
     let directory = Directory::new("techniques");
-    let options = ["--integrator", "bdpt", "--technique-images", "5", "--aovs", "--spp", "8"];
-    let exr = directory.rendered("bdpt.exr", &options);
-    assert!(directory.path("bdpt-techniques.png").is_file());
-    let sum = |prefix: &str, pixel: usize| -> f32 {
-        let layers = exr.layers.iter().filter(|(name, _)| name.starts_with(prefix));
-        layers.map(|(_, image)| image.pixels()[pixel][1]).sum()
-    };
-    // All lengths of paths that the scene asks for are shown.
-    for (pixel, value) in exr.rgb.pixels().iter().enumerate() {
-        let weighted = sum("weighted.", pixel);
-        assert!((weighted - value[1]).abs() <= 1e-5 * value[1].max(1.0), "{weighted} {value:?}");
-    }
+    let names = ["path", "gdpt", "vpl", "ppm", "vcm", "ptracer", "mlt", "pssmlt", "bdpt"];
+    let [.., exr] = names.map(|name| {
+        let options = ["--integrator", name, "--technique-images", "5", "--aovs", "--spp", "8"];
+        let more = ["--reconstruction", "none", "--light-paths", "64"];
+        let exr = directory.rendered(&format!("{name}.exr"), &[&options[..], &more].concat());
+        assert!(directory.path(&format!("{name}-techniques.png")).is_file());
+        // All lengths of paths that the scene asks for are shown.
+        for (pixel, value) in exr.rgb.pixels().iter().enumerate() {
+            let layers = exr.layers.iter().filter(|(name, _)| name.starts_with("weighted."));
+            let weighted: f32 = layers.map(|(_, image)| image.pixels()[pixel][1]).sum();
+            let off = (weighted - value[1]).abs();
+            assert!(off <= 2e-5 * value[1].max(1.0), "{name}: {weighted} {value:?}");
+        }
+        exr
+    });
     // The lamp and the ball: light that is seen directly, and techniques alone that agree on it.
     let mean = |name: &str| {
         let pixels = exr.layers[name].pixels();

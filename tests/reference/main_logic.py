@@ -21,7 +21,7 @@ INTEGRATORS = [
               ("shift.rs", "strategies"), ("shift.rs", "may_join"), ("shift.rs", "is_rough")]),
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("mutations.rs", "is_smooth"),
              ("metropolis.rs", "contribution"), ("metropolis.rs", "shares"), ("metropolis.rs", "seeds"),
-             ("metropolis.rs", "chain")]),
+             ("metropolis.rs", "chain"), ("metropolis.rs", "step")]),
     ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),
     ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
     ("vcm", [("vertex_merging.rs", "shoot"), ("vertex_merging.rs", "light"), ("vertex_merging.rs", "techniques"),

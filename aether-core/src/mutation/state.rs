@@ -61,6 +61,18 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         MarkovChainState { path: Snapshot::of(path), target, contribution, steps: 0 }
     }
 
+    /// A chain that goes on where another was after so many steps: at its path, where the target function and the
+    /// contribution have these values. Its steps are then those of the other, whatever strategies the path has: a
+    /// mutation sees vertices and Dirac factors alone.
+    pub fn resumed(
+        path: Snapshot<V, S>,
+        target: PathDensity<V::Real>,
+        contribution: C,
+        steps: u64,
+    ) -> Self {
+        MarkovChainState { path, target, contribution, steps }
+    }
+
     /// The current path.
     pub fn path(&self) -> &Snapshot<V, S> {
         &self.path

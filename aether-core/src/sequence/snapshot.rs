@@ -1,9 +1,9 @@
 //! A path that outlives the contents of an arena: the state of a Markov chain.
 
 use crate::sequence::{Arena, RandomSequence};
-use crate::strategy::{Strategy, Vertex};
+use crate::strategy::{Dirac, Strategy, Vertex};
 
-use super::tape::{Entry, NONE};
+use super::tape::{Entry, NONE, Part};
 
 /// A complete path outside any arena: its vertices, the strategies that made them and their Dirac
 /// factors. Storing another path of no greater length needs no heap.
@@ -64,6 +64,26 @@ impl<V: Vertex, S> Snapshot<V, S> {
         self.steps.get(i).map(|step| step.0)
     }
 
+    /// The steps of the path: the vertex, what has made it, and what else is known of the step, as a number to be
+    /// kept in a file ([`Snapshot::from_steps`]).
+    pub fn steps(&self) -> impl Iterator<Item = (&V, &S, u64)> {
+        self.steps.iter().enumerate().map(|(i, (vertex, strategy, entry))| {
+            let joined = i > 0 && self.steps[i - 1].2.strategy == entry.strategy;
+            (vertex, strategy, code(entry, joined))
+        })
+    }
+
+    /// The path with these steps, which were those of another, with the same or other strategies.
+    pub fn from_steps(steps: impl IntoIterator<Item = (V, S, u64)>) -> Self {
+        let mut number = 0;
+        let steps = steps.into_iter().map(|(vertex, strategy, code)| {
+            let (entry, joined) = decoded(code);
+            number += u32::from(!joined);
+            (vertex, strategy, Entry { strategy: number, ..entry })
+        });
+        Snapshot { steps: steps.collect() }
+    }
+
     /// The same path with something else in the place of its strategies: without those that borrow, it can be
     /// stored where they cannot.
     pub fn map<T>(self, mut f: impl FnMut(S) -> T) -> Snapshot<V, T> {
@@ -71,6 +91,46 @@ impl<V: Vertex, S> Snapshot<V, S> {
             self.steps.into_iter().map(|(vertex, strategy, entry)| (vertex, f(strategy), entry));
         Snapshot { steps: steps.collect() }
     }
+}
+
+/// What a snapshot needs of a step besides its vertex and its strategy: from the lowest bit the block of sampling
+/// dimensions (32 bits), the part of a joint draw (8), the Dirac factor (2), and one bit each for the direction, for
+/// visibility, and for whether the step before has the same strategy.
+fn code(entry: &Entry, joined: bool) -> u64 {
+    let dirac = match entry.dirac {
+        None => 0,
+        Some(Dirac::Position) => 1,
+        Some(Dirac::Direction) => 2,
+    };
+    u64::from(entry.block)
+        | u64::from(entry.part.byte()) << 32
+        | dirac << 40
+        | u64::from(entry.backward) << 42
+        | u64::from(entry.visible) << 43
+        | u64::from(joined) << 44
+}
+
+/// The step of a [`code`], and whether the one before has the same strategy.
+fn decoded(code: u64) -> (Entry, bool) {
+    let bit = |i: u32| code >> i & 1 == 1;
+    let dirac = match code >> 40 & 3 {
+        1 => Some(Dirac::Position),
+        2 => Some(Dirac::Direction),
+        _ => None,
+    };
+    let entry = Entry {
+        vertex: NONE,
+        strategy: 0,
+        block: code as u32,
+        run: 0,
+        prefix: 0,
+        backward: bit(42),
+        visible: bit(43),
+        dirac,
+        part: Part::from_byte((code >> 32) as u8),
+        merged: NONE,
+    };
+    (entry, bit(44))
 }
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {

@@ -18,6 +18,16 @@ impl Part {
         Part((index | (len - 1) << 4) as u8)
     }
 
+    /// As a byte, and back.
+    pub fn byte(self) -> u8 {
+        self.0
+    }
+
+    /// The part whose byte this is.
+    pub fn from_byte(byte: u8) -> Self {
+        Part(byte)
+    }
+
     /// Its number.
     #[inline]
     pub fn index(self) -> usize {

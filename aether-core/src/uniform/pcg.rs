@@ -35,6 +35,16 @@ impl Pcg32 {
         pcg
     }
 
+    /// All that the next numbers depend on, to be kept in a file.
+    pub fn words(&self) -> [u64; 3] {
+        [self.state, self.increment, self.key]
+    }
+
+    /// The generator whose [`Pcg32::words`] these are: it goes on with the same numbers.
+    pub fn from_words([state, increment, key]: [u64; 3]) -> Self {
+        Pcg32 { state, increment, key }
+    }
+
     /// The next 32 random bits.
     #[inline]
     pub fn next_u32(&mut self) -> u32 {
@@ -104,6 +114,16 @@ mod tests {
         assert_eq!(jumped, walked);
         jumped.advance(1000_u64.wrapping_neg());
         assert_eq!(jumped, start);
+    }
+
+    #[test]
+    fn words_are_the_whole_state() {
+        let mut pcg = Pcg32::new(1, 2, 3);
+        pcg.advance(7);
+        let mut again = Pcg32::from_words(pcg.words());
+        assert_eq!(again.next_u32(), pcg.next_u32());
+        [&mut pcg, &mut again].map(|pcg| UniformSource::<f64>::start(pcg, 4));
+        assert_eq!(again.next_u32(), pcg.next_u32());
     }
 
     #[test]

@@ -124,7 +124,7 @@ fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
     let standard = PathTracer::<Rooms>::new(scene, settings, 1)?;
     let upward = Upward { world: World::new(scene)?, settings, seed: 2 };
     let size = (scene.film.width, scene.film.height);
-    let effort = RenderSettings { size, budget: Budget::Samples(samples), threads: None };
+    let effort = RenderSettings::new(size, Budget::Samples(samples));
     Ok([render(&standard, &effort, &()).film, render(&upward, &effort, &()).film])
 }
 

@@ -110,7 +110,7 @@ fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
     let moon = moon(scene).unwrap_or_else(|| panic!("the scene has no ball with the id `moon`"));
     let moonlight = Moonlight { world: World::new(scene)?, settings, moon };
     let size = (scene.film.width, scene.film.height);
-    let effort = RenderSettings { size, budget: Budget::Samples(samples), threads: None };
+    let effort = RenderSettings::new(size, Budget::Samples(samples));
     Ok([render(&standard, &effort, &()).film, render(&moonlight, &effort, &()).film])
 }
 

@@ -44,7 +44,7 @@ fn mean(scene: &Scene, samples: u32) -> Result<f64, Box<dyn std::error::Error>> 
     };
     let tracer = PathTracer::<Glass>::new(scene, settings, 1)?;
     let size = (scene.film.width, scene.film.height);
-    let effort = RenderSettings { size, budget: Budget::Samples(samples), threads: None };
+    let effort = RenderSettings::new(size, Budget::Samples(samples));
     let film = render(&tracer, &effort, &()).film;
     let sum: f64 = film.pixels().iter().flat_map(|pixel| pixel.mean()).sum();
     Ok(sum / (3 * film.pixels().len()) as f64)

@@ -74,6 +74,14 @@ pub(super) struct RenderArguments {
     /// Write the output file every so many seconds, for viewers that reload it
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub live_exr: Option<f64>,
+    /// Keep the state of the render in this file every minute, on Ctrl-C and at the end, and go on from it if it
+    /// exists: the image is that of a render without a break, bit by bit
+    #[arg(long, value_name = "FILE")]
+    pub checkpoint: Option<PathBuf>,
+    /// Seconds between two states that --checkpoint keeps
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(default_value = "60", requires = "checkpoint")]
+    pub checkpoint_every: f64,
     /// Seed of the random numbers: the same seed gives the same image [default: the scene's, or 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,

@@ -197,9 +197,8 @@ impl<'a> Run<'a> {
             let subject = self.subject(name, &arguments);
             let kernel = (subject.kernel)(reference_seed(k)).map_err(Failure::new)?;
             let settings = RenderSettings {
-                size: self.plan.size,
-                budget: Budget::Seconds(seconds),
                 threads: self.arguments.threads,
+                ..RenderSettings::new(self.plan.size, Budget::Seconds(seconds))
             };
             warn(&format!("reference: {name} for {seconds} s"));
             let rendered = render(kernel.as_ref(), &settings, terminal);

@@ -11,6 +11,8 @@ use super::warn;
 use crate::image::exr::{Attribute, Exr};
 use crate::image::png::srgb_encode;
 use crate::image::{RgbImage, is_finite};
+use crate::render::checkpoint::Checkpoint;
+use crate::render::progress::StateWriter;
 use crate::render::{Film, Observer, Progress};
 
 /// Seconds between two pictures in the terminal.
@@ -23,6 +25,8 @@ pub(super) struct Live<'t> {
     shown: Option<f64>,
     /// Seconds between two files, and where they go.
     written: Option<(f64, PathBuf)>,
+    /// Seconds between two states that are kept, and in what.
+    kept: Option<(f64, &'t Checkpoint)>,
     state: Mutex<State>,
 }
 
@@ -31,12 +35,18 @@ pub(super) struct Live<'t> {
 struct State {
     shown: Option<Instant>,
     written: Option<Instant>,
+    kept: Option<Instant>,
     lines: usize,
 }
 
 impl<'t> Live<'t> {
     /// What the command line asks for.
-    pub fn new(terminal: &'t Terminal, arguments: &RenderArguments, output: &Path) -> Self {
+    pub fn new(
+        terminal: &'t Terminal,
+        arguments: &RenderArguments,
+        output: &Path,
+        checkpoint: Option<&'t Checkpoint>,
+    ) -> Self {
         let columns = terminal.columns();
         if arguments.live && columns.is_none() {
             warn("warning: --live shows nothing, for stderr is no terminal");
@@ -45,7 +55,8 @@ impl<'t> Live<'t> {
             terminal,
             shown: (arguments.live && columns.is_some()).then_some(INTERVAL),
             written: arguments.live_exr.map(|seconds| (seconds, output.to_owned())),
-            state: Mutex::default(),
+            kept: checkpoint.map(|checkpoint| (arguments.checkpoint_every, checkpoint)),
+            state: Mutex::new(State { kept: Some(Instant::now()), ..State::default() }),
         }
     }
 
@@ -105,6 +116,23 @@ impl Observer for Live<'_> {
             && is_due(&mut state.written, *seconds)
         {
             self.write(path, film, progress);
+        }
+    }
+
+    fn wants_state(&self, ended: bool) -> bool {
+        let Some((seconds, _)) = self.kept else { return false };
+        // Whoever finds the lock taken leaves it to its holder.
+        let due = || self.state.try_lock().is_ok_and(|mut state| is_due(&mut state.kept, seconds));
+        ended || due()
+    }
+
+    fn keep_state(&self, write: StateWriter<'_>) {
+        let Some((_, checkpoint)) = self.kept else { return };
+        if let Err(error) = checkpoint.write(write) {
+            warn(&format!("warning: cannot write `{}`: {error}", checkpoint.path().display()));
+        }
+        if let Ok(mut state) = self.state.lock() {
+            state.kept = Some(Instant::now());
         }
     }
 

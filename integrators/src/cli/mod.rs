@@ -3,12 +3,14 @@
 //! - `arguments`: the command line and its limits.
 //! - `kernel`: from a scene file to something that can be rendered.
 //! - `render`, `compare`, `inspect`, `convergence`, `report`: one module for each command.
+//! - `checkpoint`: what a render that goes on has to have in common with the one before.
 //! - `terminal`: the progress bar and Ctrl-C; `live`: the picture while it grows.
 //!
 //! Exit codes: 0 on success, 2 on wrong usage or input (with a message on stderr), 130 when a
 //! render was interrupted, whose image is kept.
 
 mod arguments;
+mod checkpoint;
 mod compare;
 mod convergence;
 mod inspect;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
+use super::checkpoint::checkpoint;
 use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
 use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
@@ -19,7 +20,7 @@ use crate::image::{RgbImage, check_writable, png};
 use crate::poisson::Reconstruction;
 use crate::render::Layer;
 use crate::render::film::relative_error;
-use crate::render::layers::{Layered, contact_sheet};
+use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
 
@@ -36,15 +37,23 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     warn_of_integrator(&scene, &plan);
 
     let terminal = Terminal::new();
-    let kernel: Box<dyn AnyKernel> = match arguments.technique_images {
-        None => kernel,
-        Some(vertices) => Box::new(layered(kernel, vertices, plan.size)?),
+    let settings = RenderSettings {
+        size: plan.size,
+        budget: budget(arguments, &plan, kernel.as_ref())?,
+        threads: arguments.threads,
+        layered: layered(arguments, plan.size)?,
     };
-    let budget = budget(arguments, &plan, kernel.as_ref())?;
-    let settings = RenderSettings { size: plan.size, budget, threads: arguments.threads };
-    let live = Live::new(&terminal, arguments, &output);
-    let rendered = render(kernel.as_ref(), &settings, &live);
+    let checkpoint = match &arguments.checkpoint {
+        Some(file) => Some(checkpoint(file, &scene, &plan, arguments)?),
+        None => None,
+    };
+    let live = Live::new(&terminal, arguments, &output, checkpoint.as_ref());
+    let rendered = match &checkpoint {
+        Some(checkpoint) => checkpoint.render(kernel.as_ref(), &settings, &live),
+        None => Ok(render(kernel.as_ref(), &settings, &live)),
+    };
     terminal.finish();
+    let rendered = rendered?;
     if rendered.film.samples().1 == 0 {
         warn("interrupted before the first sample; no file is written");
         return Ok(ExitCode::from(INTERRUPTED));
@@ -54,8 +63,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     if arguments.technique_images.is_some() && !rendered.layers.keys().any(shown) {
         let name = &plan.integrator;
         warn(&format!(
-            "warning: `{name}` contributes no images of techniques: there are none, or it does not tell them \
-             apart; `path`, `bdpt`, `tridir`, `vcm` and `ptracer` do"
+            "warning: `{name}` contributes no images of techniques: no path with so few vertices carries light"
         ));
     }
     let mut layers = BTreeMap::new();
@@ -78,12 +86,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
 /// The most bytes that images of techniques may take.
 const MOST_BYTES: u64 = 8_000_000_000;
 
-/// A kernel whose techniques have images, if these fit into memory.
-fn layered<'a>(
-    kernel: Box<dyn AnyKernel + 'a>,
-    vertices: u32,
-    (width, height): (u32, u32),
-) -> Result<Layered<Box<dyn AnyKernel + 'a>>, Failure> {
+/// The most vertices of paths whose techniques get images, if these fit into memory; 0 without such images.
+fn layered(arguments: &RenderArguments, (width, height): (u32, u32)) -> Result<usize, Failure> {
+    let Some(vertices) = arguments.technique_images else { return Ok(0) };
     // Of paths of n vertices, up to 2n - 2 techniques, weighted and alone.
     let layers = 2 * u64::from(vertices) * u64::from(vertices - 1);
     let bytes = layers * u64::from(width) * u64::from(height) * BYTES_OF_A_SUM;
@@ -95,7 +100,7 @@ fn layered<'a>(
             vertices - 1
         )));
     }
-    Ok(Layered { kernel, vertices: vertices as usize })
+    Ok(vertices as usize)
 }
 
 /// When to stop.
@@ -113,6 +118,12 @@ fn budget(
              other pixels than their own; leave --adaptive out",
             plan.integrator
         )));
+    }
+    if arguments.adaptive && arguments.technique_images.is_some() {
+        return Err(Failure::new(
+            "--adaptive gives pixels different numbers of samples, which --technique-images needs equal; leave \
+             one of the two out",
+        ));
     }
     Ok(Budget::Error(ErrorBudget {
         target,
@@ -347,8 +358,7 @@ mod tests {
             mutations: Default::default(),
             reconstruction: Default::default(),
         };
-        let settings =
-            RenderSettings { size: plan.size, budget: Budget::Samples(4), threads: Some(1) };
+        let settings = RenderSettings::new(plan.size, Budget::Samples(4));
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
         let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);

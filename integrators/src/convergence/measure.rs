@@ -55,11 +55,9 @@ pub fn samples_within(
     observer: &dyn Observer,
 ) -> Result<(u32, f64), String> {
     let kernel = (subject.kernel)(CALIBRATION_SEED)?;
-    let settings = RenderSettings {
-        size: effort.size,
-        budget: Budget::Seconds(effort.budget / 8.0 + kernel.preparation().seconds),
-        threads: effort.threads,
-    };
+    let budget = Budget::Seconds(effort.budget / 8.0 + kernel.preparation().seconds);
+    let settings =
+        RenderSettings { threads: effort.threads, ..RenderSettings::new(effort.size, budget) };
     let rendered = render(kernel.as_ref(), &settings, observer);
     if rendered.cancelled {
         return Err("interrupted".to_owned());
@@ -92,8 +90,9 @@ pub fn measure(
     observer: &dyn Observer,
 ) -> Result<(Vec<Row>, RgbImage), String> {
     let kernel = (subject.kernel)(seed)?;
-    let (budget, threads) = (Budget::Samples(samples), effort.threads);
-    let settings = RenderSettings { size: effort.size, budget, threads };
+    let budget = Budget::Samples(samples);
+    let settings =
+        RenderSettings { threads: effort.threads, ..RenderSettings::new(effort.size, budget) };
     let curve = Curve {
         scene: effort.scene.clone(),
         renderer: "aether".to_owned(),

@@ -14,7 +14,7 @@ pub mod exr;
 pub mod flip;
 pub mod png;
 
-mod atomic_write;
+pub(crate) mod atomic_write;
 
 use std::fmt;
 use std::path::{Path, PathBuf};

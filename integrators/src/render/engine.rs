@@ -1,7 +1,8 @@
 //! Passes over tiles by all cores.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::io::{self, Read};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -10,9 +11,13 @@ use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
 use super::windows::{Batches, WINDOW, decides_at, window_errors};
-use super::{AnyKernel, Budget, Chain, Layer, RenderSettings, Splats, Worker};
+use super::{AnyKernel, Budget, Chain, ErrorBudget, Layer, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
 use crate::work::{Work, threads};
+
+mod state;
+#[cfg(test)]
+mod tests;
 
 /// The side of a tile in pixels: tiles are the windows whose error is judged.
 const TILE: u32 = WINDOW;
@@ -42,26 +47,23 @@ pub fn render(
     settings: &RenderSettings,
     observer: &dyn Observer,
 ) -> Rendered {
+    Job::new(kernel, settings, observer).run()
+}
+
+/// Goes on with a render whose state an observer has kept, with a kernel and settings that are the same, apart from
+/// the budget and the number of threads. The image is that of a render in one go, bit by bit.
+///
+/// # Errors
+/// If the state cannot be read, or is that of another render.
+pub fn resume(
+    kernel: &dyn AnyKernel,
+    settings: &RenderSettings,
+    observer: &dyn Observer,
+    state: &mut dyn Read,
+) -> io::Result<Rendered> {
     let mut job = Job::new(kernel, settings, observer);
-    let mut cancelled = observer.cancelled();
-    while !cancelled && let Some(samples) = next_pass(job.budget, &job.state()) {
-        let samples = samples.min(kernel.largest_pass());
-        kernel.begin_pass(job.done, job.threads);
-        job.run_pass(samples);
-        cancelled = observer.cancelled() && !job.complete(job.done + samples);
-        if !cancelled {
-            job.end_pass(samples);
-        }
-    }
-    let lost = job.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
-    Rendered {
-        seconds: job.seconds(),
-        film: job.film(),
-        work: job.work(),
-        layers: job.layers(),
-        invalid_samples: job.invalid.load(Ordering::Relaxed) + lost,
-        cancelled,
-    }
+    job.restore(state)?;
+    Ok(job.run())
 }
 
 /// A render in progress.
@@ -77,6 +79,8 @@ struct Job<'a> {
     looking: f64,
     /// What this thread had counted at the start.
     before: Work,
+    /// Seconds that samples had taken, and what they had computed, where this goes on with another render.
+    earlier: (f64, Work),
     /// Samples of each pixel after the last complete pass, and the relative error then.
     done: u32,
     error: Option<f64>,
@@ -86,6 +90,7 @@ struct Job<'a> {
     invalid: AtomicU64,
     /// What samples add to other pixels, if they do.
     splats: Option<Mutex<SplatSums>>,
+    layered: usize,
     size: (u32, u32),
 }
 
@@ -98,6 +103,7 @@ impl<'a> Job<'a> {
         settings: &RenderSettings,
         observer: &'a dyn Observer,
     ) -> Self {
+        let has_splats = kernel.splats() || settings.layered > 0;
         let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
         Job {
             kernel,
@@ -105,6 +111,7 @@ impl<'a> Job<'a> {
             budget: settings.budget,
             start: Instant::now(),
             before: Work::here(),
+            earlier: Default::default(),
             tiles: tiles(settings.size, kernel),
             threads: settings.threads.unwrap_or_else(cores).max(1),
             looking: 0.0,
@@ -113,9 +120,47 @@ impl<'a> Job<'a> {
             batches: Batches::default(),
             good_enough: false,
             invalid: AtomicU64::new(0),
-            splats: kernel.splats().then(|| Mutex::new(SplatSums::new(settings.size))),
+            splats: has_splats.then(|| Mutex::new(SplatSums::new(settings.size))),
+            layered: settings.layered,
             size: settings.size,
         }
+    }
+
+    /// Renders until the budget is used or the observer cancels.
+    fn run(mut self) -> Rendered {
+        let (kernel, observer) = (self.kernel, self.observer);
+        let mut cancelled = observer.cancelled();
+        while !cancelled && let Some(samples) = next_pass(self.budget, &self.state()) {
+            let samples = samples.min(kernel.largest_pass());
+            kernel.begin_pass(self.done, self.threads);
+            // A pass that waits while its state is written goes on where each pixel is.
+            while !self.run_pass(samples) {
+                self.keep_state();
+            }
+            cancelled = observer.cancelled() && !self.complete(self.done + samples);
+            if !cancelled {
+                self.end_pass(samples);
+            }
+        }
+        if observer.wants_state(true) {
+            self.keep_state();
+        }
+        let lost = self.splats.as_ref().map_or(0, |sums| lock(sums).invalid());
+        Rendered {
+            seconds: self.seconds(),
+            film: self.film(),
+            work: self.work(),
+            layers: self.layers(),
+            invalid_samples: self.invalid.load(Ordering::Relaxed) + lost,
+            cancelled,
+        }
+    }
+
+    /// Has the observer keep the state. No thread computes meanwhile.
+    fn keep_state(&mut self) {
+        let begin = Instant::now();
+        self.observer.keep_state(&|to| self.save(to));
+        self.looking += begin.elapsed().as_secs_f64();
     }
 
     /// Seconds used so far.
@@ -125,12 +170,19 @@ impl<'a> Job<'a> {
 
     /// Seconds that samples took.
     fn sampling(&self) -> f64 {
-        self.start.elapsed().as_secs_f64() - self.looking
+        self.earlier.0 + self.start.elapsed().as_secs_f64() - self.looking
+    }
+
+    /// What samples up to the last pass have computed.
+    fn sampled(&self) -> Work {
+        let mut work = Work::here() - self.before;
+        work += self.earlier.1;
+        work
     }
 
     /// What has been computed up to the last pass.
     fn work(&self) -> Work {
-        let mut work = Work::here() - self.before;
+        let mut work = self.sampled();
         work += self.kernel.preparation().work;
         work
     }
@@ -145,41 +197,54 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Adds `samples` to each pixel, or fewer if the observer cancels.
-    fn run_pass(&self, samples: u32) {
+    /// Adds samples to each pixel until it has `samples` more than all had, or fewer if the observer cancels. Returns
+    /// false if it has stopped earlier for the observer to keep the state.
+    fn run_pass(&self, samples: u32) -> bool {
+        let waits = AtomicBool::new(false);
         let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let work = self.work();
         let job = || {
             let mut worker = self.kernel.worker();
-            while let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-                self.run_tile(&mut lock(tile), samples, &mut worker);
+            while !waits.load(Ordering::Relaxed)
+                && let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed))
+            {
+                let moved = self.run_tile(&mut lock(tile), samples, &mut worker);
                 if self.observer.cancelled() {
                     return;
                 }
                 let finished = finished.fetch_add(1, Ordering::Relaxed) + 1;
                 self.observer.progress(&self.progress(samples, finished, work));
+                // Something is computed in between, however often the state is wanted.
+                if moved && self.observer.wants_state(false) {
+                    waits.store(true, Ordering::Relaxed);
+                }
             }
         };
         threads((0..self.threads.min(self.tiles.len())).map(|_| job));
+        !waits.into_inner()
     }
 
-    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) {
+    /// [`Job::run_pass`] for a tile: whether any pixel got a sample.
+    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) -> bool {
         if tile.good_enough {
-            return;
+            return false;
         }
-        let (mut invalid, mut splats) = (0, Splats::default());
+        let (target, mut moved) = (self.done + samples, false);
+        let (mut invalid, mut splats) = (0, Splats::new(self.layered));
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
                 break;
             }
             let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
+            let begin = pixel.count();
+            moved |= begin < target;
             if let Some(chain) = &mut tile.chain {
-                (0..samples).for_each(|_| chain(&mut splats));
-                pixel.count_chained(samples);
+                (begin..target).for_each(|_| chain.step(&mut splats));
+                pixel.count_chained(target.saturating_sub(begin));
             }
-            let drawn = if tile.chain.is_some() { 0 } else { samples };
-            for number in self.done..self.done + drawn {
+            // None is left where the chain has taken them.
+            for number in pixel.count()..target {
                 let value = worker(position, number, &mut splats);
                 let valid = value.iter().all(|v| v.is_finite());
                 pixel.add(if valid { value } else { [0.0; 3] });
@@ -191,6 +256,7 @@ impl<'a> Job<'a> {
         }
         self.hand_over(&mut splats);
         self.invalid.fetch_add(invalid, Ordering::Relaxed);
+        moved
     }
 
     fn hand_over(&self, splats: &mut Splats) {
@@ -213,11 +279,11 @@ impl<'a> Job<'a> {
         Progress { fraction, seconds, samples: self.done, relative_error: self.error, work }
     }
 
-    /// Whether each pixel has `samples` samples.
+    /// Whether no pixel lacks one of `samples` samples.
     fn complete(&self, samples: u32) -> bool {
         let all = |tile: &Mutex<Tile<'_>>| {
             let tile = lock(tile);
-            tile.good_enough || tile.pixels.iter().all(|p| p.count() == samples)
+            tile.good_enough || tile.pixels.iter().all(|p| p.count() >= samples)
         };
         let state = State { done: samples, ..self.state() };
         self.tiles.iter().all(all) && next_pass(self.budget, &state).is_none()
@@ -228,30 +294,35 @@ impl<'a> Job<'a> {
         let film = self.film();
         self.error = relative_error(film.pixels().iter());
         if let Budget::Error(limit) = self.budget {
-            self.judge(&film, limit.target, limit.adaptive && self.splats.is_none());
+            if self.is_chained() && (self.done.is_power_of_two() || decides_at(self.done)) {
+                self.batches.take(&film, self.done);
+            }
+            if decides_at(self.done) {
+                self.judge(&film, limit);
+            }
         }
         let begin = Instant::now();
         self.observer.look(&film, &self.progress(0, 0, self.work()));
         self.looking += begin.elapsed().as_secs_f64();
     }
 
+    /// Whether samples are steps of Markov chains.
+    fn is_chained(&self) -> bool {
+        self.tiles.first().is_some_and(|tile| lock(tile).chain.is_some())
+    }
+
     /// Finds out which windows are good enough.
-    fn judge(&mut self, film: &Film, target: f64, adaptive: bool) {
-        let chained = self.tiles.first().is_some_and(|tile| lock(tile).chain.is_some());
-        if chained && (self.done.is_power_of_two() || decides_at(self.done)) {
-            self.batches.take(film, self.done);
-        }
-        if !decides_at(self.done) {
-            return;
-        }
+    fn judge(&mut self, film: &Film, limit: ErrorBudget) {
+        let chained = self.is_chained();
+        let adaptive = limit.adaptive && self.splats.is_none();
         let variance = |index: usize, pixel: &PixelEstimate| {
             if chained { self.batches.variance(index) } else { pixel.variance_of_mean() }
         };
         let Some(errors) = window_errors(film, variance) else { return };
-        self.good_enough = errors.iter().all(|error| *error <= target);
+        self.good_enough = errors.iter().all(|error| *error <= limit.target);
         if adaptive {
             for (tile, error) in self.tiles.iter().zip(errors) {
-                lock(tile).good_enough |= error <= target;
+                lock(tile).good_enough |= error <= limit.target;
             }
             self.good_enough = self.tiles.iter().all(|tile| lock(tile).good_enough);
         }
@@ -325,228 +396,4 @@ fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<
 /// Locks what threads share. A thread that panicked ends the render anyway, so its poison does not matter.
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::render::{ErrorBudget, PixelKernel};
-    use std::sync::atomic::AtomicU32;
-
-    /// Noise whose mean is known: a hash of pixel and sample number, scaled to [0, 2 mean).
-    struct Noise;
-
-    impl PixelKernel for Noise {
-        type Scratch = Vec<u8>;
-
-        fn scratch(&self) -> Vec<u8> {
-            Vec::new()
-        }
-
-        fn sample(&self, _: &mut Vec<u8>, pixel: (u32, u32), sample: u32) -> [f32; 3] {
-            let seed = u64::from(pixel.0) << 42 | u64::from(pixel.1) << 21 | u64::from(sample);
-            let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            [1.0, 2.0, 0.0].map(|mean| {
-                state = (state ^ (state >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-                2.0 * mean * (state >> 40) as f32 / (1u32 << 24) as f32
-            })
-        }
-    }
-
-    fn settings(samples: u32, threads: usize) -> RenderSettings {
-        let budget = Budget::Samples(samples);
-        RenderSettings { size: (37, 21), budget, threads: Some(threads) }
-    }
-
-    #[test]
-    fn the_image_does_not_depend_on_threads() {
-        let one = render(&Noise, &settings(150, 1), &());
-        for threads in [2, 3, 16, 100] {
-            let many = render(&Noise, &settings(150, threads), &());
-            assert!(one.film == many.film, "{threads} threads");
-        }
-        assert_eq!((one.film.samples(), one.cancelled), ((150, 150), false));
-    }
-
-    #[test]
-    fn mean_and_variance_are_right() {
-        let film = render(&Noise, &settings(1000, 2), &()).film;
-        let (image, variance) = (film.image(), film.variance().unwrap());
-        let pixels = image.pixels().len() as f64;
-        for (channel, mean) in [(0, 1.0), (1, 2.0)] {
-            let average = |i: &crate::image::RgbImage| {
-                i.pixels().iter().map(|p| f64::from(p[channel])).sum::<f64>() / pixels
-            };
-            // The variance of a uniform number in [0, 2m) is m² / 3.
-            let expected = mean * mean / 3.0 / 1000.0;
-            approx::assert_relative_eq!(average(&variance), expected, max_relative = 0.01);
-            let error = (expected / pixels).sqrt();
-            assert!((average(&image) - mean).abs() < 4.0 * error, "{}", average(&image));
-        }
-        assert!(variance.pixels().iter().all(|p| p[2] == 0.0));
-    }
-
-    #[test]
-    fn a_short_time_gives_one_sample_each() {
-        let budget = Budget::Seconds(1e-9);
-        let rendered = render(&Noise, &RenderSettings { budget, ..settings(1, 2) }, &());
-        assert_eq!((rendered.film.samples(), rendered.cancelled), ((1, 1), false));
-        assert_eq!(rendered.film.variance(), None);
-    }
-
-    #[test]
-    fn time_ends_with_equal_sample_numbers() {
-        let budget = Budget::Seconds(0.02);
-        let film = render(&Noise, &RenderSettings { budget, ..settings(1, 2) }, &()).film;
-        let (fewest, most) = film.samples();
-        assert_eq!(fewest, most);
-        let same = render(&Noise, &settings(most, 1), &()).film;
-        assert!(film == same, "the same number of samples gives the same image");
-    }
-
-    /// Noise in the windows of the left half, and almost none on the right.
-    struct Uneven;
-
-    impl PixelKernel for Uneven {
-        type Scratch = Vec<u8>;
-
-        fn scratch(&self) -> Vec<u8> {
-            Vec::new()
-        }
-
-        fn sample(&self, scratch: &mut Vec<u8>, pixel: (u32, u32), sample: u32) -> [f32; 3] {
-            let noise = Noise.sample(scratch, pixel, sample)[0];
-            [if pixel.0 < WINDOW { noise } else { 1.0 + 1e-3 * noise }; 3]
-        }
-    }
-
-    #[test]
-    fn an_error_ends_the_render() {
-        let error = |target, adaptive| {
-            let limit = ErrorBudget { target, samples: 5000, seconds: 1e9, adaptive };
-            let budget = Budget::Error(limit);
-            let settings = RenderSettings { size: (2 * WINDOW, WINDOW), ..settings(1, 2) };
-            render(&Uneven, &RenderSettings { budget, ..settings }, &()).film
-        };
-        // The error of n samples is the root of 1 / 3 / n / 1.01: 4.2 % after 192, 5.1 % after 128.
-        let even = error(0.045, false);
-        assert_eq!(even.samples(), (192, 192));
-        let uneven = error(0.045, true);
-        assert_eq!(uneven.samples(), (16, 192));
-        let of = |film: &Film, x: u32| film.pixels()[x as usize];
-        assert_eq!((of(&uneven, 0).count(), of(&uneven, WINDOW).count()), (192, 16));
-        assert_eq!(of(&uneven, 0), of(&even, 0));
-        // What is asked for may be too much.
-        assert_eq!(error(1e-9, false).samples(), (5000, 5000));
-    }
-
-    /// Wants to see the image at multiples of seven.
-    #[derive(Default)]
-    struct Look(Mutex<Vec<u32>>);
-
-    impl Observer for Look {
-        fn progress(&self, _: &Progress) {}
-
-        fn cancelled(&self) -> bool {
-            false
-        }
-
-        fn look(&self, film: &Film, progress: &Progress) {
-            assert_eq!(film.samples(), (progress.samples, progress.samples));
-            self.0.lock().unwrap().push(progress.samples);
-        }
-
-        fn next_look(&self, progress: &Progress) -> Option<u32> {
-            Some((progress.samples / 7 + 1) * 7)
-        }
-    }
-
-    #[test]
-    fn the_observer_sees_what_it_asks_for() {
-        let look = Look::default();
-        let watched = render(&Noise, &settings(30, 2), &look);
-        let seen = look.0.into_inner().unwrap();
-        assert!([7, 14, 21, 28, 30].iter().all(|samples| seen.contains(samples)), "{seen:?}");
-        assert!(watched.film == render(&Noise, &settings(30, 1), &()).film);
-    }
-
-    /// NaN in one sample of each pixel, negative infinity in another.
-    struct Broken;
-
-    impl PixelKernel for Broken {
-        type Scratch = ();
-
-        fn scratch(&self) {}
-
-        fn sample(&self, _: &mut (), _: (u32, u32), sample: u32) -> [f32; 3] {
-            match sample {
-                1 => [f32::NAN, 1.0, 1.0],
-                3 => [1.0, 1.0, f32::NEG_INFINITY],
-                _ => [1.0; 3],
-            }
-        }
-    }
-
-    #[test]
-    fn invalid_samples_are_black_and_counted() {
-        let rendered = render(&Broken, &settings(4, 2), &());
-        assert_eq!(rendered.invalid_samples, 2 * 37 * 21);
-        assert!(rendered.film.image().pixels().iter().all(|p| *p == [0.5; 3]));
-    }
-
-    /// Cancels after a number of work units, and checks what is reported.
-    struct Watch {
-        cancel_after: u32,
-        units: AtomicU32,
-        last: Mutex<Option<Progress>>,
-    }
-
-    impl Watch {
-        fn new(cancel_after: u32) -> Self {
-            Self { cancel_after, units: AtomicU32::new(0), last: Mutex::new(None) }
-        }
-    }
-
-    impl Observer for Watch {
-        fn progress(&self, progress: &Progress) {
-            assert!((0.0..=1.0).contains(&progress.fraction));
-            self.units.fetch_add(1, Ordering::Relaxed);
-            *self.last.lock().unwrap() = Some(*progress);
-        }
-
-        fn cancelled(&self) -> bool {
-            self.units.load(Ordering::Relaxed) >= self.cancel_after
-        }
-    }
-
-    #[test]
-    fn cancelling_keeps_what_was_rendered() {
-        // Six tiles a pass: the third pass (samples 2 and 3) is cut short.
-        let rendered = render(&Noise, &settings(100, 1), &Watch::new(15));
-        assert!(rendered.cancelled);
-        assert_eq!(rendered.film.samples(), (2, 4));
-        let full = render(&Noise, &settings(4, 1), &()).film;
-        assert_eq!(rendered.film.pixels()[0], full.pixels()[0]);
-        assert!(rendered.film.variance().is_some());
-
-        let nothing = render(&Noise, &settings(100, 1), &Watch::new(0));
-        assert_eq!((nothing.film.samples(), nothing.cancelled), ((0, 0), true));
-    }
-
-    #[test]
-    fn a_cancel_that_comes_too_late_changes_nothing() {
-        let rendered = render(&Noise, &settings(2, 1), &Watch::new(12));
-        assert_eq!((rendered.film.samples(), rendered.cancelled), ((2, 2), false));
-    }
-
-    #[test]
-    fn progress_ends_at_one() {
-        let watch = Watch::new(u32::MAX);
-        render(&Noise, &settings(8, 1), &watch);
-        let last = watch.last.lock().unwrap().unwrap();
-        assert_eq!((last.fraction, last.samples), (1.0, 4));
-        // The relative error of four uniform samples of mean 1, 2 and 0.
-        let expected = (5.0f64 / 3.0 / 4.0 / 3.0).sqrt();
-        approx::assert_relative_eq!(last.relative_error.unwrap(), expected, max_relative = 0.05);
-    }
 }

@@ -1,6 +1,9 @@
 //! What is known of each pixel: the number of samples, their mean and their spread.
 
+use std::io::{self, Read, Write};
+
 use crate::image::RgbImage;
+use crate::stored::Stored;
 
 /// The running mean and variance of the samples of one pixel (Welford's algorithm, in f64).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -55,6 +58,18 @@ impl PixelEstimate {
         let n = f64::from(self.count);
         let variance = |c: usize| self.spread[c] / (n * (n - 1.0)) + self.splats[1][c];
         (self.count >= 2 && !self.chained).then(|| std::array::from_fn(variance))
+    }
+}
+
+/// Without what other pixels add, which is summed up elsewhere.
+impl Stored for PixelEstimate {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        (self.count, self.mean, self.spread, self.chained).store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (count, mean, spread, chained) = Stored::load(from)?;
+        Ok(PixelEstimate { count, mean, spread, splats: Default::default(), chained })
     }
 }
 

@@ -2,46 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{AnyKernel, Chain, Layer, Preparation, Technique, Worker};
+use super::{Layer, Technique};
 use crate::image::RgbImage;
-
-/// A kernel whose techniques have layers of their own, for paths of up to so many vertices.
-pub struct Layered<K> {
-    /// The kernel.
-    pub kernel: K,
-    /// The most vertices of the paths that are shown.
-    pub vertices: usize,
-}
-
-impl<K: std::ops::Deref<Target: AnyKernel> + Sync> AnyKernel for Layered<K> {
-    fn worker(&self) -> Worker<'_> {
-        let mut worker = self.kernel.worker();
-        Box::new(move |pixel, sample, splats| {
-            splats.layered = self.vertices;
-            worker(pixel, sample, splats)
-        })
-    }
-
-    fn chain(&self, number: usize) -> Option<Chain<'_>> {
-        self.kernel.chain(number)
-    }
-
-    fn largest_pass(&self) -> u32 {
-        self.kernel.largest_pass()
-    }
-
-    fn begin_pass(&self, first: u32, threads: usize) {
-        self.kernel.begin_pass(first, threads);
-    }
-
-    fn preparation(&self) -> Preparation {
-        self.kernel.preparation()
-    }
-
-    fn splats(&self) -> bool {
-        true
-    }
-}
 
 /// What techniques contribute, on one sheet: a row for the paths of each length, first with weights, then alone;
 /// in a row the techniques by the number of vertices that come from the light. Longer paths carry less light:

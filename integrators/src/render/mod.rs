@@ -9,10 +9,12 @@
 //! Contributions to other pixels (of paths from lights) are added up exactly ([`splats`]), so that
 //! their order does not matter either.
 //!
-//! - [`render`]: the engine; [`PixelKernel`]: what it evaluates.
+//! - [`render`]: the engine; [`PixelKernel`]: what it evaluates; [`resume`]: how it goes on.
+//! - [`checkpoint`]: files that keep the state of a render.
 //! - [`film`]: what is known of each pixel.
 //! - [`progress`]: what is reported while it runs.
 
+pub mod checkpoint;
 pub mod film;
 pub mod layers;
 pub mod progress;
@@ -22,11 +24,13 @@ mod engine;
 mod passes;
 mod windows;
 
-pub use engine::{Rendered, render};
+pub use engine::{Rendered, render, resume};
 pub use film::Film;
 pub use progress::{Observer, Progress};
 pub use splats::{Layer, Splats, Technique};
 pub use windows::WINDOW;
+
+use std::io::{self, Read, Write};
 
 use crate::work::Work;
 
@@ -51,9 +55,28 @@ pub trait PixelKernel: Sync {
 /// that sample contributes to other pixels.
 pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32, &mut Splats) -> [f32; 3] + 'a>;
 
-/// A Markov chain: each call takes a step, and splats what it contributes. A step counts like a sample: the
-/// steps with the same number, one for each pixel, add up to the image.
-pub type Chain<'a> = Box<dyn FnMut(&mut Splats) + Send + 'a>;
+/// A Markov chain.
+pub trait MarkovChain: Send {
+    /// Takes a step, and splats what it contributes. A step counts like a sample: the steps with the same number,
+    /// one for each pixel, add up to the image.
+    fn step(&mut self, splats: &mut Splats);
+
+    /// Writes where the chain is.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    fn save(&self, to: &mut dyn Write) -> io::Result<()>;
+
+    /// Goes to where a chain with the same number was, of a render with the same settings: its steps are then those
+    /// of the other.
+    ///
+    /// # Errors
+    /// If the file does not have what [`MarkovChain::save`] has written.
+    fn restore(&mut self, from: &mut dyn Read) -> io::Result<()>;
+}
+
+/// A Markov chain of some integrator.
+pub type Chain<'a> = Box<dyn MarkovChain + 'a>;
 
 /// A [`PixelKernel`] whose scratch type is hidden, so that kernels can be chosen at run time.
 /// Implemented for every kernel.
@@ -71,6 +94,25 @@ pub trait AnyKernel: Sync {
     /// What has been counted while rendering, as text of several lines.
     fn statistics(&self) -> Option<String> {
         None
+    }
+
+    /// Writes what has been counted while rendering. Samples depend on their numbers alone, so that there is nothing
+    /// else to write of a kernel.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    fn save(&self, to: &mut dyn Write) -> io::Result<()> {
+        let _ = to;
+        Ok(())
+    }
+
+    /// Goes on with what [`AnyKernel::save`] has written.
+    ///
+    /// # Errors
+    /// If the file does not have that.
+    fn restore(&self, from: &mut dyn Read) -> io::Result<()> {
+        let _ = from;
+        Ok(())
     }
 
     /// The most samples that a pass may add to each pixel.
@@ -151,4 +193,13 @@ pub struct RenderSettings {
     pub budget: Budget,
     /// The number of threads, or `None` for one on each core.
     pub threads: Option<usize>,
+    /// The most vertices of paths whose techniques have layers of their own; 0 for none ([`Layer::Technique`]).
+    pub layered: usize,
+}
+
+impl RenderSettings {
+    /// On all cores, without layers of techniques.
+    pub fn new(size: (u32, u32), budget: Budget) -> Self {
+        RenderSettings { size, budget, threads: None, layered: 0 }
+    }
 }

@@ -1,5 +1,7 @@
 //! What a render reports while it runs.
 
+use std::io::{self, Write};
+
 use super::Film;
 use crate::work::Work;
 
@@ -40,6 +42,19 @@ pub trait Observer: Sync {
         let _ = (film, progress);
     }
 
+    /// Whether the state of the render is wanted now, to go on from it later ([`resume`](super::resume)). Asked after
+    /// each work unit by all threads, and with `ended` once at the end.
+    fn wants_state(&self, ended: bool) -> bool {
+        let _ = ended;
+        false
+    }
+
+    /// Called with what writes the state that was wanted; meanwhile the render waits. The time that it takes is not
+    /// counted as rendering.
+    fn keep_state(&self, write: StateWriter<'_>) {
+        let _ = write;
+    }
+
     /// The number of samples at which a pass is to end for the next [`look`](Self::look); passes grow as they
     /// like if there is none, or it has been reached.
     fn next_look(&self, progress: &Progress) -> Option<u32> {
@@ -47,6 +62,9 @@ pub trait Observer: Sync {
         None
     }
 }
+
+/// What writes the state of a render.
+pub type StateWriter<'a> = &'a dyn Fn(&mut dyn Write) -> io::Result<()>;
 
 /// The observer that neither looks nor stops.
 impl Observer for () {

@@ -2,6 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::{self, Read, Write};
+
+use crate::stored::{Stored, malformed};
 
 /// A way to make paths of some length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -20,6 +23,16 @@ impl Technique {
     /// An edge between vertices from the camera and from the light.
     pub fn edge(camera: usize, light: usize) -> Self {
         Technique { vertices: camera + light, joint: "", camera, light }
+    }
+
+    /// A vertex where pieces from the camera and from the light meet, which belongs to both.
+    pub fn merge(camera: usize, light: usize) -> Self {
+        Technique { vertices: camera + light - 1, joint: "merge", camera, light }
+    }
+
+    /// Mutations of paths with so many vertices, which have no ends where they began.
+    pub fn mutations(vertices: usize) -> Self {
+        Technique { vertices, joint: "mutated", camera: vertices, light: 0 }
     }
 }
 
@@ -69,10 +82,25 @@ pub struct Splats {
 }
 
 impl Splats {
+    /// Without any, for techniques of paths with up to so many vertices to have layers.
+    pub fn new(layered: usize) -> Self {
+        Splats { layered, ..Splats::default() }
+    }
+
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
     /// expected value that all samples with its number add up to.
     pub fn add(&mut self, pixel: (u32, u32), value: [f32; 3]) {
         self.push(pixel, None, value);
+    }
+
+    /// [`Splats::add`] to the layers of a technique, if it is to have layers: what it contributes by its weight, and
+    /// what it would alone.
+    pub fn add_by(&mut self, technique: Technique, pixel: (u32, u32), values: [[f32; 3]; 2]) {
+        if technique.vertices <= self.layered {
+            for (weighted, value) in [true, false].into_iter().zip(values) {
+                self.add_to(Layer::Technique { weighted, technique }, pixel, value);
+            }
+        }
     }
 
     /// [`Splats::add`] to a layer.
@@ -175,6 +203,70 @@ fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
     }
 }
 
+impl Stored for SplatSums {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        (self.width, self.invalid, self.layers.len()).store(to)?;
+        self.sums.store(to)?;
+        self.layers.iter().try_for_each(|(layer, sums)| {
+            layer.store(to)?;
+            sums.store(to)
+        })
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (width, invalid, layers) = <(usize, u64, usize)>::load(from)?;
+        let sums: Vec<_> = Stored::load(from)?;
+        let layers =
+            (0..layers).map(|_| Stored::load(from)).collect::<io::Result<BTreeMap<_, _>>>()?;
+        if layers.values().any(|layer: &Vec<_>| layer.len() != sums.len()) {
+            return Err(malformed("a layer has another size than the image"));
+        }
+        Ok(SplatSums { width, sums, layers, invalid })
+    }
+}
+
+impl Stored for Technique {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        [self.vertices, self.camera, self.light].store(to)?;
+        self.joint.to_owned().store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let ([vertices, camera, light], joint) = <(_, String)>::load(from)?;
+        let known = ["", "merge", "mutated", "portal"].into_iter().find(|name| *name == joint);
+        // A name lives as long as the program, like those that are written in it.
+        let joint = known.unwrap_or_else(|| joint.leak());
+        Ok(Technique { vertices, joint, camera, light })
+    }
+}
+
+impl Stored for Layer {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Layer::Direct => 0u8.store(to),
+            Layer::Dx => 1u8.store(to),
+            Layer::Dy => 2u8.store(to),
+            Layer::Technique { weighted, technique } => {
+                (3u8, *weighted).store(to)?;
+                technique.store(to)
+            }
+        }
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        match u8::load(from)? {
+            0 => Ok(Layer::Direct),
+            1 => Ok(Layer::Dx),
+            2 => Ok(Layer::Dy),
+            3 => {
+                let (weighted, technique) = Stored::load(from)?;
+                Ok(Layer::Technique { weighted, technique })
+            }
+            _ => Err(malformed("a layer of no known sort")),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,6 +305,9 @@ mod tests {
         let pixels = vec![[[0.0; 3]; 2], [[1.0, 0.0, 0.25], [10.0 / 16.0, 0.0, 0.5 / 16.0]]];
         let expected = BTreeMap::from([(layer(2, 1), pixels)]);
         assert_eq!(sums.layers(4.0), expected);
+        let mut file = Vec::new();
+        sums.store(&mut file).unwrap();
+        assert_eq!(SplatSums::load(&mut &file[..]).unwrap().layers(4.0), expected);
         assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
         assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);
     }

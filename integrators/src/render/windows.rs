@@ -1,7 +1,10 @@
 //! The estimated error of parts of an image, which tells when it is good enough.
 
+use std::io::{self, Read, Write};
+
 use super::film::{Film, PixelEstimate};
 use crate::image::compare::RELATIVE_OFFSET;
+use crate::stored::Stored;
 
 /// The side of a window in pixels; windows at the right and lower border may be smaller.
 ///
@@ -101,6 +104,19 @@ impl Batches {
     pub fn variance(&self, pixel: usize) -> Option<[f64; 3]> {
         let scale = 1.0 / (f64::from(self.count) - 1.0) / self.samples;
         (self.count >= FEWEST_BATCHES).then(|| self.spread[pixel].map(|s| s * scale))
+    }
+}
+
+impl Stored for Batches {
+    fn store(&self, to: &mut dyn Write) -> io::Result<()> {
+        (self.count, self.samples).store(to)?;
+        self.mean.store(to)?;
+        self.spread.store(to)
+    }
+
+    fn load(from: &mut dyn Read) -> io::Result<Self> {
+        let (count, samples, mean, spread) = Stored::load(from)?;
+        Ok(Batches { count, samples, mean, spread })
     }
 }
 

@@ -10,6 +10,7 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3};
 
 use super::error::{Place, SceneError};
+use super::files::find_file;
 use super::spectrum::{Purpose, Spectrum};
 
 /// The most warnings that are kept.
@@ -97,6 +98,8 @@ pub struct Document {
     pub ids: HashMap<String, ObjectId>,
     /// What is strange about the file but no reason not to render it.
     pub warnings: RefCell<Vec<SceneError>>,
+    /// The files that have been read, in this order.
+    pub files: RefCell<Vec<PathBuf>>,
 }
 
 impl Document {
@@ -211,6 +214,16 @@ impl<'a> Query<'a> {
             Value::Boolean(x) => Some(*x),
             _ => None,
         })
+    }
+
+    /// The file that the property "filename" names, which is noted as one that is read.
+    pub fn file(&self) -> Result<PathBuf, SceneError> {
+        let name = self.string("filename")?;
+        let name = name.ok_or_else(|| self.error_at("", "the string \"filename\" is missing"))?;
+        let path = find_file(name, &self.object.folders);
+        let path = path.map_err(|error| self.error_at("filename", error))?;
+        self.document.files.borrow_mut().push(path.clone());
+        Ok(path)
     }
 
     /// A text.

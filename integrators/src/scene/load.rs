@@ -193,6 +193,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         origin,
         bounds,
         warnings: document.warnings.take(),
+        files: document.files.take(),
         degenerate_triangles: parts.degenerate,
     })
 }

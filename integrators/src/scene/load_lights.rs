@@ -5,7 +5,6 @@ use glam::{DMat4, DVec3, Vec3};
 use super::document::{Document, Query};
 use super::envmap::EnvironmentMap;
 use super::error::SceneError;
-use super::files::find_file;
 use super::lights::{Bulb, Cone, Distant, Sky};
 use super::load_bsdf::reject_texture;
 use super::load_texture::Textures;
@@ -80,9 +79,7 @@ fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
 }
 
 fn envmap(query: &Query) -> Result<EnvironmentMap, SceneError> {
-    let name = query.string("filename")?;
-    let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
-    let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
+    let path = query.file()?;
     let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
     let scale = query.float("scale")?.unwrap_or(1.0);
     if scale < 0.0 {

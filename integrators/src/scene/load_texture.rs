@@ -6,7 +6,6 @@ use glam::{Affine2, DVec3, Mat2, Vec2, Vec3};
 
 use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
-use super::files::find_file;
 use super::spectrum::Purpose;
 use super::texture::{Colour, Grey, Interpolation, Pattern, Texture, Wrap, luminance};
 use crate::image::decode;
@@ -186,9 +185,7 @@ fn scaled(document: &Document, query: &Query, depth: usize) -> Result<Texture, S
 }
 
 fn bitmap(query: &Query) -> Result<Pattern, SceneError> {
-    let name = query.string("filename")?;
-    let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
-    let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
+    let path = query.file()?;
     let raw = query.boolean("raw")?.unwrap_or(false);
     let choice = |name: &'static str, default, choices: &[&str]| {
         let found = query.string(name)?.unwrap_or(default);

@@ -45,6 +45,8 @@ mod malformed_tests;
 #[cfg(test)]
 mod trace_tests;
 
+use std::path::PathBuf;
+
 use glam::{DVec3, Vec2, Vec3};
 
 pub use bsdf::Bsdf;
@@ -103,6 +105,8 @@ pub struct Scene {
     pub bounds: Bounds,
     /// What is strange about the file but no reason not to render it.
     pub warnings: Vec<SceneError>,
+    /// The files that it was read from: the scene file, and what that refers to.
+    pub files: Vec<PathBuf>,
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,

@@ -7,7 +7,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, Mat3};
 
 use super::document::Query;
 use super::error::SceneError;
-use super::files::{find_file, read_bytes};
+use super::files::read_bytes;
 use super::mesh::{self, Corner, Mesh, Placement, Triangles};
 use super::model::{Primitive, ShapeKind};
 use super::values::relative_determinant;
@@ -315,9 +315,7 @@ fn triangles(placed: Triangles) -> Geometry {
 
 /// The mesh of a file, and whether the file wants it flat.
 fn read_mesh(kind: ShapeKind, query: &Query) -> Result<(Mesh, bool), SceneError> {
-    let name = query.string("filename")?;
-    let name = name.ok_or_else(|| query.error_at("", "the string \"filename\" is missing"))?;
-    let path = find_file(name, &query.object.folders).map_err(|e| query.error_at("filename", e))?;
+    let path = query.file()?;
     let bytes = read_bytes(&path)
         .map_err(|e| query.error_at("filename", format!("{}: {e}", path.display())))?;
     let mut number = None;

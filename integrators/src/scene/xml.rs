@@ -41,7 +41,9 @@ const MAX_NESTING: usize = 32;
 pub fn read_file(path: &Path, defines: &[(String, String)]) -> Result<Document, SceneError> {
     let text = read_text(path).map_err(|message| SceneError::in_file(path, message))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    read_str(&text, path, folder, defines)
+    let document = read_str(&text, path, folder, defines)?;
+    document.files.borrow_mut().insert(0, path.to_path_buf());
+    Ok(document)
 }
 
 /// Reads a scene from a string; `path` names it in errors, files are looked up in `folder`.
@@ -312,6 +314,7 @@ impl Reader {
         if self.included > MOST_TEXT {
             return Err(place.error(format!("the includes are larger than {MOST_TEXT} bytes")));
         }
+        self.document.files.get_mut().push(path.clone());
         let mut folders = vec![path.parent().unwrap_or(Path::new("")).to_path_buf()];
         folders.extend(context.folders.iter().cloned());
         let source = Arc::new(Source { path, text });

@@ -32,7 +32,8 @@ pub fn path_tracer(scene: &Scene, seed: u64) -> Box<dyn AnyKernel + '_> {
 pub fn film(kernel: &dyn AnyKernel, scene: &Scene, samples: u32, threads: Option<usize>) -> Film {
     let size = (scene.film.width, scene.film.height);
     let budget = Budget::Samples(samples);
-    let rendered = render(kernel, &RenderSettings { size, budget, threads }, &());
+    let rendered =
+        render(kernel, &RenderSettings { threads, ..RenderSettings::new(size, budget) }, &());
     assert_eq!(rendered.invalid_samples, 0, "samples that are NaN or infinite");
     rendered.film
 }

@@ -9,7 +9,7 @@ use integrators::image::block_test::holm;
 use integrators::instant_radiosity::InstantRadiosity;
 use integrators::kind;
 use integrators::light_tracer::LightTracer;
-use integrators::metropolis::Metropolis;
+use integrators::metropolis::{MUTATIONS, Metropolis};
 use integrators::path::PathSettings;
 use integrators::photon_mapping::PhotonMapping;
 use integrators::poisson::Reconstruction;
@@ -112,7 +112,7 @@ fn tridirectional_path_tracing_agrees_with_the_stored_image() {
 const SEEDS: u64 = 8;
 
 /// The p-values of the means of blocks over renders with several seeds, against an expected image: Student's t.
-fn p_values(what: &str, reference: &Reference, renders: &[RgbImage], block: usize) -> Vec<f64> {
+pub fn p_values(what: &str, reference: &Reference, renders: &[RgbImage], block: usize) -> Vec<f64> {
     let (width, height) = (reference.rgb.width(), reference.rgb.height());
     let mut all = Vec::new();
     for corner in (0..height / block).flat_map(|y| (0..width / block).map(move |x| (x, y))) {
@@ -198,7 +198,7 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
             let kernel = kernel.expect("a kind").expect("it covers the scene");
             let size = (scene.film.width, scene.film.height);
             let budget = Budget::Samples(1);
-            let gradients = render(&*kernel, &RenderSettings { size, budget, threads: None }, &());
+            let gradients = render(&*kernel, &RenderSettings::new(size, budget), &());
             assert_eq!(gradients.invalid_samples, 0);
             renders[0].push(reconstructed(&gradients, Reconstruction::L2));
             renders[1].push(gradients.layers[&Layer::Dx][0].clone());
@@ -255,6 +255,53 @@ fn chains_of_primary_samples_are_distributed_as_they_should_be() {
         let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
         Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
     });
+}
+
+/// Of the light of a scene full of caustics, the numbers of steps of a chain of some mutations and the image.
+fn mutated(scene: &Scene, mutations: &str, seed: u64) -> (Vec<(String, Vec<f64>)>, RgbImage) {
+    let mutations = mutations.parse().expect("names of mutations");
+    let chains = Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(scene)) };
+    let kernel = Algorithm::Metropolis(chains).kernel("Everything", scene, seed);
+    let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
+    let image = film(&*kernel, scene, 16, None).image();
+    let text = kernel.statistics().expect("the numbers of steps");
+    println!("{text}");
+    // NAME: STEPS steps, PART % with a proposal, PART % of these accepted
+    let line = |line: &str| {
+        let (name, counts) = line.split_once(": ").expect("a name");
+        let words = counts.split_whitespace();
+        (name.to_owned(), words.filter_map(|word| word.parse().ok()).collect())
+    };
+    (text.lines().map(line).collect(), image)
+}
+
+#[test]
+fn every_mutation_alone_moves_chains() {
+    let scene = scene("../../examples/scenes/mirrored-lamp");
+    for name in MUTATIONS {
+        for (mutation, numbers) in mutated(&scene, name, 1).0 {
+            // All chains begin at paths that fit: each of their steps is one of this mutation.
+            let steps = if mutation == name { 16.0 * 32.0 * 32.0 } else { 0.0 };
+            assert_eq!(numbers[0], steps, "{mutation} of {name} alone");
+            assert!(mutation != name || numbers.iter().all(|n| *n > 0.0), "{name}: {numbers:?}");
+        }
+    }
+}
+
+/// Each path fits one of the two, and so does all light.
+#[test]
+fn two_mutations_share_the_light_between_them() {
+    let scene = scene("../../examples/scenes/mirrored-lamp");
+    let both = |seed| {
+        let [lens, chains] = ["lens", "multi-chain"].map(|name| mutated(&scene, name, seed).1);
+        sum(&lens, &chains)
+    };
+    let images: Vec<RgbImage> = (0..SEEDS).map(both).collect();
+    let film = rendered(bidirectional(&scene, ""), &scene, 64, 1);
+    let variance = film.variance().expect("two samples a pixel");
+    let expected = Reference { rgb: film.image(), variance };
+    let p = p_values("lens and multi-chain", &expected, &images, 16);
+    assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
 }
 
 #[test]

@@ -14,6 +14,7 @@
 mod algorithms;
 #[path = "../common/mod.rs"]
 mod common;
+mod furnaces;
 mod models;
 mod scenes;
 

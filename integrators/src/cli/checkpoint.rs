@@ -1,0 +1,75 @@
+//! What a render that goes on from a checkpoint has to have in common with the one before.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use flate2::CrcWriter;
+
+use super::Failure;
+use super::arguments::RenderArguments;
+use super::kernel::Plan;
+use crate::image::check_writable;
+use crate::render::checkpoint::Checkpoint;
+use crate::scene::Scene;
+
+/// The checkpoint of a render, in a file.
+pub(super) fn checkpoint(
+    file: &Path,
+    scene: &Scene,
+    plan: &Plan,
+    arguments: &RenderArguments,
+) -> Result<Checkpoint, Failure> {
+    check_writable(file)?;
+    Ok(Checkpoint::new(file, settings(scene, plan, arguments)?))
+}
+
+/// All that the samples depend on, apart from how many there are, by names that a user knows.
+fn settings(
+    scene: &Scene,
+    plan: &Plan,
+    arguments: &RenderArguments,
+) -> Result<Vec<(String, String)>, Failure> {
+    let Plan { integrator, size, crop, seed, max_depth, rr_depth, kind, .. } = plan;
+    let Plan { techniques, light_paths, clamp, mutations, .. } = plan;
+    // Windows that are good enough for one target may not be for another.
+    let adaptive = arguments.target_error.filter(|_| arguments.adaptive);
+    let mut settings = vec![
+        ("version of the program", env!("CARGO_PKG_VERSION").to_owned()),
+        ("size", format!("{}x{}", size.0, size.1)),
+        ("crop", format!("{},{}", crop.0, crop.1)),
+        ("integrator", integrator.clone()),
+        ("seed", seed.to_string()),
+        ("kind", kind.clone()),
+        ("max_depth", max_depth.map_or("-1".to_owned(), |depth| depth.to_string())),
+        ("rr_depth", rr_depth.to_string()),
+        ("hide_emitters", scene.integrator.hide_emitters.to_string()),
+        ("techniques", format!("{techniques:?}")),
+        ("light paths", format!("{light_paths:?}")),
+        ("clamp", format!("{clamp:?}")),
+        ("mutations", format!("{mutations:?}")),
+        ("technique images", format!("{:?}", arguments.technique_images)),
+        ("adaptive target error", format!("{adaptive:?}")),
+        ("parameters", format!("{:?}", arguments.defines)),
+        ("portals", format!("{:?}", arguments.portals)),
+        ("mitsuba3_roughplastic", arguments.mitsuba3_roughplastic.to_string()),
+    ]
+    .into_iter()
+    .map(|(name, value)| (name.to_owned(), value))
+    .collect::<Vec<_>>();
+    for (number, file) in scene.files.iter().enumerate() {
+        let contents = digest(file).map_err(|error| {
+            Failure::new(format!("`{}` cannot be read again: {error}", file.display()))
+        })?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        settings.push((format!("file {}", number + 1), format!("{name}, {contents}")));
+    }
+    Ok(settings)
+}
+
+/// Length and checksum of a file.
+fn digest(file: &Path) -> io::Result<String> {
+    let mut sum = CrcWriter::new(io::sink());
+    io::copy(&mut File::open(file)?, &mut sum)?;
+    Ok(format!("{} bytes, checksum {:08x}", sum.crc().amount(), sum.crc().sum()))
+}

@@ -1,0 +1,139 @@
+//! Rooms without contrast, whose images are known, through every integrator.
+
+use std::path::Path;
+
+use integrators::algorithm::Algorithm;
+use integrators::bidirectional::Bidirectional;
+use integrators::gradient_domain::{GradientDomain, reconstructed};
+use integrators::image::RgbImage;
+use integrators::image::block_test::holm;
+use integrators::instant_radiosity::InstantRadiosity;
+use integrators::light_tracer::LightTracer;
+use integrators::metropolis::Metropolis;
+use integrators::photon_mapping::PhotonMapping;
+use integrators::poisson::Reconstruction;
+use integrators::portals::Portals;
+use integrators::primary_sample::PrimarySample;
+use integrators::render::{Budget, Layer, RenderSettings, render};
+use integrators::scene::Scene;
+use integrators::tridirectional::Tridirectional;
+use integrators::vertex_merging::VertexMerging;
+
+use super::algorithms::p_values;
+use super::scenes::{Reference, settings};
+
+/// The chance that the test fails for no reason, over the seeds.
+const FALSE_ALARM_RATE: f64 = 1e-4;
+/// Renders of each integrator.
+const SEEDS: u64 = 8;
+/// The side of the images.
+const SIDE: usize = 16;
+
+/// A scene with a portal, which is no surface.
+fn furnace(max_depth: i32, look: &str, contents: &str) -> Scene {
+    let xml = format!(
+        r#"<scene version="3.0.0">
+        <integrator type="path"><integer name="max_depth" value="{max_depth}"/>
+            <string name="portal" value="opening"/></integrator>
+        <sensor type="perspective">
+            <float name="fov" value="40"/><transform name="to_world"><lookat {look} up="0,1,0"/></transform>
+            <sampler type="independent"/>
+            <film type="hdrfilm"><integer name="width" value="{SIDE}"/><integer name="height" value="{SIDE}"/>
+                <rfilter type="box"/></film>
+        </sensor>
+        <shape type="rectangle" id="opening"><transform name="to_world">
+            <scale value="0.5"/><rotate y="1" angle="90"/></transform></shape>
+        {contents}</scene>"#
+    );
+    Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Two balls that reflect all light, under a sky of radiance one: each sees the sky or the other ball, which is
+/// as bright. Round surfaces with light as dense everywhere, so that photons within a radius show no bias.
+fn open() -> (Scene, [f32; 3]) {
+    let ball = |x: f32| {
+        format!(
+            r#"<shape type="sphere"><point name="center" x="{x}" y="0" z="0"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="1"/></bsdf></shape>"#
+        )
+    };
+    let balls = [ball(-1.2), ball(1.2)].concat();
+    let sky = r#"<emitter type="constant"><rgb name="radiance" value="1"/></emitter>"#;
+    let scene = furnace(-1, r#"origin="0,0.5,8" target="0,0,0""#, &(balls + sky));
+    (scene, [1.0; 3])
+}
+
+/// Inside of a ball with reflectance r whose wall emits L: L (1 + r + r² + …), a term for each edge of the longest
+/// path.
+fn closed() -> (Scene, [f32; 3]) {
+    let (r, l, edges) = ([0.8f32, 0.5, 0.2], [0.25, 0.5, 1.0], 5);
+    let scene = furnace(
+        edges,
+        r#"origin="0.5,0.3,1" target="-0.4,0.1,-1""#,
+        r#"<shape type="sphere"><boolean name="flip_normals" value="true"/><float name="radius" value="2"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.8,0.5,0.2"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="0.25,0.5,1"/></emitter></shape>"#,
+    );
+    (scene, [0, 1, 2].map(|c| l[c] * (0..edges).map(|k| r[c].powi(k)).sum::<f32>()))
+}
+
+/// Every integrator, with the number of its samples.
+fn integrators(scene: &Scene) -> Vec<(&'static str, u32, Algorithm)> {
+    let path = settings(scene);
+    let bidirectional = Bidirectional { path, techniques: Default::default() };
+    let portals = Portals::new(scene).expect("a portal");
+    let chains = Metropolis { candidates: 2000, ..Metropolis::new(path) };
+    let primary = PrimarySample { candidates: 2000, ..PrimarySample::new(bidirectional.clone()) };
+    let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
+    vec![
+        ("path", 4, Algorithm::Path(path)),
+        ("ptracer", 16, Algorithm::LightTracer(LightTracer { path })),
+        ("bdpt", 2, Algorithm::Bidirectional(bidirectional)),
+        ("tridir", 2, Algorithm::Tridirectional(Tridirectional { path, portals })),
+        ("vpl", 2, Algorithm::InstantRadiosity(lights)),
+        ("ppm", 32, Algorithm::PhotonMapping(PhotonMapping::new(path))),
+        ("vcm", 2, Algorithm::VertexMerging(VertexMerging::new(path, Default::default()))),
+        ("mlt", 16, Algorithm::Metropolis(chains)),
+        ("pssmlt", 16, Algorithm::PrimarySample(primary)),
+        ("gdpt", 2, Algorithm::GradientDomain(GradientDomain::new(path))),
+    ]
+}
+
+/// An image as the program writes it, with the unbiased reconstruction where there are gradients.
+fn image(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> RgbImage {
+    let kernel = algorithm.kernel("Everything", scene, seed).expect("a precompiled kind");
+    let size = (scene.film.width, scene.film.height);
+    let settings = RenderSettings::new(size, Budget::Samples(samples));
+    let rendered = render(&*kernel.expect("a kind for all scenes"), &settings, &());
+    assert_eq!(rendered.invalid_samples, 0);
+    if rendered.layers.contains_key(&Layer::Dx) {
+        reconstructed(&rendered, Reconstruction::L2)
+    } else {
+        rendered.film.image()
+    }
+}
+
+#[test]
+fn furnaces_have_their_exact_answers_by_every_integrator() {
+    let mut p = Vec::new();
+    for (name, (scene, answer)) in [("open", open()), ("closed", closed())] {
+        let filled = |value| RgbImage::filled(SIDE, SIDE, value);
+        let expected = Reference { rgb: filled(answer), variance: filled([0.0; 3]) };
+        for (integrator, samples, algorithm) in integrators(&scene) {
+            let render = |seed| image(algorithm.clone(), &scene, samples, seed + 20);
+            let images: Vec<RgbImage> = (0..SEEDS).map(render).collect();
+            let mean = |c: usize| {
+                let pixels = images.iter().flat_map(RgbImage::pixels);
+                pixels.map(|pixel| f64::from(pixel[c])).sum::<f64>()
+                    / (SEEDS * (SIDE * SIDE) as u64) as f64
+            };
+            let ratios = [0, 1, 2].map(|c| mean(c) / f64::from(answer[c]));
+            let what = format!("{name} furnace by {integrator}, {ratios:.4?} of the answer");
+            // The image as a whole, and its quarters.
+            for block in [SIDE, SIDE / 2] {
+                p.extend(p_values(&what, &expected, &images, block));
+            }
+        }
+    }
+    assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
+}
