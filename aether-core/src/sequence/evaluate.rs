@@ -2,7 +2,7 @@
 
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::tape::Entry;
+use crate::sequence::tape::{Entry, NOTHING, Told};
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -29,13 +29,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let before = place.range(0, i);
         let view = PathView::of_tape(&self.tape, before).limited(reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
-        self.tape.take(place, i, &drawn);
-        if let Some(value) = drawn.value {
+        let vertex = self.tape.take(place, i, &drawn);
+        if drawn.value.is_some() {
             count_densities(1);
-            let vertex = self.tape.step(place, i).vertex;
-            if let Some(key) = self.key(id, drawn.dirac, before, reads, vertex) {
-                self.memo.borrow_mut().insert(key, value);
-            }
+            let key = self.key(id, drawn.dirac, before, reads, vertex).unwrap_or(NOTHING);
+            self.tape.tell(vertex, Told { value: drawn.value, key });
         }
         true
     }
@@ -72,6 +70,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// vertices of `path` that the step comes from. Of a joint run, the last step has the density of
     /// all, the others have one.
     pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
+        if technique == path
+            && let Some(known) = self.tape.own(path, k)
+        {
+            return known;
+        }
         let step = self.tape.step(technique, k);
         if S::VERTICES > 1 && step.part.is_joint() {
             return self.run_factor(technique, k, path);
@@ -93,8 +96,13 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let vertex = self.tape.entry(path.at(k)).vertex;
         let reads = self.strategies.borrow()[strategy as usize].reads();
         let key = self.key(strategy, dirac, before, reads, vertex);
-        if let Some(known) = key.and_then(|key| self.memo.borrow().get(&key)) {
-            return known;
+        if let Some(key) = key {
+            // Mostly it is what drawing the vertex told.
+            let told = self.tape.told(vertex).filter(|told| told.key == key);
+            let known = told.and_then(|told| told.value);
+            if let Some(known) = known.or_else(|| self.memo.borrow().get(&key)) {
+                return known;
+            }
         }
         let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
         let strategy = self.strategies.borrow()[strategy as usize].clone();
@@ -118,12 +126,18 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         })
     }
 
+    /// Whether all steps of both are known to be taken forwards, so that what one yields the other may.
+    fn both_ahead(&self, technique: Place, path: Place) -> bool {
+        let n = path.len as usize;
+        self.is_run(technique, n) && self.is_run(path, n)
+    }
+
     /// Whether `technique` might produce `path` at all. A piece of a joint run is no technique: it has
     /// a density, but only as an integral over the vertices that are missing.
     fn comparable(&self, technique: Place, path: Place) -> bool {
         technique.len == path.len
             && (S::VERTICES == 1 || self.tape.is_whole(technique))
-            && (technique == path || self.covers(technique, path))
+            && (technique == path || self.both_ahead(technique, path) || self.covers(technique, path))
     }
 
     /// The density of `path` under `technique`.
@@ -192,9 +206,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     fn quotient(&self, a: Place, b: Place, path: Place) -> [PathDensity<V::Real>; 2] {
         let mut densities = [PathDensity::ONE; 2];
         for k in 0..path.len as usize {
-            let (step, other) = (self.tape.step(a, k), self.tape.step(b, k));
-            let made = |step: Entry| (step.strategy, step.backward, step.part, step.merged);
-            if made(step) != made(other) {
+            if !self.tape.alike(a, b, k) {
                 densities[0] = densities[0] * self.factor(a, k, path);
                 densities[1] = densities[1] * self.factor(b, k, path);
             }
@@ -220,25 +232,24 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             let others = (0..count).filter(|j| *j != own);
             return others.for_each(|j| visit(j, V::Real::INFINITY));
         }
-        let walks: [&mut dyn Iterator<Item = usize>; 2] =
-            [&mut (own + 1..count), &mut (0..own).rev()];
-        for walk in walks {
-            let (mut from, mut ratio) = (path, PathDensity::ONE);
-            for j in walk {
-                let place = technique(j);
-                if !self.comparable(place, path) {
-                    visit(j, V::Real::ZERO);
-                    continue;
-                }
-                let [new, old] = self.quotient(place, from, path);
-                if new.is_regular() && old.is_regular() {
-                    (from, ratio) = (place, ratio * (new / old));
-                    visit(j, ratio.value());
-                } else {
-                    let [new, old] = self.quotient(place, path, path);
-                    visit(j, new.ratio(old));
-                }
+        let start = (path, PathDensity::ONE);
+        let mut compare = |(from, ratio): (Place, PathDensity<V::Real>), j| {
+            let place = technique(j);
+            if !self.comparable(place, path) {
+                visit(j, V::Real::ZERO);
+                return (from, ratio);
             }
-        }
+            let [new, old] = self.quotient(place, from, path);
+            if new.is_regular() && old.is_regular() {
+                let ratio = ratio * (new / old);
+                visit(j, ratio.value());
+                return (place, ratio);
+            }
+            let [new, old] = self.quotient(place, path, path);
+            visit(j, new.ratio(old));
+            (from, ratio)
+        };
+        (own + 1..count).fold(start, &mut compare);
+        (0..own).rev().fold(start, compare);
     }
 }

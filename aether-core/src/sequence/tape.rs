@@ -3,6 +3,7 @@
 use core::cell::RefCell;
 
 use crate::path_density::PathDensity;
+use crate::sequence::Key;
 use crate::strategy::{Dirac, Drawn, DrawnRun, Vertex};
 
 /// Marks a step that has no vertex (yet).
@@ -70,6 +71,13 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// How many steps of a place of `n` steps lie between its end in this one's back and this one, the
+    /// `i`-th, which counts too.
+    #[inline]
+    pub fn seen(&self, i: usize, n: usize) -> usize {
+        if self.backward { n - i } else { i + 1 }
+    }
+
     /// Whether the step goes in a direction, alone or beside one in the other.
     #[inline]
     pub fn goes(&self, backward: bool) -> bool {
@@ -123,12 +131,26 @@ impl Place {
     }
 }
 
+/// What drawing a vertex told of its conditional density.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Told<R> {
+    /// The value, if there is one.
+    pub value: Option<R>,
+    /// What it depends on; [`NOTHING`] if that is not known.
+    pub key: Key,
+}
+
+/// No key of anything.
+pub(crate) const NOTHING: Key = [NONE; 6];
+
 /// Vertices, steps, and the densities of runs.
 #[derive(Debug)]
 pub(crate) struct Tape<V: Vertex> {
     vertices: RefCell<Vec<V>>,
+    /// What is known of the density with which each vertex was drawn.
+    told: RefCell<Vec<Told<V::Real>>>,
     entries: RefCell<Vec<Entry>>,
-    /// Density of the run that ends at a step, indexed by [`Entry::prefix`].
+    /// Density of the run that ends at a step, indexed by [`Entry::prefix`], as far as there are any.
     prefixes: RefCell<Vec<Option<PathDensity<V::Real>>>>,
     mergers: RefCell<Vec<Merger<V::Real>>>,
 }
@@ -137,6 +159,7 @@ impl<V: Vertex> Tape<V> {
     pub fn new() -> Self {
         Tape {
             vertices: RefCell::new(Vec::new()),
+            told: RefCell::new(Vec::new()),
             entries: RefCell::new(Vec::new()),
             prefixes: RefCell::new(Vec::new()),
             mergers: RefCell::new(Vec::new()),
@@ -145,6 +168,7 @@ impl<V: Vertex> Tape<V> {
 
     pub fn clear(&mut self) {
         self.vertices.get_mut().clear();
+        self.told.get_mut().clear();
         self.entries.get_mut().clear();
         self.prefixes.get_mut().clear();
         self.mergers.get_mut().clear();
@@ -191,10 +215,8 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
-        let mut vertices = self.vertices.borrow_mut();
-        let id = vertices.len() as u32;
-        vertices.push(vertex);
-        self.push_entry(Entry { vertex: id, run: 0, prefix: self.len() as u32, ..entry });
+        let vertex = self.push_vertex(vertex);
+        self.push_entry(Entry { vertex, run: 0, prefix: self.len() as u32, ..entry });
     }
 
     /// Replaces what is known about how the vertex of a step sees the one that it was made from,
@@ -218,36 +240,49 @@ impl<V: Vertex> Tape<V> {
 
     fn push_entry(&self, entry: Entry) {
         self.entries.borrow_mut().push(entry);
-        self.prefixes.borrow_mut().push(None);
+    }
+
+    /// Adds a vertex; returns its id.
+    fn push_vertex(&self, vertex: V) -> u32 {
+        let mut vertices = self.vertices.borrow_mut();
+        let id = vertices.len() as u32;
+        vertices.push(vertex);
+        self.told.borrow_mut().push(Told { value: None, key: NOTHING });
+        id
     }
 
     /// Copies a place, of which the first `taken` steps have vertices, to the end of the tape.
     pub fn copy(&self, place: Place, taken: usize) {
-        for i in 0..place.len as usize {
-            let mut entry = self.step(place, i);
+        let (n, mut entries) = (place.len as usize, self.entries.borrow_mut());
+        let start = entries.len();
+        if !place.reversed {
+            entries.extend_from_within(place.at(0)..place.at(n));
+        } else {
+            entries.reserve(n);
+            for i in 0..n {
+                let entry = entries[place.at(i)];
+                entries.push(Entry { backward: !entry.backward, ..entry });
+            }
+        }
+        for (i, entry) in entries[start..].iter_mut().enumerate() {
             if i >= taken {
-                entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..entry };
+                *entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..*entry };
             }
             // The vertex that an outermost step was made from may have been cut off.
-            let outermost = if entry.backward { i + 1 == place.len as usize } else { i == 0 };
-            if outermost {
-                let dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
-                entry = Entry { visible: false, dirac, ..entry };
+            if i == if entry.backward { n - 1 } else { 0 } {
+                entry.visible = false;
+                entry.dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
             }
             // What is known about a run holds only if this place sees all of it.
-            let seen = if entry.backward { place.len as usize - i } else { i + 1 };
-            if entry.run as usize != seen {
-                entry = Entry { run: 0, prefix: self.len() as u32, ..entry };
+            if entry.run as usize != entry.seen(i, n) {
+                (entry.run, entry.prefix) = (0, (start + i) as u32);
             }
-            self.push_entry(entry);
         }
     }
 
-    /// Takes step `i` of a place that is read forwards.
-    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>) {
-        let mut vertices = self.vertices.borrow_mut();
-        let vertex = vertices.len() as u32;
-        vertices.push(drawn.vertex);
+    /// Takes step `i` of a place that is read forwards; returns the id of the vertex.
+    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>) -> u32 {
+        let vertex = self.push_vertex(drawn.vertex);
         let before = i.checked_sub(1).map(|before| self.step(place, before));
         let run = match before {
             None => 1,
@@ -256,6 +291,38 @@ impl<V: Vertex> Tape<V> {
         };
         let entry = &mut self.entries.borrow_mut()[place.at(i)];
         *entry = Entry { vertex, run, visible: drawn.visible, dirac: drawn.dirac, ..*entry };
+        vertex
+    }
+
+    /// What drawing a vertex told.
+    #[inline]
+    pub fn told(&self, vertex: u32) -> Option<Told<V::Real>> {
+        self.told.borrow().get(vertex as usize).copied()
+    }
+
+    /// Remembers what drawing a vertex told.
+    pub fn tell(&self, vertex: u32, told: Told<V::Real>) {
+        self.told.borrow_mut()[vertex as usize] = told;
+    }
+
+    /// The density with which vertex `k` of a place was drawn, if drawing it told: of a step of a run that
+    /// the place sees from its origin, before which there are the same vertices as then.
+    #[inline]
+    pub fn own(&self, place: Place, k: usize) -> Option<V::Real> {
+        let step = self.step(place, k);
+        let same = step.run as usize == step.seen(k, place.len as usize) && step.merged == NONE;
+        if same { self.told(step.vertex)?.value } else { None }
+    }
+
+    /// Whether step `k` of two places is made alike, whatever its vertex.
+    #[inline]
+    pub fn alike(&self, a: Place, b: Place, k: usize) -> bool {
+        let entries = self.entries.borrow();
+        let (i, j) = (a.at(k), b.at(k));
+        let made = |e: &Entry| (e.strategy, e.part, e.merged);
+        i == j && a.reversed == b.reversed
+            || (made(&entries[i]) == made(&entries[j])
+                && (entries[i].backward == entries[j].backward) == (a.reversed == b.reversed))
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.
@@ -302,27 +369,26 @@ impl<V: Vertex> Tape<V> {
     }
 
     pub fn prefix(&self, id: u32) -> Option<PathDensity<V::Real>> {
-        self.prefixes.borrow()[id as usize]
+        self.prefixes.borrow().get(id as usize).copied().flatten()
     }
 
     pub fn set_prefix(&self, id: u32, density: PathDensity<V::Real>) {
-        self.prefixes.borrow_mut()[id as usize] = Some(density);
+        let prefixes = &mut self.prefixes.borrow_mut();
+        if prefixes.len() <= id as usize {
+            prefixes.resize(id as usize + 1, None);
+        }
+        prefixes[id as usize] = Some(density);
     }
 
     /// Whether step `i` of a place is known to see step `i - 1`.
+    #[inline]
     pub fn visible(&self, place: Place, i: usize) -> bool {
         let (step, before) = (self.step(place, i), self.step(place, i - 1));
-        (!step.backward && step.visible)
-            || (before.backward && before.visible)
-            || self.is_merged_from(place, i, true)
-            || self.is_merged_from(place, i - 1, false)
-    }
-
-    /// Whether vertex `i` of a place has been merged, and `forward` is the direction of the second step to it:
-    /// its vertex saw the one that it was made from.
-    fn is_merged_from(&self, place: Place, i: usize, forward: bool) -> bool {
-        let step = self.step(place, i);
-        step.merged != NONE && step.backward == forward
+        // A vertex that has been merged was reached from the other side too.
+        let reached = |step: Entry, backward: bool| {
+            if step.backward == backward { step.visible } else { step.merged != NONE }
+        };
+        reached(step, false) || reached(before, true)
     }
 
     /// Whether vertex `i` of a place carries a Dirac factor.
