@@ -174,7 +174,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         self.remember(path.arena.contents());
         let (arena, place, n) = (path.arena, path.handle.place, path.len());
         let ahead = arena.steps_ahead(place);
-        let run = |k: usize| arena.run_name(place, k);
+        let run = |k: usize| arena.tape.run_name(place, k);
         let (mut start, mut value) = (ahead, I::Value::one());
         while start > 0 {
             if let Some(known) = run(start - 1).and_then(|name| self.run(name)) {
@@ -281,8 +281,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 
     fn set_run(&self, name: u32, value: I::Value) {
         let runs = &mut self.factors.borrow_mut().runs;
-        if runs.len() <= name as usize {
-            runs.resize(name as usize + 1, None);
+        while runs.len() <= name as usize {
+            runs.push(None);
         }
         runs[name as usize] = Some(value);
     }

@@ -179,7 +179,8 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
     fn extend(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         let (Some(new), Some(here)) = (path.back(0), path.back(1)) else { return Vec3::ONE };
         let last = path.len() - 1;
-        let most_geometry = if path.visible(last) { f32::INFINITY } else { self.most_geometry };
+        let visible = path.visible(last);
+        let most_geometry = if visible { f32::INFINITY } else { self.most_geometry };
         let factor = match path.back(2) {
             None if here.surface().is_some() => Vec3::splat(geometry(&here, &new)),
             None => Vec3::splat(self.importance(&here, &new)),
@@ -189,14 +190,18 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
             }
         };
         // The shadow ray comes last: most factors that vanish do so without it.
-        let sees = || path.visible(last) || self.world.visible(&here, &new);
+        let sees = || visible || self.world.visible(&here, &new);
         if factor != Vec3::ZERO && sees() { factor } else { Vec3::ZERO }
     }
 
     fn end(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
-        match (path.back(0), path.back(1)) {
-            _ if !self.emission => Vec3::ONE,
-            (Some(last), Some(before)) => self.world.emitted(&last, &before),
+        if !self.emission {
+            return Vec3::ONE;
+        }
+        match path.last() {
+            Some(last) if last.is_light() => {
+                path.back(1).map_or(Vec3::ZERO, |before| self.world.emitted(&last, &before))
+            }
             _ => Vec3::ZERO,
         }
     }

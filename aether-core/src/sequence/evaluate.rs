@@ -2,7 +2,7 @@
 
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::tape::{Entry, NOTHING, Told};
+use crate::sequence::tape::{Entry, NOTHING};
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -19,7 +19,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         i: usize,
         uniforms: &mut U,
     ) -> bool {
-        let Entry { strategy: id, part, .. } = self.tape.step(place, i);
+        let Entry { strategy: id, part, .. } = self.tape.entry(place.at(i));
         if S::VERTICES > 1 && part.is_joint() {
             return self.draw_run(place, i, uniforms);
         }
@@ -29,12 +29,13 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let before = place.range(0, i);
         let view = PathView::of_tape(&self.tape, before).limited(reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
-        let vertex = self.tape.take(place, i, &drawn);
+        let mut key = NOTHING;
         if drawn.value.is_some() {
             count_densities(1);
-            let key = self.key(id, drawn.dirac, before, reads, vertex).unwrap_or(NOTHING);
-            self.tape.tell(vertex, Told { value: drawn.value, key });
+            let vertex = self.tape.vertex_count() as u32;
+            key = self.key(id, drawn.dirac, before, reads, vertex).unwrap_or(NOTHING);
         }
+        self.tape.take(place, i, &drawn, key);
         true
     }
 
@@ -98,9 +99,8 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let key = self.key(strategy, dirac, before, reads, vertex);
         if let Some(key) = key {
             // Mostly it is what drawing the vertex told.
-            let told = self.tape.told(vertex).filter(|told| told.key == key);
-            let known = told.and_then(|told| told.value);
-            if let Some(known) = known.or_else(|| self.memo.borrow().get(&key)) {
+            let told = self.tape.told(vertex, &key);
+            if let Some(known) = told.or_else(|| self.memo.borrow().get(&key)) {
                 return known;
             }
         }
@@ -137,7 +137,9 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     fn comparable(&self, technique: Place, path: Place) -> bool {
         technique.len == path.len
             && (S::VERTICES == 1 || self.tape.is_whole(technique))
-            && (technique == path || self.both_ahead(technique, path) || self.covers(technique, path))
+            && (technique == path
+                || self.both_ahead(technique, path)
+                || self.covers(technique, path))
     }
 
     /// The density of `path` under `technique`.
@@ -172,6 +174,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     }
 
     /// Whether the first `len` steps are known to be an unbroken run.
+    #[inline]
     fn is_run(&self, place: Place, len: usize) -> bool {
         len == 0 || {
             let last = self.tape.step(place, len - 1);
@@ -179,37 +182,31 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         }
     }
 
-    /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends
-    /// there.
-    pub(crate) fn run_name(&self, place: Place, k: usize) -> Option<u32> {
-        let step = self.tape.step(place, k);
-        let named = !step.backward && step.run as usize == k + 1 && step.part.is_last();
-        named.then_some(step.prefix)
-    }
-
     /// The density of a path all of whose steps are taken forwards.
     fn run_density(&self, place: Place) -> PathDensity<V::Real> {
         let n = place.len as usize;
-        let known = |k: usize| self.run_name(place, k).and_then(|run| self.tape.prefix(run));
+        let known =
+            |k: usize| self.tape.run_name(place, k).and_then(|run| self.tape.run_density(run));
         let found = (0..n).rev().find_map(|k| known(k).map(|density| (k + 1, density)));
         let (start, mut density) = found.unwrap_or((0, PathDensity::ONE));
         for k in start..n {
             density = density * self.factor(place, k, place);
-            if let Some(run) = self.run_name(place, k) {
-                self.tape.set_prefix(run, density);
+            if let Some(run) = self.tape.run_name(place, k) {
+                self.tape.set_run_density(run, density);
             }
         }
         density
     }
 
     /// The densities of `path` under two techniques without the factors that they share.
+    #[inline]
     fn quotient(&self, a: Place, b: Place, path: Place) -> [PathDensity<V::Real>; 2] {
         let mut densities = [PathDensity::ONE; 2];
-        for k in 0..path.len as usize {
-            if !self.tape.alike(a, b, k) {
-                densities[0] = densities[0] * self.factor(a, k, path);
-                densities[1] = densities[1] * self.factor(b, k, path);
-            }
+        let mut from = 0;
+        while let Some(k) = self.tape.next_unlike(a, b, from) {
+            densities[0] = densities[0] * self.factor(a, k, path);
+            densities[1] = densities[1] * self.factor(b, k, path);
+            from = k + 1;
         }
         densities
     }

@@ -54,10 +54,9 @@ pub(crate) struct Entry {
     /// Block of sampling dimensions.
     pub block: u32,
     /// How many steps, this one included, have been taken since the path's origin, all of them in
-    /// the direction of this one and neighbours on the tape; zero if that is not so.
+    /// the direction of this one and neighbours on the tape; zero if that is not so. Such a run is named by
+    /// the vertex that it ends with, so that copies of it share what is known about it.
     pub run: u32,
-    /// Names the run, so that copies of it share what is known about it.
-    pub prefix: u32,
     /// Whether the step was taken against the order of the tape.
     pub backward: bool,
     /// Whether the vertex is known to see the one that it was made from.
@@ -131,13 +130,14 @@ impl Place {
     }
 }
 
-/// What drawing a vertex told of its conditional density.
+/// A vertex, and what drawing it told of its conditional density.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Told<R> {
-    /// The value, if there is one.
-    pub value: Option<R>,
-    /// What it depends on; [`NOTHING`] if that is not known.
-    pub key: Key,
+struct Kept<V: Vertex> {
+    vertex: V,
+    /// The density, if it is known.
+    value: Option<V::Real>,
+    /// What that depends on; [`NOTHING`] if that is too much.
+    key: Key,
 }
 
 /// No key of anything.
@@ -146,12 +146,10 @@ pub(crate) const NOTHING: Key = [NONE; 6];
 /// Vertices, steps, and the densities of runs.
 #[derive(Debug)]
 pub(crate) struct Tape<V: Vertex> {
-    vertices: RefCell<Vec<V>>,
-    /// What is known of the density with which each vertex was drawn.
-    told: RefCell<Vec<Told<V::Real>>>,
+    vertices: RefCell<Vec<Kept<V>>>,
     entries: RefCell<Vec<Entry>>,
-    /// Density of the run that ends at a step, indexed by [`Entry::prefix`], as far as there are any.
-    prefixes: RefCell<Vec<Option<PathDensity<V::Real>>>>,
+    /// Density of the run that ends with a vertex, as far as there are any.
+    runs: RefCell<Vec<Option<PathDensity<V::Real>>>>,
     mergers: RefCell<Vec<Merger<V::Real>>>,
 }
 
@@ -159,18 +157,16 @@ impl<V: Vertex> Tape<V> {
     pub fn new() -> Self {
         Tape {
             vertices: RefCell::new(Vec::new()),
-            told: RefCell::new(Vec::new()),
             entries: RefCell::new(Vec::new()),
-            prefixes: RefCell::new(Vec::new()),
+            runs: RefCell::new(Vec::new()),
             mergers: RefCell::new(Vec::new()),
         }
     }
 
     pub fn clear(&mut self) {
         self.vertices.get_mut().clear();
-        self.told.get_mut().clear();
         self.entries.get_mut().clear();
-        self.prefixes.get_mut().clear();
+        self.runs.get_mut().clear();
         self.mergers.get_mut().clear();
     }
 
@@ -180,6 +176,7 @@ impl<V: Vertex> Tape<V> {
         self.entries.borrow().len()
     }
 
+    #[inline]
     pub fn vertex_count(&self) -> usize {
         self.vertices.borrow().len()
     }
@@ -198,13 +195,11 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step that is not taken yet.
     pub fn push(&self, strategy: u32, block: u32, part: Part) {
-        let prefix = self.len() as u32;
-        self.push_entry(Entry {
+        self.entries.borrow_mut().push(Entry {
             vertex: NONE,
             strategy,
             block,
             run: 0,
-            prefix,
             backward: false,
             visible: false,
             dirac: None,
@@ -215,40 +210,28 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
-        let vertex = self.push_vertex(vertex);
-        self.push_entry(Entry { vertex, run: 0, prefix: self.len() as u32, ..entry });
+        let id = self.vertex_count() as u32;
+        self.vertices.borrow_mut().push(Kept { vertex, value: None, key: NOTHING });
+        self.entries.borrow_mut().push(Entry { vertex: id, run: 0, ..entry });
     }
 
     /// Replaces what is known about how the vertex of a step sees the one that it was made from,
     /// and forgets the run that the step belonged to.
     pub fn set_origin(&self, at: usize, visible: bool, dirac: Option<Dirac>) {
         let entry = &mut self.entries.borrow_mut()[at];
-        *entry = Entry { visible, dirac, run: 0, prefix: at as u32, ..*entry };
+        *entry = Entry { visible, dirac, run: 0, ..*entry };
     }
 
     /// Makes a step lead to its vertex from both sides.
     pub fn merge(&self, at: usize, merger: Merger<V::Real>) {
         let mut mergers = self.mergers.borrow_mut();
         let entry = &mut self.entries.borrow_mut()[at];
-        *entry = Entry { merged: mergers.len() as u32, run: 0, prefix: at as u32, ..*entry };
+        *entry = Entry { merged: mergers.len() as u32, run: 0, ..*entry };
         mergers.push(merger);
     }
 
     pub fn merger(&self, id: u32) -> Merger<V::Real> {
         self.mergers.borrow()[id as usize]
-    }
-
-    fn push_entry(&self, entry: Entry) {
-        self.entries.borrow_mut().push(entry);
-    }
-
-    /// Adds a vertex; returns its id.
-    fn push_vertex(&self, vertex: V) -> u32 {
-        let mut vertices = self.vertices.borrow_mut();
-        let id = vertices.len() as u32;
-        vertices.push(vertex);
-        self.told.borrow_mut().push(Told { value: None, key: NOTHING });
-        id
     }
 
     /// Copies a place, of which the first `taken` steps have vertices, to the end of the tape.
@@ -275,61 +258,79 @@ impl<V: Vertex> Tape<V> {
             }
             // What is known about a run holds only if this place sees all of it.
             if entry.run as usize != entry.seen(i, n) {
-                (entry.run, entry.prefix) = (0, (start + i) as u32);
+                entry.run = 0;
             }
         }
     }
 
-    /// Takes step `i` of a place that is read forwards; returns the id of the vertex.
-    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>) -> u32 {
-        let vertex = self.push_vertex(drawn.vertex);
-        let before = i.checked_sub(1).map(|before| self.step(place, before));
-        let run = match before {
+    /// Takes step `i` of a place that is read forwards, with what the density of the vertex, the next one of
+    /// [`Tape::vertex_count`], depends on.
+    #[inline]
+    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, key: Key) {
+        let mut entries = self.entries.borrow_mut();
+        let run = match i.checked_sub(1).map(|before| entries[place.at(before)]) {
             None => 1,
-            Some(before) if !before.backward && before.run as usize == i => before.run + 1,
+            Some(before) if before.backward == place.reversed && before.run as usize == i => {
+                before.run + 1
+            }
             Some(_) => 0,
         };
-        let entry = &mut self.entries.borrow_mut()[place.at(i)];
-        *entry = Entry { vertex, run, visible: drawn.visible, dirac: drawn.dirac, ..*entry };
-        vertex
+        let mut vertices = self.vertices.borrow_mut();
+        let (visible, dirac) = (drawn.visible, drawn.dirac);
+        let entry = &mut entries[place.at(i)];
+        *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
+        vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, key });
     }
 
-    /// What drawing a vertex told.
+    /// What drawing a vertex told of its density, if that depends on `key`.
     #[inline]
-    pub fn told(&self, vertex: u32) -> Option<Told<V::Real>> {
-        self.told.borrow().get(vertex as usize).copied()
-    }
-
-    /// Remembers what drawing a vertex told.
-    pub fn tell(&self, vertex: u32, told: Told<V::Real>) {
-        self.told.borrow_mut()[vertex as usize] = told;
+    pub fn told(&self, vertex: u32, key: &Key) -> Option<V::Real> {
+        let vertices = self.vertices.borrow();
+        vertices.get(vertex as usize).filter(|kept| kept.key == *key)?.value
     }
 
     /// The density with which vertex `k` of a place was drawn, if drawing it told: of a step of a run that
     /// the place sees from its origin, before which there are the same vertices as then.
     #[inline]
     pub fn own(&self, place: Place, k: usize) -> Option<V::Real> {
-        let step = self.step(place, k);
-        let same = step.run as usize == step.seen(k, place.len as usize) && step.merged == NONE;
-        if same { self.told(step.vertex)?.value } else { None }
+        let entries = self.entries.borrow();
+        let entry = &entries[place.at(k)];
+        let n = place.len as usize;
+        let seen = if entry.backward == place.reversed { k + 1 } else { n - k };
+        if entry.run as usize != seen || entry.merged != NONE {
+            return None;
+        }
+        self.vertices.borrow().get(entry.vertex as usize)?.value
     }
 
-    /// Whether step `k` of two places is made alike, whatever its vertex.
+    /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends there.
     #[inline]
-    pub fn alike(&self, a: Place, b: Place, k: usize) -> bool {
+    pub fn run_name(&self, place: Place, k: usize) -> Option<u32> {
+        let entry = &self.entries.borrow()[place.at(k)];
+        let named =
+            entry.backward == place.reversed && entry.run as usize == k + 1 && entry.part.is_last();
+        named.then_some(entry.vertex)
+    }
+
+    /// The first step, from `k` on, that two places of one length do not make alike, whatever its vertex.
+    #[inline]
+    pub fn next_unlike(&self, a: Place, b: Place, k: usize) -> Option<usize> {
         let entries = self.entries.borrow();
-        let (i, j) = (a.at(k), b.at(k));
-        let made = |e: &Entry| (e.strategy, e.part, e.merged);
-        i == j && a.reversed == b.reversed
-            || (made(&entries[i]) == made(&entries[j])
-                && (entries[i].backward == entries[j].backward) == (a.reversed == b.reversed))
+        let same_way = a.reversed == b.reversed;
+        (k..a.len as usize).find(|k| {
+            let (a, b) = (&entries[a.at(*k)], &entries[b.at(*k)]);
+            a.strategy != b.strategy
+                || (a.backward == b.backward) != same_way
+                || a.part != b.part
+                || a.merged != b.merged
+        })
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.
     pub fn take_run(&self, place: Place, i: usize, drawn: &DrawnRun<V>) {
         for (j, vertex) in drawn.vertices().iter().enumerate() {
             let visible = drawn.visible && j > 0;
-            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) });
+            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) }, NOTHING);
         }
     }
 
@@ -365,19 +366,20 @@ impl<V: Vertex> Tape<V> {
     #[inline]
     pub fn vertex(&self, at: usize) -> Option<V> {
         let id = self.entry(at).vertex;
-        self.vertices.borrow().get(id as usize).copied()
+        self.vertices.borrow().get(id as usize).map(|kept| kept.vertex)
     }
 
-    pub fn prefix(&self, id: u32) -> Option<PathDensity<V::Real>> {
-        self.prefixes.borrow().get(id as usize).copied().flatten()
+    /// The density of a run, by its name.
+    pub fn run_density(&self, name: u32) -> Option<PathDensity<V::Real>> {
+        self.runs.borrow().get(name as usize).copied().flatten()
     }
 
-    pub fn set_prefix(&self, id: u32, density: PathDensity<V::Real>) {
-        let prefixes = &mut self.prefixes.borrow_mut();
-        if prefixes.len() <= id as usize {
-            prefixes.resize(id as usize + 1, None);
+    pub fn set_run_density(&self, name: u32, density: PathDensity<V::Real>) {
+        let runs = &mut self.runs.borrow_mut();
+        if runs.len() <= name as usize {
+            runs.resize(name as usize + 1, None);
         }
-        prefixes[id as usize] = Some(density);
+        runs[name as usize] = Some(density);
     }
 
     /// Whether step `i` of a place is known to see step `i - 1`.
