@@ -173,6 +173,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
         self.remember(path.arena.contents());
         let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        // Mostly a path extends by one vertex a run that has been estimated.
+        if let Some((before, name, p)) = arena.tape.last_of_run(place)
+            && let Some(value) = self.run(before)
+        {
+            let value = value.multiply(self.new_factor(path, n - 1));
+            let value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            self.set_run(name, value);
+            return if value.is_zero() { value } else { self.ended(path, value) };
+        }
         let ahead = arena.steps_ahead(place);
         let run = |k: usize| arena.tape.run_name(place, k);
         let (mut start, mut value) = (ahead, I::Value::one());
@@ -208,6 +217,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return value;
             }
         }
+        self.ended(path, value)
+    }
+
+    /// What comes along a path, times the factor that closes it.
+    #[inline]
+    fn ended<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        value: I::Value,
+    ) -> I::Value {
         value.multiply(self.integrand.end(path.view()))
     }
 

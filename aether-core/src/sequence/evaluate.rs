@@ -126,20 +126,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         })
     }
 
-    /// Whether all steps of both are known to be taken forwards, so that what one yields the other may.
-    fn both_ahead(&self, technique: Place, path: Place) -> bool {
-        let n = path.len as usize;
-        self.is_run(technique, n) && self.is_run(path, n)
-    }
-
     /// Whether `technique` might produce `path` at all. A piece of a joint run is no technique: it has
     /// a density, but only as an integral over the vertices that are missing.
     fn comparable(&self, technique: Place, path: Place) -> bool {
         technique.len == path.len
             && (S::VERTICES == 1 || self.tape.is_whole(technique))
-            && (technique == path
-                || self.both_ahead(technique, path)
-                || self.covers(technique, path))
+            && (technique == path || self.tape.is_undirected() || self.covers(technique, path))
     }
 
     /// The density of `path` under `technique`.

@@ -1,6 +1,6 @@
 //! Where vertices and the steps that made them live: one growing tape, shared by all paths.
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 
 use crate::path_density::PathDensity;
 use crate::sequence::Key;
@@ -151,6 +151,8 @@ pub(crate) struct Tape<V: Vertex> {
     /// Density of the run that ends with a vertex, as far as there are any.
     runs: RefCell<Vec<Option<PathDensity<V::Real>>>>,
     mergers: RefCell<Vec<Merger<V::Real>>>,
+    /// Whether some step has led in a single direction: mostly none has.
+    directed: Cell<bool>,
 }
 
 impl<V: Vertex> Tape<V> {
@@ -160,6 +162,7 @@ impl<V: Vertex> Tape<V> {
             entries: RefCell::new(Vec::new()),
             runs: RefCell::new(Vec::new()),
             mergers: RefCell::new(Vec::new()),
+            directed: Cell::new(false),
         }
     }
 
@@ -168,6 +171,7 @@ impl<V: Vertex> Tape<V> {
         self.entries.get_mut().clear();
         self.runs.get_mut().clear();
         self.mergers.get_mut().clear();
+        self.directed.set(false);
     }
 
     /// Number of steps on the tape.
@@ -210,6 +214,7 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
+        self.note(entry.dirac);
         let id = self.vertex_count() as u32;
         self.vertices.borrow_mut().push(Kept { vertex, value: None, key: NOTHING });
         self.entries.borrow_mut().push(Entry { vertex: id, run: 0, ..entry });
@@ -220,10 +225,12 @@ impl<V: Vertex> Tape<V> {
     pub fn set_origin(&self, at: usize, visible: bool, dirac: Option<Dirac>) {
         let entry = &mut self.entries.borrow_mut()[at];
         *entry = Entry { visible, dirac, run: 0, ..*entry };
+        self.note(dirac);
     }
 
     /// Makes a step lead to its vertex from both sides.
     pub fn merge(&self, at: usize, merger: Merger<V::Real>) {
+        self.note(merger.dirac);
         let mut mergers = self.mergers.borrow_mut();
         let entry = &mut self.entries.borrow_mut()[at];
         *entry = Entry { merged: mergers.len() as u32, run: 0, ..*entry };
@@ -263,6 +270,14 @@ impl<V: Vertex> Tape<V> {
         }
     }
 
+    /// Notes that there is a step with a Dirac factor.
+    #[inline]
+    fn note(&self, dirac: Option<Dirac>) {
+        if dirac == Some(Dirac::Direction) {
+            self.directed.set(true);
+        }
+    }
+
     /// Takes step `i` of a place that is read forwards, with what the density of the vertex, the next one of
     /// [`Tape::vertex_count`], depends on.
     #[inline]
@@ -277,6 +292,7 @@ impl<V: Vertex> Tape<V> {
         };
         let mut vertices = self.vertices.borrow_mut();
         let (visible, dirac) = (drawn.visible, drawn.dirac);
+        self.note(dirac);
         let entry = &mut entries[place.at(i)];
         *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
         vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, key });
@@ -310,6 +326,26 @@ impl<V: Vertex> Tape<V> {
         let named =
             entry.backward == place.reversed && entry.run as usize == k + 1 && entry.part.is_last();
         named.then_some(entry.vertex)
+    }
+
+    /// Of a path that is one run, the names of the run without its last draw and of all of it, and the density
+    /// of the last vertex, if drawing it told.
+    #[inline]
+    pub fn last_of_run(&self, place: Place) -> Option<(u32, u32, V::Real)> {
+        let before = (place.len as usize).checked_sub(2)?;
+        let entries = self.entries.borrow();
+        let last = &entries[place.at(before + 1)];
+        if last.backward != place.reversed || last.run != place.len || last.part.is_joint() {
+            return None;
+        }
+        let value = self.vertices.borrow().get(last.vertex as usize)?.value?;
+        Some((entries[place.at(before)].vertex, last.vertex, value))
+    }
+
+    /// Whether no step of the tape leads in a single direction.
+    #[inline]
+    pub fn is_undirected(&self) -> bool {
+        !self.directed.get()
     }
 
     /// The first step, from `k` on, that two places of one length do not make alike, whatever its vertex.
@@ -409,6 +445,7 @@ impl<V: Vertex> Tape<V> {
         };
         match dirac {
             Dirac::Position => self.step(place, i).dirac == Some(Dirac::Position),
+            Dirac::Direction if !self.directed.get() => false,
             Dirac::Direction => {
                 (i + 1 < place.len as usize && made(i + 1, false)) || (i > 0 && made(i - 1, true))
             }
