@@ -192,6 +192,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             }
             start -= 1;
         }
+        // Where two pieces are joined, what goes on behind the edge may vanish without a shadow ray.
+        if ahead + 1 < n && self.factor(path, ahead + 1).is_zero() {
+            return I::Value::zero();
+        }
         // Step k divides by the density of vertex k, and multiplies with the factor of the edge that
         // it was sampled along: to vertex k + 1 if it came from there.
         let mut extended = start;

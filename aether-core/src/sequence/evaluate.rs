@@ -71,7 +71,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// vertices of `path` that the step comes from. Of a joint run, the last step has the density of
     /// all, the others have one.
     pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
-        if technique == path
+        if self.tape.same_step(technique, path, k)
             && let Some(known) = self.tape.own(path, k)
         {
             return known;

@@ -244,26 +244,30 @@ impl<V: Vertex> Tape<V> {
     /// Copies a place, of which the first `taken` steps have vertices, to the end of the tape.
     pub fn copy(&self, place: Place, taken: usize) {
         let (n, mut entries) = (place.len as usize, self.entries.borrow_mut());
-        let start = entries.len();
-        if !place.reversed {
-            entries.extend_from_within(place.at(0)..place.at(n));
-        } else {
-            entries.reserve(n);
-            for i in 0..n {
-                let entry = entries[place.at(i)];
-                entries.push(Entry { backward: !entry.backward, ..entry });
-            }
+        if n == 0 {
+            return;
         }
-        for (i, entry) in entries[start..].iter_mut().enumerate() {
-            if i >= taken {
-                *entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..*entry };
-            }
-            // The vertex that an outermost step was made from may have been cut off.
-            if i == if entry.backward { n - 1 } else { 0 } {
+        let start = entries.len();
+        let (first, last) = (place.at(0), place.at(n - 1));
+        entries.extend_from_within(first.min(last)..first.max(last) + 1);
+        let copied = &mut entries[start..];
+        if place.reversed {
+            copied.reverse();
+            copied.iter_mut().for_each(|entry| entry.backward = !entry.backward);
+        }
+        for entry in &mut copied[taken.min(n)..] {
+            *entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..*entry };
+        }
+        // The vertex that an outermost step was made from may have been cut off.
+        for (i, backward) in [(0, false), (n - 1, true)] {
+            let entry = &mut copied[i];
+            if entry.backward == backward {
                 entry.visible = false;
                 entry.dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
             }
-            // What is known about a run holds only if this place sees all of it.
+        }
+        // What is known about a run holds only if this place sees all of it.
+        for (i, entry) in copied.iter_mut().enumerate() {
             if entry.run as usize != entry.seen(i, n) {
                 entry.run = 0;
             }
@@ -317,6 +321,21 @@ impl<V: Vertex> Tape<V> {
             return None;
         }
         self.vertices.borrow().get(entry.vertex as usize)?.value
+    }
+
+    /// Whether step `k` of two places goes the same way by the same strategy.
+    #[inline]
+    pub fn same_step(&self, a: Place, b: Place, k: usize) -> bool {
+        if a == b {
+            return true;
+        }
+        let entries = self.entries.borrow();
+        let same_way = a.reversed == b.reversed;
+        let (a, b) = (&entries[a.at(k)], &entries[b.at(k)]);
+        a.strategy == b.strategy
+            && (a.backward == b.backward) == same_way
+            && a.part == b.part
+            && a.merged == b.merged
     }
 
     /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends there.

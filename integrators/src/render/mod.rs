@@ -25,7 +25,7 @@ mod windows;
 pub use engine::{Rendered, render};
 pub use film::Film;
 pub use progress::{Observer, Progress};
-pub use splats::{Layer, Splats, Technique};
+pub use splats::{Layer, SplatSums, Splats, Technique};
 pub use windows::WINDOW;
 
 use crate::work::Work;
