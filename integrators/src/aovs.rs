@@ -45,15 +45,15 @@ impl Aov {
     }
 }
 
-struct AovKernel<'s> {
-    world: World<'s>,
+struct AovKernel<'w, 's> {
+    world: &'w World<'s>,
     aov: Aov,
     seed: u64,
 }
 
-impl AnyKernel for AovKernel<'_> {
+impl AnyKernel for AovKernel<'_, '_> {
     fn worker(&self) -> Worker<'_> {
-        let world = &self.world;
+        let world = self.world;
         let width = u64::from(world.scene.film.width);
         let mut scratch = Scratch::<Everything, PathStrategies<'_>>::new(world);
         Box::new(move |pixel, sample, _| {
@@ -80,9 +80,10 @@ pub fn aovs(
     observer: &dyn Observer,
 ) -> Result<BTreeMap<String, RgbImage>, NotCovered> {
     let settings = RenderSettings { budget: Budget::Samples(samples), ..settings };
+    let world = &World::new(scene)?;
     let image = |(name, aov): (&str, Aov)| {
-        let kernel = AovKernel { world: World::new(scene)?, aov, seed };
-        Ok((name.to_owned(), render(&kernel, &settings, observer).film.image()))
+        let kernel = AovKernel { world, aov, seed };
+        (name.to_owned(), render(&kernel, &settings, observer).film.image())
     };
-    Aov::ALL.into_iter().map(image).collect()
+    Ok(Aov::ALL.into_iter().map(image).collect())
 }

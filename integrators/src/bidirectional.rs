@@ -14,8 +14,8 @@ use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::selection::Selection;
-use crate::strategies::{Pixel, sample_light};
-use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
+use crate::strategies::Pixel;
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, through};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -87,12 +87,8 @@ impl Bidirectional {
                 let techniques =
                     arena.collect_counted(splits.clone().map(|t| match (length - t, t) {
                         (_, 1) => (seen, world.pixels()),
-                        (1, t) => {
-                            let mut direct = view.slice(0..t);
-                            direct.append(sample_light(world)).sample(uniforms);
-                            (direct, 1)
-                        }
-                        (s, t) => (view.slice(0..t).concat(&light.slice(0..s).reverse()), 1),
+                        (1, t) => (*connection(world, &view, &light, (1, t)).sample(uniforms), 1),
+                        (s, t) => (connection(world, &view, &light, (s, t)), 1),
                     }));
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
                     let response = estimator.integrand().response(receiver, &found.path);

@@ -16,7 +16,7 @@ use crate::kind::{NotCovered, SceneKind};
 use crate::render::{AnyKernel, Chain, Preparation, Worker};
 use crate::scene::Scene;
 use crate::strategies::Pixel;
-use crate::work::{self, Work};
+use crate::work::{Work, in_parts};
 use crate::world::World;
 
 /// An integrator made of Markov chains.
@@ -119,19 +119,11 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
 
     /// The brightness of all candidates.
     fn candidates(&self) -> Vec<f32> {
-        let mut brightness = vec![0.0; self.integrator.candidates()];
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let share = brightness.len().div_ceil(threads).max(1);
-        let job = |(part, values): (usize, &mut [f32])| {
-            let mut of = self.integrator.brightness(&self.world, self.seed);
-            for (i, value) in values.iter_mut().enumerate() {
-                let found = of(part * share + i);
-                *value = if found.is_finite() { found } else { 0.0 };
-            }
-        };
-        let job = &job;
-        work::threads(brightness.chunks_mut(share).enumerate().map(|part| move || job(part)));
-        brightness
+        in_parts(self.integrator.candidates(), threads, |part| {
+            let of = self.integrator.brightness(&self.world, self.seed);
+            part.map(of).map(|found| if found.is_finite() { found } else { 0.0 }).collect()
+        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! Instant radiosity (Keller 1997; Aether 2017, section 7.6): light paths that all pixels share, whose
 //! vertices are virtual point lights.
 
-use aether_core::strategy::Dirac;
 use aether_core::{Arena, Pcg32, Snapshot, UniformSource};
 use glam::Vec3;
 
@@ -12,7 +11,7 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::render::Splats;
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, light_path};
+use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -86,7 +85,7 @@ impl Integrator for InstantRadiosity {
                 }
             }
             camera.append(sample_bsdf(world, self.path.rr_depth, None)).sample(uniforms);
-            let mirrored = |i| camera.view().carries(i, Dirac::Direction);
+            let mirrored = |i| is_atom(&camera, i);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
             }

@@ -20,8 +20,8 @@ use crate::mutations::{
 };
 use crate::path::PathSettings;
 use crate::render::{Chain, Splats};
-use crate::strategies::{Aim, sample_light};
-use crate::subpaths::{Scratch, camera_path, extend, light_path};
+use crate::strategies::Aim;
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -76,12 +76,8 @@ impl Metropolis {
         extend(&mut light, world, (total, rr));
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let techniques = arena.collect((1..=length).map(|t| match (length - t, t) {
-                (1, t) if t > 1 => {
-                    let mut direct = camera.slice(0..t);
-                    direct.append(sample_light(world)).sample(uniforms);
-                    direct
-                }
-                (s, t) => camera.slice(0..t).concat(&light.slice(0..s).reverse()),
+                (1, t) if t > 1 => *connection(world, &camera, &light, (1, t)).sample(uniforms),
+                (s, t) => connection(world, &camera, &light, (s, t)),
             }));
             for Contribution { path, value, .. } in
                 estimator.each(combine::<PowerHeuristic, _>(techniques))

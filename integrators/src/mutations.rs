@@ -7,11 +7,10 @@
 
 use aether_core::mutation::{Decisions, Draft, Mutation};
 use aether_core::prelude::*;
-use aether_core::strategy::Dirac;
 use aether_core::{PathView, RandomSequence, strategies};
 use glam::Vec3 as Vector;
 
-use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emitter};
+use crate::emission::{SampleEmission, SampleEmitter};
 use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
 use crate::kind::{Everything, SceneKind};
 use crate::samplers::{cone_near, rotate};
@@ -19,6 +18,7 @@ use crate::strategies::{
     Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
 };
+use crate::subpaths::{is_atom, light_step};
 use crate::vertex::{SceneVertex, Surface};
 use crate::world::World;
 
@@ -110,11 +110,8 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
             return Some(camera);
         }
         for _ in from_camera..new {
-            match light.size() {
-                0 => light.append(sample_emitter(world)),
-                1 => light.append(sample_emission(world)),
-                _ => light.append(sample_bsdf(world, u32::MAX, None)),
-            };
+            let step = light_step::<K, MutationStrategies<'a, K>>(world, light.size(), u32::MAX);
+            light.append(step);
         }
         Some(camera.concat(&light.reverse()))
     }
@@ -219,11 +216,7 @@ const MOVED: f32 = 0.1;
 fn is_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>, i: usize) -> bool {
     let inside = i > 0 && i + 1 < path.len();
     let few = || path.vertex(i).is_some_and(|vertex| world.roughness(&vertex) < ROUGH);
-    inside && (is_mirror(path, i) || few())
-}
-
-fn is_mirror<K: SceneKind>(path: &Path<'_, '_, K>, i: usize) -> bool {
-    path.view().carries(i, Dirac::Direction)
+    inside && (is_atom(path, i) || few())
 }
 
 /// Goes on from the last vertex of a draft as long as the vertices of the path at these places are smooth.
@@ -236,7 +229,7 @@ fn follow<'a, K: SceneKind>(
         let i = draft.size() - 1;
         let [before, here, next] = [i - 1, i, i + 1].map(|i| path.vertex(i));
         let (Some(before), Some(here), Some(next)) = (before, here, next) else { return };
-        if is_mirror(path, i) {
+        if is_atom(path, i) {
             let Some(lobe) = world.mirror_between(&before, &here, &next) else { return };
             draft.append(sample_bsdf(world, u32::MAX, Some(lobe)));
         } else {

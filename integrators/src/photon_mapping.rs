@@ -8,18 +8,18 @@ use std::sync::{PoisonError, RwLock};
 
 use aether_core::Pcg32;
 use aether_core::estimator::{Estimator, Factors};
-use aether_core::strategy::Dirac;
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{Photon, PhotonMap, in_parts, shrunk};
+use crate::photons::{Photon, PhotonMap, shrunk};
 use crate::render::{AnyKernel, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, light_path};
+use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
+use crate::work::in_parts;
 use crate::world::World;
 
 /// Settings of photon mapping.
@@ -134,7 +134,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
                 value += throughput.of(&camera) * sum * (kernel / self.light_paths() as f32);
             }
             camera.append(sample_bsdf(world, path.rr_depth, None)).sample(uniforms);
-            let mirrored = |i| camera.view().carries(i, Dirac::Direction);
+            let mirrored = |i| is_atom(&camera, i);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
             }

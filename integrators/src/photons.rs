@@ -1,10 +1,6 @@
 //! Photons, and a hash grid that finds those next to a point.
 
-use std::ops::Range;
-
 use glam::{IVec3, Vec3};
-
-use crate::work;
 
 /// Light that has arrived at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,18 +23,6 @@ pub struct Photon {
 pub fn shrunk(alpha: f32, sample: u32) -> f32 {
     let step = |i: u32| (f64::from(i) + f64::from(alpha)) / (f64::from(i) + 1.0);
     (1..=sample).map(step).product::<f64>().sqrt() as f32
-}
-
-/// What `make` makes of the numbers below `count`, in their order, by several threads.
-pub fn in_parts<T: Send>(
-    count: usize,
-    threads: usize,
-    make: impl Fn(Range<usize>) -> Vec<T> + Sync,
-) -> Vec<T> {
-    let share = count.div_ceil(threads).max(1);
-    let make = &make;
-    let part = |start: usize| move || make(start..(start + share).min(count));
-    work::threads((0..count).step_by(share).map(part)).into_iter().flatten().collect()
 }
 
 /// Something at a place.

@@ -14,7 +14,6 @@
 
 use aether_core::combine::Shifted;
 use aether_core::prelude::Vec2;
-use aether_core::strategy::Dirac;
 use aether_core::{Arena, RandomSequence, strategies};
 
 use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
@@ -23,6 +22,7 @@ use crate::strategies::{
     Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
     sample_camera_direction,
 };
+use crate::subpaths::is_atom;
 use crate::vertex::{Place, SceneVertex};
 use crate::world::World;
 
@@ -191,11 +191,6 @@ impl<'a, K: SceneKind> Shift<'a, K> {
     fn is_rough(&self, path: &Path<'_, 'a, K>, i: usize) -> bool {
         path.vertex(i).is_some_and(|vertex| self.world.roughness(&vertex) >= self.rough)
     }
-}
-
-/// Whether a path leaves vertex `i` in a single direction.
-fn is_atom<K: SceneKind>(path: &Path<'_, '_, K>, i: usize) -> bool {
-    path.view().carries(i, Dirac::Direction)
 }
 
 #[cfg(test)]

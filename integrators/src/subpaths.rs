@@ -1,6 +1,7 @@
 //! Pieces of paths, from the camera and from the lights, that several integrators begin with.
 
 use aether_core::estimator::{Estimator, Factors};
+use aether_core::strategy::Dirac;
 use aether_core::{Arena, RandomSequence, Strategy, UniformSource};
 use glam::Vec3;
 
@@ -8,8 +9,8 @@ use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emi
 use crate::integrand::Radiance;
 use crate::kind::SceneKind;
 use crate::strategies::{
-    Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
-    sample_camera_direction,
+    Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
+    sample_camera, sample_camera_direction, sample_light,
 };
 use crate::vertex::SceneVertex;
 use crate::world::World;
@@ -54,14 +55,20 @@ impl<'a, K: SceneKind, S> FromCamera<'a, K> for S where
 {
 }
 
-/// A set of strategies with those of paths from lights too.
+/// A set of strategies with those of paths from lights too, and of next-event estimation.
 pub trait FromBothEnds<'a, K: SceneKind>:
-    FromCamera<'a, K> + From<SampleEmitter<'a, 'a, K>> + From<SampleEmission<'a, 'a, K>>
+    FromCamera<'a, K>
+    + From<SampleEmitter<'a, 'a, K>>
+    + From<SampleEmission<'a, 'a, K>>
+    + From<SampleLight<'a, 'a, K>>
 {
 }
 
 impl<'a, K: SceneKind, S> FromBothEnds<'a, K> for S where
-    S: FromCamera<'a, K> + From<SampleEmitter<'a, 'a, K>> + From<SampleEmission<'a, 'a, K>>
+    S: FromCamera<'a, K>
+        + From<SampleEmitter<'a, 'a, K>>
+        + From<SampleEmission<'a, 'a, K>>
+        + From<SampleLight<'a, 'a, K>>
 {
 }
 
@@ -91,12 +98,43 @@ pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
     (longest, rr_depth): (usize, u32),
 ) -> Path<'r, K, S> {
     let mut path = arena.sequence();
-    path.append(sample_emitter(world));
-    path.append(sample_emission(world)).sample(uniforms);
-    while path.is_complete() && path.size() < longest {
-        path.append(sample_bsdf(world, rr_depth, None)).sample(uniforms);
+    while path.is_complete() && path.size() < longest.max(2) {
+        path.append(light_step::<K, S>(world, path.size(), rr_depth)).sample(uniforms);
     }
     path
+}
+
+/// The strategy of the vertex with this number of a path from a light.
+pub fn light_step<'a, K: SceneKind, S: FromBothEnds<'a, K>>(
+    world: &'a World<'a, K>,
+    number: usize,
+    rr_depth: u32,
+) -> S {
+    match number {
+        0 => sample_emitter(world).into(),
+        1 => sample_emission(world).into(),
+        _ => sample_bsdf(world, rr_depth, None).into(),
+    }
+}
+
+/// The first `t` vertices of a path from the camera and the first `s` of one from a light. Where that would be a
+/// single vertex it is next-event estimation instead, which is still to be sampled.
+pub fn connection<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
+    world: &'a World<'a, K>,
+    camera: &Path<'r, K, S>,
+    light: &Path<'r, K, S>,
+    (s, t): (usize, usize),
+) -> Path<'r, K, S> {
+    let mut path = camera.slice(0..t);
+    if s == 1 && t > 1 {
+        return *path.append(sample_light(world));
+    }
+    path.concat(&light.slice(0..s).reverse())
+}
+
+/// Whether a path leaves vertex `i` in a single direction, as at a mirror.
+pub fn is_atom<K: SceneKind, S: Strategy<SceneVertex<K>>>(path: &Path<'_, K, S>, i: usize) -> bool {
+    path.view().carries(i, Dirac::Direction)
 }
 
 /// Makes a path that has ended a technique for `size` vertices: it might have gone on.

@@ -9,8 +9,8 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
 use crate::render::{Splats, Technique};
-use crate::strategies::{Pixel, sample_light};
-use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
+use crate::strategies::Pixel;
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, through};
 use crate::world::World;
 
 /// Settings of tridirectional path tracing.
@@ -67,12 +67,8 @@ impl Integrator for Tridirectional {
                 };
                 let ends = (1..=length).map(|t| match (length - t, t) {
                     (_, 1) => (seen, world.pixels()),
-                    (1, t) => {
-                        let mut direct = view.slice(0..t);
-                        direct.append(sample_light(world)).sample(uniforms);
-                        (direct, 1)
-                    }
-                    (s, t) => (view.slice(0..t).concat(&lit(s)), 1),
+                    (1, t) => (*connection(world, &view, &light, (1, t)).sample(uniforms), 1),
+                    (s, t) => (connection(world, &view, &light, (s, t)), 1),
                 });
                 let middles = (1..length.saturating_sub(1)).map(|t| match t {
                     1 => (passed, world.pixels()),

@@ -10,17 +10,20 @@ use std::sync::{PoisonError, RwLock};
 use aether_core::{Arena, Pcg32, PowerHeuristic, Snapshot, combine};
 use glam::Vec3;
 
-use crate::emission::{LightStrategies, sample_emission, sample_emitter};
+use crate::emission::LightStrategies;
 use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{PhotonMap, Placed, in_parts, shrunk};
+use crate::photons::{PhotonMap, Placed, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::selection::Selection;
-use crate::strategies::{Pixel, sample_bsdf, sample_light};
-use crate::subpaths::{Path, Scratch, camera_path, extend, light_path, through};
+use crate::strategies::Pixel;
+use crate::subpaths::{
+    Path, Scratch, camera_path, connection, extend, light_path, light_step, through,
+};
 use crate::vertex::SceneVertex;
+use crate::work::in_parts;
 use crate::world::World;
 
 /// Settings of vertex connection and merging.
@@ -108,17 +111,9 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         size: usize,
     ) -> Path<'r, K, LightStrategies<'a, K>> {
         let (world, rr) = (&self.world, self.settings.path.rr_depth);
-        let mut light = arena.restore_with(path, |i, ()| match i {
-            0 => sample_emitter(world).into(),
-            1 => sample_emission(world).into(),
-            _ => sample_bsdf(world, rr, None).into(),
-        });
+        let mut light = arena.restore_with(path, |i, ()| light_step(world, i, rr));
         for i in light.size()..size {
-            match i {
-                0 => light.append(sample_emitter(world)),
-                1 => light.append(sample_emission(world)),
-                _ => light.append(sample_bsdf(world, rr, None)),
-            };
+            light.append(light_step::<K, LightStrategies<'a, K>>(world, i, rr));
         }
         light
     }
@@ -136,12 +131,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         let lit = move |s: usize| light.slice(0..s).reverse();
         let connections = (1..=n).map(move |t| match (n - t, t) {
             (s, t) if !self.settings.techniques.has(s, t) => (camera.slice(0..t), 0),
-            (1, t) if t > 1 => {
-                let mut direct = camera.slice(0..t);
-                direct.append(sample_light(world));
-                (direct, 1)
-            }
-            (s, t) => (camera.slice(0..t).concat(&lit(s)), if t == 1 { pixels } else { 1 }),
+            (s, t) => (connection(world, &camera, &light, (s, t)), if t == 1 { pixels } else { 1 }),
         });
         let merges = (2..n).map(move |t| {
             (camera.slice(0..t).merge(&lit(n + 1 - t), PI * radius * radius), pixels)

@@ -4,7 +4,7 @@
 //! count, so that the thread that renders knows all of it in the end.
 
 use std::cell::Cell;
-use std::ops::{AddAssign, Sub};
+use std::ops::{AddAssign, Range, Sub};
 
 use aether_core::work::{count_densities, densities};
 
@@ -88,6 +88,18 @@ pub fn threads<T: Send, J: FnOnce() -> T + Send>(jobs: impl IntoIterator<Item = 
         };
         started.into_iter().map(finish).collect()
     })
+}
+
+/// What `make` makes of the numbers below `count`, in their order, by several threads.
+pub fn in_parts<T: Send>(
+    count: usize,
+    cores: usize,
+    make: impl Fn(Range<usize>) -> Vec<T> + Sync,
+) -> Vec<T> {
+    let share = count.div_ceil(cores).max(1);
+    let make = &make;
+    let part = |start: usize| move || make(start..(start + share).min(count));
+    threads((0..count).step_by(share).map(part)).into_iter().flatten().collect()
 }
 
 #[cfg(test)]
