@@ -173,32 +173,64 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
         self.remember(path.arena.contents());
         let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        // Mostly a path extends by one vertex a run that has been estimated.
+        if let Some((before, name, p)) = arena.tape.last_of_run(place)
+            && let Some(value) = self.run(before)
+        {
+            let value = value.multiply(self.new_factor(path, n - 1));
+            let value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            self.set_run(name, value);
+            return if value.is_zero() { value } else { self.ended(path, value) };
+        }
         let ahead = arena.steps_ahead(place);
-        let run = |k: usize| arena.run_name(place, k);
-        let known = |k: usize| run(k).and_then(|name| self.run(name));
-        let found = (0..ahead).rev().find_map(|k| known(k).map(|value| (k + 1, value)));
-        let (start, mut value) = found.unwrap_or((0, I::Value::one()));
+        let run = |k: usize| arena.tape.run_name(place, k);
+        let (mut start, mut value) = (ahead, I::Value::one());
+        while start > 0 {
+            if let Some(known) = run(start - 1).and_then(|name| self.run(name)) {
+                value = known;
+                break;
+            }
+            start -= 1;
+        }
+        // Where two pieces are joined, what goes on behind the edge may vanish without a shadow ray.
+        if ahead + 1 < n && self.factor(path, ahead + 1).is_zero() {
+            return I::Value::zero();
+        }
         // Step k divides by the density of vertex k, and multiplies with the factor of the edge that
         // it was sampled along: to vertex k + 1 if it came from there.
         let mut extended = start;
         for k in start..n {
             let backward = k >= ahead && arena.tape.step(place, k).backward;
             let edges = if backward { (k + 2).min(n) } else { k + 1 };
+            let name = if k < ahead { run(k) } else { None };
             while extended < edges {
-                value = value.multiply(self.factor(path, extended));
+                // Of a run that has a name the product is remembered, not its factors.
+                let factor = match name {
+                    Some(_) => self.new_factor(path, extended),
+                    None => self.factor(path, extended),
+                };
+                value = value.multiply(factor);
                 extended += 1;
             }
             let p = arena.factor(place, k, place);
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
-            if k < ahead
-                && let Some(name) = run(k)
-            {
+            if let Some(name) = name {
                 self.set_run(name, value);
             }
             if value.is_zero() {
                 return value;
             }
         }
+        self.ended(path, value)
+    }
+
+    /// What comes along a path, times the factor that closes it.
+    #[inline]
+    fn ended<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        value: I::Value,
+    ) -> I::Value {
         value.multiply(self.integrand.end(path.view()))
     }
 
@@ -272,8 +304,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 
     fn set_run(&self, name: u32, value: I::Value) {
         let runs = &mut self.factors.borrow_mut().runs;
-        if runs.len() <= name as usize {
-            runs.resize(name as usize + 1, None);
+        while runs.len() <= name as usize {
+            runs.push(None);
         }
         runs[name as usize] = Some(value);
     }
@@ -295,11 +327,21 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if let Some(known) = key.and_then(|key| self.factors.borrow().memo.get(&key)) {
             return known;
         }
-        let reads = Reads { vertices: reads, length: false };
-        let value = self.integrand.extend(PathView::of_tape(tape, place).limited(reads));
+        let value = self.new_factor(path, k);
         if let Some(key) = key {
             self.factors.borrow_mut().memo.insert(key, value);
         }
         value
+    }
+
+    /// The same, not remembered.
+    fn new_factor<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        k: usize,
+    ) -> I::Value {
+        let place = path.handle.place.range(0, k + 1);
+        let reads = Reads { vertices: self.integrand.reads().max(1), length: false };
+        self.integrand.extend(PathView::of_tape(&path.arena.tape, place).limited(reads))
     }
 }

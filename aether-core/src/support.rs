@@ -130,8 +130,11 @@ fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -
 #[inline(always)]
 #[allow(clippy::eq_op)]
 pub fn finite<R: Real>(x: &[R]) -> R::Mask {
-    let differences = x.iter().map(|x| *x - *x).reduce(|sum, d| sum + d);
-    differences.map_or(R::Mask::TRUE, |sum| sum.ge(R::ZERO))
+    let mut sum = R::ZERO;
+    for x in x {
+        sum += *x - *x;
+    }
+    sum.ge(R::ZERO)
 }
 
 /// Whether a place within a segment lies so near to one of its ends that rounding may have put it on either

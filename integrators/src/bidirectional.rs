@@ -81,6 +81,9 @@ impl Bidirectional {
                     false => through(world, arena, receiver, &camera),
                 };
                 let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
+                // What another pixel sees is none of this one's samples.
+                let response = estimator.integrand().response(receiver, &seen);
+                let seen = if response == 0.0 { seen.technique() } else { seen };
                 let techniques =
                     arena.collect_counted(splits.clone().map(|t| match (length - t, t) {
                         (_, 1) => (seen, world.pixels()),

@@ -109,23 +109,21 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     ) -> Vec3 {
         let Some(scattering) = self.world.scattering(here, before) else { return Vec3::ZERO };
         let along = next.direction_from(here.position);
-        let geometry = geometry(here, next).min(most_geometry);
+        let geometry = geometry(here, next, along).min(most_geometry);
         let scattered = if atom { scattering.atoms(along) } else { scattering.value(along) };
         let value = scattered * geometry;
         if value.is_finite() { value } else { Vec3::ZERO }
     }
 }
 
-/// The cosine at `next` over the squared distance, as far as there is either: solid angle at `here` per measure
-/// of `next`.
-fn geometry<K: SceneKind>(here: &SceneVertex<K>, next: &SceneVertex<K>) -> f32 {
+/// The cosine at `next`, which is seen in direction `along`, over the squared distance, as far as there is
+/// either: solid angle at `here` per measure of `next`.
+fn geometry<K: SceneKind>(here: &SceneVertex<K>, next: &SceneVertex<K>, along: Vec3) -> f32 {
     let squared = next.position.distance_squared(here.position);
     match next.place {
         // Seen by the eye: that is the importance.
         Place::Camera | Place::Parallel(_) | Place::Backdrop(_) => 0.0,
-        Place::Surface(target) => {
-            target.normal.dot(next.direction_from(here.position)).abs() / squared
-        }
+        Place::Surface(target) => target.normal.dot(along).abs() / squared,
         Place::Bulb(_) => 1.0 / squared,
         Place::Sky(_) | Place::Distant(_) => 1.0,
     }
@@ -179,9 +177,13 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
     fn extend(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         let (Some(new), Some(here)) = (path.back(0), path.back(1)) else { return Vec3::ONE };
         let last = path.len() - 1;
-        let most_geometry = if path.visible(last) { f32::INFINITY } else { self.most_geometry };
+        let visible = path.visible(last);
+        let most_geometry = if visible { f32::INFINITY } else { self.most_geometry };
         let factor = match path.back(2) {
-            None if here.surface().is_some() => Vec3::splat(geometry(&here, &new)),
+            None if here.surface().is_some() => {
+                let along = new.direction_from(here.position);
+                Vec3::splat(geometry(&here, &new, along))
+            }
             None => Vec3::splat(self.importance(&here, &new)),
             Some(before) => {
                 let atom = path.carries(last - 1, Dirac::Direction);
@@ -189,14 +191,18 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
             }
         };
         // The shadow ray comes last: most factors that vanish do so without it.
-        let sees = || path.visible(last) || self.world.visible(&here, &new);
+        let sees = || visible || self.world.visible(&here, &new);
         if factor != Vec3::ZERO && sees() { factor } else { Vec3::ZERO }
     }
 
     fn end(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
-        match (path.back(0), path.back(1)) {
-            _ if !self.emission => Vec3::ONE,
-            (Some(last), Some(before)) => self.world.emitted(&last, &before),
+        if !self.emission {
+            return Vec3::ONE;
+        }
+        match path.last() {
+            Some(last) if last.is_light() => {
+                path.back(1).map_or(Vec3::ZERO, |before| self.world.emitted(&last, &before))
+            }
             _ => Vec3::ZERO,
         }
     }

@@ -230,6 +230,8 @@ pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Di
 }
 
 #[cfg(test)]
+mod instructions;
+#[cfg(test)]
 mod tests {
     use super::*;
     use aether_core::battery;

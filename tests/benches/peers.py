@@ -7,13 +7,15 @@
 PYTHON is an interpreter that can import mitsuba (3.9); llvm variants find LLVM by DRJIT_LIBLLVM_PATH. Size, filter
 and depth are those of the scene file, for all. Renders alternate (A B C A B C ...), so that all see the same machine;
 what is reported is the median over the runs. Seconds are those of rendering alone: of aether what it writes into its
-image, of Mitsuba the time of `mi.render`, after one render that compiles. The error is relMSE, the mean of
+image, of Mitsuba the time of `mi.render`, after one render that compiles. Beside them are processor seconds of all
+threads, of aether those of the whole program, for machines that others use too. The error is relMSE, the mean of
 (x - r)^2 / (r^2 + 0.01); it falls as one over the time, so relMSE x seconds does not depend on the samples.
 """
 
 import argparse
 import json
 import pathlib
+import resource
 import statistics
 import subprocess
 import sys
@@ -34,14 +36,14 @@ else:
 mi.set_log_level(mi.LogLevel.Error)
 scene = mi.load_file(scene_file)
 def pixels(path):
-    bitmap = mi.Bitmap(path).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
-    return np.array(bitmap).astype(np.float64)
+    # Red, green and blue come first; aether writes their variances too, which makes other formats of it.
+    return np.array(mi.Bitmap(path)).astype(np.float64)[..., :3]
 for line in sys.stdin:
     job = json.loads(line)
     if "render" in job:
-        start = time.perf_counter()
+        start, used = time.perf_counter(), time.process_time()
         image = np.array(mi.render(scene, spp=job["spp"], seed=job["seed"]))[..., :3].astype(np.float64)
-        answer = {"seconds": time.perf_counter() - start}
+        answer = {"seconds": time.perf_counter() - start, "cpu": time.process_time() - used}
     else:
         bitmap = mi.Bitmap(job["image"])
         image = pixels(job["image"])
@@ -59,7 +61,7 @@ class Mitsuba:
     def __init__(self, options, variant):
         command = [options.mitsuba, "-c", WORKER, variant, str(options.threads), options.scene]
         self.process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, stderr=subprocess.DEVNULL
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
         self.reference = options.reference
 
@@ -80,8 +82,11 @@ def aether(options, judge, seed):
             options.aether, "render", options.scene, "--integrator", options.integrator, "--spp", str(options.spp),
             "--threads", str(options.threads), "--seed", str(seed), "-o", out,
         ]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        return judge.ask(image=out)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        return judge.ask(image=out) | {"cpu": cpu}
 
 
 def main():
@@ -108,10 +113,10 @@ def main():
             results[variant].append(peer.ask(render=True, spp=options.spp, seed=seed))
     middle = lambda name, key: statistics.median(result[key] for result in results[name])
     product = lambda name: middle(name, "seconds") * middle(name, "error")
-    print(f"{'':14} {'seconds':>9} {'relMSE':>10} {'relMSE x s':>11} {'ratio to aether':>16}")
+    print(f"{'':14} {'seconds':>9} {'cpu':>9} {'relMSE':>10} {'relMSE x s':>11} {'ratio to aether':>16}")
     for name in results:
-        seconds, error = middle(name, "seconds"), middle(name, "error")
-        print(f"{name:14} {seconds:9.3f} {error:10.3e} {product(name):11.3e} {product(name) / product('aether'):16.2f}")
+        seconds, cpu, error = (middle(name, key) for key in ("seconds", "cpu", "error"))
+        print(f"{name:14} {seconds:9.3f} {cpu:9.3f} {error:10.3e} {product(name):11.3e} {product(name) / product('aether'):16.2f}")
 
 
 if __name__ == "__main__":

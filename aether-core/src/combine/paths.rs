@@ -72,11 +72,13 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
         (i < self.len).then(|| self.path(i))
     }
 
+    #[inline]
     fn path(&self, i: usize) -> RandomSequence<'a, V, S> {
         let handle = self.arena.lists.borrow()[self.start + i].0;
         RandomSequence { arena: self.arena, handle }
     }
 
+    #[inline]
     fn count(&self, i: usize) -> V::Real {
         self.arena.lists.borrow()[self.start + i].1
     }
@@ -129,15 +131,11 @@ impl<'a, V: Vertex, S: Strategy<V>, H: Heuristic<V::Real>> Combined<'a, V, S, H>
     /// The next path that is a sample, and its number in the list.
     pub(crate) fn next_sample(&mut self) -> Option<(usize, RandomSequence<'a, V, S>)> {
         let paths = self.paths?;
-        while self.next < paths.len {
-            let i = self.next;
-            self.next += 1;
-            let path = paths.path(i);
-            if path.is_complete() {
-                return Some((i, path));
-            }
-        }
-        None
+        let lists = paths.arena.lists.borrow();
+        let list = &lists[paths.start..paths.start + paths.len];
+        let i = self.next + list.get(self.next..)?.iter().position(|path| path.0.complete())?;
+        self.next = i + 1;
+        Some((i, RandomSequence { arena: paths.arena, handle: list[i].0 }))
     }
 
     /// How many samples a technique takes.

@@ -2,7 +2,7 @@
 
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::tape::Entry;
+use crate::sequence::tape::{Entry, NOTHING};
 use crate::sequence::{Arena, Key, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -19,7 +19,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         i: usize,
         uniforms: &mut U,
     ) -> bool {
-        let Entry { strategy: id, part, .. } = self.tape.step(place, i);
+        let Entry { strategy: id, part, .. } = self.tape.entry(place.at(i));
         if S::VERTICES > 1 && part.is_joint() {
             return self.draw_run(place, i, uniforms);
         }
@@ -29,14 +29,13 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let before = place.range(0, i);
         let view = PathView::of_tape(&self.tape, before).limited(reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
-        self.tape.take(place, i, &drawn);
-        if let Some(value) = drawn.value {
+        let mut key = NOTHING;
+        if drawn.value.is_some() {
             count_densities(1);
-            let vertex = self.tape.step(place, i).vertex;
-            if let Some(key) = self.key(id, drawn.dirac, before, reads, vertex) {
-                self.memo.borrow_mut().insert(key, value);
-            }
+            let vertex = self.tape.vertex_count() as u32;
+            key = self.key(id, drawn.dirac, before, reads, vertex).unwrap_or(NOTHING);
         }
+        self.tape.take(place, i, &drawn, key);
         true
     }
 
@@ -72,6 +71,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// vertices of `path` that the step comes from. Of a joint run, the last step has the density of
     /// all, the others have one.
     pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
+        if self.tape.same_step(technique, path, k)
+            && let Some(known) = self.tape.own(path, k)
+        {
+            return known;
+        }
         let step = self.tape.step(technique, k);
         if S::VERTICES > 1 && step.part.is_joint() {
             return self.run_factor(technique, k, path);
@@ -93,8 +97,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let vertex = self.tape.entry(path.at(k)).vertex;
         let reads = self.strategies.borrow()[strategy as usize].reads();
         let key = self.key(strategy, dirac, before, reads, vertex);
-        if let Some(known) = key.and_then(|key| self.memo.borrow().get(&key)) {
-            return known;
+        if let Some(key) = key {
+            // Mostly it is what drawing the vertex told.
+            let told = self.tape.told(vertex, &key);
+            if let Some(known) = told.or_else(|| self.memo.borrow().get(&key)) {
+                return known;
+            }
         }
         let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
         let strategy = self.strategies.borrow()[strategy as usize].clone();
@@ -123,7 +131,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     fn comparable(&self, technique: Place, path: Place) -> bool {
         technique.len == path.len
             && (S::VERTICES == 1 || self.tape.is_whole(technique))
-            && (technique == path || self.covers(technique, path))
+            && (technique == path || self.tape.is_undirected() || self.covers(technique, path))
     }
 
     /// The density of `path` under `technique`.
@@ -158,6 +166,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     }
 
     /// Whether the first `len` steps are known to be an unbroken run.
+    #[inline]
     fn is_run(&self, place: Place, len: usize) -> bool {
         len == 0 || {
             let last = self.tape.step(place, len - 1);
@@ -165,39 +174,31 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         }
     }
 
-    /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends
-    /// there.
-    pub(crate) fn run_name(&self, place: Place, k: usize) -> Option<u32> {
-        let step = self.tape.step(place, k);
-        let named = !step.backward && step.run as usize == k + 1 && step.part.is_last();
-        named.then_some(step.prefix)
-    }
-
     /// The density of a path all of whose steps are taken forwards.
     fn run_density(&self, place: Place) -> PathDensity<V::Real> {
         let n = place.len as usize;
-        let known = |k: usize| self.run_name(place, k).and_then(|run| self.tape.prefix(run));
+        let known =
+            |k: usize| self.tape.run_name(place, k).and_then(|run| self.tape.run_density(run));
         let found = (0..n).rev().find_map(|k| known(k).map(|density| (k + 1, density)));
         let (start, mut density) = found.unwrap_or((0, PathDensity::ONE));
         for k in start..n {
             density = density * self.factor(place, k, place);
-            if let Some(run) = self.run_name(place, k) {
-                self.tape.set_prefix(run, density);
+            if let Some(run) = self.tape.run_name(place, k) {
+                self.tape.set_run_density(run, density);
             }
         }
         density
     }
 
     /// The densities of `path` under two techniques without the factors that they share.
+    #[inline]
     fn quotient(&self, a: Place, b: Place, path: Place) -> [PathDensity<V::Real>; 2] {
         let mut densities = [PathDensity::ONE; 2];
-        for k in 0..path.len as usize {
-            let (step, other) = (self.tape.step(a, k), self.tape.step(b, k));
-            let made = |step: Entry| (step.strategy, step.backward, step.part, step.merged);
-            if made(step) != made(other) {
-                densities[0] = densities[0] * self.factor(a, k, path);
-                densities[1] = densities[1] * self.factor(b, k, path);
-            }
+        let mut from = 0;
+        while let Some(k) = self.tape.next_unlike(a, b, from) {
+            densities[0] = densities[0] * self.factor(a, k, path);
+            densities[1] = densities[1] * self.factor(b, k, path);
+            from = k + 1;
         }
         densities
     }
@@ -220,25 +221,24 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             let others = (0..count).filter(|j| *j != own);
             return others.for_each(|j| visit(j, V::Real::INFINITY));
         }
-        let walks: [&mut dyn Iterator<Item = usize>; 2] =
-            [&mut (own + 1..count), &mut (0..own).rev()];
-        for walk in walks {
-            let (mut from, mut ratio) = (path, PathDensity::ONE);
-            for j in walk {
-                let place = technique(j);
-                if !self.comparable(place, path) {
-                    visit(j, V::Real::ZERO);
-                    continue;
-                }
-                let [new, old] = self.quotient(place, from, path);
-                if new.is_regular() && old.is_regular() {
-                    (from, ratio) = (place, ratio * (new / old));
-                    visit(j, ratio.value());
-                } else {
-                    let [new, old] = self.quotient(place, path, path);
-                    visit(j, new.ratio(old));
-                }
+        let start = (path, PathDensity::ONE);
+        let mut compare = |(from, ratio): (Place, PathDensity<V::Real>), j| {
+            let place = technique(j);
+            if !self.comparable(place, path) {
+                visit(j, V::Real::ZERO);
+                return (from, ratio);
             }
-        }
+            let [new, old] = self.quotient(place, from, path);
+            if new.is_regular() && old.is_regular() {
+                let ratio = ratio * (new / old);
+                visit(j, ratio.value());
+                return (place, ratio);
+            }
+            let [new, old] = self.quotient(place, path, path);
+            visit(j, new.ratio(old));
+            (from, ratio)
+        };
+        (own + 1..count).fold(start, &mut compare);
+        (0..own).rev().fold(start, compare);
     }
 }

@@ -102,9 +102,9 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// The id of a strategy; that of a known one if it is the same.
     fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let recent = strategies.iter().enumerate().rev().take(COMPARED);
-        if let Some((id, _)) = recent.into_iter().find(|(_, known)| known.same(&strategy)) {
-            return id as u32;
+        let recent = strategies.len().saturating_sub(COMPARED);
+        if let Some(known) = strategies[recent..].iter().rposition(|known| known.same(&strategy)) {
+            return (recent + known) as u32;
         }
         strategies.push(strategy);
         strategies.len() as u32 - 1

@@ -1,8 +1,9 @@
 //! Where vertices and the steps that made them live: one growing tape, shared by all paths.
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 
 use crate::path_density::PathDensity;
+use crate::sequence::Key;
 use crate::strategy::{Dirac, Drawn, DrawnRun, Vertex};
 
 /// Marks a step that has no vertex (yet).
@@ -63,10 +64,9 @@ pub(crate) struct Entry {
     /// Block of sampling dimensions.
     pub block: u32,
     /// How many steps, this one included, have been taken since the path's origin, all of them in
-    /// the direction of this one and neighbours on the tape; zero if that is not so.
+    /// the direction of this one and neighbours on the tape; zero if that is not so. Such a run is named by
+    /// the vertex that it ends with, so that copies of it share what is known about it.
     pub run: u32,
-    /// Names the run, so that copies of it share what is known about it.
-    pub prefix: u32,
     /// Whether the step was taken against the order of the tape.
     pub backward: bool,
     /// Whether the vertex is known to see the one that it was made from.
@@ -80,6 +80,13 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// How many steps of a place of `n` steps lie between its end in this one's back and this one, the
+    /// `i`-th, which counts too.
+    #[inline]
+    pub fn seen(&self, i: usize, n: usize) -> usize {
+        if self.backward { n - i } else { i + 1 }
+    }
+
     /// Whether the step goes in a direction, alone or beside one in the other.
     #[inline]
     pub fn goes(&self, backward: bool) -> bool {
@@ -133,14 +140,29 @@ impl Place {
     }
 }
 
+/// A vertex, and what drawing it told of its conditional density.
+#[derive(Clone, Copy, Debug)]
+struct Kept<V: Vertex> {
+    vertex: V,
+    /// The density, if it is known.
+    value: Option<V::Real>,
+    /// What that depends on; [`NOTHING`] if that is too much.
+    key: Key,
+}
+
+/// No key of anything.
+pub(crate) const NOTHING: Key = [NONE; 6];
+
 /// Vertices, steps, and the densities of runs.
 #[derive(Debug)]
 pub(crate) struct Tape<V: Vertex> {
-    vertices: RefCell<Vec<V>>,
+    vertices: RefCell<Vec<Kept<V>>>,
     entries: RefCell<Vec<Entry>>,
-    /// Density of the run that ends at a step, indexed by [`Entry::prefix`].
-    prefixes: RefCell<Vec<Option<PathDensity<V::Real>>>>,
+    /// Density of the run that ends with a vertex, as far as there are any.
+    runs: RefCell<Vec<Option<PathDensity<V::Real>>>>,
     mergers: RefCell<Vec<Merger<V::Real>>>,
+    /// Whether some step has led in a single direction: mostly none has.
+    directed: Cell<bool>,
 }
 
 impl<V: Vertex> Tape<V> {
@@ -148,16 +170,18 @@ impl<V: Vertex> Tape<V> {
         Tape {
             vertices: RefCell::new(Vec::new()),
             entries: RefCell::new(Vec::new()),
-            prefixes: RefCell::new(Vec::new()),
+            runs: RefCell::new(Vec::new()),
             mergers: RefCell::new(Vec::new()),
+            directed: Cell::new(false),
         }
     }
 
     pub fn clear(&mut self) {
         self.vertices.get_mut().clear();
         self.entries.get_mut().clear();
-        self.prefixes.get_mut().clear();
+        self.runs.get_mut().clear();
         self.mergers.get_mut().clear();
+        self.directed.set(false);
     }
 
     /// Number of steps on the tape.
@@ -166,6 +190,7 @@ impl<V: Vertex> Tape<V> {
         self.entries.borrow().len()
     }
 
+    #[inline]
     pub fn vertex_count(&self) -> usize {
         self.vertices.borrow().len()
     }
@@ -184,13 +209,11 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step that is not taken yet.
     pub fn push(&self, strategy: u32, block: u32, part: Part) {
-        let prefix = self.len() as u32;
-        self.push_entry(Entry {
+        self.entries.borrow_mut().push(Entry {
             vertex: NONE,
             strategy,
             block,
             run: 0,
-            prefix,
             backward: false,
             visible: false,
             dirac: None,
@@ -201,24 +224,26 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
-        let mut vertices = self.vertices.borrow_mut();
-        let id = vertices.len() as u32;
-        vertices.push(vertex);
-        self.push_entry(Entry { vertex: id, run: 0, prefix: self.len() as u32, ..entry });
+        self.note(entry.dirac);
+        let id = self.vertex_count() as u32;
+        self.vertices.borrow_mut().push(Kept { vertex, value: None, key: NOTHING });
+        self.entries.borrow_mut().push(Entry { vertex: id, run: 0, ..entry });
     }
 
     /// Replaces what is known about how the vertex of a step sees the one that it was made from,
     /// and forgets the run that the step belonged to.
     pub fn set_origin(&self, at: usize, visible: bool, dirac: Option<Dirac>) {
         let entry = &mut self.entries.borrow_mut()[at];
-        *entry = Entry { visible, dirac, run: 0, prefix: at as u32, ..*entry };
+        *entry = Entry { visible, dirac, run: 0, ..*entry };
+        self.note(dirac);
     }
 
     /// Makes a step lead to its vertex from both sides.
     pub fn merge(&self, at: usize, merger: Merger<V::Real>) {
+        self.note(merger.dirac);
         let mut mergers = self.mergers.borrow_mut();
         let entry = &mut self.entries.borrow_mut()[at];
-        *entry = Entry { merged: mergers.len() as u32, run: 0, prefix: at as u32, ..*entry };
+        *entry = Entry { merged: mergers.len() as u32, run: 0, ..*entry };
         mergers.push(merger);
     }
 
@@ -226,53 +251,151 @@ impl<V: Vertex> Tape<V> {
         self.mergers.borrow()[id as usize]
     }
 
-    fn push_entry(&self, entry: Entry) {
-        self.entries.borrow_mut().push(entry);
-        self.prefixes.borrow_mut().push(None);
-    }
-
     /// Copies a place, of which the first `taken` steps have vertices, to the end of the tape.
     pub fn copy(&self, place: Place, taken: usize) {
-        for i in 0..place.len as usize {
-            let mut entry = self.step(place, i);
-            if i >= taken {
-                entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..entry };
+        let (n, mut entries) = (place.len as usize, self.entries.borrow_mut());
+        if n == 0 {
+            return;
+        }
+        let start = entries.len();
+        let (first, last) = (place.at(0), place.at(n - 1));
+        entries.extend_from_within(first.min(last)..first.max(last) + 1);
+        let copied = &mut entries[start..];
+        if place.reversed {
+            copied.reverse();
+            copied.iter_mut().for_each(|entry| entry.backward = !entry.backward);
+        }
+        for entry in &mut copied[taken.min(n)..] {
+            *entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..*entry };
+        }
+        // The vertex that an outermost step was made from may have been cut off.
+        for (i, backward) in [(0, false), (n - 1, true)] {
+            let entry = &mut copied[i];
+            if entry.backward == backward {
+                entry.visible = false;
+                entry.dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
             }
-            // The vertex that an outermost step was made from may have been cut off.
-            let outermost = if entry.backward { i + 1 == place.len as usize } else { i == 0 };
-            if outermost {
-                let dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
-                entry = Entry { visible: false, dirac, ..entry };
+        }
+        // What is known about a run holds only if this place sees all of it.
+        for (i, entry) in copied.iter_mut().enumerate() {
+            if entry.run as usize != entry.seen(i, n) {
+                entry.run = 0;
             }
-            // What is known about a run holds only if this place sees all of it.
-            let seen = if entry.backward { place.len as usize - i } else { i + 1 };
-            if entry.run as usize != seen {
-                entry = Entry { run: 0, prefix: self.len() as u32, ..entry };
-            }
-            self.push_entry(entry);
         }
     }
 
-    /// Takes step `i` of a place that is read forwards.
-    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>) {
-        let mut vertices = self.vertices.borrow_mut();
-        let vertex = vertices.len() as u32;
-        vertices.push(drawn.vertex);
-        let before = i.checked_sub(1).map(|before| self.step(place, before));
-        let run = match before {
+    /// Notes that there is a step with a Dirac factor.
+    #[inline]
+    fn note(&self, dirac: Option<Dirac>) {
+        if dirac == Some(Dirac::Direction) {
+            self.directed.set(true);
+        }
+    }
+
+    /// Takes step `i` of a place that is read forwards, with what the density of the vertex, the next one of
+    /// [`Tape::vertex_count`], depends on.
+    #[inline]
+    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, key: Key) {
+        let mut entries = self.entries.borrow_mut();
+        let run = match i.checked_sub(1).map(|before| entries[place.at(before)]) {
             None => 1,
-            Some(before) if !before.backward && before.run as usize == i => before.run + 1,
+            Some(before) if before.backward == place.reversed && before.run as usize == i => {
+                before.run + 1
+            }
             Some(_) => 0,
         };
-        let entry = &mut self.entries.borrow_mut()[place.at(i)];
-        *entry = Entry { vertex, run, visible: drawn.visible, dirac: drawn.dirac, ..*entry };
+        let mut vertices = self.vertices.borrow_mut();
+        let (visible, dirac) = (drawn.visible, drawn.dirac);
+        self.note(dirac);
+        let entry = &mut entries[place.at(i)];
+        *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
+        vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, key });
+    }
+
+    /// What drawing a vertex told of its density, if that depends on `key`.
+    #[inline]
+    pub fn told(&self, vertex: u32, key: &Key) -> Option<V::Real> {
+        let vertices = self.vertices.borrow();
+        vertices.get(vertex as usize).filter(|kept| kept.key == *key)?.value
+    }
+
+    /// The density with which vertex `k` of a place was drawn, if drawing it told: of a step of a run that
+    /// the place sees from its origin, before which there are the same vertices as then.
+    #[inline]
+    pub fn own(&self, place: Place, k: usize) -> Option<V::Real> {
+        let entries = self.entries.borrow();
+        let entry = &entries[place.at(k)];
+        let n = place.len as usize;
+        let seen = if entry.backward == place.reversed { k + 1 } else { n - k };
+        if entry.run as usize != seen || entry.merged != NONE {
+            return None;
+        }
+        self.vertices.borrow().get(entry.vertex as usize)?.value
+    }
+
+    /// Whether step `k` of two places goes the same way by the same strategy.
+    #[inline]
+    pub fn same_step(&self, a: Place, b: Place, k: usize) -> bool {
+        if a == b {
+            return true;
+        }
+        let entries = self.entries.borrow();
+        let same_way = a.reversed == b.reversed;
+        let (a, b) = (&entries[a.at(k)], &entries[b.at(k)]);
+        a.strategy == b.strategy
+            && (a.backward == b.backward) == same_way
+            && a.part == b.part
+            && a.merged == b.merged
+    }
+
+    /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends there.
+    #[inline]
+    pub fn run_name(&self, place: Place, k: usize) -> Option<u32> {
+        let entry = &self.entries.borrow()[place.at(k)];
+        let named =
+            entry.backward == place.reversed && entry.run as usize == k + 1 && entry.part.is_last();
+        named.then_some(entry.vertex)
+    }
+
+    /// Of a path that is one run, the names of the run without its last draw and of all of it, and the density
+    /// of the last vertex, if drawing it told.
+    #[inline]
+    pub fn last_of_run(&self, place: Place) -> Option<(u32, u32, V::Real)> {
+        let before = (place.len as usize).checked_sub(2)?;
+        let entries = self.entries.borrow();
+        let last = &entries[place.at(before + 1)];
+        if last.backward != place.reversed || last.run != place.len || last.part.is_joint() {
+            return None;
+        }
+        let value = self.vertices.borrow().get(last.vertex as usize)?.value?;
+        Some((entries[place.at(before)].vertex, last.vertex, value))
+    }
+
+    /// Whether no step of the tape leads in a single direction.
+    #[inline]
+    pub fn is_undirected(&self) -> bool {
+        !self.directed.get()
+    }
+
+    /// The first step, from `k` on, that two places of one length do not make alike, whatever its vertex.
+    #[inline]
+    pub fn next_unlike(&self, a: Place, b: Place, k: usize) -> Option<usize> {
+        let entries = self.entries.borrow();
+        let same_way = a.reversed == b.reversed;
+        (k..a.len as usize).find(|k| {
+            let (a, b) = (&entries[a.at(*k)], &entries[b.at(*k)]);
+            a.strategy != b.strategy
+                || (a.backward == b.backward) != same_way
+                || a.part != b.part
+                || a.merged != b.merged
+        })
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.
     pub fn take_run(&self, place: Place, i: usize, drawn: &DrawnRun<V>) {
         for (j, vertex) in drawn.vertices().iter().enumerate() {
             let visible = drawn.visible && j > 0;
-            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) });
+            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) }, NOTHING);
         }
     }
 
@@ -308,31 +431,31 @@ impl<V: Vertex> Tape<V> {
     #[inline]
     pub fn vertex(&self, at: usize) -> Option<V> {
         let id = self.entry(at).vertex;
-        self.vertices.borrow().get(id as usize).copied()
+        self.vertices.borrow().get(id as usize).map(|kept| kept.vertex)
     }
 
-    pub fn prefix(&self, id: u32) -> Option<PathDensity<V::Real>> {
-        self.prefixes.borrow()[id as usize]
+    /// The density of a run, by its name.
+    pub fn run_density(&self, name: u32) -> Option<PathDensity<V::Real>> {
+        self.runs.borrow().get(name as usize).copied().flatten()
     }
 
-    pub fn set_prefix(&self, id: u32, density: PathDensity<V::Real>) {
-        self.prefixes.borrow_mut()[id as usize] = Some(density);
+    pub fn set_run_density(&self, name: u32, density: PathDensity<V::Real>) {
+        let runs = &mut self.runs.borrow_mut();
+        if runs.len() <= name as usize {
+            runs.resize(name as usize + 1, None);
+        }
+        runs[name as usize] = Some(density);
     }
 
     /// Whether step `i` of a place is known to see step `i - 1`.
+    #[inline]
     pub fn visible(&self, place: Place, i: usize) -> bool {
         let (step, before) = (self.step(place, i), self.step(place, i - 1));
-        (!step.backward && step.visible)
-            || (before.backward && before.visible)
-            || self.is_merged_from(place, i, true)
-            || self.is_merged_from(place, i - 1, false)
-    }
-
-    /// Whether vertex `i` of a place has been merged, and `forward` is the direction of the second step to it:
-    /// its vertex saw the one that it was made from.
-    fn is_merged_from(&self, place: Place, i: usize, forward: bool) -> bool {
-        let step = self.step(place, i);
-        step.merged != NONE && step.backward == forward
+        // A vertex that has been merged was reached from the other side too.
+        let reached = |step: Entry, backward: bool| {
+            if step.backward == backward { step.visible } else { step.merged != NONE }
+        };
+        reached(step, false) || reached(before, true)
     }
 
     /// Whether vertex `i` of a place carries a Dirac factor.
@@ -351,6 +474,7 @@ impl<V: Vertex> Tape<V> {
         };
         match dirac {
             Dirac::Position => self.step(place, i).dirac == Some(Dirac::Position),
+            Dirac::Direction if !self.directed.get() => false,
             Dirac::Direction => {
                 (i + 1 < place.len as usize && made(i + 1, false)) || (i > 0 && made(i - 1, true))
             }

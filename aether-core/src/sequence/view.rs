@@ -25,17 +25,20 @@ impl<'p, V: Vertex> PathView<'p, V> {
         PathView { source: Source::Slice(vertices), hidden: 0, dirac: None }
     }
 
+    #[inline]
     pub(crate) fn of_tape(tape: &'p Tape<V>, place: Place) -> Self {
         PathView { source: Source::Tape(tape, place), hidden: 0, dirac: None }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
+    #[inline]
     pub fn asking(self, dirac: Option<Dirac>) -> Self {
         PathView { dirac, ..self }
     }
 
     /// The same path with only what is declared to be read: older vertices are hidden and, if the
     /// length is not declared, cut off.
+    #[inline]
     pub fn limited(self, reads: Reads) -> Self {
         let excess = self.len().saturating_sub(reads.vertices);
         if reads.length {
@@ -99,6 +102,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
 
     /// Whether vertex `i` is known to see vertex `i - 1`, because one was found from the other by a
     /// ray cast.
+    #[inline]
     pub fn visible(&self, i: usize) -> bool {
         match self.source {
             Source::Tape(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
@@ -109,6 +113,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// Whether vertex `i` carries this Dirac factor: it lies at a fixed position, or it scatters (or
     /// emits) in a single direction. In an integrand this tells the mirror of a layered material
     /// from its diffuse base.
+    #[inline]
     pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
         match self.source {
             Source::Tape(tape, place) if i < self.len() => tape.carries(place, i, dirac),

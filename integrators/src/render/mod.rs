@@ -27,7 +27,7 @@ mod windows;
 pub use engine::{Rendered, render, resume};
 pub use film::Film;
 pub use progress::{Observer, Progress};
-pub use splats::{Layer, Splats, Technique};
+pub use splats::{Layer, SplatSums, Splats, Technique};
 pub use windows::WINDOW;
 
 use std::io::{self, Read, Write};

@@ -4,6 +4,7 @@
 //! what it is compared with: the same values on the same inputs, zero outside of the support, on the back
 //! side, and for coordinates that are no finite numbers. The binary `twins` compares instructions and time.
 
+pub mod bidirectional;
 pub mod direction;
 pub mod line;
 pub mod measure;

@@ -7,6 +7,7 @@ use std::f32::consts::FRAC_1_PI;
 use aether_core::discrete::Discrete;
 use aether_core::prelude::{Direction, Frame, Sampler, Vec2};
 use aether_core::uniform::{UniformSource, draw_uniforms};
+use aether_core::work::count_densities;
 use glam::Vec3;
 use integrators::integrator::Integrator;
 use integrators::kind::{Facetted, Presence, SceneKind};
@@ -27,8 +28,8 @@ use integrators::world::World;
 pub struct PathByHand(pub PathSettings);
 
 /// Numbers of the blocks of sampling dimensions for a vertex: by scattering, and on a light.
-const BLOCKS: u32 = 8;
-const TO_LIGHT: u32 = 1;
+pub(super) const BLOCKS: u32 = 8;
+pub(super) const TO_LIGHT: u32 = 1;
 
 /// Whether a scene has no more than this path tracer knows: a pinhole, and lights that are triangles or spheres.
 pub fn supports(scene: &Scene) -> bool {
@@ -43,18 +44,18 @@ pub fn supports(scene: &Scene) -> bool {
 }
 
 /// A direction that scattering has found, and what it carries.
-struct Scattered {
-    w: Direction<f32>,
+pub(super) struct Scattered {
+    pub(super) w: Direction<f32>,
     /// Density in solid angle; of an atom, nothing.
-    density: Option<f32>,
+    pub(super) density: Option<f32>,
     /// Scattering and cosine over density or probability.
-    weight: Vec3,
+    pub(super) weight: Vec3,
 }
 
 /// A point of a light, and the density of its direction in solid angle.
-struct Lit<K: SceneKind> {
-    vertex: SceneVertex<K>,
-    density: f32,
+pub(super) struct Lit<K: SceneKind> {
+    pub(super) vertex: SceneVertex<K>,
+    pub(super) density: f32,
 }
 
 impl Integrator for PathByHand {
@@ -117,7 +118,7 @@ impl Integrator for PathByHand {
 }
 
 /// A direction through the film, distributed by the filter: what it carries is one.
-fn camera_direction<K: SceneKind>(
+pub(super) fn camera_direction<K: SceneKind>(
     world: &World<'_, K>,
     eye: &SceneVertex<K>,
     pixel: Pixel,
@@ -153,12 +154,12 @@ fn camera_direction<K: SceneKind>(
 
 /// A vector of a frame in world coordinates.
 #[inline]
-fn to_world(frame: &Frame<f32>, local: Vec3) -> Direction<f32> {
+pub(super) fn to_world(frame: &Frame<f32>, local: Vec3) -> Direction<f32> {
     Direction::from_unit(frame.to_world(aether_core::Vec3::from(local)))
 }
 
 /// The surface that a ray meets.
-fn meet<K: SceneKind>(
+pub(super) fn meet<K: SceneKind>(
     world: &World<'_, K>,
     from: &SceneVertex<K>,
     w: &Direction<f32>,
@@ -170,7 +171,7 @@ fn meet<K: SceneKind>(
 }
 
 /// A direction by one of the lobes.
-fn scatter<K: SceneKind>(
+pub(super) fn scatter<K: SceneKind>(
     scattering: &Scattering<'_, K>,
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Scattered> {
@@ -207,7 +208,8 @@ fn scatter<K: SceneKind>(
 }
 
 /// The density of a direction of the frame in solid angle, by all lobes.
-fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, local: Vec3) -> f32 {
+pub(super) fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, local: Vec3) -> f32 {
+    count_densities(1);
     let density = |index: usize| {
         let weighted = scattering.lobe(index)?;
         let density = match weighted.lobe {
@@ -249,12 +251,13 @@ fn direct<K: SceneKind>(
 }
 
 /// A point of a light.
-fn sample_light<K: SceneKind>(
+pub(super) fn sample_light<K: SceneKind>(
     world: &World<'_, K>,
     here: &SceneVertex<K>,
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Lit<K>> {
     let lights = world.lights.seen_from(here)?;
+    count_densities(1);
     let choice = lights.sample(uniforms.next());
     let Light::Area(light) = choice.item else { return None };
     let light = K::Area::get_ref(light);
@@ -301,11 +304,12 @@ fn by_area<K: SceneKind>(light: &AreaLight, here: &SceneVertex<K>, there: &Scene
 }
 
 /// The density in solid angle with which [`sample_light`] finds a vertex.
-fn light_density<K: SceneKind>(
+pub(super) fn light_density<K: SceneKind>(
     world: &World<'_, K>,
     here: &SceneVertex<K>,
     there: &SceneVertex<K>,
 ) -> f32 {
+    count_densities(1);
     let density = || {
         let choice = world.lights.seen_from(here)?.get(world.lights.index_of(there)?)?;
         let Light::Area(light) = choice.item else { return None };
