@@ -45,8 +45,8 @@ pub enum Light<K: SceneKind> {
 }
 
 /// More lights than this are chosen by a hierarchy: it pays when lights differ in what they do at a place,
-/// and costs a walk down a tree.
-const FEW: usize = 16;
+/// and costs a walk down a tree. Two are often one: the halves of a rectangle.
+const FEW: usize = 2;
 
 /// A choice of lights in proportion to their power.
 pub type PowerChoice<K> = Choices<Vec<Light<K>>, Light<K>, f32>;

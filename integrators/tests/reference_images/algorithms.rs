@@ -100,12 +100,16 @@ fn light_tracing_agrees_with_the_stored_images() {
 }
 
 #[test]
-fn tridirectional_path_tracing_agrees_with_the_stored_image() {
-    let scene = scene("models/portal-room-tridir");
-    let portals = Portals::new(&scene).expect("a portal");
-    let algorithm = Algorithm::Tridirectional(Tridirectional { path: settings(&scene), portals });
-    let film = rendered(algorithm, &scene, 16, 4);
-    assert_alike([("tridir".to_owned(), film, Reference::stored("models/portal-room"))]);
+fn tridirectional_path_tracing_agrees_with_the_stored_images() {
+    // A lamp in the next room, and the sky and the sun behind a window.
+    assert_alike([("models/portal-room", 16), ("models/daylight", 16)].map(|(name, samples)| {
+        let scene = scene(&format!("{name}-tridir"));
+        let portals = Portals::new(&scene).expect("a portal");
+        let path = settings(&scene);
+        let algorithm = Algorithm::Tridirectional(Tridirectional { path, portals });
+        let film = rendered(algorithm, &scene, samples, 4);
+        (format!("tridir, {name}"), film, Reference::stored(name))
+    }));
 }
 
 /// Seeds that integrators are rendered with whose pixels or samples depend on each other.

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""The pictures of README.md: renders of `aether` beside each other or beside Mitsuba 3, and what they differ by.
+
+    make.py beside SCENE --integrator NAME --spp N --peer-spp N    one algorithm beside Mitsuba's path tracer
+    make.py equal SCENE --integrators A,B --spp N                  algorithms with the same samples, and their errors
+    make.py gradients SCENE --spp N                                what a gradient-domain render is made of
+
+Each with -o PICTURE.jpg [--size WxH] [--aether PROGRAM] [--depth N] [--option OPTION]..., run by a Python that can
+import mitsuba (3.9, with an LLVM that DRJIT_LIBLLVM_PATH names). Errors are those of linear images: MSE is the mean of
+(x - r)^2, relMSE that of (x - r)^2 / (r^2 + 0.01), where r is the mean of `--reference-spp` samples, of all the
+integrators together. The same exposure is used for all parts of a picture.
+"""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import mitsuba as mi
+
+mi.set_variant("llvm_ad_rgb")
+mi.set_log_level(mi.LogLevel.Error)
+import numpy as np  # noqa: E402
+
+
+def read(path):
+    """The colours of an image as an array, and its seconds of rendering."""
+    bitmap = mi.Bitmap(str(path))
+    seconds = float(bitmap.metadata()["seconds"]) if "seconds" in bitmap.metadata() else None
+    data, names = np.array(bitmap).astype(np.float64), [field.name for field in bitmap.struct_()]
+    return np.stack([data[:, :, names.index(channel)] for channel in "RGB"], axis=2), seconds
+
+
+def aether(options, integrator, spp, *more, parts=("",)):
+    """Renders with `aether`; the image, and the other files that it writes."""
+    with tempfile.TemporaryDirectory() as directory:
+        out = pathlib.Path(directory) / "out.exr"
+        command = [options.aether, "render", options.scene, "--integrator", integrator, "-o", str(out)]
+        command += ["--size", options.size, "--max-depth", str(options.depth), *options.option, *map(str, more)]
+        command += ["--spp", str(spp)] if spp else []
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        return [read(out.with_name(f"out{part}.exr")) for part in parts]
+
+
+def modern(text):
+    """A scene file of Mitsuba 0.5 as Mitsuba 3 takes it: spectra of three numbers are colours, of one number too, a
+    film for display is one for floats, textures are scaled by a transform (and not moved), integrators that only the file's authors have are left to the caller."""
+    def colour(match):
+        name, numbers = match.group(1), match.group(2).replace(",", " ").split()
+        return f'<rgb name="{name}" value="{" ".join(numbers * (3 if len(numbers) == 1 else 1))}"'
+
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
+    text = re.sub(r'<spectrum name="(\w+)" value="([\d., ]+)"', colour, text)
+    text = re.sub(r'<integrator type="\w+"\s*/>|<integrator.*?</integrator>', "", text, flags=re.S)
+    film = r'(<film )type="ldrfilm"(>.*?)(?:<(?:boolean|float|string) name="(?:banner|exposure|gamma|tonemapMethod)"[^>]*/>\s*)+'
+    text = re.sub(film, r'\1type="hdrfilm"\2', text, flags=re.S)
+    text = re.sub(r'<film type="ldrfilm"', '<film type="hdrfilm"', text)
+    scaled = r'<transform name="to_uv"><scale value="\1"/></transform>'
+    text = re.sub(r'<float name="uvscale" value="([\d.]+)"/>', scaled, text)
+    text = re.sub(r'<float name="[uv]offset" value="[\d.]+"/>', "", text)
+    # A texture that scales another one by one is that one.
+    return re.sub(r'<texture type="scale">\s*<float name="scale" value="1.0"/>(.*?</texture>)\s*</texture>', r"\1", text, flags=re.S)
+
+
+def mitsuba(options, spp):
+    """The image that Mitsuba's path tracer makes of the same file."""
+    path = pathlib.Path(options.scene).resolve()
+    text = path.read_text()
+    old = re.search(r'<scene version="0', text)
+    mi.file_resolver().append(str(path.parent))
+    scene = mi.load_string(modern(text)) if old else mi.load_file(str(path))
+    width, height = map(int, options.size.split("x"))
+    sensor = scene.sensors()[0]
+    film = mi.traverse(sensor)
+    film["film.size"] = mi.ScalarVector2u(width, height)
+    film.update()
+    path_tracer = mi.load_dict({"type": "path", "max_depth": options.depth})
+    part = max(1, min(spp, (1 << 23) // (width * height)))
+    images = [np.array(mi.render(scene, sensor=sensor, integrator=path_tracer, spp=part, seed=seed))
+              for seed in range(max(1, spp // part))]
+    return np.mean([image[..., :3].astype(np.float64) for image in images], axis=0)
+
+
+def write(options, rows, exposure):
+    """Rows of images of one size, with the same exposure, as one picture."""
+    gap = 4
+    height, width, _ = rows[0][0].shape
+    most = max(map(len, rows))
+    sheet = np.ones((len(rows) * (height + gap) - gap, most * (width + gap) - gap, 3))
+    for i, row in enumerate(rows):
+        for k, image in enumerate(row):
+            y, x = i * (height + gap), k * (width + gap)
+            sheet[y:y + height, x:x + width] = np.clip(image * exposure, 0, 1)
+    eight_bits = mi.Bitmap(sheet.astype(np.float32)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True)
+    eight_bits.write(options.output, quality=90)
+
+
+def exposure_of(image, options):
+    """So that all but the brightest twentieth fits."""
+    return options.exposure or 0.9 / np.quantile(image.mean(axis=2), 0.95)
+
+
+def errors(image, truth):
+    square = (image - truth) ** 2
+    return square.mean(), (square / (truth**2 + 0.01)).mean()
+
+
+def beside(options):
+    """One algorithm, and Mitsuba's path tracer."""
+    (ours, seconds), = aether(options, options.integrator, options.spp)
+    theirs = mitsuba(options, options.peer_spp)
+    print(f"{options.integrator}: {seconds:.1f} s, mean {ours.mean((0, 1))}; Mitsuba's {theirs.mean((0, 1))}; "
+          f"ratio {ours.mean() / theirs.mean():.4f}")
+    # The same without what is brighter than white: rare and bright paths decide the mean of a noisy image.
+    exposure = exposure_of(theirs, options)
+    seen = [np.minimum(image * exposure, 1).mean() for image in (ours, theirs)]
+    print(f"ratio of what is seen {seen[0] / seen[1]:.4f}")
+    write(options, [[ours, theirs]], exposure)
+
+
+def equal(options):
+    """Algorithms with the same number of samples, and their errors."""
+    names = options.integrators.split(",")
+    truths = [aether(options, name, options.reference_spp, "--seed", 1000)[0][0] for name in names]
+    truth = np.mean(truths, axis=0)
+    images = []
+    for name in names:
+        runs = [aether(options, name, options.spp, "--seed", seed)[0] for seed in range(options.runs)]
+        both = np.mean([errors(image, truth) for image, _ in runs], axis=0)
+        seconds = np.mean([seconds for _, seconds in runs])
+        print(f"{name}: MSE {both[0]:.4g}, relMSE {both[1]:.4g}, {seconds:.2f} s, mean {truths[len(images)].mean():.5g} "
+              f"of {options.reference_spp} samples, their MSE {errors(truths[len(images)], truth)[0]:.2g}")
+        images.append(runs[0][0])
+    write(options, [[*images, truth]], exposure_of(truth, options))
+
+
+def gradients(options):
+    """The parts of a gradient-domain render, path tracing at equal samples and at equal time, and the errors."""
+    truth = aether(options, "path", options.reference_spp, "--seed", 1000)[0][0]
+    parts = ("", "-primal", "-dx", "-dy")
+    (l1, seconds), (primal, _), (dx, _), (dy, _) = aether(options, "gdpt", options.spp, parts=parts)
+    (l2, _), = aether(options, "gdpt", options.spp, "--reconstruction", "l2")
+    (path, _), = aether(options, "path", options.spp)
+    (longer, _), = aether(options, "path", None, "--time", seconds)
+    named = {"primal": primal, "L1": l1, "L2": l2, "path, equal samples": path, "path, equal time": longer}
+    for name, image in named.items():
+        print(f"{name}: relMSE {errors(image, truth)[1]:.4g}")
+    exposure = exposure_of(truth, options)
+    shown = [0.5 / exposure + 2.0 * image for image in (dx, dy)]
+    write(options, [[primal, *shown], [l1, l2, longer]], exposure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("figure", choices=["beside", "equal", "gradients"])
+    parser.add_argument("scene")
+    parser.add_argument("-o", "--output", required=True)
+    parser.add_argument("--aether", default="target/release/aether")
+    parser.add_argument("--size", default="256x192")
+    parser.add_argument("--depth", type=int, default=-1)
+    parser.add_argument("--integrator", default="path")
+    parser.add_argument("--integrators", default="bdpt,tridir")
+    parser.add_argument("--option", action="append", default=[], help="of aether, as --option=--portal=ID")
+    parser.add_argument("--spp", type=int, default=16)
+    parser.add_argument("--peer-spp", type=int, default=256)
+    parser.add_argument("--reference-spp", type=int, default=256)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--exposure", type=float)
+    options = parser.parse_args()
+    {"beside": beside, "equal": equal, "gradients": gradients}[options.figure](options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
