@@ -69,7 +69,7 @@ def mitsuba(options, spp):
     path = pathlib.Path(options.scene).resolve()
     text = path.read_text()
     old = re.search(r'<scene version="0', text)
-    mi.file_resolver().append(str(path.parent))
+    mi.file_resolver().prepend(str(path.parent))
     scene = mi.load_string(modern(text)) if old else mi.load_file(str(path))
     width, height = map(int, options.size.split("x"))
     sensor = scene.sensors()[0]
