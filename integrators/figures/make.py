@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""The pictures of README.md: renders of `aether` beside each other or beside Mitsuba 3, and what they differ by.
+"""The pictures of README.md: renders of `aether` beside each other and beside Mitsuba 3, and what they differ by.
 
-    make.py beside SCENE --integrator NAME --spp N --peer-spp N    one algorithm beside Mitsuba's path tracer
-    make.py equal SCENE --integrators A,B --spp N                  algorithms with the same samples, and their errors
-    make.py gradients SCENE --spp N                                what a gradient-domain render is made of
+    make.py beside SCENE --integrator NAME --spp N       one algorithm beside Mitsuba's path tracer
+    make.py equal SCENE --integrators A,B --spp N        algorithms with the same samples, the truth, and their errors
+    make.py gradients SCENE --spp N                      what a gradient-domain render is made of, and its errors
 
-Each with -o PICTURE.jpg [--size WxH] [--aether PROGRAM] [--depth N] [--option OPTION]..., run by a Python that can
-import mitsuba (3.9, with an LLVM that DRJIT_LIBLLVM_PATH names). Errors are those of linear images: MSE is the mean of
-(x - r)^2, relMSE that of (x - r)^2 / (r^2 + 0.01), where r is the mean of `--reference-spp` samples, of all the
-integrators together. The same exposure is used for all parts of a picture.
+Each with -o PICTURE.jpg [--peer-spp N] [--size WxH] [--depth N] [--portal ID] [--option OPTION]... [--aether PROGRAM],
+run by a Python that can import mitsuba (3.9, with an LLVM that DRJIT_LIBLLVM_PATH names). The truth is the image of
+Mitsuba's path tracer with `--peer-spp` samples. Errors are those of linear images: MSE is the mean of (x - r)^2,
+relMSE that of (x - r)^2 / (r^2 + 0.01). All parts of a picture have the same exposure.
 """
 
 import argparse
@@ -40,6 +40,7 @@ def aether(options, integrator, spp, *more, parts=("",)):
         command = [options.aether, "render", options.scene, "--integrator", integrator, "-o", str(out)]
         command += ["--size", options.size, "--max-depth", str(options.depth), *options.option, *map(str, more)]
         command += ["--spp", str(spp)] if spp else []
+        command += ["--portal", options.portal] if options.portal else []
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         return [read(out.with_name(f"out{part}.exr")) for part in parts]
 
@@ -69,8 +70,10 @@ def mitsuba(options, spp):
     path = pathlib.Path(options.scene).resolve()
     text = path.read_text()
     old = re.search(r'<scene version="0', text)
+    if options.portal:
+        text = re.sub(rf'<shape [^>]*id="{options.portal}">.*?</shape>', "", text, flags=re.S)
     mi.file_resolver().prepend(str(path.parent))
-    scene = mi.load_string(modern(text)) if old else mi.load_file(str(path))
+    scene = mi.load_string(modern(text) if old else text)
     width, height = map(int, options.size.split("x"))
     sensor = scene.sensors()[0]
     film = mi.traverse(sensor)
@@ -94,7 +97,7 @@ def write(options, rows, exposure):
             y, x = i * (height + gap), k * (width + gap)
             sheet[y:y + height, x:x + width] = np.clip(image * exposure, 0, 1)
     eight_bits = mi.Bitmap(sheet.astype(np.float32)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.UInt8, True)
-    eight_bits.write(options.output, quality=90)
+    eight_bits.write(options.output, quality=88 if options.output.endswith(".jpg") else -1)
 
 
 def exposure_of(image, options):
@@ -107,49 +110,43 @@ def errors(image, truth):
     return square.mean(), (square / (truth**2 + 0.01)).mean()
 
 
-def beside(options):
+def beside(options, truth, exposure):
     """One algorithm, and Mitsuba's path tracer."""
-    (ours, seconds), = aether(options, options.integrator, options.spp)
-    theirs = mitsuba(options, options.peer_spp)
-    print(f"{options.integrator}: {seconds:.1f} s, mean {ours.mean((0, 1))}; Mitsuba's {theirs.mean((0, 1))}; "
-          f"ratio {ours.mean() / theirs.mean():.4f}")
-    # The same without what is brighter than white: rare and bright paths decide the mean of a noisy image.
-    exposure = exposure_of(theirs, options)
-    seen = [np.minimum(image * exposure, 1).mean() for image in (ours, theirs)]
-    print(f"ratio of what is seen {seen[0] / seen[1]:.4f}")
-    write(options, [[ours, theirs]], exposure)
+    ours, seconds = read(options.ours) if options.ours else aether(options, options.integrator, options.spp)[0]
+    # The second without what is brighter than white: rare and bright paths decide the mean of a noisy image.
+    seen = [np.minimum(image * exposure, 1).mean() for image in (ours, truth)]
+    print(f"{options.integrator}: {seconds:.1f} s, relMSE {errors(ours, truth)[1]:.4g}; mean over Mitsuba's "
+          f"{ours.mean() / truth.mean():.4f}, of what is no brighter than white {seen[0] / seen[1]:.4f}")
+    return [[ours, truth]]
 
 
-def equal(options):
-    """Algorithms with the same number of samples, and their errors."""
-    names = options.integrators.split(",")
-    truths = [aether(options, name, options.reference_spp, "--seed", 1000)[0][0] for name in names]
-    truth = np.mean(truths, axis=0)
-    images = []
-    for name in names:
+def equal(options, truth, exposure):
+    """Algorithms with the same number of samples, and their errors over several seeds."""
+    shown = []
+    for name in options.integrators.split(","):
         runs = [aether(options, name, options.spp, "--seed", seed)[0] for seed in range(options.runs)]
-        both = np.mean([errors(image, truth) for image, _ in runs], axis=0)
+        both = np.array([errors(image, truth) for image, _ in runs])
         seconds = np.mean([seconds for _, seconds in runs])
-        print(f"{name}: MSE {both[0]:.4g}, relMSE {both[1]:.4g}, {seconds:.2f} s, mean {truths[len(images)].mean():.5g} "
-              f"of {options.reference_spp} samples, their MSE {errors(truths[len(images)], truth)[0]:.2g}")
-        images.append(runs[0][0])
-    write(options, [[*images, truth]], exposure_of(truth, options))
+        mean = np.mean([image for image, _ in runs]) / truth.mean()
+        print(f"{name}: MSE {both[:, 0].mean():.4g} (median {np.median(both[:, 0]):.4g}), relMSE {both[:, 1].mean():.4g}, "
+              f"{seconds:.2f} s, mean over Mitsuba's {mean:.4f}")
+        shown.append(runs[0][0])
+    return [[*shown, truth]]
 
 
-def gradients(options):
+def gradients(options, truth, exposure):
     """The parts of a gradient-domain render, path tracing at equal samples and at equal time, and the errors."""
-    truth = aether(options, "path", options.reference_spp, "--seed", 1000)[0][0]
     parts = ("", "-primal", "-dx", "-dy")
     (l1, seconds), (primal, _), (dx, _), (dy, _) = aether(options, "gdpt", options.spp, parts=parts)
     (l2, _), = aether(options, "gdpt", options.spp, "--reconstruction", "l2")
-    (path, _), = aether(options, "path", options.spp)
-    (longer, _), = aether(options, "path", None, "--time", seconds)
+    (path, fewer), = aether(options, "path", options.spp)
+    (longer, _), = aether(options, "path", round(options.spp * seconds / fewer))
     named = {"primal": primal, "L1": l1, "L2": l2, "path, equal samples": path, "path, equal time": longer}
     for name, image in named.items():
         print(f"{name}: relMSE {errors(image, truth)[1]:.4g}")
-    exposure = exposure_of(truth, options)
+    print(f"{seconds:.1f} s, path {fewer:.1f} s")
     shown = [0.5 / exposure + 2.0 * image for image in (dx, dy)]
-    write(options, [[primal, *shown], [l1, l2, longer]], exposure)
+    return [[primal, *shown], [l1, l2, longer]]
 
 
 def main():
@@ -160,16 +157,20 @@ def main():
     parser.add_argument("--aether", default="target/release/aether")
     parser.add_argument("--size", default="256x192")
     parser.add_argument("--depth", type=int, default=-1)
+    parser.add_argument("--portal", help="a shape that is an opening")
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--integrators", default="bdpt,tridir")
-    parser.add_argument("--option", action="append", default=[], help="of aether, as --option=--portal=ID")
+    parser.add_argument("--option", action="append", default=[], help="of aether, as --option=--light-paths=827")
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--peer-spp", type=int, default=256)
-    parser.add_argument("--reference-spp", type=int, default=256)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--exposure", type=float)
+    parser.add_argument("--ours", help="an image that was rendered before")
     options = parser.parse_args()
-    {"beside": beside, "equal": equal, "gradients": gradients}[options.figure](options)
+    truth = mitsuba(options, options.peer_spp)
+    exposure = exposure_of(truth, options)
+    make = {"beside": beside, "equal": equal, "gradients": gradients}[options.figure]
+    write(options, make(options, truth, exposure), exposure)
 
 
 if __name__ == "__main__":

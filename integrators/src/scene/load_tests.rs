@@ -202,7 +202,7 @@ fn materials_say_what_is_wrong() {
         (
             "blendbsdf",
             &format!("{matte}{bumped}{}", alpha("weight", "0.5")),
-            "put the mask or the bump",
+            "must be turned by the same texture",
         ),
         (
             "blendbsdf",
