@@ -5,7 +5,7 @@
     make.py equal SCENE --integrators A,B --spp N        algorithms with the same samples, the truth, and their errors
     make.py gradients SCENE --spp N                      what a gradient-domain render is made of, and its errors
 
-Each with -o PICTURE.jpg [--peer-spp N] [--size WxH] [--depth N] [--portal ID] [--option OPTION]... [--aether PROGRAM],
+Each with -o PICTURE.jpg [--peer-spp N] [--size WxH] [--depth N] [--opening XML] [--option OPTION]... [--aether PROGRAM],
 run by a Python that can import mitsuba (3.9, with an LLVM that DRJIT_LIBLLVM_PATH names). The truth is the image of
 Mitsuba's path tracer with `--peer-spp` samples. Errors are those of linear images: MSE is the mean of (x - r)^2,
 relMSE that of (x - r)^2 / (r^2 + 0.01). All parts of a picture have the same exposure.
@@ -36,13 +36,25 @@ def read(path):
 def aether(options, integrator, spp, *more, parts=("",)):
     """Renders with `aether`; the image, and the other files that it writes."""
     with tempfile.TemporaryDirectory() as directory:
-        out = pathlib.Path(directory) / "out.exr"
-        command = [options.aether, "render", options.scene, "--integrator", integrator, "-o", str(out)]
+        out, scene = pathlib.Path(directory) / "out.exr", pathlib.Path(options.scene).resolve()
+        if options.opening:
+            scene = opened(scene, options.opening, pathlib.Path(directory))
+        command = [options.aether, "render", scene, "--integrator", integrator, "-o", str(out)]
         command += ["--size", options.size, "--max-depth", str(options.depth), *options.option, *map(str, more)]
         command += ["--spp", str(spp)] if spp else []
-        command += ["--portal", options.portal] if options.portal else []
+        command += ["--portal", "opening"] if options.opening else []
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         return [read(out.with_name(f"out{part}.exr")) for part in parts]
+
+
+def opened(scene, shape, directory):
+    """A copy of a scene file with one more shape, beside links to all that the file may name."""
+    for other in scene.parent.iterdir():
+        if other.name != scene.name:
+            (directory / other.name).symlink_to(other)
+    copy = directory / scene.name
+    copy.write_text(scene.read_text().replace("</scene>", f"{shape}</scene>"))
+    return copy
 
 
 def modern(text):
@@ -55,12 +67,13 @@ def modern(text):
     text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
     text = re.sub(r'<spectrum name="(\w+)" value="([\d., ]+)"', colour, text)
     text = re.sub(r'<integrator type="\w+"\s*/>|<integrator.*?</integrator>', "", text, flags=re.S)
-    film = r'(<film )type="ldrfilm"(>.*?)(?:<(?:boolean|float|string) name="(?:banner|exposure|gamma|tonemapMethod)"[^>]*/>\s*)+'
+    film = r'(<film )type="ldrfilm"(>.*?)(?:<(?:boolean|float|string) name="(?:banner|exposure|gamma|tonemapMethod|filename)"[^>]*/>\s*)+'
     text = re.sub(film, r'\1type="hdrfilm"\2', text, flags=re.S)
     text = re.sub(r'<film type="ldrfilm"', '<film type="hdrfilm"', text)
     scaled = r'<transform name="to_uv"><scale value="\1"/></transform>'
     text = re.sub(r'<float name="uvscale" value="([\d.]+)"/>', scaled, text)
     text = re.sub(r'<float name="[uv]offset" value="[\d.]+"/>', "", text)
+    text = re.sub(r'<float name="maxSmoothAngle" value="[\d.]+"/>', "", text)
     # A texture that scales another one by one is that one.
     return re.sub(r'<texture type="scale">\s*<float name="scale" value="1.0"/>(.*?</texture>)\s*</texture>', r"\1", text, flags=re.S)
 
@@ -70,8 +83,6 @@ def mitsuba(options, spp):
     path = pathlib.Path(options.scene).resolve()
     text = path.read_text()
     old = re.search(r'<scene version="0', text)
-    if options.portal:
-        text = re.sub(rf'<shape [^>]*id="{options.portal}">.*?</shape>', "", text, flags=re.S)
     mi.file_resolver().prepend(str(path.parent))
     scene = mi.load_string(modern(text) if old else text)
     width, height = map(int, options.size.split("x"))
@@ -157,7 +168,7 @@ def main():
     parser.add_argument("--aether", default="target/release/aether")
     parser.add_argument("--size", default="256x192")
     parser.add_argument("--depth", type=int, default=-1)
-    parser.add_argument("--portal", help="a shape that is an opening")
+    parser.add_argument("--opening", help="XML of a shape that is a portal, with the id `opening`")
     parser.add_argument("--integrator", default="path")
     parser.add_argument("--integrators", default="bdpt,tridir")
     parser.add_argument("--option", action="append", default=[], help="of aether, as --option=--light-paths=827")

@@ -111,10 +111,10 @@ mod tests {
 
     #[test]
     fn directions_through_a_triangle_have_densities_of_its_solid_angle() {
-        battery::check(&unit_triangle::<f64>()).assert_ok();
+        battery::check(&unit_triangle()).assert_ok();
         let opening =
             Opening { corner: Vector::new(0.2, -0.3, 1.0), sides: [Vector::X, Vector::Y] };
-        let seen = unit_triangle::<f32>().then(opening.seen_from(Vector::ZERO));
+        let seen = unit_triangle().then(opening.seen_from(Vector::ZERO));
         for u in [[0.1, 0.2], [0.5, 0.5], [0.9, 0.3]] {
             let w = seen.sample(u);
             let w: Vector = w.value().vec().into();

@@ -22,6 +22,10 @@ use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, light_path};
 use crate::world::World;
 
+/// Surfaces all of whose lobes are less rough than this are followed like mirrors: hardly a photon comes from where
+/// they reflect much.
+const SMOOTH: f32 = 0.1;
+
 /// Settings of photon mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonMapping {
@@ -113,15 +117,16 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         if longest >= 2 && !path.hide_emitters {
             value += radiance.of(&camera);
         }
-        // What is seen in mirrors is followed; everything else is lit by the photons.
+        // What is seen in mirrors, and in what is nearly one, is followed; everything else is lit by the photons.
         while camera.is_complete() && camera.len() < longest {
             let (Some(here), Some(before)) = (camera.last(), camera.vertex(camera.len() - 2))
             else {
                 break;
             };
-            if let (Some(surface), Some(scattering)) =
-                (here.surface(), world.scattering(&here, &before))
-            {
+            let scattering = world.scattering(&here, &before);
+            let scattering = scattering.filter(|scattering| scattering.roughest() >= SMOOTH);
+            let is_lit = scattering.is_some();
+            if let (Some(surface), Some(scattering)) = (here.surface(), scattering) {
                 let mut sum = Vec3::ZERO;
                 map.near(here.position, |photon| {
                     let edges = camera.len() - 1 + photon.edges as usize;
@@ -135,7 +140,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
             }
             camera.append(sample_bsdf(world, path.rr_depth, None)).sample(uniforms);
             let mirrored = |i| camera.view().carries(i, Dirac::Direction);
-            if !camera.is_complete() || !mirrored(camera.len() - 2) {
+            if !camera.is_complete() || is_lit && !mirrored(camera.len() - 2) {
                 break;
             }
             value += radiance.of(&camera);

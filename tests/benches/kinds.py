@@ -6,7 +6,7 @@
              [--program target/release/custom_strategy] [--all SCENE.xml] [--spp 64] [--runs 5]
 
 Reports seconds (one thread; renders of both kinds alternate, the median counts), instructions of a sample (under
-callgrind, by renders of 1 and of 5 samples, so that loading is not counted; without valgrind none), bytes of a
+callgrind, by renders of 1 and of 3 samples, so that loading is not counted; without valgrind none), bytes of a
 vertex, and the size, without symbols, of `aether` and of a program that has the small kind alone.
 """
 
@@ -38,10 +38,10 @@ def instructions(options, kind):
         return None
     callgrind = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
     counts = []
-    for spp in (1, 5):
+    for spp in (1, 3):
         _, said = render(options, kind, spp, callgrind)
         counts.append(int(re.search(r"Collected : (\d+)", said).group(1)))
-    return (counts[1] - counts[0]) / 4
+    return (counts[1] - counts[0]) / 2
 
 
 def stripped(program):

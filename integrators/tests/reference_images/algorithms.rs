@@ -279,6 +279,28 @@ fn photon_mapping_converges() {
 }
 
 #[test]
+fn photons_are_seen_in_what_is_nearly_a_mirror() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/models");
+    let [smooth, rough] = ["conductor", "roughconductor"].map(|bsdf| {
+        let xml = format!(
+            r#"<scene version="3.0.0"><include filename="room.xml"/><shape type="sphere">
+            <point name="center" x="0" y="0.6" z="0"/><bsdf type="{bsdf}"><float name="alpha" value="1e-4"/></bsdf>
+            </shape></scene>"#
+        );
+        let scene = Scene::from_str(&xml, &folder, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let algorithm = Algorithm::PhotonMapping(PhotonMapping::new(settings(&scene)));
+        let film = rendered(algorithm, &scene, 8, 3);
+        // The middle of the image, where the ball is.
+        let (width, height) = (scene.film.width as usize, scene.film.height as usize);
+        let middle = |size: usize| 7 * size / 16..9 * size / 16;
+        let pixels = middle(height).flat_map(|y| middle(width).map(move |x| y * width + x));
+        pixels.map(|pixel| film.pixels()[pixel].mean().iter().sum::<f64>()).sum::<f64>()
+    });
+    // If photons had to be where the ball is, hardly any would come from where it reflects much.
+    assert!((rough / smooth - 1.0).abs() < 0.1, "{rough}, smooth {smooth}");
+}
+
+#[test]
 fn merging_converges() {
     // Without connections of camera vertices to light paths, so that merges have most of the weight.
     let techniques = "0:*,1:*,*:1".parse().expect("a selection");
