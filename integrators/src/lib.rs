@@ -15,6 +15,7 @@ pub mod bidirectional;
 pub mod chains;
 pub mod cli;
 pub mod convergence;
+pub mod daylight;
 pub mod emission;
 pub mod envmap;
 pub mod eye;

@@ -23,6 +23,10 @@ use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
 use crate::work::in_parts;
 use crate::world::World;
 
+/// Surfaces all of whose lobes are less rough than this are followed like mirrors: hardly a photon comes from where
+/// they reflect much.
+const SMOOTH: f32 = 0.1;
+
 /// Settings of photon mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonMapping {
@@ -117,15 +121,16 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
             let value = radiance.of(&camera) * response;
             received.add_by(Technique::edge(camera.len(), 0), pixel, value, value);
         }
-        // What is seen in mirrors is followed; everything else is lit by the photons.
+        // What is seen in mirrors, and in what is nearly one, is followed; everything else is lit by the photons.
         while camera.is_complete() && camera.len() < longest {
             let (Some(here), Some(before)) = (camera.last(), camera.vertex(camera.len() - 2))
             else {
                 break;
             };
-            if let (Some(surface), Some(scattering)) =
-                (here.surface(), world.scattering(&here, &before))
-            {
+            let scattering = world.scattering(&here, &before);
+            let scattering = scattering.filter(|scattering| scattering.roughest() >= SMOOTH);
+            let is_lit = scattering.is_some();
+            if let (Some(surface), Some(scattering)) = (here.surface(), scattering) {
                 let kernel = 1.0 / (std::f32::consts::PI * map.radius().powi(2));
                 let share = response * kernel / self.light_paths() as f32;
                 let carried = throughput.of(&camera) * share;
@@ -141,7 +146,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
             }
             camera.append(sample_bsdf(world, path.rr_depth, None)).sample(uniforms);
             let mirrored = |i| is_atom(&camera, i);
-            if !camera.is_complete() || !mirrored(camera.len() - 2) {
+            if !camera.is_complete() || is_lit && !mirrored(camera.len() - 2) {
                 break;
             }
             let value = radiance.of(&camera) * response;

@@ -6,6 +6,7 @@ use aether_core::prelude::*;
 use aether_core::{PathView, strategies};
 use glam::Vec3 as Vector;
 
+use crate::daylight::{Opening, SampleEmissionAndOpenings, SampleLightAndOpenings};
 use crate::emission::{SampleEmission, SampleEmitter};
 use crate::kind::{Everything, SceneKind};
 use crate::samplers::rotate;
@@ -66,6 +67,8 @@ impl Portal {
 #[derive(Clone, Debug)]
 pub struct Portals {
     choice: Choices<Vec<Portal>, Portal, f32>,
+    /// Each once, chosen by area.
+    pub(crate) openings: Choices<Vec<Opening>, Opening, f32>,
 }
 
 impl Portals {
@@ -75,6 +78,7 @@ impl Portals {
     /// If there is none, or if one is a curved shape.
     pub fn new(scene: &Scene) -> Result<Self, String> {
         let (mut portals, mut areas) = (Vec::new(), Vec::new());
+        let (mut openings, mut sizes) = (Vec::new(), Vec::new());
         for primitive in &scene.portals {
             let Primitive::Triangle { v0, v1, v2 } = *primitive else {
                 return Err("a portal must be flat: a rectangle or a mesh".to_owned());
@@ -84,11 +88,14 @@ impl Portals {
                 portals.extend(portal);
                 areas.extend(area);
             }
+            openings.push(Opening { corner: v0, sides: [v1 - v0, v2 - v0] });
+            sizes.push(0.5 * (v1 - v0).cross(v2 - v0).length());
         }
-        let choice = discrete_weighted(portals, areas).map_err(|_| {
-            "the scene has no portal: name the shape of the opening, `--portal ID`".to_owned()
-        })?;
-        Ok(Portals { choice })
+        let none =
+            |_| "the scene has no portal: name the shape of the opening, `--portal ID`".to_owned();
+        let choice = discrete_weighted(portals, areas).map_err(none)?;
+        let openings = discrete_weighted(openings, sizes).map_err(none)?;
+        Ok(Portals { choice, openings })
     }
 }
 
@@ -153,6 +160,10 @@ strategies! {
         Emitter(SampleEmitter<'a, 'a, K>),
         /// The first surface lit.
         Emission(SampleEmission<'a, 'a, K>),
+        /// Next-event estimation, of the sky through openings.
+        LightAndOpenings(SampleLightAndOpenings<'a, 'a, 'a, K>),
+        /// The first surface lit, from far away through openings.
+        EmissionAndOpenings(SampleEmissionAndOpenings<'a, 'a, 'a, K>),
         /// A segment through an opening.
         Portal(SamplePortal<'a, 'a, 'a, K>),
     }

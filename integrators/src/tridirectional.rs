@@ -1,16 +1,19 @@
 //! Tridirectional path tracing (Aether 2017, section 7.4 and Figure 10): beside the pieces of paths from the
-//! camera and from the lights, segments through openings that light has to pass.
+//! camera and from the lights, segments through openings that light has to pass. Light from infinitely far away is
+//! sampled through openings too.
 
 use aether_core::{PowerHeuristic, UniformSource, combine};
 use glam::Vec3;
 
+use crate::daylight::{sample_emission_and_openings, sample_light_and_openings};
+use crate::emission::sample_emitter;
 use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
 use crate::render::{Splats, Technique};
-use crate::strategies::Pixel;
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, through};
+use crate::strategies::{Pixel, sample_bsdf};
+use crate::subpaths::{Scratch, camera_path, extend, through};
 use crate::world::World;
 
 /// Settings of tridirectional path tracing.
@@ -45,7 +48,12 @@ impl Integrator for Tridirectional {
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
-        let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
+        let mut light = arena.sequence();
+        light.append(sample_emitter(world));
+        light.append(sample_emission_and_openings(world, &self.portals)).sample(uniforms);
+        while light.is_complete() && light.size() + 1 < longest {
+            light.append(sample_bsdf(world, rr, None)).sample(uniforms);
+        }
         let mut segment = arena.sequence();
         segment.append(sample_portal(world, &self.portals)).sample(uniforms);
         let total = (camera.len() + light.len() + segment.len()).min(longest);
@@ -67,8 +75,13 @@ impl Integrator for Tridirectional {
                 };
                 let ends = (1..=length).map(|t| match (length - t, t) {
                     (_, 1) => (seen, world.pixels()),
-                    (1, t) => (*connection(world, &view, &light, (1, t)).sample(uniforms), 1),
-                    (s, t) => (connection(world, &view, &light, (s, t)), 1),
+                    (1, t) => {
+                        let mut direct = view.slice(0..t);
+                        direct.append(sample_light_and_openings(world, &self.portals));
+                        direct.sample(uniforms);
+                        (direct, 1)
+                    }
+                    (s, t) => (view.slice(0..t).concat(&lit(s)), 1),
                 });
                 let middles = (1..length.saturating_sub(1)).map(|t| match t {
                     1 => (passed, world.pixels()),

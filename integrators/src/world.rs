@@ -8,7 +8,7 @@ use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, c
 use crate::lights::{AreaLight, Lights};
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
-use crate::vertex::{Eye, Place, SceneVertex, Seen, Surface};
+use crate::vertex::{Eye, Place, SceneVertex, Seen, SkyOf, Surface};
 
 /// A scene ready for the strategies.
 pub struct World<'s, K: SceneKind = Everything> {
@@ -88,8 +88,13 @@ impl<'s, K: SceneKind> World<'s, K> {
         match surface {
             Some(surface) => Some(Seen::Surface(surface)),
             // Without a sky that shines there is nothing to see.
-            None => self.scene.sky.as_ref().and(Presence::VALUE).map(Seen::Sky),
+            None => self.sky().map(Seen::Sky),
         }
+    }
+
+    /// The sky, if there is one.
+    pub fn sky(&self) -> Option<SkyOf<K>> {
+        self.scene.sky.as_ref().and(Presence::VALUE)
     }
 
     /// The first surface on a ray that leaves a primitive, or none.
@@ -110,6 +115,14 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// of a [`World::window`].
     pub fn shone_on(&self, window: &ParallelFilm, p: &Vec2<f32>) -> Option<Surface<K>> {
         self.trace(window.point(p), window.forward, None)
+    }
+
+    /// The first surface behind a window in the scene that light from infinitely far away meets, where it comes
+    /// through the point `p`; none if something keeps it from the window.
+    pub fn shone_on_inside(&self, window: &ParallelFilm, p: &Vec2<f32>) -> Option<Surface<K>> {
+        let from = window.point(p);
+        let is_open = self.scene.is_open(from, None, -window.forward);
+        if is_open { self.trace(from, window.forward, None) } else { None }
     }
 
     /// The plane through which light from a direction, of unit length, comes to the scene: where it is

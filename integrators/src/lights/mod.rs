@@ -45,8 +45,12 @@ pub enum Light<K: SceneKind> {
 }
 
 /// More lights than this are chosen by a hierarchy: it pays when lights differ in what they do at a place,
-/// and costs a walk down a tree.
-const FEW: usize = 16;
+/// and costs a walk down a tree. Two are often one: the halves of a rectangle.
+const FEW: usize = 2;
+
+/// Up to this many lights are also chosen all alike, half of the time: the hierarchy does not know in which directions
+/// a surface reflects, and a small lamp may be all that is seen in one.
+const SEVERAL: usize = 16;
 
 /// A choice of lights in proportion to their power.
 pub type PowerChoice<K> = Choices<Vec<Light<K>>, Light<K>, f32>;
@@ -126,7 +130,9 @@ impl<K: SceneKind> Lights<K> {
         let Some(hierarchy) = &self.hierarchy else { return Some(Selection::ByPower(by_power)) };
         let normal = here.surface().map(|surface| surface.shading);
         let view = hierarchy.seen_by(Lit { position: here.position, normal });
-        Some(Selection::ByPlace(by_power.items(), view))
+        let lights = by_power.items();
+        let alike = if lights.len() <= SEVERAL { 0.5 } else { 0.0 };
+        Some(Selection::ByPlace { lights, view, alike })
     }
 
     /// Which light a vertex lies on.
@@ -172,8 +178,22 @@ fn hierarchy_of(scene: &Scene) -> Option<Hierarchy> {
 pub enum Selection<'w, K: SceneKind> {
     /// In proportion to power, the same everywhere.
     ByPower(&'w PowerChoice<K>),
-    /// By what the hierarchy says of a place.
-    ByPlace(&'w [Light<K>], TreeView<'w, u32, Group, Lit, f32>),
+    /// By what the hierarchy says of a place, or all alike.
+    ByPlace {
+        /// The lights.
+        lights: &'w [Light<K>],
+        /// What the hierarchy says.
+        view: TreeView<'w, u32, Group, Lit, f32>,
+        /// How often they are chosen all alike.
+        alike: f32,
+    },
+}
+
+/// The choice of a number below `count` by a uniform, and the rest of that.
+fn any(count: usize, u: f32) -> (usize, f32) {
+    let scaled = u * count as f32;
+    let index = (scaled as usize).min(count - 1);
+    (index, (scaled - index as f32).clamp(0.0, 1.0 - 0.5 * f32::EPSILON))
 }
 
 impl<'w, K: SceneKind> Discrete<f32> for Selection<'w, K> {
@@ -185,7 +205,7 @@ impl<'w, K: SceneKind> Discrete<f32> for Selection<'w, K> {
     fn len(&self) -> usize {
         match self {
             Selection::ByPower(choice) => choice.len(),
-            Selection::ByPlace(lights, _) => lights.len(),
+            Selection::ByPlace { lights, .. } => lights.len(),
         }
     }
 
@@ -193,9 +213,14 @@ impl<'w, K: SceneKind> Discrete<f32> for Selection<'w, K> {
     fn sample_reuse(&self, u: f32) -> (Choice<&'w Light<K>, f32>, f32) {
         match self {
             Selection::ByPower(choice) => Discrete::sample_reuse(choice, u),
-            Selection::ByPlace(lights, view) => {
-                let (choice, rest) = view.sample_reuse(u);
-                (of_number(lights, choice), rest)
+            Selection::ByPlace { lights, view, alike } => {
+                if u < *alike {
+                    let (number, rest) = any(lights.len(), u / alike);
+                    let by_place = view.probability(number);
+                    return (chosen(lights, *alike, number, by_place), rest);
+                }
+                let (choice, rest) = view.sample_reuse((u - alike) / (1.0 - alike));
+                (chosen(lights, *alike, *choice.item as usize, choice.probability), rest)
             }
         }
     }
@@ -204,17 +229,21 @@ impl<'w, K: SceneKind> Discrete<f32> for Selection<'w, K> {
     fn get(&self, index: usize) -> Option<Choice<&'w Light<K>, f32>> {
         match self {
             Selection::ByPower(choice) => Discrete::get(choice, index),
-            Selection::ByPlace(lights, view) => {
-                view.get(index).map(|choice| of_number(lights, choice))
+            Selection::ByPlace { lights, view, alike } => {
+                let by_place = view.get(index)?.probability;
+                Some(chosen(lights, *alike, index, by_place))
             }
         }
     }
 }
 
-/// The light with the number that was chosen.
-fn of_number<'w, K: SceneKind>(
-    lights: &'w [Light<K>],
-    Choice { index, item, probability }: Choice<&u32, f32>,
-) -> Choice<&'w Light<K>, f32> {
-    Choice { index, item: &lights[*item as usize], probability }
+/// The light with a number, which has a probability by place, and that of being chosen like all others.
+fn chosen<K: SceneKind>(
+    lights: &[Light<K>],
+    alike: f32,
+    number: usize,
+    by_place: f32,
+) -> Choice<&Light<K>, f32> {
+    let probability = alike / lights.len() as f32 + (1.0 - alike) * by_place;
+    Choice { index: number, item: &lights[number], probability }
 }

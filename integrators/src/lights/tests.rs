@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 use std::path::Path;
 
+use aether_core::discrete::Discrete;
 use aether_core::{Estimator, Pcg32};
 use glam::{DMat4, Vec3};
 
@@ -13,6 +14,7 @@ use crate::path::PathArena;
 use crate::scene::envmap::EnvironmentMap;
 use crate::scene::{Scene, Sky};
 use crate::strategies::{Aim, sample_bsdf, sample_camera, sample_camera_direction, sample_light};
+use crate::vertex::{Eye, SceneVertex};
 use crate::world::World;
 
 const SAMPLES: u32 = 40_000;
@@ -181,4 +183,33 @@ fn the_hierarchy_and_power_agree() {
     );
     assert!(z.abs() < 4.0, "{by_place:?} by place, {by_power:?} by power: {z} standard errors");
     assert!(by_place.1 < by_power.1);
+}
+
+/// Of a few lights each has a probability at every place; together they make one, and sampling keeps to them.
+#[test]
+fn probabilities_of_a_few_lights_are_those_of_sampling() {
+    let lamps: String = (0..5)
+        .map(|k| {
+            area("sphere", &format!(r#"<scale value="0.{}"/><translate x="{}" z="1"/>"#, k + 1, 3 * k))
+        })
+        .collect();
+    let scene = scene(&lamps);
+    let world = World::<Everything>::new(&scene).unwrap();
+    let here = SceneVertex::eye(Eye::Pinhole(Vec3::new(0.5, 0.2, 3.0)));
+    let choice = world.lights.seen_from(&here).expect("lights");
+    let of = |index| choice.get(index).expect("a light").probability;
+    let probabilities: Vec<f32> = (0..5).map(of).collect();
+    assert!((probabilities.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{probabilities:?}");
+    assert!(probabilities.iter().all(|p| *p > 0.099), "{probabilities:?}");
+    let mut found = [0; 5];
+    const TRIES: u32 = 20_000;
+    for k in 0..TRIES {
+        let (light, rest) = choice.sample_reuse((k as f32 + 0.5) / TRIES as f32);
+        assert!((0.0..1.0).contains(&rest));
+        assert!((light.probability / of(light.index) - 1.0).abs() < 1e-5);
+        found[light.index] += 1;
+    }
+    for (count, p) in found.iter().zip(&probabilities) {
+        assert!((*count as f32 / TRIES as f32 - p).abs() < 1e-3, "{found:?}, {probabilities:?}");
+    }
 }

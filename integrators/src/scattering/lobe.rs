@@ -38,6 +38,19 @@ impl<K: SceneKind> Lobe<K> {
     pub fn is_atom(&self) -> bool {
         matches!(self, Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_))
     }
+
+    /// How widely it scatters, as the root mean square slope of facets: zero of an atom, infinite of a matte lobe.
+    pub fn roughness(&self) -> f32 {
+        let largest = |roughness: Roughness| roughness.alpha[0].max(roughness.alpha[1]);
+        match *self {
+            Lobe::Nothing | Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => 0.0,
+            Lobe::Matte(_) => f32::INFINITY,
+            Lobe::Facets(facets) => largest(Facetted::<K>::get(facets)),
+            // As of [`crate::scene::bsdf::Bsdf::roughness`].
+            Lobe::Glossy(exponent) => (2.0 / (PhongOf::<K>::get(exponent) + 2.0)).sqrt(),
+            Lobe::Interface(interface) => largest(Interface::<K>::get(interface).0),
+        }
+    }
 }
 
 /// A lobe, what it scatters, and how often sampling chooses it.
@@ -105,6 +118,12 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
 }
 
 impl<'w, K: SceneKind> Scattering<'w, K> {
+    /// The largest roughness of the lobes.
+    pub fn roughest(&self) -> f32 {
+        let lobes = (0..self.count()).filter_map(|index| self.lobe(index));
+        lobes.map(|lobe| lobe.lobe.roughness()).fold(0.0, f32::max)
+    }
+
     /// The choice of a lobe, or of the `only` one that may be chosen.
     pub fn lobes(&self, only: Option<u32>) -> Lobes<'w, K> {
         Lobes(*self, only)

@@ -35,6 +35,23 @@ pub enum Model<K: SceneKind> {
     Phong(K::Phong),
 }
 
+/// The share of light that does not pass through the holes of a material, and of the parts of a mixture.
+#[derive(Clone, Copy, Debug)]
+pub struct Opacity {
+    /// That of both.
+    pub whole: Grey,
+    /// That of the two parts by themselves.
+    pub parts: [Grey; 2],
+}
+
+impl Opacity {
+    /// Whether there are no holes.
+    #[inline]
+    fn is_full(&self) -> bool {
+        [self.whole, self.parts[0], self.parts[1]].iter().all(|opacity| opacity.value == 1.0)
+    }
+}
+
 /// What is seen from one side of a surface.
 #[derive(Clone, Debug)]
 pub struct Side<K: SceneKind> {
@@ -43,7 +60,7 @@ pub struct Side<K: SceneKind> {
     /// A second material, and its share.
     pub blend: Option<(K::Blend, Model<K>, Grey)>,
     /// The share of light that does not pass through holes.
-    pub mask: Option<(K::Mask, Grey)>,
+    pub mask: Option<(K::Mask, Opacity)>,
     /// What turns the normals, and whether they are those of the front: a two-sided material around it
     /// mirrors them to the back.
     pub bump: Option<(K::Bumps, Bump, bool)>,
@@ -68,7 +85,7 @@ impl<K: SceneKind> Side<K> {
                 .blend
                 .as_ref()
                 .is_none_or(|(_, model, share)| model.is_black() || share.value == 0.0)
-            && self.mask.as_ref().is_none_or(|(_, opacity)| opacity.value == 1.0)
+            && self.mask.as_ref().is_none_or(|(_, opacity)| opacity.is_full())
     }
 }
 
@@ -112,7 +129,9 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
         Bsdf::TwoSided(sides) => side(&sides[usize::from(!front)], true),
         Bsdf::Mask { opacity, nested } => {
             let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            Ok(Side { mask: Some((present, *opacity)), ..side(nested, front)? })
+            let inside = side(nested, front)?;
+            let parts = inside.mask.map_or([1.0.into(); 2], |(_, opacity)| opacity.parts);
+            Ok(Side { mask: Some((present, Opacity { whole: *opacity, parts })), ..inside })
         }
         Bsdf::Bump { bump, nested } => {
             let present = K::Bumps::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
@@ -121,13 +140,47 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
         }
         Bsdf::Blend { weight, nested } => {
             let present = K::Blend::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            let second = model(&nested[1], front)?;
-            let oriented =
-                nested.iter().any(Bsdf::is_anisotropic) && K::Anisotropy::VALUE.is_some();
-            let blend = Some((present, second, *weight));
-            Ok(Side { blend, oriented, ..plain(model(&nested[0], front)?) })
+            let [first, second] = [part::<K>(&nested[0], front)?, part(&nested[1], front)?];
+            let blend = Some((present, second.model, *weight));
+            // Both are turned alike: the loader refuses others.
+            let (mask, bump) = (first.opacity.or(second.opacity), first.bump);
+            let mask = mask.map(|(present, _)| {
+                let parts = [first.opacity, second.opacity];
+                let parts = parts.map(|part| part.map_or(1.0.into(), |(_, opacity)| opacity));
+                (present, Opacity { whole: 1.0.into(), parts })
+            });
+            let oriented = bump.is_some() || first.oriented || second.oriented;
+            Ok(Side { blend, mask, bump, oriented, ..plain(first.model) })
         }
         other => model(other, front).map(plain),
+    }
+}
+
+/// A part of a mixture: a model, its holes, and what turns its normals.
+struct Component<K: SceneKind> {
+    model: Model<K>,
+    opacity: Option<(K::Mask, Grey)>,
+    bump: Option<(K::Bumps, Bump, bool)>,
+    oriented: bool,
+}
+
+/// A part of a mixture. Holes may be around what turns the normals.
+fn part<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Component<K>, NotCovered> {
+    match bsdf {
+        Bsdf::Mask { opacity, nested } => {
+            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
+            Ok(Component { opacity: Some((present, *opacity)), ..part(nested, front)? })
+        }
+        Bsdf::Bump { bump, nested } => {
+            let present = K::Bumps::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
+            Ok(Component { bump: Some((present, *bump, front)), ..part(nested, front)? })
+        }
+        other => Ok(Component {
+            model: model(other, front)?,
+            opacity: None,
+            bump: None,
+            oriented: other.is_anisotropic() && K::Anisotropy::VALUE.is_some(),
+        }),
     }
 }
 

@@ -18,7 +18,7 @@ use aether_core::prelude::{Direction, Frame};
 use glam::{Vec2, Vec3};
 
 pub use lobe::{Lobe, Lobes, Weighted};
-pub use material::{Material, Model, Side};
+pub use material::{Material, Model, Opacity, Side};
 pub use rough_plastic::Coat;
 
 use crate::kind::{
@@ -174,9 +174,14 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// The same, computed once.
     fn shares_here(&self) -> Shares {
-        let holes = self.side.mask.as_ref().map_or(0.0, |(_, opacity)| 1.0 - self.grey(opacity));
         let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| self.grey(share));
-        let light = [(1.0 - holes) * (1.0 - weight), (1.0 - holes) * weight, holes];
+        let mut light = [1.0 - weight, weight];
+        let mut holes = 0.0;
+        if let Some((_, Opacity { whole, parts })) = &self.side.mask {
+            let whole = self.grey(whole);
+            light = [0, 1].map(|part| light[part] * self.grey(&parts[part]) * whole);
+            holes = (1.0 - (light[0] + light[1])).max(0.0);
+        }
         let first = if self.side.base.is_black() { 0.0 } else { light[0] };
         let second = match &self.side.blend {
             Some((_, model, _)) if !model.is_black() => light[1],

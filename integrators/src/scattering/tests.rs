@@ -51,8 +51,13 @@ fn materials() -> Vec<Bsdf> {
         }));
     }
     let pair = [all[0].clone(), all[3].clone()];
-    all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair) });
+    all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair.clone()) });
+    all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair.map(|part| masked(0.6, part))) });
     all
+}
+
+fn masked(opacity: f32, nested: Bsdf) -> Bsdf {
+    Bsdf::Mask { opacity: opacity.into(), nested: Box::new(nested) }
 }
 
 fn direction(k: u32) -> Vec3 {
@@ -112,8 +117,7 @@ fn chances_add_up_to_one() {
     let pane =
         ThinDielectric { eta: 1.5, reflectance: Vec3::ONE.into(), transmittance: Vec3::ONE.into() };
     all.extend([Bsdf::Dielectric(glass), Bsdf::ThinDielectric(pane)]);
-    let masked =
-        all.iter().cloned().map(|nested| Bsdf::Mask { opacity: 0.3.into(), nested: nested.into() });
+    let masked = all.iter().cloned().map(|nested| masked(0.3, nested));
     for bsdf in all.clone().into_iter().chain(masked) {
         let material = Material::<Everything>::new(&bsdf).unwrap();
         for k in 0..50 {
@@ -133,6 +137,28 @@ fn chances_add_up_to_one() {
             }
         }
     }
+}
+
+/// Holes in the parts of a mixture, and in all of it: values and what passes are those of the parts.
+#[test]
+fn parts_of_mixtures_have_holes_of_their_own() {
+    let [matte, metal] = [0, 3].map(|k| materials()[k].clone());
+    let mixture = |parts: [Bsdf; 2]| Bsdf::Blend { weight: 0.3.into(), nested: Box::new(parts) };
+    let material = |bsdf: &Bsdf| Material::<Everything>::new(bsdf).unwrap();
+    let holed = mixture([masked(0.8, matte.clone()), metal.clone()]);
+    let mixed = material(&masked(0.5, holed));
+    let parts = [material(&matte), material(&metal)];
+    let share = [0.5 * 0.7 * 0.8, 0.5 * 0.3];
+    let (v, w) = (Vec3::new(0.36, 0.48, 0.8), Vec3::new(-0.6, 0.0, 0.8));
+    let value = |material| scattering(material, v).expect("not black").value(w);
+    let expected = share[0] * value(&parts[0]) + share[1] * value(&parts[1]);
+    let found = value(&mixed);
+    assert!((found - expected).abs().max_element() < 1e-6, "{found}, not {expected}");
+    let s = scattering(&mixed, v).expect("not black");
+    let passage = s.lobe(s.count() - 1).expect("a hole");
+    let holes = 1.0 - share[0] - share[1];
+    assert!((passage.coefficient - holes).abs().max_element() < 1e-6, "{passage:?}");
+    assert!((passage.chance - holes).abs() < 1e-6, "{passage:?}");
 }
 
 /// Phong's lobe reflects all light that arrives along the normal, and never more.

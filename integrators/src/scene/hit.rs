@@ -220,11 +220,11 @@ pub fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec
     t.is_finite().then(|| (o + t * d).as_vec3())
 }
 
-/// The same, unless the point is not in the box round the triangle.
+/// The same for a ray that meets the triangle: rounding does not put the point outside of the box round it.
 pub fn inside_on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
     let [a, b, c] = corners;
-    let is_inside = |p: &Vec3| p.cmpge(a.min(b).min(c)).all() && p.cmple(a.max(b).max(c)).all();
-    on_plane(corners, origin, direction).filter(is_inside)
+    let point = on_plane(corners, origin, direction)?;
+    Some(point.clamp(a.min(b).min(c), a.max(b).max(c)))
 }
 
 /// The coordinates along its two axes of a point of an ellipse.

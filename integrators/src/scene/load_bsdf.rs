@@ -147,11 +147,7 @@ fn two_sided(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
         return Err(query.error_at("", "needs one or two nested <bsdf>"));
     }
     for side in &nested {
-        if let Bsdf::Dielectric(_)
-        | Bsdf::ThinDielectric(_)
-        | Bsdf::RoughDielectric(_)
-        | Bsdf::Mask { .. } = unbumped(side)
-        {
+        if lets_light_through(side) {
             let message = format!("\"{}\" lets light through: it has both sides", side.name());
             return Err(query.error_at("", message));
         }
@@ -164,9 +160,15 @@ fn two_sided(query: &Query, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     }
 }
 
-/// The material itself, without what turns its normals.
-fn unbumped(bsdf: &Bsdf) -> &Bsdf {
-    if let Bsdf::Bump { nested, .. } = bsdf { unbumped(nested) } else { bsdf }
+/// Whether light may get to the other side.
+fn lets_light_through(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Dielectric(_) | Bsdf::ThinDielectric(_) | Bsdf::RoughDielectric(_) => true,
+        Bsdf::Mask { .. } => true,
+        Bsdf::Bump { nested, .. } => lets_light_through(nested),
+        Bsdf::Blend { nested, .. } => nested.iter().any(lets_light_through),
+        _ => false,
+    }
 }
 
 /// A surface whose normals are turned by heights, or by a texture that gives them.
@@ -231,14 +233,32 @@ fn mask(query: &Query, opacity: Grey, mut nested: Vec<Bsdf>) -> Result<Bsdf, Sce
 fn blend(query: &Query, weight: Grey, nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     let nested: [Bsdf; 2] =
         nested.try_into().map_err(|_| query.error_at("", "needs two nested <bsdf>"))?;
-    let simple =
-        |bsdf: &Bsdf| !matches!(bsdf, Bsdf::Blend { .. } | Bsdf::Mask { .. } | Bsdf::Bump { .. });
-    if !nested.iter().all(simple) {
-        let message = "mixtures of mixtures, masks and bumps are not supported; put the mask or the \
+    if nested.iter().any(|bsdf| matches!(bare(bsdf), Bsdf::Blend { .. })) {
+        return Err(query.error_at("", "mixtures of mixtures are not supported"));
+    }
+    if bump_of(&nested[0]) != bump_of(&nested[1]) {
+        let message = "the normals of both parts of a mixture must be turned by the same texture; put the \
                        bump outside";
         return Err(query.error_at("", message));
     }
     Ok(Bsdf::Blend { weight, nested: Box::new(nested) })
+}
+
+/// A material without its holes and without what turns its normals.
+fn bare(bsdf: &Bsdf) -> &Bsdf {
+    match bsdf {
+        Bsdf::Mask { nested, .. } | Bsdf::Bump { nested, .. } => bare(nested),
+        other => other,
+    }
+}
+
+/// What turns the normals of a material.
+fn bump_of(bsdf: &Bsdf) -> Option<Bump> {
+    match bsdf {
+        Bsdf::Mask { nested, .. } => bump_of(nested),
+        Bsdf::Bump { bump, .. } => Some(*bump),
+        _ => None,
+    }
 }
 
 /// A grey value in [0, 1], or a texture.

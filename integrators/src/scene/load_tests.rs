@@ -202,7 +202,7 @@ fn materials_say_what_is_wrong() {
         (
             "blendbsdf",
             &format!("{matte}{bumped}{}", alpha("weight", "0.5")),
-            "put the mask or the bump",
+            "must be turned by the same texture",
         ),
         (
             "blendbsdf",
@@ -402,7 +402,8 @@ fn old_files_are_read_as_they_were_meant() {
             <medium type="homogeneous" id="m"/>
             <bsdf type="diffuse" id="a"><rgb name="diffuseReflectance" value="0.25"/></bsdf>
             <bsdf type="diffuse" id="b"><texture type="checkerboard" name="reflectance">
-            <float name="uscale" value="4"/><float name="voffset" value="0.5"/></texture></bsdf></scene>"#
+            <float name="uscale" value="4"/><float name="uvscale" value="2"/>
+            <float name="voffset" value="0.5"/></texture></bsdf></scene>"#
         );
         Scene::from_str(&text, Path::new("."), &[]).map_err(|error| error.to_string())
     };
@@ -414,7 +415,7 @@ fn old_files_are_read_as_they_were_meant() {
     }
     assert_eq!(old.bsdfs[0], diffuse(Vec3::splat(0.25)));
     let to_uv = old.textures[0].to_uv;
-    assert_eq!(to_uv.transform_point2(glam::Vec2::ONE), glam::Vec2::new(4.0, 1.5));
+    assert_eq!(to_uv.transform_point2(glam::Vec2::ONE), glam::Vec2::new(4.0, 2.5));
     assert!(scene("3.0.0").err().unwrap().contains("a second property"));
 }
 

@@ -546,3 +546,24 @@ fn many_coincident_primitives_are_no_trouble() {
     let weights = DVec3::new(0.6, 0.2, 0.2);
     assert!((hit.weights.as_dvec3() - weights).length() < 1e-6);
 }
+
+#[test]
+fn hits_on_slivers_of_any_length_lie_on_their_rays() {
+    // Turned by a quarter, the floor is level to rounding only.
+    for width in ["1e3", "1e8", "1e15"] {
+        let scene = scene(&format!(
+            "<shape type=\"rectangle\"><transform name=\"to_world\"><rotate x=\"1\" angle=\"-90\"/>\
+             <scale x=\"{width}\" y=\"1\" z=\"3\"/></transform></shape>"
+        ));
+        let origin = Vec3::new(0.3, 1.9, 2.5);
+        let mut random = Random(21);
+        for _ in 0..200 {
+            let d = Vec3::new(random.uniform() - 0.5, -1.0, 0.8 - 2.0 * random.uniform());
+            let d = d.normalize();
+            let hit = scene.intersect(origin, d, None).expect("the floor");
+            let exact = -origin.y / d.y;
+            assert!((hit.t / exact - 1.0).abs() < 1e-3, "{width}: {} instead of {exact}", hit.t);
+            assert!(hit.position.distance(origin + exact * d) < 1e-2, "{width}: {hit:?}");
+        }
+    }
+}

@@ -28,10 +28,13 @@ fn place_texture(object: &mut Object) {
             _ => Some((default, None)),
         }
     };
-    let found = [("uscale", 1.0), ("vscale", 1.0), ("uoffset", 0.0), ("voffset", 0.0)]
-        .map(|(name, default)| take(name, default).unwrap_or((default, None)));
+    let mut found = |name, default| take(name, default).unwrap_or((default, None));
+    let both = found("uvscale", 1.0);
+    let [u, v] = ["uscale", "vscale"].map(|name| found(name, both.0));
+    let [x, y] = ["uoffset", "voffset"].map(|name| found(name, 0.0));
+    let found = [both, u, v, x, y];
     let Some(place) = found.iter().find_map(|(_, place)| place.clone()) else { return };
-    let [u, v, x, y] = found.map(|(value, _)| value);
+    let [_, u, v, x, y] = found.map(|(value, _)| value);
     let to_uv =
         DMat4::from_translation(DVec3::new(x, y, 0.0)) * DMat4::from_scale(DVec3::new(u, v, 1.0));
     object.properties.push(Property {

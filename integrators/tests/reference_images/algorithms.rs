@@ -100,12 +100,16 @@ fn light_tracing_agrees_with_the_stored_images() {
 }
 
 #[test]
-fn tridirectional_path_tracing_agrees_with_the_stored_image() {
-    let scene = scene("models/portal-room-tridir");
-    let portals = Portals::new(&scene).expect("a portal");
-    let algorithm = Algorithm::Tridirectional(Tridirectional { path: settings(&scene), portals });
-    let film = rendered(algorithm, &scene, 16, 4);
-    assert_alike([("tridir".to_owned(), film, Reference::stored("models/portal-room"))]);
+fn tridirectional_path_tracing_agrees_with_the_stored_images() {
+    // A lamp in the next room, and the sky and the sun behind a window.
+    assert_alike([("models/portal-room", 16), ("models/daylight", 16)].map(|(name, samples)| {
+        let scene = scene(&format!("{name}-tridir"));
+        let portals = Portals::new(&scene).expect("a portal");
+        let path = settings(&scene);
+        let algorithm = Algorithm::Tridirectional(Tridirectional { path, portals });
+        let film = rendered(algorithm, &scene, samples, 4);
+        (format!("tridir, {name}"), film, Reference::stored(name))
+    }));
 }
 
 /// Seeds that integrators are rendered with whose pixels or samples depend on each other.
@@ -319,6 +323,28 @@ fn photon_mapping_converges() {
         let settings = PhotonMapping { radius: 0.005, ..PhotonMapping::new(settings(scene)) };
         Algorithm::PhotonMapping(settings)
     });
+}
+
+#[test]
+fn photons_are_seen_in_what_is_nearly_a_mirror() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes/models");
+    let [smooth, rough] = ["conductor", "roughconductor"].map(|bsdf| {
+        let xml = format!(
+            r#"<scene version="3.0.0"><include filename="room.xml"/><shape type="sphere">
+            <point name="center" x="0" y="0.6" z="0"/><bsdf type="{bsdf}"><float name="alpha" value="1e-4"/></bsdf>
+            </shape></scene>"#
+        );
+        let scene = Scene::from_str(&xml, &folder, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let algorithm = Algorithm::PhotonMapping(PhotonMapping::new(settings(&scene)));
+        let film = rendered(algorithm, &scene, 8, 3);
+        // The middle of the image, where the ball is.
+        let (width, height) = (scene.film.width as usize, scene.film.height as usize);
+        let middle = |size: usize| 7 * size / 16..9 * size / 16;
+        let pixels = middle(height).flat_map(|y| middle(width).map(move |x| y * width + x));
+        pixels.map(|pixel| film.pixels()[pixel].mean().iter().sum::<f64>()).sum::<f64>()
+    });
+    // If photons had to be where the ball is, hardly any would come from where it reflects much.
+    assert!((rough / smooth - 1.0).abs() < 0.1, "{rough}, smooth {smooth}");
 }
 
 #[test]
