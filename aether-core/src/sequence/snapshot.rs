@@ -123,7 +123,6 @@ fn decoded(code: u64) -> (Entry, bool) {
         strategy: 0,
         block: code as u32,
         run: 0,
-        prefix: 0,
         backward: bit(42),
         visible: bit(43),
         dirac,
