@@ -143,4 +143,25 @@ mod tests {
         assert!(names(Some("all"), "lobe"));
         assert!(!names(Some("lobes"), "lobe") && !names(Some(""), "lobe") && !names(None, "lobe"));
     }
+
+    #[test]
+    fn what_other_items_cost_does_not_matter() {
+        let item = quote::quote!(
+            fn student(u: [Uniform; 1]) -> f64 {
+                solve(
+                    |t| {
+                        let r = 1.0 + t * t / 4.0;
+                        0.5 + 0.375 * t / r.sqrt() * (1.0 - t * t / (12.0 * r))
+                    },
+                    ..,
+                    u[0],
+                )
+            }
+        );
+        let alone = crate::sampler(TokenStream::new(), item.clone()).to_string();
+        crate::poly::use_up_budget();
+        let after_others = crate::sampler(TokenStream::new(), item).to_string();
+        assert!(!alone.contains("compile_error"));
+        assert_eq!(alone, after_others);
+    }
 }

@@ -51,6 +51,12 @@ pub fn refill_budget(parts: u64) {
     BUDGET.set(BUDGET.get().max(STEPS / parts));
 }
 
+/// Leaves nothing of the budget, as a costly item does.
+#[cfg(test)]
+pub(crate) fn use_up_budget() {
+    BUDGET.set(0);
+}
+
 /// Takes steps from the budget; `None` when it is used up.
 fn spend(steps: u64) -> Option<()> {
     let left = BUDGET.get().checked_sub(steps);

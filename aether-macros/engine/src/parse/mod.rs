@@ -161,6 +161,8 @@ impl Reader<'_> {
         way: branch::Way,
         segments: &[Option<(Segment, &Graph)>],
     ) -> Option<Reading> {
+        // What the item before has used up is no concern of this one.
+        crate::poly::start_budget();
         let mut graph = Graph::new();
         let mut names: HashMap<String, Value> = HashMap::new();
         let (unknowns, argument) = declare_source(&mut graph, &mut names, &self.signature.source);
