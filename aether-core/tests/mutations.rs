@@ -362,7 +362,7 @@ fn a_snapshot_is_the_path() {
     assert!((to.pdf().ratio(p) - 1.0).abs() < 1e-14);
     assert_eq!(estimator.integrand_at(&to), f);
     // The same from the numbers that a file may keep.
-    let steps: Vec<_> = snapshot.steps().map(|(v, s, code)| (*v, s.clone(), code)).collect();
+    let steps: Vec<_> = snapshot.steps().map(|(v, s, code)| (*v, *s, code)).collect();
     let kept = Snapshot::from_steps(steps.clone());
     let again = other.restore(&kept);
     assert!((again.pdf().ratio(p) - 1.0).abs() < 1e-14);

@@ -122,7 +122,9 @@ mod tests {
         pcg.advance(7);
         let mut again = Pcg32::from_words(pcg.words());
         assert_eq!(again.next_u32(), pcg.next_u32());
-        [&mut pcg, &mut again].map(|pcg| UniformSource::<f64>::start(pcg, 4));
+        for pcg in [&mut pcg, &mut again] {
+            UniformSource::<f64>::start(pcg, 4);
+        }
         assert_eq!(again.next_u32(), pcg.next_u32());
     }
 
