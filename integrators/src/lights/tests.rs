@@ -190,7 +190,10 @@ fn the_hierarchy_and_power_agree() {
 fn probabilities_of_a_few_lights_are_those_of_sampling() {
     let lamps: String = (0..5)
         .map(|k| {
-            area("sphere", &format!(r#"<scale value="0.{}"/><translate x="{}" z="1"/>"#, k + 1, 3 * k))
+            area(
+                "sphere",
+                &format!(r#"<scale value="0.{}"/><translate x="{}" z="1"/>"#, k + 1, 3 * k),
+            )
         })
         .collect();
     let scene = scene(&lamps);

@@ -52,7 +52,10 @@ fn materials() -> Vec<Bsdf> {
     }
     let pair = [all[0].clone(), all[3].clone()];
     all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair.clone()) });
-    all.push(Bsdf::Blend { weight: 0.3.into(), nested: Box::new(pair.map(|part| masked(0.6, part))) });
+    all.push(Bsdf::Blend {
+        weight: 0.3.into(),
+        nested: Box::new(pair.map(|part| masked(0.6, part))),
+    });
     all
 }
 
