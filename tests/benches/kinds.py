@@ -28,7 +28,7 @@ def render(options, kind, spp, before=()):
         command = [*before, options.aether, "render", options.scene, "--kind", kind, "--threads", "1"]
         done = subprocess.run([*command, "--spp", str(spp), "-o", str(out)], check=True, capture_output=True, text=True)
         header = out.read_bytes()[:8192]
-    (seconds,) = struct.unpack("<d", re.search(rb"\0seconds\0double\0.{4}(.{8})", header, re.S).group(1))
+    (seconds,) = struct.unpack("<d", re.search(rb"seconds\0double\0.{4}(.{8})", header, re.S).group(1))
     return seconds, done.stderr
 
 

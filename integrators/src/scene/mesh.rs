@@ -141,19 +141,29 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
             result.degenerate += 1;
             continue;
         };
-        result.vertices.push(vertices);
-        if let Some(corners) = indices.get(index) {
-            let normal =
-                |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
+        let normal = |corner: u32| normals.get(corner as usize).map_or(Vec3::ZERO, |n| n.as_vec3());
+        let corner_normals = indices.get(index).map(|corners| corners.map(normal));
+        // Where a file's normals contradict the order of the corners, they say what is outside, as in Mitsuba.
+        let turned =
+            corner_normals.is_some_and(|corners| corners.iter().sum::<Vec3>().dot(flat) < 0.0);
+        let flat = if turned { -flat } else { flat };
+        result.vertices.push(outside_first(vertices, turned));
+        if let Some(corners) = corner_normals {
             let usable = |n: Vec3| if n == Vec3::ZERO { flat } else { n };
-            result.normals.push(corners.map(|corner| usable(normal(corner))));
+            result.normals.push(outside_first(corners.map(usable), turned));
         }
         if let Some(corners) = texcoords.get(index) {
             let at = |corner: u32| mesh.texcoords.get(corner as usize).copied().unwrap_or_default();
-            result.texcoords.push(corners.map(|corner| at(corner).as_vec2()));
+            let corners = corners.map(|corner| at(corner).as_vec2());
+            result.texcoords.push(outside_first(corners, turned));
         }
     }
     result
+}
+
+/// What the corners of a triangle have, in the other order if it is to be turned inside out.
+fn outside_first<T: Copy>([a, b, c]: [T; 3], turned: bool) -> [T; 3] {
+    if turned { [a, c, b] } else { [a, b, c] }
 }
 
 /// The same mesh already in its place, with the unit normals that it has there: what an instance moves is
@@ -267,6 +277,26 @@ mod tests {
             assert_eq!(n, Vec3::Z * sign);
             assert_eq!((p.normal_matrix() * DVec3::Z).as_vec3(), n);
         }
+    }
+
+    #[test]
+    fn normals_of_the_file_say_what_is_outside() {
+        let mut mesh = quad();
+        mesh.normals = vec![DVec3::new(0.0, 0.1, -1.0)];
+        mesh.texcoords = (0..4).map(|k| DVec2::new(f64::from(k), 0.0)).collect();
+        let corner = |k: u32| Corner { vertex: k, normal: 0, texcoord: k };
+        (mesh.triangles, mesh.normal_triangles) = (Vec::new(), Vec::new());
+        mesh.texcoord_triangles.clear();
+        mesh.push_polygon(&[0, 1, 2].map(corner));
+        let t = place(&mesh, &placement(DMat4::IDENTITY, false), false);
+        assert_eq!(unit_normal(&t.vertices[0]), Some(-Vec3::Z));
+        assert!(t.normals[0].iter().all(|n| n.z < 0.0));
+        // Texture coordinates stay with their corners.
+        assert_eq!(t.vertices[0][1], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(t.texcoords[0].map(|uv| uv.x), [0.0, 2.0, 1.0]);
+        // Without them the order of the corners does.
+        let t = place(&mesh, &placement(DMat4::IDENTITY, false), true);
+        assert_eq!(unit_normal(&t.vertices[0]), Some(Vec3::Z));
     }
 
     #[test]
