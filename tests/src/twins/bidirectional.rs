@@ -163,7 +163,7 @@ fn extend<'a, K: SceneKind>(
 
 impl<'a, K: SceneKind> Pieces<'a, K> {
     /// The piece from the camera.
-    fn from_camera(
+    fn begin_at_camera(
         &mut self,
         world: &'a World<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
@@ -186,7 +186,7 @@ impl<'a, K: SceneKind> Pieces<'a, K> {
     }
 
     /// The piece from a light.
-    fn from_light(
+    fn begin_at_light(
         &mut self,
         world: &'a World<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
@@ -383,8 +383,8 @@ impl Integrator for BidirectionalByHand {
         splats: &mut Splats,
     ) -> Vec3 {
         let longest = self.0.most_vertices();
-        pieces.from_camera(world, uniforms, pixel, longest);
-        pieces.from_light(world, uniforms, longest - 1);
+        pieces.begin_at_camera(world, uniforms, pixel, longest);
+        pieces.begin_at_light(world, uniforms, longest - 1);
         let Pieces { camera, light } = pieces;
         let mut radiance = Vec3::ZERO;
         for t in 2..=camera.len() {
