@@ -273,3 +273,44 @@ impl PrimarySample {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step of 3 blocks with `count` numbers each; small steps bring up to date late what the last large one
+    /// has not asked for.
+    fn step(state: &mut Primary, count: usize, accepted: bool) -> Vec<f32> {
+        state.begin(0.3);
+        let mut drawn = Vec::new();
+        for block in 0..3 {
+            state.start(block);
+            drawn.extend((0..count).map(|_| state.next()));
+        }
+        if accepted {
+            state.accept()
+        } else {
+            state.reject()
+        }
+        drawn
+    }
+
+    #[test]
+    fn a_kept_state_goes_on_with_the_same_numbers() {
+        let steps: Vec<_> = (0..120).map(|k| (1 + k * 7 % 11, k % 3 > 0)).collect();
+        let (mut state, mut files, mut drawn) =
+            (Primary::new(Pcg32::new(1, 2, 3)), Vec::new(), Vec::new());
+        for (count, accepted) in &steps {
+            let mut file = Vec::new();
+            state.store(&mut file).unwrap();
+            files.push(file);
+            drawn.push(step(&mut state, *count, *accepted));
+        }
+        for (k, file) in files.iter().enumerate() {
+            let mut kept = Primary::load(&mut &file[..]).unwrap();
+            for (later, (count, accepted)) in steps.iter().enumerate().skip(k) {
+                assert_eq!(step(&mut kept, *count, *accepted), drawn[later], "{k}, {later}");
+            }
+        }
+    }
+}
