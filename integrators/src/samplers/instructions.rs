@@ -41,48 +41,78 @@ fn each(mut count: impl FnMut(&'static str, [&mut dyn FnMut(&[f64; 3]); 2])) {
     let direction = |w: &[f64; 3]| Direction::new(w[0], w[1], w[2]);
     count(
         "cosine_hemisphere, sample",
-        [&mut |u| _ = black_box(cosine_hemisphere().sample([u[0], u[1]]).value()), &mut |u| {
-            black_box(by_hand_around(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1]));
-        }],
+        [
+            &mut |u| {
+                black_box(cosine_hemisphere().sample([u[0], u[1]]).value());
+            },
+            &mut |u| {
+                black_box(by_hand_around(u[0].sqrt(), (1.0 - u[0]).sqrt(), u[1]));
+            },
+        ],
     );
     count(
         "cosine_hemisphere, density",
-        [&mut |w| _ = black_box(cosine_hemisphere().pdf(&direction(w)).value()), &mut |w| {
-            black_box(if w[2] >= 0.0 && finite(w) { w[2] * FRAC_1_PI } else { 0.0 });
-        }],
+        [
+            &mut |w| {
+                black_box(cosine_hemisphere().pdf(&direction(w)).value());
+            },
+            &mut |w| {
+                black_box(if w[2] >= 0.0 && finite(w) { w[2] * FRAC_1_PI } else { 0.0 });
+            },
+        ],
     );
     count(
         "uniform_directions, sample",
-        [&mut |u| _ = black_box(uniform_directions().sample([u[0], u[1]]).value()), &mut |u| {
-            let z = 1.0 - 2.0 * u[0];
-            black_box(by_hand_around((1.0 - z * z).sqrt(), z, u[1]));
-        }],
+        [
+            &mut |u| {
+                black_box(uniform_directions().sample([u[0], u[1]]).value());
+            },
+            &mut |u| {
+                let z = 1.0 - 2.0 * u[0];
+                black_box(by_hand_around((1.0 - z * z).sqrt(), z, u[1]));
+            },
+        ],
     );
     count(
         "uniform_directions, density",
-        [&mut |w| _ = black_box(uniform_directions().pdf(&direction(w)).value()), &mut |w| {
-            black_box(if finite(w) { 0.25 / PI } else { 0.0 });
-        }],
+        [
+            &mut |w| {
+                black_box(uniform_directions().pdf(&direction(w)).value());
+            },
+            &mut |w| {
+                black_box(if finite(w) { 0.25 / PI } else { 0.0 });
+            },
+        ],
     );
     let cone = uniform_cone(black_box(0.25)).expect("a depth between 0 and 1");
     count(
         "uniform_cone, sample",
-        [&mut |u| _ = black_box(cone.sample([u[0], u[1]]).value()), &mut |u| {
-            let h = black_box(0.25) * u[0];
-            black_box(by_hand_around((h * (2.0 - h)).sqrt(), 1.0 - h, u[1]));
-        }],
+        [
+            &mut |u| {
+                black_box(cone.sample([u[0], u[1]]).value());
+            },
+            &mut |u| {
+                let h = black_box(0.25) * u[0];
+                black_box(by_hand_around((h * (2.0 - h)).sqrt(), 1.0 - h, u[1]));
+            },
+        ],
     );
     let corners = [Vec3::new(0.0, 0.1, 0.0), Vec3::new(1.0, 0.0, 0.3), Vec3::new(0.2, 1.0, 0.0)];
     let [a, b, c] = corners;
     let triangle = uniform_triangle(a, b, c, SurfaceId(1));
     count(
         "uniform_triangle, sample",
-        [&mut |u| _ = black_box(black_box(&triangle).sample([u[0], u[1]]).value()), &mut |u| {
-            let [a, b, c] = *black_box(&corners);
-            let s = u[0].sqrt();
-            let point = a + s * (1.0 - u[1]) * (b - a) + s * u[1] * (c - a);
-            black_box(SurfacePoint::new(point, SurfaceId(1)));
-        }],
+        [
+            &mut |u| {
+                black_box(black_box(&triangle).sample([u[0], u[1]]).value());
+            },
+            &mut |u| {
+                let [a, b, c] = *black_box(&corners);
+                let s = u[0].sqrt();
+                let point = a + s * (1.0 - u[1]) * (b - a) + s * u[1] * (c - a);
+                black_box(SurfacePoint::new(point, SurfaceId(1)));
+            },
+        ],
     );
 }
 
