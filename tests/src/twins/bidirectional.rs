@@ -76,8 +76,7 @@ pub struct Pieces<'a, K: SceneKind> {
     light: Vec<End<'a, K>>,
 }
 
-/// The square of the cosine at a vertex, as seen from another, over the squared distance: area measure per solid
-/// angle, inverted.
+/// The cosine at a vertex as seen from a point, over the squared distance: solid angle at the point per area.
 fn per_area<K: SceneKind>(from: Vec3, to: &SceneVertex<K>) -> f32 {
     let offset = to.position - from;
     let squared = offset.length_squared();
@@ -163,7 +162,7 @@ fn extend<'a, K: SceneKind>(
 
 impl<'a, K: SceneKind> Pieces<'a, K> {
     /// The piece from the camera.
-    fn begin_at_camera(
+    fn make_camera_piece(
         &mut self,
         world: &'a World<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
@@ -186,7 +185,7 @@ impl<'a, K: SceneKind> Pieces<'a, K> {
     }
 
     /// The piece from a light.
-    fn begin_at_light(
+    fn make_light_piece(
         &mut self,
         world: &'a World<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
@@ -383,8 +382,8 @@ impl Integrator for BidirectionalByHand {
         splats: &mut Splats,
     ) -> Vec3 {
         let longest = self.0.most_vertices();
-        pieces.begin_at_camera(world, uniforms, pixel, longest);
-        pieces.begin_at_light(world, uniforms, longest - 1);
+        pieces.make_camera_piece(world, uniforms, pixel, longest);
+        pieces.make_light_piece(world, uniforms, longest - 1);
         let Pieces { camera, light } = pieces;
         let mut radiance = Vec3::ZERO;
         for t in 2..=camera.len() {
