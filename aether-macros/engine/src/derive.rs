@@ -102,6 +102,8 @@ pub struct Problem {
     pub guards: Vec<Test>,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
+    /// Expressions of the unknowns whose sizes are lengths in terms of the point.
+    pub lengths: Vec<(Id, Id)>,
     /// The segments of the uniforms that the unknowns run over, where these are not all of [0, 1).
     pub segments: Vec<Option<Segment>>,
 }

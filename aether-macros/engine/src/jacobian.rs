@@ -1,6 +1,6 @@
 //! The change of measure: √det(JᵀJ) in any dimension of sample and manifold.
 
-mod moved;
+pub mod moved;
 pub mod sphere;
 
 use std::hash::BuildHasherDefault;

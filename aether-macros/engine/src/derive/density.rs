@@ -93,7 +93,17 @@ pub(super) fn density(
     let mut candidates = Vec::new();
     let mut names: Vec<(Id, Id)> = s.names.iter().map(|(name, value)| (*name, *value)).collect();
     names.sort_by_key(|(_, value)| std::cmp::Reverse(cost(g, *value)));
-    for &v in volumes {
+    let by_lengths = volumes.iter().map(|&v| {
+        problem.lengths.iter().fold(v, |v, &(part, length)| {
+            let minus = g.neg(length);
+            let [short, other] = [length, minus].map(|l| g.replace_part(v, part, l));
+            // Of the part only the size is known: the sign must not matter.
+            if short == other { short } else { v }
+        })
+    });
+    let mut volumes = by_lengths.chain(volumes.iter().copied()).collect::<Vec<_>>();
+    volumes.dedup();
+    for v in volumes {
         let p = g.powi(v, -1);
         let p = names.iter().fold(p, |p, &(name, value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {

@@ -1,11 +1,13 @@
 //! The change of measure by way of a direction of which the result is made, such as a half vector about which
 //! another direction is reflected: that of the direction, times that of the result as a map of directions.
 
+use std::collections::BTreeMap;
+
 use super::Problem;
 use crate::expr::{Deps, Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
-use crate::jacobian::{self, Source, sphere};
+use crate::jacobian::{self, Source, moved, sphere};
 use crate::poly::Expander;
 use crate::rational::Q;
 
@@ -20,7 +22,7 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
     }
     let unit = problem.is_direction();
     let (outputs, unknowns) = (problem.outputs.clone(), problem.unknowns.clone());
-    let g = &mut problem.graph;
+    let (g, lengths) = (&mut problem.graph, &mut problem.lengths);
     g.vectors().to_vec().into_iter().find_map(|h| {
         let is_drawn = unknowns.iter().all(|&u| h.iter().any(|&c| g.has(c, leaf_bit(u))));
         if h[..] == outputs[..] || !is_drawn || !is_unit(g, h) {
@@ -32,18 +34,34 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
             std::array::from_fn(|i| g.leaf(leaves[i], names[i], Interval::new(-1.0, 1.0)));
         let own = unknowns.iter().fold(0, |bits, &u| bits | leaf_bit(u));
         let mut named = Named { h, leaves: inner, own, known: Map::default() };
-        let outer: Vec<Id> = outputs.iter().map(|&x| named.of(g, x)).collect::<Option<_>>()?;
+        let map: Vec<Id> = outputs.iter().map(|&x| named.of(g, x)).collect::<Option<_>>()?;
         let outer =
-            jacobian::volume(g, &outer, &leaves, (Source::Direction(inner), unit), &[]).ok()?;
+            jacobian::volume(g, &map, &leaves, (Source::Direction(inner), unit), &[]).ok()?;
         let first = match sphere::area(g, &h, &unknowns) {
             Some(forms) => forms,
             None => jacobian::volume(g, &h, &unknowns, (Source::Free, true), &[]).ok()?,
         };
-        let back = inner.into_iter().zip(h).collect();
+        let back: BTreeMap<Id, Id> = inner.into_iter().zip(h).collect();
+        if let Some((a, b)) = moved::taken_apart(g, &map, inner) {
+            // Where a is small, h is hardly known, but the length of what is left of x is.
+            lengths.push((g.substitute(a, &back), left_of_point(g, b)));
+        }
         let outer: Vec<Id> = outer.iter().map(|&v| g.substitute(v, &back)).collect();
         let pairs = first.iter().flat_map(|&a| outer.iter().map(move |&b| (a, b)));
         Some(pairs.take(FORMS).map(|(a, b)| g.mul(a, b)).collect())
     })
+}
+
+/// The length of the point without `b`.
+fn left_of_point(g: &mut Graph, b: [Id; 3]) -> Id {
+    let left: Vec<Id> = (0..3u8)
+        .map(|i| {
+            let x = g.get_leaf(Leaf::Out(i));
+            g.sub(x, b[usize::from(i)])
+        })
+        .collect();
+    let squared = crate::solve::linear::dot(g, &left, &left);
+    g.sqrt(squared)
 }
 
 fn is_unit(g: &mut Graph, v: [Id; 3]) -> bool {

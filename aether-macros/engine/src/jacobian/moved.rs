@@ -19,13 +19,7 @@ pub(super) fn area(
     h: [Id; 3],
     units: &[[Id; 3]],
 ) -> Option<Vec<Id>> {
-    let &[x, y, z] = outputs else { return None };
-    let (a, b_x) = scaled(g, x, h[0])?;
-    let [(a_y, b_y), (a_z, b_z)] = [scaled(g, y, h[1])?, scaled(g, z, h[2])?];
-    if [a_y, a_z] != [a; 2] {
-        return None;
-    }
-    let b = [b_x, b_y, b_z];
+    let (a, b) = taken_apart(g, outputs, h)?;
     let slope: Vec<Id> = unknowns
         .iter()
         .map(|&u| {
@@ -43,6 +37,14 @@ pub(super) fn area(
     let product = g.mul(a, stretched);
     let tidy = simplify_with(g, product, units);
     Some([tidy, product].map(|d| g.call(Fun::Abs, &[d])).to_vec())
+}
+
+/// The a and b of a vector a h + b, with a known b.
+pub fn taken_apart(g: &mut Graph, vector: &[Id], h: [Id; 3]) -> Option<(Id, [Id; 3])> {
+    let &[x, y, z] = vector else { return None };
+    let (a, b_x) = scaled(g, x, h[0])?;
+    let [(a_y, b_y), (a_z, b_z)] = [scaled(g, y, h[1])?, scaled(g, z, h[2])?];
+    ([a_y, a_z] == [a; 2]).then_some((a, [b_x, b_y, b_z]))
 }
 
 /// The a and b of `x` as a · `h` + b, with a known b.

@@ -150,6 +150,7 @@ impl Reader<'_> {
             requirements: second.requirements,
             guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
             segments: second.segments,
+            lengths: Vec::new(),
             relations: second.relations,
         };
         Some(Some(Piece { problem, graph: first.graph, tests }))
