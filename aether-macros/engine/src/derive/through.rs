@@ -8,7 +8,6 @@ use crate::expr::{Deps, Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
 use crate::jacobian::{self, Source, moved, sphere};
-use crate::poly::Expander;
 use crate::rational::Q;
 
 /// How many equal forms are kept.
@@ -25,7 +24,7 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
     let (g, lengths) = (&mut problem.graph, &mut problem.lengths);
     g.vectors().to_vec().into_iter().find_map(|h| {
         let is_drawn = unknowns.iter().all(|&u| h.iter().any(|&c| g.has(c, leaf_bit(u))));
-        if h[..] == outputs[..] || !is_drawn || !is_unit(g, h) {
+        if h[..] == outputs[..] || !is_drawn || !sphere::is_unit(g, &h) {
             return None;
         }
         let leaves = [0, 1, 2].map(|i| Leaf::Unknown(unknowns.len() as u8 + i));
@@ -62,13 +61,6 @@ fn left_of_point(g: &mut Graph, b: [Id; 3]) -> Id {
         .collect();
     let squared = crate::solve::linear::dot(g, &left, &left);
     g.sqrt(squared)
-}
-
-fn is_unit(g: &mut Graph, v: [Id; 3]) -> bool {
-    let squares = v.map(|c| (Q::ONE, g.powi(c, 2)));
-    let sum = g.sum(Q::ZERO, &squares);
-    let length = Expander::new(g).normal_form(sum);
-    length.is_some_and(|length| g.as_number(length) == Some(Q::ONE))
 }
 
 /// Expressions in which the coordinates of a vector have names.

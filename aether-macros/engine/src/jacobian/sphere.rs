@@ -29,13 +29,15 @@ pub fn area(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>>
 
 /// The same for points that turn out to have unit length.
 pub fn unit_sphere(g: &mut Graph, outputs: &[Id], unknowns: &[Leaf]) -> Option<Vec<Id>> {
-    let squares: Vec<(Q, Id)> = outputs.iter().map(|&x| (Q::ONE, g.powi(x, 2))).collect();
+    is_unit(g, outputs).then(|| area(g, outputs, unknowns)).flatten()
+}
+
+/// Whether a vector turns out to have unit length.
+pub fn is_unit(g: &mut Graph, vector: &[Id]) -> bool {
+    let squares: Vec<(Q, Id)> = vector.iter().map(|&x| (Q::ONE, g.powi(x, 2))).collect();
     let sum = g.sum(Q::ZERO, &squares);
-    let length = Expander::new(g).normal_form(sum)?;
-    if g.as_number(length) != Some(Q::ONE) {
-        return None;
-    }
-    area(g, outputs, unknowns)
+    let length = Expander::new(g).normal_form(sum);
+    length.is_some_and(|length| g.as_number(length) == Some(Q::ONE))
 }
 
 /// The derivatives of the angle of a vector (a, b) in the plane: of t where it is A cos t and A sin t, else
