@@ -62,10 +62,6 @@ const REASONS: &[(&str, &str)] = &[
     ("triangle_heitz", BORDER),
     ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
     ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),
-    (
-        "truncated_cone",
-        "the apex of a cone: all azimuths are one point, whose membership is not seen",
-    ),
     ("visible_normals", "grazing views and the last uniforms: lengths from differences of squares"),
 ];
 
