@@ -101,9 +101,10 @@ pub(super) fn density(
             if short == other { short } else { v }
         })
     });
-    let mut volumes = by_lengths.chain(volumes.iter().copied()).collect::<Vec<_>>();
-    volumes.dedup();
-    for v in volumes {
+    // Most have no such part, and are taken once.
+    let mut forms: Vec<Id> = by_lengths.filter(|v| !volumes.contains(v)).collect();
+    forms.extend(volumes);
+    for v in forms {
         let p = g.powi(v, -1);
         let p = names.iter().fold(p, |p, &(name, value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {
