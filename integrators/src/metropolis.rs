@@ -94,13 +94,25 @@ impl Metropolis {
 
     /// Whether one of the mutations that are used fits a path.
     fn fits<'a, K: SceneKind>(&self, world: &'a World<'a, K>, path: &Path<'_, 'a, K>) -> bool {
-        let weight = |number: usize| match number {
-            0 => 1.0,
-            1 => LensPerturbation { world, chains: false }.weight(path),
-            2 => LensPerturbation { world, chains: true }.weight(path),
-            _ => CausticPerturbation { world }.weight(path),
-        };
-        (0..MUTATIONS.len()).any(|number| self.mutations.0[number] && weight(number) > 0.0)
+        let fits = |mutation: &&Proposes<'_, 'a, K>| mutation.weight(path) > 0.0;
+        self.with_mutations(world, &Cell::new(None), |all| all.iter().any(fits))
+    }
+
+    /// What `act` makes of the mutations in their order, where the first that is selected leaves its number. Those that
+    /// are not used have no weight.
+    fn with_mutations<'a, K: SceneKind, T>(
+        &self,
+        world: &'a World<'a, K>,
+        selected: &Cell<Option<usize>>,
+        act: impl FnOnce(&[&Proposes<'_, 'a, K>]) -> T,
+    ) -> T {
+        let (used, longest) = (self.mutations, self.path.most_vertices());
+        act(&[
+            &noted(0, used, selected, BidirectionalMutation { world, longest }),
+            &noted(1, used, selected, LensPerturbation { world, chains: false }),
+            &noted(2, used, selected, LensPerturbation { world, chains: true }),
+            &noted(3, used, selected, CausticPerturbation { world }),
+        ])
     }
 }
 
@@ -121,6 +133,7 @@ fn shares<K: SceneKind>(
 }
 
 type Path<'r, 'a, K> = RandomSequence<'r, SceneVertex<K>, MutationStrategies<'a, K>>;
+type Proposes<'m, 'a, K> = dyn Mutation<SceneVertex<K>, MutationStrategies<'a, K>> + 'm;
 type PathEstimator<'a, K> = Estimator<Radiance<'a, 'a, K>, Factors<Vec3>>;
 
 /// The mutations by their names, in the order in which they are numbered.
@@ -249,17 +262,13 @@ struct PathChain<'a, K: SceneKind> {
 impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
     fn step(&mut self, splats: &mut Splats) {
         let PathChain { metropolis, world, estimator, start, .. } = self;
-        let (world, used) = (*world, metropolis.mutations);
-        let (longest, selected) = (metropolis.path.most_vertices(), Cell::new(None));
-        let all = Mutations(&[
-            &noted(0, used, &selected, BidirectionalMutation { world, longest }),
-            &noted(1, used, &selected, LensPerturbation { world, chains: false }),
-            &noted(2, used, &selected, LensPerturbation { world, chains: true }),
-            &noted(3, used, &selected, CausticPerturbation { world }),
-        ]);
+        let (world, selected) = (*world, Cell::new(None));
         let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
         let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
-        let step = self.state.step(&mut self.arena, &all, &target, uniforms);
+        let (state, arena) = (&mut self.state, &mut self.arena);
+        let step = metropolis.with_mutations(world, &selected, |all| {
+            state.step(arena, &Mutations(all), &target, uniforms)
+        });
         if let Some(mutation) = selected.get() {
             self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
         }
