@@ -7,6 +7,7 @@ mod joint;
 mod limits;
 mod parts;
 mod regimes;
+mod staged;
 mod strays;
 mod through;
 
@@ -16,12 +17,12 @@ use crate::interval::Interval;
 use crate::jacobian::{Source, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
-use crate::parse::{Piece, Segment, Space, Test};
+use crate::parse::{Piece, Segment, Space, Test, Stage};
 use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
-use cases::{cases, inputs, prune, verify_volume};
+use cases::{Case, cases, inputs, prune, verify_volume};
 use density::{accurate, density, finish, pick_volume};
 use limits::parameters_with_limits;
 
@@ -105,6 +106,8 @@ pub struct Problem {
     pub relations: Vec<Test>,
     /// Expressions of the unknowns whose sizes are lengths in terms of the point.
     pub lengths: Vec<(Id, Id)>,
+    /// The same in two steps, to be tried where there is no inverse otherwise.
+    pub stages: Vec<Stage>,
     /// The segments of the uniforms that the unknowns run over, where these are not all of [0, 1).
     pub segments: Vec<Option<Segment>>,
 }
@@ -160,19 +163,35 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let cases = cases(problem, volumes[0])?;
     // Without a short Jacobian there is a long one; without an inverse there is nothing.
     crate::poly::refill_budget(2);
-    let mut inverse = |numerical| {
+    let inverse = |problem: &mut Problem, numerical| {
         // The search must not fail because the Jacobian is long.
         crate::poly::start_budget();
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
     };
+    let numerically = |problem: &mut Problem| inverse(problem, true);
     // A closed form may be missing, or fail where its parts overflow.
-    let (solutions, check_forward) = match inverse(false) {
+    let mut staged = None;
+    let (solutions, check_forward) = match inverse(problem, false) {
         Ok(found) => found,
-        Err(NoInverse::Stuck(_)) => inverse(true).map_err(NoInverse::text)?,
-        Err(NoInverse::Wrong(why)) => inverse(true).map_err(|_| why)?,
+        Err(NoInverse::Stuck(_)) => match in_stages(problem, &targets, &cases) {
+            Some((found, stage)) => {
+                staged = Some(stage);
+                found
+            }
+            None => numerically(problem).map_err(NoInverse::text)?,
+        },
+        Err(NoInverse::Wrong(why)) => numerically(problem).map_err(|_| why)?,
     };
     verify_volume(problem, inner[0], &cases)?;
+    let named = staged.as_ref().and_then(|stage| staged::volumes(problem, stage));
+    let (volumes, named) = match (named, &staged) {
+        (Some(named), Some(stage)) => {
+            let own = named.iter().map(|&v| staged::spelled_out(problem, stage, v)).collect();
+            (own, named)
+        }
+        _ => (volumes.clone(), volumes),
+    };
 
     let measured = |problem: &Problem, unknowns| {
         Measure::new(cases.iter().map(|c| inputs(problem, c, unknowns)).collect::<Vec<Inputs>>())
@@ -196,7 +215,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         let injective = solutions.len() == 1;
         crate::poly::refill_budget(4);
         let (density, error) =
-            density(problem, s, (&volumes, whole.as_ref()), &cases, &mut out_points, injective);
+            density(problem, s, (&named, whole.as_ref()), &cases, &mut out_points, injective);
         worst = worst.max(error);
         let flags = (injective, check_forward);
         crate::poly::refill_budget(8);
@@ -320,6 +339,20 @@ impl NoInverse {
             NoInverse::Stuck(text) | NoInverse::Wrong(text) => text,
         }
     }
+}
+
+/// The inverse of the first of the two-step forms that has one.
+fn in_stages(
+    problem: &mut Problem,
+    targets: &[Id],
+    cases: &[Case],
+) -> Option<((Vec<Solution>, bool), Stage)> {
+    let stages = std::mem::take(&mut problem.stages);
+    stages.into_iter().enumerate().find_map(|(k, stage)| {
+        crate::poly::start_budget();
+        let solutions = staged::solutions(problem, &stage, (k, targets))?;
+        Some((prune(problem, solutions, cases).ok()?, stage))
+    })
 }
 
 fn find_solutions(

@@ -235,6 +235,10 @@ impl Graph {
     pub fn get_leaf(&mut self, leaf: Leaf) -> Id {
         self.intern(Node::Leaf(leaf))
     }
+    /// Whether an expression is this input.
+    pub fn is_leaf(&self, id: Id, leaf: Leaf) -> bool {
+        *self.node(id) == Node::Leaf(leaf)
+    }
     /// The interval that an input was declared with.
     pub fn leaf_range(&self, leaf: Leaf) -> Interval {
         self.leaf_ranges.get(&leaf).copied().unwrap_or(Interval::ALL)

@@ -10,7 +10,7 @@ use crate::derive::{Derived, Preimage, derive};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
-use crate::parse::{Options, Parsed, Piece, Signature, Test, parse, signature};
+use crate::parse::{Options, Parsed, Piece, Signature, Test, parse, signature, stages};
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
 /// of a preimage may lie from the point.
@@ -45,8 +45,15 @@ impl Item {
     ) -> Option<Item> {
         let mut parsed = parse(function, signature, options, errors)?;
         let mut derived = Vec::new();
-        for piece in &mut parsed.pieces {
-            match derive(&mut piece.problem) {
+        for k in 0..parsed.pieces.len() {
+            let found = derive(&mut parsed.pieces[k].problem).or_else(|message| {
+                parsed.pieces[k].problem.stages = stages(function, &mut parsed, options);
+                if parsed.pieces[k].problem.stages.is_empty() {
+                    return Err(message);
+                }
+                derive(&mut parsed.pieces[k].problem).map_err(|_| message)
+            });
+            match found {
                 Ok(d) => derived.push(d),
                 Err(message) => {
                     errors.error(&function.sig.ident, message);

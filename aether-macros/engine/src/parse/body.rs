@@ -29,6 +29,12 @@ pub struct Body<'a> {
     pub(super) comparing: bool,
     /// What an early `return` gave.
     returned: Option<Value>,
+    /// Numbers with a name that depend on the first parameter, in their order.
+    pub(super) scalars: Vec<String>,
+    /// Which of these are read as unknowns of their own, and the first of these unknowns.
+    pub(super) cut: (Vec<String>, u8),
+    /// Such an unknown and what it stands for.
+    pub(super) cuts: Vec<(Leaf, Id)>,
     /// The name of the function that is read.
     pub(super) own_name: String,
     pub(super) bound: u8,
@@ -52,6 +58,9 @@ impl<'a> Body<'a> {
             names,
             comparing: false,
             returned: None,
+            scalars: vec![],
+            cut: (vec![], 0),
+            cuts: vec![],
             own_name: String::new(),
             bound: 0,
             next_param: 0,
@@ -279,9 +288,27 @@ impl<'a> Body<'a> {
             value = None;
         }
         let found = value.is_some();
+        if let (Some(Value::Scalar(id)), Pat::Ident(name)) = (&mut value, &local.pat) {
+            *id = self.named_number(&name.ident.to_string(), *id);
+        }
         // Names are bound in any case, so that one mistake is reported once.
         self.bind(&local.pat, value.unwrap_or(Value::Unknown))?;
         found.then_some(())
+    }
+
+    /// The value that a named number is read with.
+    fn named_number(&mut self, name: &str, value: Id) -> Id {
+        if !self.graph.has(value, UNKNOWNS) {
+            return value;
+        }
+        self.scalars.push(name.to_owned());
+        let (cut, first) = &self.cut;
+        if !cut.iter().any(|c| c == name) {
+            return value;
+        }
+        let leaf = Leaf::Unknown(first + self.cuts.len() as u8);
+        self.cuts.push((leaf, value));
+        self.graph.leaf(leaf, name, self.graph.range(value))
     }
 
     /// Makes the names of a pattern known without values, so that one mistake is reported once.

@@ -9,11 +9,13 @@ mod pieces;
 mod signature;
 mod solve;
 mod special;
+mod stages;
 mod value;
 
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
 pub use pieces::{Segment, Test};
+pub use stages::{Stage, stages};
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
 pub use value::Value;
 
@@ -64,6 +66,10 @@ struct Reading {
     point: Option<(Vec<Id>, Vec<TokenStream>)>,
     segments: Vec<Option<Segment>>,
     relations: Vec<Test>,
+    /// Numbers with a name that depend on the first parameter.
+    scalars: Vec<String>,
+    /// Unknowns in their place, and what these stand for.
+    cuts: Vec<(Leaf, Id)>,
 }
 
 /// Parses the body of a sampler or a map. `None` if there were errors.
@@ -86,7 +92,7 @@ pub fn parse(
             );
             return None;
         }
-        let first = reader.read(way, &[])?;
+        let first = reader.read(Graph::new(), (way, &[]), (vec![], 0))?;
         next = first.way.clone().next();
         if let Some((_, surfaces)) = &first.point {
             identities.clone_from(surfaces);
@@ -125,9 +131,9 @@ impl Reader<'_> {
         let second = if cut {
             let ends: Vec<Option<(Segment, &Graph)>> =
                 segments.iter().map(|s| s.map(|s| (s, &first.graph))).collect();
-            self.read(first.way.again(implied), &ends)?
+            self.read(Graph::new(), (first.way.again(implied), &ends), (vec![], 0))?
         } else {
-            self.read(first.way.again(vec![]), &[])?
+            self.read(Graph::new(), (first.way.again(vec![]), &[]), (vec![], 0))?
         };
         if second.way.impossible {
             return Some(None);
@@ -151,24 +157,27 @@ impl Reader<'_> {
             guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
             segments: second.segments,
             lengths: Vec::new(),
+            stages: Vec::new(),
             relations: second.relations,
         };
         Some(Some(Piece { problem, graph: first.graph, tests }))
     }
 
-    /// Reads the body on one way, with uniforms confined to segments.
+    /// Reads the body into a graph on one way, with uniforms confined to segments and some named numbers as unknowns
+    /// of their own ([`Body::cut`]).
     fn read(
         &mut self,
-        way: branch::Way,
-        segments: &[Option<(Segment, &Graph)>],
+        mut graph: Graph,
+        (way, segments): (branch::Way, &[Option<(Segment, &Graph)>]),
+        cut: (Vec<String>, u8),
     ) -> Option<Reading> {
         // What the item before has used up is no concern of this one.
         crate::poly::start_budget();
-        let mut graph = Graph::new();
         let mut names: HashMap<String, Value> = HashMap::new();
         let (unknowns, argument) = declare_source(&mut graph, &mut names, &self.signature.source);
         let mut body = Body::new(graph, names, way, self.errors);
         body.own_name = self.signature.name.to_string();
+        body.cut = cut;
         let (mut kinds, mut frames) = (Vec::new(), Vec::new());
         for p in &self.signature.params {
             body.declare_param(p, self.options, &mut kinds, &mut frames);
@@ -182,7 +191,7 @@ impl Reader<'_> {
             Value::Nothing => None,
             value => Some(body.outputs(&value, &self.signature.space, &self.item.block)?),
         };
-        let Body { graph, requirements, constants, way, .. } = body;
+        let Body { graph, requirements, constants, way, scalars, cuts, .. } = body;
         let first = kinds.iter().map(Kind::scalars).sum::<usize>();
         kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
         debug_assert!(first <= 64);
@@ -198,6 +207,8 @@ impl Reader<'_> {
             point,
             segments,
             relations,
+            scalars,
+            cuts,
         })
     }
 }

@@ -1,0 +1,98 @@
+//! The inverse of a body in two steps: first the numbers that the point is made of, then the uniforms that these are
+//! made of. The volume is the product of those of both steps.
+
+use std::collections::BTreeMap;
+
+use super::Problem;
+use crate::expr::{Id, Leaf};
+use crate::jacobian::{self, Source, simplify};
+use crate::parse::Stage;
+use crate::solve::{Condition, Solution, solve};
+
+/// The first output that stands for a named number.
+const FIRST: u8 = 10;
+/// How many equal forms of the volume are kept.
+const FORMS: usize = 4;
+
+/// Forms of √det(JᵀJ) in terms of the unknowns and of the named numbers.
+pub(super) fn volumes(problem: &mut Problem, stage: &Stage) -> Option<Vec<Id>> {
+    let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
+    let unknowns = std::mem::replace(&mut problem.unknowns, names);
+    let outputs = std::mem::replace(&mut problem.outputs, stage.outputs.clone());
+    let outer = super::any_volume(problem);
+    (problem.unknowns, problem.outputs) = (unknowns, outputs);
+    let g = &mut problem.graph;
+    let made: Vec<Id> = stage.named.iter().map(|(_, id)| *id).collect();
+    // What depends on the numbers before changes nothing: the matrix of slopes is triangular in them.
+    let inner = jacobian::volume(g, &made, &problem.unknowns, (Source::Free, false), &[]).ok()?;
+    let outer = outer.ok()?;
+    let pairs = inner.iter().flat_map(|&a| outer.iter().map(move |&b| (a, b)));
+    Some(pairs.take(FORMS).map(|(a, b)| g.mul(a, b)).collect())
+}
+
+/// An expression in which the named numbers are spelled out.
+pub(super) fn spelled_out(problem: &mut Problem, stage: &Stage, id: Id) -> Id {
+    let g = &mut problem.graph;
+    let values: BTreeMap<Id, Id> =
+        stage.named.iter().map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect();
+    // A number may be made of those before.
+    (0..stage.named.len()).fold(id, |id, _| g.substitute(id, &values))
+}
+
+/// Each preimage, by way of each solution of the first step; `None` if one of the steps has no inverse in closed form.
+/// `number` says which of the stages it is: names are declared once.
+pub(super) fn solutions(
+    problem: &mut Problem,
+    stage: &Stage,
+    (number, targets): (usize, &[Id]),
+) -> Option<Vec<Solution>> {
+    let (frames, unknowns) = (problem.frames.clone(), problem.unknowns.clone());
+    let positive = problem.requirements.clone();
+    let g = &mut problem.graph;
+    let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
+    let outer = solve(g, &stage.outputs, targets, &names, &frames, &[], false).ok()?;
+    // To the second step the names are known.
+    let first = FIRST + (number * names.len()) as u8;
+    let known: Vec<Id> = (first..)
+        .zip(&stage.named)
+        .map(|(i, (leaf, value))| {
+            let (name, range) = (g.name(*leaf).to_owned(), g.range(*value));
+            g.leaf(Leaf::Out(i), &name, range)
+        })
+        .collect();
+    let as_known: BTreeMap<Id, Id> =
+        names.iter().map(|leaf| g.get_leaf(*leaf)).zip(known.iter().copied()).collect();
+    let made: Vec<Id> = stage.named.iter().map(|(_, id)| g.substitute(*id, &as_known)).collect();
+    let inner = solve(g, &made, &known, &unknowns, &frames, &positive, false).ok()?;
+    let mut all = Vec::new();
+    for outer in &outer {
+        let values: BTreeMap<Id, Id> = names
+            .iter()
+            .zip(&known)
+            .map(|(leaf, known)| (*known, outer.spell_out(g, outer.unknowns[leaf])))
+            .collect();
+        for inner in &inner {
+            let mut spelled = |id: Id| {
+                let id = inner.spell_out(g, id);
+                g.substitute(id, &values)
+            };
+            let mut unknowns: BTreeMap<Leaf, Id> =
+                inner.unknowns.iter().map(|(leaf, id)| (*leaf, spelled(*id))).collect();
+            let mut conditions: Vec<Condition> =
+                inner.conditions.iter().map(|c| Condition(spelled(c.0))).collect();
+            conditions.extend(outer.conditions.iter().map(|c| Condition(outer.spell_out(g, c.0))));
+            for id in unknowns.values_mut() {
+                *id = simplify(g, *id, None);
+            }
+            all.push(Solution {
+                known: names.iter().map(|l| g.get_leaf(*l)).zip(values.values().copied()).collect(),
+                short: unknowns.clone(),
+                unknowns,
+                conditions,
+                steps: outer.steps.iter().chain(&inner.steps).cloned().collect(),
+                ..Solution::default()
+            });
+        }
+    }
+    Some(all)
+}
