@@ -501,3 +501,47 @@ fn maps_that_did_not_compile_have_their_density() {
     assert_eq!(square_and_itself().pdf(&2.5).value(), 0.0);
     assert_eq!(square_and_itself().pdf(&-0.1).value(), 0.0);
 }
+
+// Numbers that a body names and then uses several times.
+
+/// Normals of GGX that are visible from w, as they were first printed: Heitz, "Sampling the GGX Distribution of Visible
+/// Normals" (2018).
+#[sampler(alpha in 1e-3..=1.0)]
+fn visible_normals_as_printed(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
+    let v = Vec3::new(alpha * w.x, alpha * w.y, w.z).normalize();
+    let t1 = Vec3::new(-v.y, v.x, 0.0).normalize();
+    let t2 = v.cross(t1);
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let a = r * phi.cos();
+    let s = 0.5 * (1.0 + v.z);
+    let b = (1.0 - s) * (1.0 - a * a).sqrt() + s * r * phi.sin();
+    let n = a * t1 + b * t2 + (1.0 - a * a - b * b).sqrt() * v;
+    Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
+}
+
+/// D(h) max(0, w · h) / (w.z Λ-term), the density of visible normals in closed form.
+#[test]
+fn a_body_is_inverted_by_the_numbers_that_it_names() {
+    for (alpha, w) in [
+        (0.4, Direction::new(0.6, 0.2, 0.7)),
+        (0.05, Direction::new(0.6, 0.2, 0.1)),
+        (0.9, Direction::new(0.01, 0.02, 1.0)),
+    ] {
+        let normals = visible_normals_as_printed(alpha, w).expect("legal parameters");
+        let a2: f64 = alpha * alpha;
+        let seen = 0.5 * (w.z + (a2 * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt());
+        for i in 0..400 {
+            let u = [(i % 20) as f64 / 20.0 + 0.025, (i / 20) as f64 / 20.0 + 0.025];
+            let sample = normals.sample(u);
+            let h = sample.value();
+            let slope = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
+            let truth = h.dot(w).max(0.0) / (PI * a2 * slope * slope) / seen;
+            for found in [sample.pdf().value(), normals.pdf(&sample).value()] {
+                assert!((found / truth - 1.0).abs() < 1e-12, "{found:e}, expected {truth:e}");
+            }
+            let below = Direction::new(h.x, h.y, -h.z - 0.1);
+            assert_eq!(normals.pdf(&below).value(), 0.0);
+        }
+    }
+}

@@ -17,7 +17,7 @@ use crate::interval::Interval;
 use crate::jacobian::{Source, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
-use crate::parse::{Piece, Segment, Space, Test, Stage};
+use crate::parse::{Piece, Segment, Space, Stage, Test};
 use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;

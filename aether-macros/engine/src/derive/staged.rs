@@ -4,9 +4,10 @@
 use std::collections::BTreeMap;
 
 use super::Problem;
-use crate::expr::{Id, Leaf};
+use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{self, Source, simplify};
 use crate::parse::Stage;
+use crate::solve::linear::{cross, dot};
 use crate::solve::{Condition, Solution, solve};
 
 /// The first output that stands for a named number.
@@ -19,24 +20,38 @@ pub(super) fn volumes(problem: &mut Problem, stage: &Stage) -> Option<Vec<Id>> {
     let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
     let unknowns = std::mem::replace(&mut problem.unknowns, names);
     let outputs = std::mem::replace(&mut problem.outputs, stage.outputs.clone());
+    let frames = problem.frames.clone();
+    problem.frames.extend(stage.frame);
     let outer = super::any_volume(problem);
+    problem.frames = frames;
     (problem.unknowns, problem.outputs) = (unknowns, outputs);
     let g = &mut problem.graph;
     let made: Vec<Id> = stage.named.iter().map(|(_, id)| *id).collect();
     // What depends on the numbers before changes nothing: the matrix of slopes is triangular in them.
     let inner = jacobian::volume(g, &made, &problem.unknowns, (Source::Free, false), &[]).ok()?;
     let outer = outer.ok()?;
+    let outer = outer.into_iter().map(|v| without_frame(g, v, stage)).collect::<Vec<_>>();
     let pairs = inner.iter().flat_map(|&a| outer.iter().map(move |&b| (a, b)));
     Some(pairs.take(FORMS).map(|(a, b)| g.mul(a, b)).collect())
+}
+
+/// A volume in which the determinant of the frame is one.
+fn without_frame(g: &mut Graph, volume: Id, stage: &Stage) -> Id {
+    let Some([x, y, z]) = stage.frame else { return volume };
+    let across = cross(g, &x, &y);
+    let determinant = dot(g, &across, &z);
+    let (expanded, one) = (simplify(g, determinant, None), g.int(1));
+    let sizes = [determinant, expanded].map(|d| (g.call(Fun::Abs, &[d]), one));
+    g.substitute(volume, &sizes.into())
 }
 
 /// An expression in which the named numbers are spelled out.
 pub(super) fn spelled_out(problem: &mut Problem, stage: &Stage, id: Id) -> Id {
     let g = &mut problem.graph;
-    let values: BTreeMap<Id, Id> =
-        stage.named.iter().map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect();
-    // A number may be made of those before.
-    (0..stage.named.len()).fold(id, |id, _| g.substitute(id, &values))
+    let names = stage.named.iter().chain(&stage.constants);
+    let values: BTreeMap<Id, Id> = names.map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect();
+    // Each may be made of those before.
+    (0..values.len()).fold(id, |id, _| g.substitute(id, &values))
 }
 
 /// Each preimage, by way of each solution of the first step; `None` if one of the steps has no inverse in closed form.
@@ -46,7 +61,8 @@ pub(super) fn solutions(
     stage: &Stage,
     (number, targets): (usize, &[Id]),
 ) -> Option<Vec<Solution>> {
-    let (frames, unknowns) = (problem.frames.clone(), problem.unknowns.clone());
+    let (mut frames, unknowns) = (problem.frames.clone(), problem.unknowns.clone());
+    frames.extend(stage.frame);
     let positive = problem.requirements.clone();
     let g = &mut problem.graph;
     let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
@@ -84,14 +100,19 @@ pub(super) fn solutions(
             for id in unknowns.values_mut() {
                 *id = simplify(g, *id, None);
             }
-            all.push(Solution {
+            let constants = stage.constants.iter();
+            let mut found = Solution {
                 known: names.iter().map(|l| g.get_leaf(*l)).zip(values.values().copied()).collect(),
                 short: unknowns.clone(),
-                unknowns,
-                conditions,
+                names: constants.map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect(),
                 steps: outer.steps.iter().chain(&inner.steps).cloned().collect(),
                 ..Solution::default()
-            });
+            };
+            found.unknowns =
+                unknowns.into_iter().map(|(l, id)| (l, found.spell_out(g, id))).collect();
+            found.conditions =
+                conditions.into_iter().map(|c| Condition(found.spell_out(g, c.0))).collect();
+            all.push(found);
         }
     }
     Some(all)

@@ -8,6 +8,7 @@ use syn::visit::Visit;
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
+use super::stages::Cut;
 use super::{Options, Param, ParamKind, Segment, Source, Space, Value};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
@@ -31,10 +32,14 @@ pub struct Body<'a> {
     returned: Option<Value>,
     /// Numbers with a name that depend on the first parameter, in their order.
     pub(super) scalars: Vec<String>,
-    /// Which of these are read as unknowns of their own, and the first of these unknowns.
-    pub(super) cut: (Vec<String>, u8),
+    /// Vectors with a name that depend on parameters alone.
+    pub(super) vectors: Vec<(String, [Id; 3])>,
+    /// What is read as inputs of their own.
+    pub(super) cut: Cut,
     /// Such an unknown and what it stands for.
     pub(super) cuts: Vec<(Leaf, Id)>,
+    /// Such a parameter and what it stands for.
+    pub(super) constants_cut: Vec<(Leaf, Id)>,
     /// The name of the function that is read.
     pub(super) own_name: String,
     pub(super) bound: u8,
@@ -59,8 +64,10 @@ impl<'a> Body<'a> {
             comparing: false,
             returned: None,
             scalars: vec![],
-            cut: (vec![], 0),
+            vectors: vec![],
+            cut: Cut::default(),
             cuts: vec![],
+            constants_cut: vec![],
             own_name: String::new(),
             bound: 0,
             next_param: 0,
@@ -288,8 +295,13 @@ impl<'a> Body<'a> {
             value = None;
         }
         let found = value.is_some();
-        if let (Some(Value::Scalar(id)), Pat::Ident(name)) = (&mut value, &local.pat) {
-            *id = self.named_number(&name.ident.to_string(), *id);
+        if let Pat::Ident(name) = &local.pat {
+            let name = name.ident.to_string();
+            match &mut value {
+                Some(Value::Scalar(id)) => *id = self.named_number(&name, *id),
+                Some(Value::Vector(v)) => *v = self.named_vector(&name, v),
+                _ => {}
+            }
         }
         // Names are bound in any case, so that one mistake is reported once.
         self.bind(&local.pat, value.unwrap_or(Value::Unknown))?;
@@ -302,13 +314,31 @@ impl<'a> Body<'a> {
             return value;
         }
         self.scalars.push(name.to_owned());
-        let (cut, first) = &self.cut;
-        if !cut.iter().any(|c| c == name) {
+        if !self.cut.numbers.iter().any(|c| c == name) {
             return value;
         }
-        let leaf = Leaf::Unknown(first + self.cuts.len() as u8);
+        let leaf = Leaf::Unknown(self.cut.first + self.cuts.len() as u8);
         self.cuts.push((leaf, value));
         self.graph.leaf(leaf, name, self.graph.range(value))
+    }
+
+    /// The coordinates that a named vector is read with.
+    fn named_vector(&mut self, name: &str, value: &[Id]) -> Vec<Id> {
+        let &[x, y, z] = value else { return value.to_vec() };
+        if value.iter().any(|id| self.graph.has(*id, UNKNOWNS)) {
+            return value.to_vec();
+        }
+        self.vectors.push((name.to_owned(), [x, y, z]));
+        if !self.cut.frame.iter().any(|c| c == name) {
+            return value.to_vec();
+        }
+        let axes = ["x", "y", "z"].iter().zip(value);
+        axes.map(|(axis, &id)| {
+            let leaf = Leaf::Param(super::stages::FIRST_CONSTANT + self.constants_cut.len() as u8);
+            self.constants_cut.push((leaf, id));
+            self.graph.leaf(leaf, &format!("{name}.{axis}"), Interval::new(-1.0, 1.0))
+        })
+        .collect()
     }
 
     /// Makes the names of a pattern known without values, so that one mistake is reported once.

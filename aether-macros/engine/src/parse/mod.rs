@@ -15,8 +15,9 @@ mod value;
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
 pub use pieces::{Segment, Test};
-pub use stages::{Stage, stages};
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
+use stages::Cut;
+pub use stages::{Stage, stages};
 pub use value::Value;
 
 use std::collections::HashMap;
@@ -68,8 +69,12 @@ struct Reading {
     relations: Vec<Test>,
     /// Numbers with a name that depend on the first parameter.
     scalars: Vec<String>,
-    /// Unknowns in their place, and what these stand for.
+    /// Vectors with a name that depend on parameters alone.
+    vectors: Vec<(String, [Id; 3])>,
+    /// Unknowns in the place of numbers, and what these stand for.
     cuts: Vec<(Leaf, Id)>,
+    /// Parameters in the place of coordinates of vectors, and what these stand for.
+    constants_cut: Vec<(Leaf, Id)>,
 }
 
 /// Parses the body of a sampler or a map. `None` if there were errors.
@@ -92,7 +97,7 @@ pub fn parse(
             );
             return None;
         }
-        let first = reader.read(Graph::new(), (way, &[]), (vec![], 0))?;
+        let first = reader.read(Graph::new(), (way, &[]), Cut::default())?;
         next = first.way.clone().next();
         if let Some((_, surfaces)) = &first.point {
             identities.clone_from(surfaces);
@@ -131,9 +136,9 @@ impl Reader<'_> {
         let second = if cut {
             let ends: Vec<Option<(Segment, &Graph)>> =
                 segments.iter().map(|s| s.map(|s| (s, &first.graph))).collect();
-            self.read(Graph::new(), (first.way.again(implied), &ends), (vec![], 0))?
+            self.read(Graph::new(), (first.way.again(implied), &ends), Cut::default())?
         } else {
-            self.read(Graph::new(), (first.way.again(vec![]), &[]), (vec![], 0))?
+            self.read(Graph::new(), (first.way.again(vec![]), &[]), Cut::default())?
         };
         if second.way.impossible {
             return Some(None);
@@ -169,7 +174,7 @@ impl Reader<'_> {
         &mut self,
         mut graph: Graph,
         (way, segments): (branch::Way, &[Option<(Segment, &Graph)>]),
-        cut: (Vec<String>, u8),
+        cut: Cut,
     ) -> Option<Reading> {
         // What the item before has used up is no concern of this one.
         crate::poly::start_budget();
@@ -191,7 +196,9 @@ impl Reader<'_> {
             Value::Nothing => None,
             value => Some(body.outputs(&value, &self.signature.space, &self.item.block)?),
         };
-        let Body { graph, requirements, constants, way, scalars, cuts, .. } = body;
+        let Body { graph, requirements, constants, way, .. } = body;
+        let (scalars, vectors) = (body.scalars, body.vectors);
+        let (cuts, constants_cut) = (body.cuts, body.constants_cut);
         let first = kinds.iter().map(Kind::scalars).sum::<usize>();
         kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
         debug_assert!(first <= 64);
@@ -208,7 +215,9 @@ impl Reader<'_> {
             segments,
             relations,
             scalars,
+            vectors,
             cuts,
+            constants_cut,
         })
     }
 }

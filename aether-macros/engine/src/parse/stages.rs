@@ -3,12 +3,17 @@
 //! Expressions are kept in a canonical form, in which the names of the body are gone: where `a` is the product r cos φ,
 //! `a * a` is r² cos² φ. What a name says is read once more where the inverse is not found without it.
 
+use std::collections::BTreeMap;
+
 use syn::ItemFn;
 
 use super::branch::Way;
-use super::{Options, Parsed, Reader};
+use super::{Options, Parsed, Reader, Reading};
 use crate::diagnostics::Diagnostics;
-use crate::expr::{Graph, Id, Leaf, leaf_bit};
+use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};
+use crate::jacobian::{factor_out, simplify};
+use crate::rational::Q;
+use crate::solve::linear::dot;
 
 /// The first unknown that stands for a named number.
 const FIRST: u8 = 10;
@@ -16,12 +21,28 @@ const FIRST: u8 = 10;
 const MOST: usize = 3;
 const MOST_NAMES: usize = 2;
 
+/// The first parameter that stands for a coordinate of a named vector: beyond those that an item may have.
+pub(super) const FIRST_CONSTANT: u8 = 66;
+
+/// What is read as inputs of their own: names of numbers, with the first unknown that stands for one, and of three
+/// vectors that are a frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cut {
+    pub(super) numbers: Vec<String>,
+    pub(super) first: u8,
+    pub(super) frame: Vec<String>,
+}
+
 /// A body in two steps.
 pub struct Stage {
     /// The output coordinates in terms of the named numbers.
     pub outputs: Vec<Id>,
     /// These, as unknowns, and what they are in terms of the uniforms and of the ones before.
     pub named: Vec<(Leaf, Id)>,
+    /// Three vectors of parameters that are a frame, by columns of inputs of their own.
+    pub frame: Option<[[Id; 3]; 3]>,
+    /// These inputs, and what they are in terms of the parameters and of the ones before.
+    pub constants: Vec<(Leaf, Id)>,
 }
 
 /// The ways to take apart the body of an item without branches, the last names first.
@@ -34,9 +55,10 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
     }
     let mut errors = Diagnostics::new();
     let mut reader = Reader { item, signature, options, errors: &mut errors };
-    let Some(plain) = reader.read(Graph::new(), (Way::default(), &[]), (vec![], 0)) else {
+    let Some(plain) = reader.read(Graph::new(), (Way::default(), &[]), Cut::default()) else {
         return vec![];
     };
+    let frame = frame(&mut reader, &plain.vectors);
     let all: Vec<String> = plain.scalars;
     let unique: Vec<&String> =
         all.iter().filter(|name| all.iter().filter(|n| n == name).count() == 1).collect();
@@ -48,18 +70,84 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
         }
         let first = FIRST + (found.len() * MOST_NAMES) as u8;
         let graph = std::mem::take(&mut piece.problem.graph);
-        let Some(reading) = reader.read(graph, (Way::default(), &[]), (names, first)) else { break };
+        let cut = Cut { numbers: names, first, frame: frame.clone() };
+        let Some(reading) = reader.read(graph, (Way::default(), &[]), cut) else { break };
         piece.problem.graph = reading.graph;
-        let g = &piece.problem.graph;
+        let g = &mut piece.problem.graph;
         let Some((outputs, _)) = reading.point else { break };
         let closed = outputs.iter().all(|o| !g.has(*o, uniforms));
         let is_leaf = |id: Id| piece.problem.unknowns.iter().any(|l| g.is_leaf(id, *l));
         let named = reading.cuts;
         if closed && !named.iter().any(|(_, id)| is_leaf(*id)) {
-            found.push(Stage { outputs, named });
+            let constants = reading.constants_cut;
+            let mut values = BTreeMap::new();
+            for (leaf, value) in &constants {
+                let spelled = g.substitute(*value, &values);
+                let value = roots_of_products(g, spelled);
+                values.insert(g.get_leaf(*leaf), value);
+            }
+            let constants: Vec<(Leaf, Id)> =
+                constants.into_iter().map(|(leaf, _)| (leaf, values[&g.get_leaf(leaf)])).collect();
+            let leaves: Vec<Id> = constants.iter().map(|(leaf, _)| g.get_leaf(*leaf)).collect();
+            let frame = <[[Id; 3]; 3]>::try_from(columns(&leaves)).ok();
+            found.push(Stage { outputs, named, frame, constants });
         }
     }
     found
+}
+
+/// The names of three vectors of parameters that are perpendicular to each other and have unit length, if there are
+/// any: the first known to be so by itself, the others as what they are in terms of the first.
+fn frame(reader: &mut Reader, vectors: &[(String, [Id; 3])]) -> Vec<String> {
+    for (i, (name, _)) in vectors.iter().enumerate() {
+        let cut = Cut { frame: vec![name.clone()], ..Cut::default() };
+        let Some(reading) = reader.read(Graph::new(), (Way::default(), &[]), cut) else { break };
+        let Reading { mut graph, vectors, constants_cut, .. } = reading;
+        let g = &mut graph;
+        let leaves: Vec<Id> = constants_cut.iter().map(|(leaf, _)| g.get_leaf(*leaf)).collect();
+        let &[x, y, z] = &leaves[..] else { break };
+        let mut is = |a: &[Id; 3], b: &[Id; 3], value: i64, unit: Option<[Id; 3]>| {
+            let product = dot(g, a, b);
+            let product = simplify(g, product, unit);
+            g.as_number(product) == Some(Q::int(value))
+        };
+        let (first, unit) = ([x, y, z], Some([x, y, z]));
+        if !is(&vectors[i].1, &vectors[i].1, 1, None) {
+            continue;
+        }
+        let later = &vectors[i + 1..];
+        let across: Vec<&(String, [Id; 3])> =
+            later.iter().filter(|(_, v)| is(&first, v, 0, unit) && is(v, v, 1, unit)).collect();
+        for (j, b) in across.iter().enumerate() {
+            if let Some(c) = across[j + 1..].iter().find(|c| is(&b.1, &c.1, 0, unit)) {
+                return vec![name.clone(), b.0.clone(), c.0.clone()];
+            }
+        }
+    }
+    vec![]
+}
+
+/// An expression whose roots are those of products where the terms under them have a common factor.
+fn roots_of_products(g: &mut Graph, id: Id) -> Id {
+    let mut sums = BTreeMap::new();
+    let mut open = vec![id];
+    while let Some(id) = open.pop() {
+        if let Node::Product(factors) = g.node(id).clone() {
+            for (base, exponent) in factors {
+                let is_root = g.as_number(exponent).is_some_and(|q| q.den() == 2);
+                if is_root && matches!(g.node(base), Node::Sum(..)) {
+                    sums.insert(base, factor_out(g, base));
+                }
+            }
+        }
+        open.extend(children(g.node(id)));
+    }
+    g.substitute(id, &sums)
+}
+
+/// Vectors of which these are the coordinates.
+fn columns(coordinates: &[Id]) -> Vec<[Id; 3]> {
+    coordinates.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect()
 }
 
 /// Sets of so many names, the last first.
