@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::Emitter;
-use super::sampler::{existence, existence_where, image, value_at};
+use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
 use crate::expr::{OUTS, UNKNOWNS};
 
@@ -25,8 +25,11 @@ pub(super) fn own_density(e: &Emitter) -> TokenStream {
 
 /// The point and its density in one, where there is anything to share.
 pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
-    if !e.is_single() || e.support.is_some() {
+    if e.support.is_some() {
         return None;
+    }
+    if !e.is_single() {
+        return is_alone(e).then(|| pieces_with_density(e));
     }
     let (n, m, _) = e.sizes();
     let made = e.point(&quote!(c));
@@ -51,6 +54,61 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
             (#made, exists_0::<R>(&p, &u), density)
         }
     })
+}
+
+/// Whether each point has one preimage, for the images of pieces are apart.
+fn is_alone(e: &Emitter) -> bool {
+    let pieces = e.parsed.pieces.len();
+    let one_each = e.derived.iter().all(|derived| derived.preimages.len() == 1);
+    one_each && (0..pieces).all(|k| (0..k).all(|j| apart(e, j, k)))
+}
+
+/// The point and its density from the piece that the uniforms take, where there is no other.
+fn pieces_with_density(e: &Emitter) -> TokenStream {
+    let (n, m, _) = e.sizes();
+    let (made, parameters) = (e.point(&quote!(c)), e.parameters());
+    let pieces = e.by_piece(|j| {
+        let [enter, own, exists] =
+            ["enter", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let (image, here) = (image_in(e, j), has_own_density(e, j));
+        quote! {
+            let t = #enter::<R>(&p, &u);
+            let y = #image;
+            c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            let d = #own::<R>(&p, &t);
+            let here = #here;
+            sum = R::select(here, d, sum);
+            inner = inner.or(here);
+        }
+    });
+    quote! {
+        #[inline(always)]
+        fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+            #parameters
+            let mut c = [R::ZERO; #m];
+            let mut sum = R::ZERO;
+            let mut exists = <R::Mask as Mask>::FALSE;
+            let mut inner = <R::Mask as Mask>::FALSE;
+            #pieces
+            let point = #made;
+            // At an end of a piece the map may only have a limit; the density at the point knows it.
+            if exists.and(inner.not()).any() {
+                let limit = ::aether_core::Sampler::pdf(self, &point).value();
+                sum = R::select(inner, sum, limit);
+            }
+            (point, exists, ::aether_core::Density::new(R::select(exists, sum, R::ZERO)))
+        }
+    }
+}
+
+/// Where the density `d` of the piece that `taken` says has a value at the unknowns `t`.
+fn has_own_density(e: &Emitter, j: usize) -> TokenStream {
+    if is_tame(e, j) {
+        quote!(taken.and(d.ge(R::ZERO)))
+    } else {
+        quote!(t.iter().fold(taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO))))
+    }
 }
 
 /// The density `d` at the uniforms, or its limit.
@@ -108,11 +166,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         } else {
             quote!(<R::Mask as Mask>::TRUE)
         };
-        let here = if is_tame(e, j) {
-            quote!(taken.and(d.ge(R::ZERO)))
-        } else {
-            quote!(t.iter().fold(taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO))))
-        };
+        let here = has_own_density(e, j);
         let taken = format_ident!("own_piece_{j}");
         quote! {
             let t = #enter::<R>(&p, &u);
@@ -130,8 +184,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         let overlapping: Vec<_> = overlapping.map(|j| &masks[j]).collect();
         Some(quote!(<R::Mask as Mask>::FALSE #(.or(#overlapping))*))
     };
-    let alone = (0..pieces).all(|k| (0..pieces).all(|j| j == k || apart(e, j, k)));
-    let others = if alone {
+    let others = if is_alone(e) {
         quote!()
     } else {
         let existence = existence_where(e, &wanted);

@@ -67,7 +67,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 
 /// The point of `u` and whether there is one, from the piece that `u` falls into.
 fn forward(e: &Emitter) -> TokenStream {
-    let (n, m, _) = e.sizes();
+    let (_, m, _) = e.sizes();
     let made = e.point(&quote!(c));
     if e.is_whole() {
         let image = image(e);
@@ -77,13 +77,8 @@ fn forward(e: &Emitter) -> TokenStream {
         };
     }
     let pieces = e.by_piece(|j| {
-        let [enter, forward, exists] =
-            ["enter", "forward", "exists"].map(|name| format_ident!("{name}_{j}"));
-        let y = if e.forward_is_tame(j) {
-            quote!(#forward::<R>(&p, &t))
-        } else {
-            quote!(::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t)))
-        };
+        let [enter, exists] = ["enter", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let y = image_in(e, j);
         quote! {
             let t = #enter::<R>(&p, &u);
             let y = #y;
@@ -96,6 +91,17 @@ fn forward(e: &Emitter) -> TokenStream {
         let mut exists = <R::Mask as Mask>::FALSE;
         #pieces
         (#made, exists)
+    }
+}
+
+/// The coordinates of the image of `t` under a piece, which the uniforms take where `taken` says so.
+pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
+    let (n, m, _) = e.sizes();
+    let forward = format_ident!("forward_{j}");
+    if e.forward_is_tame(j) {
+        quote!(#forward::<R>(&p, &t))
+    } else {
+        quote!(::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t)))
     }
 }
 
