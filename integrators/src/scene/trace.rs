@@ -1,14 +1,10 @@
 //! Finding what a ray hits.
 //!
-//! The wide tree of obvhs ([`super::tree`]) skips boxes nearer than an absolute 1e-4 and loses rays
-//! at shared edges, so:
-//!
-//! * The tree holds the scene multiplied by a power of two, which is exact, such that the largest
-//!   coordinate is between 2¹³ and 2¹⁴: hits do not depend on the unit of length.
-//! * Boxes are padded by 3e-7 of the largest coordinate, which is at least 2e-3: a box that holds a
-//!   hit is never left within 1e-4, and rounding of the box test stays within the padding.
-//! * Limits on the distance are kept here, and the tree only sees them raised above 1e-4.
-//! * Triangles are tested by the watertight [`Ray::triangle`].
+//! * The tree ([`super::tree`]) holds the scene multiplied by a power of two, which is exact, such that the largest
+//!   coordinate is between 2¹³ and 2¹⁴: nothing overflows, and hits do not depend on the unit of length.
+//! * Boxes are padded by 3e-7 of the largest coordinate, by which the test of a triangle may be wrong about where it is.
+//! * Triangles are tested by a watertight test, eight at a time ([`super::packet`]).
+//! * Of hits at the same distance the first in the list of primitives counts, whatever the tree.
 //!
 //! A ray that starts on a surface must not hit that surface again. A planar primitive is left out by
 //! identity, a sphere or cylinder is solved for its other root, and for the neighbours see [`Contact`]. None of
@@ -17,9 +13,12 @@
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 
-use super::hit::{self, Ray};
+use super::hit;
 use super::model::{Primitive, PrimitiveId};
-use super::tree::Tree;
+use super::packet::{Meetings, Packet, Planes, Ray};
+use super::simd::{Eight, LANES, Machine, Plain, Task, abs, dot, same};
+use super::tree::{Below, Slabs, Tree, Visitor};
+use super::tree_build::{Boxed, build};
 
 /// Largest coordinate of the scaled scene, as an exponent of two.
 const SCALED_EXPONENT: i32 = 14;
@@ -27,8 +26,6 @@ const SCALED_EXPONENT: i32 = 14;
 const PADDING: f32 = 3e-7;
 /// Bound of the rounding error of surface points relative to the coordinates of their primitive.
 const LIFT: f32 = 4.0 * f32::EPSILON;
-/// The least limit on distances that the tree is shown; its own epsilon is 1e-4.
-const LEAST_LIMIT: f32 = 1e-3;
 
 /// A point where a ray or a segment starts or ends.
 #[derive(Clone, Copy, Debug)]
@@ -58,10 +55,12 @@ struct Item {
 /// The search structure over the primitives of a scene.
 pub struct Tracer {
     tree: Tree,
-    /// In the order of the leaves of the tree.
-    items: Vec<Item>,
+    packets: Vec<Packet>,
+    /// What is no triangle.
+    others: Vec<Item>,
     /// A power of two: lengths in the tree per length in the scene.
     scale: f32,
+    machine: Machine,
 }
 
 /// What was hit, in the scaled scene.
@@ -88,40 +87,50 @@ impl Tracer {
         let padding = Vec3::splat(PADDING * largest * scale);
         let boxes = primitives.iter().map(|p| {
             let bounds = p.bounds();
-            Aabb::new(
-                Vec3A::from(bounds.min * scale - padding),
-                Vec3A::from(bounds.max * scale + padding),
-            )
+            Boxed {
+                bounds: Aabb::new(
+                    Vec3A::from(bounds.min * scale - padding),
+                    Vec3A::from(bounds.max * scale + padding),
+                ),
+                is_triangle: matches!(p, Primitive::Triangle { .. }),
+            }
         });
-        let (tree, order) = Tree::new(&boxes.collect::<Vec<_>>());
-        let item = |index: &u32| Item {
-            primitive: scaled(&primitives[*index as usize], scale),
-            id: PrimitiveId(*index),
-        };
-        Self { tree, items: order.iter().map(item).collect(), scale }
+        let (mut packets, mut others) = (Vec::new(), Vec::new());
+        let tree = build(&boxes.collect::<Vec<_>>(), |indices| {
+            let corners = |&index: &u32| match primitives[index as usize] {
+                Primitive::Triangle { v0, v1, v2 } => {
+                    Some((PrimitiveId(index), [v0, v1, v2].map(|v| v * scale)))
+                }
+                _ => None,
+            };
+            if indices.iter().all(|index| corners(index).is_some()) {
+                packets.push(Packet::new(indices.iter().filter_map(corners)));
+                return Below::Packet(packets.len() - 1);
+            }
+            let primitive = scaled(&primitives[indices[0] as usize], scale);
+            others.push(Item { primitive, id: PrimitiveId(indices[0]) });
+            Below::Other(others.len() - 1)
+        });
+        Self { tree, packets, others, scale, machine: Machine::detect() }
+    }
+
+    /// The same without the machine's instructions.
+    #[cfg(test)]
+    pub fn on_any_machine(self) -> Self {
+        Self { machine: Machine::Any, ..self }
     }
 
     /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
     pub fn nearest(&self, from: End, start: Option<On>, direction: Vec3) -> Option<RawHit> {
         let query = Segment::new(self.scale, from, start, direction)?;
-        let mut best: Option<RawHit> = None;
-        self.tree.visit(query.tree_ray(f32::INFINITY), |index| {
-            match query.test(&self.items[index]) {
-                Some(hit) if best.is_none_or(|best| hit.t < best.t) => {
-                    best = Some(hit);
-                    hit.t.max(LEAST_LIMIT)
-                }
-                _ => f32::INFINITY,
-            }
-        });
-        best.map(|hit| RawHit { t: hit.t / self.scale, ..hit })
+        let hit = self.machine.run(Nearest { tracer: self, query: &query, best: None })?;
+        Some(RawHit { t: hit.t / self.scale, ..hit })
     }
 
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
     pub fn is_open(&self, from: End, start: Option<On>, direction: Vec3) -> bool {
-        let Some(query) = Segment::new(self.scale, from, start, direction) else { return true };
-        let ray = query.tree_ray(f32::INFINITY);
-        self.tree.is_free(ray, |index| query.test(&self.items[index]).is_some())
+        let query = Segment::new(self.scale, from, start, direction);
+        query.is_none_or(|query| !self.machine.run(Any { tracer: self, query: &query, found: false }))
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
@@ -139,8 +148,124 @@ impl Tracer {
             end_point: to.0.point * self.scale,
             length: offset.length() * self.scale,
         };
-        let ray = query.tree_ray(query.length.max(LEAST_LIMIT));
-        self.tree.is_free(ray, |index| query.test(&self.items[index]).is_some())
+        !self.machine.run(Any { tracer: self, query: &query, found: false })
+    }
+}
+
+/// Looks for the nearest hit.
+struct Nearest<'a> {
+    tracer: &'a Tracer,
+    query: &'a Segment,
+    best: Option<RawHit>,
+}
+
+impl Task for Nearest<'_> {
+    type Output = Option<RawHit>;
+
+    #[inline(always)]
+    fn run<E: Eight>(mut self, machine: E::Machine) -> Option<RawHit> {
+        let ray = Slabs::new(self.query.ray.origin, self.query.ray.direction);
+        self.tracer.tree.walk::<E, true>(machine, &ray, f32::MAX, &mut self);
+        self.best
+    }
+}
+
+impl Visitor for Nearest<'_> {
+    #[inline(always)]
+    fn visit<E: Eight>(&mut self, machine: E::Machine, leaf: Below, limit: f32) -> f32 {
+        match leaf {
+            Below::Packet(index) => {
+                let packet = &self.tracer.packets[index];
+                if let Some(meetings) = self.query.meet::<E>(machine, packet, limit) {
+                    self.take_nearest(packet, &meetings);
+                }
+            }
+            Below::Other(index) => {
+                if let Some(hit) = self.query.test(&self.tracer.others[index]) {
+                    self.take(hit);
+                }
+            }
+            Below::Node(_) => {}
+        }
+        self.best.as_ref().map_or(f32::MAX, |best| best.t)
+    }
+}
+
+impl Nearest<'_> {
+    #[inline(always)]
+    fn take(&mut self, hit: RawHit) {
+        let is_first = |best: &RawHit| (hit.t, hit.primitive.0) < (best.t, best.primitive.0);
+        if self.best.as_ref().is_none_or(is_first) {
+            self.best = Some(hit);
+        }
+    }
+
+    #[inline(always)]
+    fn take_nearest<E: Eight>(&mut self, packet: &Packet, meetings: &Meetings<E>) {
+        let t = meetings.t.to_array();
+        let [u, v, w] = &meetings.weights;
+        let [u, v, w] = [u.to_array(), v.to_array(), w.to_array()];
+        let mut met = meetings.met;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            let primitive = packet.id(lane);
+            if self.query.touches(primitive) == (false, false) {
+                let weights = Vec3::new(u[lane], v[lane], w[lane]);
+                self.take(RawHit { primitive, t: t[lane].max(0.0), weights });
+            }
+        }
+    }
+}
+
+/// Looks whether there is any hit.
+struct Any<'a> {
+    tracer: &'a Tracer,
+    query: &'a Segment,
+    found: bool,
+}
+
+impl Task for Any<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<E: Eight>(mut self, machine: E::Machine) -> bool {
+        let ray = Slabs::new(self.query.ray.origin, self.query.ray.direction);
+        let length = self.query.length.min(f32::MAX);
+        self.tracer.tree.walk::<E, false>(machine, &ray, length, &mut self);
+        self.found
+    }
+}
+
+impl Visitor for Any<'_> {
+    #[inline(always)]
+    fn visit<E: Eight>(&mut self, machine: E::Machine, leaf: Below, limit: f32) -> f32 {
+        self.found = match leaf {
+            Below::Packet(index) => {
+                let packet = &self.tracer.packets[index];
+                // What ends on a surface may meet others slightly behind it.
+                let meetings = self.query.meet::<E>(machine, packet, f32::MAX);
+                meetings.is_some_and(|meetings| self.is_any_foreign(packet, meetings.met))
+            }
+            Below::Other(index) => self.query.test(&self.tracer.others[index]).is_some(),
+            Below::Node(_) => false,
+        };
+        if self.found { -1.0 } else { limit }
+    }
+}
+
+impl Any<'_> {
+    /// Whether the segment neither starts nor ends on one of the triangles.
+    #[inline(always)]
+    fn is_any_foreign(&self, packet: &Packet, mut lanes: u32) -> bool {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            if self.query.touches(packet.id(lane)) == (false, false) {
+                return true;
+            }
+        }
+        false
     }
 }
 
@@ -176,13 +301,15 @@ impl Contact {
         Some(Self { on: end.on?, along_normal: surface?.normal.dot(direction) > 0.0 })
     }
 
-    /// Whether a plane met at a distance of `t ± t_error` from this end stands in the way.
-    /// `normal` has any length, `size` bounds the coordinates.
-    fn is_met(&self, t: f32, t_error: f32, rise: f32, normal: Vec3, size: Vec3) -> bool {
-        let error = 4.0 * LIFT * normal.abs().dot(size) + t_error * rise.abs();
+    /// Which planes met at distances of `t` from this end stand in the way. `error` bounds how far the ends and
+    /// planes are off, times the lengths of the normals, `rise` how fast the segment goes through along the normals.
+    #[inline(always)]
+    fn is_met<E: Eight>(&self, machine: E::Machine, t: E, error: E, rise: E) -> u32 {
+        let zero = E::splat(machine, 0.0);
         let height = t * rise.abs();
-        let is_front = (rise > 0.0) != self.along_normal;
-        height > if is_front { -error } else { error }
+        let rises = zero.below(rise);
+        let front = if self.along_normal { !rises } else { rises };
+        (front & (zero - error).below(height)) | (!front & error.below(height))
     }
 }
 
@@ -201,32 +328,40 @@ impl Segment {
         })
     }
 
-    fn tree_ray(&self, limit: f32) -> obvhs::ray::Ray {
-        // obvhs replaces components below 1.2e-7 by that, which tilts the ray by more than the
-        // padding allows for. So small ones are kept, and only zero is replaced; it counts as
-        // positive even if it is -0, because obvhs orders the sides of boxes by `x < 0`.
-        let inverse = |x: f32| match x {
-            x if x.abs() >= 1e-20 => 1.0 / x,
-            x if x < 0.0 => -1e20,
-            _ => 1e20,
-        };
-        let d = self.ray.direction;
-        obvhs::ray::Ray {
-            origin: self.ray.origin.into(),
-            direction: d.into(),
-            inv_direction: Vec3A::new(inverse(d.x), inverse(d.y), inverse(d.z)),
-            tmin: 0.0,
-            tmax: limit,
-        }
+    /// Whether it starts, and ends, on a primitive.
+    #[inline(always)]
+    fn touches(&self, primitive: PrimitiveId) -> (bool, bool) {
+        let is_on = |contact: &Option<Contact>| contact.as_ref().is_some_and(|c| c.on == primitive);
+        (is_on(&self.start), is_on(&self.end))
     }
 
-    /// The hit of one primitive, if it lies within the segment.
-    #[inline]
+    /// The triangles of a packet that are met within the segment, and no further than the limit; it may start or end
+    /// on some of them.
+    #[inline(always)]
+    fn meet<E: Eight>(
+        &self,
+        machine: E::Machine,
+        packet: &Packet,
+        limit: f32,
+    ) -> Option<Meetings<E>> {
+        let mut meetings = packet.meet(machine, &self.ray, limit)?;
+        meetings.met &= if self.start.is_none() && self.end.is_none() {
+            let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
+            zero.below(meetings.t) & meetings.t.below(end)
+        } else {
+            let planes = packet.planes(machine, &self.ray, &meetings);
+            self.within(machine, meetings.t, &planes)
+        };
+        (meetings.met != 0).then_some(meetings)
+    }
+
+    /// The hit of one primitive that is no triangle, if it lies within the segment.
+    #[inline(never)]
     fn test(&self, item: &Item) -> Option<RawHit> {
-        let is_on = |contact: &Option<Contact>| contact.as_ref().is_some_and(|c| c.on == item.id);
-        let (starts_here, ends_here) = (is_on(&self.start), is_on(&self.end));
+        let (starts_here, ends_here) = self.touches(item.id);
         let (ray, d) = (&self.ray, self.ray.direction);
         let (t, weights) = match item.primitive {
+            Primitive::Triangle { .. } => return None,
             Primitive::Sphere { center, radius, .. } => {
                 let t = match (starts_here, ends_here) {
                     // A chord does not leave its sphere on the way.
@@ -243,17 +378,16 @@ impl Segment {
             Primitive::Cylinder { .. } => {
                 (self.cylinder(&item.primitive, starts_here, ends_here)?, Vec3::ZERO)
             }
-            _ if starts_here || ends_here => return None,
-            Primitive::Triangle { v0, v1, v2 } => {
-                let hit = ray.triangle(&[v0, v1, v2])?;
-                let size = v0.abs().max(v1.abs()).max(v2.abs());
-                self.plane(hit.t, hit.t_error, || (v1 - v0).cross(v2 - v0), size)?;
-                (hit.t, hit.weights)
-            }
+            Primitive::Disk { .. } if starts_here || ends_here => return None,
             Primitive::Disk { center, normal, u_axis, v_axis } => {
                 let (t, [a, b]) = hit::disk(ray.origin, d, center, u_axis, v_axis)?;
                 let size = center.abs() + u_axis.abs() + v_axis.abs();
-                self.plane(t, 0.0, || normal, size)?;
+                let plane = Planes {
+                    normal: same::<Plain>((), normal),
+                    size: same((), size),
+                    t_error: Plain::splat((), 0.0),
+                };
+                (self.within((), Plain::splat((), t), &plane) != 0).then_some(())?;
                 (t, Vec3::new(a as f32, b as f32, 0.0))
             }
         };
@@ -277,26 +411,29 @@ impl Segment {
         t.filter(|t| *t < self.length)
     }
 
-    /// Whether the meeting with a plane lies within the segment.
-    #[inline]
-    fn plane(&self, t: f32, t_error: f32, normal: impl Fn() -> Vec3, size: Vec3) -> Option<()> {
-        let is_within = if self.start.is_none() && self.end.is_none() {
-            0.0 < t && t < self.length
-        } else {
-            let normal = normal();
-            let rise = normal.dot(self.ray.direction);
-            let after_start = match &self.start {
-                Some(start) => start.is_met(t, t_error, rise, normal, size),
-                None => t > 0.0,
-            };
-            // Seen from the end, the segment runs the other way.
-            let before_end = match &self.end {
-                Some(end) => end.is_met(self.length - t, t_error, rise, normal, size),
-                None => t < self.length,
-            };
-            after_start && before_end
+    /// Which meetings with planes lie within the segment.
+    #[inline(always)]
+    fn within<E: Eight>(
+        &self,
+        machine: E::Machine,
+        t: E,
+        planes: &Planes<E>,
+    ) -> u32 {
+        let direction = same(machine, self.ray.direction);
+        let rise = dot(&planes.normal, &direction);
+        let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&planes.normal), &planes.size);
+        let error = off + planes.t_error * rise.abs();
+        let after_start = match &self.start {
+            Some(start) => start.is_met(machine, t, error, rise),
+            None => E::splat(machine, 0.0).below(t),
         };
-        is_within.then_some(())
+        let length = E::splat(machine, self.length);
+        // Seen from the end, the segment runs the other way.
+        let before_end = match &self.end {
+            Some(end) => end.is_met(machine, length - t, error, rise),
+            None => t.below(length),
+        };
+        after_start & before_end
     }
 }
 

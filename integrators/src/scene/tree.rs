@@ -1,196 +1,183 @@
-//! obvhs's trees made safe: no recursion or stack is ever deeper than it may be.
+//! A tree of boxes, eight to a node, and how a ray goes through it.
 //!
-//! The 8-wide compressed tree is about 1.5 times as fast as the binary one, but its traversal
-//! silently loses nodes that are more than 32 deep, and its construction recurses. Both happen with
-//! many nested or equal boxes. So equal boxes share one leaf, and a tree that is still too deep
-//! stays binary.
+//! It is what `super::tree_build` makes of a binary tree. A node holds the boxes of its children side by side, so that
+//! they are tested at once.
 
-use std::collections::HashMap;
-use std::ops::Range;
+use glam::Vec3;
 
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
-use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
-use obvhs::ploc::PlocBuilder;
-use obvhs::ray::{Ray, RayHit};
-use obvhs::{Boundable, BvhBuildParams};
+use super::simd::{Eight, LANES};
+use super::stack::{Entries, Stack};
 
-/// The binary tree is converted by recursion, a few hundred bytes each.
-const MAX_BINARY_DEPTH: usize = 1000;
-/// Less than the 32 entries of the stack of the wide tree.
-const MAX_WIDE_DEPTH: usize = 30;
+/// What is below a box: a node, or what the one who built the tree keeps there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Child(pub(super) u32);
 
-enum Nodes {
-    Empty,
-    Wide(CwBvh),
-    Binary(Bvh2),
+/// The kinds of children.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Below {
+    /// The node with that index.
+    Node(usize),
+    /// The packet of triangles with that index.
+    Packet(usize),
+    /// The other primitive with that index.
+    Other(usize),
+}
+
+impl Child {
+    const PACKET: u32 = 1 << 31;
+    const OTHER: u32 = 1 << 30;
+
+    /// Indices are below 2³⁰.
+    pub fn new(below: Below) -> Self {
+        Self(match below {
+            Below::Node(index) => index as u32,
+            Below::Packet(index) => Self::PACKET | index as u32,
+            Below::Other(index) => Self::OTHER | index as u32,
+        })
+    }
+
+    #[inline(always)]
+    fn below(self) -> Below {
+        let index = (self.0 & (Self::OTHER - 1)) as usize;
+        match self.0 & (Self::PACKET | Self::OTHER) {
+            0 => Below::Node(index),
+            Self::OTHER => Below::Other(index),
+            _ => Below::Packet(index),
+        }
+    }
+}
+
+/// Eight boxes and what is in them.
+#[derive(Clone, Debug)]
+#[repr(C, align(32))]
+pub struct Node {
+    /// The lower sides by coordinate, then the upper ones. A box that is not there is inside out.
+    sides: [[f32; LANES]; 6],
+    children: [Child; LANES],
+}
+
+impl Node {
+    /// A node without children.
+    pub fn empty() -> Self {
+        let (low, high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let nothing = Child::new(Below::Node(0));
+        Self { sides: [low, low, low, high, high, high], children: [nothing; LANES] }
+    }
+
+    /// Puts something into one of the eight places.
+    pub fn put(&mut self, place: usize, min: Vec3, max: Vec3, child: Child) {
+        for axis in 0..3 {
+            self.sides[axis][place] = min[axis];
+            self.sides[3 + axis][place] = max[axis];
+        }
+        self.children[place] = child;
+    }
+
+    /// Which boxes a ray meets up to a distance, and at what distances it enters all of them.
+    #[inline(always)]
+    fn meet<E: Eight>(&self, machine: E::Machine, ray: &Slabs, limit: f32) -> (u32, E) {
+        let zero = E::splat(machine, 0.0);
+        let [x, y, z] = ray.near;
+        let near: E = self.distance::<E>(machine, ray, x, 0);
+        let near = near.max(self.distance::<E>(machine, ray, y, 1));
+        let near = near.max(self.distance::<E>(machine, ray, z, 2).max(zero));
+        let [x, y, z] = ray.far;
+        let far: E = self.distance::<E>(machine, ray, x, 0);
+        let far = far.min(self.distance::<E>(machine, ray, y, 1));
+        let far = far.min(self.distance::<E>(machine, ray, z, 2).min(E::splat(machine, limit)));
+        (near.at_most(far * E::splat(machine, ROUNDING)), near)
+    }
+
+    /// How far away the sides are along the ray.
+    #[inline(always)]
+    fn distance<E: Eight>(&self, machine: E::Machine, ray: &Slabs, side: usize, axis: usize) -> E {
+        let origin = E::splat(machine, ray.origin[axis]);
+        let inverse = E::splat(machine, ray.inverse[axis]);
+        (E::load(machine, &self.sides[side]) - origin) * inverse
+    }
+}
+
+/// The distances to two sides of a box are rounded three times each: by half a unit the difference, the inverse and the
+/// product (Ize, "Robust BVH Ray Traversal", 2013).
+const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
+
+/// A ray prepared for the boxes.
+#[derive(Clone, Copy, Debug)]
+pub struct Slabs {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// Which of the six sides of a box are met first.
+    near: [usize; 3],
+    far: [usize; 3],
+}
+
+impl Slabs {
+    /// A ray from `origin` along the unit vector `direction`.
+    #[inline(always)]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        // An infinite inverse would make NaN of a side that the origin lies on.
+        let inverse = direction.to_array().map(|x| match x {
+            x if x.abs() >= 1e-20 => 1.0 / x,
+            x => 1e20f32.copysign(x),
+        });
+        let near = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { 3 + axis } else { axis });
+        let far = [0, 1, 2].map(|axis| 3 + 2 * axis - near[axis]);
+        Self { origin: origin.to_array(), inverse, near, far }
+    }
+}
+
+/// What a ray does on its way through a tree.
+pub trait Visitor {
+    /// Looks at a packet or another primitive in whose box the ray is before the distance `limit`. Returns the limit
+    /// from then on; below zero that is the end.
+    fn visit<E: Eight>(&mut self, machine: E::Machine, leaf: Below, limit: f32) -> f32;
 }
 
 /// A tree over boxes.
 pub struct Tree {
-    nodes: Nodes,
-    /// Where the boxes of each leaf begin, in the order of the leaves, and the end of the last.
-    starts: Vec<u32>,
-}
-
-struct Leaf(Aabb);
-
-impl Boundable for Leaf {
-    fn aabb(&self) -> Aabb {
-        self.0
-    }
+    /// The nodes; the first is the root.
+    pub nodes: Vec<Node>,
 }
 
 impl Tree {
-    /// Builds a tree. Also returns the order of the boxes in its leaves: traversals speak of
-    /// positions in that list.
-    pub fn new(boxes: &[Aabb]) -> (Self, Vec<u32>) {
-        let groups = equal_boxes(boxes);
-        let leaves = groups.iter().map(|group| Leaf(boxes[group[0] as usize]));
-        let nodes = build(&leaves.collect::<Vec<_>>());
-        let leaf_order: &[u32] = match &nodes {
-            Nodes::Empty => &[],
-            Nodes::Wide(tree) => &tree.primitive_indices,
-            Nodes::Binary(tree) => &tree.primitive_indices,
-        };
-        let mut starts = vec![0];
-        let mut order = Vec::with_capacity(boxes.len());
-        for &leaf in leaf_order {
-            order.extend(&groups[leaf as usize]);
-            starts.push(order.len() as u32);
+    /// Follows a ray up to a distance; if `NEAREST`, nearer boxes come first, more or less.
+    #[inline(always)]
+    pub fn walk<E: Eight, const NEAREST: bool>(
+        &self,
+        machine: E::Machine,
+        ray: &Slabs,
+        mut limit: f32,
+        visitor: &mut impl Visitor,
+    ) {
+        let mut stack = Stack::new();
+        let mut next = Child::new(Below::Node(0));
+        loop {
+            match next.below() {
+                Below::Node(index) => {
+                    let node = &self.nodes[index];
+                    let (met, near) = node.meet::<E>(machine, ray, limit);
+                    if met & met.wrapping_sub(1) != 0 {
+                        let entries = Entries { near: near.to_array(), children: &node.children };
+                        next = stack.push_but_one::<NEAREST>(met, &entries).child();
+                        continue;
+                    } else if met != 0 {
+                        next = node.children[met.trailing_zeros() as usize];
+                        continue;
+                    }
+                }
+                leaf => {
+                    limit = visitor.visit::<E>(machine, leaf, limit);
+                    if limit < 0.0 {
+                        return;
+                    }
+                }
+            }
+            next = loop {
+                let Some(entry) = stack.pop() else { return };
+                if entry.near() <= limit {
+                    break entry.child();
+                }
+            };
         }
-        (Self { nodes, starts }, order)
-    }
-
-    fn leaf(&self, index: usize) -> Range<usize> {
-        self.starts[index] as usize..self.starts[index + 1] as usize
-    }
-
-    /// Calls `test` for the boxes that the ray may hit. It returns a distance beyond which
-    /// nothing matters any more, or infinity.
-    #[inline]
-    pub fn visit(&self, ray: Ray, mut test: impl FnMut(usize) -> f32) {
-        let mut leaf =
-            |_: &Ray, index: usize| self.leaf(index).map(&mut test).fold(f32::INFINITY, f32::min);
-        match &self.nodes {
-            Nodes::Empty => {}
-            Nodes::Wide(tree) => drop(tree.ray_traverse(ray, &mut RayHit::none(), &mut leaf)),
-            Nodes::Binary(tree) => drop(tree.ray_traverse(ray, &mut RayHit::none(), &mut leaf)),
-        }
-    }
-
-    /// Whether `blocks` is false for all boxes that the ray may hit; stops at the first.
-    #[inline]
-    pub fn is_free(&self, ray: Ray, mut blocks: impl FnMut(usize) -> bool) -> bool {
-        // obvhs takes a distance below the ray's limit for a hit.
-        let leaf = |_: &Ray, index: usize| {
-            let blocked = self.leaf(index).any(&mut blocks);
-            if blocked { 0.0 } else { f32::INFINITY }
-        };
-        match &self.nodes {
-            Nodes::Empty => true,
-            Nodes::Wide(tree) => tree.ray_traverse_miss(ray, leaf),
-            Nodes::Binary(tree) => tree.ray_traverse_miss(ray, leaf),
-        }
-    }
-}
-
-/// The indices of the boxes, equal boxes together.
-fn equal_boxes(boxes: &[Aabb]) -> Vec<Vec<u32>> {
-    let mut groups: Vec<Vec<u32>> = Vec::new();
-    let mut known: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
-    for (index, b) in boxes.iter().enumerate() {
-        let key = [b.min, b.max].map(|v| v.to_array().map(f32::to_bits));
-        let group = *known.entry(key).or_insert_with(|| {
-            groups.push(Vec::new());
-            groups.len() - 1
-        });
-        groups[group].push(index as u32);
-    }
-    groups
-}
-
-fn build(leaves: &[Leaf]) -> Nodes {
-    if leaves.is_empty() {
-        return Nodes::Empty;
-    }
-    let params = BvhBuildParams::medium_build();
-    let mut tree = PlocBuilder::with_capacity(leaves.len()).build(
-        params.ploc_search_distance,
-        leaves,
-        (0..leaves.len() as u32).collect(),
-        params.sort_precision,
-        params.search_depth_threshold,
-    );
-    ReinsertionOptimizer::default().run(&mut tree, params.reinsertion_batch_ratio, None);
-    tree.max_depth = binary_depth(&tree);
-    if tree.max_depth <= MAX_BINARY_DEPTH {
-        let wide = bvh2_to_cwbvh(&tree, 3, true, false);
-        if wide_depth(&wide) <= MAX_WIDE_DEPTH {
-            return Nodes::Wide(wide);
-        }
-    }
-    Nodes::Binary(tree)
-}
-
-fn binary_depth(tree: &Bvh2) -> usize {
-    let mut deepest = 0;
-    let mut stack = vec![(0, 1)];
-    while let Some((index, depth)) = stack.pop() {
-        deepest = deepest.max(depth);
-        let node = &tree.nodes[index as usize];
-        if !node.is_leaf() {
-            stack.push((node.first_index, depth + 1));
-            stack.push((node.first_index + 1, depth + 1));
-        }
-    }
-    deepest
-}
-
-fn wide_depth(tree: &CwBvh) -> usize {
-    let mut deepest = 0;
-    let mut stack = vec![(0, 1)];
-    while let Some((index, depth)) = stack.pop() {
-        deepest = deepest.max(depth);
-        let node = &tree.nodes[index as usize];
-        let inner = (0..8).filter(|child| !node.is_leaf(*child));
-        stack.extend(inner.map(|child| (node.child_node_index(child), depth + 1)));
-    }
-    deepest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3A;
-
-    fn nested(count: usize) -> Vec<Aabb> {
-        let size = |i: usize| Vec3A::splat(1.0 + i as f32);
-        (0..count).map(|i| Aabb::new(-size(i), size(i))).collect()
-    }
-
-    fn visited(boxes: &[Aabb]) -> usize {
-        let (tree, order) = Tree::new(boxes);
-        assert_eq!(order.len(), boxes.len());
-        let ray = Ray::new_inf(Vec3A::splat(0.25), Vec3A::new(0.1, 0.2, 1.0).normalize());
-        let mut seen = vec![false; boxes.len()];
-        tree.visit(ray, |position| {
-            seen[order[position] as usize] = true;
-            f32::INFINITY
-        });
-        assert!(tree.is_free(ray, |_| false) && !tree.is_free(ray, |_| true));
-        seen.iter().filter(|seen| **seen).count()
-    }
-
-    #[test]
-    fn no_box_is_lost_however_deep_the_tree() {
-        assert_eq!(visited(&nested(3)), 3);
-        assert_eq!(visited(&nested(3000)), 3000);
-    }
-
-    #[test]
-    fn equal_boxes_share_a_leaf() {
-        let boxes = vec![nested(1)[0]; 50_000];
-        assert_eq!(visited(&boxes), 50_000);
     }
 }

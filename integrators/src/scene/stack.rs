@@ -1,0 +1,102 @@
+//! What a ray has still to visit.
+
+use super::simd::LANES;
+use super::tree::Child;
+
+/// More than a ray through an ordinary tree needs.
+const ENTRIES: usize = 64;
+
+/// A child and where the ray enters it, as a number that is greater for what is further away.
+#[derive(Clone, Copy)]
+pub struct Entry(u64);
+
+impl Entry {
+    /// Distances are not negative.
+    #[inline(always)]
+    fn new(near: f32, child: Child) -> Self {
+        Self(u64::from(near.to_bits()) << 32 | u64::from(child.0))
+    }
+
+    /// Where the ray enters it.
+    #[inline(always)]
+    pub fn near(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+
+    /// The child.
+    #[inline(always)]
+    pub fn child(self) -> Child {
+        Child(self.0 as u32)
+    }
+}
+
+/// The children of a node and where a ray enters them.
+pub struct Entries<'a> {
+    /// Distances.
+    pub near: [f32; LANES],
+    /// In the same order.
+    pub children: &'a [Child; LANES],
+}
+
+/// A stack that only allocates for the deepest trees.
+pub struct Stack {
+    entries: [Entry; ENTRIES],
+    len: usize,
+    /// What lies below the entries.
+    below: Vec<Entry>,
+}
+
+impl Stack {
+    /// An empty one.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Self { entries: [Entry(0); ENTRIES], len: 0, below: Vec::new() }
+    }
+
+    /// Pushes the children of the lanes whose bits are set, two at least, but for one which it returns: the nearest, if
+    /// `SORTED`, in which case the others are popped from the nearest on.
+    #[inline(always)]
+    pub fn push_but_one<const SORTED: bool>(
+        &mut self,
+        mut lanes: u32,
+        children: &Entries,
+    ) -> Entry {
+        if self.len > ENTRIES - LANES {
+            self.sink();
+        }
+        let first = self.len;
+        let mut end = first;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let new = Entry::new(children.near[lane], children.children[lane]);
+            let mut place = end % ENTRIES;
+            while SORTED && place > first && self.entries[place - 1].0 < new.0 {
+                self.entries[place] = self.entries[place - 1];
+                place -= 1;
+            }
+            self.entries[place] = new;
+            end += 1;
+        }
+        self.len = end - 1;
+        self.entries[self.len % ENTRIES]
+    }
+
+    /// The last entry.
+    #[inline(always)]
+    pub fn pop(&mut self) -> Option<Entry> {
+        if self.len == 0 {
+            return self.below.pop();
+        }
+        self.len -= 1;
+        Some(self.entries[self.len % ENTRIES])
+    }
+
+    /// Makes room.
+    #[cold]
+    #[inline(never)]
+    fn sink(&mut self) {
+        self.below.extend(&self.entries[..self.len]);
+        self.len = 0;
+    }
+}
