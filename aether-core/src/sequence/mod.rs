@@ -38,15 +38,26 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
     pub(crate) strategies: RefCell<Vec<S>>,
     memo: RefCell<Memo<V::Real>>,
-    /// Lists of paths, each with the number of samples that its technique takes.
-    pub(crate) lists: RefCell<Vec<(Handle, V::Real)>>,
-    pub(crate) gathering: RefCell<Vec<(Handle, V::Real)>>,
+    /// Lists of paths.
+    pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
+    pub(crate) gathering: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
     pub(crate) decided: RefCell<Vec<Decided>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),
+}
+
+/// A path in a list of techniques.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Listed<R> {
+    pub handle: Handle,
+    /// How many samples its technique takes.
+    pub samples: R,
+    /// From the first to the last step that is unlike that of the path before in the list, of the same length,
+    /// once that has been asked for.
+    pub unlike: Option<(u32, u32)>,
 }
 
 /// How many strategies back a strategy is compared with those that are known already.
@@ -102,9 +113,9 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// The id of a strategy; that of a known one if it is the same.
     fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let recent = strategies.len().saturating_sub(COMPARED);
-        if let Some(known) = strategies[recent..].iter().rposition(|known| known.same(&strategy)) {
-            return (recent + known) as u32;
+        let known = strategies.iter().rev().take(COMPARED).position(|known| known.same(&strategy));
+        if let Some(back) = known {
+            return (strategies.len() - 1 - back) as u32;
         }
         strategies.push(strategy);
         strategies.len() as u32 - 1

@@ -276,6 +276,20 @@ fn reads_of_the_path() {
     refuses(&body(quote!(let a = path.dirac(); stop())), "reads its path through");
     let text = body(quote!(let a = path.back(1); let n = path.len(); stop()));
     assert!(text.contains("vertices : 2usize , length : true"));
+    assert!(!text.contains("length_class"));
+    // Lengths that are only compared with parameters are of two classes.
+    let text = body(quote!(if path.len() > q as usize { return stop(); } Hit::on(scene.eye())));
+    assert!(text.contains("length : true"), "{text}");
+    assert!(text.contains("usize :: from (len > q as usize)"), "{text}");
+    let exact = [
+        quote!(let n = 3; if path.len() > n { return stop(); } stop()),
+        quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } stop()),
+        quote!(if path.len() > q as usize { return stop(); } let n = path.len(); stop()),
+        quote!(if path.len() > q as usize && !path.is_empty() { return stop(); } stop()),
+    ];
+    for statements in exact {
+        assert!(!body(statements.clone()).contains("length_class"), "{statements}");
+    }
 }
 
 #[test]
