@@ -31,7 +31,8 @@ pub trait PathIntegrand {
     /// and the geometry term and visibility of the edge between them. At a Dirac factor
     /// ([`PathView::carries`]) its coefficient, stated as the strategies state its probability.
     ///
-    /// The path shows the last [`PathIntegrand::reads`] vertices.
+    /// The path shows the last [`PathIntegrand::reads`] vertices. An integrand is a function of them: it adds
+    /// no paths to the arena that they live in.
     fn extend(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
 
     /// The factor that closes the path: emission (or importance) of the last vertex towards the one
@@ -102,6 +103,7 @@ impl<I, F> Estimator<I, F> {
     }
 }
 
+#[inline(always)]
 fn is_regular<R: Scalar>(p: R) -> bool {
     p > R::ZERO && p < R::INFINITY
 }
@@ -273,7 +275,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let back = place.range(ahead, n).reverse();
         let len = n - ahead;
         let name = |len: usize| arena.tape.run_name(back, len - 1);
-        name(len.checked_sub(1)? + 1)?;
+        if len == 0 || name(len).is_none() {
+            return None;
+        }
         let known = |len: usize| Some((len, known_at(&self.factors.borrow().endings, name(len)?)?));
         let found = (1..=len).rev().find_map(known);
         let (start, mut value) = found.unwrap_or((0, I::Value::one()));
@@ -303,7 +307,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         path: &RandomSequence<'_, I::Vertex, S>,
         value: I::Value,
     ) -> I::Value {
-        value.multiply(self.integrand.end(path.view()))
+        let tape = path.arena.tape.unfolded();
+        let view = PathView::of_unfolded(&tape, path.handle.place);
+        value.multiply(self.integrand.end(view))
     }
 
     /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
@@ -411,14 +417,17 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     ) -> I::Value {
         let place = path.handle.place.range(0, k + 1);
         let reads = Reads { vertices: self.reads(), length: false };
-        self.integrand.extend(PathView::of_tape(&path.arena.tape, place).limited(reads))
+        let tape = path.arena.tape.unfolded();
+        self.integrand.extend(PathView::of_unfolded(&tape, place).limited(reads))
     }
 }
 
+#[inline(always)]
 fn known_at<T: Copy>(values: &[Option<T>], name: u32) -> Option<T> {
     values.get(name as usize).copied().flatten()
 }
 
+#[inline(always)]
 fn remember_at<T: Copy>(values: &mut Vec<Option<T>>, name: u32, value: T) {
     let i = name as usize;
     if i >= values.len() {

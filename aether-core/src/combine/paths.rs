@@ -38,21 +38,21 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         &'a self,
         paths: impl IntoIterator<Item = (RandomSequence<'a, V, S>, usize)>,
     ) -> Paths<'a, V, S> {
-        // Making the paths may itself collect others: gather this list at the end, undisturbed.
-        let mut list = core::mem::take(&mut *self.gathering.borrow_mut());
-        list.clear();
+        let (mut start, mut len) = (self.lists.borrow().len(), 0);
         for (path, count) in paths {
             if core::ptr::eq(path.arena, self) && !path.handle.absent {
+                let mut lists = self.lists.borrow_mut();
+                if lists.len() != start + len {
+                    // Making the path has collected others: this list goes on at the end.
+                    let end = lists.len();
+                    lists.extend_from_within(start..start + len);
+                    start = end;
+                }
                 let samples = V::Real::of(count as f64);
-                list.push(Listed { handle: path.handle, samples, unlike: None });
+                lists.push(Listed { handle: path.handle, samples, unlike: None });
+                len += 1;
             }
         }
-        let mut lists = self.lists.borrow_mut();
-        let start = lists.len();
-        lists.extend_from_slice(&list);
-        let len = list.len();
-        drop(lists);
-        *self.gathering.borrow_mut() = list;
         Paths { arena: self, start, len }
     }
 }

@@ -23,16 +23,19 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         if S::VERTICES > 1 && part.is_joint() {
             return self.draw_run(place, i, uniforms);
         }
-        // A copy, so that nothing of the arena is borrowed while user code runs.
-        let strategy = self.strategies.borrow()[id as usize].clone();
+        // A strategy is a pure function: it adds nothing to the arena that its path lives in.
+        let strategies = self.strategies.borrow();
+        let strategy = &strategies[id as usize];
         let reads = strategy.reads();
-        let view = PathView::of_tape(&self.tape, place.range(0, i)).limited(reads);
+        let unfolded = self.tape.unfolded();
+        let view = PathView::of_unfolded(&unfolded, place.range(0, i)).limited(reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
+        drop(unfolded);
         let mut question = Question::NOTHING;
         if drawn.value.is_some() {
             count_densities(1);
             if reads.vertices <= REMEMBERED {
-                question = Question::new(id, drawn.dirac, length_class(&strategy, reads, i));
+                question = Question::new(id, drawn.dirac, length_class(strategy, reads, i));
             }
         }
         self.tape.take(place, i, &drawn, question);
@@ -100,9 +103,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     ) -> V::Real {
         let n = path.len as usize;
         let before = if backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
-        let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
-        let strategy = self.strategies.borrow()[strategy as usize].clone();
-        let view = PathView::of_tape(&self.tape, before).asking(dirac).limited(strategy.reads());
+        let tape = self.tape.unfolded();
+        let Some(target) = tape.vertex(path.at(k)) else { return V::Real::ZERO };
+        let strategies = self.strategies.borrow();
+        let strategy = &strategies[strategy as usize];
+        let view = PathView::of_unfolded(&tape, before).asking(dirac).limited(strategy.reads());
         count_densities(1);
         strategy.pdf(view, &target).of_kind(dirac)
     }
@@ -195,11 +200,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         for k in first as usize..end as usize {
             let known_unlike = k == first as usize || k + 1 == end as usize;
             if known_unlike || !self.tape.same_step(a, b, k) {
-                let factors = [a, b].map(|technique| self.factor(technique, k, path));
-                for (density, factor) in densities.iter_mut().zip(factors) {
-                    let factor = PathDensity::new(factor);
-                    *density = if k == first as usize { factor } else { *density * factor };
-                }
+                let new = PathDensity::new(self.factor(a, k, path));
+                let old = PathDensity::new(self.factor(b, k, path));
+                densities = match k == first as usize {
+                    true => [new, old],
+                    false => [densities[0] * new, densities[1] * old],
+                };
             }
         }
         densities

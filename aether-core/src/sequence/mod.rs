@@ -40,7 +40,6 @@ pub struct Arena<V: Vertex, S> {
     memo: RefCell<Memo<V::Real>>,
     /// Lists of paths.
     pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
-    pub(crate) gathering: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
     pub(crate) decided: RefCell<Vec<Decided>>,
@@ -72,7 +71,6 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             strategies: RefCell::new(Vec::new()),
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
-            gathering: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
             decided: RefCell::new(Vec::new()),
             sequences: Cell::new(0),
@@ -113,9 +111,12 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// The id of a strategy; that of a known one if it is the same.
     fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let known = strategies.iter().rev().take(COMPARED).position(|known| known.same(&strategy));
-        if let Some(back) = known {
-            return (strategies.len() - 1 - back) as u32;
+        // Mostly it is the last one again.
+        let count = strategies.len();
+        for back in 1..=count.min(COMPARED) {
+            if strategies[count - back].same(&strategy) {
+                return (count - back) as u32;
+            }
         }
         strategies.push(strategy);
         strategies.len() as u32 - 1

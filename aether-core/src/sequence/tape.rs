@@ -2,7 +2,7 @@
 
 mod known;
 
-use core::cell::{Cell, RefCell};
+use core::cell::{Cell, Ref, RefCell};
 
 use crate::path_density::PathDensity;
 use crate::strategy::{Dirac, Drawn, DrawnRun, Vertex};
@@ -126,7 +126,7 @@ impl Place {
     }
 
     /// Position on the tape of step `i`.
-    #[inline]
+    #[inline(always)]
     pub fn at(self, i: usize) -> usize {
         let i = i as u32;
         (if self.reversed { self.start.wrapping_sub(i) } else { self.start + i }) as usize
@@ -321,7 +321,7 @@ impl<V: Vertex> Tape<V> {
     }
 
     /// Takes step `i` of a place that is read forwards; what was told of its density answers a question.
-    #[inline]
+    #[inline(always)]
     pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, question: Question) {
         let mut entries = self.entries.borrow_mut();
         let run = match i.checked_sub(1).map(|before| entries[place.at(before)]) {
@@ -383,15 +383,12 @@ impl<V: Vertex> Tape<V> {
         self.vertices.borrow().get(id as usize).map(|kept| kept.vertex)
     }
 
-    /// Whether step `i` of a place is known to see step `i - 1`.
+    /// The tape with its steps and vertices at hand, to which nothing can be added meanwhile.
     #[inline]
-    pub fn visible(&self, place: Place, i: usize) -> bool {
-        let (step, before) = (self.step(place, i), self.step(place, i - 1));
-        // A vertex that has been merged was reached from the other side too.
-        let reached = |step: Entry, backward: bool| {
-            if step.backward == backward { step.visible } else { step.merged != NONE }
-        };
-        reached(step, false) || reached(before, true)
+    pub fn unfolded(&self) -> Unfolded<'_, V> {
+        let entries = Ref::map(self.entries.borrow(), Vec::as_slice);
+        let vertices = Ref::map(self.vertices.borrow(), Vec::as_slice);
+        Unfolded { tape: self, entries, vertices }
     }
 
     /// Whether vertex `i` of a place carries a Dirac factor.
@@ -426,5 +423,33 @@ impl<V: Vertex> Tape<V> {
         let before = if backward { i + 1 } else { i.wrapping_sub(1) };
         let fixed = before < place.len as usize && self.carries(place, before, Dirac::Direction);
         fixed.then_some(Dirac::Direction)
+    }
+}
+
+/// A tape that is being read: [`Tape::unfolded`].
+#[derive(Debug)]
+pub(crate) struct Unfolded<'t, V: Vertex> {
+    pub tape: &'t Tape<V>,
+    entries: Ref<'t, [Entry]>,
+    vertices: Ref<'t, [Kept<V>]>,
+}
+
+impl<V: Vertex> Unfolded<'_, V> {
+    #[inline(always)]
+    pub fn vertex(&self, at: usize) -> Option<V> {
+        let id = self.entries.get(at)?.vertex;
+        self.vertices.get(id as usize).map(|kept| kept.vertex)
+    }
+
+    /// Whether step `i` of a place is known to see step `i - 1`.
+    #[inline]
+    pub fn visible(&self, place: Place, i: usize) -> bool {
+        let (step, before) = (&self.entries[place.at(i)], &self.entries[place.at(i - 1)]);
+        // A vertex that has been merged was reached from the other side too.
+        let reached = |step: &Entry, backward: bool| {
+            let from_there = (step.backward != place.reversed) == backward;
+            if from_there { step.visible } else { step.merged != NONE }
+        };
+        reached(step, false) || reached(before, true)
     }
 }

@@ -8,7 +8,7 @@ use crate::strategy::{Dirac, Vertex};
 impl<V: Vertex> Tape<V> {
     /// What the density of vertex `k` of a path depends on, under a strategy that comes from one side and reads
     /// so many vertices, three at most; and which kind of density it is.
-    #[inline]
+    #[inline(always)]
     pub fn key(
         &self,
         (path, k): (Place, usize),
@@ -46,7 +46,7 @@ impl<V: Vertex> Tape<V> {
 
     /// The density with which vertex `k` of a place was drawn, if drawing it told: of a step of a run that
     /// the place sees from its origin, before which there are the same vertices as then.
-    #[inline]
+    #[inline(always)]
     pub fn own(&self, place: Place, k: usize) -> Option<V::Real> {
         let entries = self.entries.borrow();
         let entry = &entries[place.at(k)];
@@ -76,7 +76,7 @@ impl<V: Vertex> Tape<V> {
 
     /// Of a path that is one run, the names of the run without its last draw and of all of it, and the density
     /// of the last vertex, if drawing it told.
-    #[inline]
+    #[inline(always)]
     pub fn last_of_run(&self, place: Place) -> Option<(u32, u32, V::Real)> {
         let before = (place.len as usize).checked_sub(2)?;
         let entries = self.entries.borrow();
