@@ -166,12 +166,8 @@ pub struct Factors<T> {
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// An estimator from paths. It remembers factors of the integrand until the arena is cleared.
     pub fn paths(integrand: I) -> Self {
-        let factors = Factors {
-            contents: None,
-            runs: Vec::new(),
-            endings: Vec::new(),
-            memo: Memo::new(),
-        };
+        let factors =
+            Factors { contents: None, runs: Vec::new(), endings: Vec::new(), memo: Memo::new() };
         Estimator { integrand, factors: RefCell::new(factors) }
     }
 

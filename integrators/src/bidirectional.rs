@@ -86,7 +86,8 @@ impl Bidirectional {
                     false => through(world, arena, receiver, &camera),
                 };
                 let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
-                let responses = [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
+                let responses =
+                    [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
                 let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
                 let techniques =
                     arena.collect_counted(splits.clone().map(|t| match (length - t, t) {

@@ -107,8 +107,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
         }
         let mut ratios = core::mem::take(&mut *self.arena.ratios.borrow_mut());
         ratios.clear();
-        ratios.resize(self.len, V::Real::ZERO);
-        ratios[own] = V::Real::ONE;
+        for _ in 0..self.len {
+            ratios.push(V::Real::ONE);
+        }
         let place = |i: usize| self.listed(i).handle.place;
         let unlike = |i: usize| self.unlike(i);
         self.arena.density_ratios(self.len, own, place, unlike, |j, ratio| {
@@ -149,10 +150,14 @@ impl<'a, V: Vertex, S: Strategy<V>, H: Heuristic<V::Real>> Combined<'a, V, S, H>
     pub(crate) fn next_sample(&mut self) -> Option<(usize, RandomSequence<'a, V, S>)> {
         let paths = self.paths?;
         let lists = paths.arena.lists.borrow();
-        let list = &lists[paths.start..paths.start + paths.len];
-        let i = self.next + list.get(self.next..)?.iter().position(|path| path.handle.complete())?;
-        self.next = i + 1;
-        Some((i, RandomSequence { arena: paths.arena, handle: list[i].handle }))
+        while self.next < paths.len {
+            let (i, handle) = (self.next, lists[paths.start + self.next].handle);
+            self.next += 1;
+            if handle.complete() {
+                return Some((i, RandomSequence { arena: paths.arena, handle }));
+            }
+        }
+        None
     }
 
     /// How many samples a technique takes.

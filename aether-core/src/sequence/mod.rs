@@ -108,15 +108,17 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         self.contents
     }
 
-    /// The id of a strategy; that of a known one if it is the same.
+    /// The id of a strategy; that of a known one if it is the same: mostly of the last one.
+    #[inline]
     fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        // Mostly it is the last one again.
-        let count = strategies.len();
-        for back in 1..=count.min(COMPARED) {
-            if strategies[count - back].same(&strategy) {
-                return (count - back) as u32;
-            }
+        let last = strategies.len().wrapping_sub(1);
+        if strategies.get(last).is_some_and(|known| known.same(&strategy)) {
+            return last as u32;
+        }
+        let earlier = last.saturating_sub(COMPARED)..strategies.len().saturating_sub(1);
+        if let Some(id) = earlier.rev().find(|id| strategies[*id].same(&strategy)) {
+            return id as u32;
         }
         strategies.push(strategy);
         strategies.len() as u32 - 1

@@ -97,25 +97,32 @@ impl<V: Vertex> Tape<V> {
     /// The range from the first to the last step that two places of one length do not make alike,
     /// whatever the vertices.
     pub fn unlike(&self, a: Place, b: Place) -> (u32, u32) {
-        let (n, entries) = (a.len as usize, self.entries.borrow());
-        if n == 0 || a == b {
+        let (n, turned) = (a.len as usize, a.reversed != b.reversed);
+        if a == b {
             return (0, 0);
         }
-        let steps = |place: Place| {
-            let (first, last) = (place.at(0), place.at(n - 1));
-            &entries[first.min(last)..first.max(last) + 1]
-        };
-        let turned = a.reversed != b.reversed;
-        let (steps, others) = (steps(a), steps(b));
+        let entries = self.entries.borrow();
+        let steps = |k: usize| (&entries[a.at(k)], &entries[b.at(k)]);
         let unlike = |k: &usize| {
-            let other = if turned { n - 1 - k } else { *k };
-            !alike(&steps[*k], &others[other], turned)
+            let (a, b) = steps(*k);
+            !alike(a, b, turned)
         };
-        // Counted along the tape, which `a` may be read against.
-        let Some(first) = (0..n).find(unlike) else { return (0, 0) };
-        let end = (first..n).rfind(unlike).unwrap_or(first) + 1;
-        let (first, end) = if a.reversed { (n - end, n - first) } else { (first, end) };
-        (first as u32, end as u32)
+        let Some(last) = (0..n).rfind(unlike) else { return (0, 0) };
+        let mut first = last;
+        for k in (0..last).rev() {
+            let (step, other) = steps(k);
+            if !alike(step, other, turned) {
+                first = k;
+            } else if step.vertex == other.vertex
+                && step.run as usize == k + 1
+                && other.run as usize == k + 1
+                && step.backward == a.reversed
+            {
+                // Both have all steps up to here from the same run.
+                break;
+            }
+        }
+        (first as u32, last as u32 + 1)
     }
 
     /// The density of a run, by its name.

@@ -278,17 +278,25 @@ fn reads_of_the_path() {
     assert!(text.contains("vertices : 2usize , length : true"));
     assert!(!text.contains("length_class"));
     // Lengths that are only compared with parameters are of two classes.
-    let text = body(quote!(if path.len() > q as usize { return stop(); } Hit::on(scene.eye())));
+    let seen = quote! {
+        let here = given(path.last());
+        let id = constant(scene.cast(here, here.mirrored()));
+        Hit::on(id)
+    };
+    let text = body(quote!(if path.len() > q as usize { return stop(); } #seen));
+    assert_eq!(errors(&text), [""; 0]);
     assert!(text.contains("length : true"), "{text}");
     assert!(text.contains("usize :: from (len > q as usize)"), "{text}");
     let exact = [
-        quote!(let n = 3; if path.len() > n { return stop(); } stop()),
-        quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } stop()),
-        quote!(if path.len() > q as usize { return stop(); } let n = path.len(); stop()),
-        quote!(if path.len() > q as usize && !path.is_empty() { return stop(); } stop()),
+        quote!(let n = 3; if path.len() > n { return stop(); } #seen),
+        quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } #seen),
+        quote!(if path.len() > q as usize { return stop(); } let n = path.len(); #seen),
+        quote!(if path.len() > q as usize && !path.is_empty() { return stop(); } #seen),
     ];
     for statements in exact {
-        assert!(!body(statements.clone()).contains("length_class"), "{statements}");
+        let text = body(statements);
+        assert_eq!(errors(&text), [""; 0]);
+        assert!(!text.contains("length_class"), "{text}");
     }
 }
 
