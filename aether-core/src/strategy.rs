@@ -302,8 +302,8 @@ pub trait Strategy<V: Vertex>: Clone {
 
     /// Which lengths of the path before the vertex make no difference: they are of one class, and densities are
     /// shared between them. Asked for only if [`Strategy::reads`] declares the length.
-    fn length_class(&self, len: usize) -> usize {
-        len
+    fn length_class(&self, len: usize) -> u32 {
+        len as u32
     }
 
     /// How many vertices a draw of this strategy yields, at most [`Strategy::VERTICES`].

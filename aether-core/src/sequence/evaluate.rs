@@ -261,5 +261,5 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
 /// The class of the length of a path before a vertex, as far as it matters to a strategy.
 #[inline]
 fn length_class<V: Vertex, S: Strategy<V>>(strategy: &S, reads: Reads, len: usize) -> u32 {
-    if reads.length { strategy.length_class(len) as u32 } else { 0 }
+    if reads.length { strategy.length_class(len) } else { 0 }
 }

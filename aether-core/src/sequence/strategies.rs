@@ -122,7 +122,7 @@ macro_rules! strategies {
             }
 
             #[inline]
-            fn length_class(&self, len: usize) -> usize {
+            fn length_class(&self, len: usize) -> u32 {
                 match self {
                     $($name::$variant(s) => {
                         $crate::strategy::Strategy::<$vertex>::length_class(s, len)

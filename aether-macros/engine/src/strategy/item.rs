@@ -446,10 +446,10 @@ fn classes(function: &ItemFn, signature: &Signature, plan: Option<&Plan>) -> Opt
     let parameters = parameters(signature);
     Some(quote_spanned! {site=>
         #[inline]
-        fn length_class(&self, len: usize) -> usize {
+        fn length_class(&self, len: usize) -> u32 {
             #parameters
             let class = 0;
-            #(let class = 2 * class + usize::from(#comparisons);)*
+            #(let class = 2 * class + u32::from(#comparisons);)*
             class
         }
     })

@@ -286,7 +286,7 @@ fn reads_of_the_path() {
     let text = body(quote!(if path.len() > q as usize { return stop(); } #seen));
     assert_eq!(errors(&text), [""; 0]);
     assert!(text.contains("length : true"), "{text}");
-    assert!(text.contains("usize :: from (len > q as usize)"), "{text}");
+    assert!(text.contains("u32 :: from (len > q as usize)"), "{text}");
     let exact = [
         quote!(let n = 3; if path.len() > n { return stop(); } #seen),
         quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } #seen),
