@@ -77,6 +77,7 @@ pub trait Discrete<R: Scalar> {
     }
 
     /// [`Discrete::for_each`], with the indices.
+    #[inline]
     fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
         let choices = (0..self.len()).filter_map(|i| self.get(i));
         choices.filter(|choice| choice.probability > R::ZERO).for_each(visit);
@@ -343,6 +344,7 @@ impl<R: Scalar> Bernoulli<R> {
 impl<R: Scalar> Discrete<R> for Bernoulli<R> {
     type Item<'a> = bool;
 
+    #[inline]
     fn len(&self) -> usize {
         2
     }
@@ -355,9 +357,21 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
         (Choice { index: usize::from(item), item, probability }, rest.min(below_one()))
     }
 
+    #[inline]
     fn get(&self, index: usize) -> Option<Choice<bool, R>> {
         let item = index == 1;
         (index < 2).then(|| Choice { index, item, probability: self.pdf(&item).value() })
+    }
+
+    /// One call for each side, so that the compiler drops what follows from a side that leads nowhere.
+    #[inline(always)]
+    fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+        for (index, item) in [false, true].into_iter().enumerate() {
+            let probability = self.pdf(&item).value();
+            if probability > R::ZERO {
+                visit(Choice { index, item, probability });
+            }
+        }
     }
 }
 

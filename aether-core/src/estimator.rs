@@ -5,7 +5,7 @@ use core::fmt;
 
 use crate::combine::{Combined, Heuristic, WeightedSample};
 use crate::point::Point;
-use crate::real::Scalar;
+use crate::real::{Real, Scalar};
 use crate::sampler::{Sample, Sampler};
 use crate::sequence::{Key, Memo, NONE, PathView, Place, RandomSequence};
 use crate::strategy::{Reads, Strategy, Vertex};
@@ -31,7 +31,8 @@ pub trait PathIntegrand {
     /// and the geometry term and visibility of the edge between them. At a Dirac factor
     /// ([`PathView::carries`]) its coefficient, stated as the strategies state its probability.
     ///
-    /// The path shows the last [`PathIntegrand::reads`] vertices.
+    /// The path shows the last [`PathIntegrand::reads`] vertices. An integrand is a function of them: it adds
+    /// no paths to the arena that they live in.
     fn extend(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
 
     /// The factor that closes the path: emission (or importance) of the last vertex towards the one
@@ -102,6 +103,7 @@ impl<I, F> Estimator<I, F> {
     }
 }
 
+#[inline(always)]
 fn is_regular<R: Scalar>(p: R) -> bool {
     p > R::ZERO && p < R::INFINITY
 }
@@ -154,6 +156,9 @@ pub struct Factors<T> {
     contents: Option<(u64, u64)>,
     /// f / p of the steps up to the end of a run, by its name.
     runs: Vec<Option<T>>,
+    /// The same of runs that are the last part of a path, with the factors of the integrand that depend on
+    /// nothing before them.
+    endings: Vec<Option<T>>,
     /// Factors of the integrand, by the vertices that they depend on.
     memo: Memo<T>,
 }
@@ -161,7 +166,8 @@ pub struct Factors<T> {
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// An estimator from paths. It remembers factors of the integrand until the arena is cleared.
     pub fn paths(integrand: I) -> Self {
-        let factors = Factors { contents: None, runs: Vec::new(), memo: Memo::new() };
+        let factors =
+            Factors { contents: None, runs: Vec::new(), endings: Vec::new(), memo: Memo::new() };
         Estimator { integrand, factors: RefCell::new(factors) }
     }
 
@@ -183,45 +189,111 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             return if value.is_zero() { value } else { self.ended(path, value) };
         }
         let ahead = arena.steps_ahead(place);
-        let run = |k: usize| arena.tape.run_name(place, k);
-        let (mut start, mut value) = (ahead, I::Value::one());
-        while start > 0 {
-            if let Some(known) = run(start - 1).and_then(|name| self.run(name)) {
-                value = known;
-                break;
-            }
-            start -= 1;
-        }
         // Where two pieces are joined, what goes on behind the edge may vanish without a shadow ray.
-        if ahead + 1 < n && self.factor(path, ahead + 1).is_zero() {
+        let behind = (ahead + 1 < n).then(|| self.factor(path, ahead + 1));
+        if behind.is_some_and(|factor| factor.is_zero()) {
             return I::Value::zero();
+        }
+        let mut value = self.ahead(path, ahead);
+        if value.is_zero() {
+            return value;
+        }
+        let (mut extended, mut start) = (ahead, ahead);
+        if let Some(ending) = self.ending(path, ahead) {
+            let own = (n - ahead).min(self.reads() - 1);
+            for k in ahead..ahead + own {
+                let known = behind.filter(|_| k == ahead + 1);
+                value = value.multiply(known.unwrap_or_else(|| self.factor(path, k)));
+            }
+            value = value.multiply(ending);
+            if value.is_zero() {
+                return value;
+            }
+            (extended, start) = (n, n);
         }
         // Step k divides by the density of vertex k, and multiplies with the factor of the edge that
         // it was sampled along: to vertex k + 1 if it came from there.
-        let mut extended = start;
         for k in start..n {
-            let backward = k >= ahead && arena.tape.step(place, k).backward;
+            let backward = arena.tape.step(place, k).backward;
             let edges = if backward { (k + 2).min(n) } else { k + 1 };
-            let name = if k < ahead { run(k) } else { None };
             while extended < edges {
-                // Of a run that has a name the product is remembered, not its factors.
-                let factor = match name {
-                    Some(_) => self.new_factor(path, extended),
-                    None => self.factor(path, extended),
-                };
-                value = value.multiply(factor);
+                value = value.multiply(self.factor(path, extended));
                 extended += 1;
             }
+            let p = arena.factor(place, k, place);
+            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            if value.is_zero() {
+                return value;
+            }
+        }
+        self.ended(path, value)
+    }
+
+    /// f / p of the first `ahead` steps of a path, which are taken forwards.
+    fn ahead<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        ahead: usize,
+    ) -> I::Value {
+        let (arena, place) = (path.arena, path.handle.place);
+        let run = |k: usize| arena.tape.run_name(place, k);
+        let known = |k: usize| Some((k + 1, self.run(run(k)?)?));
+        let (start, mut value) = (0..ahead).rev().find_map(known).unwrap_or((0, I::Value::one()));
+        for k in start..ahead {
+            let name = run(k);
+            // Of a run that has a name the product is remembered, not its factors.
+            let factor = match name {
+                Some(_) => self.new_factor(path, k),
+                None => self.factor(path, k),
+            };
+            value = value.multiply(factor);
             let p = arena.factor(place, k, place);
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
             if let Some(name) = name {
                 self.set_run(name, value);
             }
             if value.is_zero() {
-                return value;
+                break;
             }
         }
-        self.ended(path, value)
+        value
+    }
+
+    /// What all steps from `ahead` on share with other paths that end alike, if they are one run that came from
+    /// the other end: one over their densities, and the factors of the edges that see nothing before them. `None`
+    /// where that leaves the range of numbers.
+    fn ending<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        ahead: usize,
+    ) -> Option<I::Value> {
+        let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        let back = place.range(ahead, n).reverse();
+        let len = n - ahead;
+        let name = |len: usize| arena.tape.run_name(back, len - 1);
+        if len == 0 || name(len).is_none() {
+            return None;
+        }
+        let known = |len: usize| Some((len, known_at(&self.factors.borrow().endings, name(len)?)?));
+        let found = (1..=len).rev().find_map(known);
+        let (start, mut value) = found.unwrap_or((0, I::Value::one()));
+        for len in start + 1..=len {
+            // The edge that the new vertex completes: all that its factor reads is there.
+            if len >= self.reads() {
+                value = value.multiply(self.new_factor(path, n - len + self.reads() - 1));
+            }
+            let p = arena.factor(place, n - len, place);
+            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            remember_at(&mut self.factors.borrow_mut().endings, name(len)?, value);
+        }
+        let finite = value.times(<I::Vertex as Vertex>::Real::ZERO).is_zero();
+        (finite && !value.is_zero()).then_some(value)
+    }
+
+    /// How many vertices a factor depends on.
+    #[inline]
+    fn reads(&self) -> usize {
+        self.integrand.reads().max(1)
     }
 
     /// What comes along a path, times the factor that closes it.
@@ -231,7 +303,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         path: &RandomSequence<'_, I::Vertex, S>,
         value: I::Value,
     ) -> I::Value {
-        value.multiply(self.integrand.end(path.view()))
+        let tape = path.arena.tape.unfolded();
+        let view = PathView::of_unfolded(&tape, path.handle.place);
+        value.multiply(self.integrand.end(view))
     }
 
     /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
@@ -294,20 +368,17 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if factors.contents != Some(contents) {
             factors.contents = Some(contents);
             factors.runs.clear();
+            factors.endings.clear();
             factors.memo.clear();
         }
     }
 
     fn run(&self, name: u32) -> Option<I::Value> {
-        self.factors.borrow().runs.get(name as usize).copied().flatten()
+        known_at(&self.factors.borrow().runs, name)
     }
 
     fn set_run(&self, name: u32, value: I::Value) {
-        let runs = &mut self.factors.borrow_mut().runs;
-        while runs.len() <= name as usize {
-            runs.push(None);
-        }
-        runs[name as usize] = Some(value);
+        remember_at(&mut self.factors.borrow_mut().runs, name, value);
     }
 
     /// The factor that vertex `k` brings.
@@ -316,7 +387,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         path: &RandomSequence<'_, I::Vertex, S>,
         k: usize,
     ) -> I::Value {
-        let (tape, reads) = (&path.arena.tape, self.integrand.reads().max(1));
+        let (tape, reads) = (&path.arena.tape, self.reads());
         let place: Place = path.handle.place.range(0, k + 1);
         let mut key: Option<Key> = (reads <= 6).then_some([NONE; 6]);
         if let Some(key) = &mut key {
@@ -341,7 +412,22 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         k: usize,
     ) -> I::Value {
         let place = path.handle.place.range(0, k + 1);
-        let reads = Reads { vertices: self.integrand.reads().max(1), length: false };
-        self.integrand.extend(PathView::of_tape(&path.arena.tape, place).limited(reads))
+        let reads = Reads { vertices: self.reads(), length: false };
+        let tape = path.arena.tape.unfolded();
+        self.integrand.extend(PathView::of_unfolded(&tape, place).limited(reads))
     }
+}
+
+#[inline(always)]
+fn known_at<T: Copy>(values: &[Option<T>], name: u32) -> Option<T> {
+    values.get(name as usize).copied().flatten()
+}
+
+#[inline(always)]
+fn remember_at<T: Copy>(values: &mut Vec<Option<T>>, name: u32, value: T) {
+    let i = name as usize;
+    if i >= values.len() {
+        values.resize(i + 1, None);
+    }
+    values[i] = Some(value);
 }

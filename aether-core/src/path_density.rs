@@ -45,7 +45,13 @@ impl<R: Scalar> PathDensity<R> {
         (self.mantissa, self.exponent)
     }
 
-    fn normalised(mut mantissa: R, mut exponent: i32) -> Self {
+    #[inline]
+    fn normalised(mantissa: R, exponent: i32) -> Self {
+        let usual = mantissa >= R::of(1.0 / 65_536.0) && mantissa < R::of(65_536.0);
+        if usual { PathDensity { mantissa, exponent } } else { Self::moved(mantissa, exponent) }
+    }
+
+    fn moved(mut mantissa: R, mut exponent: i32) -> Self {
         if mantissa == R::INFINITY {
             return Self::INFINITY;
         }
@@ -66,7 +72,12 @@ impl<R: Scalar> PathDensity<R> {
     }
 
     /// The value in the range of `R`: zero or infinite where it leaves it.
+    #[inline]
     pub fn value(self) -> R {
+        if self.exponent == 0 { self.mantissa } else { self.scaled() }
+    }
+
+    fn scaled(self) -> R {
         // 2^(±64 * 32) lies outside the range of f64, from any mantissa.
         let steps = self.exponent.clamp(-64, 64);
         let step = R::of(2.0).powi(if steps < 0 { -STEP } else { STEP });

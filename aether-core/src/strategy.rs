@@ -300,6 +300,12 @@ pub trait Strategy<V: Vertex>: Clone {
         Reads::default()
     }
 
+    /// Which lengths of the path before the vertex make no difference: they are of one class, and densities are
+    /// shared between them. Asked for only if [`Strategy::reads`] declares the length.
+    fn length_class(&self, len: usize) -> u32 {
+        len as u32
+    }
+
     /// How many vertices a draw of this strategy yields, at most [`Strategy::VERTICES`].
     fn vertices(&self) -> usize {
         Self::VERTICES

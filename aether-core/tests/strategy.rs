@@ -6,7 +6,7 @@ use aether_core::discrete::{Choices, coin, discrete, discrete_weighted};
 use aether_core::prelude::*;
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 use aether_core::uniform::Pcg32;
-use aether_core::{Density, Discrete, PathView, PdfOf};
+use aether_core::{Arena, Density, Discrete, PathView, PdfOf};
 
 /// A vertex; `id` is what an external call found, `lobe` how the vertex came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -372,6 +372,40 @@ fn generic_strategies() {
     let p = |path| strategy.pdf(PathView::from_slice(path), &Spot::at(3.0)).value;
     assert_eq!((p(&two), p(&two[1..])), (0.5, 0.0));
     assert_eq!(strategy.reads(), Reads { vertices: 2, length: true });
+}
+
+/// Goes on for certain, and with less patience after some vertices.
+#[strategy]
+fn walk_until_tired(path: &PathView<Spot>, patience: u32) -> Spot {
+    let goes_on = choose(coin(if path.len() > patience as usize { 0.5 } else { 1.0 }));
+    if !goes_on {
+        return stop();
+    }
+    let x = draw(Interval(0.0, 1.0));
+    Spot::at(x)
+}
+
+#[test]
+fn densities_are_shared_between_lengths_that_compare_alike() {
+    let strategy = walk_until_tired(2);
+    assert_eq!(strategy.reads(), Reads { vertices: 0, length: true });
+    assert_eq!([0, 2, 3, 9].map(|len| strategy.length_class(len)), [0, 0, 1, 1]);
+    assert_eq!(generic(coin(0.25), Spot::at).length_class(9), 9);
+    let arena = Arena::<Spot, WalkUntilTired>::new();
+    let mut path = arena.sequence();
+    for _ in 0..8 {
+        path.append(walk_until_tired(2));
+    }
+    path.sample(&mut || 0.25);
+    let before = aether_core::work::densities();
+    for from in 0..8 {
+        let tired = 5_i32.saturating_sub(from).max(0);
+        let expected = 0.5_f64.powi(tired);
+        assert_eq!(path.slice(from as usize..).pdf().value(), expected, "from {from}");
+    }
+    // What drawing told, of those after the third, and the other class of each of them.
+    let evaluated = aether_core::work::densities() - before;
+    assert_eq!(evaluated, 5);
 }
 
 /// Drawn points in either half go the same way, by different maps.

@@ -5,6 +5,7 @@
 //! have the density of that pixel's film samples and are taken once a sample, while the technique that
 //! connects light paths to the camera gets a sample from every light path of the image.
 
+use aether_core::estimator::Value;
 use aether_core::{PowerHeuristic, UniformSource, combine};
 use glam::Vec3;
 
@@ -76,14 +77,18 @@ impl Bidirectional {
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..length - 1).reverse());
             for receiver in world.receivers(pixel, [&seen]) {
+                // What another pixel sees is none of this one's samples, and a path alone may carry nothing.
+                if receiver != pixel && estimator.of(&seen).is_zero() {
+                    continue;
+                }
                 let view = match receiver == pixel {
                     true => camera,
                     false => through(world, arena, receiver, &camera),
                 };
                 let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
-                // What another pixel sees is none of this one's samples.
-                let response = estimator.integrand().response(receiver, &seen);
-                let seen = if response == 0.0 { seen.technique() } else { seen };
+                let responses =
+                    [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
+                let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
                 let techniques =
                     arena.collect_counted(splits.clone().map(|t| match (length - t, t) {
                         (_, 1) => (seen, world.pixels()),
@@ -91,8 +96,8 @@ impl Bidirectional {
                         (s, t) => (connection(world, &view, &light, (s, t)), 1),
                     }));
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let response = estimator.integrand().response(receiver, &found.path);
                     let t = splits.clone().nth(found.technique).unwrap_or_default();
+                    let response = responses[usize::from(t > 1)];
                     let technique = Technique::edge(t, length - t);
                     record(technique, receiver, found.value * response, found.alone * response);
                 }

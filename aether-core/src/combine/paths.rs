@@ -5,7 +5,7 @@ use core::ops::Deref;
 use crate::combine::loose::weighted_ratio;
 use crate::combine::{Combine, Heuristic};
 use crate::real::Real;
-use crate::sequence::{Arena, RandomSequence};
+use crate::sequence::{Arena, Listed, RandomSequence};
 use crate::strategy::{Strategy, Vertex};
 
 /// A list of paths that lives in their arena, so that collecting them needs no heap.
@@ -38,20 +38,21 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         &'a self,
         paths: impl IntoIterator<Item = (RandomSequence<'a, V, S>, usize)>,
     ) -> Paths<'a, V, S> {
-        // Making the paths may itself collect others: gather this list at the end, undisturbed.
-        let mut list = core::mem::take(&mut *self.gathering.borrow_mut());
-        list.clear();
+        let (mut start, mut len) = (self.lists.borrow().len(), 0);
         for (path, count) in paths {
             if core::ptr::eq(path.arena, self) && !path.handle.absent {
-                list.push((path.handle, V::Real::of(count as f64)));
+                let mut lists = self.lists.borrow_mut();
+                if lists.len() != start + len {
+                    // Making the path has collected others: this list goes on at the end.
+                    let end = lists.len();
+                    lists.extend_from_within(start..start + len);
+                    start = end;
+                }
+                let samples = V::Real::of(count as f64);
+                lists.push(Listed { handle: path.handle, samples, unlike: None });
+                len += 1;
             }
         }
-        let mut lists = self.lists.borrow_mut();
-        let start = lists.len();
-        lists.extend_from_slice(&list);
-        let len = list.len();
-        drop(lists);
-        *self.gathering.borrow_mut() = list;
         Paths { arena: self, start, len }
     }
 }
@@ -73,14 +74,29 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
     }
 
     #[inline]
+    fn listed(&self, i: usize) -> Listed<V::Real> {
+        self.arena.lists.borrow()[self.start + i]
+    }
+
+    #[inline]
     fn path(&self, i: usize) -> RandomSequence<'a, V, S> {
-        let handle = self.arena.lists.borrow()[self.start + i].0;
-        RandomSequence { arena: self.arena, handle }
+        RandomSequence { arena: self.arena, handle: self.listed(i).handle }
     }
 
     #[inline]
     fn count(&self, i: usize) -> V::Real {
-        self.arena.lists.borrow()[self.start + i].1
+        self.listed(i).samples
+    }
+
+    /// The range of steps in which path `i` is unlike the one before, which has the same length.
+    fn unlike(&self, i: usize) -> (u32, u32) {
+        if let Some(known) = self.listed(i).unlike {
+            return known;
+        }
+        let [before, place] = [i - 1, i].map(|i| self.listed(i).handle.place);
+        let unlike = self.arena.tape.unlike(before, place);
+        self.arena.lists.borrow_mut()[self.start + i].unlike = Some(unlike);
+        unlike
     }
 
     /// The weight of path `own`.
@@ -91,10 +107,12 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
         }
         let mut ratios = core::mem::take(&mut *self.arena.ratios.borrow_mut());
         ratios.clear();
-        ratios.resize(self.len, V::Real::ZERO);
-        ratios[own] = V::Real::ONE;
-        let place = |i: usize| self.path(i).handle.place;
-        self.arena.density_ratios(self.len, own, place, |j, ratio| {
+        for _ in 0..self.len {
+            ratios.push(V::Real::ONE);
+        }
+        let place = |i: usize| self.listed(i).handle.place;
+        let unlike = |i: usize| self.unlike(i);
+        self.arena.density_ratios(self.len, own, place, unlike, |j, ratio| {
             ratios[j] = weighted_ratio(ratio, self.count(j), samples);
         });
         let weight = heuristic.weight(&ratios, own) / samples;
@@ -132,10 +150,14 @@ impl<'a, V: Vertex, S: Strategy<V>, H: Heuristic<V::Real>> Combined<'a, V, S, H>
     pub(crate) fn next_sample(&mut self) -> Option<(usize, RandomSequence<'a, V, S>)> {
         let paths = self.paths?;
         let lists = paths.arena.lists.borrow();
-        let list = &lists[paths.start..paths.start + paths.len];
-        let i = self.next + list.get(self.next..)?.iter().position(|path| path.0.complete())?;
-        self.next = i + 1;
-        Some((i, RandomSequence { arena: paths.arena, handle: list[i].0 }))
+        while self.next < paths.len {
+            let (i, handle) = (self.next, lists[paths.start + self.next].handle);
+            self.next += 1;
+            if handle.complete() {
+                return Some((i, RandomSequence { arena: paths.arena, handle }));
+            }
+        }
+        None
     }
 
     /// How many samples a technique takes.

@@ -18,6 +18,8 @@ pub trait DynStrategy<V: Vertex> {
     fn pdf_dyn(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real>;
     /// [`Strategy::reads`].
     fn reads_dyn(&self) -> Reads;
+    /// [`Strategy::length_class`].
+    fn length_class_dyn(&self, len: usize) -> u32;
     /// [`Strategy::vertices`].
     fn vertices_dyn(&self) -> usize;
     /// [`Strategy::sample_joint`].
@@ -43,6 +45,9 @@ impl<V: Vertex, S: Strategy<V>> DynStrategy<V> for S {
     }
     fn reads_dyn(&self) -> Reads {
         self.reads()
+    }
+    fn length_class_dyn(&self, len: usize) -> u32 {
+        self.length_class(len)
     }
     fn vertices_dyn(&self) -> usize {
         self.vertices()
@@ -91,6 +96,9 @@ impl<V: Vertex> Strategy<V> for Erased<'_, V> {
     }
     fn reads(&self) -> Reads {
         self.0.reads_dyn()
+    }
+    fn length_class(&self, len: usize) -> u32 {
+        self.0.length_class_dyn(len)
     }
     fn vertices(&self) -> usize {
         self.0.vertices_dyn()

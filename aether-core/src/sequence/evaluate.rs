@@ -2,8 +2,8 @@
 
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::tape::{Entry, NOTHING};
-use crate::sequence::{Arena, Key, NONE, PathView, Place};
+use crate::sequence::tape::{Entry, Question};
+use crate::sequence::{Arena, NONE, PathView, Place};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
@@ -23,59 +23,40 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         if S::VERTICES > 1 && part.is_joint() {
             return self.draw_run(place, i, uniforms);
         }
-        // A copy, so that nothing of the arena is borrowed while user code runs.
-        let strategy = self.strategies.borrow()[id as usize].clone();
+        // A strategy is a pure function: it adds nothing to the arena that its path lives in.
+        let strategies = self.strategies.borrow();
+        let strategy = &strategies[id as usize];
         let reads = strategy.reads();
-        let before = place.range(0, i);
-        let view = PathView::of_tape(&self.tape, before).limited(reads);
+        let unfolded = self.tape.unfolded();
+        let view = PathView::of_unfolded(&unfolded, place.range(0, i)).limited(reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
-        let mut key = NOTHING;
+        drop(unfolded);
+        let mut question = Question::NOTHING;
         if drawn.value.is_some() {
             count_densities(1);
-            let vertex = self.tape.vertex_count() as u32;
-            key = self.key(id, drawn.dirac, before, reads, vertex).unwrap_or(NOTHING);
+            if reads.vertices <= REMEMBERED {
+                question = Question::new(id, drawn.dirac, length_class(strategy, reads, i));
+            }
         }
-        self.tape.take(place, i, &drawn, key);
+        self.tape.take(place, i, &drawn, question);
         true
-    }
-
-    /// What the density of a vertex depends on; `None` if that is too much to be remembered.
-    fn key(
-        &self,
-        strategy: u32,
-        dirac: Option<Dirac>,
-        before: Place,
-        reads: Reads,
-        vertex: u32,
-    ) -> Option<Key> {
-        if reads.vertices > REMEMBERED {
-            return None;
-        }
-        let kind = match dirac {
-            None => 0,
-            Some(Dirac::Position) => 1,
-            Some(Dirac::Direction) => 2,
-        };
-        let len = before.len as usize;
-        let mut key = [strategy * 4 + kind, vertex, NONE, NONE, NONE, 0];
-        for k in 0..reads.vertices.min(len) {
-            key[2 + k] = self.tape.entry(before.at(len - 1 - k)).vertex;
-        }
-        if reads.length {
-            key[5] = before.len;
-        }
-        Some(key)
     }
 
     /// The conditional density of vertex `k` of `path` under step `k` of `technique`, given the
     /// vertices of `path` that the step comes from. Of a joint run, the last step has the density of
     /// all, the others have one.
+    #[inline]
     pub(crate) fn factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
         if self.tape.same_step(technique, path, k)
             && let Some(known) = self.tape.own(path, k)
         {
             return known;
         }
+        self.other_factor(technique, k, path)
+    }
+
+    /// The same of a step that is not known to have made the vertex.
+    fn other_factor(&self, technique: Place, k: usize, path: Place) -> V::Real {
         let step = self.tape.step(technique, k);
         if S::VERTICES > 1 && step.part.is_joint() {
             return self.run_factor(technique, k, path);
@@ -91,28 +72,44 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
 
     /// The conditional density of vertex `k` of a path under a strategy that comes from one side.
     fn step_factor(&self, strategy: u32, backward: bool, k: usize, path: Place) -> V::Real {
+        let before = if backward { path.len as usize - 1 - k } else { k };
+        let (reads, class) = {
+            let strategy = &self.strategies.borrow()[strategy as usize];
+            let reads = strategy.reads();
+            (reads, length_class(strategy, reads, before))
+        };
+        if reads.vertices > REMEMBERED {
+            let dirac = self.tape.kind(path, k, backward);
+            return self.evaluate((path, k), (strategy, backward), dirac);
+        }
+        let step = (strategy, backward);
+        let (dirac, key) = self.tape.key((path, k), step, reads.vertices, class);
+        // Mostly it is what drawing the vertex told.
+        let told = self.tape.told(&key, reads.vertices);
+        if let Some(known) = told.or_else(|| self.memo.borrow().get(&key)) {
+            return known;
+        }
+        let value = self.evaluate((path, k), step, dirac);
+        self.memo.borrow_mut().insert(key, value);
+        value
+    }
+
+    /// The same, not remembered, as a density or a probability.
+    fn evaluate(
+        &self,
+        (path, k): (Place, usize),
+        (strategy, backward): (u32, bool),
+        dirac: Option<Dirac>,
+    ) -> V::Real {
         let n = path.len as usize;
         let before = if backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
-        let dirac = self.tape.kind(path, k, backward);
-        let vertex = self.tape.entry(path.at(k)).vertex;
-        let reads = self.strategies.borrow()[strategy as usize].reads();
-        let key = self.key(strategy, dirac, before, reads, vertex);
-        if let Some(key) = key {
-            // Mostly it is what drawing the vertex told.
-            let told = self.tape.told(vertex, &key);
-            if let Some(known) = told.or_else(|| self.memo.borrow().get(&key)) {
-                return known;
-            }
-        }
-        let Some(target) = self.tape.vertex(path.at(k)) else { return V::Real::ZERO };
-        let strategy = self.strategies.borrow()[strategy as usize].clone();
-        let view = PathView::of_tape(&self.tape, before).asking(dirac).limited(reads);
+        let tape = self.tape.unfolded();
+        let Some(target) = tape.vertex(path.at(k)) else { return V::Real::ZERO };
+        let strategies = self.strategies.borrow();
+        let strategy = &strategies[strategy as usize];
+        let view = PathView::of_unfolded(&tape, before).asking(dirac).limited(strategy.reads());
         count_densities(1);
-        let value = strategy.pdf(view, &target).of_kind(dirac);
-        if let Some(key) = key {
-            self.memo.borrow_mut().insert(key, value);
-        }
-        value
+        strategy.pdf(view, &target).of_kind(dirac)
     }
 
     /// Whether `technique` can produce every Dirac factor of `path`: each belongs to a vertex, and
@@ -190,21 +187,33 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         density
     }
 
-    /// The densities of `path` under two techniques without the factors that they share.
+    /// The densities of `path` under two techniques without the factors that they share: they are
+    /// unlike in these steps.
     #[inline]
-    fn quotient(&self, a: Place, b: Place, path: Place) -> [PathDensity<V::Real>; 2] {
+    fn quotient(
+        &self,
+        [a, b]: [Place; 2],
+        path: Place,
+        (first, end): (u32, u32),
+    ) -> [PathDensity<V::Real>; 2] {
         let mut densities = [PathDensity::ONE; 2];
-        let mut from = 0;
-        while let Some(k) = self.tape.next_unlike(a, b, from) {
-            densities[0] = densities[0] * self.factor(a, k, path);
-            densities[1] = densities[1] * self.factor(b, k, path);
-            from = k + 1;
+        for k in first as usize..end as usize {
+            let known_unlike = k == first as usize || k + 1 == end as usize;
+            if known_unlike || !self.tape.same_step(a, b, k) {
+                let new = PathDensity::new(self.factor(a, k, path));
+                let old = PathDensity::new(self.factor(b, k, path));
+                densities = match k == first as usize {
+                    true => [new, old],
+                    false => [densities[0] * new, densities[1] * old],
+                };
+            }
         }
         densities
     }
 
     /// How much likelier each technique makes `path` than technique `own`, which made it: calls
-    /// `visit` with each other technique and the ratio of densities.
+    /// `visit` with each other technique and the ratio of densities. `unlike` says in which range of steps a
+    /// technique is unlike the one before, if both have the same number.
     ///
     /// Neighbouring techniques share most factors, so each is compared with the one before, going
     /// outwards from `own`, and directly with `own` where zeros or poles get in the way.
@@ -213,6 +222,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         count: usize,
         own: usize,
         technique: impl Fn(usize) -> Place,
+        unlike: impl Fn(usize) -> (u32, u32),
         mut visit: impl FnMut(usize, V::Real),
     ) {
         let path = technique(own);
@@ -221,24 +231,35 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             let others = (0..count).filter(|j| *j != own);
             return others.for_each(|j| visit(j, V::Real::INFINITY));
         }
-        let start = (path, PathDensity::ONE);
-        let mut compare = |(from, ratio): (Place, PathDensity<V::Real>), j| {
+        // The technique that is compared with, its number, and how much likelier it is.
+        let start = (path, own, PathDensity::ONE);
+        let mut compare = |(from, i, ratio): (Place, usize, PathDensity<V::Real>), j: usize| {
             let place = technique(j);
             if !self.comparable(place, path) {
                 visit(j, V::Real::ZERO);
-                return (from, ratio);
+                return (from, i, ratio);
             }
-            let [new, old] = self.quotient(place, from, path);
+            let steps = match i + 1 == j || j + 1 == i {
+                true => unlike(i.max(j)),
+                false => self.tape.unlike(place, from),
+            };
+            let [new, old] = self.quotient([place, from], path, steps);
             if new.is_regular() && old.is_regular() {
                 let ratio = ratio * (new / old);
                 visit(j, ratio.value());
-                return (place, ratio);
+                return (place, j, ratio);
             }
-            let [new, old] = self.quotient(place, path, path);
+            let [new, old] = self.quotient([place, path], path, self.tape.unlike(place, path));
             visit(j, new.ratio(old));
-            (from, ratio)
+            (from, i, ratio)
         };
         (own + 1..count).fold(start, &mut compare);
         (0..own).rev().fold(start, compare);
     }
+}
+
+/// The class of the length of a path before a vertex, as far as it matters to a strategy.
+#[inline]
+fn length_class<V: Vertex, S: Strategy<V>>(strategy: &S, reads: Reads, len: usize) -> u32 {
+    if reads.length { strategy.length_class(len) } else { 0 }
 }

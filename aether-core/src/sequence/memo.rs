@@ -36,13 +36,15 @@ impl<T: Copy> Memo<T> {
     }
 
     /// The slot of a key, or the empty one where it belongs.
+    #[inline]
     fn find(&self, key: &Key) -> usize {
-        let mut hash = 0_u64;
-        for part in key {
-            hash = (hash.rotate_left(5) ^ u64::from(*part)).wrapping_mul(0x517c_c1b7_2722_0a95);
-        }
+        let pair = |i: usize| u64::from(key[i]) | u64::from(key[i + 1]) << 32;
+        // Odd factors; the upper half of a product depends on all bits.
+        let hash = pair(0).wrapping_mul(0x517c_c1b7_2722_0a95)
+            ^ pair(2).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            ^ pair(4).wrapping_mul(0xd6e8_feb8_6659_fd93);
         let mask = self.slots.len() - 1;
-        let mut i = (hash >> 32) as usize & mask;
+        let mut i = (hash >> 40) as usize & mask;
         while self.slots[i].round == self.round && self.slots[i].key != *key {
             i = (i + 1) & mask;
         }

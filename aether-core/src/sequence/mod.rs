@@ -38,15 +38,25 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
     pub(crate) strategies: RefCell<Vec<S>>,
     memo: RefCell<Memo<V::Real>>,
-    /// Lists of paths, each with the number of samples that its technique takes.
-    pub(crate) lists: RefCell<Vec<(Handle, V::Real)>>,
-    pub(crate) gathering: RefCell<Vec<(Handle, V::Real)>>,
+    /// Lists of paths.
+    pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
     pub(crate) decided: RefCell<Vec<Decided>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),
+}
+
+/// A path in a list of techniques.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Listed<R> {
+    pub handle: Handle,
+    /// How many samples its technique takes.
+    pub samples: R,
+    /// From the first to the last step that is unlike that of the path before in the list, of the same length,
+    /// once that has been asked for.
+    pub unlike: Option<(u32, u32)>,
 }
 
 /// How many strategies back a strategy is compared with those that are known already.
@@ -61,7 +71,6 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             strategies: RefCell::new(Vec::new()),
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
-            gathering: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
             decided: RefCell::new(Vec::new()),
             sequences: Cell::new(0),
@@ -99,12 +108,17 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         self.contents
     }
 
-    /// The id of a strategy; that of a known one if it is the same.
+    /// The id of a strategy; that of a known one if it is the same: mostly of the last one.
+    #[inline]
     fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let recent = strategies.len().saturating_sub(COMPARED);
-        if let Some(known) = strategies[recent..].iter().rposition(|known| known.same(&strategy)) {
-            return (recent + known) as u32;
+        let last = strategies.len().wrapping_sub(1);
+        if strategies.get(last).is_some_and(|known| known.same(&strategy)) {
+            return last as u32;
+        }
+        let earlier = last.saturating_sub(COMPARED)..strategies.len().saturating_sub(1);
+        if let Some(id) = earlier.rev().find(|id| strategies[*id].same(&strategy)) {
+            return id as u32;
         }
         strategies.push(strategy);
         strategies.len() as u32 - 1

@@ -122,6 +122,15 @@ macro_rules! strategies {
             }
 
             #[inline]
+            fn length_class(&self, len: usize) -> u32 {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::length_class(s, len)
+                    })+
+                }
+            }
+
+            #[inline]
             fn vertices(&self) -> usize {
                 match self {
                     $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::vertices(s),)+

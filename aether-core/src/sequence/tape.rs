@@ -2,10 +2,9 @@
 
 mod known;
 
-use core::cell::{Cell, RefCell};
+use core::cell::{Cell, Ref, RefCell};
 
 use crate::path_density::PathDensity;
-use crate::sequence::Key;
 use crate::strategy::{Dirac, Drawn, DrawnRun, Vertex};
 
 /// Marks a step that has no vertex (yet).
@@ -82,12 +81,18 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// How many steps of a place of `n` steps lie between its end in this one's back and this one, the
-    /// `i`-th, which counts too.
-    #[inline]
-    pub fn seen(&self, i: usize, n: usize) -> usize {
-        if self.backward { n - i } else { i + 1 }
-    }
+    /// A step of no strategy.
+    const VACANT: Entry = Entry {
+        vertex: NONE,
+        strategy: NONE,
+        block: 0,
+        run: 0,
+        backward: false,
+        visible: false,
+        dirac: None,
+        part: Part(0),
+        merged: NONE,
+    };
 
     /// Whether the step goes in a direction, alone or beside one in the other.
     #[inline]
@@ -121,7 +126,7 @@ impl Place {
     }
 
     /// Position on the tape of step `i`.
-    #[inline]
+    #[inline(always)]
     pub fn at(self, i: usize) -> usize {
         let i = i as u32;
         (if self.reversed { self.start.wrapping_sub(i) } else { self.start + i }) as usize
@@ -148,12 +153,37 @@ struct Kept<V: Vertex> {
     vertex: V,
     /// The density, if it is known.
     value: Option<V::Real>,
-    /// What that depends on; [`NOTHING`] if that is too much.
-    key: Key,
+    /// What that is the density of.
+    question: Question,
+    /// The step that drew it: its position on the tape, and how many lie before it in its path.
+    at: u32,
+    before: u32,
 }
 
-/// No key of anything.
-pub(crate) const NOTHING: Key = [NONE; 6];
+/// What a conditional density is asked for, apart from vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Question {
+    /// The strategy, and the kind of density.
+    pub tag: u32,
+    /// The class of the length of the path before, if that matters.
+    pub class: u32,
+}
+
+impl Question {
+    /// No question: what nobody asks for.
+    pub const NOTHING: Question = Question { tag: NONE, class: NONE };
+
+    /// How a strategy distributes vertices of a kind, after paths whose lengths are of a class.
+    #[inline]
+    pub fn new(strategy: u32, dirac: Option<Dirac>, class: u32) -> Self {
+        let kind = match dirac {
+            None => 0,
+            Some(Dirac::Position) => 1,
+            Some(Dirac::Direction) => 2,
+        };
+        Question { tag: strategy * 4 + kind, class }
+    }
+}
 
 /// Vertices, steps, and the densities of runs.
 #[derive(Debug)]
@@ -211,24 +241,20 @@ impl<V: Vertex> Tape<V> {
 
     /// Adds a step that is not taken yet.
     pub fn push(&self, strategy: u32, block: u32, part: Part) {
-        self.entries.borrow_mut().push(Entry {
-            vertex: NONE,
-            strategy,
-            block,
-            run: 0,
-            backward: false,
-            visible: false,
-            dirac: None,
-            part,
-            merged: NONE,
-        });
+        self.entries.borrow_mut().push(Entry { strategy, block, part, ..Entry::VACANT });
     }
 
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
         self.note(entry.dirac);
         let id = self.vertex_count() as u32;
-        self.vertices.borrow_mut().push(Kept { vertex, value: None, key: NOTHING });
+        self.vertices.borrow_mut().push(Kept {
+            vertex,
+            value: None,
+            question: Question::NOTHING,
+            at: 0,
+            before: 0,
+        });
         self.entries.borrow_mut().push(Entry { vertex: id, run: 0, ..entry });
     }
 
@@ -265,10 +291,16 @@ impl<V: Vertex> Tape<V> {
         let copied = &mut entries[start..];
         if place.reversed {
             copied.reverse();
-            copied.iter_mut().for_each(|entry| entry.backward = !entry.backward);
+        }
+        for (i, entry) in copied.iter_mut().enumerate() {
+            entry.backward ^= place.reversed;
+            // What is known about a run holds only if this place sees all of it.
+            let seen = if entry.backward { n - i } else { i + 1 };
+            entry.run *= u32::from(entry.run == seen as u32);
         }
         for entry in &mut copied[taken.min(n)..] {
-            *entry = Entry { vertex: NONE, run: 0, visible: false, dirac: None, ..*entry };
+            (entry.vertex, entry.run) = (NONE, 0);
+            (entry.visible, entry.dirac) = (false, None);
         }
         // The vertex that an outermost step was made from may have been cut off.
         for (i, backward) in [(0, false), (n - 1, true)] {
@@ -276,12 +308,6 @@ impl<V: Vertex> Tape<V> {
             if entry.backward == backward {
                 entry.visible = false;
                 entry.dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
-            }
-        }
-        // What is known about a run holds only if this place sees all of it.
-        for (i, entry) in copied.iter_mut().enumerate() {
-            if entry.run as usize != entry.seen(i, n) {
-                entry.run = 0;
             }
         }
     }
@@ -294,10 +320,9 @@ impl<V: Vertex> Tape<V> {
         }
     }
 
-    /// Takes step `i` of a place that is read forwards, with what the density of the vertex, the next one of
-    /// [`Tape::vertex_count`], depends on.
-    #[inline]
-    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, key: Key) {
+    /// Takes step `i` of a place that is read forwards; what was told of its density answers a question.
+    #[inline(always)]
+    pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, question: Question) {
         let mut entries = self.entries.borrow_mut();
         let run = match i.checked_sub(1).map(|before| entries[place.at(before)]) {
             None => 1,
@@ -311,14 +336,15 @@ impl<V: Vertex> Tape<V> {
         self.note(dirac);
         let entry = &mut entries[place.at(i)];
         *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
-        vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, key });
+        let (at, before) = (place.at(i) as u32, i as u32);
+        vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, question, at, before });
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.
     pub fn take_run(&self, place: Place, i: usize, drawn: &DrawnRun<V>) {
         for (j, vertex) in drawn.vertices().iter().enumerate() {
             let visible = drawn.visible && j > 0;
-            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) }, NOTHING);
+            self.take(place, i + j, &Drawn { visible, ..Drawn::new(*vertex) }, Question::NOTHING);
         }
     }
 
@@ -357,15 +383,12 @@ impl<V: Vertex> Tape<V> {
         self.vertices.borrow().get(id as usize).map(|kept| kept.vertex)
     }
 
-    /// Whether step `i` of a place is known to see step `i - 1`.
+    /// The tape with its steps and vertices at hand, to which nothing can be added meanwhile.
     #[inline]
-    pub fn visible(&self, place: Place, i: usize) -> bool {
-        let (step, before) = (self.step(place, i), self.step(place, i - 1));
-        // A vertex that has been merged was reached from the other side too.
-        let reached = |step: Entry, backward: bool| {
-            if step.backward == backward { step.visible } else { step.merged != NONE }
-        };
-        reached(step, false) || reached(before, true)
+    pub fn unfolded(&self) -> Unfolded<'_, V> {
+        let entries = Ref::map(self.entries.borrow(), Vec::as_slice);
+        let vertices = Ref::map(self.vertices.borrow(), Vec::as_slice);
+        Unfolded { tape: self, entries, vertices }
     }
 
     /// Whether vertex `i` of a place carries a Dirac factor.
@@ -400,5 +423,33 @@ impl<V: Vertex> Tape<V> {
         let before = if backward { i + 1 } else { i.wrapping_sub(1) };
         let fixed = before < place.len as usize && self.carries(place, before, Dirac::Direction);
         fixed.then_some(Dirac::Direction)
+    }
+}
+
+/// A tape that is being read: [`Tape::unfolded`].
+#[derive(Debug)]
+pub(crate) struct Unfolded<'t, V: Vertex> {
+    pub tape: &'t Tape<V>,
+    entries: Ref<'t, [Entry]>,
+    vertices: Ref<'t, [Kept<V>]>,
+}
+
+impl<V: Vertex> Unfolded<'_, V> {
+    #[inline(always)]
+    pub fn vertex(&self, at: usize) -> Option<V> {
+        let id = self.entries.get(at)?.vertex;
+        self.vertices.get(id as usize).map(|kept| kept.vertex)
+    }
+
+    /// Whether step `i` of a place is known to see step `i - 1`.
+    #[inline]
+    pub fn visible(&self, place: Place, i: usize) -> bool {
+        let (step, before) = (&self.entries[place.at(i)], &self.entries[place.at(i - 1)]);
+        // A vertex that has been merged was reached from the other side too.
+        let reached = |step: &Entry, backward: bool| {
+            let from_there = (step.backward != place.reversed) == backward;
+            if from_there { step.visible } else { step.merged != NONE }
+        };
+        reached(step, false) || reached(before, true)
     }
 }

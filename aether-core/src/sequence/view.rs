@@ -1,6 +1,6 @@
 //! What strategies and integrands see of a path.
 
-use crate::sequence::tape::{Place, Tape};
+use crate::sequence::tape::{Place, Tape, Unfolded};
 use crate::strategy::{Dirac, Reads, Vertex};
 
 /// The vertices before the one in question, in the direction of travel: for a path that was sampled
@@ -17,6 +17,8 @@ pub struct PathView<'p, V: Vertex> {
 enum Source<'p, V: Vertex> {
     Slice(&'p [V]),
     Tape(&'p Tape<V>, Place),
+    /// The same, with all of the tape at hand.
+    Unfolded(&'p Unfolded<'p, V>, Place),
 }
 
 impl<'p, V: Vertex> PathView<'p, V> {
@@ -28,6 +30,12 @@ impl<'p, V: Vertex> PathView<'p, V> {
     #[inline]
     pub(crate) fn of_tape(tape: &'p Tape<V>, place: Place) -> Self {
         PathView { source: Source::Tape(tape, place), hidden: 0, dirac: None }
+    }
+
+    /// Of a tape that nothing is added to as long as the view is there.
+    #[inline]
+    pub(crate) fn of_unfolded(tape: &'p Unfolded<'p, V>, place: Place) -> Self {
+        PathView { source: Source::Unfolded(tape, place), hidden: 0, dirac: None }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
@@ -49,6 +57,9 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 Source::Tape(tape, place) => {
                     Source::Tape(tape, place.range(excess, place.len as usize))
                 }
+                Source::Unfolded(tape, place) => {
+                    Source::Unfolded(tape, place.range(excess, place.len as usize))
+                }
             };
             PathView { source, hidden: self.hidden.saturating_sub(excess), ..self }
         }
@@ -59,7 +70,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
     pub fn len(&self) -> usize {
         match self.source {
             Source::Slice(vertices) => vertices.len(),
-            Source::Tape(_, place) => place.len as usize,
+            Source::Tape(_, place) | Source::Unfolded(_, place) => place.len as usize,
         }
     }
 
@@ -70,25 +81,34 @@ impl<'p, V: Vertex> PathView<'p, V> {
     }
 
     /// Vertex `i`, counted from the first; `None` if there is none or if reading it is not declared.
-    #[inline]
+    #[inline(always)]
     pub fn vertex(&self, i: usize) -> Option<V> {
         if i < self.hidden || i >= self.len() {
             return None;
         }
         match self.source {
-            Source::Slice(vertices) => Some(vertices[i]),
+            Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
+            _ => self.vertex_elsewhere(i),
+        }
+    }
+
+    #[cold]
+    fn vertex_elsewhere(&self, i: usize) -> Option<V> {
+        match self.source {
+            Source::Slice(vertices) => vertices.get(i).copied(),
             Source::Tape(tape, place) => tape.vertex(place.at(i)),
+            Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
         }
     }
 
     /// The vertex `k` places before the last one: `back(0)` is the last vertex.
-    #[inline]
+    #[inline(always)]
     pub fn back(&self, k: usize) -> Option<V> {
         self.vertex(self.len().checked_sub(k + 1)?)
     }
 
     /// The last vertex: the one that the path continues from.
-    #[inline]
+    #[inline(always)]
     pub fn last(&self) -> Option<V> {
         self.back(0)
     }
@@ -105,7 +125,10 @@ impl<'p, V: Vertex> PathView<'p, V> {
     #[inline]
     pub fn visible(&self, i: usize) -> bool {
         match self.source {
-            Source::Tape(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
+            Source::Tape(tape, place) if i > 0 && i < self.len() => {
+                tape.unfolded().visible(place, i)
+            }
+            Source::Unfolded(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
             _ => false,
         }
     }
@@ -117,6 +140,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
     pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
         match self.source {
             Source::Tape(tape, place) if i < self.len() => tape.carries(place, i, dirac),
+            Source::Unfolded(tape, place) if i < self.len() => tape.tape.carries(place, i, dirac),
             _ => false,
         }
     }

@@ -66,10 +66,11 @@ pub struct Weighted<K: SceneKind> {
 
 /// The choice of a lobe, or of the `only` one that may be chosen.
 #[derive(Clone, Copy, Debug)]
-pub struct Lobes<'w, K: SceneKind>(Scattering<'w, K>, Option<u32>);
+pub struct Lobes<'l, 'w, K: SceneKind>(&'l Scattering<'w, K>, Option<u32>);
 
-impl<K: SceneKind> Lobes<'_, K> {
+impl<K: SceneKind> Lobes<'_, '_, K> {
     /// A lobe and its probability.
+    #[inline]
     fn at(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
         let Weighted { lobe, chance, .. } = self.0.lobe(index)?;
         let probability = match self.1 {
@@ -80,7 +81,7 @@ impl<K: SceneKind> Lobes<'_, K> {
     }
 }
 
-impl<K: SceneKind> Discrete<f32> for Lobes<'_, K> {
+impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
     type Item<'a>
         = Lobe<K>
     where
@@ -125,37 +126,43 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     /// The choice of a lobe, or of the `only` one that may be chosen.
-    pub fn lobes(&self, only: Option<u32>) -> Lobes<'w, K> {
-        Lobes(*self, only)
+    #[inline]
+    pub fn lobes<'l>(&'l self, only: Option<u32>) -> Lobes<'l, 'w, K> {
+        Lobes(self, only)
     }
 
     /// The indices of the lobes that may have led in direction `w`: all that scatter into many
     /// directions, and of the atoms those that point nearest to it.
-    #[inline]
-    pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<'w, K> {
-        let this = *self;
-        let nearest = w.and_then(|w| this.nearest_atom(w));
-        (0..this.count()).filter(move |index| {
-            let direction = this.direction_of_atom(*index);
-            direction
-                .is_none_or(|direction| Some(Vec3::from(direction.vec()).to_array()) == nearest)
-        })
+    #[inline(always)]
+    pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<K> {
+        // A bit for each lobe; there are few. Most kinds of surfaces have no atoms.
+        let leading = if Specular::<K>::VALUE.is_some() { self.bits_leading_to(w) } else { !0 };
+        (0..self.count()).filter(move |index| leading >> index & 1 == 1)
     }
 
-    /// The direction, of those that atoms scatter to, that is nearest to `w`.
-    #[inline]
-    fn nearest_atom(&self, w: Vec3) -> Option<[f32; 3]> {
-        let w: Vec3 = self.frame.to_local(w).into();
-        let mut nearest: Option<(f32, Vec3)> = None;
+    fn bits_leading_to(&self, w: Option<Vec3>) -> u32 {
+        let (mut wide, mut nearest) = (0, 0);
+        let mut least: Option<(f32, [f32; 3])> = None;
         for index in 0..self.count() {
-            let Some(direction) = self.direction_of_atom(index) else { continue };
-            let direction: Vec3 = direction.vec().into();
-            let distance = direction.distance_squared(w);
-            if nearest.is_none_or(|(least, _)| distance < least) {
-                nearest = Some((distance, direction));
+            let (bit, direction) = (1 << index, self.direction_of_atom(index));
+            let Some(direction) = direction else {
+                wide |= bit;
+                continue;
+            };
+            let Some(w) = w else { continue };
+            let (w, direction) = (self.frame.to_local(w), Vec3::from(direction.vec()));
+            let distance = direction.distance_squared(w.into());
+            // Atoms that lead in the same direction are one.
+            match least {
+                Some((_, same)) if same == direction.to_array() => nearest |= bit,
+                Some((least, _)) if distance >= least => {}
+                _ => {
+                    least = Some((distance, direction.to_array()));
+                    nearest = bit;
+                }
             }
         }
-        nearest.map(|(_, direction)| direction.to_array())
+        wide | nearest
     }
 
     /// The relative index of refraction of the facets that refract, if there are any.

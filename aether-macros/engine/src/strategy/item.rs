@@ -8,7 +8,7 @@ use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
 use super::names::{delegate, form, is_stop, referenced};
-use super::reads::Reads;
+use super::reads::{Reads, comparisons};
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
@@ -24,7 +24,7 @@ pub fn item(
     let hidden = hidden(function, Some(signature));
     let structure = structure(function, signature);
     let constructor = constructor(function, signature, documentation);
-    let strategy = strategy(signature, reads, plan);
+    let strategy = strategy(function, signature, reads, plan);
     quote!(#structure #constructor #hidden #strategy)
 }
 
@@ -191,7 +191,12 @@ fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) ->
     }
 }
 
-fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) -> TokenStream {
+fn strategy(
+    function: &ItemFn,
+    signature: &Signature,
+    reads: Reads,
+    analysed: Option<&Analysed>,
+) -> TokenStream {
     let Signature { name, vertex, generics, .. } = signature;
     let (implementation, arguments, conditions) = generics.split_for_impl();
     let conditions = and(conditions, &cloneable(signature));
@@ -225,6 +230,7 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
     });
     let plan = analysed.map(|analysed| &analysed.plan);
     let atoms = atoms(signature, plan);
+    let classes = classes(function, signature, plan);
     let reads = declared(signature, reads, plan);
     let same = same(signature, plan);
     let module = quote!(::aether_core::strategy);
@@ -236,9 +242,12 @@ fn strategy(signature: &Signature, reads: Reads, analysed: Option<&Analysed>) ->
 
             #methods
 
+            #[inline]
             fn reads(&self) -> #module::Reads {
                 #reads
             }
+
+            #classes
 
             fn same(&self, other: &Self) -> bool {
                 #same
@@ -421,6 +430,29 @@ fn declared(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenSt
         ::aether_core::strategy::Reads { vertices: #vertices, length: #length }
             #(.and(::aether_core::strategy::Strategy::<#vertex>::reads(&#delegates)))*
     }
+}
+
+/// The method that says which lengths of the path make no difference, where the body only compares the length.
+fn classes(function: &ItemFn, signature: &Signature, plan: Option<&Plan>) -> Option<TokenStream> {
+    let site = Span::mixed_site();
+    let mut delegates = false;
+    plan?.delegates(&mut |_| delegates = true);
+    if delegates {
+        return None;
+    }
+    let fixed = signature.fields.iter().filter(|field| !field.mutable);
+    let names: Vec<&Ident> = fixed.map(|field| &field.name).collect();
+    let comparisons = comparisons(&function.block, &signature.path, &names)?;
+    let parameters = parameters(signature);
+    Some(quote_spanned! {site=>
+        #[inline]
+        fn length_class(&self, len: usize) -> u32 {
+            #parameters
+            let class = 0;
+            #(let class = 2 * class + u32::from(#comparisons);)*
+            class
+        }
+    })
 }
 
 /// Binds the path and the parameters to their names.

@@ -1,9 +1,11 @@
 //! What a body reads of the path: declared to the sequence, which remembers densities by it.
 
+use proc_macro2::Span;
+use quote::quote_spanned;
 use syn::visit::{self, Visit};
-use syn::{Block, Expr, ExprMethodCall, Ident, Macro};
+use syn::{BinOp, Block, Expr, ExprBinary, ExprMethodCall, Ident, Macro, PatIdent};
 
-use super::names::{each_ident, variable};
+use super::names::{bare, each_ident, mentioned, variable};
 use crate::diagnostics::Diagnostics;
 
 /// What a body reads of the path.
@@ -83,6 +85,85 @@ impl Visit<'_> for Uses<'_> {
                 self.diagnostics.error(name, message);
             }
         });
+    }
+
+    fn visit_item(&mut self, _: &syn::Item) {}
+}
+
+/// The comparisons of the path's length with parameters, each a condition on the variable `len`, if the body asks
+/// for the length in no other way: it then makes no difference as long as none of them changes.
+pub fn comparisons(body: &Block, path: &Ident, parameters: &[&Ident]) -> Option<Vec<Expr>> {
+    let mut lengths =
+        Lengths { path, parameters, comparisons: Vec::new(), bound: Vec::new(), others: false };
+    lengths.visit_block(body);
+    let Lengths { comparisons, bound, others, .. } = lengths;
+    let rebound = |name: &String| bound.contains(name);
+    let rebound = comparisons.iter().any(|(_, names)| names.iter().any(rebound));
+    let few = 1..=MOST_COMPARISONS;
+    let usable = !others && !rebound && few.contains(&comparisons.len());
+    usable.then(|| comparisons.into_iter().map(|(condition, _)| condition).collect())
+}
+
+/// The most comparisons that are told apart.
+const MOST_COMPARISONS: usize = 16;
+
+struct Lengths<'a> {
+    path: &'a Ident,
+    parameters: &'a [&'a Ident],
+    /// With the parameters that they mention.
+    comparisons: Vec<(Expr, Vec<String>)>,
+    /// Names that the body binds.
+    bound: Vec<String>,
+    /// Whether the length is read otherwise.
+    others: bool,
+}
+
+impl Lengths<'_> {
+    fn is_length(&self, expr: &Expr) -> bool {
+        matches!(bare(expr), Expr::MethodCall(call)
+            if variable(&call.receiver) == Some(self.path) && call.method == "len")
+    }
+
+    /// The comparison as a condition on `len`, and what else it mentions, if these are parameters only.
+    fn comparison(&self, binary: &ExprBinary) -> Option<(Expr, Vec<String>)> {
+        let compares = matches!(
+            binary.op,
+            BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) | BinOp::Eq(_) | BinOp::Ne(_)
+        );
+        let mut condition = binary.clone();
+        let len = syn::parse2(quote_spanned!(Span::mixed_site()=> len)).ok()?;
+        let other = if self.is_length(&binary.left) {
+            *condition.left = len;
+            &binary.right
+        } else if self.is_length(&binary.right) {
+            *condition.right = len;
+            &binary.left
+        } else {
+            return None;
+        };
+        let names: Vec<String> = mentioned(other).into_iter().collect();
+        let known = |name: &String| self.parameters.iter().any(|parameter| *parameter == name);
+        (compares && names.iter().all(known)).then(|| (Expr::Binary(condition), names))
+    }
+}
+
+impl Visit<'_> for Lengths<'_> {
+    fn visit_expr_binary(&mut self, binary: &ExprBinary) {
+        match self.comparison(binary) {
+            Some(comparison) => self.comparisons.push(comparison),
+            None => visit::visit_expr_binary(self, binary),
+        }
+    }
+
+    fn visit_expr_method_call(&mut self, call: &ExprMethodCall) {
+        self.others |= variable(&call.receiver) == Some(self.path)
+            && ["len", "is_empty", "vertex"].iter().any(|name| call.method == name);
+        visit::visit_expr_method_call(self, call);
+    }
+
+    fn visit_pat_ident(&mut self, pat: &PatIdent) {
+        self.bound.push(pat.ident.to_string());
+        visit::visit_pat_ident(self, pat);
     }
 
     fn visit_item(&mut self, _: &syn::Item) {}

@@ -276,6 +276,28 @@ fn reads_of_the_path() {
     refuses(&body(quote!(let a = path.dirac(); stop())), "reads its path through");
     let text = body(quote!(let a = path.back(1); let n = path.len(); stop()));
     assert!(text.contains("vertices : 2usize , length : true"));
+    assert!(!text.contains("length_class"));
+    // Lengths that are only compared with parameters are of two classes.
+    let seen = quote! {
+        let here = given(path.last());
+        let id = constant(scene.cast(here, here.mirrored()));
+        Hit::on(id)
+    };
+    let text = body(quote!(if path.len() > q as usize { return stop(); } #seen));
+    assert_eq!(errors(&text), [""; 0]);
+    assert!(text.contains("length : true"), "{text}");
+    assert!(text.contains("u32 :: from (len > q as usize)"), "{text}");
+    let exact = [
+        quote!(let n = 3; if path.len() > n { return stop(); } #seen),
+        quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } #seen),
+        quote!(if path.len() > q as usize { return stop(); } let n = path.len(); #seen),
+        quote!(if path.len() > q as usize && !path.is_empty() { return stop(); } #seen),
+    ];
+    for statements in exact {
+        let text = body(statements);
+        assert_eq!(errors(&text), [""; 0]);
+        assert!(!text.contains("length_class"), "{text}");
+    }
 }
 
 #[test]
