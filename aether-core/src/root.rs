@@ -57,6 +57,18 @@ pub fn root_inside<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) ->
     R::select(below, lo, R::select(above, hi, root))
 }
 
+/// On which side of the ends the root of an increasing function lies: beyond them what [`root_or_beyond`]
+/// finds, between them a number that is between them too.
+#[doc(hidden)]
+#[inline(always)]
+pub fn place_of_root<R: Real>(f: impl Fn(R) -> R, target: R, lo: R, hi: R) -> R {
+    let (at_lo, at_hi) = (f(lo), f(hi));
+    let scale = (hi - lo) / (at_hi - at_lo);
+    let usable = scale.gt(R::ZERO).and(scale.finite());
+    let scale = R::select(usable, scale, hi - lo);
+    R::select(at_hi.le(target), hi + (target - at_hi) * scale, lo + (target - at_lo) * scale)
+}
+
 /// The same where the target may lie beyond the values: then the root lies beyond the ends, as far
 /// outside as the target is on the scale of the function.
 #[doc(hidden)]

@@ -1,7 +1,7 @@
 //! What emitted code calls. Not part of the public interface.
 
 use crate::real::{Mask, Real, Single};
-pub use crate::root::{root_inside, root_or_beyond};
+pub use crate::root::{place_of_root, root_inside, root_or_beyond};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
 /// a point may have rounded a few times more than the map that is asked about it.

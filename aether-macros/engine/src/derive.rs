@@ -1,5 +1,6 @@
 //! From a map's outputs to its inverse, Jacobian and density, each checked while compiling.
 
+mod back;
 mod cases;
 mod density;
 mod joint;
@@ -120,6 +121,8 @@ pub struct Preimage {
     pub requirements: Vec<Id>,
     /// The density of a sampler's point by way of this preimage.
     pub density: Id,
+    /// The image of the unknowns, where that has to be compared with the point, if it is short.
+    pub back: Option<Vec<Id>>,
 }
 
 /// Everything that was derived.
@@ -197,8 +200,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst = worst.max(error);
         let flags = (injective, check_forward);
         crate::poly::refill_budget(8);
-        let preimage =
+        let mut preimage =
             finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
+        if check_forward {
+            let made = (&forward[..], &preimage.unknowns[..]);
+            preimage.back = back::back(problem, made, s, &cases, &mut out_points);
+        }
         preimages.push(preimage);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();

@@ -251,14 +251,15 @@ pub fn cost(g: &Graph, id: Id) -> usize {
     if let Some(&known) = g.costs.borrow().get(&id) {
         return known;
     }
-    let total = counted(g, id);
+    let total = cost_together(g, &[id]);
     g.costs.borrow_mut().insert(id, total);
     total
 }
 
-fn counted(g: &Graph, id: Id) -> usize {
+/// The same of several expressions, with what they share counted once.
+pub fn cost_together(g: &Graph, ids: &[Id]) -> usize {
     let mut seen = std::collections::HashSet::<Id, BuildHasherDefault<Quick>>::default();
-    let mut open = vec![id];
+    let mut open = ids.to_vec();
     let mut total = 0;
     while let Some(id) = open.pop() {
         if !seen.insert(id) {

@@ -17,7 +17,12 @@ use crate::solve::Solution;
 use crate::stabilise::stabilise;
 
 /// The cheapest among the most accurate expressions.
-fn pick(g: &mut Graph, candidates: &[Id], truth: &[f64], measure: &mut Measure) -> (Id, f64) {
+pub(super) fn pick(
+    g: &mut Graph,
+    candidates: &[Id],
+    truth: &[f64],
+    measure: &mut Measure,
+) -> (Id, f64) {
     let scored: Vec<(Id, Loss, usize)> =
         candidates.iter().map(|&c| (c, measure.loss(g, c, truth), cost(g, c))).collect();
     let least =
@@ -228,5 +233,6 @@ pub(super) fn finish(
         conditions: if check_forward { vec![] } else { s.conditions.iter().map(|c| c.0).collect() },
         requirements,
         density,
+        back: None,
     }
 }

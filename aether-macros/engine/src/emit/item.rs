@@ -62,6 +62,11 @@ impl Emitter<'_> {
         }
     }
 
+    /// Whether points name the surface that they lie on.
+    pub(super) fn has_surfaces(&self) -> bool {
+        self.signature().space.parts().contains(&Space::SurfacePoint)
+    }
+
     /// Whether `point` has finite coordinates `x` and lies on the right surfaces.
     pub(super) fn belongs(&self) -> TokenStream {
         let parts = self.signature().space.parts();

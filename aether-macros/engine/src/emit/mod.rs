@@ -12,6 +12,7 @@ mod numeric;
 mod own;
 mod peeled;
 mod pieces;
+mod quick;
 mod sampler;
 mod tame;
 pub mod text;

@@ -39,6 +39,21 @@ pub(super) fn outside(g: &Graph, root: &Root) -> Vec<Id> {
     out
 }
 
+/// Where the target of a root lies between the values at the ends, as a number between the ends.
+pub(super) fn place(code: &mut Code, root: &Root) -> TokenStream {
+    for id in [root.target, root.lo, root.hi] {
+        code.value(id);
+    }
+    let mut inner = code.inner();
+    let body = inner.value(root.body);
+    let lets = inner.statements();
+    let [target, lo, hi] = [root.target, root.lo, root.hi].map(|id| code.reference(id));
+    let t = variable(root.variable);
+    let call =
+        quote!(::aether_core::support::place_of_root(|#t: R| { #lets #body }, #target, #lo, #hi));
+    code.named(&call)
+}
+
 /// The call, with the body and its slope as one closure. What [`outside`] lists has been written.
 pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
     let mut inner = code.inner();

@@ -95,7 +95,7 @@ fn has_parameters(e: &Emitter, piece: usize) -> bool {
 /// uniforms, and only pieces whose images overlap with its own are inverted.
 fn one_a_piece(e: &Emitter) -> TokenStream {
     let (n, _, _) = e.sizes();
-    let coordinates = e.coordinates();
+    let (coordinates, belongs) = (e.coordinates(), e.belongs());
     let pieces = e.parsed.pieces.len();
     let own = e.by_piece(|j| {
         let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
@@ -158,6 +158,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         quote! {
             let point = &point;
             let x = #coordinates;
+            let belongs: R::Mask = #belongs;
             #existence
             #(#terms)*
         }

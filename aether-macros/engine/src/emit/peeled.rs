@@ -1,12 +1,15 @@
 //! Tests that an unknown lies in [0, 1), without its outermost functions: of 1 - exp(-s x) only the sign of s x
 //! matters.
 
+use std::collections::HashMap;
+
 use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::{Code, number};
+use super::numeric;
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Node};
+use crate::expr::{Deps, Fun, Graph, Id, Node, leaf_bit};
 use crate::rational::Q;
 
 /// What an upper bound of at most one may be by the rounding of interval arithmetic.
@@ -137,6 +140,8 @@ pub(super) struct UnitTest {
     pub inside: TokenStream,
     /// That it does not lie far outside, if that is told by less than the unknown itself.
     pub near: Option<TokenStream>,
+    /// What is compared, if it passes on neither side when it is infinite.
+    pub bounded: Option<Id>,
 }
 
 /// Base and exponent of a power of which only the parameters know whether it grows.
@@ -161,9 +166,9 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         // Below one if the base is and the exponent is positive, or if neither is so.
         let inside =
             quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
-        return UnitTest { inside, near: None };
+        return UnitTest { inside, near: None, bounded: None };
     }
-    let value = code.value(inner);
+    let value = place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner));
     let above = |bound: f64, equal: bool| match (falling, equal) {
         _ if bound.is_infinite() => quote!(),
         (false, true) => {
@@ -208,7 +213,48 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         let high = far_above.filter(|_| sides[1]).map(&below);
         quote!(#low #high)
     });
-    UnitTest { inside, near }
+    let tested = |bound: Option<f64>| bound.is_some_and(f64::is_finite);
+    let (lower, upper) = (sides[0] && tested(zero), sides[1] && tested(one));
+    let (lower, upper) = if falling { (upper, lower) } else { (lower, upper) };
+    let range = g.range(inner);
+    let bounded = (lower || range.lo.is_finite()) && (upper || range.hi.is_finite());
+    UnitTest { inside, near, bounded: bounded.then_some(inner) }
+}
+
+/// Of a root that is compared with the ends of its interval: where its target lies between the values there, which
+/// is on the same side of either end and needs no search.
+fn place_of_root(code: &mut Code, id: Id, bounds: [Option<f64>; 4]) -> Option<TokenStream> {
+    let g = code.graph();
+    let Node::Root(root) = g.node(id) else { return None };
+    let end = |id: Id| g.as_number(id).map(|q| q.to_f64());
+    let mut ends = [end(root.lo)?, end(root.hi)?];
+    let mut asked = [bounds[1]?, bounds[2]?];
+    asked.sort_by(f64::total_cmp);
+    ends.sort_by(f64::total_cmp);
+    (!root.inside && asked == ends).then(|| numeric::place(code, root))
+}
+
+/// The inputs that make an expression infinite or no number if they are so themselves.
+pub(super) fn passed_on(g: &Graph, id: Id, known: &mut HashMap<Id, Deps>) -> Deps {
+    if let Some(deps) = known.get(&id) {
+        return *deps;
+    }
+    let mut all =
+        |ids: &mut dyn Iterator<Item = Id>| ids.fold(0, |deps, id| deps | passed_on(g, id, known));
+    let deps = match g.node(id) {
+        Node::Leaf(leaf) => leaf_bit(*leaf),
+        Node::Sum(_, terms) => all(&mut terms.iter().map(|(_, term)| *term)),
+        Node::Product(factors) => {
+            let grows = |e: Id| g.as_number(e).is_some_and(|q| q.to_f64() > 0.0);
+            all(&mut factors.iter().filter(|(_, e)| grows(*e)).map(|(base, _)| *base))
+        }
+        Node::Call(Fun::Abs | Fun::Ln | Fun::Cbrt | Fun::Asinh, args) => {
+            all(&mut args.iter().copied())
+        }
+        _ => 0,
+    };
+    known.insert(id, deps);
+    deps
 }
 
 /// What decides about the sign of an expression, if it is one factor of it, and whether that stands below a line:

@@ -330,6 +330,17 @@ impl<'a> Emitter<'a> {
                 }
             }
         });
+        let back = preimage.back.as_ref().map(|images| {
+            let name = format_ident!("back_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let values: Vec<TokenStream> = images.iter().map(|&id| code.value(id)).collect();
+            let lets = code.statements();
+            quote! {
+                /// The image of the unknowns.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #m] { #lets [#(#values),*] }
+            }
+        });
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
@@ -363,6 +374,7 @@ impl<'a> Emitter<'a> {
             }
             #plainly
             #accurate
+            #back
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
             #log_density

@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::item::{Emitter, point_type};
 use super::own::{apart, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
+use super::quick;
 use super::tame::Tame;
 
 /// The implementation of the trait for an item whose inverse was derived.
@@ -16,6 +17,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let point_ty = point_type(&e.signature().space);
     let forward = forward(e);
     let density = density(e);
+    let anywhere = quick::anywhere(e);
     let own = own_density(e);
     let both = forward_with_density(e);
     let visits = visits(e);
@@ -24,6 +26,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let logarithm = e.has_logarithms().then(|| log_density(e));
     quote! {
         #exceptions
+        #anywhere
 
         #[automatically_derived]
         impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
@@ -40,7 +43,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             fn pdf(&self, point: &Self::Point) -> ::aether_core::PdfOf<Self, R> {
                 #parameters
                 let x = #coordinates;
-                #density
+                ::aether_core::Density::new({ #density })
             }
 
             #[inline(always)]
@@ -108,6 +111,15 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
+    let (belongs, found) = (e.belongs(), existence_where_it_belongs(e));
+    quote! {
+        let belongs: R::Mask = #belongs;
+        #found
+    }
+}
+
+/// The same where `belongs` is known.
+fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     let places = e.places();
     // A point that lies in the image of one piece does not lie in those that are apart from it.
     existence_where(e, &|piece| {
@@ -118,18 +130,16 @@ pub(super) fn existence(e: &Emitter) -> TokenStream {
     })
 }
 
-/// The same for the preimages of each piece only where a mask holds, if there is one.
+/// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
 pub(super) fn existence_where(
     e: &Emitter,
     wanted: &dyn Fn(usize) -> Option<TokenStream>,
 ) -> TokenStream {
-    let belongs = e.belongs();
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place, wanted(place.piece)));
     let once = places.iter().map(|&place| once(place, &places));
     let recovered = places.iter().map(|&place| recovered(e, place, &places));
     quote! {
-        let belongs: R::Mask = #belongs;
         #(#strict)*
         #(#once)*
         #(#recovered)*
@@ -163,6 +173,22 @@ fn once(place: Place, places: &[Place]) -> TokenStream {
     quote!(#(#pairs)*)
 }
 
+/// Whether the unknowns that are `checked` lie so near to their range that error bounds have to decide.
+pub(super) fn about(place: Place) -> TokenStream {
+    let about = quote!(::aether_core::support::about_unit::<R, _>);
+    if !place.has_longer_forms() {
+        return quote!(#about(&checked));
+    }
+    // What is tested is short; where a longer form is more accurate, it says whether a point is near.
+    let accurate = format_ident!("accurate_{}", place.number);
+    quote! {
+        {
+            let near = #about(&checked);
+            if near.all() { near } else { near.or(#about(&#accurate::<R>(&p, &x))) }
+        }
+    }
+}
+
 fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStream {
     let (k, j) = (place.number, place.piece);
     let (_, m, s) = e.sizes();
@@ -175,19 +201,7 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let member = format_ident!("member_{k}");
-    // What is tested is short; where a longer form is more accurate, it says whether a point is near.
-    let about = quote!(::aether_core::support::about_unit::<R, _>);
-    let accurate = format_ident!("accurate_{k}");
-    let near = if place.has_longer_forms() {
-        quote! {
-            {
-                let near = #about(&checked);
-                if near.all() { near } else { near.or(#about(&#accurate::<R>(&p, &x))) }
-            }
-        }
-    } else {
-        quote!(#about(&checked))
-    };
+    let near = about(place);
     let membership = place.derived.check_forward.then(|| {
         quote! {
             let #strict = if #strict.any() {
@@ -335,15 +349,25 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     }
 }
 
+/// The density at `point`, as a number.
 fn density(e: &Emitter) -> TokenStream {
+    let belongs = e.belongs();
     if let Some(support) = e.support {
-        let (belongs, test, value) = (e.belongs(), support.test(), support.value());
+        let (test, value) = (support.test(), support.value());
         return quote! {
             let belongs: R::Mask = #belongs;
-            ::aether_core::Density::new(R::select(belongs #test, #value, R::ZERO))
+            R::select(belongs #test, #value, R::ZERO)
         };
     }
-    let existence = existence(e);
+    quick::density(e).unwrap_or_else(|| {
+        let density = general_density(e);
+        quote!(let belongs: R::Mask = #belongs; #density)
+    })
+}
+
+/// The density at any point, where it is known which belong to the space.
+pub(super) fn general_density(e: &Emitter) -> TokenStream {
+    let existence = existence_where_it_belongs(e);
     let (n, _, _) = e.sizes();
     let places = e.places();
     let single = places.len() == 1;
@@ -365,7 +389,7 @@ fn density(e: &Emitter) -> TokenStream {
         #existence
         let mut sum = R::ZERO;
         #(#terms)*
-        ::aether_core::Density::new(sum)
+        sum
     }
 }
 
