@@ -1,4 +1,4 @@
-//! What lights look like from a point: the directions in which a sphere or a triangle is seen.
+//! What lights look like from a point: the directions in which a sphere, a triangle or a rectangle is seen.
 //!
 //! All answers are functions of the point and the light alone, so that a density finds the same one as the
 //! sample that it belongs to.
@@ -6,9 +6,12 @@
 use aether_core::prelude::{Direction, Frame};
 use glam::Vec3;
 
-use crate::samplers::{SphericalTriangle, spherical_triangle};
+use crate::samplers::{
+    SphericalRectangle, SphericalTriangle, spherical_rectangle, spherical_triangle,
+};
+use crate::scene::Rectangle;
 
-/// Triangles that fill less than this, area over squared distance, are sampled by area: what that loses is
+/// Triangles and rectangles that fill less than this, area over squared distance, are sampled by area: what that loses is
 /// little there, and it is cheaper and keeps all digits.
 const LEAST_FILLED: f32 = 0.05;
 
@@ -75,6 +78,50 @@ pub fn triangle_of(
     let x = (sine * b - n) / cosine;
     let frame = Frame::try_from_axes(x.into(), along.into(), b.into())?;
     (half < 2.5).then_some((frame, directions))
+}
+
+/// The directions in which a rectangle of some area is seen from a point, and the frame that they are given
+/// in. `None` if it fills little of the view or nearly half of it, or if the point is next to its plane.
+pub fn rectangle_of(
+    from: Vec3,
+    rectangle: &Rectangle,
+    area: f32,
+) -> Option<(Frame<f32>, SphericalRectangle<f32>)> {
+    let Rectangle { corner, a, b } = *rectangle;
+    let offset = corner - from;
+    if area < LEAST_FILLED * (offset + 0.5 * (a + b)).length_squared() {
+        return None;
+    }
+    // Axes along the sides, and towards the plane; the middle lies above.
+    let x = a.try_normalize()?;
+    let mut y = (b - x.dot(b) * x).try_normalize()?;
+    let mut bottom = y.dot(offset);
+    let height = y.dot(b);
+    if bottom + 0.5 * height < 0.0 {
+        (y, bottom) = (-y, -(bottom + height));
+    }
+    let mut z = x.cross(y);
+    let mut x = x;
+    if z.dot(offset) < 0.0 {
+        (x, z) = (-x, -z);
+    }
+    let left = x.dot(offset).min(x.dot(offset + a));
+    let [left, bottom, width, height] =
+        [left, bottom, a.length(), height].map(|l| f64::from(l) / f64::from(z.dot(offset)));
+    let (right, top) = (left + width, bottom + height);
+    // Tangents of half the difference of the elevations of both sides, and of their mean.
+    let r = ((1.0 + bottom * bottom) * (1.0 + top * top)).sqrt();
+    let (d, m) = (height / (r + 1.0 + bottom * top), (top + bottom) / (r + 1.0 - bottom * top));
+    let n2 = (1.0 + m * m) * (1.0 + d * d);
+    // The tangent of half the solid angle from the plane x = 0 on.
+    let tangent = |x: f64| {
+        let leg = |k: f64| (n2 + (k * x) * (k * x)).sqrt();
+        2.0 * d * x / (leg(1.0 + d * m) + leg(1.0 - d * m))
+    };
+    let (t, u) = (tangent(left), tangent(right));
+    let half = (u - t).atan2(1.0 + t * u);
+    let directions = spherical_rectangle(d as f32, m as f32, t.atan() as f32, half as f32).ok()?;
+    Some((Frame::try_from_axes(x.into(), y.into(), z.into())?, directions))
 }
 
 #[cfg(test)]
