@@ -239,7 +239,7 @@ pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Di
 /// Area-Preserving Parametrization for Spherical Rectangles", 2013). With t the tangent of half the solid angle and
 /// w = t / (d - m t²), x is n w / √(1 - k² w²), where k = 1 - d m and n² = (1 + m²)(1 + d²).
 #[sampler(
-    d in 1e-2..=10.0, m in 0.0..=5.0, from in -1.4..=1.4, half in 1e-3..=1.5,
+    d in 1e-2..=10.0, m in 0.0..=5.0, from in -1.4..=1.4, half in 1e-3..=2.8,
     where from + half <= 1.4, where (from + half).tan() <= 0.99 * d, where from.tan() >= -0.99 * d,
     where d * m <= 0.99
 )]
