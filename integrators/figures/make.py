@@ -59,10 +59,16 @@ def opened(scene, shape, directory):
 
 def modern(text):
     """A scene file of Mitsuba 0.5 as Mitsuba 3 takes it: spectra of three numbers are colours, of one number too, a
-    film for display is one for floats, textures are scaled by a transform (and not moved), integrators that only the file's authors have are left to the caller."""
+    film for display is one for floats, textures are scaled and moved by a transform, integrators that only the file's
+    authors have are left to the caller."""
     def colour(match):
         name, numbers = match.group(1), match.group(2).replace(",", " ").split()
         return f'<rgb name="{name}" value="{" ".join(numbers * (3 if len(numbers) == 1 else 1))}"'
+
+    def place(match):
+        of = dict(re.findall(r'name="(\w+)" value="([-\d.]+)"', match.group(0)))
+        return (f'<transform name="to_uv"><scale value="{of.get("uvscale", 1)}"/>'
+                f'<translate x="{of.get("uoffset", 0)}" y="{of.get("voffset", 0)}"/></transform>')
 
     text = re.sub(r"<!--.*?-->", "", text, flags=re.S)
     text = re.sub(r'<spectrum name="(\w+)" value="([\d., ]+)"', colour, text)
@@ -70,9 +76,8 @@ def modern(text):
     film = r'(<film )type="ldrfilm"(>.*?)(?:<(?:boolean|float|string) name="(?:banner|exposure|gamma|tonemapMethod|filename)"[^>]*/>\s*)+'
     text = re.sub(film, r'\1type="hdrfilm"\2', text, flags=re.S)
     text = re.sub(r'<film type="ldrfilm"', '<film type="hdrfilm"', text)
-    scaled = r'<transform name="to_uv"><scale value="\1"/></transform>'
-    text = re.sub(r'<float name="uvscale" value="([\d.]+)"/>', scaled, text)
-    text = re.sub(r'<float name="[uv]offset" value="[\d.]+"/>', "", text)
+    placed = re.compile(r'(?:<float name="(?:uvscale|uoffset|voffset)" value="[-\d.]+"/>\s*)+')
+    text = placed.sub(place, text)
     text = re.sub(r'<float name="maxSmoothAngle" value="[\d.]+"/>', "", text)
     # A texture that scales another one by one is that one.
     return re.sub(r'<texture type="scale">\s*<float name="scale" value="1.0"/>(.*?</texture>)\s*</texture>', r"\1", text, flags=re.S)

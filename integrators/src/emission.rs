@@ -4,11 +4,11 @@ use aether_core::prelude::*;
 use aether_core::{PathView, strategies};
 
 use crate::kind::{Everything, Presence, SceneKind};
-use crate::lights::Light;
+use crate::lights::{Form, Light};
 use crate::samplers::*;
-use crate::scene::Primitive;
+use crate::scene::{Primitive, Rectangle};
 use crate::strategies::{SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight};
-use crate::vertex::{Lamp, Place, SceneVertex, Surface};
+use crate::vertex::{Lamp, Place, SceneVertex, Surface, light_id};
 use crate::world::World;
 
 /// A light, chosen by its power, and a point on it, or a direction of the sky.
@@ -22,19 +22,22 @@ pub fn sample_emitter<K: SceneKind>(
     match light {
         Light::Area(light) => {
             let light = K::Area::get_ref(light);
-            let id = SurfaceId(light.emitter.primitive);
+            let id = light_id(light.index);
             let point = match light.shape {
-                Primitive::Triangle { v0, v1, v2 } => {
+                Form::Rectangle(Rectangle { corner, a, b }) => {
+                    draw(uniform_rectangle(corner.into(), a.into(), b.into(), id))
+                }
+                Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
                     draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
                 }
-                Primitive::Sphere { center, radius, .. } => {
+                Form::Single(Primitive::Sphere { center, radius, .. }) => {
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
-                Primitive::Cylinder { base, axis, radius, .. } => {
+                Form::Single(Primitive::Cylinder { base, axis, radius, .. }) => {
                     let frame = Frame::around(Direction::from_vec(axis.into()));
                     draw(uniform_cylinder(base.into(), frame, axis.length(), radius, id))
                 }
-                Primitive::Disk { center, u_axis, v_axis, .. } => {
+                Form::Single(Primitive::Disk { center, u_axis, v_axis, .. }) => {
                     draw(uniform_disk(center.into(), u_axis.into(), v_axis.into(), id))
                 }
             };

@@ -12,7 +12,7 @@ use crate::kind::{Everything, SceneKind};
 use crate::samplers::rotate;
 use crate::scene::{Primitive, Scene};
 use crate::strategies::{SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight};
-use crate::vertex::{SceneVertex, Surface, surface_id};
+use crate::vertex::{SceneVertex, Surface};
 use crate::world::World;
 
 /// A triangle that light passes towards one side.
@@ -59,7 +59,7 @@ impl Portal {
         let from = self.frame.to_local(x.position - corner);
         let point = self.frame.to_local(surface.position - self.corner);
         let normal = self.frame.to_local(surface.normal);
-        behind(from, point, normal, self.frame, corner, surface_id(surface.primitive))
+        behind(from, point, normal, self.frame, corner, surface.id())
     }
 }
 

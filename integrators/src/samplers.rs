@@ -229,6 +229,51 @@ pub fn spherical_triangle(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Di
     Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
 }
 
+/// All directions alike that lie in a spherical rectangle: those of the points (x, y, 1) with x and y each between two
+/// numbers. With the elevations of the lower and the upper side, the arc tangents of the bounds of y, `d` is the
+/// tangent of half of what they differ by, and `m` of their mean, which is not negative. The solid angle between the plane x = 0
+/// and a point of the plane y = 0 is sampled from twice `from` on, and is twice `half` in all.
+///
+/// The first uniform cuts off its share of the solid angle at a plane of constant x, the second divides the arc of the
+/// rectangle in that plane, in terms of its height (Archimedes): the steps of Ureña, Fajardo and King ("An
+/// Area-Preserving Parametrization for Spherical Rectangles", 2013). With t the tangent of half the solid angle and
+/// w = t / (d - m t²), x is n w / √(1 - k² w²), where k = 1 - d m and n² = (1 + m²)(1 + d²).
+#[sampler(
+    d in 1e-2..=10.0, m in 0.0..=5.0, from in -1.4..=1.4, half in 1e-3..=2.8,
+    where from + half <= 1.4, where (from + half).tan() <= 0.99 * d, where from.tan() >= -0.99 * d,
+    where d * m <= 0.99
+)]
+pub fn spherical_rectangle(u: [Uniform; 2], d: f64, m: f64, from: f64, half: f64) -> Direction {
+    let t = (from + half * u[0]).tan();
+    require(t * t < d * d);
+    require(t * t * m * m < 1.0);
+    let w = t / (d - m * t * t);
+    let k = 1.0 - d * m;
+    require(k * w < 1.0);
+    require(k * w > -1.0);
+    let n = ((1.0 + m * m) * (1.0 + d * d)).sqrt();
+    let q = (1.0 - k * k * w * w).sqrt();
+    let phi = (n * w).atan2(q);
+    // Heights where the plane of this x meets the two sides.
+    let high = (d + m) * q / n;
+    let low = (m - d) * q / (n * (1.0 + 4.0 * d * m * w * w).sqrt());
+    let h = low + u[1] * (high - low);
+    let r = (1.0 - h * h).sqrt();
+    Direction::new(r * phi.sin(), h, r * phi.cos())
+}
+
+/// Uniform on the rectangle, or parallelogram, of all corner + p·a + q·b with p and q in [0, 1].
+#[sampler]
+pub fn uniform_rectangle(
+    u: [Uniform; 2],
+    corner: Vec3,
+    a: Vec3,
+    b: Vec3,
+    id: SurfaceId,
+) -> SurfacePoint {
+    SurfacePoint::new(corner + u[0] * a + u[1] * b, id)
+}
+
 #[cfg(test)]
 mod instructions;
 #[cfg(test)]

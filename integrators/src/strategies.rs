@@ -8,14 +8,14 @@ use aether_core::{PathView, coin, strategies};
 
 use crate::eye::LENS;
 use crate::kind::{Everything, Facetted, Interface, PhongOf, Presence, SceneKind};
-use crate::lights::Light;
+use crate::lights::{Form, Light};
 use crate::samplers::*;
 use crate::scattering::Lobe;
 use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
 use crate::scattering::fresnel;
-use crate::scene::{Filter, Primitive};
-use crate::seen::{cone_of, triangle_of};
-use crate::vertex::{Eye, Lamp, SceneVertex, Seen, Surface};
+use crate::scene::{Filter, Primitive, Rectangle};
+use crate::seen::{cone_of, rectangle_of, triangle_of};
+use crate::vertex::{Eye, Lamp, SceneVertex, Seen, Surface, light_id};
 use crate::world::World;
 
 /// A pixel of the image: column and row.
@@ -202,7 +202,7 @@ pub fn sample_bsdf<K: SceneKind>(
 
 /// A light, chosen by its power or by what it does here, and a point on it: of a sphere only what can be seen, by the cone of
 /// directions that it fills, unless it is so far away that single precision could not tell them apart; of a
-/// triangle that fills much of the view a direction, all alike ([`triangle_of`]).
+/// rectangle or triangle that fills much of the view a direction, all alike ([`rectangle_of`], [`triangle_of`]).
 #[strategy(connected = false)]
 pub fn sample_light<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
@@ -214,9 +214,24 @@ pub fn sample_light<K: SceneKind>(
     match light {
         Light::Area(light) => {
             let light = K::Area::get_ref(light);
-            let id = SurfaceId(light.emitter.primitive);
+            let id = light_id(light.index);
             let point = match light.shape {
-                Primitive::Triangle { v0, v1, v2 } => {
+                Form::Rectangle(rectangle) => {
+                    if !world.faces(light, here.position) {
+                        return stop();
+                    }
+                    let seen = rectangle_of(here.position, &rectangle, light.emitter.area);
+                    if let Some((frame, directions)) = seen {
+                        let local = draw(directions);
+                        let w = rotate(frame).apply(&local);
+                        let lit: Surface<K> = constant(world.lit(light, &here, &w));
+                        let at = lit.seen_from(here.position).apply(&w);
+                        return SceneVertex::hit(lit, at);
+                    }
+                    let Rectangle { corner, a, b } = rectangle;
+                    draw(uniform_rectangle(corner.into(), a.into(), b.into(), id))
+                }
+                Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
                     if !world.faces(light, here.position) {
                         return stop();
                     }
@@ -230,9 +245,10 @@ pub fn sample_light<K: SceneKind>(
                     }
                     draw(uniform_triangle(v0.into(), v1.into(), v2.into(), id))
                 }
-                Primitive::Sphere { center, radius, .. } => {
+                Form::Single(Primitive::Sphere { center, radius, .. }) => {
                     // Its own points do not see it as a cone, on which side of it rounding may put them.
-                    let elsewhere = here.primitive().is_none_or(|on| on.0 != id.0);
+                    let elsewhere =
+                        here.primitive().is_none_or(|on| on.0 != light.emitter.primitive);
                     let cone =
                         if elsewhere { cone_of(here.position, center, radius) } else { None };
                     if let Some((axis, depth)) = cone {
@@ -245,11 +261,11 @@ pub fn sample_light<K: SceneKind>(
                     }
                     draw(uniform_sphere_surface(center.into(), radius, id))
                 }
-                Primitive::Cylinder { base, axis, radius, .. } => {
+                Form::Single(Primitive::Cylinder { base, axis, radius, .. }) => {
                     let frame = Frame::around(Direction::from_vec(axis.into()));
                     draw(uniform_cylinder(base.into(), frame, axis.length(), radius, id))
                 }
-                Primitive::Disk { center, u_axis, v_axis, .. } => {
+                Form::Single(Primitive::Disk { center, u_axis, v_axis, .. }) => {
                     if !world.faces(light, here.position) {
                         return stop();
                     }

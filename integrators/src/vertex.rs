@@ -31,13 +31,17 @@ pub struct Surface<K: SceneKind = Everything> {
 impl<K: SceneKind> Surface<K> {
     /// Where rays from `origin` meet this piece of surface: the map from directions to its points.
     pub fn seen_from(&self, origin: Vector) -> HitPlane<f32> {
-        let id = surface_id(self.primitive);
-        hit_plane(origin.into(), self.position.into(), self.normal.into(), id)
+        hit_plane(origin.into(), self.position.into(), self.normal.into(), self.id())
     }
 
     /// Where the parallel rays of a film meet this piece of surface: the map from points of the film.
     pub fn seen_by(&self, film: &ParallelFilm) -> ParallelHit<f32> {
-        film.onto(self.position, self.normal, surface_id(self.primitive))
+        film.onto(self.position, self.normal, self.id())
+    }
+
+    /// Its identity in the language: that of the light, if it is one.
+    pub fn id(&self) -> SurfaceId {
+        self.emitter.map_or(SurfaceId(self.primitive.0), light_id)
     }
 }
 
@@ -206,9 +210,10 @@ impl<K: SceneKind> SceneVertex<K> {
     }
 }
 
-/// The identity of a primitive in the language.
-pub fn surface_id(primitive: PrimitiveId) -> SurfaceId {
-    SurfaceId(primitive.0)
+/// The identity in the language of the emitter with this number: one for both halves of a rectangle. Numbers of
+/// primitives are smaller.
+pub fn light_id(emitter: u32) -> SurfaceId {
+    SurfaceId(1 << 31 | emitter)
 }
 
 /// The space that vertices live in: surfaces, and the sphere of directions for what is infinitely far.
@@ -253,7 +258,7 @@ impl<K: SceneKind> Vertex for SceneVertex<K> {
             return Spot::Infinite(direction);
         }
         let id = match self.place {
-            Place::Surface(surface) => surface_id(surface.primitive),
+            Place::Surface(surface) => surface.id(),
             Place::Backdrop(_) => BACKDROP,
             _ => LENS,
         };

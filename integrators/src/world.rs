@@ -5,9 +5,11 @@ use glam::Vec3;
 
 use crate::eye::{Lens, ParallelFilm};
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
-use crate::lights::{AreaLight, Lights};
+use crate::lights::{AreaLight, Form, Lights};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
+use crate::scene::{
+    Camera, Filter, Hit, Primitive, PrimitiveId, Rectangle, Scene, Sky, Tangents, hit,
+};
 use crate::vertex::{Eye, Place, SceneVertex, Seen, SkyOf, Surface};
 
 /// A scene ready for the strategies.
@@ -40,7 +42,9 @@ impl<'s, K: SceneKind> World<'s, K> {
         covers::<K>(scene)?;
         let mut light_of = vec![None; scene.primitives.len()];
         for (index, emitter) in (0..).zip(&scene.emitters) {
-            light_of[emitter.primitive as usize] = Some(index);
+            for primitive in emitter.primitives() {
+                light_of[primitive as usize] = Some(index);
+            }
         }
         let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
         let camera_frame = camera_frame(&scene.camera);
@@ -171,13 +175,13 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// Whether a flat light shines to the side on which a point lies.
     pub fn faces(&self, light: &AreaLight, point: Vec3) -> bool {
-        let (on, normal) = match light.shape {
-            Primitive::Triangle { v0, .. } => {
-                (v0, self.scene.normal(PrimitiveId(light.emitter.primitive), v0))
-            }
-            Primitive::Disk { center, normal, .. } => (center, normal),
-            Primitive::Sphere { .. } | Primitive::Cylinder { .. } => return true,
+        let on = match light.shape {
+            Form::Rectangle(rectangle) => rectangle.corner,
+            Form::Single(Primitive::Triangle { v0, .. }) => v0,
+            Form::Single(Primitive::Disk { center, .. }) => center,
+            Form::Single(Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => return true,
         };
+        let normal = self.scene.normal(PrimitiveId(light.emitter.primitive), on);
         normal.dot(point - on) > 0.0
     }
 
@@ -190,18 +194,28 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Surface<K>> {
         let (origin, w) = (from.position, w.vec().into());
         let point = match light.shape {
-            Primitive::Sphere { center, radius, .. } => {
+            Form::Rectangle(Rectangle { corner, a, b }) => {
+                hit::on_plane([corner, corner + a, corner + b], origin, w)?
+            }
+            Form::Single(Primitive::Sphere { center, radius, .. }) => {
                 hit::nearest_on_sphere(origin, w, center, radius)
             }
-            Primitive::Triangle { v0, v1, v2 } => hit::on_plane([v0, v1, v2], origin, w)?,
-            Primitive::Disk { .. } | Primitive::Cylinder { .. } => return None,
+            Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
+                hit::on_plane([v0, v1, v2], origin, w)?
+            }
+            Form::Single(Primitive::Disk { .. } | Primitive::Cylinder { .. }) => return None,
         };
         Some(self.light_surface(light, point))
     }
 
     /// The piece of surface of a light at a point of it.
     pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface<K> {
-        let primitive = PrimitiveId(light.emitter.primitive);
+        let mut primitive = PrimitiveId(light.emitter.primitive);
+        if let Form::Rectangle(rectangle) = &light.shape
+            && rectangle.is_beyond_diagonal(position)
+        {
+            primitive.0 += 1;
+        }
         let normal = self.scene.normal(primitive, position);
         // The path ends here: only a texture of the emission matters.
         let uv = K::Textures::field(|| match light.emitter.texture {

@@ -42,9 +42,9 @@ MODELS = [
     for name in (
         "conductor mirror dielectric thindielectric plastic plastic-nonlinear roughconductor-ggx "
         "roughconductor-ggx-all roughconductor-beckmann roughdielectric-ggx roughdielectric-beckmann "
-        "mask blendbsdf textures anisotropic varying bumps roughplastic-mitsuba3 constant envmap "
+        "mask blendbsdf textures anisotropic varying bumps bumped-mesh roughplastic-mitsuba3 constant envmap "
         "textured-lights point spot directional portal-room daylight smooth "
-        "thinlens orthographic crop cylinder instance"
+        "thinlens orthographic crop cylinder instance near-lamp"
     ).split()
 ]
 MODEL_BATCHES = 16

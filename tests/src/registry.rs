@@ -299,6 +299,9 @@ registry! {
         "triangle light by direction" TriangleByDirection:
             |p| renderer::spherical_triangle(p(0), p(1), p(2))?,
             [[0.6, -0.6, 1.2], [0.9, -0.7, 1.6], [0.2, 0.05, 0.1], [0.03, -0.02, 0.01]];
+        "rectangle light by direction" RectangleByDirection:
+            |p| renderer::spherical_rectangle(p(0), p(1), p(2), p(3))?,
+            [[0.57, 0.17, -0.27, 0.65], [0.2, 0.9, -0.1, 0.15], [3.0, 0.1, -1.2, 2.4], [0.05, 0.3, 0.01, 0.02]];
         "sky" Sky: |p| renderer::uniform_directions(), [[]];
         "triangle light" TriangleLight:
             |p| renderer::uniform_triangle(vector(p, 0), vector(p, 3), vector(p, 6), SurfaceId(0)),

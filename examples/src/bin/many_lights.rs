@@ -13,7 +13,7 @@ use std::time::Instant;
 use aether_core::discrete::Discrete;
 use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
-use integrators::lights::{Light, Selection};
+use integrators::lights::{Form, Light, Selection};
 use integrators::scene::{Primitive, Scene};
 use integrators::scene_kind;
 use integrators::vertex::SceneVertex;
@@ -69,7 +69,7 @@ fn megabytes() -> f64 {
 /// The light that the middle of a lamp sends to a point of the floor, per what one of power sends.
 fn arrives(scene: &Scene, light: &Light<Rooms>, at: Vec3) -> f64 {
     let Light::Area(lamp) = light else { return 0.0 };
-    let Primitive::Triangle { v0, v1, v2 } = lamp.shape else { return 0.0 };
+    let Form::Single(Primitive::Triangle { v0, v1, v2 }) = lamp.shape else { return 0.0 };
     let middle = (v0 + v1 + v2) / 3.0;
     let normal = scene.normal(integrators::scene::PrimitiveId(lamp.emitter.primitive), middle);
     let (way, squared) = ((at - middle).normalize(), at.distance_squared(middle));

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use crate::envmap::EnvironmentTable;
 use crate::kind::{NotCovered, Presence, SceneKind, With};
-use crate::scene::{Emitter, Primitive, PrimitiveId, Scene, Sky};
+use crate::scene::{Bounds, Emitter, Primitive, PrimitiveId, Rectangle, Scene, Sky};
 use crate::vertex::{Place, SceneVertex, SkyOf};
 
 mod bounds;
@@ -18,7 +18,29 @@ mod tests;
 use bounds::Extent;
 use hierarchy::{Group, Hierarchy, Lit};
 
-/// An emissive primitive.
+/// The geometry of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Two triangles that make a rectangle.
+    Rectangle(Rectangle),
+    /// One primitive.
+    Single(Primitive),
+}
+
+impl Form {
+    /// That of an emitter of a scene.
+    pub fn of(scene: &Scene, emitter: &Emitter) -> Form {
+        let primitives = &scene.primitives[emitter.primitives().start as usize..];
+        match primitives {
+            [first, second, ..] if emitter.count == 2 => {
+                Rectangle::of(first, second).map_or(Form::Single(*first), Form::Rectangle)
+            }
+            _ => Form::Single(primitives[0]),
+        }
+    }
+}
+
+/// An emissive surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLight {
     /// Its place in the list of emitters.
@@ -26,7 +48,7 @@ pub struct AreaLight {
     /// The emitter.
     pub emitter: Emitter,
     /// Its geometry.
-    pub shape: Primitive,
+    pub shape: Form,
 }
 
 /// A light.
@@ -45,7 +67,7 @@ pub enum Light<K: SceneKind> {
 }
 
 /// More lights than this are chosen by a hierarchy: it pays when lights differ in what they do at a place,
-/// and costs a walk down a tree. Two are often one: the halves of a rectangle.
+/// and costs a walk down a tree.
 const FEW: usize = 2;
 
 /// Up to this many lights are also chosen all alike, half of the time: the hierarchy does not know in which directions
@@ -83,7 +105,7 @@ impl<K: SceneKind> Lights<K> {
         let missing = |feature| NotCovered { kind: K::NAME, feature };
         let (mut lights, mut powers) = (Vec::new(), Vec::new());
         for (index, emitter) in (0..).zip(&scene.emitters) {
-            let shape = scene.primitives[emitter.primitive as usize];
+            let shape = Form::of(scene, emitter);
             let light = K::Area::with(|| AreaLight { index, emitter: *emitter, shape });
             lights.push(Light::Area(light.ok_or_else(|| missing("Area"))?));
             powers.push(emitter.power().element_sum());
@@ -153,13 +175,17 @@ fn hierarchy_of(scene: &Scene) -> Option<Hierarchy> {
     let mut numbers = 0..;
     let (mut near, mut far) = (Vec::new(), Vec::new());
     for (emitter, number) in scene.emitters.iter().zip(&mut numbers) {
-        let (id, shape) =
-            (PrimitiveId(emitter.primitive), &scene.primitives[emitter.primitive as usize]);
+        let (id, [first, others @ ..]) = (
+            PrimitiveId(emitter.primitive),
+            &scene.primitives
+                [emitter.primitives().start as usize..emitter.primitives().end as usize],
+        ) else {
+            continue;
+        };
         let weight = emitter.radiance.element_sum() * emitter.area;
-        near.push((
-            number,
-            Extent::of_primitive(shape, scene.normal(id, shape.bounds().min), weight),
-        ));
+        let mut extent = Extent::of_primitive(first, scene.normal(id, first.bounds().min), weight);
+        extent.bounds = others.iter().map(Primitive::bounds).fold(extent.bounds, Bounds::union);
+        near.push((number, extent));
     }
     for (sky, number) in scene.sky.iter().zip(&mut numbers) {
         far.push((number, PI * sky.mean().element_sum()));

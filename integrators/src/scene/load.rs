@@ -14,9 +14,10 @@ use super::load_bsdf;
 use super::load_lights::{Lone, read_area, read_lone};
 use super::load_settings::{Sensor, read_integrator, read_sensor};
 use super::load_texture::Textures;
-use super::model::{Bounds, Emitter, Shape};
+use super::model::{Bounds, Emitter, Primitive, Rectangle, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
+use super::texture::Colour;
 use super::trace::Tracer;
 use super::{Facts, Scene, xml};
 
@@ -335,8 +336,8 @@ impl<'a> Builder<'a> {
                 ))
             })?;
             let total = self.scene.primitives.len() + geometry.primitives.len();
-            // The last numbers are those of surfaces that are no primitives.
-            if total >= u32::MAX as usize - 16 {
+            // The upper half of the numbers is for surfaces that are no primitives.
+            if total >= 1 << 31 {
                 return Err(property.place.error("the scene has too many primitives"));
             }
             if portals.contains(&shape.name) {
@@ -372,21 +373,31 @@ impl Parts {
         shape.first_normals = (!geometry.normals.is_empty()).then_some(self.normals.len() as u32);
         shape.first_texcoords =
             (!geometry.texcoords.is_empty()).then_some(self.texcoords.len() as u32);
-        for (offset, primitive) in geometry.primitives.into_iter().enumerate() {
-            if let Some(emission) = shape.emission.filter(|emission| emission.value != Vec3::ZERO) {
-                self.emitters.push(Emitter {
-                    primitive: shape.first_primitive + offset as u32,
-                    radiance: emission.value,
-                    texture: emission.texture,
-                    area: primitive.area(),
-                });
-            }
-            self.primitives.push(primitive);
-            self.primitive_shapes.push(index);
+        if let Some(emission) = shape.emission.filter(|emission| emission.value != Vec3::ZERO) {
+            self.add_emitters(emission, shape.first_primitive, &geometry.primitives);
         }
+        self.primitive_shapes.extend(geometry.primitives.iter().map(|_| index));
+        self.primitives.extend(geometry.primitives);
         self.normals.extend(geometry.normals);
         self.texcoords.extend(geometry.texcoords);
         self.degenerate += geometry.degenerate;
         self.shapes.push(shape);
+    }
+
+    /// The primitives of a shape that emits, the first of which has this number; two that make a rectangle are one light.
+    fn add_emitters(&mut self, emission: Colour, first: u32, primitives: &[Primitive]) {
+        let mut rest = primitives;
+        while let [one, more @ ..] = rest {
+            let is_rectangle = more.first().is_some_and(|o| Rectangle::of(one, o).is_some());
+            let (light, others) = rest.split_at(if is_rectangle { 2 } else { 1 });
+            self.emitters.push(Emitter {
+                primitive: first + (primitives.len() - rest.len()) as u32,
+                count: light.len() as u32,
+                radiance: emission.value,
+                texture: emission.texture,
+                area: light.iter().map(Primitive::area).sum(),
+            });
+            rest = others;
+        }
     }
 }

@@ -58,7 +58,7 @@ pub use camera::Camera;
 pub use error::SceneError;
 pub use lights::{Bulb, Distant, Sky};
 pub use load::Overrides;
-pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Shape, ShapeKind};
+pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Rectangle, Shape, ShapeKind};
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 

@@ -210,20 +210,69 @@ pub struct Shape {
     pub to_local: Mat3,
 }
 
-/// An emissive primitive. It emits from the side that its normal points to.
+/// A rectangle: all `corner + p * a + q * b` with p and q in [0, 1], where `a` and `b` are orthogonal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rectangle {
+    /// A corner.
+    pub corner: Vec3,
+    /// From there to one neighbour.
+    pub a: Vec3,
+    /// To the other; it turns counter-clockwise from `a` as the normal sees it.
+    pub b: Vec3,
+}
+
+/// How much a rectangle that coordinates in single precision describe may be askew, in terms of its sides.
+const ASKEW: f32 = 1e-5;
+
+impl Rectangle {
+    /// The rectangle that two triangles make, if they do. The corner is that of the first one.
+    pub fn of(first: &Primitive, second: &Primitive) -> Option<Rectangle> {
+        let (Primitive::Triangle { v0, v1, v2 }, Primitive::Triangle { v0: w0, v1: w1, v2: w2 }) =
+            (*first, *second)
+        else {
+            return None;
+        };
+        let turns = |[a, b, c]: [Vec3; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+        // The diagonal runs from p to q in one triangle, and from q to p in the other.
+        turns([v0, v1, v2]).into_iter().find_map(|[corner, p, q]| {
+            let [opposite, ..] =
+                turns([w0, w1, w2]).into_iter().find(|[_, s, t]| *s == q && *t == p)?;
+            let (a, b) = (p - corner, q - corner);
+            let askew = (corner + a + b - opposite).length();
+            let is_right = a.dot(b).abs() <= ASKEW * a.length() * b.length();
+            let is_closed = askew <= ASKEW * a.length().min(b.length());
+            (is_right && is_closed).then_some(Rectangle { corner, a, b })
+        })
+    }
+
+    /// Whether a point of it lies in the second of the triangles that it was made of.
+    pub fn is_beyond_diagonal(&self, point: Vec3) -> bool {
+        let p = point - self.corner;
+        p.dot(self.a) / self.a.length_squared() + p.dot(self.b) / self.b.length_squared() > 1.0
+    }
+}
+
+/// An emissive primitive, or two that make a rectangle. It emits from the side that its normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emitter {
-    /// Index in [`super::Scene::primitives`].
+    /// Index in [`super::Scene::primitives`], of a rectangle the first of two that follow each other.
     pub primitive: u32,
+    /// How many primitives it is: two are a rectangle.
+    pub count: u32,
     /// Emitted radiance in linear Rec. 709, the same in all directions; of a texture its mean.
     pub radiance: Vec3,
     /// Index in [`super::Scene::textures`] of what it emits, if that is not the same everywhere.
     pub texture: Option<u32>,
-    /// Surface area of the primitive.
+    /// Surface area.
     pub area: f32,
 }
 
 impl Emitter {
+    /// The primitives of it.
+    pub fn primitives(&self) -> std::ops::Range<u32> {
+        self.primitive..self.primitive + self.count
+    }
+
     /// Emitted power: `π · area · radiance`, as if all of a texture were on it.
     pub fn power(&self) -> Vec3 {
         self.radiance * (PI * self.area)

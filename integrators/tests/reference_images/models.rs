@@ -17,7 +17,7 @@ use super::scenes::{Reference, film, path_traced, path_tracer, scene, scores, se
 use super::{is_exact, report};
 
 /// The scenes of `tests/scenes/models`, and samples per pixel.
-const MODELS: [(&str, u32); 29] = [
+const MODELS: [(&str, u32); 31] = [
     ("conductor", 128),
     ("mirror", 128),
     ("dielectric", 128),
@@ -35,6 +35,7 @@ const MODELS: [(&str, u32); 29] = [
     ("anisotropic", 128),
     ("varying", 128),
     ("bumps", 128),
+    ("bumped-mesh", 128),
     ("roughplastic-mitsuba3", 128),
     ("constant", 128),
     ("envmap", 128),
@@ -47,6 +48,7 @@ const MODELS: [(&str, u32); 29] = [
     ("crop", 128),
     ("cylinder", 256),
     ("instance", 128),
+    ("near-lamp", 128),
 ];
 
 /// The chance that any of the comparisons with stored images fails for no reason, over the seeds.

@@ -19,7 +19,7 @@ use aether_core::work::count_densities;
 use glam::Vec3;
 use integrators::integrator::Integrator;
 use integrators::kind::{Presence, SceneKind};
-use integrators::lights::{AreaLight, Light};
+use integrators::lights::{AreaLight, Form, Light};
 use integrators::path::PathSettings;
 use integrators::render::Splats;
 use integrators::scattering::Scattering;
@@ -225,11 +225,12 @@ fn begin<'a, K: SceneKind>(
     let light: &AreaLight = K::Area::get_ref(light);
     let [u, v]: [f32; 2] = draw_uniforms(uniforms);
     let point = match light.shape {
-        Primitive::Triangle { v0, v1, v2 } => {
+        Form::Rectangle(rectangle) => rectangle.corner + u * rectangle.a + v * rectangle.b,
+        Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
             let s = u.sqrt();
             v0 + s * (1.0 - v) * (v1 - v0) + s * v * (v2 - v0)
         }
-        Primitive::Sphere { center, radius, .. } => {
+        Form::Single(Primitive::Sphere { center, radius, .. }) => {
             let z = 1.0 - 2.0 * u;
             let (s, c) = (std::f32::consts::TAU * v).sin_cos();
             let r = (1.0 - z * z).max(0.0).sqrt();

@@ -11,14 +11,14 @@ use aether_core::work::count_densities;
 use glam::Vec3;
 use integrators::integrator::Integrator;
 use integrators::kind::{Facetted, Presence, SceneKind};
-use integrators::lights::{AreaLight, Light};
+use integrators::lights::{AreaLight, Form, Light};
 use integrators::path::PathSettings;
 use integrators::render::Splats;
 use integrators::samplers::uniform_cone;
 use integrators::scattering::facets::{HalfVectors, reflect};
 use integrators::scattering::{Lobe, Scattering};
 use integrators::scene::{Filter, Primitive, Scene};
-use integrators::seen::{cone_of, triangle_of};
+use integrators::seen::{cone_of, rectangle_of, triangle_of};
 use integrators::strategies::Pixel;
 use integrators::vertex::{SceneVertex, Seen};
 use integrators::world::World;
@@ -266,7 +266,24 @@ pub(super) fn sample_light<K: SceneKind>(
         Some(Lit { vertex, density: choice.probability * density })
     };
     match light.shape {
-        Primitive::Triangle { v0, v1, v2 } => {
+        Form::Rectangle(rectangle) => {
+            if !world.faces(light, here.position) {
+                return None;
+            }
+            if let Some((frame, directions)) =
+                rectangle_of(here.position, &rectangle, light.emitter.area)
+            {
+                let sample = directions.sample(draw_uniforms(uniforms));
+                let w = to_world(&frame, sample.value().vec().into());
+                return through(w, sample.pdf().value());
+            }
+            let [u, v]: [f32; 2] = draw_uniforms(uniforms);
+            let point = rectangle.corner + u * rectangle.a + v * rectangle.b;
+            let vertex = SceneVertex::on(world.light_surface(light, point));
+            let density = choice.probability * by_area(light, here, &vertex);
+            (density > 0.0).then_some(Lit { vertex, density })
+        }
+        Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
             if !world.faces(light, here.position) {
                 return None;
             }
@@ -284,7 +301,7 @@ pub(super) fn sample_light<K: SceneKind>(
             let density = choice.probability * by_area(light, here, &vertex);
             (density > 0.0).then_some(Lit { vertex, density })
         }
-        Primitive::Sphere { center, radius, .. } => {
+        Form::Single(Primitive::Sphere { center, radius, .. }) => {
             let (axis, depth) = cone_of(here.position, center, radius)?;
             let local = uniform_cone(depth).ok()?.sample(draw_uniforms(uniforms)).value();
             let w = to_world(&Frame::around(axis), local.vec().into());
@@ -314,22 +331,30 @@ pub(super) fn light_density<K: SceneKind>(
         let choice = world.lights.seen_from(here)?.get(world.lights.index_of(there)?)?;
         let Light::Area(light) = choice.item else { return None };
         let light = K::Area::get_ref(light);
+        let seen_along = |frame: &Frame<f32>| {
+            let w = there.direction_from(here.position);
+            Direction::from_unit(frame.to_local(aether_core::Vec3::from(w)))
+        };
         let density = match light.shape {
-            Primitive::Triangle { v0, v1, v2 } => {
+            Form::Rectangle(rectangle) => {
+                if !world.faces(light, here.position) {
+                    return None;
+                }
+                match rectangle_of(here.position, &rectangle, light.emitter.area) {
+                    Some((frame, directions)) => directions.pdf(&seen_along(&frame)).value(),
+                    None => by_area(light, here, there),
+                }
+            }
+            Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
                 if !world.faces(light, here.position) {
                     return None;
                 }
                 match triangle_of(here.position, [v0, v1, v2], light.emitter.area) {
-                    Some((frame, directions)) => {
-                        let w = there.direction_from(here.position);
-                        directions
-                            .pdf(&Direction::from_unit(frame.to_local(aether_core::Vec3::from(w))))
-                            .value()
-                    }
+                    Some((frame, directions)) => directions.pdf(&seen_along(&frame)).value(),
                     None => by_area(light, here, there),
                 }
             }
-            Primitive::Sphere { center, radius, .. } => {
+            Form::Single(Primitive::Sphere { center, radius, .. }) => {
                 0.5 * FRAC_1_PI / cone_of(here.position, center, radius)?.1
             }
             _ => return None,
