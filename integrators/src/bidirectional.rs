@@ -77,7 +77,7 @@ impl Bidirectional {
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..length - 1).reverse());
             for receiver in world.receivers(pixel, [&seen]) {
-                // What another pixel sees is none of this one's samples, and a path alone may carry nothing.
+                // Another pixel gets this sample alone: if it is black there is nothing to weigh.
                 if receiver != pixel && estimator.of(&seen).is_zero() {
                     continue;
                 }
@@ -86,6 +86,7 @@ impl Bidirectional {
                     false => through(world, arena, receiver, &camera),
                 };
                 let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
+                // Light that is seen directly from the eye, and all that the camera path sees.
                 let responses =
                     [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
                 let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
