@@ -101,7 +101,12 @@ impl Packet {
     /// Where the line along the ray meets the triangles, from either side, at most at a finite distance
     /// `limit`.
     #[inline(always)]
-    pub fn meet<E: Eight>(&self, machine: E::Machine, ray: &Ray, limit: f32) -> Option<Meetings<E>> {
+    pub fn meet<E: Eight>(
+        &self,
+        machine: E::Machine,
+        ray: &Ray,
+        limit: f32,
+    ) -> Option<Meetings<E>> {
         let sheared: [Points<E>; 3] = [
             self.sheared(machine, ray, 0),
             self.sheared(machine, ray, 1),
@@ -131,7 +136,8 @@ impl Packet {
         let t = weights[0] * (a[2] * shear_z)
             + weights[1] * (b[2] * shear_z)
             + weights[2] * (c[2] * shear_z);
-        let met = inside & t.at_most(E::splat(machine, limit)) & E::splat(machine, -f32::MAX).at_most(t);
+        let met =
+            inside & t.at_most(E::splat(machine, limit)) & E::splat(machine, -f32::MAX).at_most(t);
         (met != 0).then_some(Meetings { met, t, weights, sheared, inverse_det })
     }
 

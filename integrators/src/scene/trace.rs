@@ -130,7 +130,9 @@ impl Tracer {
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
     pub fn is_open(&self, from: End, start: Option<On>, direction: Vec3) -> bool {
         let query = Segment::new(self.scale, from, start, direction);
-        query.is_none_or(|query| !self.machine.run(Any { tracer: self, query: &query, found: false }))
+        query.is_none_or(|query| {
+            !self.machine.run(Any { tracer: self, query: &query, found: false })
+        })
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
@@ -413,12 +415,7 @@ impl Segment {
 
     /// Which meetings with planes lie within the segment.
     #[inline(always)]
-    fn within<E: Eight>(
-        &self,
-        machine: E::Machine,
-        t: E,
-        planes: &Planes<E>,
-    ) -> u32 {
+    fn within<E: Eight>(&self, machine: E::Machine, t: E, planes: &Planes<E>) -> u32 {
         let direction = same(machine, self.ray.direction);
         let rise = dot(&planes.normal, &direction);
         let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&planes.normal), &planes.size);
