@@ -15,8 +15,8 @@ use obvhs::aabb::Aabb;
 
 use super::hit;
 use super::model::{Primitive, PrimitiveId};
-use super::packet::{Meetings, Packet, Planes, Ray};
-use super::simd::{Eight, LANES, Machine, Plain, Task, abs, dot, same};
+use super::packet::{Meetings, Packet, Ray, t_errors};
+use super::simd::{Eight, LANES, Machine, Plain, Points, Task, abs, dot, same};
 use super::tree::{Below, Slabs, Tree, Visitor};
 use super::tree_build::{Boxed, build};
 
@@ -307,11 +307,22 @@ impl Contact {
     /// planes are off, times the lengths of the normals, `rise` how fast the segment goes through along the normals.
     #[inline(always)]
     fn is_met<E: Eight>(&self, machine: E::Machine, t: E, error: E, rise: E) -> u32 {
-        let zero = E::splat(machine, 0.0);
+        let front = self.is_front(machine, rise);
         let height = t * rise.abs();
-        let rises = zero.below(rise);
-        let front = if self.along_normal { !rises } else { rises };
-        (front & (zero - error).below(height)) | (!front & error.below(height))
+        let before = (E::splat(machine, 0.0) - error).below(height);
+        (front & before) | (!front & error.below(height))
+    }
+
+    /// Of which planes errors may decide: fronts behind the end, and backs before it.
+    #[inline(always)]
+    fn is_doubtful<E: Eight>(&self, machine: E::Machine, t: E, rise: E) -> u32 {
+        self.is_front(machine, rise) ^ E::splat(machine, 0.0).below(t * rise.abs())
+    }
+
+    #[inline(always)]
+    fn is_front<E: Eight>(&self, machine: E::Machine, rise: E) -> u32 {
+        let rises = E::splat(machine, 0.0).below(rise);
+        if self.along_normal { !rises } else { rises }
     }
 }
 
@@ -347,12 +358,12 @@ impl Segment {
         limit: f32,
     ) -> Option<Meetings<E>> {
         let mut meetings = packet.meet(machine, &self.ray, limit)?;
-        meetings.met &= if self.start.is_none() && self.end.is_none() {
+        meetings.met = if self.start.is_none() && self.end.is_none() {
             let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
-            zero.below(meetings.t) & meetings.t.below(end)
+            meetings.met & zero.below(meetings.t) & meetings.t.below(end)
         } else {
-            let planes = packet.planes(machine, &self.ray, &meetings);
-            self.within(machine, meetings.t, &planes)
+            let planes = PacketPlanes { packet, ray: &self.ray, meetings: &meetings };
+            self.within(machine, meetings.met, meetings.t, &planes)
         };
         (meetings.met != 0).then_some(meetings)
     }
@@ -384,12 +395,8 @@ impl Segment {
             Primitive::Disk { center, normal, u_axis, v_axis } => {
                 let (t, [a, b]) = hit::disk(ray.origin, d, center, u_axis, v_axis)?;
                 let size = center.abs() + u_axis.abs() + v_axis.abs();
-                let plane = Planes {
-                    normal: same::<Plain>((), normal),
-                    size: same((), size),
-                    t_error: Plain::splat((), 0.0),
-                };
-                (self.within((), Plain::splat((), t), &plane) != 0).then_some(())?;
+                let met = self.within((), 1, Plain::splat((), t), &DiskPlane { normal, size });
+                (met != 0).then_some(())?;
                 (t, Vec3::new(a as f32, b as f32, 0.0))
             }
         };
@@ -413,24 +420,79 @@ impl Segment {
         t.filter(|t| *t < self.length)
     }
 
-    /// Which meetings with planes lie within the segment.
+    /// Which of the meetings with planes, a bit for each, lie within the segment.
     #[inline(always)]
-    fn within<E: Eight>(&self, machine: E::Machine, t: E, planes: &Planes<E>) -> u32 {
-        let direction = same(machine, self.ray.direction);
-        let rise = dot(&planes.normal, &direction);
-        let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&planes.normal), &planes.size);
-        let error = off + planes.t_error * rise.abs();
+    fn within<E: Eight>(
+        &self,
+        machine: E::Machine,
+        met: u32,
+        t: E,
+        planes: &impl Planes<E>,
+    ) -> u32 {
+        let length = E::splat(machine, self.length);
+        let normals = planes.normals(machine);
+        let rise = dot(&normals, &same(machine, self.ray.direction));
+        let doubtful = |contact: &Option<Contact>, t| match contact {
+            Some(contact) => contact.is_doubtful(machine, t, rise),
+            None => 0,
+        };
+        let mut error = E::splat(machine, 0.0);
+        if met & (doubtful(&self.start, t) | doubtful(&self.end, length - t)) != 0 {
+            let (size, t_error) = planes.errors(machine);
+            let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&normals), &size);
+            error = off + t_error * rise.abs();
+        }
         let after_start = match &self.start {
             Some(start) => start.is_met(machine, t, error, rise),
             None => E::splat(machine, 0.0).below(t),
         };
-        let length = E::splat(machine, self.length);
         // Seen from the end, the segment runs the other way.
         let before_end = match &self.end {
             Some(end) => end.is_met(machine, length - t, error, rise),
             None => t.below(length),
         };
-        after_start & before_end
+        met & after_start & before_end
+    }
+}
+
+/// Planes that a segment meets, as far as it matters whether they lie within it.
+trait Planes<E: Eight> {
+    /// Normals, of any length.
+    fn normals(&self, machine: E::Machine) -> Points<E>;
+    /// Bounds of the coordinates on them, and of the rounding errors of the distances at which they are met.
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E);
+}
+
+struct PacketPlanes<'a, E> {
+    packet: &'a Packet,
+    ray: &'a Ray,
+    meetings: &'a Meetings<E>,
+}
+
+impl<E: Eight> Planes<E> for PacketPlanes<'_, E> {
+    #[inline(always)]
+    fn normals(&self, machine: E::Machine) -> Points<E> {
+        self.packet.normals(machine)
+    }
+    #[inline(always)]
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E) {
+        (self.packet.sizes(machine), t_errors(machine, self.ray, self.meetings))
+    }
+}
+
+struct DiskPlane {
+    normal: Vec3,
+    size: Vec3,
+}
+
+impl<E: Eight> Planes<E> for DiskPlane {
+    #[inline(always)]
+    fn normals(&self, machine: E::Machine) -> Points<E> {
+        same(machine, self.normal)
+    }
+    #[inline(always)]
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E) {
+        (same(machine, self.size), E::splat(machine, 0.0))
     }
 }
 
