@@ -88,6 +88,16 @@ impl Packet {
         PrimitiveId(self.ids[lane])
     }
 
+    /// The corners of the box around the triangle in a lane.
+    #[inline(never)]
+    pub fn bounds(&self, lane: usize) -> (Vec3, Vec3) {
+        let [a, b, c] = self.corners.each_ref().map(|corner| {
+            let [x, y, z] = corner.each_ref().map(|numbers| numbers[lane]);
+            Vec3::new(x, y, z)
+        });
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
     /// Where the line along the ray meets the triangles, from either side, at most at a finite distance
     /// `limit`.
     #[inline(always)]

@@ -60,6 +60,8 @@ pub struct Tracer {
     others: Vec<Item>,
     /// A power of two: lengths in the tree per length in the scene.
     scale: f32,
+    /// How much larger boxes are than what is in them, to each side.
+    padding: f32,
     machine: Machine,
 }
 
@@ -84,7 +86,7 @@ impl Tracer {
         });
         let largest = largest.fold(camera.abs().max_element(), f32::max);
         let scale = power_of_two_scale(largest);
-        let padding = Vec3::splat(PADDING * largest * scale);
+        let padding = PADDING * largest * scale;
         let boxes = primitives.iter().map(|p| {
             let bounds = p.bounds();
             Boxed {
@@ -111,7 +113,7 @@ impl Tracer {
             others.push(Item { primitive, id: PrimitiveId(indices[0]) });
             Below::Other(others.len() - 1)
         });
-        Self { tree, packets, others, scale, machine: Machine::detect() }
+        Self { tree, packets, others, scale, padding, machine: Machine::detect() }
     }
 
     /// The same without the machine's instructions.
@@ -212,7 +214,7 @@ impl Nearest<'_> {
             let lane = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
             let primitive = packet.id(lane);
-            if self.query.touches(primitive) == (false, false) {
+            if self.query.is_real(packet, lane, t[lane], self.tracer.padding) {
                 let weights = Vec3::new(u[lane], v[lane], w[lane]);
                 self.take(RawHit { primitive, t: t[lane].max(0.0), weights });
             }
@@ -247,7 +249,7 @@ impl Visitor for Any<'_> {
                 let packet = &self.tracer.packets[index];
                 // What ends on a surface may meet others slightly behind it.
                 let meetings = self.query.meet::<E>(machine, packet, f32::MAX);
-                meetings.is_some_and(|meetings| self.is_any_foreign(packet, meetings.met))
+                meetings.is_some_and(|meetings| self.is_any_real(packet, &meetings))
             }
             Below::Other(index) => self.query.test(&self.tracer.others[index]).is_some(),
             Below::Node(_) => false,
@@ -257,13 +259,14 @@ impl Visitor for Any<'_> {
 }
 
 impl Any<'_> {
-    /// Whether the segment neither starts nor ends on one of the triangles.
     #[inline(always)]
-    fn is_any_foreign(&self, packet: &Packet, mut lanes: u32) -> bool {
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % LANES;
-            lanes &= lanes - 1;
-            if self.query.touches(packet.id(lane)) == (false, false) {
+    fn is_any_real<E: Eight>(&self, packet: &Packet, meetings: &Meetings<E>) -> bool {
+        let t = meetings.t.to_array();
+        let mut met = meetings.met;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            if self.query.is_real(packet, lane, t[lane], self.tracer.padding) {
                 return true;
             }
         }
@@ -346,6 +349,22 @@ impl Segment {
     fn touches(&self, primitive: PrimitiveId) -> (bool, bool) {
         let is_on = |contact: &Option<Contact>| contact.as_ref().is_some_and(|c| c.on == primitive);
         (is_on(&self.start), is_on(&self.end))
+    }
+
+    /// Whether a triangle that is met within the segment, but for rounding, counts: the segment neither starts nor ends
+    /// on it, and comes by its box. A plane that it runs along is met within rounding anywhere.
+    #[inline(always)]
+    fn is_real(&self, packet: &Packet, lane: usize, t: f32, padding: f32) -> bool {
+        if self.touches(packet.id(lane)) != (false, false) {
+            return false;
+        }
+        let nearest = t.max(0.0).min(self.length);
+        if nearest == t {
+            return true;
+        }
+        let point = self.ray.origin + nearest * self.ray.direction;
+        let (min, max) = packet.bounds(lane);
+        point.cmpge(min - padding).all() && point.cmple(max + padding).all()
     }
 
     /// The triangles of a packet that are met within the segment, and no further than the limit; it may start or end
