@@ -61,9 +61,7 @@ fn main() -> ExitCode {
     report("nearest hit from the camera", rounds, &coherent, hit);
     report("nearest hit after scattering", rounds, &scattered, hit);
     report("anything between two points", rounds, &segments, |ray| {
-        ray.to.is_some_and(|to| {
-            !scene.visible(ray.from, ray.on, to.position, Some(to.primitive))
-        })
+        ray.to.is_some_and(|to| !scene.visible(ray.from, ray.on, to.position, Some(to.primitive)))
     });
     ExitCode::SUCCESS
 }

@@ -67,16 +67,6 @@ pub struct Meetings<E> {
     inverse_det: E,
 }
 
-/// What a packet says about the planes of its triangles, beside where they are met.
-pub struct Planes<E> {
-    /// Normals, of any length.
-    pub normal: [E; 3],
-    /// Bounds of the coordinates of the corners.
-    pub size: [E; 3],
-    /// Bounds of the rounding errors of the distances.
-    pub t_error: E,
-}
-
 impl Packet {
     /// Holds at most eight triangles.
     pub fn new(triangles: impl Iterator<Item = (PrimitiveId, [Vec3; 3])>) -> Self {
@@ -98,10 +88,25 @@ impl Packet {
         PrimitiveId(self.ids[lane])
     }
 
+    /// The corners of the box around the triangle in a lane.
+    #[inline(never)]
+    pub fn bounds(&self, lane: usize) -> (Vec3, Vec3) {
+        let [a, b, c] = self.corners.each_ref().map(|corner| {
+            let [x, y, z] = corner.each_ref().map(|numbers| numbers[lane]);
+            Vec3::new(x, y, z)
+        });
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
     /// Where the line along the ray meets the triangles, from either side, at most at a finite distance
     /// `limit`.
     #[inline(always)]
-    pub fn meet<E: Eight>(&self, machine: E::Machine, ray: &Ray, limit: f32) -> Option<Meetings<E>> {
+    pub fn meet<E: Eight>(
+        &self,
+        machine: E::Machine,
+        ray: &Ray,
+        limit: f32,
+    ) -> Option<Meetings<E>> {
         let sheared: [Points<E>; 3] = [
             self.sheared(machine, ray, 0),
             self.sheared(machine, ray, 1),
@@ -131,25 +136,24 @@ impl Packet {
         let t = weights[0] * (a[2] * shear_z)
             + weights[1] * (b[2] * shear_z)
             + weights[2] * (c[2] * shear_z);
-        let met = inside & t.at_most(E::splat(machine, limit)) & E::splat(machine, -f32::MAX).at_most(t);
+        let met =
+            inside & t.at_most(E::splat(machine, limit)) & E::splat(machine, -f32::MAX).at_most(t);
         (met != 0).then_some(Meetings { met, t, weights, sheared, inverse_det })
     }
 
-    /// The planes of the triangles that were met.
+    /// Normals of the triangles, twice as long as their areas.
     #[inline(always)]
-    pub fn planes<E: Eight>(
-        &self,
-        machine: E::Machine,
-        ray: &Ray,
-        meetings: &Meetings<E>,
-    ) -> Planes<E> {
-        let [v0, v1, v2] =
-            [self.corner(machine, 0), self.corner(machine, 1), self.corner(machine, 2)];
-        Planes {
-            normal: cross(&minus(&v1, &v0), &minus(&v2, &v0)),
-            size: max(&max(&abs(&v0), &abs(&v1)), &abs(&v2)),
-            t_error: t_error(machine, ray, meetings),
-        }
+    pub fn normals<E: Eight>(&self, machine: E::Machine) -> Points<E> {
+        let v0 = self.corner(machine, 0);
+        let sides = [minus(&self.corner(machine, 1), &v0), minus(&self.corner(machine, 2), &v0)];
+        cross(&sides[0], &sides[1])
+    }
+
+    /// Bounds of the coordinates of the corners.
+    #[inline(always)]
+    pub fn sizes<E: Eight>(&self, machine: E::Machine) -> Points<E> {
+        let (v0, v1) = (abs(&self.corner(machine, 0)), abs(&self.corner(machine, 1)));
+        max(&max(&v0, &v1), &abs(&self.corner(machine, 2)))
     }
 
     #[inline(always)]
@@ -204,7 +208,7 @@ fn exact(
 /// Bounds of the errors of `t` (Pharr, Jakob and Humphreys, "Physically Based Rendering", 3rd
 /// edition, section 3.9.6).
 #[inline(always)]
-fn t_error<E: Eight>(machine: E::Machine, ray: &Ray, meetings: &Meetings<E>) -> E {
+pub fn t_errors<E: Eight>(machine: E::Machine, ray: &Ray, meetings: &Meetings<E>) -> E {
     let [a, b, c] = &meetings.sheared;
     let [max_x, max_y, max_z] = max(&max(&abs(a), &abs(b)), &abs(c));
     let max_z = max_z * E::splat(machine, ray.shear.z.abs());

@@ -15,8 +15,8 @@ use obvhs::aabb::Aabb;
 
 use super::hit;
 use super::model::{Primitive, PrimitiveId};
-use super::packet::{Meetings, Packet, Planes, Ray};
-use super::simd::{Eight, LANES, Machine, Plain, Task, abs, dot, same};
+use super::packet::{Meetings, Packet, Ray, t_errors};
+use super::simd::{Eight, LANES, Machine, Plain, Points, Task, abs, dot, same};
 use super::tree::{Below, Slabs, Tree, Visitor};
 use super::tree_build::{Boxed, build};
 
@@ -60,6 +60,8 @@ pub struct Tracer {
     others: Vec<Item>,
     /// A power of two: lengths in the tree per length in the scene.
     scale: f32,
+    /// How much larger boxes are than what is in them, to each side.
+    padding: f32,
     machine: Machine,
 }
 
@@ -84,7 +86,7 @@ impl Tracer {
         });
         let largest = largest.fold(camera.abs().max_element(), f32::max);
         let scale = power_of_two_scale(largest);
-        let padding = Vec3::splat(PADDING * largest * scale);
+        let padding = PADDING * largest * scale;
         let boxes = primitives.iter().map(|p| {
             let bounds = p.bounds();
             Boxed {
@@ -111,7 +113,7 @@ impl Tracer {
             others.push(Item { primitive, id: PrimitiveId(indices[0]) });
             Below::Other(others.len() - 1)
         });
-        Self { tree, packets, others, scale, machine: Machine::detect() }
+        Self { tree, packets, others, scale, padding, machine: Machine::detect() }
     }
 
     /// The same without the machine's instructions.
@@ -130,7 +132,9 @@ impl Tracer {
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
     pub fn is_open(&self, from: End, start: Option<On>, direction: Vec3) -> bool {
         let query = Segment::new(self.scale, from, start, direction);
-        query.is_none_or(|query| !self.machine.run(Any { tracer: self, query: &query, found: false }))
+        query.is_none_or(|query| {
+            !self.machine.run(Any { tracer: self, query: &query, found: false })
+        })
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
@@ -210,7 +214,7 @@ impl Nearest<'_> {
             let lane = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
             let primitive = packet.id(lane);
-            if self.query.touches(primitive) == (false, false) {
+            if self.query.is_real(packet, lane, t[lane], self.tracer.padding) {
                 let weights = Vec3::new(u[lane], v[lane], w[lane]);
                 self.take(RawHit { primitive, t: t[lane].max(0.0), weights });
             }
@@ -245,7 +249,7 @@ impl Visitor for Any<'_> {
                 let packet = &self.tracer.packets[index];
                 // What ends on a surface may meet others slightly behind it.
                 let meetings = self.query.meet::<E>(machine, packet, f32::MAX);
-                meetings.is_some_and(|meetings| self.is_any_foreign(packet, meetings.met))
+                meetings.is_some_and(|meetings| self.is_any_real(packet, &meetings))
             }
             Below::Other(index) => self.query.test(&self.tracer.others[index]).is_some(),
             Below::Node(_) => false,
@@ -255,13 +259,14 @@ impl Visitor for Any<'_> {
 }
 
 impl Any<'_> {
-    /// Whether the segment neither starts nor ends on one of the triangles.
     #[inline(always)]
-    fn is_any_foreign(&self, packet: &Packet, mut lanes: u32) -> bool {
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize % LANES;
-            lanes &= lanes - 1;
-            if self.query.touches(packet.id(lane)) == (false, false) {
+    fn is_any_real<E: Eight>(&self, packet: &Packet, meetings: &Meetings<E>) -> bool {
+        let t = meetings.t.to_array();
+        let mut met = meetings.met;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            if self.query.is_real(packet, lane, t[lane], self.tracer.padding) {
                 return true;
             }
         }
@@ -305,11 +310,22 @@ impl Contact {
     /// planes are off, times the lengths of the normals, `rise` how fast the segment goes through along the normals.
     #[inline(always)]
     fn is_met<E: Eight>(&self, machine: E::Machine, t: E, error: E, rise: E) -> u32 {
-        let zero = E::splat(machine, 0.0);
+        let front = self.is_front(machine, rise);
         let height = t * rise.abs();
-        let rises = zero.below(rise);
-        let front = if self.along_normal { !rises } else { rises };
-        (front & (zero - error).below(height)) | (!front & error.below(height))
+        let before = (E::splat(machine, 0.0) - error).below(height);
+        (front & before) | (!front & error.below(height))
+    }
+
+    /// Of which planes errors may decide: fronts behind the end, and backs before it.
+    #[inline(always)]
+    fn is_doubtful<E: Eight>(&self, machine: E::Machine, t: E, rise: E) -> u32 {
+        self.is_front(machine, rise) ^ E::splat(machine, 0.0).below(t * rise.abs())
+    }
+
+    #[inline(always)]
+    fn is_front<E: Eight>(&self, machine: E::Machine, rise: E) -> u32 {
+        let rises = E::splat(machine, 0.0).below(rise);
+        if self.along_normal { !rises } else { rises }
     }
 }
 
@@ -335,6 +351,22 @@ impl Segment {
         (is_on(&self.start), is_on(&self.end))
     }
 
+    /// Whether a triangle that is met within the segment, but for rounding, counts: the segment neither starts nor ends
+    /// on it, and comes by its box. A plane that it runs along is met within rounding anywhere.
+    #[inline(always)]
+    fn is_real(&self, packet: &Packet, lane: usize, t: f32, padding: f32) -> bool {
+        if self.touches(packet.id(lane)) != (false, false) {
+            return false;
+        }
+        let nearest = t.max(0.0).min(self.length);
+        if nearest == t {
+            return true;
+        }
+        let point = self.ray.origin + nearest * self.ray.direction;
+        let (min, max) = packet.bounds(lane);
+        point.cmpge(min - padding).all() && point.cmple(max + padding).all()
+    }
+
     /// The triangles of a packet that are met within the segment, and no further than the limit; it may start or end
     /// on some of them.
     #[inline(always)]
@@ -345,12 +377,12 @@ impl Segment {
         limit: f32,
     ) -> Option<Meetings<E>> {
         let mut meetings = packet.meet(machine, &self.ray, limit)?;
-        meetings.met &= if self.start.is_none() && self.end.is_none() {
+        meetings.met = if self.start.is_none() && self.end.is_none() {
             let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
-            zero.below(meetings.t) & meetings.t.below(end)
+            meetings.met & zero.below(meetings.t) & meetings.t.below(end)
         } else {
-            let planes = packet.planes(machine, &self.ray, &meetings);
-            self.within(machine, meetings.t, &planes)
+            let planes = PacketPlanes { packet, ray: &self.ray, meetings: &meetings };
+            self.within(machine, meetings.met, meetings.t, &planes)
         };
         (meetings.met != 0).then_some(meetings)
     }
@@ -382,12 +414,8 @@ impl Segment {
             Primitive::Disk { center, normal, u_axis, v_axis } => {
                 let (t, [a, b]) = hit::disk(ray.origin, d, center, u_axis, v_axis)?;
                 let size = center.abs() + u_axis.abs() + v_axis.abs();
-                let plane = Planes {
-                    normal: same::<Plain>((), normal),
-                    size: same((), size),
-                    t_error: Plain::splat((), 0.0),
-                };
-                (self.within((), Plain::splat((), t), &plane) != 0).then_some(())?;
+                let met = self.within((), 1, Plain::splat((), t), &DiskPlane { normal, size });
+                (met != 0).then_some(())?;
                 (t, Vec3::new(a as f32, b as f32, 0.0))
             }
         };
@@ -411,29 +439,79 @@ impl Segment {
         t.filter(|t| *t < self.length)
     }
 
-    /// Which meetings with planes lie within the segment.
+    /// Which of the meetings with planes, a bit for each, lie within the segment.
     #[inline(always)]
     fn within<E: Eight>(
         &self,
         machine: E::Machine,
+        met: u32,
         t: E,
-        planes: &Planes<E>,
+        planes: &impl Planes<E>,
     ) -> u32 {
-        let direction = same(machine, self.ray.direction);
-        let rise = dot(&planes.normal, &direction);
-        let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&planes.normal), &planes.size);
-        let error = off + planes.t_error * rise.abs();
+        let length = E::splat(machine, self.length);
+        let normals = planes.normals(machine);
+        let rise = dot(&normals, &same(machine, self.ray.direction));
+        let doubtful = |contact: &Option<Contact>, t| match contact {
+            Some(contact) => contact.is_doubtful(machine, t, rise),
+            None => 0,
+        };
+        let mut error = E::splat(machine, 0.0);
+        if met & (doubtful(&self.start, t) | doubtful(&self.end, length - t)) != 0 {
+            let (size, t_error) = planes.errors(machine);
+            let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&normals), &size);
+            error = off + t_error * rise.abs();
+        }
         let after_start = match &self.start {
             Some(start) => start.is_met(machine, t, error, rise),
             None => E::splat(machine, 0.0).below(t),
         };
-        let length = E::splat(machine, self.length);
         // Seen from the end, the segment runs the other way.
         let before_end = match &self.end {
             Some(end) => end.is_met(machine, length - t, error, rise),
             None => t.below(length),
         };
-        after_start & before_end
+        met & after_start & before_end
+    }
+}
+
+/// Planes that a segment meets, as far as it matters whether they lie within it.
+trait Planes<E: Eight> {
+    /// Normals, of any length.
+    fn normals(&self, machine: E::Machine) -> Points<E>;
+    /// Bounds of the coordinates on them, and of the rounding errors of the distances at which they are met.
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E);
+}
+
+struct PacketPlanes<'a, E> {
+    packet: &'a Packet,
+    ray: &'a Ray,
+    meetings: &'a Meetings<E>,
+}
+
+impl<E: Eight> Planes<E> for PacketPlanes<'_, E> {
+    #[inline(always)]
+    fn normals(&self, machine: E::Machine) -> Points<E> {
+        self.packet.normals(machine)
+    }
+    #[inline(always)]
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E) {
+        (self.packet.sizes(machine), t_errors(machine, self.ray, self.meetings))
+    }
+}
+
+struct DiskPlane {
+    normal: Vec3,
+    size: Vec3,
+}
+
+impl<E: Eight> Planes<E> for DiskPlane {
+    #[inline(always)]
+    fn normals(&self, machine: E::Machine) -> Points<E> {
+        same(machine, self.normal)
+    }
+    #[inline(always)]
+    fn errors(&self, machine: E::Machine) -> (Points<E>, E) {
+        (same(machine, self.size), E::splat(machine, 0.0))
     }
 }
 

@@ -251,6 +251,40 @@ fn hits_do_not_depend_on_the_unit_of_length() {
     }
 }
 
+#[test]
+fn hits_do_not_depend_on_the_machine() {
+    let mut random = Random(22);
+    let mut primitives = mixed_primitives(&mut random);
+    // Corners that rays from the origin meet exactly, and walls to start on.
+    primitives.extend(self::primitives(&icosphere(2)));
+    let here = Tracer::new(&primitives, Vec3::ZERO);
+    let anywhere = Tracer::new(&primitives, Vec3::ZERO).on_any_machine();
+    let all = |hit: super::trace::RawHit| (hit.primitive, hit.t, hit.weights);
+    let bits = |(id, t, w): (PrimitiveId, f32, Vec3)| (id, [t, w.x, w.y, w.z].map(f32::to_bits));
+    for i in 0..20_000 {
+        let index = i % primitives.len();
+        let (d, to) = (random.direction(), random.in_cube());
+        let (from, on) = match primitives[index] {
+            Primitive::Triangle { v0, v1, v2 } if i % 4 != 0 => {
+                let on = Some(PrimitiveId(index as u32));
+                let normal = (v1 - v0).cross(v2 - v0).normalize();
+                let surface = super::trace::On { surface: &primitives[index], normal };
+                (End { point: (v0 + v1 + v2) / 3.0, on }, Some(surface))
+            }
+            Primitive::Triangle { v0, .. } => (free(v0 * 0.25), None),
+            _ => (free(random.in_cube()), None),
+        };
+        let found = [&here, &anywhere].map(|tracer| {
+            let nearest = tracer.nearest(from, on, d).map(all).map(bits);
+            let open = tracer.is_open(from, on, d);
+            // The nearest hit and whether there is any are one question.
+            assert_eq!(open, nearest.is_none(), "{from:?} {d}");
+            (nearest, tracer.unoccluded((from, on), (free(to), None)))
+        });
+        assert_eq!(found[0], found[1], "{from:?} {d}");
+    }
+}
+
 fn enlarge(primitive: &Primitive, scale: f32) -> Primitive {
     let mut result = *primitive;
     match &mut result {

@@ -218,3 +218,67 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
         Some(found)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3A;
+
+    use super::*;
+    use crate::scene::simd::{Eight, Plain};
+    use crate::scene::tree::{Slabs, Visitor};
+
+    fn nested(count: usize) -> Vec<Boxed> {
+        let size = |i: usize| Vec3A::splat(1.0 + i as f32);
+        let boxed = |i: usize| Boxed {
+            bounds: Aabb::new(-size(i), size(i)),
+            is_triangle: !i.is_multiple_of(3),
+        };
+        (0..count).map(boxed).collect()
+    }
+
+    struct Seen<'a> {
+        leaves: &'a [Vec<u32>],
+        times: Vec<u32>,
+    }
+
+    impl Visitor for Seen<'_> {
+        fn visit<E: Eight>(&mut self, _: E::Machine, leaf: Below, limit: f32) -> f32 {
+            let (Below::Packet(index) | Below::Other(index)) = leaf else { panic!("a leaf") };
+            for member in &self.leaves[index] {
+                self.times[*member as usize] += 1;
+            }
+            limit
+        }
+    }
+
+    /// How often a ray that meets all boxes comes by each.
+    fn visits(boxes: &[Boxed]) -> Vec<u32> {
+        let mut leaves = Vec::new();
+        let tree = build(boxes, |members| {
+            let triangles = members.iter().filter(|i| boxes[**i as usize].is_triangle).count();
+            assert!(triangles == members.len() && triangles <= LANES || members.len() == 1);
+            leaves.push(members.to_vec());
+            Below::Packet(leaves.len() - 1)
+        });
+        let mut seen = Seen { leaves: &leaves, times: vec![0; boxes.len()] };
+        let ray = Slabs::new(Vec3::splat(0.25), Vec3::new(0.1, 0.2, 1.0).normalize());
+        tree.walk::<Plain, true>((), &ray, f32::MAX, &mut seen);
+        tree.walk::<Plain, false>((), &ray, f32::MAX, &mut seen);
+        seen.times
+    }
+
+    #[test]
+    fn no_box_is_lost_however_deep_the_tree() {
+        for count in [0, 1, 3, 3000] {
+            assert_eq!(visits(&nested(count)), vec![2; count]);
+        }
+    }
+
+    #[test]
+    fn equal_boxes_are_no_deep_tree() {
+        for kind in 0..2 {
+            let boxes = vec![nested(2)[kind]; 50_000];
+            assert_eq!(visits(&boxes), vec![2; boxes.len()]);
+        }
+    }
+}
