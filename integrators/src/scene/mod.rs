@@ -26,6 +26,7 @@ mod obj;
 mod packet;
 mod params;
 mod ply;
+mod segment;
 mod serialized;
 pub mod settings;
 mod shapes;
@@ -62,8 +63,9 @@ pub use model::{Bounds, Emitter, Primitive, PrimitiveId, Rectangle, Shape, Shape
 pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 
+use segment::{End, On, RawHit};
 use texture::Texture;
-use trace::{End, On, RawHit, Tracer};
+use trace::Tracer;
 
 use crate::work::{count_nearest, count_occlusion};
 

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
-use super::trace::{End, Tracer};
+use super::segment::{End, On, RawHit};
+use super::trace::Tracer;
 use super::{Hit, Primitive, PrimitiveId, Scene};
 
 /// A reproducible stream of uniforms (SplitMix64).
@@ -259,7 +260,7 @@ fn hits_do_not_depend_on_the_machine() {
     primitives.extend(self::primitives(&icosphere(2)));
     let here = Tracer::new(&primitives, Vec3::ZERO);
     let anywhere = Tracer::new(&primitives, Vec3::ZERO).on_any_machine();
-    let all = |hit: super::trace::RawHit| (hit.primitive, hit.t, hit.weights);
+    let all = |hit: RawHit| (hit.primitive, hit.t, hit.weights);
     let bits = |(id, t, w): (PrimitiveId, f32, Vec3)| (id, [t, w.x, w.y, w.z].map(f32::to_bits));
     for i in 0..20_000 {
         let index = i % primitives.len();
@@ -268,7 +269,7 @@ fn hits_do_not_depend_on_the_machine() {
             Primitive::Triangle { v0, v1, v2 } if i % 4 != 0 => {
                 let on = Some(PrimitiveId(index as u32));
                 let normal = (v1 - v0).cross(v2 - v0).normalize();
-                let surface = super::trace::On { surface: &primitives[index], normal };
+                let surface = On { surface: &primitives[index], normal };
                 (End { point: (v0 + v1 + v2) / 3.0, on }, Some(surface))
             }
             Primitive::Triangle { v0, .. } => (free(v0 * 0.25), None),
