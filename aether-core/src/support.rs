@@ -79,10 +79,11 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
 
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
 /// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
-/// it is as good as undetermined. What passes is decided by error bounds, which cost more.
+/// it is as good as undetermined. What passes is decided by error bounds, which cost more. An error of
+/// 2³⁷ roundings is no rounding any more, nor one of an eighth.
 #[inline(always)]
 pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
-    let slack = R::of(0.125);
+    let slack = (R::EPSILON * R::of((1_u64 << 37) as f64)).min(R::of(0.125));
     let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
     let inside = u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()));
     if N == 1 || inside.all() {
