@@ -32,8 +32,9 @@ use crate::world::World;
 pub struct Metropolis {
     /// Lengths of paths; for the paths that chains start with, Russian roulette.
     pub path: PathSettings,
-    /// How many independent samples the brightness of the image is estimated from.
-    pub candidates: usize,
+    /// How many independent samples the brightness of the image is estimated from; `None` for a number that
+    /// grows with the image ([`usual_candidates`](crate::chains::usual_candidates)).
+    pub candidates: Option<usize>,
     /// Which mutations are used. Without the bidirectional one the image has the light of those paths alone that one
     /// of them fits. No chain leaves these, for from others there is no way back; and as chains start at paths that
     /// are distributed as they should be, the image is right even where they do not reach all of these.
@@ -43,7 +44,7 @@ pub struct Metropolis {
 impl Metropolis {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
-        Metropolis { path, candidates: 50_000, mutations: MutationSet::default() }
+        Metropolis { path, candidates: None, mutations: MutationSet::default() }
     }
 
     /// What a path contributes to the image, and how bright that is.
@@ -206,7 +207,7 @@ where
 impl ChainIntegrator for Metropolis {
     const STEPS: &'static [&'static str] = &MUTATIONS;
 
-    fn candidates(&self) -> usize {
+    fn candidates(&self) -> Option<usize> {
         self.candidates
     }
 

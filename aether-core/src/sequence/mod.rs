@@ -42,7 +42,7 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
-    pub(crate) decided: RefCell<Vec<Decided>>,
+    pub(crate) decided: RefCell<Vec<Decided<V::Real>>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),

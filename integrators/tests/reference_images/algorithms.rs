@@ -249,7 +249,10 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
 #[test]
 fn chains_of_paths_are_distributed_as_they_should_be() {
     assert_unbiased("models/dielectric", 4, |scene| {
-        Algorithm::Metropolis(Metropolis { candidates: 20_000, ..Metropolis::new(settings(scene)) })
+        Algorithm::Metropolis(Metropolis {
+            candidates: Some(20_000),
+            ..Metropolis::new(settings(scene))
+        })
     });
 }
 
@@ -257,14 +260,18 @@ fn chains_of_paths_are_distributed_as_they_should_be() {
 fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     assert_unbiased("cornell-box", 4, |scene| {
         let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
-        Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
+        Algorithm::PrimarySample(PrimarySample {
+            candidates: Some(20_000),
+            ..PrimarySample::new(inner)
+        })
     });
 }
 
 /// Of the light of a scene full of caustics, the numbers of steps of a chain of some mutations and the image.
 fn mutated(scene: &Scene, mutations: &str, seed: u64) -> (Vec<(String, Vec<f64>)>, RgbImage) {
     let mutations = mutations.parse().expect("names of mutations");
-    let chains = Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(scene)) };
+    let chains =
+        Metropolis { mutations, candidates: Some(2000), ..Metropolis::new(settings(scene)) };
     let kernel = Algorithm::Metropolis(chains).kernel("Everything", scene, seed);
     let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
     let image = film(&*kernel, scene, 16, None).image();
@@ -365,7 +372,7 @@ fn the_number_of_threads_does_not_change_a_bit_of_splats() {
         film(&*kernel.expect("a kind").expect("it covers the scene"), &scene, 2, Some(threads))
     };
     let path = settings(&scene);
-    let metropolis = Metropolis { candidates: 1000, ..Metropolis::new(path) };
+    let metropolis = Metropolis { candidates: Some(1000), ..Metropolis::new(path) };
     for algorithm in [
         bidirectional(&scene, ""),
         Algorithm::Metropolis(metropolis),

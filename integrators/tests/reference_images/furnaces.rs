@@ -82,8 +82,9 @@ fn integrators(scene: &Scene) -> Vec<(&'static str, u32, Algorithm)> {
     let path = settings(scene);
     let bidirectional = Bidirectional { path, techniques: Default::default() };
     let portals = Portals::new(scene).expect("a portal");
-    let chains = Metropolis { candidates: 2000, ..Metropolis::new(path) };
-    let primary = PrimarySample { candidates: 2000, ..PrimarySample::new(bidirectional.clone()) };
+    let chains = Metropolis { candidates: Some(2000), ..Metropolis::new(path) };
+    let primary =
+        PrimarySample { candidates: Some(2000), ..PrimarySample::new(bidirectional.clone()) };
     let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
     vec![
         ("path", 4, Algorithm::Path(path)),
