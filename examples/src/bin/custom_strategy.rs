@@ -116,11 +116,7 @@ impl AnyKernel for Upward<'_> {
 
 /// Renders the scene with the renderer's strategies, and with the new one.
 fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
-    let settings = PathSettings {
-        max_depth: scene.integrator.max_depth,
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
+    let settings = PathSettings::new(scene);
     let standard = PathTracer::<Rooms>::new(scene, settings, 1)?;
     let upward = Upward { world: World::new(scene)?, settings, seed: 2 };
     let size = (scene.film.width, scene.film.height);

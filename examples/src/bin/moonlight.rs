@@ -101,11 +101,7 @@ fn moon(scene: &Scene) -> Option<(Vector, f32)> {
 
 /// Renders the scene with the renderer's techniques, and with the new one among them.
 fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
-    let settings = PathSettings {
-        max_depth: scene.integrator.max_depth,
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
+    let settings = PathSettings::new(scene);
     let standard = PathTracer::<Night>::new(scene, settings, 1)?;
     let moon = moon(scene).unwrap_or_else(|| panic!("the scene has no ball with the id `moon`"));
     let moonlight = Moonlight { world: World::new(scene)?, settings, moon };

@@ -17,7 +17,6 @@ use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
 use integrators::render::{Budget, Film, Layer, RenderSettings, render};
 use integrators::scene::{Filter, Scene};
-use integrators::selection::Selection;
 use integrators::tridirectional::Tridirectional;
 use integrators::vertex_merging::VertexMerging;
 
@@ -33,12 +32,13 @@ fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Fil
     film(&*kernel, scene, samples, None)
 }
 
-fn bidirectional(scene: &Scene, techniques: &str) -> Algorithm {
-    let techniques = match techniques {
-        "" => Default::default(),
-        some => some.parse().expect("a selection"),
-    };
-    Algorithm::Bidirectional(Bidirectional { path: settings(scene), techniques })
+/// The settings of a scene with some techniques.
+fn only(scene: &Scene, techniques: &str) -> PathSettings {
+    PathSettings { techniques: techniques.parse().expect("a selection"), ..settings(scene) }
+}
+
+fn bidirectional(path: PathSettings) -> Algorithm {
+    Algorithm::Bidirectional(Bidirectional { path })
 }
 
 /// Compares renders of integrators with independent samples with the stored images: each block and the means.
@@ -73,7 +73,7 @@ const BOTH_ENDS: [(&str, u32); 10] = [
 fn bidirectional_path_tracing_agrees_with_the_stored_images() {
     assert_alike(BOTH_ENDS.map(|(name, samples)| {
         let scene = scene(name);
-        let film = rendered(bidirectional(&scene, ""), &scene, samples, 1);
+        let film = rendered(bidirectional(settings(&scene)), &scene, samples, 1);
         (format!("bdpt, {name}"), film, Reference::stored(name))
     }));
 }
@@ -84,7 +84,7 @@ fn each_technique_alone_is_unbiased() {
     let selections = [("*:1", 32), ("0:2,1:*", 32), ("0:2,1:2,2:2,3:*", 32)];
     assert_alike(selections.map(|(techniques, samples)| {
         let scene = scene("cornell-box");
-        let film = rendered(bidirectional(&scene, techniques), &scene, samples, 2);
+        let film = rendered(bidirectional(only(&scene, techniques)), &scene, samples, 2);
         (format!("techniques {techniques}"), film, Reference::stored("cornell-box"))
     }));
 }
@@ -256,7 +256,7 @@ fn chains_of_paths_are_distributed_as_they_should_be() {
 #[test]
 fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     assert_unbiased("cornell-box", 4, |scene| {
-        let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
+        let inner = Bidirectional { path: settings(scene) };
         Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
     });
 }
@@ -301,7 +301,7 @@ fn two_mutations_share_the_light_between_them() {
         sum(&lens, &chains)
     };
     let images: Vec<RgbImage> = (0..SEEDS).map(both).collect();
-    let film = rendered(bidirectional(&scene, ""), &scene, 64, 1);
+    let film = rendered(bidirectional(settings(&scene)), &scene, 64, 1);
     let variance = film.variance().expect("two samples a pixel");
     let expected = Reference { rgb: film.image(), variance };
     let p = p_values("lens and multi-chain", &expected, &images, 16);
@@ -350,10 +350,8 @@ fn photons_are_seen_in_what_is_nearly_a_mirror() {
 #[test]
 fn merging_converges() {
     // Without connections of camera vertices to light paths, so that merges have most of the weight.
-    let techniques = "0:*,1:*,*:1".parse().expect("a selection");
     assert_unbiased("models/dielectric", 4, |scene| {
-        let settings = VertexMerging::new(settings(scene), Selection::clone(&techniques));
-        Algorithm::VertexMerging(settings)
+        Algorithm::VertexMerging(VertexMerging::new(only(scene, "0:*,1:*,*:1,merge")))
     });
 }
 
@@ -367,10 +365,10 @@ fn the_number_of_threads_does_not_change_a_bit_of_splats() {
     let path = settings(&scene);
     let metropolis = Metropolis { candidates: 1000, ..Metropolis::new(path) };
     for algorithm in [
-        bidirectional(&scene, ""),
+        bidirectional(settings(&scene)),
         Algorithm::Metropolis(metropolis),
         Algorithm::PhotonMapping(PhotonMapping::new(path)),
-        Algorithm::VertexMerging(VertexMerging::new(path, Selection::default())),
+        Algorithm::VertexMerging(VertexMerging::new(path)),
     ] {
         let one = render(algorithm.clone(), 1);
         assert!(one == render(algorithm.clone(), 3), "{algorithm:?}");

@@ -80,10 +80,10 @@ fn closed() -> (Scene, [f32; 3]) {
 /// Every integrator, with the number of its samples.
 fn integrators(scene: &Scene) -> Vec<(&'static str, u32, Algorithm)> {
     let path = settings(scene);
-    let bidirectional = Bidirectional { path, techniques: Default::default() };
+    let bidirectional = Bidirectional { path };
     let portals = Portals::new(scene).expect("a portal");
     let chains = Metropolis { candidates: 2000, ..Metropolis::new(path) };
-    let primary = PrimarySample { candidates: 2000, ..PrimarySample::new(bidirectional.clone()) };
+    let primary = PrimarySample { candidates: 2000, ..PrimarySample::new(bidirectional) };
     let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
     vec![
         ("path", 4, Algorithm::Path(path)),
@@ -92,7 +92,7 @@ fn integrators(scene: &Scene) -> Vec<(&'static str, u32, Algorithm)> {
         ("tridir", 2, Algorithm::Tridirectional(Tridirectional { path, portals })),
         ("vpl", 2, Algorithm::InstantRadiosity(lights)),
         ("ppm", 32, Algorithm::PhotonMapping(PhotonMapping::new(path))),
-        ("vcm", 2, Algorithm::VertexMerging(VertexMerging::new(path, Default::default()))),
+        ("vcm", 2, Algorithm::VertexMerging(VertexMerging::new(path))),
         ("mlt", 16, Algorithm::Metropolis(chains)),
         ("pssmlt", 16, Algorithm::PrimarySample(primary)),
         ("gdpt", 2, Algorithm::GradientDomain(GradientDomain::new(path))),
