@@ -1,7 +1,5 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use std::iter::once;
-
 use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource, combine};
 use glam::Vec3;
 
@@ -57,8 +55,8 @@ pub type PathArena<'a, K = Everything> = Arena<SceneVertex<K>, PathStrategies<'a
 pub struct Techniques<'t, S> {
     /// Continues a path by scattering.
     pub scatter: S,
-    /// Ways to end a path on a light, in place of scattering as often as they have steps: one for next-event
-    /// estimation, several to reach a light by way of something.
+    /// Ways to end a path on a light, in place of scattering as often as they have steps: none for the light that
+    /// scattering itself finds, one for next-event estimation, several to reach a light by way of something.
     pub endings: &'t [&'t [S]],
 }
 
@@ -96,10 +94,10 @@ pub fn trace<'a, K, S>(
 
     let response = estimator.integrand().response(pixel, &camera);
     for length in 2 + usize::from(settings.hide_emitters)..=camera.size() {
-        // The path that scattering found, and those that go to a light instead.
+        // The path that scattering has found, and those that go to a light instead.
         let by = |end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
         let is_used = |end: &&[S]| by(end).camera >= 2 && settings.techniques.has(by(end));
-        let endings = once(&[][..]).chain(endings.iter().copied()).filter(is_used);
+        let endings = endings.iter().copied().filter(is_used);
         let techniques = arena.collect(endings.clone().map(|ending| {
             let mut path = camera.slice(0..length - ending.len());
             for step in ending {
@@ -131,7 +129,7 @@ impl Integrator for PathSettings {
     ) -> Vec3 {
         let scatter = sample_bsdf(world, self.rr_depth, None).into();
         let light = [sample_light(world).into()];
-        let techniques = Techniques { scatter, endings: &[&light] };
+        let techniques = Techniques { scatter, endings: &[&[], &light] };
         let mut received = Received::new(pixel, splats);
         trace(world, self, &techniques, scratch, uniforms, &mut received);
         received.own

@@ -36,7 +36,12 @@ impl Selection {
     /// Whether a technique is among them.
     #[inline]
     pub fn has(&self, technique: Technique) -> bool {
-        self.0.is_empty() || self.0.iter().any(|pattern| pattern.has(technique))
+        self.0.is_empty() || self.lists(technique)
+    }
+
+    #[cold]
+    fn lists(&self, technique: Technique) -> bool {
+        self.0.iter().any(|pattern| pattern.has(technique))
     }
 
     /// Those of some techniques that are among them.

@@ -98,7 +98,7 @@ impl Upward<'_> {
     ) -> [f32; 3] {
         let world = &self.world;
         let scatter = scatter_or_look_up(world, self.settings.rr_depth, 0.3).into();
-        let techniques = Techniques { scatter, endings: &[&[sample_light(world).into()]] };
+        let techniques = Techniques { scatter, endings: &[&[], &[sample_light(world).into()]] };
         let stream = u64::from(y) * u64::from(world.scene.film.width) + u64::from(x);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
         let mut received = Received::new((x, y), splats);

@@ -79,7 +79,7 @@ impl AnyKernel for Moonlight<'_> {
             let by_way_of_the_moon: [Strategies<'_>; 2] =
                 [sample_moon(world, *centre, *radius).into(), sample_light(world).into()];
             let light = &by_way_of_the_moon[1..];
-            let techniques = Techniques { scatter, endings: &[light, &by_way_of_the_moon] };
+            let techniques = Techniques { scatter, endings: &[&[], light, &by_way_of_the_moon] };
             let stream =
                 u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
             let mut uniforms = Pcg32::new(2, stream, u64::from(sample));
