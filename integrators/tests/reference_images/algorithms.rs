@@ -26,14 +26,15 @@ use super::scenes::{Reference, film, scene, scores, settings};
 /// The chance that any of the comparisons of a test fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 
-fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
+/// A render by the smallest kind of an integrator that covers the scene.
+pub fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
     let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
     let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
     film(&*kernel, scene, samples, None)
 }
 
-/// The settings of a scene with some techniques.
-fn only(scene: &Scene, techniques: &str) -> PathSettings {
+/// The settings of a scene, with some techniques.
+pub fn only(scene: &Scene, techniques: &str) -> PathSettings {
     PathSettings { techniques: techniques.parse().expect("a selection"), ..settings(scene) }
 }
 
@@ -86,6 +87,17 @@ fn each_technique_alone_is_unbiased() {
         let scene = scene("cornell-box");
         let film = rendered(bidirectional(only(&scene, techniques)), &scene, samples, 2);
         (format!("techniques {techniques}"), film, Reference::stored("cornell-box"))
+    }));
+}
+
+#[test]
+fn scattering_alone_and_next_event_estimation_alone_are_unbiased() {
+    // A lamp, which scattering finds; that it is seen is no matter of next-event estimation.
+    let selections = [("0:*", 256), ("0:2,1:*", 64)];
+    assert_alike(selections.map(|(techniques, samples)| {
+        let scene = scene("cornell-box");
+        let film = rendered(Algorithm::Path(only(&scene, techniques)), &scene, samples, 2);
+        (format!("path {techniques}"), film, Reference::stored("cornell-box"))
     }));
 }
 
