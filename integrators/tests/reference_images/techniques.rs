@@ -28,7 +28,7 @@ use super::scenes::Reference;
 /// The chance that the test fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 /// Renders of each technique.
-const SEEDS: u64 = 8;
+const SEEDS: u64 = 24;
 /// The side of the images.
 const SIDE: usize = 12;
 
@@ -60,43 +60,43 @@ type With = fn(&Scene, PathSettings) -> Algorithm;
 
 /// Selections that make all paths with so many vertices, for each integrator with the samples of a pixel.
 const ALONE: [(&str, u32, With, &[&[&str]]); 10] = [
-    ("path", 8, |_, path| Algorithm::Path(path), &[&["0:2"], &["0:3", "1:2"], &["0:4", "1:3"]]),
+    ("path", 4, |_, path| Algorithm::Path(path), &[&["0:2"], &["0:3", "1:2"], &["0:4", "1:3"]]),
     (
         "gdpt",
-        4,
+        1,
         |_, path| Algorithm::GradientDomain(GradientDomain::new(path)),
         &[&["0:2"], &["0:3", "1:2"], &["0:4", "1:3"]],
     ),
     (
         "ptracer",
-        16,
+        8,
         |_, path| Algorithm::LightTracer(LightTracer { path }),
         &[&["1:1"], &["2:1"], &["3:1"]],
     ),
     (
         "bdpt",
-        8,
+        4,
         |_, path| Algorithm::Bidirectional(Bidirectional { path }),
         &[&["0:2", "1:1"], &["0:3", "1:2", "2:1"], &["0:4", "1:3", "2:2", "3:1"]],
     ),
     (
         "pssmlt",
-        16,
+        6,
         |_, path| {
             let chains = PrimarySample::new(Bidirectional { path });
-            Algorithm::PrimarySample(PrimarySample { candidates: 4000, ..chains })
+            Algorithm::PrimarySample(PrimarySample { candidates: 300, ..chains })
         },
-        &[&["1:1"], &["0:3", "2:1"], &["1:3", "2:2"]],
+        &[&["1:1"], &["0:3"], &["1:3", "2:2"]],
     ),
     (
         "mlt",
-        16,
-        |_, path| Algorithm::Metropolis(Metropolis { candidates: 4000, ..Metropolis::new(path) }),
-        &[&["0:2"], &["1:2", "2:1"], &["0:4", "2:2"]],
+        6,
+        |_, path| Algorithm::Metropolis(Metropolis { candidates: 300, ..Metropolis::new(path) }),
+        &[&[], &["0:3", "2:1"], &["1:3", "2:2"]],
     ),
     (
         "vpl",
-        2,
+        1,
         |_, path| {
             Algorithm::InstantRadiosity(InstantRadiosity { path, light_paths: 32, clamp: None })
         },
@@ -104,20 +104,20 @@ const ALONE: [(&str, u32, With, &[&[&str]]); 10] = [
     ),
     (
         "ppm",
-        16,
+        8,
         |_, path| Algorithm::PhotonMapping(PhotonMapping::new(path)),
         &[&["0:2"], &["merge-2:2"], &["merge-3:2"]],
     ),
     (
         "vcm",
-        16,
+        6,
         |_, path| {
             // With more merges than there would be in a larger image, and little bias still.
             Algorithm::VertexMerging(VertexMerging { radius: 0.02, ..VertexMerging::new(path) })
         },
-        &[&["1:1"], &["2:1", "merge-2:2"], &["2:2", "merge-2:3", "merge-3:2"]],
+        &[&[], &["2:1", "merge-2:2"], &["2:2", "merge-2:3", "merge-3:2"]],
     ),
-    ("tridir", 8, tridirectional, &[&["0:2"], &["1:2", "2:1"], &["0:4", "1:3", "2:2"]]),
+    ("tridir", 4, tridirectional, &[&[], &["1:2", "2:1"], &["2:2"]]),
 ];
 
 fn tridirectional(scene: &Scene, path: PathSettings) -> Algorithm {
@@ -125,17 +125,21 @@ fn tridirectional(scene: &Scene, path: PathSettings) -> Algorithm {
     Algorithm::Tridirectional(Tridirectional { path, portals })
 }
 
-/// The p-values of techniques against all light that is carried by paths with so many vertices.
+/// All light that is carried by paths with so many vertices.
+fn carried(scene: &Scene, vertices: usize) -> Reference {
+    let techniques = format!("0:{vertices},1:{}", vertices - 1);
+    let film = rendered(Algorithm::Path(only(scene, &techniques)), scene, 1024, 1);
+    let variance = film.variance().expect("two samples a pixel");
+    Reference { rgb: film.image(), variance }
+}
+
+/// The p-values of techniques against all light that they should have.
 fn compared(
     scene: &Scene,
-    vertices: usize,
+    expected: &Reference,
     (integrator, samples, with): (&str, u32, With),
     techniques: &str,
 ) -> Vec<f64> {
-    let both = format!("0:{vertices},1:{}", vertices - 1);
-    let film = rendered(Algorithm::Path(only(scene, &both)), scene, 512, 1);
-    let variance = film.variance().expect("two samples a pixel");
-    let expected = Reference { rgb: film.image(), variance };
     let algorithm = with(scene, only(scene, techniques));
     let render = |seed| image(algorithm.clone(), scene, samples, seed + 30);
     let images: Vec<RgbImage> = (0..SEEDS).map(render).collect();
@@ -143,24 +147,26 @@ fn compared(
     let ratio = images.iter().map(sum).sum::<f32>() / (SEEDS as f32 * sum(&expected.rgb));
     assert!(ratio > 0.0, "{techniques} of {integrator} contributes nothing");
     let what = format!("{techniques} of {integrator}, {ratio:.3} of the light");
-    [SIDE, SIDE / 2].iter().flat_map(|block| p_values(&what, &expected, &images, *block)).collect()
+    [SIDE, SIDE / 2].iter().flat_map(|block| p_values(&what, expected, &images, *block)).collect()
 }
 
 #[test]
 fn each_technique_alone_has_the_light_of_the_paths_that_it_can_make() {
     let mut p = Vec::new();
     let scene = room(r#"origin="-1.2,0,0" target="1,0.2,0""#);
+    let expected = [2, 3, 4].map(|vertices| carried(&scene, vertices));
     for (integrator, samples, with, lengths) in ALONE {
-        for (vertices, alone) in (2..).zip(lengths) {
+        for (expected, alone) in expected.iter().zip(lengths) {
             for techniques in *alone {
-                p.extend(compared(&scene, vertices, (integrator, samples, with), techniques));
+                p.extend(compared(&scene, expected, (integrator, samples, with), techniques));
             }
         }
     }
     // The camera looks away from the portal, so that light passes it once: on its way to what is seen, or before.
     let scene = room(r#"origin="-0.3,0,0" target="-1,0,0""#);
     for (vertices, techniques) in [(3, "portal-0:1"), (4, "portal-1:1,portal-0:2")] {
-        p.extend(compared(&scene, vertices, ("tridir", 8, tridirectional), techniques));
+        let expected = carried(&scene, vertices);
+        p.extend(compared(&scene, &expected, ("tridir", 16, tridirectional), techniques));
     }
     assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
 }
