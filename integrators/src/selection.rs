@@ -64,7 +64,7 @@ impl Selection {
             let lengths: Vec<_> = found.map(|common| common.vertices()).collect();
             if lengths.is_empty() {
                 return Err(format!(
-                    "there is no technique `{pattern}`, but {}: S:T has S vertices from the light and T from the camera",
+                    "there is no technique `{pattern}`, but `{}`: S:T has S vertices from the light and T from the camera",
                     Selection(own)
                 ));
             }
@@ -127,8 +127,8 @@ impl fmt::Display for Pattern {
 
 impl fmt::Display for Selection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = self.0.iter().map(|pattern| format!("`{pattern}`")).collect();
-        write!(f, "{}", if names.is_empty() { "all".to_owned() } else { names.join(", ") })
+        let names: Vec<_> = self.0.iter().map(Pattern::to_string).collect();
+        write!(f, "{}", if names.is_empty() { "all".to_owned() } else { names.join(",") })
     }
 }
 
@@ -198,7 +198,7 @@ mod tests {
         assert!(some.has(Technique::merge(3, 4)));
         assert!(some.has(Technique::portal(2, 1)) && !some.has(Technique::portal(1, 1)));
         assert!(Selection::ALL.has(edge(7, 9)) && Selection::ALL.has(Technique::portal(1, 1)));
-        assert_eq!(some.to_string(), "`0:*`, `2:1`, `merge-*:*`, `portal-1:2..`");
+        assert_eq!(some.to_string(), "0:*,2:1,merge-*:*,portal-1:2..");
     }
 
     #[test]
@@ -217,7 +217,7 @@ mod tests {
             ("*:*", Ok(())),
             ("merge", Ok(())),
             ("0:*,merge-3:2", Ok(())),
-            ("2:*", Err("no technique `2:*`, but `0:2..`, `1:2..`, `merge-2..:2..`")),
+            ("2:*", Err("no technique `2:*`, but `0:2..,1:2..,merge-2..:2..`")),
             ("0:*,portal", Err("no technique `portal-*:*`")),
             ("merge-1:4", Err("no technique `merge-1:4`")),
             ("1:5", Err("`1:5` makes no path of 3 to 5 vertices")),

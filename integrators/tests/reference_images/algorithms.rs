@@ -82,11 +82,16 @@ fn bidirectional_path_tracing_agrees_with_the_stored_images() {
 #[test]
 fn each_technique_alone_is_unbiased() {
     // Every path can be made by one technique of each selection.
-    let selections = [("*:1", 32), ("0:2,1:*", 32), ("0:2,1:2,2:2,3:*", 32)];
-    assert_alike(selections.map(|(techniques, samples)| {
-        let scene = scene("cornell-box");
+    let selections = [
+        ("cornell-box", "*:1", 32),
+        ("gaussian-filter", "*:1", 16),
+        ("cornell-box", "0:2,1:*", 32),
+        ("cornell-box", "0:2,1:2,2:2,3:*", 32),
+    ];
+    assert_alike(selections.map(|(name, techniques, samples)| {
+        let scene = scene(name);
         let film = rendered(bidirectional(only(&scene, techniques)), &scene, samples, 2);
-        (format!("techniques {techniques}"), film, Reference::stored("cornell-box"))
+        (format!("techniques {techniques}, {name}"), film, Reference::stored(name))
     }));
 }
 
@@ -122,6 +127,47 @@ fn tridirectional_path_tracing_agrees_with_the_stored_images() {
         let film = rendered(algorithm, &scene, samples, 4);
         (format!("tridir, {name}"), film, Reference::stored(name))
     }));
+}
+
+/// Every integrator with every scene that it can render: matte, smooth normals, glossy, a caustic of glass, a mirror, a
+/// small light, one that is near, an environment, a room behind a portal.
+#[test]
+#[ignore = "takes minutes: cargo test -p integrators --test reference_images -- --ignored"]
+fn every_unbiased_integrator_agrees_with_the_stored_image_of_every_scene() {
+    let matte =
+        ["cornell-box", "models/smooth", "models/envmap", "models/point", "models/near-lamp"];
+    let rough = ["models/roughconductor-ggx", "models/portal-room"];
+    let smooth = ["models/dielectric", "models/mirror"];
+    let mut p = Vec::new();
+    for name in [&matte[..], &rough, &smooth].concat() {
+        let scene = scene(name);
+        let path = settings(&scene);
+        let inner = Bidirectional { path };
+        let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
+        let mut algorithms = vec![
+            ("path", 16, Algorithm::Path(path)),
+            ("bdpt", 8, Algorithm::Bidirectional(inner)),
+            ("gdpt", 4, Algorithm::GradientDomain(GradientDomain::new(path))),
+            ("mlt", 8, Algorithm::Metropolis(Metropolis::new(path))),
+            ("pssmlt", 8, Algorithm::PrimarySample(PrimarySample::new(inner))),
+            ("vpl", 2, Algorithm::InstantRadiosity(lights)),
+        ];
+        // Light that comes from a mirror or from glass to the eye is found by no path from a light.
+        if !smooth.contains(&name) {
+            algorithms.push(("ptracer", 32, Algorithm::LightTracer(LightTracer { path })));
+        }
+        for (integrator, samples, algorithm) in algorithms {
+            let render =
+                |seed| super::furnaces::image(algorithm.clone(), &scene, samples, seed + 40);
+            let renders: Vec<RgbImage> = (0..SEEDS).map(render).collect();
+            let found =
+                p_values(&format!("{integrator}, {name}"), &Reference::stored(name), &renders, 16);
+            p.extend(found.into_iter().map(|p| (p, integrator, name)));
+        }
+    }
+    let rejected = holm(&p.iter().map(|(p, ..)| *p).collect::<Vec<_>>(), FALSE_ALARM_RATE);
+    let failures: Vec<_> = p.iter().zip(rejected).filter(|(_, r)| *r).map(|(p, _)| p).collect();
+    assert!(failures.is_empty(), "{failures:?}");
 }
 
 /// Seeds that integrators are rendered with whose pixels or samples depend on each other.
