@@ -378,6 +378,14 @@ mod tests {
         </shape>
     </scene>"#;
 
+    fn brightness<'a>(
+        metropolis: &Metropolis,
+        world: &'a World<'a, Everything>,
+        estimator: &PathEstimator<'a, Everything>,
+    ) -> impl Fn(&Path<'_, 'a, Everything>) -> f32 {
+        |path| metropolis.contribution(world, estimator, path).0
+    }
+
     /// f(x) T(y | x) a(x, y) = f(y) T(x | y) a(y, x) for pairs of paths that each mutation makes.
     ///
     /// The numbers are of single precision: each side is a product of four of them, one of which is a quotient
@@ -390,9 +398,8 @@ mod tests {
         let metropolis = Metropolis::new(path);
         let (mut scratch, mut arena) = (Scratch::new(&world), Arena::new());
         let estimator = Scratch::<_, MutationStrategies<'_, _>>::new(&world).estimator;
-        let target =
-            |path: &Path<'_, '_, Everything>| metropolis.contribution(&world, &estimator, path).0;
         let world = &world;
+        let target = brightness(&metropolis, world, &estimator);
         let mutations: [&dyn Mutation<_, _>; 4] = [
             &BidirectionalMutation { world, longest: 7 },
             &LensPerturbation { world, chains: false },

@@ -38,7 +38,7 @@ mod tests {
     fn sorts_whole_attributes_and_nothing_else() {
         let mut file = b"magicver".to_vec();
         let attributes: [&[u8]; 3] =
-            [b"seed\0string\0\x02\0\0\042", b"crop\0box\0\x03\0\0\0\0z\0", b"a\0int\0\0\0\0\0"];
+            [b"seed\0string\0\x02\0\0\0xy", b"crop\0box\0\x03\0\0\0\0z\0", b"a\0int\0\0\0\0\0"];
         attributes.iter().for_each(|attribute| file.extend(*attribute));
         file.extend(b"\0z\0a\0 pixels");
         let mut sorted = file.clone();
