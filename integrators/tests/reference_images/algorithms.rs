@@ -84,7 +84,7 @@ fn each_technique_alone_is_unbiased() {
     // Every path can be made by one technique of each selection.
     let selections = [
         ("cornell-box", "*:1", 32),
-        ("gaussian-filter", "*:1", 16),
+        ("gaussian-filter", "*:1", 4),
         ("cornell-box", "0:2,1:*", 32),
         ("cornell-box", "0:2,1:2,2:2,3:*", 32),
     ];
