@@ -130,8 +130,8 @@ fn chances_add_up_to_one() {
             assert!((sum - 1.0).abs() < 1e-6, "{sum} {bsdf:?}");
             // Light that passes unchanged, or in one direction, is found by that direction.
             for lobe in lobes.filter(|lobe| lobe.lobe.is_atom()) {
-                let w = s.direction(&lobe.lobe).expect("an atom has a direction");
-                let atoms = s.atoms(s.frame.to_world(w).into());
+                let w = s.direction(&lobe).expect("an atom has a direction");
+                let atoms = s.atoms(s.pose.frame.to_world(w).into());
                 let expected = lobe.coefficient * s.measure(&lobe.lobe, w);
                 assert!(
                     (atoms - expected).abs().max_element() < 1e-6
