@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::kind::{Oriented, Presence, SceneKind};
 use crate::scene::Tangents;
 use crate::scene::bsdf::{Bump, Relief};
-use crate::scene::texture::Texture;
+use crate::scene::texture::{Spot, Texture};
 use crate::vertex::Surface;
 
 /// What remains to be known of a surface once its normal is turned.
@@ -41,8 +41,8 @@ pub struct Ground {
     pub shading: Vec3,
     /// How texture coordinates run over it.
     pub tangents: Tangents,
-    /// Texture coordinates.
-    uv: Vec2,
+    /// Where textures are looked up.
+    pub spot: Spot,
     /// Where the viewer is.
     pub towards: Vec3,
 }
@@ -55,7 +55,11 @@ impl Ground {
             normal: surface.normal,
             shading: surface.shading,
             tangents: Oriented::<K>::value(surface.tangents),
-            uv: K::Textures::value(surface.uv),
+            spot: Spot {
+                uv: K::Textures::value(surface.uv),
+                primitive: surface.primitive.0,
+                position: surface.position,
+            },
             towards,
         }
     }
@@ -75,15 +79,15 @@ pub fn frame_along(normal: Vec3, tangent: Vec3) -> Frame<f32> {
 /// The normal of a surface as a texture turns it, on the side of the viewer.
 /// `mirrored` is the back of a two-sided material: what the front has is seen in a mirror there.
 pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, mirrored: bool) -> (Vec3, Bumped) {
-    let Ground { shading, tangents, uv, towards, .. } = *ground;
+    let Ground { shading, tangents, spot, towards, .. } = *ground;
     let frame = frame_along(shading, tangents.du);
     let texture = &textures[bump.texture as usize];
     let mut m = match bump.relief {
         Relief::Heights(scale) => {
-            let normal = raised(ground, scale * texture.gradient(uv));
+            let normal = raised(ground, scale * texture.gradient(spot.uv));
             normal.map_or(Vec3::Z, |normal| frame.to_local(normal).into())
         }
-        Relief::Normals => (2.0 * texture.at(uv) - 1.0).try_normalize().unwrap_or(Vec3::Z),
+        Relief::Normals => (2.0 * texture.on(&spot) - 1.0).try_normalize().unwrap_or(Vec3::Z),
     };
     let mut view: Vec3 = frame.to_local(towards).into();
     let behind = view.z <= 0.0;

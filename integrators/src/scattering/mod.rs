@@ -15,7 +15,7 @@ mod rough_plastic;
 mod tests;
 mod value;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 pub use lobe::{Lobe, Lobes, Weighted};
 pub use material::{Factor, Layer, Material, Model, Side};
@@ -27,7 +27,7 @@ use crate::kind::{
     SceneKind,
 };
 use crate::scene::bsdf::{Facets, Metal, Roughness};
-use crate::scene::texture::{Colour, Grey, Texture};
+use crate::scene::texture::{Colour, Grey, Spot, Texture};
 use crate::vertex::Surface;
 use bump::Ground;
 
@@ -40,7 +40,7 @@ pub struct Scattering<'w, K: SceneKind> {
     /// Whether the viewer is behind the surface.
     behind: bool,
     textures: &'w [Texture],
-    uv: Vec2,
+    spot: <K::Textures as Presence>::Field<Spot>,
     shares: <Mixtures<K> as Presence>::Field<Shares>,
     /// What the other parts' poses follow from, where they have normals of their own.
     ground: <K::Blend as Presence>::Field<Option<Ground>>,
@@ -84,13 +84,13 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         if !pose.is_seen() && side.more.is_none() && side.holes.is_none() {
             return None;
         }
-        let uv = K::Textures::value(surface.uv);
+        let spot = K::Textures::field(|| ground.spot);
         let plain = Scattering {
             side,
             pose,
             behind,
             textures,
-            uv,
+            spot,
             shares: Default::default(),
             ground: K::Blend::field(|| side.varied.then_some(ground)),
         };
@@ -121,7 +121,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn colour(&self, colour: &Colour) -> Vec3 {
         match (K::Textures::VALUE, colour.texture) {
-            (Some(_), Some(texture)) => self.textures[texture as usize].at(self.uv),
+            (Some(_), Some(texture)) => {
+                self.textures[texture as usize].on(&K::Textures::value(self.spot))
+            }
             _ => colour.value,
         }
     }
@@ -130,7 +132,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn grey(&self, grey: &Grey) -> f32 {
         match (K::Textures::VALUE, grey.texture) {
-            (Some(_), Some(texture)) => self.textures[texture as usize].number(self.uv),
+            (Some(_), Some(texture)) => {
+                self.textures[texture as usize].number_on(&K::Textures::value(self.spot))
+            }
             _ => grey.value,
         }
     }

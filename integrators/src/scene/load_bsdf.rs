@@ -8,12 +8,12 @@ use super::error::SceneError;
 use super::indices;
 use super::load_texture::Textures;
 use super::spectrum::Purpose;
-use super::texture::Grey;
+use super::texture::{Grey, Pattern};
 
 /// The plugins that exist here.
 const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughconductor, \
                          roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, \
-                         bumpmap, normalmap";
+                         bumpmap, normalmap, null";
 
 /// How deep materials may be nested: a mixture in a mixture in a two-sided one has no use.
 const DEEPEST: usize = 8;
@@ -81,6 +81,11 @@ fn nested(
         }),
         "phong" => phong(document, &query, textures)?,
         "twosided" => two_sided(&query, children()?)?,
+        // All light passes: a mask with nothing but holes.
+        "null" => {
+            let black = Bsdf::Diffuse(Diffuse { reflectance: Vec3::ZERO.into() });
+            Bsdf::Mask { opacity: 0.0.into(), nested: Box::new(black) }
+        }
         "mask" => {
             let nested = children()?;
             mask(&query, share(document, &query, textures, "opacity", Some(0.5))?, nested)?
@@ -190,8 +195,12 @@ fn bumped(
         let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
         return Err(query.error_at("scale", message));
     }
+    let texture = textures.index(document, id)?;
+    if heights && matches!(textures.list[texture as usize].pattern, Pattern::Attribute { .. }) {
+        return Err(query.error_at("", "attributes of meshes are not supported as heights"));
+    }
     let bump = Bump {
-        texture: textures.index(document, id)?,
+        texture,
         relief: if heights { Relief::Heights(scale as f32) } else { Relief::Normals },
         flip_invalid: query.boolean("flip_invalid_normals")?.unwrap_or(true),
         shadowing: query.boolean("use_shadowing_function")?.unwrap_or(true),
