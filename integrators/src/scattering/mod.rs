@@ -210,6 +210,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// The shares of the first part and of the holes, computed once.
     fn shares_here(&self) -> Shares {
+        if self.side.more.is_none() && self.side.holes.is_none() {
+            return Shares::default();
+        }
         let light = self.light_of(&self.side.base);
         let dark = self.side.base.model.is_black() || !self.pose.is_seen();
         let (mut lit, mut seen) = (light, if dark { 0.0 } else { light });

@@ -154,7 +154,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
     root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture", "medium"])?;
-    let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
+    let Sensor { mut camera, position, film, sampler, clips } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
     let portals = [&*integrator.portals, &*overrides.portals].concat();
@@ -174,7 +174,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     camera.origin = (position - origin).as_vec3();
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
-    Ok(Scene {
+    let mut scene = Scene {
         tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
         facts: parts.primitives.iter().map(Facts::new).collect(),
         primitives: parts.primitives,
@@ -198,7 +198,13 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         warnings: document.warnings.take(),
         files: document.files.take(),
         degenerate_triangles: parts.degenerate,
-    })
+    };
+    let cut: Vec<SceneError> = clips
+        .into_iter()
+        .filter_map(|(clip, warning)| clip.matters(&scene).then_some(warning))
+        .collect();
+    scene.warnings.extend(cut);
+    Ok(scene)
 }
 
 impl<'a> Builder<'a> {

@@ -232,6 +232,32 @@ fn materials_say_what_is_wrong() {
     }
 }
 
+#[test]
+fn what_would_be_cut_away_is_a_warning() {
+    let warnings = |near: &str, far: &str| {
+        let clip = |name: &str, value: &str| format!("<float name=\"{name}\" value=\"{value}\"/>");
+        let sensor = format!(
+            "<sensor type=\"perspective\">{}{}</sensor>",
+            clip("near_clip", near),
+            clip("far_clip", far)
+        );
+        let square = "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"2\"/></transform></shape>";
+        load(&format!("{sensor}{square}"))
+            .unwrap()
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+    };
+    assert!(warnings("1.9", "2.1").is_empty());
+    for (near, far, expected) in
+        [("2.1", "9", "what is nearer is not cut"), ("0.1", "1.9", "what is further away")]
+    {
+        let found = warnings(near, far);
+        assert!(found.len() == 1 && found[0].contains(expected), "{found:?}");
+    }
+}
+
 /// A square of two triangles with colours at its corners and a number for each face.
 const PAINTED: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
     property float z\nproperty float r\nproperty float g\nproperty float b\nproperty float gloss_x\n\
