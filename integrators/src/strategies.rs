@@ -148,12 +148,13 @@ pub fn sample_bsdf<K: SceneKind>(
     let lobe = choose(scattering.lobes(only)).identified_by(|v: &SceneVertex<K>| {
         scattering.leading_to(Some(v.direction_from(here.position)))
     });
-    let frame = scattering.frame;
-    let w = match lobe {
+    let pose = scattering.pose_of(lobe.part);
+    let (frame, view) = (pose.frame, pose.view);
+    let w = match lobe.lobe {
         Lobe::Nothing => return stop(),
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let fixed = given(scattering.direction(&lobe));
-            let local = atom(fixed, scattering.measure(&lobe, fixed));
+            let local = atom(fixed, scattering.measure(&lobe.lobe, fixed));
             rotate(frame).apply(&local)
         }
         Lobe::Matte(_) => {
@@ -163,19 +164,17 @@ pub fn sample_bsdf<K: SceneKind>(
         Lobe::Glossy(exponent) => {
             let lobe = given(power_lobe(PhongOf::<K>::get(exponent)).ok());
             let local = draw(lobe);
-            let v = scattering.view;
-            let about = Frame::around(Direction::new(-v.x, -v.y, v.z));
+            let about = Frame::around(pose.mirrored());
             rotate(frame).apply(&rotate(about).apply(&local))
         }
         Lobe::Facets(facets) => {
             let roughness = Facetted::<K>::get(facets);
-            let normals = given(HalfVectors::new(&roughness, scattering.view));
+            let normals = given(HalfVectors::new(&roughness, view));
             let m = draw(normals);
-            rotate(frame).apply(&reflect(scattering.view).apply(&m))
+            rotate(frame).apply(&reflect(view).apply(&m))
         }
         Lobe::Interface(interface) => {
             let (roughness, eta) = Interface::<K>::get(interface);
-            let view = scattering.view;
             let normals = given(HalfVectors::new(&roughness, view));
             let m = draw(normals);
             let reflects = choose(coin(fresnel::dielectric(m.dot(view).clamp(0.0, 1.0), eta).0));

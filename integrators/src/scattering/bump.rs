@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::kind::{Oriented, Presence, SceneKind};
 use crate::scene::Tangents;
 use crate::scene::bsdf::{Bump, Relief};
-use crate::scene::texture::Texture;
+use crate::scene::texture::{Spot, Texture};
 use crate::vertex::Surface;
 
 /// What remains to be known of a surface once its normal is turned.
@@ -32,6 +32,39 @@ impl Bumped {
     }
 }
 
+/// A surface before anything turns its normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Unit normal of the surface.
+    normal: Vec3,
+    /// Unit normal for shading.
+    pub shading: Vec3,
+    /// How texture coordinates run over it.
+    pub tangents: Tangents,
+    /// Where textures are looked up.
+    pub spot: Spot,
+    /// Where the viewer is.
+    pub towards: Vec3,
+}
+
+impl Ground {
+    /// A surface seen from direction `towards`.
+    #[inline(always)]
+    pub fn new<K: SceneKind>(surface: &Surface<K>, towards: Vec3) -> Self {
+        Ground {
+            normal: surface.normal,
+            shading: surface.shading,
+            tangents: Oriented::<K>::value(surface.tangents),
+            spot: Spot {
+                uv: K::Textures::value(surface.uv),
+                primitive: surface.primitive.0,
+                position: surface.position,
+            },
+            towards,
+        }
+    }
+}
+
 /// A frame about a unit normal whose first axis follows `tangent`, as far as there is one.
 pub fn frame_along(normal: Vec3, tangent: Vec3) -> Frame<f32> {
     let n = normal.as_dvec3().normalize_or(DVec3::Z);
@@ -43,25 +76,18 @@ pub fn frame_along(normal: Vec3, tangent: Vec3) -> Frame<f32> {
     frame.unwrap_or_else(|| Frame::around(Direction::new(normal.x, normal.y, normal.z)))
 }
 
-/// The normal of a surface as a texture turns it, on the side of a viewer in direction `towards`.
+/// The normal of a surface as a texture turns it, on the side of the viewer.
 /// `mirrored` is the back of a two-sided material: what the front has is seen in a mirror there.
-pub fn turned<K: SceneKind>(
-    bump: Bump,
-    textures: &[Texture],
-    uv: Vec2,
-    surface: &Surface<K>,
-    towards: Vec3,
-    mirrored: bool,
-) -> (Vec3, Bumped) {
-    let tangents = Oriented::<K>::value(surface.tangents);
-    let frame = frame_along(surface.shading, tangents.du);
+pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, mirrored: bool) -> (Vec3, Bumped) {
+    let Ground { shading, tangents, spot, towards, .. } = *ground;
+    let frame = frame_along(shading, tangents.du);
     let texture = &textures[bump.texture as usize];
     let mut m = match bump.relief {
         Relief::Heights(scale) => {
-            let normal = raised(surface, tangents, scale * texture.gradient(uv));
+            let normal = raised(ground, scale * texture.gradient(spot.uv));
             normal.map_or(Vec3::Z, |normal| frame.to_local(normal).into())
         }
-        Relief::Normals => (2.0 * texture.at(uv) - 1.0).try_normalize().unwrap_or(Vec3::Z),
+        Relief::Normals => (2.0 * texture.on(&spot) - 1.0).try_normalize().unwrap_or(Vec3::Z),
     };
     let mut view: Vec3 = frame.to_local(towards).into();
     let behind = view.z <= 0.0;
@@ -73,7 +99,7 @@ pub fn turned<K: SceneKind>(
     }
     let alpha2 =
         if bump.shadowing { (0.125 * (m.x * m.x + m.y * m.y) / (m.z * m.z)).min(1.0) } else { 0.0 };
-    let normal = if behind { -surface.shading } else { surface.shading };
+    let normal = if behind { -shading } else { shading };
     let seen = match (behind, mirrored) {
         (true, true) => Vec3::new(m.x, m.y, -m.z),
         (true, false) => -m,
@@ -84,9 +110,9 @@ pub fn turned<K: SceneKind>(
 
 /// The normal of a surface that is raised along its normal by a height with this gradient in the texture
 /// coordinates, to first order; none where the surface has no tangents.
-fn raised<K: SceneKind>(surface: &Surface<K>, tangents: Tangents, slope: Vec2) -> Option<Vec3> {
-    let n = surface.shading;
+fn raised(ground: &Ground, slope: Vec2) -> Option<Vec3> {
+    let (n, tangents) = (ground.shading, ground.tangents);
     let along = |tangent: Vec3, slope: f32| tangent + (slope - n.dot(tangent)) * n;
     let normal = along(tangents.du, slope.x).cross(along(tangents.dv, slope.y)).try_normalize()?;
-    Some(if normal.dot(surface.normal) < 0.0 { -normal } else { normal })
+    Some(if normal.dot(ground.normal) < 0.0 { -normal } else { normal })
 }

@@ -4,7 +4,7 @@ use aether_core::discrete::{Choice, Discrete};
 use aether_core::prelude::Direction;
 use glam::Vec3;
 
-use super::{Model, Scattering, count};
+use super::{Model, PartIndex, Pose, Scattering, count};
 use crate::kind::{
     Facetted, Interface, Matte, Part, Passage, PhongOf, Presence, Refraction, SceneKind, Specular,
     With,
@@ -62,7 +62,12 @@ pub struct Weighted<K: SceneKind> {
     pub coefficient: Vec3,
     /// The probability to choose it.
     pub chance: f32,
+    /// The part of the material that it belongs to.
+    pub part: PartIndex<K>,
 }
+
+/// Directions that differ by less (squared) are one: those of parts whose normals agree but for rounding.
+const SAME_DIRECTION: f32 = 1e-12;
 
 /// The choice of a lobe, or of the `only` one that may be chosen.
 #[derive(Clone, Copy, Debug)]
@@ -71,11 +76,11 @@ pub struct Lobes<'l, 'w, K: SceneKind>(&'l Scattering<'w, K>, Option<u32>);
 impl<K: SceneKind> Lobes<'_, '_, K> {
     /// A lobe and its probability.
     #[inline]
-    fn at(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
-        let Weighted { lobe, chance, .. } = self.0.lobe(index)?;
+    fn at(&self, index: usize) -> Option<Choice<Weighted<K>, f32>> {
+        let lobe = self.0.lobe(index)?;
         let probability = match self.1 {
             Some(only) => f32::from(only as usize == index),
-            None => chance,
+            None => lobe.chance,
         };
         Some(Choice { index, item: lobe, probability })
     }
@@ -83,7 +88,7 @@ impl<K: SceneKind> Lobes<'_, '_, K> {
 
 impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
     type Item<'a>
-        = Lobe<K>
+        = Weighted<K>
     where
         Self: 'a;
 
@@ -93,7 +98,7 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
     }
 
     #[inline]
-    fn sample_reuse(&self, u: f32) -> (Choice<Lobe<K>, f32>, f32) {
+    fn sample_reuse(&self, u: f32) -> (Choice<Weighted<K>, f32>, f32) {
         let mut start = 0.0;
         let mut last = None;
         for index in 0..self.0.count() {
@@ -109,11 +114,12 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
             }
         }
         // Rounding leaves no gap behind the last lobe. There is no scattering without any.
-        last.unwrap_or((Choice { index: 0, item: Lobe::Nothing, probability: 0.0 }, u))
+        let nothing = Weighted::new(Lobe::Nothing, Vec3::ZERO, 0.0);
+        last.unwrap_or((Choice { index: 0, item: nothing, probability: 0.0 }, u))
     }
 
     #[inline]
-    fn get(&self, index: usize) -> Option<Choice<Lobe<K>, f32>> {
+    fn get(&self, index: usize) -> Option<Choice<Weighted<K>, f32>> {
         self.at(index)
     }
 }
@@ -141,8 +147,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     fn bits_leading_to(&self, w: Option<Vec3>) -> u32 {
+        let w = w.map(|w| Vec3::from(self.pose.frame.to_local(w)));
         let (mut wide, mut nearest) = (0, 0);
-        let mut least: Option<(f32, [f32; 3])> = None;
+        let mut least: Option<(f32, Vec3)> = None;
         for index in 0..self.count() {
             let (bit, direction) = (1 << index, self.direction_of_atom(index));
             let Some(direction) = direction else {
@@ -150,14 +157,15 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 continue;
             };
             let Some(w) = w else { continue };
-            let (w, direction) = (self.frame.to_local(w), Vec3::from(direction.vec()));
-            let distance = direction.distance_squared(w.into());
+            let distance = direction.distance_squared(w);
             // Atoms that lead in the same direction are one.
             match least {
-                Some((_, same)) if same == direction.to_array() => nearest |= bit,
+                Some((_, same)) if same.distance_squared(direction) <= SAME_DIRECTION => {
+                    nearest |= bit;
+                }
                 Some((least, _)) if distance >= least => {}
                 _ => {
-                    least = Some((distance, direction.to_array()));
+                    least = Some((distance, direction));
                     nearest = bit;
                 }
             }
@@ -173,12 +181,13 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         })
     }
 
-    /// Where an atom scatters to, in the frame; `None` for the other lobes.
-    pub fn direction(&self, lobe: &Lobe<K>) -> Option<Direction<f32>> {
-        match lobe {
-            Lobe::Mirror(_) => Some(self.mirrored()),
-            Lobe::Passage(_) => Some(self.passed()),
-            Lobe::Refraction(eta) => Some(self.bent(Refraction::<K>::get(*eta))),
+    /// Where an atom scatters to, in the frame of its part; `None` for the other lobes.
+    pub fn direction(&self, lobe: &Weighted<K>) -> Option<Direction<f32>> {
+        let pose = self.pose_of(lobe.part);
+        match lobe.lobe {
+            Lobe::Mirror(_) => Some(pose.mirrored()),
+            Lobe::Passage(_) => Some(pose.passed()),
+            Lobe::Refraction(eta) => Some(pose.bent(Refraction::<K>::get(eta))),
             Lobe::Nothing
             | Lobe::Matte(_)
             | Lobe::Glossy(_)
@@ -187,51 +196,49 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         }
     }
 
-    /// The direction of the lobe with this index if it is an atom, without its coefficient and chance.
+    /// The direction of the lobe with this index if it is an atom, in the frame of the first part and without its
+    /// coefficient and chance.
     #[inline]
-    fn direction_of_atom(&self, index: usize) -> Option<Direction<f32>> {
-        let (first, blend) = (count(&self.side.base), self.side.blend.as_ref());
-        if index < first {
-            return self.direction_in(&self.side.base, index);
+    fn direction_of_atom(&self, index: usize) -> Option<Vec3> {
+        let (mut left, first) = (index, &self.side.base.model);
+        if left < count(first) {
+            let direction = self.direction_in(first, &self.pose, left)?;
+            return Some(Vec3::from(direction.vec()));
         }
-        match blend {
-            Some((_, second, _)) if index - first < count(second) => {
-                self.direction_in(second, index - first)
+        left -= count(first);
+        for (part, layer) in self.others() {
+            if left < count(&layer.model) {
+                let pose = self.pose_of(part);
+                let direction = self.direction_in(&layer.model, &pose, left)?;
+                let direction = Vec3::from(direction.vec());
+                if !self.side.varied {
+                    return Some(direction);
+                }
+                let world = pose.frame.to_world(direction);
+                return Some(self.pose.frame.to_local(world).into());
             }
-            _ => Some(self.passed()),
+            left -= count(&layer.model);
         }
+        Some(Vec3::from(self.pose.passed().vec()))
     }
 
     #[inline]
-    fn direction_in(&self, model: &Model<K>, index: usize) -> Option<Direction<f32>> {
+    fn direction_in(
+        &self,
+        model: &Model<K>,
+        pose: &Pose<K>,
+        index: usize,
+    ) -> Option<Direction<f32>> {
         match (model, index) {
+            _ if !pose.is_seen() => None,
             (Model::Conductor(_), _)
             | (Model::Dielectric(_) | Model::ThinDielectric(_) | Model::Plastic(_), 0) => {
-                Some(self.mirrored())
+                Some(pose.mirrored())
             }
-            (Model::Dielectric(glass), _) => Some(self.bent(self.relative(glass.get().eta))),
-            (Model::ThinDielectric(_), _) => Some(self.passed()),
+            (Model::Dielectric(glass), _) => Some(pose.bent(self.relative(glass.get().eta))),
+            (Model::ThinDielectric(_), _) => Some(pose.passed()),
             _ => None,
         }
-    }
-
-    /// The direction straight on.
-    fn passed(&self) -> Direction<f32> {
-        let v = self.view;
-        Direction::new(-v.x, -v.y, -v.z)
-    }
-
-    /// The mirror direction.
-    fn mirrored(&self) -> Direction<f32> {
-        let v = self.view;
-        Direction::new(-v.x, -v.y, v.z)
-    }
-
-    /// The direction in which a boundary with this relative index of refraction bends light.
-    fn bent(&self, eta: f32) -> Direction<f32> {
-        let v = self.view;
-        let (_, beyond) = super::fresnel::dielectric(v.z, eta);
-        Direction::new(-v.x / eta, -v.y / eta, -beyond)
     }
 
     /// The measure in which atoms are stated, per solid angle in the direction `w` of the frame that a
@@ -251,11 +258,12 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     pub fn atoms(&self, w: Vec3) -> Vec3 {
         let mut sum = Vec3::ZERO;
         for index in self.leading_to(Some(w)) {
-            let Some(Weighted { lobe, coefficient, .. }) = self.lobe(index) else { continue };
+            let Some(lobe) = self.lobe(index) else { continue };
             let Some(direction) = self.direction(&lobe) else { continue };
             // Holes have no normals.
-            let unhidden = if self.is_hole(index) { 1.0 } else { self.unhidden(w) };
-            sum += coefficient * (unhidden * self.measure(&lobe, direction));
+            let pose = self.pose_of(lobe.part);
+            let unhidden = if self.is_hole(index) { 1.0 } else { pose.unhidden(w) };
+            sum += lobe.coefficient * (unhidden * self.measure(&lobe.lobe, direction));
         }
         sum
     }

@@ -35,35 +35,38 @@ pub enum Model<K: SceneKind> {
     Phong(K::Phong),
 }
 
-/// The share of light that does not pass through the holes of a material, and of the parts of a mixture.
-#[derive(Clone, Copy, Debug)]
-pub struct Opacity {
-    /// That of both.
-    pub whole: Grey,
-    /// That of the two parts by themselves.
-    pub parts: [Grey; 2],
+/// What the share of a part in the light is multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Factor {
+    /// A number.
+    Of(Grey),
+    /// What is left of one.
+    Rest(Grey),
 }
 
-impl Opacity {
-    /// Whether there are no holes.
-    #[inline]
-    fn is_full(&self) -> bool {
-        [self.whole, self.parts[0], self.parts[1]].iter().all(|opacity| opacity.value == 1.0)
-    }
-}
-
-/// What is seen from one side of a surface.
+/// A part of a material: one model, and what is around it.
 #[derive(Clone, Debug)]
-pub struct Side<K: SceneKind> {
-    /// The material.
-    pub base: Model<K>,
-    /// A second material, and its share.
-    pub blend: Option<(K::Blend, Model<K>, Grey)>,
-    /// The share of light that does not pass through holes.
-    pub mask: Option<(K::Mask, Opacity)>,
+pub struct Layer<K: SceneKind> {
+    /// The model.
+    pub model: Model<K>,
+    /// Its share of the light is their product.
+    pub factors: Box<[Factor]>,
     /// What turns the normals, and whether they are those of the front: a two-sided material around it
     /// mirrors them to the back.
     pub bump: Option<(K::Bumps, Bump, bool)>,
+}
+
+/// What is seen from one side of a surface: mixtures of mixtures are a list of parts.
+#[derive(Clone, Debug)]
+pub struct Side<K: SceneKind> {
+    /// The first part, mostly the only one.
+    pub base: Layer<K>,
+    /// The others.
+    pub more: Option<(K::Blend, Box<[Layer<K>]>)>,
+    /// Whether there are holes: what is left of the light after all parts passes through them.
+    pub holes: Option<K::Mask>,
+    /// Whether the parts have normals of their own.
+    pub varied: bool,
     /// Whether the frame follows the texture coordinates.
     pub oriented: bool,
 }
@@ -77,15 +80,18 @@ impl<K: SceneKind> Model<K> {
 }
 
 impl<K: SceneKind> Side<K> {
+    /// The parts behind the first.
+    #[inline(always)]
+    pub fn others(&self) -> &[Layer<K>] {
+        self.more.as_ref().map_or(&[], |(_, others)| others)
+    }
+
     /// Whether it scatters no light at all.
     #[inline]
     pub fn is_black(&self) -> bool {
-        self.base.is_black()
-            && self
-                .blend
-                .as_ref()
-                .is_none_or(|(_, model, share)| model.is_black() || share.value == 0.0)
-            && self.mask.as_ref().is_none_or(|(_, opacity)| opacity.is_full())
+        self.base.model.is_black()
+            && self.others().iter().all(|layer| layer.model.is_black())
+            && self.holes.is_none()
     }
 }
 
@@ -118,69 +124,78 @@ fn missing<K: SceneKind>(feature: &'static str) -> NotCovered {
 }
 
 fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
-    let plain = |base| Side {
-        base,
-        blend: None,
-        mask: None,
-        bump: None,
-        oriented: bsdf.is_anisotropic() && K::Anisotropy::VALUE.is_some(),
-    };
-    match bsdf {
-        Bsdf::TwoSided(sides) => side(&sides[usize::from(!front)], true),
-        Bsdf::Mask { opacity, nested } => {
-            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            let inside = side(nested, front)?;
-            let parts = inside.mask.map_or([1.0.into(); 2], |(_, opacity)| opacity.parts);
-            Ok(Side { mask: Some((present, Opacity { whole: *opacity, parts })), ..inside })
-        }
-        Bsdf::Bump { bump, nested } => {
-            let present = K::Bumps::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            let bump = Some((present, *bump, front));
-            Ok(Side { bump, oriented: true, ..side(nested, front)? })
-        }
-        Bsdf::Blend { weight, nested } => {
-            let present = K::Blend::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            let [first, second] = [part::<K>(&nested[0], front)?, part(&nested[1], front)?];
-            let blend = Some((present, second.model, *weight));
-            // Both are turned alike: the loader refuses others.
-            let (mask, bump) = (first.opacity.or(second.opacity), first.bump);
-            let mask = mask.map(|(present, _)| {
-                let parts = [first.opacity, second.opacity];
-                let parts = parts.map(|part| part.map_or(1.0.into(), |(_, opacity)| opacity));
-                (present, Opacity { whole: 1.0.into(), parts })
-            });
-            let oriented = bump.is_some() || first.oriented || second.oriented;
-            Ok(Side { blend, mask, bump, oriented, ..plain(first.model) })
-        }
-        other => model(other, front).map(plain),
+    let mut parts = Parts { layers: Vec::new(), blend: None, holes: None, oriented: false };
+    parts.add(bsdf, front, &Around { factors: Vec::new(), bump: None })?;
+    let Parts { layers, blend, holes, oriented } = parts;
+    let black = Layer { model: Model::Black, factors: Box::new([]), bump: None };
+    let mut layers = layers.into_iter();
+    let base = layers.next().unwrap_or(black);
+    let others: Box<[_]> = layers.collect();
+    let varied = others.iter().any(|layer| layer.bump != base.bump);
+    let more = blend.filter(|_| !others.is_empty()).map(|present| (present, others));
+    Ok(Side { base, more, holes, varied, oriented })
+}
+
+/// What is around a part of a material.
+#[derive(Clone)]
+struct Around<K: SceneKind> {
+    factors: Vec<Factor>,
+    bump: Option<(K::Bumps, Bump, bool)>,
+}
+
+impl<K: SceneKind> Around<K> {
+    fn times(&self, factor: Factor) -> Self {
+        Around { factors: [&*self.factors, &[factor]].concat(), ..self.clone() }
     }
 }
 
-/// A part of a mixture: a model, its holes, and what turns its normals.
-struct Component<K: SceneKind> {
-    model: Model<K>,
-    opacity: Option<(K::Mask, Grey)>,
-    bump: Option<(K::Bumps, Bump, bool)>,
+/// The parts of a side, while they are collected.
+struct Parts<K: SceneKind> {
+    layers: Vec<Layer<K>>,
+    blend: Option<K::Blend>,
+    holes: Option<K::Mask>,
     oriented: bool,
 }
 
-/// A part of a mixture. Holes may be around what turns the normals.
-fn part<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Component<K>, NotCovered> {
-    match bsdf {
-        Bsdf::Mask { opacity, nested } => {
-            let present = K::Mask::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            Ok(Component { opacity: Some((present, *opacity)), ..part(nested, front)? })
+impl<K: SceneKind> Parts<K> {
+    fn add(&mut self, bsdf: &Bsdf, front: bool, around: &Around<K>) -> Result<(), NotCovered> {
+        let missing = || missing::<K>(bsdf.feature());
+        match bsdf {
+            Bsdf::TwoSided(sides) => self.add(&sides[usize::from(!front)], true, around),
+            Bsdf::Mask { opacity, nested } => {
+                let present = K::Mask::VALUE.ok_or_else(missing)?;
+                if opacity.value == 1.0 {
+                    return self.add(nested, front, around);
+                }
+                self.holes = Some(present);
+                self.add(nested, front, &around.times(Factor::Of(*opacity)))
+            }
+            Bsdf::Bump { bump, nested } => {
+                let present = K::Bumps::VALUE.ok_or_else(missing)?;
+                self.oriented = true;
+                let bump = Some((present, *bump, front));
+                self.add(nested, front, &Around { bump, ..around.clone() })
+            }
+            Bsdf::Blend { weight, nested } => {
+                self.blend = Some(K::Blend::VALUE.ok_or_else(missing)?);
+                if weight.value < 1.0 {
+                    self.add(&nested[0], front, &around.times(Factor::Rest(*weight)))?;
+                }
+                if weight.value > 0.0 {
+                    self.add(&nested[1], front, &around.times(Factor::Of(*weight)))?;
+                }
+                Ok(())
+            }
+            other => {
+                self.oriented |= other.is_anisotropic() && K::Anisotropy::VALUE.is_some();
+                self.layers.push(Layer {
+                    model: model(other, front)?,
+                    factors: around.factors.clone().into(),
+                    bump: around.bump,
+                });
+                Ok(())
+            }
         }
-        Bsdf::Bump { bump, nested } => {
-            let present = K::Bumps::VALUE.ok_or_else(|| missing::<K>(bsdf.feature()))?;
-            Ok(Component { bump: Some((present, *bump, front)), ..part(nested, front)? })
-        }
-        other => Ok(Component {
-            model: model(other, front)?,
-            opacity: None,
-            bump: None,
-            oriented: other.is_anisotropic() && K::Anisotropy::VALUE.is_some(),
-        }),
     }
 }
 
@@ -192,7 +207,6 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
         Bsdf::RoughDielectric(glass) => {
             K::RoughDielectric::keep(*glass).map(Model::RoughDielectric)
         }
-        Bsdf::TwoSided(sides) => return model(&sides[usize::from(!front)], true),
         _ if !front => return Ok(Model::Black),
         Bsdf::Diffuse(matte) if matte.is_black() => return Ok(Model::Black),
         Bsdf::Diffuse(matte) => K::Diffuse::keep(*matte).map(Model::Diffuse),
@@ -206,8 +220,10 @@ fn model<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Model<K>, NotCovered>
             RoughPlasticOf::<K>::with(|| (*plastic, Coat::new(plastic))).map(Model::RoughPlastic)
         }
         Bsdf::Phong(phong) => K::Phong::keep(*phong).map(Model::Phong),
-        // The loader refuses mixtures within mixtures.
-        Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => return Ok(Model::Black),
+        // These have been taken apart.
+        Bsdf::TwoSided(_) | Bsdf::Mask { .. } | Bsdf::Blend { .. } | Bsdf::Bump { .. } => {
+            return Ok(Model::Black);
+        }
     };
     keep.ok_or_else(|| missing::<K>(bsdf.feature()))
 }

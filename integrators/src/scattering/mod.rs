@@ -9,42 +9,45 @@ pub mod facets;
 pub mod fresnel;
 mod lobe;
 mod material;
+mod pose;
 mod rough_plastic;
 #[cfg(test)]
 mod tests;
 mod value;
 
-use aether_core::prelude::{Direction, Frame};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 pub use lobe::{Lobe, Lobes, Weighted};
-pub use material::{Material, Model, Opacity, Side};
+pub use material::{Factor, Layer, Material, Model, Side};
+pub use pose::Pose;
 pub use rough_plastic::Coat;
 
 use crate::kind::{
-    Either, Facetted, Interface, Oriented, Part, PhongOf, PlasticOf, Presence, Refraction,
-    RoughPlasticOf, SceneKind,
+    Either, Facetted, Interface, Part, PhongOf, PlasticOf, Presence, Refraction, RoughPlasticOf,
+    SceneKind,
 };
 use crate::scene::bsdf::{Facets, Metal, Roughness};
-use crate::scene::texture::{Colour, Grey, Texture};
+use crate::scene::texture::{Colour, Grey, Spot, Texture};
 use crate::vertex::Surface;
-use bump::Bumped;
+use bump::Ground;
 
 /// A material at a point, as it is seen from one side.
 #[derive(Clone, Copy, Debug)]
 pub struct Scattering<'w, K: SceneKind> {
     side: &'w Side<K>,
-    /// The frame about the shading normal on the side of the viewer.
-    pub frame: Frame<f32>,
-    /// Where the viewer is, in the frame: above.
-    pub view: Direction<f32>,
+    /// How the first part of the material lies, and mostly all of it.
+    pub pose: Pose<K>,
     /// Whether the viewer is behind the surface.
     behind: bool,
     textures: &'w [Texture],
-    uv: Vec2,
-    bumped: <K::Bumps as Presence>::Field<Option<Bumped>>,
+    spot: <K::Textures as Presence>::Field<Spot>,
     shares: <Mixtures<K> as Presence>::Field<Shares>,
+    /// What the other parts' poses follow from, where they have normals of their own.
+    ground: <K::Blend as Presence>::Field<Option<Ground>>,
 }
+
+/// The number of a part of a material, if the kind has materials of several parts.
+pub type PartIndex<K> = <<K as SceneKind>::Blend as Presence>::Field<u8>;
 
 /// Whether the kind has materials of several parts.
 type Mixtures<K> = Either<<K as SceneKind>::Mask, <K as SceneKind>::Blend>;
@@ -76,35 +79,51 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         if side.is_black() {
             return None;
         }
-        let uv = K::Textures::value(surface.uv);
-        let tangent = || Oriented::<K>::value(surface.tangents).du;
-        let (frame, bumped) = match &side.bump {
-            Some((_, map, front)) => {
-                let (normal, bumped) =
-                    bump::turned(*map, textures, uv, surface, towards, *front && behind);
-                (bump::frame_along(normal, tangent()), Some(bumped))
-            }
-            None if Oriented::<K>::VALUE.is_some() && side.oriented => {
-                (bump::frame_along(n, tangent()), None)
-            }
-            None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
-        };
-        let view = Direction::from_vec(frame.to_local(towards));
-        let above = view.z > 0.0;
-        if !above {
+        let ground = Ground::new(surface, towards);
+        let pose = Pose::new(&side.base, side.oriented, &ground, n, textures);
+        if !pose.is_seen() && side.more.is_none() && side.holes.is_none() {
             return None;
         }
-        let bumped = K::Bumps::field(|| bumped);
-        let shares = Default::default();
-        let plain = Scattering { side, frame, view, behind, textures, uv, bumped, shares };
+        let spot = K::Textures::field(|| ground.spot);
+        let plain = Scattering {
+            side,
+            pose,
+            behind,
+            textures,
+            spot,
+            shares: Default::default(),
+            ground: K::Blend::field(|| side.varied.then_some(ground)),
+        };
         Some(Scattering { shares: Mixtures::<K>::field(|| plain.shares_here()), ..plain })
+    }
+
+    /// How a part of the material lies.
+    #[inline(always)]
+    pub fn pose_of(&self, part: PartIndex<K>) -> Pose<K> {
+        let others = self.side.others();
+        match (K::Blend::value(self.ground), usize::from(K::Blend::value(part)).checked_sub(1)) {
+            (Some(ground), Some(index)) if index < others.len() => {
+                let n = if self.behind { -ground.shading } else { ground.shading };
+                Pose::new(&others[index], self.side.oriented, &ground, n, self.textures)
+            }
+            _ => self.pose,
+        }
+    }
+
+    /// The parts behind the first with their numbers.
+    #[inline(always)]
+    fn others(&self) -> impl Iterator<Item = (PartIndex<K>, &'w Layer<K>)> + use<'w, K> {
+        let others = self.side.others().iter().enumerate();
+        others.map(|(index, layer)| (K::Blend::field(|| index as u8 + 1), layer))
     }
 
     /// A colour here.
     #[inline]
     fn colour(&self, colour: &Colour) -> Vec3 {
         match (K::Textures::VALUE, colour.texture) {
-            (Some(_), Some(texture)) => self.textures[texture as usize].at(self.uv),
+            (Some(_), Some(texture)) => {
+                self.textures[texture as usize].on(&K::Textures::value(self.spot))
+            }
             _ => colour.value,
         }
     }
@@ -113,7 +132,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     #[inline]
     fn grey(&self, grey: &Grey) -> f32 {
         match (K::Textures::VALUE, grey.texture) {
-            (Some(_), Some(texture)) => self.textures[texture as usize].number(self.uv),
+            (Some(_), Some(texture)) => {
+                self.textures[texture as usize].number_on(&K::Textures::value(self.spot))
+            }
             _ => grey.value,
         }
     }
@@ -129,40 +150,39 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         Roughness { distribution, alpha, sample_visible }
     }
 
-    /// What is left of light from `w` (in world coordinates) because the normals are turned.
-    #[inline]
-    fn unhidden(&self, w: Vec3) -> f32 {
-        K::Bumps::value(self.bumped).map_or(1.0, |bumped| bumped.unhidden(w, self.frame))
-    }
-
     /// How many lobes there are.
     #[inline]
     pub fn count(&self) -> usize {
-        let second = self.side.blend.as_ref().map_or(0, |(_, model, _)| count(model));
-        count(&self.side.base) + second + usize::from(self.side.mask.is_some())
+        let others: usize = self.side.others().iter().map(|layer| count(&layer.model)).sum();
+        count(&self.side.base.model) + others + usize::from(self.side.holes.is_some())
     }
 
     /// Whether the lobe is that of the holes in the surface, the last one.
     #[inline]
     fn is_hole(&self, index: usize) -> bool {
-        self.side.mask.is_some() && index + 1 == self.count()
+        self.side.holes.is_some() && index + 1 == self.count()
     }
 
     /// A lobe, if there are so many. Chances add up to one.
     #[inline]
     pub fn lobe(&self, index: usize) -> Option<Weighted<K>> {
-        let Shares { base, second, holes } = self.shares();
-        let first = count(&self.side.base);
-        if index < first {
-            return Some(self.model_lobe(&self.side.base, index)?.scaled(base));
+        let Shares { base, holes, .. } = self.shares();
+        let mut left = index;
+        let first = &self.side.base.model;
+        if left < count(first) {
+            return Some(self.model_lobe(first, &self.pose, left)?.scaled(base));
         }
-        if let Some((_, model, _)) = &self.side.blend
-            && index - first < count(model)
-        {
-            return Some(self.model_lobe(model, index - first)?.scaled(second));
+        left -= count(first);
+        for (part, layer) in self.others() {
+            if left < count(&layer.model) {
+                let (pose, share) = (self.pose_of(part), self.share_of(part, layer));
+                let lobe = self.model_lobe(&layer.model, &pose, left)?.scaled(share);
+                return Some(Weighted { part, ..lobe });
+            }
+            left -= count(&layer.model);
         }
         let lobe = Lobe::Passage(Presence::VALUE?);
-        Some(Weighted { lobe, coefficient: Vec3::ONE, chance: 1.0 }.scaled(holes))
+        Some(Weighted::new(lobe, Vec3::ONE, 1.0).scaled(holes))
     }
 
     /// What each part of the material has of the light, and how often sampling chooses it: never where
@@ -172,44 +192,63 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         Mixtures::<K>::value(self.shares)
     }
 
-    /// The same, computed once.
+    /// The share of a part of the material in the light.
+    fn light_of(&self, layer: &Layer<K>) -> f32 {
+        let factors = layer.factors.iter().map(|factor| match factor {
+            Factor::Of(grey) => self.grey(grey),
+            Factor::Rest(grey) => 1.0 - self.grey(grey),
+        });
+        factors.product()
+    }
+
+    /// The share of a part behind the first.
+    fn share_of(&self, part: PartIndex<K>, layer: &Layer<K>) -> Share {
+        let light = self.light_of(layer);
+        let dark = layer.model.is_black() || !self.pose_of(part).is_seen();
+        Share { light, chance: if dark { 0.0 } else { light * self.shares().scale } }
+    }
+
+    /// The shares of the first part and of the holes, computed once.
     fn shares_here(&self) -> Shares {
-        let weight = self.side.blend.as_ref().map_or(0.0, |(_, _, share)| self.grey(share));
-        let mut light = [1.0 - weight, weight];
-        let mut holes = 0.0;
-        if let Some((_, Opacity { whole, parts })) = &self.side.mask {
-            let whole = self.grey(whole);
-            light = [0, 1].map(|part| light[part] * self.grey(&parts[part]) * whole);
-            holes = (1.0 - (light[0] + light[1])).max(0.0);
+        if self.side.more.is_none() && self.side.holes.is_none() {
+            return Shares::default();
         }
-        let first = if self.side.base.is_black() { 0.0 } else { light[0] };
-        let second = match &self.side.blend {
-            Some((_, model, _)) if !model.is_black() => light[1],
-            _ => 0.0,
-        };
-        let all = first + second + holes;
+        let light = self.light_of(&self.side.base);
+        let dark = self.side.base.model.is_black() || !self.pose.is_seen();
+        let (mut lit, mut seen) = (light, if dark { 0.0 } else { light });
+        // Whatever the chances of the others are divided by, none of them is negative.
+        for (part, layer) in self.others() {
+            let Share { light, chance } = self.share_of(part, layer);
+            (lit, seen) = (lit + light, seen + chance);
+        }
+        let holes = if self.side.holes.is_some() { (1.0 - lit).max(0.0) } else { 0.0 };
+        let all = seen + holes;
         // Where a texture leaves only what is black, nothing is chosen.
-        let share =
-            |light, chance| Share { light, chance: if all > 0.0 { chance / all } else { 0.0 } };
+        let scale = if all > 0.0 { 1.0 / all } else { 0.0 };
         Shares {
-            base: share(light[0], first),
-            second: share(light[1], second),
-            holes: share(holes, holes),
+            base: Share { light, chance: if dark { 0.0 } else { light * scale } },
+            holes: Share { light: holes, chance: holes * scale },
+            scale,
         }
     }
 
-    /// A quantity of the materials, each by its share of the light.
+    /// A quantity of the parts of the material that are seen, each by its share of the light.
     #[inline]
-    fn mixed(&self, of: impl Fn(&Model<K>) -> Vec3) -> Vec3 {
-        let Shares { base, second, .. } = self.shares();
-        let first = of(&self.side.base) * base.light;
-        self.side.blend.as_ref().map_or(first, |(_, model, _)| first + of(model) * second.light)
+    fn mixed(&self, of: impl Fn(&Model<K>, &Pose<K>) -> Vec3) -> Vec3 {
+        let seen = |model: &Model<K>, pose: &Pose<K>| {
+            if pose.is_seen() { of(model, pose) } else { Vec3::ZERO }
+        };
+        let first = seen(&self.side.base.model, &self.pose) * self.shares().base.light;
+        self.others().fold(first, |sum, (part, layer)| {
+            sum + seen(&layer.model, &self.pose_of(part)) * self.light_of(layer)
+        })
     }
 
     /// About what the surface scatters of the light that arrives: the probability to go on after
     /// Russian roulette.
     pub fn albedo(&self) -> Vec3 {
-        self.mixed(|model| self.model_albedo(model)) + Vec3::splat(self.shares().holes.light)
+        let parts = self.mixed(|model, pose| self.model_albedo(model, pose.view.z));
+        parts + Vec3::splat(self.shares().holes.light)
     }
 
     /// The index of refraction on the other side over that on the viewer's.
@@ -218,15 +257,13 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     #[inline]
-    fn model_albedo(&self, model: &Model<K>) -> Vec3 {
+    fn model_albedo(&self, model: &Model<K>, cosine: f32) -> Vec3 {
         match model {
             Model::Black => Vec3::ZERO,
             Model::Diffuse(matte) => self.colour(&matte.get().reflectance),
-            Model::Conductor(m) => {
-                self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z)
-            }
+            Model::Conductor(m) => self.colour(&m.get().reflectance) * metal(m.get().metal, cosine),
             Model::RoughConductor(m) => {
-                self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z)
+                self.colour(&m.get().reflectance) * metal(m.get().metal, cosine)
             }
             Model::Dielectric(glass) => {
                 self.colour(&glass.get().reflectance).max(self.colour(&glass.get().transmittance))
@@ -239,12 +276,12 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             }
             Model::Plastic(plastic) => {
                 let (plastic, _) = PlasticOf::<K>::get_ref(plastic);
-                let (share, _) = fresnel::dielectric(self.view.z, plastic.eta);
+                let (share, _) = fresnel::dielectric(cosine, plastic.eta);
                 self.colour(&plastic.diffuse).lerp(self.colour(&plastic.reflectance), share)
             }
             Model::RoughPlastic(plastic) => {
                 let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
-                let share = 1.0 - coat.transmitted(self.view.z);
+                let share = 1.0 - coat.transmitted(cosine);
                 self.colour(&plastic.diffuse).lerp(self.colour(&plastic.reflectance), share)
             }
             Model::Phong(phong) => {
@@ -255,47 +292,49 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     #[inline]
-    fn model_lobe(&self, model: &Model<K>, index: usize) -> Option<Weighted<K>> {
+    fn model_lobe(&self, model: &Model<K>, pose: &Pose<K>, index: usize) -> Option<Weighted<K>> {
+        if !pose.is_seen() {
+            return Some(Weighted::new(Lobe::Nothing, Vec3::ZERO, 0.0));
+        }
+        let cosine = pose.view.z;
         match model {
             Model::Black => None,
             Model::Diffuse(_) => matte(1.0),
             Model::Conductor(m) => {
-                let reflected =
-                    self.colour(&m.get().reflectance) * metal(m.get().metal, self.view.z);
+                let reflected = self.colour(&m.get().reflectance) * metal(m.get().metal, cosine);
                 mirror(reflected, 1.0)
             }
             Model::Dielectric(glass) => {
                 let eta = self.relative(glass.get().eta);
-                let (reflected, _) = fresnel::dielectric(self.view.z, eta);
+                let (reflected, _) = fresnel::dielectric(cosine, eta);
                 if index == 0 {
                     let colour = self.colour(&glass.get().reflectance) * reflected;
                     return mirror(colour, reflected);
                 }
                 let passed = 1.0 - reflected;
-                Some(Weighted {
-                    lobe: Lobe::Refraction(Refraction::<K>::with(|| eta)?),
-                    // Radiance is compressed into a smaller solid angle.
-                    coefficient: self.colour(&glass.get().transmittance) * (passed / (eta * eta)),
-                    chance: passed,
-                })
+                Some(Weighted::new(
+                    Lobe::Refraction(Refraction::<K>::with(|| eta)?),
+                    self.colour(&glass.get().transmittance) * (passed / (eta * eta)),
+                    passed,
+                ))
             }
             Model::ThinDielectric(pane) => {
-                let (once, _) = fresnel::dielectric(self.view.z, pane.get().eta);
+                let (once, _) = fresnel::dielectric(cosine, pane.get().eta);
                 // The sum over all reflections within the pane.
                 let reflected = 2.0 * once / (1.0 + once);
                 if index == 0 {
                     let colour = self.colour(&pane.get().reflectance) * reflected;
                     return mirror(colour, reflected);
                 }
-                Some(Weighted {
-                    lobe: Lobe::Passage(Presence::VALUE?),
-                    coefficient: self.colour(&pane.get().transmittance) * (1.0 - reflected),
-                    chance: 1.0 - reflected,
-                })
+                Some(Weighted::new(
+                    Lobe::Passage(Presence::VALUE?),
+                    self.colour(&pane.get().transmittance) * (1.0 - reflected),
+                    1.0 - reflected,
+                ))
             }
             Model::Plastic(plastic) => {
                 let (plastic, _) = PlasticOf::<K>::get_ref(plastic);
-                let (reflected, _) = fresnel::dielectric(self.view.z, plastic.eta);
+                let (reflected, _) = fresnel::dielectric(cosine, plastic.eta);
                 let chance =
                     coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
                 if index == 0 {
@@ -310,11 +349,11 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 let eta = self.relative(glass.eta);
                 let roughness = self.roughness(&glass.facets);
                 let lobe = Lobe::Interface(Interface::<K>::with(|| (roughness, eta))?);
-                Some(Weighted { lobe, coefficient: Vec3::ZERO, chance: 1.0 })
+                Some(Weighted::new(lobe, Vec3::ZERO, 1.0))
             }
             Model::RoughPlastic(plastic) => {
                 let (plastic, coat) = RoughPlasticOf::<K>::get_ref(plastic);
-                let reflected = 1.0 - coat.transmitted(self.view.z);
+                let reflected = 1.0 - coat.transmitted(cosine);
                 let chance =
                     coat_chance(reflected, plastic.reflectance.value, plastic.diffuse.value);
                 if index == 0 { facets(plastic.roughness, chance) } else { matte(1.0 - chance) }
@@ -326,13 +365,18 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                     return matte(1.0 - chance);
                 }
                 let lobe = Lobe::Glossy(PhongOf::<K>::with(|| phong.exponent)?);
-                Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
+                Some(Weighted::new(lobe, Vec3::ZERO, chance))
             }
         }
     }
 }
 
 impl<K: SceneKind> Weighted<K> {
+    /// A lobe of the first part.
+    fn new(lobe: Lobe<K>, coefficient: Vec3, chance: f32) -> Self {
+        Weighted { lobe, coefficient, chance, part: Default::default() }
+    }
+
     fn scaled(self, Share { light, chance }: Share) -> Self {
         Weighted { coefficient: self.coefficient * light, chance: self.chance * chance, ..self }
     }
@@ -345,19 +389,20 @@ struct Share {
     chance: f32,
 }
 
-/// The shares of the parts of a material; the light's add up to one, and the chances do.
+/// The shares of the first part of a material and of its holes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Shares {
     base: Share,
-    second: Share,
     holes: Share,
+    /// What the light that a part has is multiplied by for the chance to choose it; chances add up to one.
+    scale: f32,
 }
 
 impl Default for Shares {
     /// Those of a material that is no mixture.
     fn default() -> Self {
         let (all, none) = (Share { light: 1.0, chance: 1.0 }, Share { light: 0.0, chance: 0.0 });
-        Shares { base: all, second: none, holes: none }
+        Shares { base: all, holes: none, scale: 1.0 }
     }
 }
 
@@ -379,16 +424,16 @@ fn count<K: SceneKind>(model: &Model<K>) -> usize {
 
 fn matte<K: SceneKind>(chance: f32) -> Option<Weighted<K>> {
     let lobe = Lobe::Matte(Presence::VALUE?);
-    Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
+    Some(Weighted::new(lobe, Vec3::ZERO, chance))
 }
 
 fn mirror<K: SceneKind>(coefficient: Vec3, chance: f32) -> Option<Weighted<K>> {
-    Some(Weighted { lobe: Lobe::Mirror(Presence::VALUE?), coefficient, chance })
+    Some(Weighted::new(Lobe::Mirror(Presence::VALUE?), coefficient, chance))
 }
 
 fn facets<K: SceneKind>(roughness: Roughness, chance: f32) -> Option<Weighted<K>> {
     let lobe = Lobe::Facets(Facetted::<K>::with(|| roughness)?);
-    Some(Weighted { lobe, coefficient: Vec3::ZERO, chance })
+    Some(Weighted::new(lobe, Vec3::ZERO, chance))
 }
 
 /// How often to sample the coat of a plastic rather than its base.

@@ -5,12 +5,12 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use aether_core::{PathView, Pcg32, Strategy};
-use glam::{Vec2, Vec3};
+use glam::{Affine2, Vec2, Vec3};
 
 use super::{Lobe, Material, Scattering};
 use crate::kind::{Everything, Present};
 use crate::scene::bsdf::*;
-use crate::scene::texture::{Colour, Grey};
+use crate::scene::texture::{Colour, Grey, Pattern, Texture};
 use crate::scene::{PrimitiveId, Scene, Tangents};
 use crate::strategies::{SampleBsdf, sample_bsdf};
 use crate::vertex::{Place, SceneVertex, Surface};
@@ -130,8 +130,8 @@ fn chances_add_up_to_one() {
             assert!((sum - 1.0).abs() < 1e-6, "{sum} {bsdf:?}");
             // Light that passes unchanged, or in one direction, is found by that direction.
             for lobe in lobes.filter(|lobe| lobe.lobe.is_atom()) {
-                let w = s.direction(&lobe.lobe).expect("an atom has a direction");
-                let atoms = s.atoms(s.frame.to_world(w).into());
+                let w = s.direction(&lobe).expect("an atom has a direction");
+                let atoms = s.atoms(s.pose.frame.to_world(w).into());
                 let expected = lobe.coefficient * s.measure(&lobe.lobe, w);
                 assert!(
                     (atoms - expected).abs().max_element() < 1e-6
@@ -162,6 +162,74 @@ fn parts_of_mixtures_have_holes_of_their_own() {
     let holes = 1.0 - share[0] - share[1];
     assert!((passage.coefficient - holes).abs().max_element() < 1e-6, "{passage:?}");
     assert!((passage.chance - holes).abs() < 1e-6, "{passage:?}");
+}
+
+/// Scattering at a surface whose material turns normals by a texture.
+fn turned<'a>(
+    material: &'a Material<Everything>,
+    textures: &'a [Texture],
+    v: Vec3,
+) -> Option<Scattering<'a, Everything>> {
+    let tangents = Tangents { du: Vec3::X, dv: Vec3::Y };
+    let (normal, shading) = (Vec3::Z, Vec3::Z);
+    let (position, uv) = (Vec3::ZERO, Vec2::splat(0.25));
+    let primitive = PrimitiveId(0);
+    let surface = Surface { position, normal, shading, primitive, emitter: None, uv, tangents };
+    Scattering::new(material, textures, &surface, v)
+}
+
+/// Parts of mixtures of mixtures have normals of their own: what all scatter is the weighted sum of what each
+/// does alone, from sides too from which some are turned away.
+#[test]
+fn parts_of_mixtures_are_turned_by_themselves() {
+    let normals = [Vec3::new(0.8, 0.5, 0.9), Vec3::new(0.2, 0.6, 0.8)];
+    let textures = normals.map(|colour| Texture {
+        pattern: Pattern::Checkerboard([colour; 2]),
+        to_uv: Affine2::IDENTITY,
+        scale: 1.0,
+    });
+    let bumped = |texture, nested: &Bsdf| Bsdf::Bump {
+        bump: Bump { texture, relief: Relief::Normals, flip_invalid: false, shadowing: true },
+        nested: Box::new(nested.clone()),
+    };
+    let mixture = |share: f32, parts: [Bsdf; 2]| Bsdf::Blend {
+        weight: share.into(),
+        nested: Box::new(parts),
+    };
+    let mirror = Bsdf::Conductor(Conductor { metal: None, reflectance: Vec3::ONE.into() });
+    let parts = [
+        (0.5 * 0.6 * 0.8, bumped(0, &materials()[3])),
+        (0.5 * 0.6 * 0.2, bumped(1, &mirror)),
+        (0.5 * 0.4, materials()[1].clone()),
+    ];
+    let inner = mixture(0.2, [parts[0].1.clone(), parts[1].1.clone()]);
+    let whole = masked(0.5, mixture(0.4, [inner, parts[2].1.clone()]));
+    let whole = Material::<Everything>::new(&whole).unwrap();
+    let mut lit = 0;
+    for k in 0..200 {
+        let (v, w) = (direction(k), direction(5 * k + 2));
+        let s = turned(&whole, &textures, v).expect("light passes the holes");
+        let alone = parts.each_ref().map(|(_, bsdf)| Material::<Everything>::new(bsdf).unwrap());
+        let mut expected = Vec3::ZERO;
+        for ((share, _), part) in parts.iter().zip(&alone) {
+            let Some(part) = turned(part, &textures, v) else { continue };
+            expected += *share * part.value(w);
+            for index in 0..part.count() {
+                let lobe = part.lobe(index).expect("there are so many");
+                let Some(local) = part.direction(&lobe) else { continue };
+                let along = Vec3::from(part.pose.frame.to_world(Vec3::from(local.vec())));
+                let (found, expected) = (s.atoms(along), *share * part.atoms(along));
+                assert!((found - expected).abs().max_element() < 1e-5, "{found} {expected} {v}");
+                lit += u32::from(expected != Vec3::ZERO);
+            }
+        }
+        let found = s.value(w);
+        assert!((found - expected).abs().max_element() < 1e-5, "{found} {expected} {v} {w}");
+        lit += u32::from(expected != Vec3::ZERO);
+        let chances = (0..s.count()).map(|index| s.lobe(index).expect("so many").chance);
+        assert!((chances.sum::<f32>() - 1.0).abs() < 1e-5);
+    }
+    assert!(lit > 100, "{lit}");
 }
 
 /// Phong's lobe reflects all light that arrives along the normal, and never more.
@@ -201,7 +269,7 @@ fn square(bsdf: &str) -> Scene {
 
 /// Rows and columns of bins on the sphere of directions, and points in each along both.
 const BINS: [usize; 2] = [10, 16];
-const FINE: usize = 10;
+const FINE: usize = 40;
 /// Samples of each distribution.
 const DRAWS: usize = 20_000;
 
@@ -308,7 +376,20 @@ fn samples_have_the_densities_that_they_say() {
             </bsdf>"#
             .to_owned(),
     ];
-    for alpha in [0.3, 0.8] {
+    let turned = |colour: &str, nested: &str| {
+        format!(
+            r#"<bsdf type="normalmap"><texture type="checkerboard" name="normalmap">
+            <rgb name="color0" value="{colour}"/><rgb name="color1" value="{colour}"/></texture>{nested}</bsdf>"#
+        )
+    };
+    let rough = r#"<bsdf type="roughconductor"><float name="alpha" value="0.4"/></bsdf>"#;
+    models.push(format!(
+        r#"<bsdf type="blendbsdf"><float name="weight" value="0.6"/>{}
+        <bsdf type="blendbsdf"><float name="weight" value="0.5"/>{}<bsdf type="plastic"/></bsdf></bsdf>"#,
+        turned("0.8,0.5,0.9", rough),
+        turned("0.3,0.7,0.85", r#"<bsdf type="diffuse"/>"#),
+    ));
+    for alpha in [0.15, 0.3, 0.8] {
         models.extend(facets("roughconductor", "", alpha));
         models.extend(facets("roughdielectric", "", alpha));
     }
@@ -318,7 +399,7 @@ fn samples_have_the_densities_that_they_say() {
     for (seed, model) in (1..).zip(&models) {
         let scene = square(model);
         let world = World::new(&scene).unwrap();
-        for z in [0.95f32, 0.5, 0.15, -0.6] {
+        for z in [0.95f32, 0.5, 0.15, 0.04, -0.6] {
             let r = (1.0 - z * z).sqrt();
             let view = Vec3::new(0.6 * r, -0.8 * r, z);
             if z < 0.0 && !model.contains("dielectric") {

@@ -13,11 +13,11 @@ use super::lights::{Bulb, Distant, Sky};
 use super::load_bsdf;
 use super::load_lights::{Lone, read_area, read_lone};
 use super::load_settings::{Sensor, read_integrator, read_sensor};
-use super::load_texture::Textures;
+use super::load_texture::{Attributes, Textures, attributes_shown};
 use super::model::{Bounds, Emitter, Primitive, Rectangle, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
-use super::texture::Colour;
+use super::texture::{Colour, Patch};
 use super::trace::Tracer;
 use super::{Facts, Scene, xml};
 
@@ -113,6 +113,7 @@ struct Parts {
     emitters: Vec<Emitter>,
     degenerate: usize,
     portals: Vec<super::Primitive>,
+    attributes: Attributes,
 }
 
 fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError> {
@@ -153,7 +154,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     };
     root.ignore(&["allow_thread_reordering", "compact_acceleration_structures"]);
     root.finish(&["shape", "bsdf", "sensor", "integrator", "emitter", "texture", "medium"])?;
-    let Sensor { mut camera, position, film, sampler } = sensor.ok_or_else(|| {
+    let Sensor { mut camera, position, film, sampler, clips } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
     let portals = [&*integrator.portals, &*overrides.portals].concat();
@@ -163,8 +164,9 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     }
     let (sky, distant) = (builder.sky.take(), std::mem::take(&mut builder.distant));
     let bulbs = std::mem::take(&mut builder.bulbs);
-    let textures = std::mem::take(&mut builder.textures.list);
+    let textures = std::mem::take(&mut builder.textures);
     let (parts, origin) = builder.parts(&portals)?;
+    let textures = textures.finished(&parts.attributes)?;
     let bulbs = bulbs
         .into_iter()
         .map(|(bulb, place)| Bulb { position: (place - origin).as_vec3(), ..bulb });
@@ -172,7 +174,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     camera.origin = (position - origin).as_vec3();
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
-    Ok(Scene {
+    let mut scene = Scene {
         tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
         facts: parts.primitives.iter().map(Facts::new).collect(),
         primitives: parts.primitives,
@@ -196,7 +198,13 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         warnings: document.warnings.take(),
         files: document.files.take(),
         degenerate_triangles: parts.degenerate,
-    })
+    };
+    let cut: Vec<SceneError> = clips
+        .into_iter()
+        .filter_map(|(clip, warning)| clip.matters(&scene).then_some(warning))
+        .collect();
+    scene.warnings.extend(cut);
+    Ok(scene)
 }
 
 impl<'a> Builder<'a> {
@@ -242,7 +250,20 @@ impl<'a> Builder<'a> {
             None => None,
         };
         let bsdf = match query.child("bsdf")? {
-            Some(id) => self.bsdf(id)?,
+            Some(id) => {
+                let index = self.bsdf(id)?;
+                for name in attributes_shown(self.document, id)? {
+                    if !source.attributes().any(|other| other == name) {
+                        let found: Vec<&str> = source.attributes().collect();
+                        let found = if found.is_empty() { "none".into() } else { found.join(", ") };
+                        let message = format!(
+                            "the material needs the attribute \"{name}\"; there are: {found}"
+                        );
+                        return Err(query.error_at("", message));
+                    }
+                }
+                index
+            }
             // Mitsuba's default; a shape that only emits reflects nothing.
             None => self.add_bsdf(Bsdf::Diffuse(Diffuse {
                 reflectance: Vec3::splat(if emission.is_some() { 0.0 } else { 0.5 }).into(),
@@ -375,6 +396,15 @@ impl Parts {
             (!geometry.texcoords.is_empty()).then_some(self.texcoords.len() as u32);
         if let Some(emission) = shape.emission.filter(|emission| emission.value != Vec3::ZERO) {
             self.add_emitters(emission, shape.first_primitive, &geometry.primitives);
+        }
+        for (name, values) in geometry.attributes {
+            let corners = geometry.primitives.iter().filter_map(|primitive| match primitive {
+                Primitive::Triangle { v0, v1, v2 } => Some([*v0, *v1, *v2]),
+                _ => None,
+            });
+            let patch =
+                Patch { first: shape.first_primitive, triangles: corners.zip(values).collect() };
+            self.attributes.push((name, patch));
         }
         self.primitive_shapes.extend(geometry.primitives.iter().map(|_| index));
         self.primitives.extend(geometry.primitives);

@@ -8,12 +8,12 @@ use super::error::SceneError;
 use super::indices;
 use super::load_texture::Textures;
 use super::spectrum::Purpose;
-use super::texture::Grey;
+use super::texture::{Grey, Pattern};
 
 /// The plugins that exist here.
 const SUPPORTED: &str = "diffuse, conductor, dielectric, thindielectric, roughconductor, \
                          roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, \
-                         bumpmap, normalmap";
+                         bumpmap, normalmap, null";
 
 /// How deep materials may be nested: a mixture in a mixture in a two-sided one has no use.
 const DEEPEST: usize = 8;
@@ -81,6 +81,11 @@ fn nested(
         }),
         "phong" => phong(document, &query, textures)?,
         "twosided" => two_sided(&query, children()?)?,
+        // All light passes: a mask with nothing but holes.
+        "null" => {
+            let black = Bsdf::Diffuse(Diffuse { reflectance: Vec3::ZERO.into() });
+            Bsdf::Mask { opacity: 0.0.into(), nested: Box::new(black) }
+        }
         "mask" => {
             let nested = children()?;
             mask(&query, share(document, &query, textures, "opacity", Some(0.5))?, nested)?
@@ -190,17 +195,20 @@ fn bumped(
         let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
         return Err(query.error_at("scale", message));
     }
+    let texture = textures.index(document, id)?;
+    if heights && matches!(textures.list[texture as usize].pattern, Pattern::Attribute { .. }) {
+        return Err(query.error_at("", "attributes of meshes are not supported as heights"));
+    }
     let bump = Bump {
-        texture: textures.index(document, id)?,
+        texture,
         relief: if heights { Relief::Heights(scale as f32) } else { Relief::Normals },
         flip_invalid: query.boolean("flip_invalid_normals")?.unwrap_or(true),
         shadowing: query.boolean("use_shadowing_function")?.unwrap_or(true),
     };
     match (nested.pop(), nested.pop()) {
-        (Some(Bsdf::Mask { .. } | Bsdf::Bump { .. }), None) => Err(query.error_at(
-            "",
-            "masks and other bumps within a bump are not supported; put a mask outside",
-        )),
+        (Some(nested), None) if is_bumped(&nested) => {
+            Err(query.error_at("", "other bumps within a bump are not supported"))
+        }
         (Some(nested), None) => Ok(Bsdf::Bump { bump, nested: Box::new(nested) }),
         _ => Err(query.error_at("", "needs one nested <bsdf>")),
     }
@@ -222,9 +230,6 @@ fn phong(document: &Document, query: &Query, textures: &mut Textures) -> Result<
 
 fn mask(query: &Query, opacity: Grey, mut nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     match (nested.pop(), nested.pop()) {
-        (Some(Bsdf::Mask { .. }), None) => {
-            Err(query.error_at("", "a mask within a mask: multiply their opacities"))
-        }
         (Some(nested), None) => Ok(Bsdf::Mask { opacity, nested: Box::new(nested) }),
         _ => Err(query.error_at("", "needs one nested <bsdf>")),
     }
@@ -233,31 +238,34 @@ fn mask(query: &Query, opacity: Grey, mut nested: Vec<Bsdf>) -> Result<Bsdf, Sce
 fn blend(query: &Query, weight: Grey, nested: Vec<Bsdf>) -> Result<Bsdf, SceneError> {
     let nested: [Bsdf; 2] =
         nested.try_into().map_err(|_| query.error_at("", "needs two nested <bsdf>"))?;
-    if nested.iter().any(|bsdf| matches!(bare(bsdf), Bsdf::Blend { .. })) {
-        return Err(query.error_at("", "mixtures of mixtures are not supported"));
-    }
-    if bump_of(&nested[0]) != bump_of(&nested[1]) {
-        let message = "the normals of both parts of a mixture must be turned by the same texture; put the \
-                       bump outside";
+    let parts: usize = nested.iter().map(parts).sum();
+    if parts > MOST_PARTS {
+        let message = format!("a mixture of {parts} materials; at most {MOST_PARTS} are supported");
         return Err(query.error_at("", message));
     }
     Ok(Bsdf::Blend { weight, nested: Box::new(nested) })
 }
 
-/// A material without its holes and without what turns its normals.
-fn bare(bsdf: &Bsdf) -> &Bsdf {
+/// How many parts a mixture of mixtures may have.
+const MOST_PARTS: usize = 15;
+
+/// How many materials are mixed at most on one side.
+fn parts(bsdf: &Bsdf) -> usize {
     match bsdf {
-        Bsdf::Mask { nested, .. } | Bsdf::Bump { nested, .. } => bare(nested),
-        other => other,
+        Bsdf::TwoSided(sides) => parts(&sides[0]).max(parts(&sides[1])),
+        Bsdf::Mask { nested, .. } | Bsdf::Bump { nested, .. } => parts(nested),
+        Bsdf::Blend { nested, .. } => parts(&nested[0]) + parts(&nested[1]),
+        _ => 1,
     }
 }
 
-/// What turns the normals of a material.
-fn bump_of(bsdf: &Bsdf) -> Option<Bump> {
+/// Whether anything turns the normals of a material or of a part of it.
+fn is_bumped(bsdf: &Bsdf) -> bool {
     match bsdf {
-        Bsdf::Mask { nested, .. } => bump_of(nested),
-        Bsdf::Bump { bump, .. } => Some(*bump),
-        _ => None,
+        Bsdf::Bump { .. } => true,
+        Bsdf::Mask { nested, .. } => is_bumped(nested),
+        Bsdf::TwoSided(nested) | Bsdf::Blend { nested, .. } => nested.iter().any(is_bumped),
+        _ => false,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3, Vec2};
 
+use super::Scene;
 use super::camera::{self, Camera, Projection};
 use super::document::{Document, Query};
 use super::error::SceneError;
@@ -20,6 +21,52 @@ pub struct Sensor {
     pub film: Film,
     /// The sampler.
     pub sampler: Sampler,
+    /// Distances along the axis before or behind which the file wants nothing to be seen, with what to say where
+    /// there is something.
+    pub clips: Vec<(Clip, SceneError)>,
+}
+
+/// What a file wants to be cut away: nothing is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Clip {
+    /// What is nearer than this.
+    Near(f32),
+    /// What is further away.
+    Far(f32),
+}
+
+impl Clip {
+    /// Whether the centre of one of 16x16 parts of the image shows something that is to be cut away.
+    pub fn matters(self, scene: &Scene) -> bool {
+        let Scene { camera, film, .. } = scene;
+        (0..256).any(|k| {
+            let part = Vec2::new((k % 16) as f32 + 0.5, (k / 16) as f32 + 0.5) / 16.0;
+            let direction =
+                camera.direction(part * Vec2::new(film.width as f32, film.height as f32));
+            let hit = scene.intersect(camera.origin, direction, None);
+            hit.is_some_and(|hit| {
+                let depth = hit.t * direction.dot(camera.forward);
+                match self {
+                    Clip::Near(near) => depth < near,
+                    Clip::Far(far) => depth > far,
+                }
+            })
+        })
+    }
+}
+
+/// The near and the far plane that a file asks for.
+fn clips(query: &Query) -> Result<Vec<(Clip, SceneError)>, SceneError> {
+    let mut found = Vec::new();
+    for (name, what) in [("near_clip", "nearer"), ("far_clip", "further away")] {
+        let (Some(distance), Some(property)) = (query.float(name)?, query.get(name)) else {
+            continue;
+        };
+        let clip = if name == "near_clip" { Clip::Near } else { Clip::Far };
+        let message = format!("what is {what} is not cut away; move the camera or the shapes");
+        found.push((clip(distance as f32), property.place.error(message)));
+    }
+    Ok(found)
 }
 
 /// The camera of a `<sensor>`, with its film and sampler. A `size` takes the place of the film's.
@@ -51,9 +98,11 @@ pub fn read_sensor(
         "orthographic" => read_orthographic(query, &film)?,
         _ => read_camera(query, &film)?,
     };
+    // Of an orthographic camera the near plane is where rays start.
+    let clips = if projection == "orthographic" { Vec::new() } else { clips(query)? };
     query.ignore(&["shutter_open", "shutter_close"]);
     query.finish(&["film", "sampler"])?;
-    Ok(Sensor { camera, position, film: film.image, sampler })
+    Ok(Sensor { camera, position, film: film.image, sampler, clips })
 }
 
 /// The part of a film that becomes the image.

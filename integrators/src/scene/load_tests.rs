@@ -193,6 +193,10 @@ fn materials_say_what_is_wrong() {
     let mixed = format!("{}{}", named("alpha"), alpha("alpha_u", "0.2"));
     let two = format!("{}{}", alpha("alpha_u", "0.1"), alpha("alpha_v", "0.2"));
     let bumped = format!("<bsdf type=\"bumpmap\">{checks}{matte}</bsdf>");
+    let half = alpha("weight", "0.5");
+    let pair = |part: String| format!("<bsdf type=\"blendbsdf\">{half}{part}{part}</bsdf>");
+    let crowd = pair(pair(pair(matte.to_owned())));
+    let crowd = format!("{half}{crowd}{crowd}");
     for (plugin, body, expected) in [
         ("bumpmap", matte, "needs one nested <texture>"),
         ("bumpmap", checks, "needs one nested <bsdf>"),
@@ -200,11 +204,7 @@ fn materials_say_what_is_wrong() {
         ("bumpmap", &format!("{checks}{checks}{matte}"), "a second <texture>"),
         ("bumpmap", &format!("{checks}{matte}{}", alpha("scale", "1e9")), "at most 1e6"),
         ("normalmap", &format!("{checks}{matte}"), "the texture \"normalmap\" is missing"),
-        (
-            "blendbsdf",
-            &format!("{matte}{bumped}{}", alpha("weight", "0.5")),
-            "must be turned by the same texture",
-        ),
+        ("blendbsdf", &crowd, "a mixture of 16 materials; at most 15 are supported"),
         (
             "blendbsdf",
             &format!("{matte}{matte}{}", named("opacity")),
@@ -233,6 +233,84 @@ fn materials_say_what_is_wrong() {
 }
 
 #[test]
+fn what_would_be_cut_away_is_a_warning() {
+    let warnings = |near: &str, far: &str| {
+        let clip = |name: &str, value: &str| format!("<float name=\"{name}\" value=\"{value}\"/>");
+        let sensor = format!(
+            "<sensor type=\"perspective\">{}{}</sensor>",
+            clip("near_clip", near),
+            clip("far_clip", far)
+        );
+        let square = "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"2\"/></transform></shape>";
+        load(&format!("{sensor}{square}"))
+            .unwrap()
+            .warnings
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>()
+    };
+    assert!(warnings("1.9", "2.1").is_empty());
+    for (near, far, expected) in
+        [("2.1", "9", "what is nearer is not cut"), ("0.1", "1.9", "what is further away")]
+    {
+        let found = warnings(near, far);
+        assert!(found.len() == 1 && found[0].contains(expected), "{found:?}");
+    }
+}
+
+/// A square of two triangles with colours at its corners and a number for each face.
+const PAINTED: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+    property float z\nproperty float r\nproperty float g\nproperty float b\nproperty float gloss_x\n\
+    element face 1\nproperty list uchar int vertex_indices\nproperty float tone_0\nend_header\n\
+    0 0 0 1 0 0 0.1\n1 0 0 0 1 0 0.2\n1 1 0 0 0 1 0.3\n0 1 0 0 0 0 0.4\n4 0 1 2 3 0.7\n";
+
+#[test]
+fn meshes_bring_colours() {
+    let root = folder("painted");
+    std::fs::write(root.join("painted.ply"), PAINTED).unwrap();
+    let shape = |what: &str, name: &str, more: &str| {
+        format!(
+            "<scene version=\"3.0.0\">{SENSOR}<shape type=\"ply\"><string name=\"filename\" value=\"painted.ply\"/>\
+             <transform name=\"to_world\"><scale x=\"-2\" y=\"2\"/><translate z=\"1\"/></transform>\
+             <bsdf type=\"roughconductor\"><texture type=\"mesh_attribute\" name=\"{what}\">\
+             <string name=\"name\" value=\"{name}\"/>{more}</texture></bsdf></shape></scene>"
+        )
+    };
+    let load = |xml: &str| Scene::from_str(xml, &root, &[]).map_err(|error| error.to_string());
+    let value = |what: &str, name: &str| {
+        let scene = load(&shape(what, name, "<float name=\"scale\" value=\"0.5\"/>")).unwrap();
+        // At (0.75, 0.5) of the square, in its lower triangle: weights 0.25, 0.25 and 0.5.
+        let hit = scene.intersect(vec3(-1.5, 1.0, 0.0), Vec3::Z, None).unwrap();
+        let spot = texture::Spot {
+            uv: vec2(0.0, 0.0),
+            primitive: hit.primitive.0,
+            position: hit.position,
+        };
+        scene.textures[0].on(&spot)
+    };
+    let near = |found: Vec3, expected: Vec3| {
+        assert!((found - expected).abs().max_element() < 1e-6, "{found}, not {expected}");
+    };
+    near(value("specular_reflectance", "vertex_color"), 0.5 * vec3(0.25, 0.25, 0.5));
+    near(value("alpha", "vertex_gloss"), Vec3::splat(0.5 * (0.25 * 0.1 + 0.25 * 0.2 + 0.5 * 0.3)));
+    near(value("alpha", "face_tone"), Vec3::splat(0.35));
+    for (what, name, more, expected) in [
+        ("alpha", "vertex_tone", "", "there are: vertex_color, vertex_gloss, face_tone"),
+        ("alpha", "tone", "", "begins with \"vertex_\" or \"face_\""),
+        (
+            "specular_reflectance",
+            "face_tone",
+            "<float name=\"scale\" value=\"2\"/>",
+            "are from 1.4 to 1.4",
+        ),
+    ] {
+        let error = load(&shape(what, name, more)).err().expect("an error");
+        assert!(error.contains(expected), "{error}");
+    }
+    std::fs::remove_dir_all(&root).unwrap();
+}
+
+#[test]
 fn old_textures_are_scaled_and_moved() {
     let scene = load(&format!(
         "{SENSOR}<bsdf type=\"diffuse\"><texture type=\"scale\" name=\"reflectance\">\
@@ -256,7 +334,7 @@ fn errors_say_where_and_what() {
         (
             "<bsdf type=\"foo\"/>",
             "scene.xml:3:1: <bsdf type=\"foo\">: not supported; supported: diffuse, conductor, dielectric, \
-          thindielectric, roughconductor, roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, bumpmap, normalmap",
+          thindielectric, roughconductor, roughdielectric, plastic, roughplastic, phong, twosided, mask, blendbsdf, bumpmap, normalmap, null",
         ),
         (
             "  <shape type=\"hair\"/>",

@@ -7,7 +7,7 @@ use glam::{Affine2, DVec3, Mat2, Vec2, Vec3};
 use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
 use super::spectrum::Purpose;
-use super::texture::{Colour, Grey, Interpolation, Pattern, Texture, Wrap, luminance};
+use super::texture::{Colour, Grey, Interpolation, Patch, Pattern, Texture, Wrap, luminance};
 use crate::image::decode;
 
 /// The textures of a scene under construction.
@@ -16,7 +16,12 @@ pub struct Textures {
     /// All that are referred to.
     pub list: Vec<Texture>,
     indices: HashMap<ObjectId, u32>,
+    /// Those whose values are not known yet, with what they are for and the largest value for that.
+    awaited: Vec<(u32, Property, f32)>,
 }
+
+/// What the meshes of a scene have: the name of the attribute, and its values over one of them.
+pub type Attributes = Vec<(String, Patch)>;
 
 impl Textures {
     /// A reflectance that may vary over the surface.
@@ -83,6 +88,11 @@ impl Textures {
     ) -> Result<Option<Colour>, SceneError> {
         let found = query.children().find(|(property, _)| property.name == "radiance");
         let Some(found) = found else { return Ok(None) };
+        if document.objects[found.1].plugin == "mesh_attribute" {
+            let message =
+                "attributes of meshes are not supported for light; supported: bitmap, checkerboard";
+            return Err(found.0.place.error(message));
+        }
         let index = self.between(document, found, 1e18)?;
         let value = self.list[index as usize].mean();
         Ok(Some(Colour { value, texture: Some(index) }))
@@ -96,14 +106,43 @@ impl Textures {
         most: f32,
     ) -> Result<u32, SceneError> {
         let index = self.index(document, id)?;
+        if matches!(self.list[index as usize].pattern, Pattern::Attribute { .. }) {
+            self.awaited.push((index, property.clone(), most));
+            return Ok(index);
+        }
+        self.check(index, property, most)?;
+        Ok(index)
+    }
+
+    /// All textures, given what the meshes have.
+    ///
+    /// # Errors
+    /// If values are out of range.
+    pub fn finished(mut self, attributes: &Attributes) -> Result<Vec<Texture>, SceneError> {
+        for texture in &mut self.list {
+            if let Pattern::Attribute { name, patches } = &mut texture.pattern {
+                let named = attributes.iter().filter(|(other, _)| other == name);
+                patches.extend(named.map(|(_, patch)| patch.clone()));
+            }
+        }
+        for (index, property, most) in &self.awaited {
+            self.check(*index, property, *most)?;
+        }
+        Ok(self.list)
+    }
+
+    /// Whether the values of a texture are neither negative nor larger than `most`.
+    fn check(&self, index: u32, property: &Property, most: f32) -> Result<(), SceneError> {
         let (least, largest) = self.list[index as usize].range();
-        if !(least >= 0.0 && largest <= most) {
+        // No mesh has it, so nothing uses it.
+        let unused = least > largest;
+        if !(unused || least >= 0.0 && largest <= most) {
             let name = &property.name;
             return Err(property.place.error(format!(
                 "the values of \"{name}\" are from {least} to {largest}, but must lie in [0, {most}]"
             )));
         }
-        Ok(index)
+        Ok(())
     }
 
     /// The place in the list of a texture.
@@ -140,11 +179,52 @@ fn read(document: &Document, id: ObjectId, depth: usize) -> Result<Texture, Scen
             };
             Pattern::Checkerboard([colour("color0", 0.4)?, colour("color1", 0.2)?])
         }
-        _ => return Err(query.unsupported("bitmap, checkerboard, scale")),
+        "mesh_attribute" => return attribute(&query),
+        _ => return Err(query.unsupported("bitmap, checkerboard, mesh_attribute, scale")),
     };
     let to_uv = placed(&query)?;
     query.finish(&[])?;
     Ok(Texture { pattern, to_uv, scale: 1.0 })
+}
+
+/// What a mesh has at its vertices or faces.
+fn attribute(query: &Query) -> Result<Texture, SceneError> {
+    let name = attribute_name(query)?;
+    let scale = query.float("scale")?.unwrap_or(1.0);
+    if scale.is_nan() || scale.abs() > 1e6 {
+        let message = format!("\"scale\" is {scale}, but at most 1e6 is allowed");
+        return Err(query.error_at("scale", message));
+    }
+    query.finish(&[])?;
+    let pattern = Pattern::Attribute { name, patches: Vec::new() };
+    Ok(Texture { pattern, to_uv: Affine2::IDENTITY, scale: scale as f32 })
+}
+
+/// The name of the attribute that a `mesh_attribute` shows.
+fn attribute_name(query: &Query) -> Result<String, SceneError> {
+    let name = query.string("name")?;
+    let name = name.ok_or_else(|| query.error_at("", "needs the string \"name\""))?;
+    if !["vertex_", "face_"].iter().any(|start| name.starts_with(start)) {
+        let message = "the name of an attribute begins with \"vertex_\" or \"face_\"";
+        return Err(query.error_at("name", message));
+    }
+    Ok(name.to_owned())
+}
+
+/// The names of the attributes that a material and what is in it show.
+pub fn attributes_shown(document: &Document, id: ObjectId) -> Result<Vec<String>, SceneError> {
+    let (mut names, mut waiting) = (Vec::new(), vec![(id, 0)]);
+    while let Some((id, depth)) = waiting.pop() {
+        let query = document.query(id);
+        if query.object.plugin == "mesh_attribute" {
+            names.push(attribute_name(&query)?);
+        }
+        // Materials and textures that are nested deeper have been refused.
+        if depth <= 2 * DEEPEST {
+            waiting.extend(query.children().map(|(_, child)| (child, depth + 1)));
+        }
+    }
+    Ok(names)
 }
 
 /// From the coordinates of the surface to those of the texture.

@@ -259,7 +259,7 @@ fn broken_references_and_groups() {
                 "is not supported inside",
             ),
             (&chain, "scene.xml:2:", "nested too deeply"),
-            (&doubled, "scene.xml:2:", "mixtures of mixtures"),
+            (&doubled, "scene.xml:2:", "a mixture of 16 materials; at most 15 are supported"),
             ("<shape type=\"instance\"/>", "scene.xml:2:1 ", "needs a <ref> to a shapegroup"),
             (
                 "<shape type=\"cube\" id=\"c\"/><shape type=\"instance\"><ref id=\"c\"/></shape>",

@@ -25,6 +25,25 @@ impl Corner {
     }
 }
 
+/// What a file says of each vertex or face beside position, normal and texture coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// Its name, with `vertex_` or `face_` before it.
+    pub name: String,
+    /// Whether there is a value for each triangle, and not for each position.
+    pub of_faces: bool,
+    /// The values; single numbers three times.
+    pub values: Vec<Vec3>,
+}
+
+impl Attribute {
+    /// The values at the corners of a triangle.
+    fn corners(&self, index: usize, triangle: [u32; 3]) -> [Vec3; 3] {
+        let at = |k: usize| self.values.get(k).copied().unwrap_or_default();
+        if self.of_faces { [at(index); 3] } else { triangle.map(|corner| at(corner as usize)) }
+    }
+}
+
 /// A mesh as its file describes it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
@@ -40,6 +59,8 @@ pub struct Mesh {
     pub normal_triangles: Vec<[u32; 3]>,
     /// Indices into `texcoords` or [`NONE`]; empty if the file has no texture coordinates.
     pub texcoord_triangles: Vec<[u32; 3]>,
+    /// What else the file says of vertices and faces.
+    pub attributes: Vec<Attribute>,
 }
 
 impl Mesh {
@@ -105,6 +126,8 @@ pub struct Triangles {
     pub normals: Vec<[Vec3; 3]>,
     /// Texture coordinates at the corners; empty if the mesh has none.
     pub texcoords: Vec<[Vec2; 3]>,
+    /// For each attribute of the mesh its values at the corners.
+    pub attributes: Vec<Vec<[Vec3; 3]>>,
     /// Number of triangles left out because they have no area.
     pub degenerate: usize,
 }
@@ -134,7 +157,8 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
     };
 
     let texcoords: Vec<[u32; 3]> = mesh.texcoord_triangles.iter().copied().map(orient).collect();
-    let mut result = Triangles::default();
+    let attributes = vec![Vec::new(); mesh.attributes.len()];
+    let mut result = Triangles { attributes, ..Triangles::default() };
     for (index, triangle) in triangles.iter().enumerate() {
         let vertices = triangle.map(|v| positions[v as usize].as_vec3());
         let Some(flat) = unit_normal(&vertices) else {
@@ -156,6 +180,9 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
             let at = |corner: u32| mesh.texcoords.get(corner as usize).copied().unwrap_or_default();
             let corners = corners.map(|corner| at(corner).as_vec2());
             result.texcoords.push(outside_first(corners, turned));
+        }
+        for (attribute, values) in mesh.attributes.iter().zip(&mut result.attributes) {
+            values.push(outside_first(attribute.corners(index, *triangle), turned));
         }
     }
     result
@@ -183,7 +210,16 @@ pub fn settled(mesh: &Mesh, placement: &Placement) -> Mesh {
     };
     let texcoord_triangles = mesh.texcoord_triangles.iter().map(orient).collect();
     let texcoords = mesh.texcoords.clone();
-    Mesh { positions, normals, texcoords, triangles, normal_triangles, texcoord_triangles }
+    let attributes = mesh.attributes.clone();
+    Mesh {
+        positions,
+        normals,
+        texcoords,
+        triangles,
+        normal_triangles,
+        texcoord_triangles,
+        attributes,
+    }
 }
 
 /// The unit normal of a triangle whose corners run counter-clockwise; none if it has no area in

@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::error::SceneError;
-use super::mesh::{Corner, Mesh};
+use super::mesh::{Attribute, Corner, Mesh};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Format {
@@ -74,9 +74,30 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Mesh, SceneError> {
     let mut mesh = Mesh::default();
     for element in &elements {
         let mut record = Record::default();
+        let groups = element.attributes();
+        let first = mesh.attributes.len();
+        mesh.attributes.extend(groups.iter().map(|(name, _)| Attribute {
+            name: name.clone(),
+            of_faces: element.name == "face",
+            values: Vec::new(),
+        }));
         for index in 0..element.count {
             let result =
                 record.read(&mut cursor, element).and_then(|()| record.store(element, &mut mesh));
+            let result = result.and_then(|()| {
+                // A face with many corners has become several triangles.
+                let wanted = if element.name == "face" {
+                    mesh.triangles.len()
+                } else {
+                    mesh.positions.len()
+                };
+                for (attribute, (_, at)) in mesh.attributes[first..].iter_mut().zip(&groups) {
+                    let value =
+                        finite(DVec3::from_array(at.map(|i| record.scalars[i])), "attribute")?;
+                    attribute.values.resize(wanted, value.as_vec3());
+                }
+                Ok(())
+            });
             if let Err(message) = result {
                 let error = SceneError::in_file(path, message);
                 let error = error.about(format!("{} {index}", element.name));
@@ -171,6 +192,46 @@ impl ElementHeader {
         [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]]
             .into_iter()
             .find_map(|[u, v]| Some([self.find(u, false)?, self.find(v, false)?]))
+    }
+
+    /// What else there is, by Mitsuba's rules for names: `r`, `g`, `b` are the colour; neighbours with a common
+    /// prefix and endings such as `_x`, `_y`, `_z` belong together, and one such ending alone is a number.
+    fn attributes(&self) -> Vec<(String, [usize; 3])> {
+        if !["vertex", "face"].contains(&self.name.as_str()) {
+            return Vec::new();
+        }
+        let named = |rest: &str| format!("{}_{rest}", self.name);
+        let colours = [["r", "g", "b"], ["red", "green", "blue"]];
+        let colour = colours.into_iter().find_map(|names| self.triple(names));
+        let mut found: Vec<_> = colour.into_iter().map(|at| (named("color"), at)).collect();
+        let split = |index: usize| {
+            let property = self.properties.get(index).filter(|p| p.count.is_none())?;
+            let (prefix, ending) = property.name.rsplit_once('_')?;
+            let reserved = ["texture_u", "texture_v", "texture_s", "texture_t"];
+            (!reserved.contains(&&*property.name)).then_some((prefix, ending))
+        };
+        let mut index = 0;
+        while index < self.properties.len() {
+            let schemes = [["x", "y", "z"], ["r", "g", "b"], ["0", "1", "2"], ["1", "2", "3"]];
+            let begun = split(index).and_then(|(prefix, ending)| {
+                let scheme = schemes.into_iter().find(|scheme| scheme[0] == ending)?;
+                let len = (0..3).take_while(|k| split(index + k) == Some((prefix, scheme[*k])));
+                Some((prefix, ending, len.count()))
+            });
+            let Some((prefix, ending, len)) = begun else {
+                index += 1;
+                continue;
+            };
+            let name = if ending == "r" { format!("{prefix}_color") } else { prefix.to_owned() };
+            match len {
+                1 => found.push((named(&name), [index; 3])),
+                3 => found.push((named(&name), [index, index + 1, index + 2])),
+                // Mitsuba ignores pairs.
+                _ => {}
+            }
+            index += len;
+        }
+        found
     }
 
     fn indices(&self) -> Option<usize> {

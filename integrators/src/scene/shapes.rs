@@ -25,6 +25,8 @@ pub struct Geometry {
     pub normals: Vec<[glam::Vec3; 3]>,
     /// Texture coordinates at the corners of each triangle; empty if the shape has none of its own.
     pub texcoords: Vec<[glam::Vec2; 3]>,
+    /// What the file says of the triangles besides: a name, and values at the corners of each.
+    pub attributes: Vec<(String, Vec<[glam::Vec3; 3]>)>,
     /// Triangles left out because they have no area.
     pub degenerate: usize,
 }
@@ -146,6 +148,12 @@ impl Source {
         Source { form: self.form.clone(), placement, flipped: self.flipped }
     }
 
+    /// The names of what the file says of vertices and faces besides.
+    pub fn attributes(&self) -> impl Iterator<Item = &str> {
+        let mesh = if let Form::Mesh(mesh, _) = &self.form { Some(mesh) } else { None };
+        mesh.into_iter().flat_map(|mesh| &mesh.attributes).map(|attribute| &*attribute.name)
+    }
+
     /// How many primitives it becomes, at most.
     pub fn primitive_count(&self) -> usize {
         if let Form::Mesh(mesh, _) = &self.form { mesh.triangles.len() } else { 1 }
@@ -232,7 +240,8 @@ impl Source {
     pub fn geometry(&self, origin: DVec3) -> Option<Geometry> {
         let geometry = match &self.form {
             Form::Mesh(mesh, face_normals) => {
-                triangles(mesh::place(mesh, &self.placement, *face_normals, origin))
+                let placed = mesh::place(mesh, &self.placement, *face_normals, origin);
+                triangles(placed, mesh.attributes.iter().map(|attribute| attribute.name.clone()))
             }
             Form::Sphere { .. } => {
                 let Round { origin: center, axes, flipped } = self.round();
@@ -303,12 +312,13 @@ impl Geometry {
     }
 }
 
-fn triangles(placed: Triangles) -> Geometry {
+fn triangles(placed: Triangles, names: impl Iterator<Item = String>) -> Geometry {
     let triangle = |[v0, v1, v2]: [glam::Vec3; 3]| Primitive::Triangle { v0, v1, v2 };
     Geometry {
         primitives: placed.vertices.into_iter().map(triangle).collect(),
         normals: placed.normals,
         texcoords: placed.texcoords,
+        attributes: names.zip(placed.attributes).collect(),
         degenerate: placed.degenerate,
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::{Affine2, Vec2, Vec3};
 
+use super::mesh::barycentric;
 use crate::image::RgbImage;
 
 /// A colour, or one that a texture gives.
@@ -31,6 +32,36 @@ pub struct Grey {
 impl From<f32> for Grey {
     fn from(value: f32) -> Self {
         Grey { value, texture: None }
+    }
+}
+
+/// Where a texture is looked up: a point of a surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spot {
+    /// Its texture coordinates.
+    pub uv: Vec2,
+    /// The number of its primitive.
+    pub primitive: u32,
+    /// Where it is.
+    pub position: Vec3,
+}
+
+/// The values of an attribute over the triangles of one mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    /// The number of the first triangle.
+    pub first: u32,
+    /// The corners of each triangle, and the values there.
+    pub triangles: Vec<([Vec3; 3], [Vec3; 3])>,
+}
+
+impl Patch {
+    /// The value at a point, linear between the corners.
+    fn at(&self, spot: &Spot) -> Option<Vec3> {
+        let index = spot.primitive.checked_sub(self.first)?;
+        let (corners, [a, b, c]) = self.triangles.get(index as usize)?;
+        let w = barycentric(corners, spot.position);
+        Some(w.x * *a + w.y * *b + w.z * *c)
     }
 }
 
@@ -73,6 +104,13 @@ pub enum Pattern {
     },
     /// Squares of side one half.
     Checkerboard([Vec3; 2]),
+    /// What a mesh has at its vertices or faces, by name.
+    Attribute {
+        /// The name, with `vertex_` or `face_` before it.
+        name: String,
+        /// Each mesh that has it, in the order of their triangles.
+        patches: Vec<Patch>,
+    },
 }
 
 /// A colour as a function of texture coordinates.
@@ -96,17 +134,40 @@ impl Texture {
         self.scale * self.pattern_at(uv)
     }
 
+    /// The colour at a point of a surface.
+    #[inline]
+    pub fn on(&self, spot: &Spot) -> Vec3 {
+        match &self.pattern {
+            Pattern::Attribute { patches, .. } => {
+                let next = patches.partition_point(|patch| patch.first <= spot.primitive);
+                let value = next.checked_sub(1).and_then(|index| patches[index].at(spot));
+                value.map_or(self.mean(), |value| self.scale * value)
+            }
+            _ => self.at(spot.uv),
+        }
+    }
+
+    /// The luminance at a point of a surface, as of [`Texture::number`].
+    #[inline]
+    pub fn number_on(&self, spot: &Spot) -> f32 {
+        match &self.pattern {
+            Pattern::Attribute { .. } => luminance(self.on(spot)),
+            _ => self.number(spot.uv),
+        }
+    }
+
     /// The luminance at texture coordinates. As in Mitsuba 3, a checkerboard that is asked for numbers
     /// exchanges its two.
     pub fn number(&self, uv: Vec2) -> f32 {
         match &self.pattern {
             Pattern::Checkerboard([a, b]) => luminance(self.scale * (*a + *b) - self.at(uv)),
-            Pattern::Picture { .. } => luminance(self.at(uv)),
+            Pattern::Picture { .. } | Pattern::Attribute { .. } => luminance(self.at(uv)),
         }
     }
 
     fn pattern_at(&self, uv: Vec2) -> Vec3 {
         match &self.pattern {
+            Pattern::Attribute { .. } => self.pattern_mean(),
             Pattern::Checkerboard(colours) => {
                 let second = uv - uv.floor();
                 colours[usize::from((second.x > 0.5) != (second.y > 0.5))]
@@ -162,6 +223,8 @@ impl Texture {
 
     fn pattern_mean(&self) -> Vec3 {
         match &self.pattern {
+            // Not known before the meshes are; it only matters to how well light is sampled.
+            Pattern::Attribute { .. } => Vec3::splat(0.5),
             Pattern::Checkerboard([a, b]) => 0.5 * (*a + *b),
             Pattern::Picture { image, .. } => {
                 let sum: glam::DVec3 =
@@ -179,6 +242,11 @@ impl Texture {
         let start = (f32::INFINITY, f32::NEG_INFINITY);
         let (least, largest) = match &self.pattern {
             Pattern::Checkerboard(colours) => colours.iter().fold(start, |(a, b), c| all(a, b, *c)),
+            Pattern::Attribute { patches, .. } => {
+                let triangles = patches.iter().flat_map(|patch| &patch.triangles);
+                let values = triangles.flat_map(|(_, values)| values);
+                values.fold(start, |(a, b), value| all(a, b, *value))
+            }
             Pattern::Picture { image, .. } => {
                 image.pixels().iter().fold(start, |(a, b), p| all(a, b, Vec3::from(*p)))
             }

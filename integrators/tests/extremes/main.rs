@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod geometry;
+mod lenses;
 mod lights;
 mod long_paths;
 mod moved;
@@ -15,13 +16,18 @@ use integrators::scene::{SamplerKind, Scene};
 
 /// A scene of these elements, seen through a box filter by the camera of a `<sensor>`'s insides.
 fn scene(camera: &str, size: u32, depth: i32, elements: &str) -> Scene {
+    scene_through("perspective", camera, size, depth, elements)
+}
+
+/// The same with another type of sensor.
+fn scene_through(sensor: &str, camera: &str, size: u32, depth: i32, elements: &str) -> Scene {
     let text = format!(
         r#"<scene version="3.0.0">
             <integrator type="path">
                 <integer name="max_depth" value="{depth}"/>
                 <integer name="rr_depth" value="100000"/>
             </integrator>
-            <sensor type="perspective">{camera}
+            <sensor type="{sensor}">{camera}
                 <film type="hdrfilm">
                     <integer name="width" value="{size}"/><integer name="height" value="{size}"/>
                     <rfilter type="box"/>

@@ -91,7 +91,7 @@ fn leads_to<K: SceneKind>(
     there: &SceneVertex<K>,
 ) -> f32 {
     let w = there.direction_from(here.position);
-    let local = scattering.frame.to_local(aether_core::Vec3::from(w)).into();
+    let local = scattering.pose.frame.to_local(aether_core::Vec3::from(w)).into();
     scattering_density(scattering, local) * per_area(here.position, there)
 }
 

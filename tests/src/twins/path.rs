@@ -184,8 +184,9 @@ pub(super) fn scatter<K: SceneKind>(
             Vec3::new(r * c, r * s, (1.0 - u).sqrt())
         }
         Lobe::Facets(facets) => {
-            let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.view)?;
-            let sample = normals.then(reflect(scattering.view)).sample(draw_uniforms(uniforms));
+            let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.pose.view)?;
+            let sample =
+                normals.then(reflect(scattering.pose.view)).sample(draw_uniforms(uniforms));
             if !sample.is_valid() {
                 return None;
             }
@@ -194,13 +195,13 @@ pub(super) fn scatter<K: SceneKind>(
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let direction = scattering.direction(&choice.item)?;
             let coefficient = scattering.lobe(choice.index)?.coefficient;
-            let w = to_world(&scattering.frame, direction.vec().into());
+            let w = to_world(&scattering.pose.frame, direction.vec().into());
             let weight = coefficient / choice.probability;
             return Some(Scattered { w, density: None, weight });
         }
         Lobe::Nothing | Lobe::Glossy(_) | Lobe::Interface(_) => return None,
     };
-    let w = to_world(&scattering.frame, local);
+    let w = to_world(&scattering.pose.frame, local);
     let density = scattering_density(scattering, local);
     let value = scattering.value(w.vec().into());
     let usable = density > 0.0 && value != Vec3::ZERO;
@@ -215,9 +216,9 @@ pub(super) fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, l
         let density = match weighted.lobe {
             Lobe::Matte(_) => FRAC_1_PI * local.z.max(0.0),
             Lobe::Facets(facets) => {
-                let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.view)?;
+                let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.pose.view)?;
                 let w = Direction::from_unit(local.into());
-                normals.then(reflect(scattering.view)).pdf(&w).value()
+                normals.then(reflect(scattering.pose.view)).pdf(&w).value()
             }
             _ => 0.0,
         };
@@ -244,7 +245,7 @@ fn direct<K: SceneKind>(
     }
     let by_scattering = scattering_density(
         scattering,
-        scattering.frame.to_local(aether_core::Vec3::from(w)).into(),
+        scattering.pose.frame.to_local(aether_core::Vec3::from(w)).into(),
     );
     let ratio = survival * by_scattering / density;
     value / (density * (1.0 + ratio * ratio))

@@ -1,0 +1,78 @@
+//! How a part of a material lies: its frame, and where the viewer is in it.
+
+use aether_core::prelude::{Direction, Frame};
+use glam::Vec3;
+
+use super::bump::{self, Bumped, Ground};
+use super::material::Layer;
+use crate::kind::{Oriented, Presence, SceneKind};
+use crate::scene::texture::Texture;
+
+/// The frame of a part of a material at a point. Textures may turn its normals, each part's its own way.
+#[derive(Clone, Copy, Debug)]
+pub struct Pose<K: SceneKind> {
+    /// The frame about the normal on the side of the viewer.
+    pub frame: Frame<f32>,
+    /// Where the viewer is, in the frame: above, unless the normals are turned away.
+    pub view: Direction<f32>,
+    bumped: <K::Bumps as Presence>::Field<Option<Bumped>>,
+}
+
+impl<K: SceneKind> Pose<K> {
+    /// How a part lies on a surface whose shading normal on the side of the viewer is `n`; an `oriented` one follows
+    /// the texture coordinates.
+    #[inline(always)]
+    pub fn new(
+        layer: &Layer<K>,
+        oriented: bool,
+        ground: &Ground,
+        n: Vec3,
+        textures: &[Texture],
+    ) -> Self {
+        let tangent = ground.tangents.du;
+        let (frame, bumped) = match &layer.bump {
+            Some((_, map, front)) => {
+                let behind = ground.shading.dot(ground.towards) <= 0.0;
+                let (normal, bumped) = bump::turned(*map, textures, ground, *front && behind);
+                (bump::frame_along(normal, tangent), Some(bumped))
+            }
+            None if Oriented::<K>::VALUE.is_some() && oriented => {
+                (bump::frame_along(n, tangent), None)
+            }
+            None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
+        };
+        let view = Direction::from_vec(frame.to_local(ground.towards));
+        Pose { frame, view, bumped: K::Bumps::field(|| bumped) }
+    }
+
+    /// Whether the viewer is above; what is turned away scatters nothing.
+    #[inline(always)]
+    pub fn is_seen(&self) -> bool {
+        self.view.z > 0.0
+    }
+
+    /// What is left of light from `w` (in world coordinates) because the normals are turned.
+    #[inline]
+    pub fn unhidden(&self, w: Vec3) -> f32 {
+        K::Bumps::value(self.bumped).map_or(1.0, |bumped| bumped.unhidden(w, self.frame))
+    }
+
+    /// The direction straight on.
+    pub fn passed(&self) -> Direction<f32> {
+        let v = self.view;
+        Direction::new(-v.x, -v.y, -v.z)
+    }
+
+    /// The mirror direction.
+    pub fn mirrored(&self) -> Direction<f32> {
+        let v = self.view;
+        Direction::new(-v.x, -v.y, v.z)
+    }
+
+    /// The direction in which a boundary with this relative index of refraction bends light.
+    pub fn bent(&self, eta: f32) -> Direction<f32> {
+        let v = self.view;
+        let (_, beyond) = super::fresnel::dielectric(v.z, eta);
+        Direction::new(-v.x / eta, -v.y / eta, -beyond)
+    }
+}
