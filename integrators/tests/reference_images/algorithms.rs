@@ -327,7 +327,10 @@ fn chains_of_paths_are_distributed_as_they_should_be() {
 fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     assert_unbiased("cornell-box", 4, |scene| {
         let inner = Bidirectional { path: settings(scene) };
-        Algorithm::PrimarySample(PrimarySample { candidates: Some(20_000), ..PrimarySample::new(inner) })
+        Algorithm::PrimarySample(PrimarySample {
+            candidates: Some(20_000),
+            ..PrimarySample::new(inner)
+        })
     });
 }
 

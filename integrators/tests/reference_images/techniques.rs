@@ -84,14 +84,16 @@ const ALONE: [(&str, u32, With, &[&[&str]]); 10] = [
         6,
         |_, path| {
             let chains = PrimarySample::new(Bidirectional { path });
-            Algorithm::PrimarySample(PrimarySample { candidates: 300, ..chains })
+            Algorithm::PrimarySample(PrimarySample { candidates: Some(300), ..chains })
         },
         &[&["1:1"], &["0:3"], &["1:3", "2:2"]],
     ),
     (
         "mlt",
         6,
-        |_, path| Algorithm::Metropolis(Metropolis { candidates: 300, ..Metropolis::new(path) }),
+        |_, path| {
+            Algorithm::Metropolis(Metropolis { candidates: Some(300), ..Metropolis::new(path) })
+        },
         &[&[], &["0:3", "2:1"], &["1:3", "2:2"]],
     ),
     (
