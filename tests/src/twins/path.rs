@@ -176,7 +176,7 @@ pub(super) fn scatter<K: SceneKind>(
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Scattered> {
     let choice = scattering.lobes(None).sample(uniforms.next());
-    let local: Vec3 = match choice.item {
+    let local: Vec3 = match choice.item.lobe {
         Lobe::Matte(_) => {
             let [u, v]: [f32; 2] = draw_uniforms(uniforms);
             let (s, c) = (std::f32::consts::TAU * v).sin_cos();
