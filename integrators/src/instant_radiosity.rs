@@ -15,7 +15,8 @@ use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
-/// Settings of instant radiosity.
+/// Settings of instant radiosity. It does not find caustics: light that mirrors or glass throw on what the camera sees,
+/// since virtual lights on these shine in one direction only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InstantRadiosity {
     /// Lengths of paths, Russian roulette.

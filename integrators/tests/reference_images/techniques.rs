@@ -28,7 +28,7 @@ use super::scenes::Reference;
 /// The chance that the test fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 /// Renders of each technique.
-const SEEDS: u64 = 24;
+const SEEDS: u64 = 16;
 /// The side of the images.
 const SIDE: usize = 12;
 
