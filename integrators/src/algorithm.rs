@@ -43,6 +43,22 @@ pub enum Algorithm {
 }
 
 impl Algorithm {
+    /// The names of its techniques, as a [`Selection`](crate::selection::Selection) is read: scattering and
+    /// next-event estimation, or pieces from both ends, and how they are joined.
+    pub fn techniques(&self) -> &'static str {
+        match self {
+            Algorithm::Path(_) | Algorithm::GradientDomain(_) => "0:2..,1:2..",
+            Algorithm::LightTracer(_) => "1..:1",
+            Algorithm::Bidirectional(_)
+            | Algorithm::Metropolis(_)
+            | Algorithm::PrimarySample(_) => "*:1..",
+            Algorithm::Tridirectional(_) => "*:1..,portal-*:1..",
+            Algorithm::InstantRadiosity(_) => "*:2..",
+            Algorithm::PhotonMapping(_) => "0:2..,merge-2..:2..",
+            Algorithm::VertexMerging(_) => "*:1..,merge-2..:2..",
+        }
+    }
+
     /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. The
     /// same seed gives the same image, whatever the kind. Path tracing and bidirectional path tracing are
     /// compiled for all kinds, the others for [`Everything`] alone, which they use whatever the name.

@@ -14,18 +14,15 @@ use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
-use crate::selection::Selection;
 use crate::strategies::Pixel;
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, through};
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, splits, through};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bidirectional {
-    /// Lengths of paths, Russian roulette.
+    /// Lengths of paths, Russian roulette, techniques.
     pub path: PathSettings,
-    /// Which techniques are used.
-    pub techniques: Selection,
 }
 
 impl Integrator for Bidirectional {
@@ -85,22 +82,21 @@ impl Bidirectional {
                     true => camera,
                     false => through(world, arena, receiver, &camera),
                 };
-                let splits = (1..=length).filter(|t| self.techniques.has(length - t, *t));
+                let used = self.path.techniques.among(splits(length));
                 // Light that is seen directly from the eye, and all that the camera path sees.
                 let responses =
                     [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
                 let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
                 let techniques =
-                    arena.collect_counted(splits.clone().map(|t| match (length - t, t) {
+                    arena.collect_counted(used.clone().map(|by| match (by.light, by.camera) {
                         (_, 1) => (seen, world.pixels()),
                         (1, t) => (*connection(world, &view, &light, (1, t)).sample(uniforms), 1),
                         (s, t) => (connection(world, &view, &light, (s, t)), 1),
                     }));
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let t = splits.clone().nth(found.technique).unwrap_or_default();
-                    let response = responses[usize::from(t > 1)];
-                    let technique = Technique::edge(t, length - t);
-                    record(technique, receiver, found.value * response, found.alone * response);
+                    let Some(by) = used.clone().nth(found.technique) else { continue };
+                    let response = responses[usize::from(by.camera > 1)];
+                    record(by, receiver, found.value * response, found.alone * response);
                 }
             }
         }

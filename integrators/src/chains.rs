@@ -26,8 +26,8 @@ pub trait ChainIntegrator: Send + Sync {
     /// The kinds of steps, for statistics.
     const STEPS: &'static [&'static str];
 
-    /// How many candidates there are for the start of a chain.
-    fn candidates(&self) -> usize;
+    /// How many candidates there are for the start of a chain; `None` for [`usual_candidates`].
+    fn candidates(&self) -> Option<usize>;
 
     /// What finds the brightness of candidates, by their number. One for each thread.
     fn brightness<'a, K: SceneKind>(
@@ -44,6 +44,12 @@ pub trait ChainIntegrator: Send + Sync {
         start: Start,
         statistics: &'a Statistics,
     ) -> Chain<'a>;
+}
+
+/// How many candidates there are for an image of so many pixels: four a pixel, but no fewer than 10,000, from
+/// which the brightness is known to a few percent, and no more than 100,000.
+pub fn usual_candidates(pixels: usize) -> usize {
+    (4 * pixels).clamp(10_000, 100_000)
 }
 
 /// How often steps of each kind were taken, how many of them had a proposal, and how many were accepted: over
@@ -139,7 +145,7 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         let statistics = Statistics::new(I::STEPS);
         let mut kernel =
             ChainKernel { world, integrator, seed, start: None, statistics, preparation };
-        let brightness = kernel.candidates();
+        let brightness = kernel.brightness();
         let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
         kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
         let seconds = begin.elapsed().as_secs_f64();
@@ -147,10 +153,16 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         Ok(kernel)
     }
 
+    /// How many candidates there are.
+    fn candidates(&self) -> usize {
+        let usual = || usual_candidates(self.world.pixels());
+        self.integrator.candidates().unwrap_or_else(usual)
+    }
+
     /// The brightness of all candidates.
-    fn candidates(&self) -> Vec<f32> {
+    fn brightness(&self) -> Vec<f32> {
         let threads = std::thread::available_parallelism().map_or(1, |n| n.get());
-        in_parts(self.integrator.candidates(), threads, |part| {
+        in_parts(self.candidates(), threads, |part| {
             let of = self.integrator.brightness(&self.world, self.seed);
             part.map(of).map(|found| if found.is_finite() { found } else { 0.0 }).collect()
         })
@@ -188,7 +200,7 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
 
     fn statistics(&self) -> Option<String> {
         if self.start.is_none() {
-            let candidates = self.integrator.candidates();
+            let candidates = self.candidates();
             return Some(format!("no chain has begun: none of {candidates} candidates has light"));
         }
         let line = |(name, [steps, proposed, accepted]): (&str, [u64; 3])| {

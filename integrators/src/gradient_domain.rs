@@ -79,14 +79,15 @@ impl Integrator for GradientDomain {
 
         let response = estimator.integrand().response(pixel, &camera);
         let mut seen = Vec3::ZERO;
-        if !self.path.hide_emitters && limits.0 > 1 {
+        let sees = self.path.techniques.has(Technique::edge(2, 0));
+        if sees && !self.path.hide_emitters && limits.0 > 1 {
             seen = estimator.of(&camera.slice(0..2)) * response;
             splats.add_to(Layer::Direct, pixel, seen.to_array());
         }
         let mut received = Received::new(pixel, splats);
         received.add_by(Technique::edge(2, 0), pixel, seen, seen);
         for n in 2..camera.size() {
-            let mut own = techniques(world, &camera, n);
+            let mut own = self.techniques(world, &camera, n);
             own[1].sample(uniforms);
             // The camera path goes on from what scattering found, which therefore comes last.
             let samples = own.iter().enumerate().filter(|(_, base)| base.is_complete());
@@ -101,7 +102,7 @@ impl Integrator for GradientDomain {
                     let there =
                         shifted.map_or(Vec3::ZERO, |shifted| side.value(estimator, &shifted, base));
                     if value != Vec3::ZERO || there != Vec3::ZERO {
-                        let theirs = techniques(world, &side.camera, n);
+                        let theirs = self.techniques(world, &side.camera, n);
                         let shifted = shifted
                             .as_ref()
                             .map(|shifted| (shifted, able(world, &theirs, &shifted.path, there)));
@@ -121,17 +122,6 @@ impl Integrator for GradientDomain {
         }
         radiance
     }
-}
-
-/// The path that scattering finds, and the one that goes to a light instead, after `n` vertices of a path.
-fn techniques<'r, 'a, K: SceneKind>(
-    world: &'a World<'a, K>,
-    path: &Path<'r, 'a, K>,
-    n: usize,
-) -> [Path<'r, 'a, K>; 2] {
-    let mut direct = path.slice(0..n);
-    direct.append(sample_light(world));
-    [path.slice(0..n + 1), direct]
 }
 
 /// Those of the two techniques that can make a path which carries `value`. The density of scattering says nothing
@@ -156,6 +146,21 @@ fn able<'t, 'r, 'a, K: SceneKind>(
 }
 
 impl GradientDomain {
+    /// The path that scattering finds, and the one that goes to a light instead, after `n` vertices of a path: of
+    /// these, what is not used does not exist.
+    fn techniques<'r, 'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
+        path: &Path<'r, 'a, K>,
+        n: usize,
+    ) -> [Path<'r, 'a, K>; 2] {
+        let mut direct = path.slice(0..n);
+        direct.append(sample_light(world));
+        let found = [path.slice(0..n + 1), direct];
+        let used = [0, 1].map(|s| self.path.techniques.has(Technique::edge(n + 1 - s, s)));
+        [0, 1].map(|s| if used[s] { found[s] } else { path.slice(path.size() + 1..) })
+    }
+
     /// The pixels of the image to the right and left of one, below and above.
     fn neighbours<'r, 'a, K: SceneKind>(
         &self,

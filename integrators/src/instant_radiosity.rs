@@ -11,7 +11,7 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
+use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -73,11 +73,14 @@ impl Integrator for InstantRadiosity {
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
         let response = estimator.integrand().response(pixel, &camera);
         let mut received = Received::new(pixel, splats);
-        let mut add = |camera: usize, light: usize, value: Vec3| {
-            received.add_by(Technique::edge(camera, light), pixel, value, value);
+        let mut add = |by: Technique, path: &Path<'_, K, _>, share: f32| {
+            if self.path.techniques.has(by) {
+                let value = estimator.of(path) * share;
+                received.add_by(by, pixel, value, value);
+            }
         };
         if longest >= 2 && !self.path.hide_emitters {
-            add(camera.len(), 0, estimator.of(&camera) * response);
+            add(Technique::edge(camera.len(), 0), &camera, response);
         }
         // What is seen in mirrors is followed; everything else is lit by the virtual lights.
         while camera.is_complete() && camera.len() < longest {
@@ -86,7 +89,7 @@ impl Integrator for InstantRadiosity {
                 for s in 1..=light.len().min(longest - camera.len()) {
                     let path = camera.concat(&light.slice(0..s).reverse());
                     let share = response / self.light_paths as f32;
-                    add(camera.len(), s, estimator.of(&path) * share);
+                    add(Technique::edge(camera.len(), s), &path, share);
                 }
             }
             camera.append(sample_bsdf(world, self.path.rr_depth, None)).sample(uniforms);
@@ -94,7 +97,7 @@ impl Integrator for InstantRadiosity {
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
             }
-            add(camera.len(), 0, estimator.of(&camera) * response);
+            add(Technique::edge(camera.len(), 0), &camera, response);
         }
         received.own
     }

@@ -45,11 +45,15 @@ impl Integrator for LightTracer {
         let mut received = Received::new(pixel, splats);
         let first = 1 + usize::from(self.path.hide_emitters);
         for length in first..=light.len().min(longest) {
+            let by = Technique::edge(1, length);
+            if !self.path.techniques.has(by) {
+                continue;
+            }
             let path = eye.concat(&light.slice(0..length).reverse());
             let value = estimator.of(&path) / world.pixels() as f32;
             for receiver in world.receivers(pixel, [&path]) {
                 let share = value * estimator.integrand().response(receiver, &path);
-                received.add_by(Technique::edge(1, length), receiver, share, share);
+                received.add_by(by, receiver, share, share);
             }
         }
         received.own

@@ -21,19 +21,22 @@ use crate::mutations::{
 };
 use crate::path::PathSettings;
 use crate::render::{Chain, MarkovChain, Splats, Technique};
+use crate::selection::Selection;
 use crate::stored::Stored;
-use crate::strategies::{Aim, sample_camera};
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path};
+use crate::strategies::{Aim, sample_bsdf, sample_camera, sample_camera_direction};
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, light_step, splits};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
 /// Settings of Metropolis light transport.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Metropolis {
-    /// Lengths of paths; for the paths that chains start with, Russian roulette.
+    /// Lengths of paths; for the paths that chains start with, Russian roulette. Of its techniques some may make these
+    /// paths; the image then has the light of the paths alone that one of them can make.
     pub path: PathSettings,
-    /// How many independent samples the brightness of the image is estimated from.
-    pub candidates: usize,
+    /// How many independent samples the brightness of the image is estimated from; `None` for a number that
+    /// grows with the image ([`usual_candidates`](crate::chains::usual_candidates)).
+    pub candidates: Option<usize>,
     /// Which mutations are used. Without the bidirectional one the image has the light of those paths alone that one
     /// of them fits. No chain leaves these, for from others there is no way back; and as chains start at paths that
     /// are distributed as they should be, the image is right even where they do not reach all of these.
@@ -43,18 +46,19 @@ pub struct Metropolis {
 impl Metropolis {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
-        Metropolis { path, candidates: 50_000, mutations: MutationSet::default() }
+        Metropolis { path, candidates: None, mutations: MutationSet::default() }
     }
 
     /// What a path contributes to the image, and how bright that is.
-    fn contribution<K: SceneKind>(
+    fn contribution<'a, K: SceneKind>(
         &self,
-        world: &World<'_, K>,
-        estimator: &PathEstimator<'_, K>,
-        path: &Path<'_, '_, K>,
+        world: &'a World<'a, K>,
+        estimator: &PathEstimator<'a, K>,
+        path: &Path<'_, 'a, K>,
     ) -> (f32, Contributions) {
         let shortest = 2 + usize::from(self.path.hide_emitters);
-        let found = if (shortest..=self.path.most_vertices()).contains(&path.len()) {
+        let lengths = shortest..=self.path.most_vertices();
+        let found = if lengths.contains(&path.len()) && self.covers(world, path) {
             shares(world, estimator, path, estimator.integrand_at(path))
         } else {
             Contributions::default()
@@ -78,7 +82,8 @@ impl Metropolis {
         extend(&mut camera, world, (total, rr));
         extend(&mut light, world, (total, rr));
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
-            let techniques = arena.collect((1..=length).map(|t| match (length - t, t) {
+            let used = self.path.techniques.among(splits(length));
+            let techniques = arena.collect(used.map(|by| match (by.light, by.camera) {
                 (1, t) if t > 1 => *connection(world, &camera, &light, (1, t)).sample(uniforms),
                 (s, t) => connection(world, &camera, &light, (s, t)),
             }));
@@ -90,6 +95,29 @@ impl Metropolis {
                 }
             }
         }
+    }
+
+    /// Whether one of the techniques that are used can make a path.
+    fn covers<'a, K: SceneKind>(&self, world: &'a World<'a, K>, path: &Path<'_, 'a, K>) -> bool {
+        let n = path.len();
+        let can_make = |by: Technique| {
+            let (mut camera, mut light) = (path.slice(0..0), path.slice(0..0));
+            for _ in 0..by.camera {
+                match camera.size() {
+                    0 => camera.append(sample_camera(world)),
+                    1 => camera.append(sample_camera_direction(world, Aim::Film)),
+                    _ => camera.append(sample_bsdf(world, u32::MAX, None)),
+                };
+            }
+            for i in 0..by.light {
+                light.append(light_step::<K, MutationStrategies<'a, K>>(world, i, u32::MAX));
+            }
+            let technique = connection(world, &camera, &light, (by.light, by.camera));
+            !technique.pdf_of(path).is_zero()
+        };
+        // Together they make all paths.
+        let techniques = self.path.techniques;
+        techniques == Selection::ALL || techniques.among(splits(n)).any(can_make)
     }
 
     /// Whether one of the mutations that are used fits a path.
@@ -206,7 +234,7 @@ where
 impl ChainIntegrator for Metropolis {
     const STEPS: &'static [&'static str] = &MUTATIONS;
 
-    fn candidates(&self) -> usize {
+    fn candidates(&self) -> Option<usize> {
         self.candidates
     }
 
@@ -351,6 +379,14 @@ mod tests {
         </shape>
     </scene>"#;
 
+    fn brightness<'a>(
+        metropolis: &Metropolis,
+        world: &'a World<'a, Everything>,
+        estimator: &PathEstimator<'a, Everything>,
+    ) -> impl Fn(&Path<'_, 'a, Everything>) -> f32 {
+        |path| metropolis.contribution(world, estimator, path).0
+    }
+
     /// f(x) T(y | x) a(x, y) = f(y) T(x | y) a(y, x) for pairs of paths that each mutation makes.
     ///
     /// The numbers are of single precision: each side is a product of four of them, one of which is a quotient
@@ -359,13 +395,12 @@ mod tests {
     fn every_mutation_is_in_detailed_balance() {
         let scene = Scene::from_str(SCENE, std::path::Path::new("."), &[]).unwrap();
         let world: World<'_, Everything> = World::new(&scene).unwrap();
-        let path = PathSettings { max_depth: Some(6), rr_depth: 5, hide_emitters: false };
+        let path = PathSettings::new(&scene);
         let metropolis = Metropolis::new(path);
         let (mut scratch, mut arena) = (Scratch::new(&world), Arena::new());
         let estimator = Scratch::<_, MutationStrategies<'_, _>>::new(&world).estimator;
-        let target =
-            |path: &Path<'_, '_, Everything>| metropolis.contribution(&world, &estimator, path).0;
         let world = &world;
+        let target = brightness(&metropolis, world, &estimator);
         let mutations: [&dyn Mutation<_, _>; 4] = [
             &BidirectionalMutation { world, longest: 7 },
             &LensPerturbation { world, chains: false },

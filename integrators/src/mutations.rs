@@ -87,6 +87,7 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
         let replaced = |i: usize| if i + 1 == n { 0.25 } else { 0.5f32.powi(i as i32) };
         let old = decide.weighted(n, replaced)? + 1;
         let first = decide.index(n - old + 1)?;
+        decide.replaces(first..first + old).then_some(())?;
         let new = decide.weighted(old + 3, |new| {
             let fits = (2..=self.longest).contains(&(n - old + new));
             if fits { 0.5f32.powi(new.abs_diff(old) as i32) } else { 0.0 }

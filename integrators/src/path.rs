@@ -1,13 +1,13 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use std::iter::once;
-
 use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource, combine};
 use glam::Vec3;
 
 use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::render::{Splats, Technique};
+use crate::scene::Scene;
+use crate::selection::Selection;
 use crate::strategies::{
     PathStrategies, Pixel, SampleCamera, SampleCameraDirection, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
@@ -16,7 +16,7 @@ use crate::subpaths::Scratch;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
-/// Settings of the path tracer.
+/// Settings of the path tracer, which other integrators have too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PathSettings {
     /// The longest path in edges, as Mitsuba counts them; `None` for any length.
@@ -25,9 +25,22 @@ pub struct PathSettings {
     pub rr_depth: u32,
     /// Emitters that the camera sees directly are left out.
     pub hide_emitters: bool,
+    /// Which of an integrator's techniques are used.
+    pub techniques: Selection,
 }
 
 impl PathSettings {
+    /// What a scene asks for, with all techniques.
+    pub fn new(scene: &Scene) -> Self {
+        let wanted = &scene.integrator;
+        PathSettings {
+            max_depth: wanted.max_depth,
+            rr_depth: wanted.rr_depth,
+            hide_emitters: wanted.hide_emitters,
+            techniques: Selection::ALL,
+        }
+    }
+
     /// The most vertices of a path.
     pub fn most_vertices(&self) -> usize {
         self.max_depth.map_or(usize::MAX, |edges| edges as usize + 1)
@@ -42,8 +55,8 @@ pub type PathArena<'a, K = Everything> = Arena<SceneVertex<K>, PathStrategies<'a
 pub struct Techniques<'t, S> {
     /// Continues a path by scattering.
     pub scatter: S,
-    /// Ways to end a path on a light, in place of scattering as often as they have steps: one for next-event
-    /// estimation, several to reach a light by way of something.
+    /// Ways to end a path on a light, in place of scattering as often as they have steps: none for the light that
+    /// scattering itself finds, one for next-event estimation, several to reach a light by way of something.
     pub endings: &'t [&'t [S]],
 }
 
@@ -81,20 +94,20 @@ pub fn trace<'a, K, S>(
 
     let response = estimator.integrand().response(pixel, &camera);
     for length in 2 + usize::from(settings.hide_emitters)..=camera.size() {
-        // The path that scattering found, and those that go to a light instead.
-        let endings = endings.iter().filter(|ending| ending.len() + 2 <= length);
-        let ended = endings.clone().map(|ending| {
+        // The path that scattering has found, and those that go to a light instead.
+        let by = |end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
+        let is_used = |end: &&[S]| by(end).camera >= 2 && settings.techniques.has(by(end));
+        let endings = endings.iter().copied().filter(is_used);
+        let techniques = arena.collect(endings.clone().map(|ending| {
             let mut path = camera.slice(0..length - ending.len());
-            for step in *ending {
+            for step in ending {
                 path.append(step.clone()).sample(uniforms);
             }
             path
-        });
-        let techniques = arena.collect(once(camera.slice(0..length)).chain(ended));
+        }));
         for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-            let mut steps = once(0).chain(endings.clone().map(|ending| ending.len()));
-            let ended = steps.nth(found.technique).unwrap_or(0);
-            received.add_found(Technique::edge(length - ended, ended), pixel, &found, response);
+            let ending = endings.clone().nth(found.technique).unwrap_or_default();
+            received.add_found(by(ending), pixel, &found, response);
         }
     }
 }
@@ -116,7 +129,7 @@ impl Integrator for PathSettings {
     ) -> Vec3 {
         let scatter = sample_bsdf(world, self.rr_depth, None).into();
         let light = [sample_light(world).into()];
-        let techniques = Techniques { scatter, endings: &[&light] };
+        let techniques = Techniques { scatter, endings: &[&[], &light] };
         let mut received = Received::new(pixel, splats);
         trace(world, self, &techniques, scratch, uniforms, &mut received);
         received.own

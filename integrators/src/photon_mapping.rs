@@ -117,9 +117,13 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
         let response = radiance.integrand().response(pixel, &camera);
         let mut received = Received::new(pixel, splats);
+        let mut add = |by: Technique, value: Vec3| {
+            if path.techniques.has(by) {
+                received.add_by(by, pixel, value, value);
+            }
+        };
         if longest >= 2 && !path.hide_emitters {
-            let value = radiance.of(&camera) * response;
-            received.add_by(Technique::edge(camera.len(), 0), pixel, value, value);
+            add(Technique::edge(camera.len(), 0), radiance.of(&camera) * response);
         }
         // What is seen in mirrors, and in what is nearly one, is followed; everything else is lit by the photons.
         while camera.is_complete() && camera.len() < longest {
@@ -139,8 +143,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
                     let side = surface.normal.dot(photon.towards).signum();
                     let faces = side * surface.normal.dot(photon.normal) > 0.0;
                     if technique.vertices <= longest && faces {
-                        let value = carried * scattering.value(photon.towards) * photon.power;
-                        received.add_by(technique, pixel, value, value);
+                        add(technique, carried * scattering.value(photon.towards) * photon.power);
                     }
                 });
             }
@@ -149,8 +152,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
             if !camera.is_complete() || is_lit && !mirrored(camera.len() - 2) {
                 break;
             }
-            let value = radiance.of(&camera) * response;
-            received.add_by(Technique::edge(camera.len(), 0), pixel, value, value);
+            add(Technique::edge(camera.len(), 0), radiance.of(&camera) * response);
         }
         received.own
     }

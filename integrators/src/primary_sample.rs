@@ -22,14 +22,15 @@ pub struct PrimarySample {
     pub inner: Bidirectional,
     /// How often all uniforms are drawn anew.
     pub large_step: f32,
-    /// How many independent samples the brightness of the image is estimated from.
-    pub candidates: usize,
+    /// How many independent samples the brightness of the image is estimated from; `None` for a number that
+    /// grows with the image ([`usual_candidates`](crate::chains::usual_candidates)).
+    pub candidates: Option<usize>,
 }
 
 impl PrimarySample {
     /// With the usual settings.
     pub fn new(inner: Bidirectional) -> Self {
-        PrimarySample { inner, large_step: 0.3, candidates: 50_000 }
+        PrimarySample { inner, large_step: 0.3, candidates: None }
     }
 }
 
@@ -173,7 +174,7 @@ impl UniformSource<f32> for Primary {
 impl ChainIntegrator for PrimarySample {
     const STEPS: &'static [&'static str] = &["small", "large"];
 
-    fn candidates(&self) -> usize {
+    fn candidates(&self) -> Option<usize> {
         self.candidates
     }
 

@@ -8,6 +8,7 @@ use glam::Vec3;
 use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emitter};
 use crate::integrand::Radiance;
 use crate::kind::SceneKind;
+use crate::render::Technique;
 use crate::strategies::{
     Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
     sample_camera, sample_camera_direction, sample_light,
@@ -130,6 +131,12 @@ pub fn connection<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
         return *path.append(sample_light(world));
     }
     path.concat(&light.slice(0..s).reverse())
+}
+
+/// The techniques that make paths of `length` vertices by an edge between the two pieces: by the number of vertices
+/// from the camera, from one to all.
+pub fn splits(length: usize) -> impl Iterator<Item = Technique> + Clone {
+    (1..=length).map(move |camera| Technique::edge(camera, length - camera))
 }
 
 /// Whether a path leaves vertex `i` in a single direction, as at a mirror.

@@ -13,7 +13,7 @@ use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, extend, through};
+use crate::subpaths::{Scratch, camera_path, extend, splits, through};
 use crate::world::World;
 
 /// Settings of tridirectional path tracing.
@@ -73,33 +73,28 @@ impl Integrator for Tridirectional {
                     true => camera,
                     false => through(world, arena, receiver, &camera),
                 };
-                let ends = (1..=length).map(|t| match (length - t, t) {
-                    (_, 1) => (seen, world.pixels()),
-                    (1, t) => {
+                let through_portal =
+                    (1..length.saturating_sub(1)).map(|t| Technique::portal(t, length - t - 2));
+                let used = self.path.techniques.among(splits(length).chain(through_portal));
+                let techniques = used.clone().map(|by| match (by.joint, by.light, by.camera) {
+                    (Technique::PORTAL, _, 1) => (passed, world.pixels()),
+                    (Technique::PORTAL, s, t) => {
+                        (view.slice(0..t).concat(&segment).concat(&lit(s)), 1)
+                    }
+                    (_, _, 1) => (seen, world.pixels()),
+                    (_, 1, t) => {
                         let mut direct = view.slice(0..t);
                         direct.append(sample_light_and_openings(world, &self.portals));
                         direct.sample(uniforms);
                         (direct, 1)
                     }
-                    (s, t) => (view.slice(0..t).concat(&lit(s)), 1),
+                    (_, s, t) => (view.slice(0..t).concat(&lit(s)), 1),
                 });
-                let middles = (1..length.saturating_sub(1)).map(|t| match t {
-                    1 => (passed, world.pixels()),
-                    t => (view.slice(0..t).concat(&segment).concat(&lit(length - t - 2)), 1),
-                });
-                let techniques = arena.collect_counted(ends.chain(middles));
+                let techniques = arena.collect_counted(techniques);
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let Some(by) = used.clone().nth(found.technique) else { continue };
                     let response = estimator.integrand().response(receiver, &found.path);
-                    let technique = match found.technique + 1 {
-                        t if t <= length => Technique::edge(t, length - t),
-                        t => Technique {
-                            vertices: length,
-                            joint: "portal",
-                            camera: t - length,
-                            light: 2 * length - t - 2,
-                        },
-                    };
-                    received.add_found(technique, receiver, &found, response);
+                    received.add_found(by, receiver, &found, response);
                 }
             }
         }

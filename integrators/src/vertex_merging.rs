@@ -17,22 +17,19 @@ use crate::path::PathSettings;
 use crate::photons::{PhotonMap, Placed, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
-use crate::selection::Selection;
 use crate::strategies::Pixel;
 use crate::subpaths::{
-    Path, Scratch, camera_path, connection, extend, light_path, light_step, through,
+    Path, Scratch, camera_path, connection, extend, light_path, light_step, splits, through,
 };
 use crate::vertex::SceneVertex;
 use crate::work::in_parts;
 use crate::world::World;
 
 /// Settings of vertex connection and merging.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexMerging {
-    /// Lengths of paths, Russian roulette.
+    /// Lengths of paths, Russian roulette, techniques.
     pub path: PathSettings,
-    /// Which connections are used.
-    pub techniques: Selection,
     /// The first radius over that of the scene.
     pub radius: f32,
     /// How fast the radius shrinks: 1 not at all, 0 so that the noise stays.
@@ -41,8 +38,8 @@ pub struct VertexMerging {
 
 impl VertexMerging {
     /// With the usual settings.
-    pub fn new(path: PathSettings, techniques: Selection) -> Self {
-        VertexMerging { path, techniques, radius: 0.005, alpha: 0.75 }
+    pub fn new(path: PathSettings) -> Self {
+        VertexMerging { path, radius: 0.005, alpha: 0.75 }
     }
 }
 
@@ -118,25 +115,29 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         light
     }
 
-    /// All ways to make a path of `n` vertices from a camera path and a light path, each with the number of its
-    /// samples: connections by the number of vertices from the camera, from one to all, then merges by the
-    /// number of the merged vertex, from the second to the last but one.
-    fn techniques<'r, 'a: 'r>(
+    /// The techniques in use for paths of `n` vertices: connections by the number of vertices from the camera,
+    /// from one to all, then merges by the number of the merged vertex, from the second to the last but one.
+    fn techniques(&self, n: usize) -> impl Iterator<Item = Technique> + Clone {
+        let merges = (2..n).map(move |t| Technique::merge(t, n + 1 - t));
+        self.settings.path.techniques.among(splits(n).chain(merges))
+    }
+
+    /// The path that a technique makes of a camera path and a light path, and the number of its samples.
+    fn made<'r, 'a>(
         &'a self,
-        camera: Path<'r, K, LightStrategies<'a, K>>,
-        light: Path<'r, K, LightStrategies<'a, K>>,
-        (n, radius): (usize, f32),
-    ) -> impl Iterator<Item = (Path<'r, K, LightStrategies<'a, K>>, usize)> + Clone {
+        by: Technique,
+        [camera, light]: [&Path<'r, K, LightStrategies<'a, K>>; 2],
+        radius: f32,
+    ) -> (Path<'r, K, LightStrategies<'a, K>>, usize) {
         let (world, pixels) = (&self.world, self.world.pixels());
-        let lit = move |s: usize| light.slice(0..s).reverse();
-        let connections = (1..=n).map(move |t| match (n - t, t) {
-            (s, t) if !self.settings.techniques.has(s, t) => (camera.slice(0..t), 0),
-            (s, t) => (connection(world, &camera, &light, (s, t)), if t == 1 { pixels } else { 1 }),
-        });
-        let merges = (2..n).map(move |t| {
-            (camera.slice(0..t).merge(&lit(n + 1 - t), PI * radius * radius), pixels)
-        });
-        connections.chain(merges)
+        match (by.joint, by.light, by.camera) {
+            (Technique::MERGE, s, t) => {
+                let lit = light.slice(0..s).reverse();
+                (camera.slice(0..t).merge(&lit, PI * radius * radius), pixels)
+            }
+            (_, s, 1) => (connection(world, camera, light, (s, 1)), pixels),
+            (_, s, t) => (connection(world, camera, light, (s, t)), 1),
+        }
     }
 
     /// One sample of a pixel.
@@ -167,18 +168,20 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
                     true => camera,
                     false => through(world, arena, receiver, &camera),
                 };
-                let list = self.techniques(view, light, (n, radius)).enumerate();
-                let list = list.map(|(i, (mut path, count))| match i {
-                    0 => (seen, count),
-                    i if i + 2 == n => (*path.sample(uniforms), count),
-                    i if i < n => (path, count),
-                    _ => (path.technique(), count),
+                let list = self.techniques(n).map(|by| {
+                    let (mut path, count) = self.made(by, [&view, &light], radius);
+                    match (by.joint, by.light, by.camera) {
+                        (Technique::MERGE, ..) => (path.technique(), count),
+                        (_, _, 1) => (seen, count),
+                        (_, 1, _) => (*path.sample(uniforms), count),
+                        _ => (path, count),
+                    }
                 });
                 let techniques = arena.collect_counted(list);
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                    let Some(by) = self.techniques(n).nth(found.technique) else { continue };
                     let response = estimator.integrand().response(receiver, &found.path);
-                    let technique = Technique::edge(found.technique + 1, n - found.technique - 1);
-                    received.add_found(technique, receiver, &found, response);
+                    received.add_found(by, receiver, &found, response);
                 }
             }
         }
@@ -188,23 +191,22 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
             let Some(here) = camera.vertex(t - 1) else { break };
             let Some(surface) = here.surface() else { break };
             lights.ends.near(here.position, |end| {
-                let n = t + end.vertices as usize - 1;
+                let merged = Technique::merge(t, end.vertices as usize);
+                let n = merged.vertices;
                 let faces = surface.normal.dot(end.normal).abs() > 0.5;
-                if n > longest || !faces {
+                if n > longest || !faces || !self.settings.path.techniques.has(merged) {
                     return;
                 }
                 let light = self.light(arena, &lights.paths[end.path as usize], n);
                 let mut camera = camera.slice(0..camera.size().min(n));
                 extend(&mut camera, world, (n, rr));
-                let list = self.techniques(camera, light, (n, radius)).enumerate();
-                let list = list.map(|(i, (path, count))| match i == n + t - 2 {
-                    true => (path, count),
-                    false => (path.technique(), count),
+                let list = self.techniques(n).map(|by| {
+                    let (path, count) = self.made(by, [&camera, &light], radius);
+                    (if by == merged { path } else { path.technique() }, count)
                 });
                 let techniques = arena.collect_counted(list);
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let technique = Technique::merge(t, n + 1 - t);
-                    received.add_found(technique, pixel, &found, response);
+                    received.add_found(merged, pixel, &found, response);
                 }
             });
         }

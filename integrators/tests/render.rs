@@ -248,6 +248,59 @@ fn a_render_that_is_killed_goes_on_to_the_same_image() {
     }
 }
 
+/// The bytes of an EXR file but for the seconds that it took.
+fn timeless(path: &Path) -> Vec<u8> {
+    let mut bytes = std::fs::read(path).unwrap();
+    let name = b"seconds\0double\0\x08\0\0\0";
+    let at = bytes.windows(name.len()).position(|part| part == name).expect("an attribute");
+    bytes[at + name.len()..][..8].fill(0);
+    bytes
+}
+
+#[test]
+fn files_are_equal_byte_by_byte() {
+    let directory = Directory::new("bytes");
+    directory.rendered("whole.exr", &["--spp", "8"]);
+    let whole = timeless(&directory.path("whole.exr"));
+    for samples in ["3", "8"] {
+        directory.rendered("parts.exr", &["--spp", samples, "--checkpoint", "state"]);
+    }
+    assert!(timeless(&directory.path("parts.exr")) == whole);
+    let pictures =
+        ["whole.png", "parts.png"].map(|name| std::fs::read(directory.path(name)).unwrap());
+    assert!(pictures[0] == pictures[1]);
+}
+
+#[test]
+fn two_renders_do_not_share_a_checkpoint() {
+    let directory = Directory::new("shared");
+    let render = |spp: &str| {
+        directory.render(&[
+            "ball.xml",
+            "--spp",
+            spp,
+            "--checkpoint",
+            "state",
+            "--checkpoint-every",
+            "0.01",
+        ])
+    };
+    let mut first = render("2000000000").spawn().unwrap();
+    while !directory.path("state").exists() && first.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let second = render("4").output().unwrap();
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert_eq!(second.status.code(), Some(2));
+    let text = message(&second);
+    assert!(text.contains("`state`: another process renders"), "{text}");
+    // What was killed holds no lock.
+    let third = render("1").output().unwrap();
+    assert_eq!(third.status.code(), Some(0), "{}", message(&third));
+    assert!(!directory.path("state.lock").exists());
+}
+
 #[test]
 fn a_checkpoint_of_something_else_is_refused() {
     let directory = Directory::new("foreign");

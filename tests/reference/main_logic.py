@@ -20,12 +20,12 @@ INTEGRATORS = [
               ("shift.rs", "begin"), ("shift.rs", "extend"), ("shift.rs", "finish"), ("shift.rs", "copy"),
               ("shift.rs", "strategies"), ("shift.rs", "may_join"), ("shift.rs", "is_rough")]),
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("mutations.rs", "is_smooth"),
-             ("metropolis.rs", "contribution"), ("metropolis.rs", "shares"), ("metropolis.rs", "seeds"),
-             ("metropolis.rs", "chain"), ("metropolis.rs", "step")]),
+             ("metropolis.rs", "contribution"), ("metropolis.rs", "covers"), ("metropolis.rs", "shares"),
+             ("metropolis.rs", "seeds"), ("metropolis.rs", "chain"), ("metropolis.rs", "step")]),
     ("vpl", [("instant_radiosity.rs", "begin"), ("instant_radiosity.rs", "sample")]),
     ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
     ("vcm", [("vertex_merging.rs", "shoot"), ("vertex_merging.rs", "light"), ("vertex_merging.rs", "techniques"),
-             ("vertex_merging.rs", "sample"), ("vertex_merging.rs", "ends")]),
+             ("vertex_merging.rs", "made"), ("vertex_merging.rs", "sample"), ("vertex_merging.rs", "ends")]),
     ("ptracer", [("light_tracer.rs", "sample")]),
 ]
 

@@ -1,6 +1,7 @@
 //! The discrete choices of a mutation: drawn, or run through one after the other.
 
 use core::fmt;
+use core::ops::Range;
 
 use crate::discrete::{Choice, Discrete};
 use crate::path_density::PathDensity;
@@ -12,22 +13,48 @@ const MAX_DECISIONS: usize = 64;
 
 /// Which outcome of a choice is being evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Decided {
+pub(crate) struct Decided<R> {
     index: usize,
     len: usize,
+    /// The sum of all weights, of a choice by weights.
+    sum: R,
+    /// How likely the outcome is, once that is known.
+    probability: Option<R>,
 }
 
 /// Moves on to the next combination of outcomes, the last choice first; returns whether there is
 /// one.
-pub(super) fn advance(decided: &mut Vec<Decided>) -> bool {
+pub(super) fn advance<R>(decided: &mut Vec<Decided<R>>) -> bool {
     while let Some(last) = decided.last_mut() {
         last.index += 1;
+        last.probability = None;
         if last.index < last.len {
             return true;
         }
         decided.pop();
     }
     false
+}
+
+/// What the density of a path is evaluated for: how many vertices it has, and which of the current path's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// How many vertices it has.
+    pub size: usize,
+    /// How many vertices the current path has.
+    pub current: usize,
+    /// How many of these it has in common with the path.
+    pub common: usize,
+    /// How many of them lie before the first that the path does not have, and after the last.
+    pub ends: [usize; 2],
+}
+
+impl Wanted {
+    /// Whether the path has all vertices of the current one but those of a range.
+    fn replaces(&self, range: &Range<usize>) -> bool {
+        let kept = [range.start, self.current.saturating_sub(range.end)];
+        self.common == kept[0] + kept[1] && kept[0] <= self.ends[0] && kept[1] <= self.ends[1]
+    }
 }
 
 /// What a mutation decides by chance. When a proposal is made each choice is drawn; when a
@@ -45,7 +72,7 @@ pub struct Decisions<'d, R: Scalar> {
 
 enum Mode<'d, R> {
     Draw(&'d mut dyn UniformSource<R>),
-    Replay { decided: &'d mut Vec<Decided>, size: usize },
+    Replay { decided: &'d mut Vec<Decided<R>>, wanted: Wanted },
 }
 
 impl<R: Scalar> fmt::Debug for Decisions<'_, R> {
@@ -61,8 +88,8 @@ impl<'d, R: Scalar> Decisions<'d, R> {
     }
 
     /// Replays what is `decided`, and adds to it the first outcomes of the choices that follow.
-    pub(super) fn replay(decided: &'d mut Vec<Decided>, size: usize) -> Self {
-        let mode = Mode::Replay { decided, size };
+    pub(super) fn replay(decided: &'d mut Vec<Decided<R>>, wanted: Wanted) -> Self {
+        let mode = Mode::Replay { decided, wanted };
         Decisions { mode, count: 0, probability: PathDensity::ONE }
     }
 
@@ -91,9 +118,14 @@ impl<'d, R: Scalar> Decisions<'d, R> {
                 }
             },
         };
-        self.count += 1;
-        self.probability = self.probability * choice.probability;
+        self.take(choice.probability);
         Some(choice.item)
+    }
+
+    /// One more choice, with the probability of its outcome.
+    fn take(&mut self, probability: R) {
+        self.count += 1;
+        self.probability = self.probability * probability;
     }
 
     /// One of the numbers `0..count`, all equally likely; none if `count` is zero.
@@ -105,7 +137,27 @@ impl<'d, R: Scalar> Decisions<'d, R> {
     /// Negative weights and NaN count as zero. None if the weights do not have a positive, finite
     /// sum.
     pub fn weighted(&mut self, count: usize, weight: impl Fn(usize) -> R) -> Option<usize> {
-        self.choose(&Weights::new(count, weight)?)
+        if let Mode::Replay { decided, .. } = &mut self.mode
+            && let Some(level) = decided.get_mut(self.count)
+        {
+            // The same choice as in the run before, at the same outcome or at a later one.
+            if level.probability.is_none() {
+                let weights = Weights { count, weight, sum: level.sum };
+                level.find(&weights);
+            }
+            let (index, probability) = (level.index, level.probability);
+            self.take(probability.unwrap_or(R::ZERO));
+            return probability.map(|_| index);
+        }
+        let weights = Weights::new(count, weight)?;
+        let (sum, depth) = (weights.sum, self.count);
+        let item = self.choose(&weights);
+        if let Mode::Replay { decided, .. } = &mut self.mode
+            && let Some(level) = decided.get_mut(depth)
+        {
+            level.sum = sum;
+        }
+        item
     }
 
     /// Whether a proposal of `size` vertices is of any use: always when one is made; when a density
@@ -114,7 +166,17 @@ impl<'d, R: Scalar> Decisions<'d, R> {
     pub fn wants(&self, size: usize) -> bool {
         match &self.mode {
             Mode::Draw(_) => true,
-            Mode::Replay { size: wanted, .. } => size == *wanted,
+            Mode::Replay { wanted, .. } => size == wanted.size,
+        }
+    }
+
+    /// Whether a proposal is of any use in which these vertices of the current path are replaced and all
+    /// others are kept: always when one is made; when a density is evaluated, only if the path in question
+    /// has exactly the others. It saves work as [`Decisions::wants`] does.
+    pub fn replaces(&self, vertices: Range<usize>) -> bool {
+        match &self.mode {
+            Mode::Draw(_) => true,
+            Mode::Replay { wanted, .. } => wanted.replaces(&vertices),
         }
     }
 
@@ -126,24 +188,31 @@ impl<'d, R: Scalar> Decisions<'d, R> {
 
 /// The outcome whose turn it is in choice number `depth`.
 fn replayed<'i, R: Scalar, D: Discrete<R>>(
-    decided: &mut Vec<Decided>,
+    decided: &mut Vec<Decided<R>>,
     depth: usize,
     distribution: &'i D,
 ) -> Option<Choice<D::Item<'i>, R>> {
     if depth >= decided.len() {
-        decided.push(Decided { index: 0, len: distribution.len() });
+        let len = distribution.len();
+        decided.push(Decided { index: 0, len, sum: R::ZERO, probability: None });
     }
-    // Outcomes of probability zero have no turn. Only the last choice can be at one: `advance` has
-    // just moved it there.
-    let level = &mut decided[depth];
-    while level.index < level.len {
-        let choice = distribution.get(level.index);
-        if let Some(choice) = choice.filter(|choice| choice.probability > R::ZERO) {
-            return Some(choice);
+    decided[depth].find(distribution)
+}
+
+impl<R: Scalar> Decided<R> {
+    /// The outcome whose turn it is, from the present one on. Outcomes of probability zero have no turn; only
+    /// the last choice can be at one, since [`advance`] has just moved it there.
+    fn find<'i, D: Discrete<R>>(&mut self, distribution: &'i D) -> Option<Choice<D::Item<'i>, R>> {
+        while self.index < self.len {
+            let choice = distribution.get(self.index);
+            if let Some(choice) = choice.filter(|choice| choice.probability > R::ZERO) {
+                self.probability = Some(choice.probability);
+                return Some(choice);
+            }
+            self.index += 1;
         }
-        level.index += 1;
+        None
     }
-    None
 }
 
 /// Numbers with weights that are computed when they are needed.
@@ -209,7 +278,8 @@ mod tests {
     fn runs<T>(f: impl Fn(&mut Decisions<'_, f64>) -> Option<T>) -> Vec<(Option<T>, f64)> {
         let (mut decided, mut all) = (Vec::new(), Vec::new());
         loop {
-            let mut decide = Decisions::replay(&mut decided, 3);
+            let wanted = Wanted { size: 3, current: 5, common: 3, ends: [2, 1] };
+            let mut decide = Decisions::replay(&mut decided, wanted);
             let result = f(&mut decide);
             all.push((result, decide.finish().value()));
             if !advance(&mut decided) {

@@ -205,8 +205,8 @@ where
 /// The probabilities of all choices are those at `from`. Zero if the mutation cannot make `to`, and
 /// for paths that are not complete or of different arenas.
 ///
-/// It takes one run of the mutation for each combination of outcomes; [`Decisions::wants`] cuts
-/// that down.
+/// It takes one run of the mutation for each combination of outcomes; [`Decisions::wants`] and
+/// [`Decisions::replaces`] cut that down.
 pub fn conditional_pdf<'a, V, S, M>(
     mutation: &M,
     from: &RandomSequence<'a, V, S>,
@@ -227,8 +227,9 @@ where
     let mut decided = core::mem::take(&mut *from.arena.decided.borrow_mut());
     decided.clear();
     let mut sum = PathDensity::ZERO;
+    let wanted = origin.wanted(to.handle.place);
     loop {
-        let mut decide = Decisions::replay(&mut decided, to.len());
+        let mut decide = Decisions::replay(&mut decided, wanted);
         let draft = mutation.propose(from, &mut decide).and_then(|draft| draft.place());
         let probability = decide.finish();
         if let Some(draft) = draft.filter(|_| !probability.is_zero()) {

@@ -1,5 +1,6 @@
 //! What a proposal inherits from the path that it was made from, and how likely it is given that.
 
+use crate::mutation::decisions::Wanted;
 use crate::path_density::PathDensity;
 use crate::sequence::{Arena, NONE, Place, RandomSequence};
 use crate::strategy::{Dirac, Strategy, Vertex};
@@ -30,6 +31,21 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     fn position(&self, vertex: u32) -> Option<usize> {
         (vertex != NONE).then_some(())?;
         (0..self.path.len as usize).find(|i| self.id(self.path, *i) == Some(vertex))
+    }
+
+    /// What a mutation may know of a path whose density is evaluated.
+    pub fn wanted(&self, to: Place) -> Wanted {
+        let current = self.path.len as usize;
+        let shared = |i: &usize| {
+            let id = self.id(self.path, *i);
+            (0..to.len as usize).any(|k| self.id(to, k) == id)
+        };
+        let ends = [
+            (0..current).take_while(shared).count(),
+            (0..current).rev().take_while(shared).count(),
+        ];
+        let common = (0..current).filter(shared).count();
+        Wanted { size: to.len as usize, current, common, ends }
     }
 
     /// Whether vertex `m` of a place has the Dirac factor of a direction because it had it in the

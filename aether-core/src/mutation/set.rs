@@ -60,7 +60,7 @@ impl<V: Vertex, S: Strategy<V>> Mutation<V, S> for Mutations<'_, V, S> {
         current: &RandomSequence<'a, V, S>,
         decide: &mut Decisions<'_, V::Real>,
     ) -> Option<Draft<'a, V, S>> {
-        let i = decide.choose(&self.weights(current)?)?;
+        let i = decide.weighted(self.0.len(), |i| self.0[i].weight(current))?;
         self.0[i].propose(current, decide)
     }
 }

@@ -125,7 +125,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
 
     /// Whether `technique` might produce `path` at all. A piece of a joint run is no technique: it has
     /// a density, but only as an integral over the vertices that are missing.
-    fn comparable(&self, technique: Place, path: Place) -> bool {
+    pub(super) fn comparable(&self, technique: Place, path: Place) -> bool {
         technique.len == path.len
             && (S::VERTICES == 1 || self.tape.is_whole(technique))
             && (technique == path || self.tape.is_undirected() || self.covers(technique, path))
@@ -185,76 +185,6 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             }
         }
         density
-    }
-
-    /// The densities of `path` under two techniques without the factors that they share: they are
-    /// unlike in these steps.
-    #[inline]
-    fn quotient(
-        &self,
-        [a, b]: [Place; 2],
-        path: Place,
-        (first, end): (u32, u32),
-    ) -> [PathDensity<V::Real>; 2] {
-        let mut densities = [PathDensity::ONE; 2];
-        for k in first as usize..end as usize {
-            let known_unlike = k == first as usize || k + 1 == end as usize;
-            if known_unlike || !self.tape.same_step(a, b, k) {
-                let new = PathDensity::new(self.factor(a, k, path));
-                let old = PathDensity::new(self.factor(b, k, path));
-                densities = match k == first as usize {
-                    true => [new, old],
-                    false => [densities[0] * new, densities[1] * old],
-                };
-            }
-        }
-        densities
-    }
-
-    /// How much likelier each technique makes `path` than technique `own`, which made it: calls
-    /// `visit` with each other technique and the ratio of densities. `unlike` says in which range of steps a
-    /// technique is unlike the one before, if both have the same number.
-    ///
-    /// Neighbouring techniques share most factors, so each is compared with the one before, going
-    /// outwards from `own`, and directly with `own` where zeros or poles get in the way.
-    pub(crate) fn density_ratios(
-        &self,
-        count: usize,
-        own: usize,
-        technique: impl Fn(usize) -> Place,
-        unlike: impl Fn(usize) -> (u32, u32),
-        mut visit: impl FnMut(usize, V::Real),
-    ) {
-        let path = technique(own);
-        if S::VERTICES > 1 && !self.tape.is_whole(path) {
-            // It is no sample of its own technique, whose density is zero.
-            let others = (0..count).filter(|j| *j != own);
-            return others.for_each(|j| visit(j, V::Real::INFINITY));
-        }
-        // The technique that is compared with, its number, and how much likelier it is.
-        let start = (path, own, PathDensity::ONE);
-        let mut compare = |(from, i, ratio): (Place, usize, PathDensity<V::Real>), j: usize| {
-            let place = technique(j);
-            if !self.comparable(place, path) {
-                visit(j, V::Real::ZERO);
-                return (from, i, ratio);
-            }
-            let steps = match i + 1 == j || j + 1 == i {
-                true => unlike(i.max(j)),
-                false => self.tape.unlike(place, from),
-            };
-            let [new, old] = self.quotient([place, from], path, steps);
-            if new.is_regular() && old.is_regular() {
-                let ratio = ratio * (new / old);
-                visit(j, ratio.value());
-                return (place, j, ratio);
-            }
-            let [new, old] = self.quotient([place, path], path, self.tape.unlike(place, path));
-            visit(j, new.ratio(old));
-            (from, i, ratio)
-        };
-        (own + 1..count).fold(start, &mut compare);
-        (0..own).rev().fold(start, compare);
     }
 }
 

@@ -10,6 +10,7 @@ mod evaluate;
 mod joint;
 mod memo;
 mod random_sequence;
+mod ratios;
 mod snapshot;
 mod strategies;
 mod tape;
@@ -23,6 +24,7 @@ pub use erased::{DynStrategy, Erased};
 pub(crate) use memo::{Key, Memo};
 pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
+use ratios::LastFactors;
 pub use snapshot::Snapshot;
 pub(crate) use tape::{NONE, Part, Place, Tape};
 pub use view::PathView;
@@ -41,8 +43,9 @@ pub struct Arena<V: Vertex, S> {
     /// Lists of paths.
     pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
+    last: RefCell<LastFactors<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
-    pub(crate) decided: RefCell<Vec<Decided>>,
+    pub(crate) decided: RefCell<Vec<Decided<V::Real>>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),
@@ -72,6 +75,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
+            last: RefCell::new(LastFactors::new()),
             decided: RefCell::new(Vec::new()),
             sequences: Cell::new(0),
             contents: (ARENAS.fetch_add(1, Ordering::Relaxed), 0),

@@ -80,7 +80,30 @@ pub(crate) struct Entry {
     pub merged: u32,
 }
 
+/// How a step makes a vertex: by which strategy, as which part of its draw, from which side, and what else
+/// leads there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Way {
+    strategy: u32,
+    merged: u32,
+    part: u16,
+    backward: bool,
+}
+
+impl Way {
+    /// That of no step.
+    pub const NONE: Way = Way { strategy: NONE, merged: NONE, part: 0, backward: false };
+}
+
 impl Entry {
+    /// The way of the step, if it is read in the direction opposite to that of the tape or not.
+    #[inline(always)]
+    pub fn way(&self, reversed: bool) -> Way {
+        let Entry { strategy, merged, part, .. } = *self;
+        let backward = self.backward != reversed;
+        Way { strategy, merged, part: u16::from(part.0), backward }
+    }
+
     /// A step of no strategy.
     const VACANT: Entry = Entry {
         vertex: NONE,
@@ -373,8 +396,16 @@ impl<V: Vertex> Tape<V> {
 
     /// Whether a place holds all of every joint run of which it has a step.
     pub fn is_whole(&self, place: Place) -> bool {
-        (0..place.len as usize)
-            .all(|k| !self.step(place, k).part.is_joint() || self.joint_run(place, k).is_some())
+        let mut k = 0;
+        while k < place.len as usize {
+            let part = self.step(place, k).part;
+            if part.is_joint() && self.joint_run(place, k).is_none() {
+                return false;
+            }
+            // A run that is there ends so many steps on.
+            k += part.len();
+        }
+        true
     }
 
     #[inline]

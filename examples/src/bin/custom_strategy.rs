@@ -98,7 +98,7 @@ impl Upward<'_> {
     ) -> [f32; 3] {
         let world = &self.world;
         let scatter = scatter_or_look_up(world, self.settings.rr_depth, 0.3).into();
-        let techniques = Techniques { scatter, endings: &[&[sample_light(world).into()]] };
+        let techniques = Techniques { scatter, endings: &[&[], &[sample_light(world).into()]] };
         let stream = u64::from(y) * u64::from(world.scene.film.width) + u64::from(x);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
         let mut received = Received::new((x, y), splats);
@@ -116,11 +116,7 @@ impl AnyKernel for Upward<'_> {
 
 /// Renders the scene with the renderer's strategies, and with the new one.
 fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
-    let settings = PathSettings {
-        max_depth: scene.integrator.max_depth,
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
+    let settings = PathSettings::new(scene);
     let standard = PathTracer::<Rooms>::new(scene, settings, 1)?;
     let upward = Upward { world: World::new(scene)?, settings, seed: 2 };
     let size = (scene.film.width, scene.film.height);

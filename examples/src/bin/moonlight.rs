@@ -79,7 +79,7 @@ impl AnyKernel for Moonlight<'_> {
             let by_way_of_the_moon: [Strategies<'_>; 2] =
                 [sample_moon(world, *centre, *radius).into(), sample_light(world).into()];
             let light = &by_way_of_the_moon[1..];
-            let techniques = Techniques { scatter, endings: &[light, &by_way_of_the_moon] };
+            let techniques = Techniques { scatter, endings: &[&[], light, &by_way_of_the_moon] };
             let stream =
                 u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
             let mut uniforms = Pcg32::new(2, stream, u64::from(sample));
@@ -100,13 +100,8 @@ fn moon(scene: &Scene) -> Option<(Vector, f32)> {
 }
 
 /// Renders the scene with the renderer's techniques, and with the new one among them.
-fn both(scene: &Scene, samples: u32) -> Result<[Film; 2], NotCovered> {
-    let settings = PathSettings {
-        max_depth: scene.integrator.max_depth,
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
-    let standard = PathTracer::<Night>::new(scene, settings, 1)?;
+fn both(scene: &Scene, settings: PathSettings, samples: u32) -> Result<[Film; 2], NotCovered> {
+    let standard = PathTracer::<Night>::new(scene, settings, 2)?;
     let moon = moon(scene).unwrap_or_else(|| panic!("the scene has no ball with the id `moon`"));
     let moonlight = Moonlight { world: World::new(scene)?, settings, moon };
     let size = (scene.film.width, scene.film.height);
@@ -134,7 +129,8 @@ fn night(defines: &[(&str, &str)]) -> Scene {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let [standard, moonlight] = both(&night(&[]), 64)?;
+    let scene = night(&[]);
+    let [standard, moonlight] = both(&scene, PathSettings::new(&scene), 64)?;
     for (name, film) in [("standard", &standard), ("moonlight", &moonlight)] {
         let (mean, error) = mean_and_error(film);
         println!("{name:<10} mean {mean:.5} ± {error:.5}");
@@ -149,10 +145,28 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 #[test]
+fn a_technique_of_ones_own_can_be_left_out() {
+    let scene = night(&[("width", "32"), ("height", "18"), ("moon", "3")]);
+    let rendered = |techniques: &str| {
+        let techniques = techniques.parse().unwrap();
+        let settings = PathSettings { techniques, ..PathSettings::new(&scene) };
+        let [standard, moonlight] = both(&scene, settings, 16).unwrap();
+        [standard, moonlight].map(|film| mean_and_error(&film))
+    };
+    // Without that of two vertices from the light, what is left is the path tracer.
+    let [standard, moonlight] = rendered("0:*,1:*");
+    assert_eq!(standard, moonlight);
+    // Alone, it has the light of the moon.
+    let [standard, moonlight] = rendered("2:*");
+    assert!(standard.0 == 0.0 && moonlight.0 > 0.0);
+}
+
+#[test]
 fn the_technique_does_not_change_the_expected_image() {
     // With a moon so large that scattering finds it now and then.
     let scene = night(&[("width", "32"), ("height", "18"), ("moon", "3")]);
-    let [standard, moonlight] = both(&scene, 768).unwrap().map(|film| mean_and_error(&film));
+    let [standard, moonlight] =
+        both(&scene, PathSettings::new(&scene), 768).unwrap().map(|film| mean_and_error(&film));
     let error = standard.1.hypot(moonlight.1);
     assert!((standard.0 - moonlight.0).abs() < 4.0 * error, "{standard:?}, {moonlight:?}");
     assert!(error < 0.03 * standard.0, "too few samples to tell: {standard:?}, {moonlight:?}");

@@ -37,11 +37,7 @@ const SCENE: &str = r#"<scene version="3.0.0">
 
 /// The mean of all pixels and channels.
 fn mean(scene: &Scene, samples: u32) -> Result<f64, Box<dyn std::error::Error>> {
-    let settings = PathSettings {
-        max_depth: scene.integrator.max_depth,
-        rr_depth: scene.integrator.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
+    let settings = PathSettings::new(scene);
     let tracer = PathTracer::<Glass>::new(scene, settings, 1)?;
     let size = (scene.film.width, scene.film.height);
     let effort = RenderSettings::new(size, Budget::Samples(samples));

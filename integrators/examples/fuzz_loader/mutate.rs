@@ -201,12 +201,10 @@ pub fn try_case(seeds: &[Seed], case: u64, scratch: &Path) -> (String, Outcome) 
     (seed.name.clone(), outcome)
 }
 
-/// Paths of a few edges, whatever the file says: it may ask for endless ones.
-const SETTINGS: PathSettings =
-    PathSettings { max_depth: Some(4), rr_depth: 3, hide_emitters: false };
-
 fn look_around(scene: &Scene, random: &mut Random) {
-    let tracer = Algorithm::Path(SETTINGS).kernel(kind::smallest(scene), scene, 1).expect("a kind");
+    // Paths of a few edges, whatever the file says: it may ask for endless ones.
+    let settings = PathSettings { max_depth: Some(4), rr_depth: 3, ..PathSettings::new(scene) };
+    let tracer = Algorithm::Path(settings).kernel(kind::smallest(scene), scene, 1).expect("a kind");
     let tracer = tracer.unwrap_or_else(|error| panic!("{error}"));
     let mut worker = tracer.worker();
     for _ in 0..4 {

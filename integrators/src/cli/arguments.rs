@@ -95,8 +95,8 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "NAME", value_parser = crate::kind::KINDS)]
     pub kind: Option<String>,
 
-    /// Which techniques to use where there are several: pairs of numbers of vertices from the light and
-    /// from the camera, such as `0:*,1:*`
+    /// Which techniques to use, by the numbers of vertices from the light and from the camera: `0:*,1:*` is
+    /// scattering and next-event estimation, `merge` merges, `portal-1:2` one through a portal
     #[arg(long, value_name = "S:T,..")]
     pub techniques: Option<Selection>,
     /// Write what each technique contributes, with its weight and alone, for paths of up to so many vertices (6

@@ -44,7 +44,7 @@ fn settings(
         ("max_depth", max_depth.map_or("-1".to_owned(), |depth| depth.to_string())),
         ("rr_depth", rr_depth.to_string()),
         ("hide_emitters", scene.integrator.hide_emitters.to_string()),
-        ("techniques", format!("{techniques:?}")),
+        ("techniques", techniques.to_string()),
         ("light paths", format!("{light_paths:?}")),
         ("clamp", format!("{clamp:?}")),
         ("mutations", format!("{mutations:?}")),

@@ -39,7 +39,7 @@ pub(super) struct Plan {
     pub rr_depth: u32,
     /// The kind of scenes that the renderer is compiled for.
     pub kind: String,
-    /// Which techniques are used, where there are several.
+    /// Which techniques are used.
     pub techniques: Selection,
     /// How many light paths the pixels share, for integrators where they do.
     pub light_paths: Option<u32>,
@@ -66,7 +66,7 @@ impl Plan {
             max_depth: arguments.max_depth.map_or(requested.max_depth, |d| u32::try_from(d).ok()),
             rr_depth: requested.rr_depth,
             kind: arguments.kind.clone().unwrap_or_else(|| kind::smallest(scene).to_owned()),
-            techniques: arguments.techniques.clone().unwrap_or_default(),
+            techniques: arguments.techniques.unwrap_or_default(),
             light_paths: arguments.light_paths,
             clamp: arguments.clamp,
             mutations: arguments.mutations.unwrap_or_default(),
@@ -120,12 +120,9 @@ pub(super) fn kernel_for<'a>(
 
 /// The algorithm called `plan.integrator` with the settings of `plan`, not yet prepared for a scene.
 pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Failure> {
-    let path = PathSettings {
-        max_depth: plan.max_depth,
-        rr_depth: plan.rr_depth,
-        hide_emitters: scene.integrator.hide_emitters,
-    };
-    let bidirectional = Bidirectional { path, techniques: plan.techniques.clone() };
+    let techniques = plan.techniques;
+    let path = PathSettings { max_depth: plan.max_depth, techniques, ..PathSettings::new(scene) };
+    let bidirectional = Bidirectional { path };
     let algorithm = match plan.integrator.as_str() {
         "path" => Algorithm::Path(path),
         "ptracer" => Algorithm::LightTracer(LightTracer { path }),
@@ -139,7 +136,7 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
             let settings = PhotonMapping::new(path);
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
-        "vcm" => Algorithm::VertexMerging(VertexMerging::new(path, plan.techniques.clone())),
+        "vcm" => Algorithm::VertexMerging(VertexMerging::new(path)),
         "mlt" => {
             let mutations = plan.mutations;
             Algorithm::Metropolis(Metropolis { mutations, ..Metropolis::new(path) })
@@ -162,6 +159,10 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
             });
         }
     };
+    let vertices = 2 + usize::from(path.hide_emitters)..=path.most_vertices();
+    techniques.check(algorithm.techniques(), vertices).map_err(|why| {
+        Failure::new(format!("--techniques of integrator `{}`: {why}", plan.integrator))
+    })?;
     Ok(algorithm)
 }
 

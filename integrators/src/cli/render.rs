@@ -23,6 +23,7 @@ use crate::render::film::relative_error;
 use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
+use crate::selection::Selection;
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
 const AOV_SAMPLES: u32 = 64;
@@ -224,6 +225,9 @@ fn attributes(
     let mut settings = format!("max_depth={max_depth} rr_depth={}", plan.rr_depth);
     for (name, value) in &arguments.defines {
         settings += &format!(" -D {name}={value}");
+    }
+    if plan.techniques != Selection::ALL {
+        settings += &format!(" techniques={}", plan.techniques);
     }
     let text = |text: &str| Attribute::Text(text.to_owned());
     let count = |samples: u32| Attribute::Integer(i32::try_from(samples).unwrap_or(i32::MAX));

@@ -14,6 +14,7 @@ use openexr::{AnyChannel, AnyChannels, AttributeValue, FlatSamples, Text};
 use openexr::{ReadChannels, ReadLayers, WritableImage};
 
 use super::atomic_write::write_file;
+use super::exr_header::sort_attributes;
 use super::{ImageError, RgbImage};
 
 /// The first bytes of every EXR file.
@@ -82,6 +83,7 @@ impl Exr {
             .write()
             .to_buffered(&mut bytes)
             .map_err(|error| ImageError::format(path, format!("cannot be encoded: {error}")))?;
+        sort_attributes(bytes.get_mut());
         write_file(path, bytes.get_ref()).map_err(|error| ImageError::io("write", path, error))
     }
 

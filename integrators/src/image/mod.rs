@@ -11,6 +11,7 @@ pub mod block_test;
 pub mod compare;
 pub mod decode;
 pub mod exr;
+mod exr_header;
 pub mod flip;
 pub mod png;
 

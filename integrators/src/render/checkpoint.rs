@@ -6,7 +6,7 @@
 //! ends, one of the two is there.
 
 use std::fmt;
-use std::fs::File;
+use std::fs::{self, File, TryLockError};
 use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
@@ -36,15 +36,16 @@ pub struct Checkpoint {
 pub struct CheckpointError {
     path: PathBuf,
     why: String,
+    /// What to do.
+    remedy: &'static str,
 }
+
+const OTHER_FILE: &str = "name another file, or remove this one to begin anew";
 
 impl fmt::Display for CheckpointError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (path, why) = (self.path.display(), &self.why);
-        write!(
-            f,
-            "cannot go on from `{path}`: {why}; name another file, or remove this one to begin anew"
-        )
+        let (path, why, remedy) = (self.path.display(), &self.why, self.remedy);
+        write!(f, "cannot go on from `{path}`: {why}; {remedy}")
     }
 }
 
@@ -79,17 +80,19 @@ impl Checkpoint {
         })
     }
 
-    /// Goes on from the file if it exists, else renders from the beginning.
+    /// Goes on from the file if it exists, else renders from the beginning. Nobody else does meanwhile.
     ///
     /// # Errors
-    /// If the file is no checkpoint, is damaged, or is one of a render with other settings.
+    /// If the file is no checkpoint, is damaged, is one of a render with other settings, or if another process is at
+    /// it.
     pub fn render(
         &self,
         kernel: &dyn AnyKernel,
         settings: &RenderSettings,
         observer: &dyn Observer,
     ) -> Result<Rendered, CheckpointError> {
-        let error = |why| CheckpointError { path: self.path.clone(), why };
+        let error = |why| CheckpointError { path: self.path.clone(), why, remedy: OTHER_FILE };
+        let _lock = self.lock()?;
         match File::open(&self.path) {
             Ok(file) => {
                 let mut state = self.state(BufReader::new(file)).map_err(error)?;
@@ -98,6 +101,23 @@ impl Checkpoint {
             }
             Err(e) if e.kind() == ErrorKind::NotFound => Ok(render(kernel, settings, observer)),
             Err(e) => Err(error(e.to_string())),
+        }
+    }
+
+    /// Keeps other processes from the file as long as the outcome lives; a process that ends in whatever way lets go.
+    /// Where files cannot be locked there is no lock.
+    fn lock(&self) -> Result<Option<Lock>, CheckpointError> {
+        let mut path = self.path.clone().into_os_string();
+        path.push(".lock");
+        let Ok(file) = File::create(&path) else { return Ok(None) };
+        match file.try_lock() {
+            Ok(()) => Ok(Some(Lock { path: path.into(), _file: file })),
+            Err(TryLockError::Error(_)) => Ok(None),
+            Err(TryLockError::WouldBlock) => Err(CheckpointError {
+                path: self.path.clone(),
+                why: "another process renders from it and to it".to_owned(),
+                remedy: "wait for its end, or name another file",
+            }),
         }
     }
 
@@ -130,6 +150,19 @@ impl Checkpoint {
             }
         }
         if differences.is_empty() { Ok(file) } else { Err(differences.join("; ")) }
+    }
+}
+
+/// A file that is locked until it is removed.
+struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // If it stays, it is locked by nobody.
+        let _ = fs::remove_file(&self.path);
     }
 }
 

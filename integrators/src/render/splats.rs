@@ -20,6 +20,11 @@ pub struct Technique {
 }
 
 impl Technique {
+    /// What joins the pieces of a merged path.
+    pub const MERGE: &str = "merge";
+    /// What joins pieces of paths through a portal.
+    pub const PORTAL: &str = "portal";
+
     /// An edge between vertices from the camera and from the light.
     pub fn edge(camera: usize, light: usize) -> Self {
         Technique { vertices: camera + light, joint: "", camera, light }
@@ -27,7 +32,17 @@ impl Technique {
 
     /// A vertex where pieces from the camera and from the light meet, which belongs to both.
     pub fn merge(camera: usize, light: usize) -> Self {
-        Technique { vertices: camera + light - 1, joint: "merge", camera, light }
+        Technique {
+            vertices: (camera + light).saturating_sub(1),
+            joint: Self::MERGE,
+            camera,
+            light,
+        }
+    }
+
+    /// A segment of two vertices through a portal, between vertices from the camera and from the light.
+    pub fn portal(camera: usize, light: usize) -> Self {
+        Technique { vertices: camera + light + 2, joint: Self::PORTAL, camera, light }
     }
 
     /// Mutations of paths with so many vertices, which have no ends where they began.
@@ -233,7 +248,8 @@ impl Stored for Technique {
 
     fn load(from: &mut dyn Read) -> io::Result<Self> {
         let ([vertices, camera, light], joint) = <(_, String)>::load(from)?;
-        let known = ["", "merge", "mutated", "portal"].into_iter().find(|name| *name == joint);
+        let known =
+            ["", Self::MERGE, "mutated", Self::PORTAL].into_iter().find(|name| *name == joint);
         // A name lives as long as the program, like those that are written in it.
         let joint = known.unwrap_or_else(|| joint.leak());
         Ok(Technique { vertices, joint, camera, light })

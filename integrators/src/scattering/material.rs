@@ -56,13 +56,16 @@ pub struct Layer<K: SceneKind> {
     pub bump: Option<(K::Bumps, Bump, bool)>,
 }
 
+/// The parts of a mixture behind the first.
+pub type Others<K> = (<K as SceneKind>::Blend, Box<[Layer<K>]>);
+
 /// What is seen from one side of a surface: mixtures of mixtures are a list of parts.
 #[derive(Clone, Debug)]
 pub struct Side<K: SceneKind> {
     /// The first part, mostly the only one.
     pub base: Layer<K>,
     /// The others.
-    pub more: Option<(K::Blend, Box<[Layer<K>]>)>,
+    pub more: Option<Others<K>>,
     /// Whether there are holes: what is left of the light after all parts passes through them.
     pub holes: Option<K::Mask>,
     /// Whether the parts have normals of their own.

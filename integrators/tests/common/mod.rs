@@ -8,12 +8,7 @@ use integrators::scene::Scene;
 
 /// The settings that a scene asks for.
 pub fn settings(scene: &Scene) -> PathSettings {
-    let integrator = &scene.integrator;
-    PathSettings {
-        max_depth: integrator.max_depth,
-        rr_depth: integrator.rr_depth,
-        hide_emitters: integrator.hide_emitters,
-    }
+    PathSettings::new(scene)
 }
 
 /// The path tracer as the program makes it.

@@ -17,7 +17,6 @@ use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
 use integrators::render::{Budget, Film, Layer, RenderSettings, render};
 use integrators::scene::{Filter, Scene};
-use integrators::selection::Selection;
 use integrators::tridirectional::Tridirectional;
 use integrators::vertex_merging::VertexMerging;
 
@@ -27,18 +26,20 @@ use super::scenes::{Reference, film, scene, scores, settings};
 /// The chance that any of the comparisons of a test fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 
-fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
+/// A render by the smallest kind of an integrator that covers the scene.
+pub fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
     let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
     let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
     film(&*kernel, scene, samples, None)
 }
 
-fn bidirectional(scene: &Scene, techniques: &str) -> Algorithm {
-    let techniques = match techniques {
-        "" => Default::default(),
-        some => some.parse().expect("a selection"),
-    };
-    Algorithm::Bidirectional(Bidirectional { path: settings(scene), techniques })
+/// The settings of a scene, with some techniques.
+pub fn only(scene: &Scene, techniques: &str) -> PathSettings {
+    PathSettings { techniques: techniques.parse().expect("a selection"), ..settings(scene) }
+}
+
+fn bidirectional(path: PathSettings) -> Algorithm {
+    Algorithm::Bidirectional(Bidirectional { path })
 }
 
 /// Compares renders of integrators with independent samples with the stored images: each block and the means.
@@ -73,7 +74,7 @@ const BOTH_ENDS: [(&str, u32); 10] = [
 fn bidirectional_path_tracing_agrees_with_the_stored_images() {
     assert_alike(BOTH_ENDS.map(|(name, samples)| {
         let scene = scene(name);
-        let film = rendered(bidirectional(&scene, ""), &scene, samples, 1);
+        let film = rendered(bidirectional(settings(&scene)), &scene, samples, 1);
         (format!("bdpt, {name}"), film, Reference::stored(name))
     }));
 }
@@ -81,11 +82,27 @@ fn bidirectional_path_tracing_agrees_with_the_stored_images() {
 #[test]
 fn each_technique_alone_is_unbiased() {
     // Every path can be made by one technique of each selection.
-    let selections = [("*:1", 32), ("0:2,1:*", 32), ("0:2,1:2,2:2,3:*", 32)];
+    let selections = [
+        ("cornell-box", "*:1", 32),
+        ("gaussian-filter", "*:1", 4),
+        ("cornell-box", "0:2,1:*", 32),
+        ("cornell-box", "0:2,1:2,2:2,3:*", 32),
+    ];
+    assert_alike(selections.map(|(name, techniques, samples)| {
+        let scene = scene(name);
+        let film = rendered(bidirectional(only(&scene, techniques)), &scene, samples, 2);
+        (format!("techniques {techniques}, {name}"), film, Reference::stored(name))
+    }));
+}
+
+#[test]
+fn scattering_alone_and_next_event_estimation_alone_are_unbiased() {
+    // A lamp, which scattering finds; that it is seen is no matter of next-event estimation.
+    let selections = [("0:*", 128), ("0:2,1:*", 32)];
     assert_alike(selections.map(|(techniques, samples)| {
         let scene = scene("cornell-box");
-        let film = rendered(bidirectional(&scene, techniques), &scene, samples, 2);
-        (format!("techniques {techniques}"), film, Reference::stored("cornell-box"))
+        let film = rendered(Algorithm::Path(only(&scene, techniques)), &scene, samples, 2);
+        (format!("path {techniques}"), film, Reference::stored("cornell-box"))
     }));
 }
 
@@ -119,6 +136,47 @@ fn tridirectional_path_tracing_agrees_with_the_stored_images() {
         }
     }
     assert!(!holm(&p, FALSE_ALARM_RATE).contains(&true));
+}
+
+/// Every integrator with every scene that it can render: matte, smooth normals, glossy, a caustic of glass, a mirror, a
+/// small light, one that is near, an environment, a room behind a portal.
+#[test]
+#[ignore = "takes minutes: cargo test -p integrators --test reference_images -- --ignored"]
+fn every_unbiased_integrator_agrees_with_the_stored_image_of_every_scene() {
+    let matte =
+        ["cornell-box", "models/smooth", "models/envmap", "models/point", "models/near-lamp"];
+    let rough = ["models/roughconductor-ggx", "models/portal-room"];
+    let smooth = ["models/dielectric", "models/mirror"];
+    let mut p = Vec::new();
+    for name in [&matte[..], &rough, &smooth].concat() {
+        let scene = scene(name);
+        let path = settings(&scene);
+        let inner = Bidirectional { path };
+        let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
+        let mut algorithms = vec![
+            ("path", 16, Algorithm::Path(path)),
+            ("bdpt", 8, Algorithm::Bidirectional(inner)),
+            ("gdpt", 4, Algorithm::GradientDomain(GradientDomain::new(path))),
+            ("mlt", 8, Algorithm::Metropolis(Metropolis::new(path))),
+            ("pssmlt", 8, Algorithm::PrimarySample(PrimarySample::new(inner))),
+            ("vpl", 2, Algorithm::InstantRadiosity(lights)),
+        ];
+        // Light that comes from a mirror or from glass to the eye is found by no path from a light.
+        if !smooth.contains(&name) {
+            algorithms.push(("ptracer", 32, Algorithm::LightTracer(LightTracer { path })));
+        }
+        for (integrator, samples, algorithm) in algorithms {
+            let render =
+                |seed| super::furnaces::image(algorithm.clone(), &scene, samples, seed + 40);
+            let renders: Vec<RgbImage> = (0..SEEDS).map(render).collect();
+            let found =
+                p_values(&format!("{integrator}, {name}"), &Reference::stored(name), &renders, 16);
+            p.extend(found.into_iter().map(|p| (p, integrator, name)));
+        }
+    }
+    let rejected = holm(&p.iter().map(|(p, ..)| *p).collect::<Vec<_>>(), FALSE_ALARM_RATE);
+    let failures: Vec<_> = p.iter().zip(rejected).filter(|(_, r)| *r).map(|(p, _)| p).collect();
+    assert!(failures.is_empty(), "{failures:?}");
 }
 
 /// Seeds that integrators are rendered with whose pixels or samples depend on each other.
@@ -258,22 +316,29 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
 #[test]
 fn chains_of_paths_are_distributed_as_they_should_be() {
     assert_unbiased("models/dielectric", 4, |scene| {
-        Algorithm::Metropolis(Metropolis { candidates: 20_000, ..Metropolis::new(settings(scene)) })
+        Algorithm::Metropolis(Metropolis {
+            candidates: Some(20_000),
+            ..Metropolis::new(settings(scene))
+        })
     });
 }
 
 #[test]
 fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     assert_unbiased("cornell-box", 4, |scene| {
-        let inner = Bidirectional { path: settings(scene), techniques: Default::default() };
-        Algorithm::PrimarySample(PrimarySample { candidates: 20_000, ..PrimarySample::new(inner) })
+        let inner = Bidirectional { path: settings(scene) };
+        Algorithm::PrimarySample(PrimarySample {
+            candidates: Some(20_000),
+            ..PrimarySample::new(inner)
+        })
     });
 }
 
 /// Of the light of a scene full of caustics, the numbers of steps of a chain of some mutations and the image.
 fn mutated(scene: &Scene, mutations: &str, seed: u64) -> (Vec<(String, Vec<f64>)>, RgbImage) {
     let mutations = mutations.parse().expect("names of mutations");
-    let chains = Metropolis { mutations, candidates: 2000, ..Metropolis::new(settings(scene)) };
+    let chains =
+        Metropolis { mutations, candidates: Some(2000), ..Metropolis::new(settings(scene)) };
     let kernel = Algorithm::Metropolis(chains).kernel("Everything", scene, seed);
     let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
     let image = film(&*kernel, scene, 16, None).image();
@@ -310,7 +375,7 @@ fn two_mutations_share_the_light_between_them() {
         sum(&lens, &chains)
     };
     let images: Vec<RgbImage> = (0..SEEDS).map(both).collect();
-    let film = rendered(bidirectional(&scene, ""), &scene, 64, 1);
+    let film = rendered(bidirectional(settings(&scene)), &scene, 64, 1);
     let variance = film.variance().expect("two samples a pixel");
     let expected = Reference { rgb: film.image(), variance };
     let p = p_values("lens and multi-chain", &expected, &images, 16);
@@ -359,10 +424,8 @@ fn photons_are_seen_in_what_is_nearly_a_mirror() {
 #[test]
 fn merging_converges() {
     // Without connections of camera vertices to light paths, so that merges have most of the weight.
-    let techniques = "0:*,1:*,*:1".parse().expect("a selection");
     assert_unbiased("models/dielectric", 4, |scene| {
-        let settings = VertexMerging::new(settings(scene), Selection::clone(&techniques));
-        Algorithm::VertexMerging(settings)
+        Algorithm::VertexMerging(VertexMerging::new(only(scene, "0:*,1:*,*:1,merge")))
     });
 }
 
@@ -374,12 +437,12 @@ fn the_number_of_threads_does_not_change_a_bit_of_splats() {
         film(&*kernel.expect("a kind").expect("it covers the scene"), &scene, 2, Some(threads))
     };
     let path = settings(&scene);
-    let metropolis = Metropolis { candidates: 1000, ..Metropolis::new(path) };
+    let metropolis = Metropolis { candidates: Some(1000), ..Metropolis::new(path) };
     for algorithm in [
-        bidirectional(&scene, ""),
+        bidirectional(settings(&scene)),
         Algorithm::Metropolis(metropolis),
         Algorithm::PhotonMapping(PhotonMapping::new(path)),
-        Algorithm::VertexMerging(VertexMerging::new(path, Selection::default())),
+        Algorithm::VertexMerging(VertexMerging::new(path)),
     ] {
         let one = render(algorithm.clone(), 1);
         assert!(one == render(algorithm.clone(), 3), "{algorithm:?}");

@@ -17,6 +17,7 @@ mod common;
 mod furnaces;
 mod models;
 mod scenes;
+mod techniques;
 
 use integrators::image::block_test::{BlockScore, holm};
 use integrators::render::Film;

@@ -206,7 +206,7 @@ impl<'s> MisjudgingTracer<'s> {
         let scatter = sample_bsdf(world, self.settings.rr_depth, None);
         let light = Misjudged { strategy: sample_light(world), factor: self.light_factor };
         let scatter = Misjudged { strategy: scatter, factor: self.scatter_factor };
-        let techniques = Techniques { scatter: scatter.into(), endings: &[&[light.into()]] };
+        let techniques = Techniques { scatter: scatter.into(), endings: &[&[], &[light.into()]] };
         let stream = u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
         let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
         let mut received = Received::new(pixel, splats);

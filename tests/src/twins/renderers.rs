@@ -29,8 +29,7 @@ pub fn cornell_box() -> PathBuf {
 
 /// The settings of paths: 8 edges at most, and Russian roulette as the scene has it.
 pub fn settings(scene: &Scene) -> PathSettings {
-    let rr_depth = scene.integrator.rr_depth;
-    PathSettings { max_depth: Some(8), rr_depth, hide_emitters: false }
+    PathSettings { max_depth: Some(8), ..PathSettings::new(scene) }
 }
 
 /// A loop over pixels spread over the image.
@@ -88,7 +87,8 @@ impl<'a> Loop<'a> {
 /// The settings of bidirectional paths: the same without Russian roulette, whose probabilities would depend on both
 /// ends of a path.
 pub fn settings_of_pieces() -> PathSettings {
-    PathSettings { max_depth: Some(8), rr_depth: u32::MAX, hide_emitters: false }
+    let techniques = Selection::ALL;
+    PathSettings { max_depth: Some(8), rr_depth: u32::MAX, hide_emitters: false, techniques }
 }
 
 /// Measures the integrators for the smallest kind that covers the scene and for everything.
@@ -106,8 +106,7 @@ pub fn visit_integrators(meter: &mut impl Meter, names: &[String]) -> Result<(),
     pair::<DiffuseRooms>(meter, names, &scene, "path tracer, smallest kind", derived(), by_hand())?;
     pair::<Everything>(meter, names, &scene, "path tracer, everything", derived(), by_hand())?;
     let path = settings_of_pieces();
-    let derived =
-        || Algorithm::Bidirectional(Bidirectional { path, techniques: Selection::default() });
+    let derived = || Algorithm::Bidirectional(Bidirectional { path });
     let by_hand = || BidirectionalByHand(path);
     pair::<DiffuseRooms>(
         meter,
@@ -126,7 +125,7 @@ pub fn visit_integrators(meter: &mut impl Meter, names: &[String]) -> Result<(),
 /// If the kind does not cover the scene.
 pub fn bidirectional<K: SceneKind>(scene: &Scene) -> Result<[Box<dyn AnyKernel + '_>; 2], String> {
     let path = settings_of_pieces();
-    let derived = Bidirectional { path, techniques: Selection::default() };
+    let derived = Bidirectional { path };
     kernels::<K>(scene, Algorithm::Bidirectional(derived), BidirectionalByHand(path))
 }
 

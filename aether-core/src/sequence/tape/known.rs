@@ -1,6 +1,6 @@
 //! What is known of steps and of runs of them, and how steps of two places compare.
 
-use super::{Entry, NONE, Place, Question, Tape};
+use super::{Entry, NONE, Place, Question, Tape, Way};
 use crate::path_density::PathDensity;
 use crate::sequence::Key;
 use crate::strategy::{Dirac, Vertex};
@@ -63,6 +63,13 @@ impl<V: Vertex> Tape<V> {
     pub fn same_step(&self, a: Place, b: Place, k: usize) -> bool {
         let entries = self.entries.borrow();
         a == b || alike(&entries[a.at(k)], &entries[b.at(k)], a.reversed != b.reversed)
+    }
+
+    /// The ways in which two places make vertex `k`.
+    #[inline(always)]
+    pub fn ways(&self, [a, b]: [Place; 2], k: usize) -> [Way; 2] {
+        let entries = self.entries.borrow();
+        [a, b].map(|place| entries[place.at(k)].way(place.reversed))
     }
 
     /// The name of the run that ends at step `k`, if it begins where the path does and a draw ends there.
@@ -143,8 +150,5 @@ impl<V: Vertex> Tape<V> {
 /// that of the other where they are `turned`.
 #[inline]
 fn alike(a: &Entry, b: &Entry, turned: bool) -> bool {
-    a.strategy == b.strategy
-        && (a.backward != b.backward) == turned
-        && a.part == b.part
-        && a.merged == b.merged
+    a.way(false) == b.way(turned)
 }
