@@ -176,7 +176,7 @@ pub(super) fn scatter<K: SceneKind>(
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Scattered> {
     let choice = scattering.lobes(None).sample(uniforms.next());
-    let local: Vec3 = match choice.item {
+    let local: Vec3 = match choice.item.lobe {
         Lobe::Matte(_) => {
             let [u, v]: [f32; 2] = draw_uniforms(uniforms);
             let (s, c) = (std::f32::consts::TAU * v).sin_cos();
@@ -194,7 +194,7 @@ pub(super) fn scatter<K: SceneKind>(
         }
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let direction = scattering.direction(&choice.item)?;
-            let coefficient = scattering.lobe(choice.index)?.coefficient;
+            let coefficient = choice.item.coefficient;
             let w = to_world(&scattering.pose.frame, direction.vec().into());
             let weight = coefficient / choice.probability;
             return Some(Scattered { w, density: None, weight });
