@@ -194,7 +194,7 @@ pub(super) fn scatter<K: SceneKind>(
         }
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let direction = scattering.direction(&choice.item)?;
-            let coefficient = scattering.lobe(choice.index)?.coefficient;
+            let coefficient = choice.item.coefficient;
             let w = to_world(&scattering.pose.frame, direction.vec().into());
             let weight = coefficient / choice.probability;
             return Some(Scattered { w, density: None, weight });
