@@ -3,7 +3,8 @@
 //! A path of n vertices can be made in as many ways as there are splits of it into a piece from the camera
 //! and one from a light. Weights are those of the pixel that receives the light: the camera's techniques
 //! have the density of that pixel's film samples and are taken once a sample, while the technique that
-//! connects light paths to the camera gets a sample from every light path of the image.
+//! connects light paths to the camera gets a sample from every light path of the image. A sample may have several
+//! light paths: then what needs one has so many samples.
 
 use aether_core::estimator::Value;
 use aether_core::{PowerHeuristic, UniformSource, combine};
@@ -15,7 +16,9 @@ use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::Pixel;
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, splits, through};
+use crate::subpaths::{
+    Apart, Scratch, camera_path, connection, extend, light_path, splits, through,
+};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -23,6 +26,15 @@ use crate::world::World;
 pub struct Bidirectional {
     /// Lengths of paths, Russian roulette, techniques.
     pub path: PathSettings,
+    /// How many light paths a sample takes beside its camera path, at least one.
+    pub light_paths: u32,
+}
+
+impl Bidirectional {
+    /// One light path for each camera path.
+    pub fn new(path: PathSettings) -> Self {
+        Bidirectional { path, light_paths: 1 }
+    }
 }
 
 impl Integrator for Bidirectional {
@@ -63,40 +75,49 @@ impl Bidirectional {
         arena.clear();
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
-        let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
-        let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
-        // What has ended might have gone on: it remains a technique.
-        let total = (camera.len() + light.len()).min(longest);
-        extend(&mut camera, world, (total, rr));
-        extend(&mut light, world, (total, rr));
+        let seen_by = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let count = self.light_paths.max(1) as usize;
+        for number in 0..count {
+            let uniforms = &mut Apart::new(uniforms, number as u32);
+            let mut camera = seen_by;
+            let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
+            // What has ended might have gone on: it remains a technique.
+            let total = (camera.len() + light.len()).min(longest);
+            extend(&mut camera, world, (total, rr));
+            extend(&mut light, world, (total, rr));
 
-        let eye = camera.slice(0..1);
-        for length in 2 + usize::from(self.path.hide_emitters)..=total {
-            let seen = eye.concat(&light.slice(0..length - 1).reverse());
-            for receiver in world.receivers(pixel, [&seen]) {
-                // Another pixel gets this sample alone: if it is black there is nothing to weigh.
-                if receiver != pixel && estimator.of(&seen).is_zero() {
-                    continue;
-                }
-                let view = match receiver == pixel {
-                    true => camera,
-                    false => through(world, arena, receiver, &camera),
-                };
-                let used = self.path.techniques.among(splits(length));
-                // Light that is seen directly from the eye, and all that the camera path sees.
-                let responses =
-                    [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
-                let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
-                let techniques =
-                    arena.collect_counted(used.clone().map(|by| match (by.light, by.camera) {
-                        (_, 1) => (seen, world.pixels()),
-                        (1, t) => (*connection(world, &view, &light, (1, t)).sample(uniforms), 1),
-                        (s, t) => (connection(world, &view, &light, (s, t)), 1),
-                    }));
-                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let Some(by) = used.clone().nth(found.technique) else { continue };
-                    let response = responses[usize::from(by.camera > 1)];
-                    record(by, receiver, found.value * response, found.alone * response);
+            let eye = camera.slice(0..1);
+            for length in 2 + usize::from(self.path.hide_emitters)..=total {
+                let seen = eye.concat(&light.slice(0..length - 1).reverse());
+                for receiver in world.receivers(pixel, [&seen]) {
+                    // Another pixel gets this sample alone: if it is black there is nothing to weigh.
+                    if receiver != pixel && estimator.of(&seen).is_zero() {
+                        continue;
+                    }
+                    let view = match receiver == pixel {
+                        true => camera,
+                        false => through(world, arena, receiver, &camera),
+                    };
+                    let used = self.path.techniques.among(splits(length));
+                    // Light that is seen directly from the eye, and all that the camera path sees.
+                    let responses =
+                        [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
+                    let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
+                    let techniques =
+                        arena.collect_counted(used.clone().map(|by| match (by.light, by.camera) {
+                            (_, 1) => (seen, count * world.pixels()),
+                            (0, t) if number == 0 => (view.slice(0..t), 1),
+                            (0, t) => (view.slice(0..t).technique(), 1),
+                            (1, t) => {
+                                (*connection(world, &view, &light, (1, t)).sample(uniforms), count)
+                            }
+                            (s, t) => (connection(world, &view, &light, (s, t)), count),
+                        }));
+                    for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                        let Some(by) = used.clone().nth(found.technique) else { continue };
+                        let response = responses[usize::from(by.camera > 1)];
+                        record(by, receiver, found.value * response, found.alone * response);
+                    }
                 }
             }
         }

@@ -107,7 +107,8 @@ pub(super) struct RenderArguments {
     /// Write albedo, normal and depth of what is seen as layers of the EXR file
     #[arg(long)]
     pub aovs: bool,
-    /// How many light paths the pixels share: virtual lights (256 by default), photons (one a pixel)
+    /// How many light paths the pixels share: virtual lights (256 by default), photons (one a pixel); of bdpt, how many
+    /// light paths a sample takes (one)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub light_paths: Option<u32>,
 

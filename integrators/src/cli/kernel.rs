@@ -122,11 +122,14 @@ pub(super) fn kernel_for<'a>(
 pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Failure> {
     let techniques = plan.techniques;
     let path = PathSettings { max_depth: plan.max_depth, techniques, ..PathSettings::new(scene) };
-    let bidirectional = Bidirectional { path };
+    let bidirectional = Bidirectional::new(path);
     let algorithm = match plan.integrator.as_str() {
         "path" => Algorithm::Path(path),
         "ptracer" => Algorithm::LightTracer(LightTracer { path }),
-        "bdpt" => Algorithm::Bidirectional(bidirectional),
+        "bdpt" => Algorithm::Bidirectional(Bidirectional {
+            light_paths: plan.light_paths.unwrap_or(1),
+            ..bidirectional
+        }),
         "vpl" => Algorithm::InstantRadiosity(InstantRadiosity {
             path,
             light_paths: plan.light_paths.unwrap_or(256),

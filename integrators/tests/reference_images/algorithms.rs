@@ -39,7 +39,7 @@ pub fn only(scene: &Scene, techniques: &str) -> PathSettings {
 }
 
 fn bidirectional(path: PathSettings) -> Algorithm {
-    Algorithm::Bidirectional(Bidirectional { path })
+    Algorithm::Bidirectional(Bidirectional::new(path))
 }
 
 /// Compares renders of integrators with independent samples with the stored images: each block and the means.
@@ -76,6 +76,24 @@ fn bidirectional_path_tracing_agrees_with_the_stored_images() {
         let scene = scene(name);
         let film = rendered(bidirectional(settings(&scene)), &scene, samples, 1);
         (format!("bdpt, {name}"), film, Reference::stored(name))
+    }));
+}
+
+#[test]
+fn samples_may_have_more_light_paths_than_camera_paths() {
+    // All techniques, and those alone that depend on the number of light paths.
+    let selections = [
+        ("gaussian-filter", "*:*", 2),
+        ("gaussian-filter", "*:1", 2),
+        ("models/smooth", "*:*", 4),
+        ("cornell-box", "0:2,1:2,2:2,3:*", 16),
+    ];
+    assert_alike(selections.map(|(name, techniques, samples)| {
+        let scene = scene(name);
+        let path = only(&scene, techniques);
+        let algorithm = Algorithm::Bidirectional(Bidirectional { path, light_paths: 3 });
+        let film = rendered(algorithm, &scene, samples, 3);
+        (format!("3 light paths, techniques {techniques:?}, {name}"), film, Reference::stored(name))
     }));
 }
 
@@ -155,7 +173,7 @@ fn every_unbiased_integrator_agrees_with_the_stored_image_of_every_scene() {
     for name in [&rough[..], &smooth].concat() {
         let scene = scene(name);
         let path = settings(&scene);
-        let inner = Bidirectional { path };
+        let inner = Bidirectional::new(path);
         let lights = InstantRadiosity { path, light_paths: 64, clamp: None };
         let mut algorithms = vec![
             ("path", 16, Algorithm::Path(path)),
@@ -330,7 +348,7 @@ fn chains_of_paths_are_distributed_as_they_should_be() {
 #[test]
 fn chains_of_primary_samples_are_distributed_as_they_should_be() {
     assert_unbiased("cornell-box", 4, |scene| {
-        let inner = Bidirectional { path: settings(scene) };
+        let inner = Bidirectional::new(settings(scene));
         Algorithm::PrimarySample(PrimarySample {
             candidates: Some(20_000),
             ..PrimarySample::new(inner)

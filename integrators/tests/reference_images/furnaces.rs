@@ -81,7 +81,7 @@ fn closed() -> (Scene, [f32; 3]) {
 /// show.
 fn integrators(scene: &Scene) -> Vec<(&'static str, [u32; 2], Algorithm)> {
     let path = settings(scene);
-    let bidirectional = Bidirectional { path };
+    let bidirectional = Bidirectional::new(path);
     let portals = Portals::new(scene).expect("a portal");
     let chains = Metropolis { candidates: Some(1000), ..Metropolis::new(path) };
     let primary = PrimarySample { candidates: Some(1000), ..PrimarySample::new(bidirectional) };

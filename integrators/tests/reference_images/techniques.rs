@@ -76,14 +76,14 @@ const ALONE: [(&str, u32, With, &[&[&str]]); 10] = [
     (
         "bdpt",
         4,
-        |_, path| Algorithm::Bidirectional(Bidirectional { path }),
+        |_, path| Algorithm::Bidirectional(Bidirectional::new(path)),
         &[&["0:2", "1:1"], &["0:3", "1:2", "2:1"], &["0:4", "1:3", "2:2", "3:1"]],
     ),
     (
         "pssmlt",
         6,
         |_, path| {
-            let chains = PrimarySample::new(Bidirectional { path });
+            let chains = PrimarySample::new(Bidirectional::new(path));
             Algorithm::PrimarySample(PrimarySample { candidates: Some(300), ..chains })
         },
         &[&["1:1"], &["0:3"], &["1:3", "2:2"]],

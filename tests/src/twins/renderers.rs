@@ -106,7 +106,7 @@ pub fn visit_integrators(meter: &mut impl Meter, names: &[String]) -> Result<(),
     pair::<DiffuseRooms>(meter, names, &scene, "path tracer, smallest kind", derived(), by_hand())?;
     pair::<Everything>(meter, names, &scene, "path tracer, everything", derived(), by_hand())?;
     let path = settings_of_pieces();
-    let derived = || Algorithm::Bidirectional(Bidirectional { path });
+    let derived = || Algorithm::Bidirectional(Bidirectional::new(path));
     let by_hand = || BidirectionalByHand(path);
     pair::<DiffuseRooms>(
         meter,
@@ -125,7 +125,7 @@ pub fn visit_integrators(meter: &mut impl Meter, names: &[String]) -> Result<(),
 /// If the kind does not cover the scene.
 pub fn bidirectional<K: SceneKind>(scene: &Scene) -> Result<[Box<dyn AnyKernel + '_>; 2], String> {
     let path = settings_of_pieces();
-    let derived = Bidirectional { path };
+    let derived = Bidirectional::new(path);
     kernels::<K>(scene, Algorithm::Bidirectional(derived), BidirectionalByHand(path))
 }
 
