@@ -32,15 +32,21 @@ pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> 
     if measure.errors(g, id, &truth).worst() <= good {
         return id;
     }
-    Search { measure, good, turns: true, memo: Map::default() }.rebuild(g, id, 3)
+    let told = &Map::default();
+    Search { measure, good, turns: true, told, memo: Map::default() }.rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
 /// whole needs it: an error counts relative to the length of the vector.
 ///
 /// On a line a coordinate's zeros are the point's, and no point that is tried may be one: sines and
-/// cosines of fractions of a turn are taken as such.
-pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure) -> Vec<Id> {
+/// cosines of fractions of a turn are taken as such. `told` are forms of single parts that no rule finds.
+pub fn stabilise_point(
+    g: &mut Graph,
+    coordinates: &[Id],
+    measure: &mut Measure,
+    told: &Map<Id, Id>,
+) -> Vec<Id> {
     let by_turns = match *coordinates {
         [single] => vec![by_turns(g, single)],
         _ => coordinates.to_vec(),
@@ -56,7 +62,7 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure)
     if worst.fold(0.0, nan_max) <= GOOD {
         return coordinates.to_vec();
     }
-    let mut search = Search { measure, good: GOOD, turns: false, memo: Map::default() };
+    let mut search = Search { measure, good: GOOD, turns: false, told, memo: Map::default() };
     coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
 }
 
@@ -90,6 +96,8 @@ struct Search<'a> {
     good: f64,
     /// Whether sines and cosines of fractions of a turn may be taken as such.
     turns: bool,
+    /// Forms of single parts that no rule finds.
+    told: &'a Map<Id, Id>,
     memo: Map<Id, Id>,
 }
 
@@ -130,7 +138,9 @@ impl Search<'_> {
             forms.iter().map(|f| f.1.worst()).fold(f64::INFINITY, f64::min)
         };
         if worst(&forms) > self.good && depth > 0 {
-            for form in other_forms(g, original, self.turns) {
+            let mut others = other_forms(g, original, self.turns);
+            others.extend(self.told.get(&original));
+            for form in others {
                 // The parts of a new form deserve a look of their own.
                 let form = self.rebuild_children(g, form, depth - 1);
                 forms.push((form, self.measure.errors(g, form, &truth)));

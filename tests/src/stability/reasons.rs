@@ -37,7 +37,6 @@ const REASONS: &[(&str, &str)] = &[
         "the last uniform: the radius is recovered from a difference and exponentiated",
     ),
     ("rational_quadratic", "at the upper end the density is a difference"),
-    ("rayleigh", "the lower pole: 1 - c² of a rounded c"),
     (
         "reflected_ggx",
         "the mirror direction, a pole that counts for both signs of the half vector; the horizon",
