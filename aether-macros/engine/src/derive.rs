@@ -200,14 +200,12 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let mut unknown_points = measured(problem, true);
     let mut out_points = measured(problem, false);
     let written = problem.outputs.clone();
+    crate::poly::refill_budget(8);
+    let gaps = gaps::gaps(problem, &solutions);
     let forward = match &whole {
         // Each part counts, however small.
         Some(_) => accurate(&mut problem.graph, &written, &outputs, &mut unknown_points),
-        None => {
-            crate::poly::refill_budget(8);
-            let gaps = gaps::gaps(problem, &solutions);
-            stabilise_point(&mut problem.graph, &written, &mut unknown_points, &gaps)
-        }
+        None => stabilise_point(&mut problem.graph, &written, &mut unknown_points, &gaps),
     };
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let mut own = pick_volume(problem, &volumes, &mut unknown_points);
@@ -233,7 +231,8 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         preimages.push(preimage);
     }
     if let [preimage] = &preimages[..] {
-        own = at_the_sample(problem, own, (&forward, preimage.density), &mut unknown_points);
+        let sample = (&forward[..], preimage.density, &gaps);
+        own = at_the_sample(problem, own, sample, &mut unknown_points);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));

@@ -8,6 +8,7 @@ use super::regimes::{best_coordinates, best_forms};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
+use crate::hash::Map;
 use crate::jacobian::{cost, cost_together, simplify};
 use crate::measure::{Loss, Measure};
 use crate::number::Number;
@@ -15,7 +16,7 @@ use crate::overflow::guard;
 use crate::poly::Expander;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
-use crate::stabilise::stabilise;
+use crate::stabilise::{GOOD, stabilise, stabilise_knowing};
 
 /// The cheapest among the most accurate expressions.
 pub(super) fn pick(
@@ -133,11 +134,17 @@ pub(super) fn density(
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
-    let truth: Vec<f64> = if injective {
-        cases.iter().map(|c| if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN }).collect()
-    } else {
-        measure.truths(g, candidates[0])
-    };
+    let mut truth: Vec<f64> = measure.truths(g, candidates[0]);
+    if injective {
+        let free = matches!(problem.parts[..], [part] if part.target == Target::Free);
+        for (t, c) in truth.iter_mut().zip(cases) {
+            let own = if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN };
+            // What rounding the point does to its density is no error of a form, if any point is legal.
+            if !(free && (*t - own).abs() <= ROUNDED * own) {
+                *t = own;
+            }
+        }
+    }
     let mut all = candidates.clone();
     if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
         crate::poly::refill_budget(8);
@@ -153,7 +160,7 @@ pub(super) fn density(
         }
     }
     let (mut best, mut error) = pick(g, &all, &truth, measure);
-    if injective && (cost(g, best) > LONG || error > 64.0 * f64::EPSILON) {
+    if cost(g, best) > LONG || error > 64.0 * f64::EPSILON {
         crate::poly::refill_budget(8);
         all.extend(by_the_inverse(problem, s));
         (best, error) = pick(&mut problem.graph, &all, &truth, measure);
@@ -165,6 +172,9 @@ pub(super) fn density(
     }
     (guard(g, best), error)
 }
+
+/// How much the rounding of a point may change its density, relatively.
+const ROUNDED: f64 = 1e-3;
 
 /// The cost of a density from which on the derivatives of the inverse are tried as well.
 const LONG: usize = 40;
@@ -207,27 +217,42 @@ fn divides_by_zero(g: &Graph, id: Id) -> bool {
     }
 }
 
-/// The volume at the uniforms as that of the sample itself, where this is as good and shares more with
-/// the sample.
+/// The volume at the uniforms as that of the sample itself, where this is more accurate, or as good and
+/// shares more with the sample. `gaps` tell of sums in which the sample loses digits.
 pub(super) fn at_the_sample(
     problem: &mut Problem,
     own: Id,
-    (forward, density): (&[Id], Id),
+    (forward, density, gaps): (&[Id], Id, &Map<Id, Id>),
     measure: &mut Measure,
 ) -> Id {
     let g = &mut problem.graph;
-    let outs = (0..forward.len() as u8).map(Leaf::Out);
-    let sample = outs.zip(forward).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
-    let there = g.substitute(density, &sample);
-    let there = g.powi(there, -1);
-    let work = |g: &Graph, own| cost_together(g, &[forward, &[own]].concat());
-    if g.has(there, OUTS) || work(g, there) + 10 >= work(g, own) {
-        return own;
-    }
+    let sample = |written: &[Id], g: &mut Graph| {
+        let outs = (0..written.len() as u8).map(Leaf::Out);
+        let sample = outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
+        let there = g.substitute(density, &sample);
+        g.powi(there, -1)
+    };
+    let mut forms = vec![sample(forward, g)];
     let truth = measure.truths(g, own);
-    let (old, new) = (measure.loss(g, own, &truth), measure.loss(g, there, &truth));
-    let good = new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON);
-    if good { there } else { own }
+    let old = measure.loss(g, own, &truth);
+    if old.worst > GOOD && !gaps.is_empty() {
+        let there = sample(&problem.outputs, g);
+        forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
+    }
+    let work = |g: &Graph, own| cost_together(g, &[forward, &[own]].concat());
+    let mut best = (own, old, work(g, own));
+    for there in forms {
+        if g.has(there, OUTS) {
+            continue;
+        }
+        let (old, new, work) = (best.1, measure.loss(g, there, &truth), work(g, there));
+        let good = new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON);
+        let better = new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD;
+        if better || good && work + 10 < best.2 {
+            best = (there, new, work);
+        }
+    }
+    best.0
 }
 
 /// An expression with what a solution knows of more than single unknowns put in, the longest first:

@@ -1,7 +1,8 @@
-//! How far a direction is from a pole, by what its inverse says of the uniform.
+//! How far a coordinate is from -1 or 1 (a direction from a pole), by what its inverse says of the uniform.
 //!
 //! Where u = F(z) with F rational and F(-1) = 0, F has the factor 1 + z, and 1 + z = u (1 + z) / F(z). The sum
-//! on the left has lost its digits next to the pole, where z is next to -1; the product has not.
+//! on the left has lost its digits next to the pole, where z is next to -1; the product has not. A multiple
+//! zero needs a root.
 
 use crate::expr::{Graph, Id, Leaf, OUTS};
 use crate::hash::Map;
@@ -15,7 +16,7 @@ use super::Problem;
 pub(super) fn gaps(problem: &mut Problem, solutions: &[Solution]) -> Map<Id, Id> {
     let mut told = Map::default();
     let [solution] = solutions else { return told };
-    if !problem.is_direction() || problem.argument.is_some() {
+    if problem.argument.is_some() || problem.outputs.len() > 3 {
         return told;
     }
     let g = &mut problem.graph;
@@ -45,8 +46,14 @@ pub(super) fn gaps(problem: &mut Problem, solutions: &[Solution]) -> Map<Id, Id>
 fn gap(g: &mut Graph, (u, value): (Id, Id), (z, written): (Id, Id), side: Q) -> Option<Id> {
     let function = Expander::new(g).expand(value)?;
     let pole = Poly::constant(Q::ONE).add(&Poly::atom(z).scale(side.neg())?)?;
-    let rest = RatFun { num: function.num.exact_div(&pole)?, den: function.den };
-    let rest = Expander::new(g).to_expr(&rest);
+    let (mut num, mut times) = (function.num, 0);
+    while let Some(rest) = num.exact_div(&pole) {
+        (num, times) = (rest, times + 1);
+    }
+    let root = Q::ONE.mul(Q::int(times).recip()?)?;
+    let rest = Expander::new(g).to_expr(&RatFun { num, den: function.den });
     let rest = g.substitute(rest, &[(z, written)].into());
-    Some(g.div(u, rest))
+    let product = g.div(u, rest);
+    let root = g.number(root);
+    Some(g.pow(product, root))
 }
