@@ -146,7 +146,12 @@ pub fn kinked_square(u: [Uniform; 2]) -> Vec2 {
 /// Row 71: uniform in the solid angle of the rectangle from (.., y0) to (.., y1) at the height z0, as Ureña, Fajardo
 /// and King print it: `b0` and `b1` are the heights of the unit normals of the planes through the lower and the upper
 /// side, the solid angle is `omega`, and `start` is what its corners on the left leave of a turn.
-#[sampler(b0 in -0.999..=0.999, b1 in -0.999..=0.999, omega in 1e-3..=6.0, start in -3.0..=6.0)]
+/// `where` says that x grows with the first uniform, which holds for every rectangle.
+#[sampler(
+    b0 in -0.999..=0.999, b1 in -0.999..=0.999, omega in 1e-3..=6.0, start in 0.0..=6.28,
+    where start + omega <= 6.28, where b0 + b1 > 0.0, where b1 * start.cos() < b0,
+    where b1 * (start + omega).cos() < b0
+)]
 pub fn spherical_rectangle(
     u: [Uniform; 2],
     b0: f64,
