@@ -47,8 +47,8 @@ pub fn stabilise_knowing(
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
-/// whole needs it: an error counts relative to the length of the vector, and where a coordinate has fewer
-/// unknowns than the two others, as the height of a direction, theirs relative to their own: next to a pole
+/// whole needs it: an error counts relative to the length of the vector, and where one of a direction has fewer
+/// unknowns than the two others, as its height, theirs relative to their own: next to a pole
 /// they tell where the point is.
 ///
 /// On a line a coordinate's zeros are the point's, and no point that is tried may be one: sines and
@@ -77,7 +77,9 @@ pub fn stabilise_point(
         (0..points).map(error).fold(0.0, nan_max)
     };
     let all: Vec<usize> = (0..coordinates.len()).collect();
-    let around = around_a_pole(g, coordinates);
+    let length = |k: usize| truth.iter().map(|t| t[k] * t[k]).sum::<f64>();
+    let unit = (0..points).all(|k| !length(k).is_finite() || (length(k) - 1.0).abs() < 1e-9);
+    let around = if unit { around_a_pole(g, coordinates) } else { None };
     let at_poles = around.filter(|pair| worst(pair) > GOOD).map_or(vec![], |pair| pair.to_vec());
     let concerned = if worst(&all) <= GOOD { at_poles } else { all };
     let mut search = Search { measure, good: GOOD, turns: false, told, memo: Map::default() };

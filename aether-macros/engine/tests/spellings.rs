@@ -35,11 +35,7 @@ const FILES: [&str; 9] = [
 ];
 
 /// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const KNOWN: [(&str, &str, &str); 1] = [(
-    "branches::spherical_rectangle",
-    "mirrored and permuted",
-    "the plane of constant x is not found before the height in it is multiplied out",
-)];
+const KNOWN: [(&str, &str, &str); 0] = [];
 
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {
