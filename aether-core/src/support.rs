@@ -64,11 +64,14 @@ pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
 #[cold]
 fn small_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
-    // Large numbers overflow, if they are multiplied by what brings the smallest ones up to one.
+    // Large numbers overflow, if they are multiplied by what brings the smallest ones, or squares of small ones
+    // with small factors, up to one.
     let up = R::MIN_POSITIVE.sqrt().recip();
-    let [most, less] = [up, up.sqrt()].map(|up| scaled(up).sqrt() / up);
+    let scales = [R::MIN_POSITIVE.recip(), up, up.sqrt()];
+    let [least, most, less] = scales.map(|up| scaled(up).sqrt() / up);
     let root = R::select(less.finite(), less, sum.sqrt());
-    R::select(small, R::select(most.finite(), most, root), sum.sqrt())
+    let root = R::select(most.finite(), most, root);
+    R::select(small, R::select(least.finite(), least, root), sum.sqrt())
 }
 
 /// Whether every number is in [0, 1).

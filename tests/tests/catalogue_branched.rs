@@ -44,11 +44,6 @@ const SHORTFALLS: &[Shortfall] = &[
          code is off by half of that",
     ),
     (
-        "rayleigh",
-        |_, u, _| u.first().is_some_and(|u| *u < 1e-9 || *u > 1.0 - 1e-9),
-        "the poles: 1 - c^2 of a rounded c",
-    ),
-    (
         "sphere_light",
         |p, u, _| {
             let far = p.scalar("d") > 50.0 * p.scalar("r");

@@ -3,6 +3,7 @@
 mod back;
 mod cases;
 mod density;
+mod gaps;
 mod joint;
 mod limits;
 mod parts;
@@ -23,7 +24,7 @@ use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
 use cases::{Case, cases, inputs, prune, verify_volume};
-use density::{accurate, density, finish, pick_volume};
+use density::{accurate, at_the_sample, density, finish, pick_volume};
 use limits::parameters_with_limits;
 
 /// What the type of the result guarantees.
@@ -199,13 +200,15 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let mut unknown_points = measured(problem, true);
     let mut out_points = measured(problem, false);
     let written = problem.outputs.clone();
+    crate::poly::refill_budget(8);
+    let gaps = gaps::gaps(problem, &solutions);
     let forward = match &whole {
         // Each part counts, however small.
         Some(_) => accurate(&mut problem.graph, &written, &outputs, &mut unknown_points),
-        None => stabilise_point(&mut problem.graph, &written, &mut unknown_points),
+        None => stabilise_point(&mut problem.graph, &written, &mut unknown_points, &gaps),
     };
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
-    let own = pick_volume(problem, &volumes, &mut unknown_points);
+    let mut own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;
     let mut steps = Vec::new();
@@ -226,6 +229,10 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
             preimage.back = back::back(problem, made, s, &cases, &mut out_points);
         }
         preimages.push(preimage);
+    }
+    if let [preimage] = &preimages[..] {
+        let sample = (&forward[..], preimage.density, &gaps);
+        own = at_the_sample(problem, own, sample, &mut unknown_points);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));

@@ -143,6 +143,15 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         {
             Some(a[0])
         }
+        // Three times an angle whose sine or cosine is a: ±a (3 - 4 a²).
+        (Fun::Sin, Node::Call(Fun::Asin, a)) | (Fun::Cos, Node::Call(Fun::Acos, a))
+            if q == Q::int(3) =>
+        {
+            let square = g.powi(a[0], 2);
+            let rest = g.sum(Q::int(3), &[(Q::int(-4), square)]);
+            let sine = g.mul(a[0], rest);
+            Some(if f == Fun::Sin { sine } else { g.neg(sine) })
+        }
         (Fun::Erf, Node::Call(Fun::ErfInv, a))
         | (Fun::ErfInv, Node::Call(Fun::Erf, a))
         | (Fun::Erfc, Node::Call(Fun::ErfcInv, a))

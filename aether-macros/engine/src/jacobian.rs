@@ -284,13 +284,22 @@ pub fn cost_together(g: &Graph, ids: &[Id]) -> usize {
                 let negative = t.iter().filter(|(q, _)| q.is_negative()).count()
                     + usize::from(c.is_negative());
                 let all = t.len() + usize::from(!c.is_zero());
-                t.len() + if all > 2 && negative > 0 && negative < all { 30 } else { 0 }
+                let mixed = all > 2 && negative > 0 && negative < all;
+                t.len() + if mixed && !far_from_zero(g, id) { 30 } else { 0 }
             }
             _ => 0,
         };
         open.extend(children(g.node(id)));
     }
     total
+}
+
+/// Whether the values of a sum are known to be so close together, on one side of zero, that its terms
+/// cannot cancel.
+fn far_from_zero(g: &Graph, id: Id) -> bool {
+    let range = g.range(id);
+    let (least, most) = if range.lo > 0.0 { (range.lo, range.hi) } else { (-range.hi, -range.lo) };
+    least > 0.0 && most <= 4.0 * least
 }
 
 fn distinct(mut ids: Vec<Id>) -> Vec<Id> {

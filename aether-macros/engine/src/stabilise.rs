@@ -7,7 +7,7 @@
 
 mod exponential;
 
-use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::hash::Map;
 use crate::jacobian::{cost, factor_out, simplify};
 use crate::measure::{Errors, Loss, Measure};
@@ -32,15 +32,33 @@ pub fn stabilise_to(g: &mut Graph, id: Id, measure: &mut Measure, good: f64) -> 
     if measure.errors(g, id, &truth).worst() <= good {
         return id;
     }
-    Search { measure, good, turns: true, memo: Map::default() }.rebuild(g, id, 3)
+    stabilise_knowing(g, id, measure, good, &Map::default())
+}
+
+/// The same, where `told` are forms of single parts that no rule finds.
+pub fn stabilise_knowing(
+    g: &mut Graph,
+    id: Id,
+    measure: &mut Measure,
+    good: f64,
+    told: &Map<Id, Id>,
+) -> Id {
+    Search { measure, good, turns: true, told, memo: Map::default() }.rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
-/// whole needs it: an error counts relative to the length of the vector.
+/// whole needs it: an error counts relative to the length of the vector, and where one of a direction has fewer
+/// unknowns than the two others, as its height, theirs relative to their own: next to a pole
+/// they tell where the point is.
 ///
 /// On a line a coordinate's zeros are the point's, and no point that is tried may be one: sines and
-/// cosines of fractions of a turn are taken as such.
-pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure) -> Vec<Id> {
+/// cosines of fractions of a turn are taken as such. `told` are forms of single parts that no rule finds.
+pub fn stabilise_point(
+    g: &mut Graph,
+    coordinates: &[Id],
+    measure: &mut Measure,
+    told: &Map<Id, Id>,
+) -> Vec<Id> {
     let by_turns = match *coordinates {
         [single] => vec![by_turns(g, single)],
         _ => coordinates.to_vec(),
@@ -48,16 +66,67 @@ pub fn stabilise_point(g: &mut Graph, coordinates: &[Id], measure: &mut Measure)
     let coordinates = &by_turns[..];
     let truth: Vec<Vec<f64>> = coordinates.iter().map(|&c| measure.truths(g, c)).collect();
     let values: Vec<_> = coordinates.iter().map(|&c| measure.values(g, c)).collect();
-    let worst = (0..measure.points().len()).map(|k| {
-        let norm = truth.iter().map(|t| t[k] * t[k]).sum::<f64>().sqrt();
-        let error = values.iter().zip(&truth).map(|(v, t)| (v[k] - t[k]).abs()).fold(0.0, nan_max);
-        if error == 0.0 || !norm.is_finite() { 0.0 } else { error / norm }
-    });
-    if worst.fold(0.0, nan_max) <= GOOD {
-        return coordinates.to_vec();
+    let points = measure.points().len();
+    let worst = |members: &[usize]| {
+        let error = |k: usize| {
+            let norm = members.iter().map(|&i| truth[i][k] * truth[i][k]).sum::<f64>().sqrt();
+            let gap = |&i: &usize| (values[i][k] - truth[i][k]).abs();
+            let error = members.iter().map(gap).fold(0.0, nan_max);
+            if error == 0.0 || !norm.is_finite() { 0.0 } else { error / norm }
+        };
+        (0..points).map(error).fold(0.0, nan_max)
+    };
+    let all: Vec<usize> = (0..coordinates.len()).collect();
+    let length = |k: usize| truth.iter().map(|t| t[k] * t[k]).sum::<f64>();
+    let unit = (0..points).all(|k| !length(k).is_finite() || (length(k) - 1.0).abs() < 1e-9);
+    let around = if unit { around_a_pole(g, coordinates) } else { None };
+    let at_poles = around.filter(|pair| worst(pair) > GOOD).map_or(vec![], |pair| pair.to_vec());
+    let concerned = if worst(&all) <= GOOD { at_poles } else { all };
+    let mut search = Search { measure, good: GOOD, turns: false, told, memo: Map::default() };
+    let mut stable = coordinates.to_vec();
+    for &k in &concerned {
+        stable[k] = search.rebuild(g, stable[k], 3);
     }
-    let mut search = Search { measure, good: GOOD, turns: false, memo: Map::default() };
-    coordinates.iter().map(|&c| search.rebuild(g, c, 3)).collect()
+    // A height may be what is left of one at a pole.
+    let height = (0..3).find(|k| around.is_some_and(|pair| !pair.contains(k)));
+    if let Some(k) = height.filter(|k| concerned.contains(k)) {
+        let forms = [Q::ONE, Q::int(-1)].map(|side| {
+            let gap = g.sum(side, &[(Q::int(-1), coordinates[k])]);
+            let gap = search.rebuild(g, gap, 3);
+            g.sum(side, &[(Q::int(-1), gap)])
+        });
+        stable[k] =
+            nearest(g, &[stable[k], coordinates[k], forms[0], forms[1]], &truth[k], measure);
+    }
+    stable
+}
+
+/// The cheapest of the forms with the least error at any point.
+fn nearest(g: &Graph, forms: &[Id], truth: &[f64], measure: &mut Measure) -> Id {
+    let scored = forms.iter().map(|&form| {
+        let values = measure.values(g, form);
+        let gaps =
+            values.iter().zip(truth).filter(|(_, t)| t.is_finite()).map(|(v, t)| (v - t).abs());
+        (form, gaps.fold(0.0, nan_max).max(f64::EPSILON))
+    });
+    let scored: Vec<(Id, f64)> = scored.collect();
+    let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
+    let good = scored.iter().filter(|s| s.1 <= 4.0 * least);
+    good.min_by_key(|s| cost(g, s.0)).map_or(forms[0], |s| s.0)
+}
+
+/// Of three coordinates the two that have more unknowns than the third.
+fn around_a_pole(g: &Graph, coordinates: &[Id]) -> Option<[usize; 2]> {
+    let [x, y, z] = *coordinates else { return None };
+    let [x, y, z] = [x, y, z].map(|c| g.deps(c) & UNKNOWNS);
+    let fewer = |a: Deps, b: Deps, c: Deps| b == c && a != b && a & b == a;
+    if fewer(z, x, y) {
+        Some([0, 1])
+    } else if fewer(x, y, z) {
+        Some([1, 2])
+    } else {
+        fewer(y, z, x).then_some([0, 2])
+    }
 }
 
 /// A product with sines and cosines of fractions of a turn for those of the angle.
@@ -70,13 +139,25 @@ fn by_turns(g: &mut Graph, id: Id) -> Id {
     g.sum(Q::ZERO, &[(q, body)])
 }
 
-/// The sine or cosine of a fraction of a turn.
+/// The sine, cosine or tangent of a fraction of a turn.
 fn of_turn(g: &mut Graph, id: Id) -> Option<Id> {
-    let Node::Call(f @ (Fun::Sin | Fun::Cos), args) = g.node(id).clone() else { return None };
+    let Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::Tan), args) = g.node(id).clone() else {
+        return None;
+    };
     let pi = g.pi();
     let fraction = g.div(args[0], pi);
-    let plain = !crate::expr::children(g.node(fraction)).contains(&pi);
-    plain.then(|| g.call(if f == Fun::Sin { Fun::SinPi } else { Fun::CosPi }, &[fraction]))
+    if crate::expr::children(g.node(fraction)).contains(&pi) {
+        return None;
+    }
+    let of_turn = match f {
+        Fun::Sin => Fun::SinPi,
+        Fun::Cos => Fun::CosPi,
+        _ => {
+            let (s, c) = (g.call(Fun::SinPi, &[fraction]), g.call(Fun::CosPi, &[fraction]));
+            return Some(g.div(s, c));
+        }
+    };
+    Some(g.call(of_turn, &[fraction]))
 }
 
 /// The larger of two errors; not a number is the largest of all.
@@ -90,6 +171,8 @@ struct Search<'a> {
     good: f64,
     /// Whether sines and cosines of fractions of a turn may be taken as such.
     turns: bool,
+    /// Forms of single parts that no rule finds.
+    told: &'a Map<Id, Id>,
     memo: Map<Id, Id>,
 }
 
@@ -130,7 +213,9 @@ impl Search<'_> {
             forms.iter().map(|f| f.1.worst()).fold(f64::INFINITY, f64::min)
         };
         if worst(&forms) > self.good && depth > 0 {
-            for form in other_forms(g, original, self.turns) {
+            let mut others = other_forms(g, original, self.turns);
+            others.extend(self.told.get(&original));
+            for form in others {
                 // The parts of a new form deserve a look of their own.
                 let form = self.rebuild_children(g, form, depth - 1);
                 forms.push((form, self.measure.errors(g, form, &truth)));
@@ -220,6 +305,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
             out.extend(other_tail(g, c, &terms));
+            out.extend(between_ends(g, id));
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
@@ -240,6 +326,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 out.push(g.call(Fun::Ln1p, &[rest]));
             }
         }
+        Node::Call(f @ (Fun::Asin | Fun::Acos), args) => out.push(by_halves(g, f, args[0])),
         Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
         Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => {
             out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
@@ -255,11 +342,28 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 }
             }
         }
-        Node::Call(Fun::Sin | Fun::Cos, _) if turns => out.extend(of_turn(g, id)),
+        Node::Call(Fun::Sin | Fun::Cos | Fun::Tan, _) if turns => out.extend(of_turn(g, id)),
         _ => {}
     }
     out.retain(|f| *f != id);
     out
+}
+
+/// A sum that is linear in a uniform u by its values at both ends, A (1 - u) + B u, where these have one sign.
+fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
+    let leaf = (0..8).map(Leaf::Unknown).find(|&l| g.deps(id) & UNKNOWNS == leaf_bit(l))?;
+    let (u, zero, one) = (g.get_leaf(leaf), g.int(0), g.int(1));
+    let [low, high] = [zero, one].map(|end| g.substitute(id, &[(u, end)].into()));
+    let (a, b) = (g.range(low), g.range(high));
+    if !(a.nonnegative() && b.nonnegative() || a.nonpositive() && b.nonpositive()) {
+        return None;
+    }
+    let rest = g.sub(one, u);
+    let terms = [g.mul(low, rest), g.mul(high, u)].map(|t| (Q::ONE, t));
+    let form = g.sum(Q::ZERO, &terms);
+    let gap = g.sub(id, form);
+    let gap = Expander::new(g).normal_form(gap)?;
+    (form != id && g.as_number(gap).is_some_and(Q::is_zero)).then_some(form)
 }
 
 /// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse.
@@ -267,6 +371,25 @@ fn other_tail(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let [(q, t)] = *terms else { return None };
     let minus = q == Q::int(-1) && c == Q::ONE;
     minus.then(|| flipped(g, t)).flatten()
+}
+
+/// The angle with a given sine or cosine by the sine and cosine of half of it (from the quarter turn), which
+/// tell it also where the given one is next to -1 or 1.
+fn by_halves(g: &mut Graph, f: Fun, a: Id) -> Id {
+    let [less, more] = [Q::HALF.neg(), Q::HALF].map(|half| {
+        let square = g.sum(Q::HALF, &[(half, a)]);
+        g.sqrt(square)
+    });
+    match f {
+        Fun::Acos => {
+            let half = g.call(Fun::Atan2, &[less, more]);
+            g.sum(Q::ZERO, &[(Q::int(2), half)])
+        }
+        _ => {
+            let (half, pi) = (g.call(Fun::Atan2, &[more, less]), g.pi());
+            g.sum(Q::ZERO, &[(Q::int(2), half), (Q::HALF.neg(), pi)])
+        }
+    }
 }
 
 /// What the incomplete beta function or its inverse leaves of one.

@@ -24,7 +24,6 @@ const REASONS: &[(&str, &str)] = &[
     ("equal_area_octahedral", BORDER),
     ("fold", "at the fold the density is that of one side"),
     ("henyey_greenstein", "f32 at g next to 1: the lobe is narrower than the rounding of z"),
-    ("henyey_greenstein_as_printed", "the printed cosine cancels at g next to 1"),
     ("linear", "a uniform of 1e-300 at a = 0: an intermediate product underflows"),
     ("mixture", BORDER),
     ("onto_plane", "the foot of the normal direction: sums of squares far from the origin"),
@@ -37,7 +36,6 @@ const REASONS: &[(&str, &str)] = &[
         "the last uniform: the radius is recovered from a difference and exponentiated",
     ),
     ("rational_quadratic", "at the upper end the density is a difference"),
-    ("rayleigh", "the lower pole: 1 - c² of a rounded c"),
     (
         "reflected_ggx",
         "the mirror direction, a pole that counts for both signs of the half vector; the horizon",

@@ -5,16 +5,18 @@ use std::collections::BTreeMap;
 use super::cases::Case;
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
-use super::{Preimage, Problem};
+use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
-use crate::jacobian::{cost, simplify};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
+use crate::hash::Map;
+use crate::jacobian::{cost, cost_together, simplify};
 use crate::measure::{Loss, Measure};
 use crate::number::Number;
 use crate::overflow::guard;
 use crate::poly::Expander;
 use crate::solve::Solution;
-use crate::stabilise::stabilise;
+use crate::solve::linear::determinant;
+use crate::stabilise::{GOOD, stabilise, stabilise_knowing};
 
 /// The cheapest among the most accurate expressions.
 pub(super) fn pick(
@@ -132,11 +134,17 @@ pub(super) fn density(
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
-    let truth: Vec<f64> = if injective {
-        cases.iter().map(|c| if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN }).collect()
-    } else {
-        measure.truths(g, candidates[0])
-    };
+    let mut truth: Vec<f64> = measure.truths(g, candidates[0]);
+    if injective {
+        let free = matches!(problem.parts[..], [part] if part.target == Target::Free);
+        for (t, c) in truth.iter_mut().zip(cases) {
+            let own = if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN };
+            // What rounding the point does to its density is no error of a form, if any point is legal.
+            if !(free && (*t - own).abs() <= ROUNDED * own) {
+                *t = own;
+            }
+        }
+    }
     let mut all = candidates.clone();
     if pick(g, &candidates, &truth, measure).1 > 64.0 * f64::EPSILON {
         crate::poly::refill_budget(8);
@@ -152,11 +160,99 @@ pub(super) fn density(
         }
     }
     let (mut best, mut error) = pick(g, &all, &truth, measure);
+    if cost(g, best) > LONG || error > 64.0 * f64::EPSILON {
+        crate::poly::refill_budget(8);
+        all.extend(by_the_inverse(problem, s));
+        (best, error) = pick(&mut problem.graph, &all, &truth, measure);
+    }
+    let g = &mut problem.graph;
     if direction && injective && error > 64.0 * f64::EPSILON {
         best = best_forms(g, best, &truth, measure);
         error = measure.loss(g, best, &truth).worst;
     }
     (guard(g, best), error)
+}
+
+/// How much the rounding of a point may change its density, relatively.
+const ROUNDED: f64 = 1e-3;
+
+/// The cost of a density from which on the derivatives of the inverse are tried as well.
+const LONG: usize = 40;
+
+/// The density as the determinant of the derivatives of the inverse; on a sphere, the volume that their
+/// gradients span with the normal.
+fn by_the_inverse(problem: &mut Problem, s: &Solution) -> Option<Id> {
+    let n = problem.unknowns.len();
+    let direction = problem.is_direction() && n == 2;
+    let free = matches!(problem.parts[..], [part] if part.target == Target::Free);
+    if problem.argument.is_some() || !(direction || free && problem.outputs.len() == n && n < 4) {
+        return None;
+    }
+    let g = &mut problem.graph;
+    let outs: Vec<Leaf> = (0..problem.outputs.len() as u8).map(Leaf::Out).collect();
+    let mut rows = Vec::new();
+    for unknown in &problem.unknowns {
+        let value = *s.unknowns.get(unknown)?;
+        rows.push(outs.iter().map(|&x| derivative(g, value, x)).collect::<Vec<Id>>());
+    }
+    let unit = if direction { Some([0, 1, 2].map(|k| g.get_leaf(outs[k]))) } else { None };
+    rows.extend(unit.map(|w| w.to_vec()));
+    let spanned = determinant(g, &rows);
+    let spanned = simplify(g, spanned, unit);
+    let widths: Vec<Id> = problem.segments.iter().flatten().map(|s| s.width).collect();
+    let density = widths.into_iter().fold(spanned, |product, w| g.mul(product, w));
+    (!divides_by_zero(g, density)).then(|| g.call(Fun::Abs, &[density]))
+}
+
+/// Whether a divisor depends on the point and may vanish.
+fn divides_by_zero(g: &Graph, id: Id) -> bool {
+    let divisor = |&(b, e): &(Id, Id)| {
+        let range = g.range(b);
+        let vanishes = range.lo <= 0.0 && range.hi >= 0.0;
+        vanishes && g.has(b, OUTS) && g.as_number(e).is_none_or(|q| q.is_negative())
+    };
+    match g.node(id) {
+        Node::Product(f) if f.iter().any(divisor) => true,
+        node => children(node).into_iter().any(|c| divides_by_zero(g, c)),
+    }
+}
+
+/// The volume at the uniforms as that of the sample itself, where this is more accurate, or as good and
+/// shares more with the sample. `gaps` tell of sums in which the sample loses digits.
+pub(super) fn at_the_sample(
+    problem: &mut Problem,
+    own: Id,
+    (forward, density, gaps): (&[Id], Id, &Map<Id, Id>),
+    measure: &mut Measure,
+) -> Id {
+    let g = &mut problem.graph;
+    let sample = |written: &[Id], g: &mut Graph| {
+        let outs = (0..written.len() as u8).map(Leaf::Out);
+        let sample = outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
+        let there = g.substitute(density, &sample);
+        g.powi(there, -1)
+    };
+    let mut forms = vec![sample(forward, g)];
+    let truth = measure.truths(g, own);
+    let old = measure.loss(g, own, &truth);
+    if old.worst > GOOD && !gaps.is_empty() {
+        let there = sample(&problem.outputs, g);
+        forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
+    }
+    let work = |g: &Graph, own| cost_together(g, &[forward, &[own]].concat());
+    let mut best = (own, old, work(g, own));
+    for there in forms {
+        if g.has(there, OUTS) {
+            continue;
+        }
+        let (old, new, work) = (best.1, measure.loss(g, there, &truth), work(g, there));
+        let good = new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON);
+        let better = new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD;
+        if better || good && work + 10 < best.2 {
+            best = (there, new, work);
+        }
+    }
+    best.0
 }
 
 /// An expression with what a solution knows of more than single unknowns put in, the longest first:

@@ -247,7 +247,12 @@ impl<'a> Code<'a> {
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
         let shared = self.shared_powers(factors);
         parts.top.extend(shared.iter().map(|&power| self.power_of_quotient(factors, power)));
+        let sum = self.sum_over_sum(factors);
         for (b, e) in factors {
+            if sum == Some(*b) {
+                parts.first = Some(self.reference(*b));
+                continue;
+            }
             let mut base = self.reference(*b);
             let exponent = self.graph.as_number(*e);
             if self.lenient && exponent == Some(Q::HALF) && !self.graph.range(*b).nonnegative() {
@@ -267,6 +272,18 @@ impl<'a> Code<'a> {
             }
         }
         parts.finish()
+    }
+
+    /// A sum above the line, if there is another below it, and the uniforms among the factors would make it
+    /// underflow: sums are divided first.
+    fn sum_over_sum(&self, factors: &[(Id, Id)]) -> Option<Id> {
+        let exponent = |e: Id| self.graph.as_number(e);
+        let is_sum = |b: Id| matches!(self.graph.node(b), Node::Sum(_, t) if t.len() > 1);
+        let uniform = |b: Id| matches!(self.graph.node(b), Node::Leaf(Leaf::Unknown(_)));
+        let below = factors.iter().any(|&(b, e)| is_sum(b) && exponent(e) == Some(Q::int(-1)));
+        let small = factors.iter().any(|&(b, e)| uniform(b) && exponent(e) == Some(Q::ONE));
+        let above = factors.iter().find(|&&(b, e)| is_sum(b) && exponent(e) == Some(Q::ONE));
+        above.filter(|_| below && small).map(|(b, _)| *b)
     }
 
     /// Integer powers, from squares on, that occur both above and below the line.
@@ -337,6 +354,8 @@ impl<'a> Code<'a> {
 /// Factors above and below the line; square roots are taken together.
 #[derive(Default)]
 struct Parts {
+    /// What is divided before anything is multiplied with it.
+    first: Option<TokenStream>,
     top: Vec<TokenStream>,
     bottom: Vec<TokenStream>,
     root_top: Vec<TokenStream>,
@@ -384,10 +403,12 @@ impl Parts {
         let (top, bottom) = (self.top, self.bottom);
         let above = joined(&top);
         let below = joined(&bottom);
-        match bottom.len() {
-            0 => above,
-            1 => quote!(#above / #below),
-            _ => quote!(#above / (#below)),
+        match (self.first, bottom.len()) {
+            (Some(first), 1) => quote!(#above * (#first / #below)),
+            (Some(first), _) => quote!(#above * (#first / (#below))),
+            (None, 0) => above,
+            (None, 1) => quote!(#above / #below),
+            (None, _) => quote!(#above / (#below)),
         }
     }
 }

@@ -295,16 +295,23 @@ impl<'a> Expander<'a> {
         Some(r)
     }
 
-    /// num / (a + b √c) as num (a - b √c) / (a² - b² c), if that division leaves no remainder.
+    /// num / (a + b √c) as num (a - b √c) / (a² - b² c), if that division leaves no remainder: where the
+    /// numerator has the root as well, or the divisor becomes a constant.
     fn over_conjugate(&mut self, num: &Poly, den: &Poly) -> Option<Poly> {
         if den.len() > CONJUGATED || num.len() > 10 * CONJUGATED {
             return None;
         }
-        let root = den.atoms().into_iter().find(|a| num.contains(*a) && self.is_root(*a))?;
+        let mut roots = den.atoms();
+        roots.retain(|a| self.is_root(*a));
+        let shared = roots.iter().find(|a| num.contains(**a)).or(roots.first());
+        let root = *shared?;
         let powers = den.by_powers_of(root)?;
         let [a, b] = &powers[..] else { return None };
         let conjugate = a.sub(&b.mul(&Poly::atom(root))?)?;
         let norm = self.reduce(den.mul(&conjugate)?)?;
+        if norm.is_zero() || !num.contains(root) && norm.as_constant().is_none() {
+            return None;
+        }
         self.reduce(num.mul(&conjugate)?)?.exact_div(&norm)
     }
 

@@ -7,6 +7,7 @@
 
 mod angles;
 mod circle;
+mod conjugate;
 mod cubic;
 mod decouple;
 pub(crate) mod linear;
@@ -205,6 +206,7 @@ fn step(
         .or_else(|| angles::double(g, state))
         .or_else(|| squares::squares(g, state))
         .or_else(|| peel::branching(g, state))
+        .or_else(|| conjugate::rationalised(g, state))
         .or_else(|| rational::single_unknown(g, state))
         .or_else(|| sine::single_angle(g, state));
     if closed.is_none() && state.numerical {
