@@ -7,6 +7,7 @@
 //! light paths: then what needs one has so many samples.
 
 use aether_core::estimator::Value;
+use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource, combine};
 use glam::Vec3;
 
@@ -16,9 +17,7 @@ use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::Pixel;
-use crate::subpaths::{
-    Apart, Scratch, camera_path, connection, extend, light_path, splits, through,
-};
+use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, splits, through};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -78,7 +77,7 @@ impl Bidirectional {
         let seen_by = camera_path(world, arena, uniforms, pixel, (longest, rr));
         let count = self.light_paths.max(1) as usize;
         for number in 0..count {
-            let uniforms = &mut Apart::new(uniforms, number as u32);
+            let uniforms = &mut Piece::new(uniforms, number as u32);
             let mut camera = seen_by;
             let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
             // What has ended might have gone on: it remains a technique.

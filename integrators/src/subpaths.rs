@@ -39,32 +39,6 @@ impl<'a, K: SceneKind, S: Strategy<SceneVertex<K>>> Scratch<'a, K, S> {
     }
 }
 
-/// Uniforms for one of several pieces of a sample that are made alike, with sampling dimensions of its own.
-pub struct Apart<'u, U> {
-    uniforms: &'u mut U,
-    beyond: u32,
-}
-
-/// How many blocks of sampling dimensions each piece has.
-const BLOCKS: u32 = 1 << 20;
-
-impl<'u, U> Apart<'u, U> {
-    /// Those of the piece with this number; the first has the dimensions that it would have alone.
-    pub fn new(uniforms: &'u mut U, number: u32) -> Self {
-        Apart { uniforms, beyond: number.wrapping_mul(BLOCKS) }
-    }
-}
-
-impl<U: UniformSource<f32>> UniformSource<f32> for Apart<'_, U> {
-    fn next(&mut self) -> f32 {
-        self.uniforms.next()
-    }
-
-    fn start(&mut self, block: u32) {
-        self.uniforms.start(block.wrapping_add(self.beyond));
-    }
-}
-
 /// A set of strategies with those of paths from the camera.
 pub trait FromCamera<'a, K: SceneKind>:
     Strategy<SceneVertex<K>>

@@ -4,9 +4,11 @@
 //! own numbers: not on the thread that draws it, nor on what was drawn before.
 
 mod pcg;
+mod piece;
 mod sobol;
 
 pub use pcg::Pcg32;
+pub use piece::Piece;
 pub use sobol::Sobol;
 
 use crate::real::{Real, Scalar};
