@@ -25,7 +25,8 @@ use crate::world::World;
 pub struct Bidirectional {
     /// Lengths of paths, Russian roulette, techniques.
     pub path: PathSettings,
-    /// How many light paths a sample takes beside its camera path, at least one.
+    /// How many light paths a sample takes beside its camera path: at least one, and at most
+    /// [`MOST_PIECES`](aether_core::uniform::MOST_PIECES).
     pub light_paths: u32,
 }
 

@@ -8,7 +8,7 @@ mod piece;
 mod sobol;
 
 pub use pcg::Pcg32;
-pub use piece::Piece;
+pub use piece::{MOST_PIECES, Piece};
 pub use sobol::Sobol;
 
 use crate::real::{Real, Scalar};

@@ -23,11 +23,13 @@ pub struct Piece<'u, U: ?Sized> {
     beyond: u32,
 }
 
-/// How many blocks each piece has: more than the vertices of any path.
-const BLOCKS: u32 = 1 << 20;
+/// How many blocks each piece has: those of paths of 8,192 vertices.
+const BLOCKS: u32 = 1 << 16;
+/// How many pieces a sample may have: further ones would draw the same numbers again.
+pub const MOST_PIECES: u32 = 1 << 16;
 
 impl<'u, U: ?Sized> Piece<'u, U> {
-    /// The piece with this number; the first draws what `source` does.
+    /// The piece with this number, below [`MOST_PIECES`]; the first draws what `source` does.
     pub fn new(source: &'u mut U, number: u32) -> Self {
         Piece { source, beyond: number.wrapping_mul(BLOCKS) }
     }

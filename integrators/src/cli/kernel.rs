@@ -1,5 +1,7 @@
 //! From a scene file and the command line to something that can be rendered.
 
+use aether_core::uniform::MOST_PIECES;
+
 use super::arguments::{RenderArguments, check_size};
 use super::{Failure, warn};
 use crate::algorithm::Algorithm;
@@ -126,10 +128,14 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
     let algorithm = match plan.integrator.as_str() {
         "path" => Algorithm::Path(path),
         "ptracer" => Algorithm::LightTracer(LightTracer { path }),
-        "bdpt" => Algorithm::Bidirectional(Bidirectional {
-            light_paths: plan.light_paths.unwrap_or(1),
-            ..bidirectional
-        }),
+        "bdpt" => {
+            let light_paths = plan.light_paths.unwrap_or(1);
+            if light_paths > MOST_PIECES {
+                let message = "--light-paths of integrator `bdpt`: a sample takes at most";
+                return Err(Failure::new(format!("{message} {MOST_PIECES}")));
+            }
+            Algorithm::Bidirectional(Bidirectional { light_paths, ..bidirectional })
+        }
         "vpl" => Algorithm::InstantRadiosity(InstantRadiosity {
             path,
             light_paths: plan.light_paths.unwrap_or(256),
