@@ -22,6 +22,8 @@ pub struct Request<'a> {
     pub scene: &'a Path,
     /// Its parameters: `-D NAME=VALUE` for each.
     pub defines: &'a [(String, String)],
+    /// The ids of shapes that are openings and no surfaces: `--portal ID` for each.
+    pub portals: &'a [String],
     /// `--size WxH`.
     pub size: (u32, u32),
     /// `--max-depth N`, as Mitsuba counts, -1 for no limit.
@@ -57,6 +59,9 @@ impl Request<'_> {
         }
         for (name, value) in self.defines {
             option("-D", format!("{name}={value}"));
+        }
+        for id in self.portals {
+            option("--portal", id.clone());
         }
         words.extend(["--output".into(), output.into()]);
         words

@@ -10,6 +10,7 @@ import os
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as xml
 
 import mitsuba as mi
 
@@ -22,6 +23,7 @@ def arguments():
     parser = argparse.ArgumentParser()
     parser.add_argument("--scene", required=True)
     parser.add_argument("-D", dest="defines", action="append", default=[])
+    parser.add_argument("--portal", dest="portals", action="append", default=[])
     parser.add_argument("--size", required=True)
     parser.add_argument("--max-depth", type=int, default=-1)
     parser.add_argument("--rr-depth", type=int, default=5)
@@ -34,11 +36,26 @@ def arguments():
     return parser.parse_args()
 
 
+def load_without(path, portals, defines):
+    """The scene without the shapes that are openings and no surfaces, and without an integrator that knows them."""
+    tree = xml.parse(path).getroot()
+    for parent in list(tree.iter()):
+        for child in list(parent):
+            opening = child.tag == "shape" and child.get("id") in portals
+            if opening or child.tag == "integrator":
+                parent.remove(child)
+    mi.file_resolver().append(os.path.dirname(os.path.abspath(path)))
+    return mi.load_string(xml.tostring(tree, encoding="unicode"), **defines)
+
+
 def load(options):
     """The scene with a film of the size asked for, and the path tracer with the depth asked for."""
     defines = dict(text.split("=", 1) for text in options.defines)
     defines = {name.strip("= "): value for name, value in defines.items()}
-    scene = mi.load_file(options.scene, **defines)
+    if options.portals:
+        scene = load_without(options.scene, options.portals, defines)
+    else:
+        scene = mi.load_file(options.scene, **defines)
     width, height = (int(side) for side in options.size.split("x"))
     sensor = scene.sensors()[0]
     if list(sensor.film().size()) != [width, height]:
