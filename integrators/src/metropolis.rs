@@ -23,8 +23,10 @@ use crate::path::PathSettings;
 use crate::render::{Chain, MarkovChain, Splats, Technique};
 use crate::selection::Selection;
 use crate::stored::Stored;
-use crate::strategies::{Aim, sample_bsdf, sample_camera, sample_camera_direction};
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, light_step, splits};
+use crate::strategies::{Aim, sample_camera};
+use crate::subpaths::{
+    Scratch, camera_path, camera_step, connection, extend, light_path, light_step, splits,
+};
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -102,12 +104,9 @@ impl Metropolis {
         let n = path.len();
         let can_make = |by: Technique| {
             let (mut camera, mut light) = (path.slice(0..0), path.slice(0..0));
-            for _ in 0..by.camera {
-                match camera.size() {
-                    0 => camera.append(sample_camera(world)),
-                    1 => camera.append(sample_camera_direction(world, Aim::Film)),
-                    _ => camera.append(sample_bsdf(world, u32::MAX, None)),
-                };
+            for i in 0..by.camera {
+                let step = camera_step::<K, MutationStrategies<'a, K>>;
+                camera.append(step(world, i, Aim::Film, u32::MAX));
             }
             for i in 0..by.light {
                 light.append(light_step::<K, MutationStrategies<'a, K>>(world, i, u32::MAX));

@@ -15,10 +15,10 @@ use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
 use crate::kind::{Everything, SceneKind};
 use crate::samplers::{cone_near, rotate};
 use crate::strategies::{
-    Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_camera,
+    Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
     sample_camera_direction, sample_light,
 };
-use crate::subpaths::{is_atom, light_step};
+use crate::subpaths::{camera_step, is_atom, light_step};
 use crate::vertex::{SceneVertex, Surface};
 use crate::world::World;
 
@@ -97,11 +97,8 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
 
         let mut camera = path.slice(0..first).keep();
         for _ in 0..from_camera {
-            match camera.size() {
-                0 => camera.append(sample_camera(world)),
-                1 => camera.append(sample_camera_direction(world, Aim::Film)),
-                _ => camera.append(sample_bsdf(world, u32::MAX, None)),
-            };
+            let step = camera_step::<K, MutationStrategies<'a, K>>;
+            camera.append(step(world, camera.size(), Aim::Film, u32::MAX));
         }
         // No light path hits the eye.
         (camera.size() > 0).then_some(())?;

@@ -164,10 +164,7 @@ impl FromStr for Pattern {
                  such as `1:3`, `1:*` for any number, `portal-1:3` or `merge`"
             )
         })?;
-        // A name lives as long as the program, like those that are written in it.
-        let known =
-            ["", Technique::MERGE, Technique::PORTAL].into_iter().find(|name| *name == joint);
-        Ok(Pattern { joint: known.unwrap_or_else(|| joint.to_owned().leak()), light, camera })
+        Ok(Pattern { joint: Technique::joint_called(joint), light, camera })
     }
 }
 

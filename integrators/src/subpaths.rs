@@ -118,6 +118,20 @@ pub fn light_step<'a, K: SceneKind, S: FromBothEnds<'a, K>>(
     }
 }
 
+/// The strategy of the vertex with this number of a path from the camera.
+pub fn camera_step<'a, K: SceneKind, S: FromCamera<'a, K>>(
+    world: &'a World<'a, K>,
+    number: usize,
+    aim: Aim,
+    rr_depth: u32,
+) -> S {
+    match number {
+        0 => sample_camera(world).into(),
+        1 => sample_camera_direction(world, aim).into(),
+        _ => sample_bsdf(world, rr_depth, None).into(),
+    }
+}
+
 /// The first `t` vertices of a path from the camera and the first `s` of one from a light. Where that would be a
 /// single vertex it is next-event estimation instead, which is still to be sampled.
 pub fn connection<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(

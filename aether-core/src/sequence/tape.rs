@@ -86,13 +86,13 @@ pub(crate) struct Entry {
 pub(crate) struct Way {
     strategy: u32,
     merged: u32,
-    part: u16,
+    part: Part,
     backward: bool,
 }
 
 impl Way {
     /// That of no step.
-    pub const NONE: Way = Way { strategy: NONE, merged: NONE, part: 0, backward: false };
+    pub const NONE: Way = Way { strategy: NONE, merged: NONE, part: Part(0), backward: false };
 }
 
 impl Entry {
@@ -101,7 +101,7 @@ impl Entry {
     pub fn way(&self, reversed: bool) -> Way {
         let Entry { strategy, merged, part, .. } = *self;
         let backward = self.backward != reversed;
-        Way { strategy, merged, part: u16::from(part.0), backward }
+        Way { strategy, merged, part, backward }
     }
 
     /// A step of no strategy.

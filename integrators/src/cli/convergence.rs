@@ -237,11 +237,10 @@ impl<'a> Run<'a> {
         samples: u32,
     ) -> Result<Vec<adapter::Entry>, Failure> {
         warn(&format!("{program} renders"));
-        let portals = [&*self.scene.integrator.portals, &*self.arguments.portals].concat();
         let request = Request {
             scene: &self.arguments.scene,
             defines: &self.arguments.defines,
-            portals: &portals,
+            portals: &self.scene.integrator.portals,
             size: self.plan.size,
             max_depth: self.plan.max_depth,
             rr_depth: self.plan.rr_depth,

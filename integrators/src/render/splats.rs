@@ -25,6 +25,12 @@ impl Technique {
     /// What joins pieces of paths through a portal.
     pub const PORTAL: &str = "portal";
 
+    /// What joins pieces, by its name, which lives as long as the program like those that are written in it.
+    pub fn joint_called(name: &str) -> &'static str {
+        let known = ["", Self::MERGE, "mutated", Self::PORTAL];
+        known.into_iter().find(|known| *known == name).unwrap_or_else(|| name.to_owned().leak())
+    }
+
     /// An edge between vertices from the camera and from the light.
     pub fn edge(camera: usize, light: usize) -> Self {
         Technique { vertices: camera + light, joint: "", camera, light }
@@ -248,11 +254,7 @@ impl Stored for Technique {
 
     fn load(from: &mut dyn Read) -> io::Result<Self> {
         let ([vertices, camera, light], joint) = <(_, String)>::load(from)?;
-        let known =
-            ["", Self::MERGE, "mutated", Self::PORTAL].into_iter().find(|name| *name == joint);
-        // A name lives as long as the program, like those that are written in it.
-        let joint = known.unwrap_or_else(|| joint.leak());
-        Ok(Technique { vertices, joint, camera, light })
+        Ok(Technique { vertices, joint: Self::joint_called(&joint), camera, light })
     }
 }
 

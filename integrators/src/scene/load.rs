@@ -148,7 +148,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
             _ => {}
         }
     }
-    let integrator = match root.child("integrator")? {
+    let mut integrator = match root.child("integrator")? {
         Some(id) => read_integrator(&document.query(id))?,
         None => Integrator::default(),
     };
@@ -157,15 +157,15 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     let Sensor { mut camera, position, film, sampler, clips } = sensor.ok_or_else(|| {
         root.error_at("", "the scene has no <sensor>; add <sensor type=\"perspective\">")
     })?;
-    let portals = [&*integrator.portals, &*overrides.portals].concat();
+    integrator.portals.extend_from_slice(&overrides.portals);
     let named = |id: &String| builder.pending.iter().any(|pending| pending.shape.name == *id);
-    if let Some(unknown) = portals.iter().find(|id| !named(id)) {
+    if let Some(unknown) = integrator.portals.iter().find(|id| !named(id)) {
         return Err(root.error_at("", format!("the portal `{unknown}` is no id of a shape")));
     }
     let (sky, distant) = (builder.sky.take(), std::mem::take(&mut builder.distant));
     let bulbs = std::mem::take(&mut builder.bulbs);
     let textures = std::mem::take(&mut builder.textures);
-    let (parts, origin) = builder.parts(&portals)?;
+    let (parts, origin) = builder.parts(&integrator.portals)?;
     let textures = textures.finished(&parts.attributes)?;
     let bulbs = bulbs
         .into_iter()

@@ -118,7 +118,7 @@ pub struct Integrator {
     pub rr_depth: u32,
     /// Whether emitters that the camera sees directly are invisible.
     pub hide_emitters: bool,
-    /// The ids of shapes that are openings which light has to pass.
+    /// The ids of shapes that are openings which light has to pass: those of the file, and of who loads it.
     pub portals: Vec<String>,
     /// Where it is written; none if the file has no integrator.
     pub place: Option<Place>,

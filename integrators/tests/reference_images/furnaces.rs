@@ -27,25 +27,35 @@ const FALSE_ALARM_RATE: f64 = 1e-4;
 /// Renders of each integrator.
 const SEEDS: u64 = 32;
 /// The side of the images.
-const SIDE: usize = 12;
+pub const SIDE: usize = 12;
 
-/// A scene with a portal, which is no surface.
-fn furnace(max_depth: i32, look: &str, contents: &str) -> Scene {
+/// A scene with a portal, which is no surface: a square of 2 by 2 that is transformed.
+pub fn with_portal(
+    max_depth: i32,
+    (fov, look): (u32, &str),
+    portal: &str,
+    contents: &str,
+) -> Scene {
     let xml = format!(
         r#"<scene version="3.0.0">
         <integrator type="path"><integer name="max_depth" value="{max_depth}"/>
             <string name="portal" value="opening"/></integrator>
         <sensor type="perspective">
-            <float name="fov" value="100"/><transform name="to_world"><lookat {look} up="0,1,0"/></transform>
+            <float name="fov" value="{fov}"/><transform name="to_world"><lookat {look} up="0,1,0"/></transform>
             <sampler type="independent"/>
             <film type="hdrfilm"><integer name="width" value="{SIDE}"/><integer name="height" value="{SIDE}"/>
                 <rfilter type="box"/></film>
         </sensor>
-        <shape type="rectangle" id="opening"><transform name="to_world">
-            <scale value="0.5"/><rotate y="1" angle="90"/></transform></shape>
+        <shape type="rectangle" id="opening"><transform name="to_world">{portal}</transform></shape>
         {contents}</scene>"#
     );
     Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A scene without contrast, and with a portal somewhere.
+fn furnace(max_depth: i32, look: &str, contents: &str) -> Scene {
+    let portal = r#"<scale value="0.5"/><rotate y="1" angle="90"/>"#;
+    with_portal(max_depth, (100, look), portal, contents)
 }
 
 /// Two balls that reflect all light, under a sky of radiance one: each sees the sky or the other ball, which is

@@ -3,8 +3,6 @@
 //! In a matte room with a lamp of some size every technique can make every path with its number of vertices, so that
 //! it has all light that has been scattered so many times, and no other.
 
-use std::path::Path;
-
 use integrators::algorithm::Algorithm;
 use integrators::bidirectional::Bidirectional;
 use integrators::gradient_domain::GradientDomain;
@@ -22,37 +20,22 @@ use integrators::tridirectional::Tridirectional;
 use integrators::vertex_merging::VertexMerging;
 
 use super::algorithms::{only, p_values, rendered};
-use super::furnaces::image;
+use super::furnaces::{SIDE, image, with_portal};
 use super::scenes::Reference;
 
 /// The chance that the test fails for no reason, over the seeds.
 const FALSE_ALARM_RATE: f64 = 1e-4;
 /// Renders of each technique.
 const SEEDS: u64 = 16;
-/// The side of the images.
-const SIDE: usize = 12;
 
 /// A matte ball around a lamp, and a portal that cuts it in two, seen from the half without the lamp.
 fn room(look: &str) -> Scene {
-    let xml = format!(
-        r#"<scene version="3.0.0">
-        <integrator type="path"><integer name="max_depth" value="3"/>
-            <string name="portal" value="cut"/></integrator>
-        <sensor type="perspective">
-            <float name="fov" value="50"/><transform name="to_world"><lookat {look} up="0,1,0"/></transform>
-            <sampler type="independent"/>
-            <film type="hdrfilm"><integer name="width" value="{SIDE}"/><integer name="height" value="{SIDE}"/>
-                <rfilter type="box"/></film>
-        </sensor>
+    let contents = r#"
         <shape type="sphere"><boolean name="flip_normals" value="true"/><float name="radius" value="2"/>
             <bsdf type="diffuse"><rgb name="reflectance" value="0.8,0.6,0.4"/></bsdf></shape>
         <shape type="sphere"><point name="center" x="1" y="0.5" z="0"/><float name="radius" value="0.5"/>
-            <emitter type="area"><rgb name="radiance" value="2,3,4"/></emitter></shape>
-        <shape type="rectangle" id="cut"><transform name="to_world">
-            <scale value="2"/><rotate y="1" angle="90"/></transform></shape>
-        </scene>"#
-    );
-    Scene::from_str(&xml, Path::new("."), &[]).unwrap_or_else(|error| panic!("{error}"))
+            <emitter type="area"><rgb name="radiance" value="2,3,4"/></emitter></shape>"#;
+    with_portal(3, (50, look), r#"<scale value="2"/><rotate y="1" angle="90"/>"#, contents)
 }
 
 /// An integrator with the techniques of some settings.
