@@ -94,7 +94,12 @@ impl<V: Vertex, S: Strategy<V>> Densities<'_, V, S> {
     /// [`Arena::factor`].
     #[inline]
     pub fn factor(&mut self, technique: Place, k: usize, path: Place) -> V::Real {
-        let way = self.tape.way(technique, k);
+        self.factor_by(self.tape.way(technique, k), technique, k, path)
+    }
+
+    /// The same of a step whose way is known.
+    #[inline]
+    pub fn factor_by(&mut self, way: Way, technique: Place, k: usize, path: Place) -> V::Real {
         if way == self.tape.way(path, k)
             && let Some(known) = self.tape.own(path, k)
         {

@@ -52,6 +52,16 @@ struct Base<R> {
     unlike: Option<(u32, u32)>,
 }
 
+/// How much likelier one technique makes a path than another.
+enum Quotient<R> {
+    /// It does not make it.
+    Zero,
+    /// The quotient of densities that are neither zero nor infinite.
+    Regular(PathDensity<R>),
+    /// One of the densities is infinite, or the other zero: the ratio as weights need it.
+    Pole(R),
+}
+
 /// Techniques in a list, by which the same path may have been made.
 struct Comparison<'r, V: Vertex, S> {
     densities: Densities<'r, V, S>,
@@ -73,34 +83,56 @@ impl<V: Vertex, S: Strategy<V>> Comparison<'_, V, S> {
         unlike
     }
 
-    /// The densities of the path under two techniques without the factors that they share: they are alike but in
-    /// these steps. The first one is zero as soon as it is known to be, and the second then not complete.
+    /// How the densities of the path under two techniques compare, which are alike but in these steps.
     #[inline]
-    fn quotient(
-        &mut self,
-        [a, b]: [Place; 2],
-        (first, end): (u32, u32),
-    ) -> [PathDensity<V::Real>; 2] {
-        let [mut new, mut old] = [PathDensity::ONE; 2];
-        for k in first as usize..end as usize {
-            let ways = [a, b].map(|place| self.densities.tape.way(place, k));
+    fn quotient(&mut self, techniques: [Place; 2], steps: (u32, u32)) -> Quotient<V::Real> {
+        let [mut new, mut old] = [V::Real::ONE; 2];
+        // Mostly two factors, of ordinary size.
+        let is_plain = |x: V::Real| x > V::Real::of(1e-12) && x < V::Real::of(1e12);
+        for k in steps.0 as usize..steps.1 as usize {
+            let ways = techniques.map(|place| self.densities.tape.way(place, k));
             if ways[0] == ways[1] {
                 continue;
             }
-            new = new * self.factor(a, k, ways[0]);
-            if new.is_zero() {
-                break;
+            let factor = self.factor(techniques[0], k, ways[0]);
+            if factor == V::Real::ZERO {
+                return Quotient::Zero;
             }
-            old = old * self.factor(b, k, ways[1]);
+            new *= factor;
+            old *= self.factor(techniques[1], k, ways[1]);
+            if !(is_plain(new) && is_plain(old)) {
+                return self.wide_quotient(techniques, steps);
+            }
         }
-        [new, old]
+        Quotient::Regular(PathDensity::new(new / old))
+    }
+
+    /// The same of factors of any size.
+    #[cold]
+    fn wide_quotient(&mut self, techniques: [Place; 2], steps: (u32, u32)) -> Quotient<V::Real> {
+        let [mut new, mut old] = [PathDensity::ONE; 2];
+        for k in steps.0 as usize..steps.1 as usize {
+            let ways = techniques.map(|place| self.densities.tape.way(place, k));
+            if ways[0] != ways[1] {
+                new = new * self.factor(techniques[0], k, ways[0]);
+                if new.is_zero() {
+                    return Quotient::Zero;
+                }
+                old = old * self.factor(techniques[1], k, ways[1]);
+            }
+        }
+        if new.is_regular() && old.is_regular() {
+            Quotient::Regular(new / old)
+        } else {
+            Quotient::Pole(new.ratio(old))
+        }
     }
 
     /// The conditional density of vertex `k` under a technique that makes it in some way.
     #[inline(always)]
     fn factor(&mut self, technique: Place, k: usize, way: Way) -> V::Real {
         let Comparison { densities, path, last, .. } = self;
-        let mut compute = || densities.factor(technique, k, *path);
+        let mut compute = || densities.factor_by(way, technique, k, *path);
         // To remember them pays only where they are those of joint draws.
         if S::VERTICES > 1 { last.of(k, way, compute) } else { compute() }
     }
@@ -119,16 +151,21 @@ impl<V: Vertex, S: Strategy<V>> Comparison<'_, V, S> {
             return (V::Real::ZERO, next);
         }
         let steps = steps.unwrap_or_else(|| self.densities.tape.unlike(place, base.place));
-        let [new, old] = self.quotient([place, base.place], steps);
-        if new.is_zero() {
-            (V::Real::ZERO, next)
-        } else if new.is_regular() && old.is_regular() {
-            let ratio = base.ratio * (new / old);
-            (ratio.value(), Base { place, ratio, unlike: Some((0, 0)) })
-        } else {
-            let steps = self.densities.tape.unlike(place, path);
-            let [new, old] = self.quotient([place, path], steps);
-            (new.ratio(old), next)
+        match self.quotient([place, base.place], steps) {
+            Quotient::Zero => (V::Real::ZERO, next),
+            Quotient::Regular(quotient) => {
+                let ratio = base.ratio * quotient;
+                (ratio.value(), Base { place, ratio, unlike: Some((0, 0)) })
+            }
+            Quotient::Pole(_) => {
+                let steps = self.densities.tape.unlike(place, path);
+                let ratio = match self.quotient([place, path], steps) {
+                    Quotient::Zero => V::Real::ZERO,
+                    Quotient::Regular(quotient) => quotient.value(),
+                    Quotient::Pole(ratio) => ratio,
+                };
+                (ratio, next)
+            }
         }
     }
 }

@@ -146,29 +146,31 @@ impl<V: Vertex> Tape<V> {
             return;
         }
         let start = entries.len();
-        entries.reserve(n);
-        for i in 0..n {
-            let entry = entries[place.at(i)];
-            let way = entry.way.turned(place.reversed);
-            let copied = if i < taken {
-                // What is known about a run holds only if this place sees all of it.
-                let seen = if way.is_backward() { n - i } else { i + 1 };
-                let run = if entry.run == seen as u32 { entry.run } else { 0 };
-                Entry { way, run, ..entry }
-            } else {
-                Entry::pending(way, entry.block)
-            };
-            entries.push(copied);
+        let (first, last) = (place.at(0), place.at(n - 1));
+        entries.extend_from_within(first.min(last)..first.max(last) + 1);
+        let copied = &mut entries[start..];
+        if place.reversed {
+            copied.reverse();
+            for entry in &mut *copied {
+                entry.way = entry.way.turned(true);
+            }
+        }
+        for (i, entry) in copied.iter_mut().enumerate() {
+            // What is known about a run holds only if this place sees all of it.
+            let seen = if entry.way.is_backward() { n - i } else { i + 1 };
+            if entry.run != seen as u32 {
+                entry.run = 0;
+            }
+        }
+        for entry in &mut copied[taken.min(n)..] {
+            *entry = Entry::pending(entry.way, entry.block);
         }
         // The vertex that an outermost step was made from may have been cut off.
-        let end = entries.len();
-        for (i, backward) in [(start, false), (end.wrapping_sub(1), true)] {
-            if let Some(entry) =
-                entries.get_mut(i).filter(|entry| entry.way.is_backward() == backward)
-            {
-                entry.visible = false;
-                entry.dirac = entry.dirac.filter(|dirac| *dirac == Dirac::Position);
-            }
+        if !copied[0].way.is_backward() {
+            copied[0].forget_origin();
+        }
+        if copied[n - 1].way.is_backward() {
+            copied[n - 1].forget_origin();
         }
     }
 

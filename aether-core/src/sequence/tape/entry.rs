@@ -140,6 +140,12 @@ impl Entry {
     pub fn pending(way: Way, block: u32) -> Self {
         Entry { way, vertex: NONE, block, run: 0, visible: false, dirac: None }
     }
+
+    /// Forgets how the vertex that it was made from is related to its own.
+    pub fn forget_origin(&mut self) {
+        self.visible = false;
+        self.dirac = self.dirac.filter(|dirac| *dirac == Dirac::Position);
+    }
 }
 
 /// A second step to a vertex, from the other side: it has led to a place next to it.
