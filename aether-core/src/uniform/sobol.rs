@@ -48,11 +48,33 @@ const fn directions() -> [[u32; 32]; JOINT] {
     all
 }
 
-/// The point of the Sobol sequence with this index, in one dimension, as a binary fraction.
+/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order.
+const NIBBLES: [[[u32; 16]; 8]; JOINT] = nibbles();
+
+const fn nibbles() -> [[[u32; 16]; 8]; JOINT] {
+    let mut all = [[[0; 16]; 8]; JOINT];
+    let mut i = 0;
+    while i < JOINT * 8 * 16 {
+        let (dimension, nibble, value) = (i / 128, i / 16 % 8, i % 16);
+        let mut bit = 0;
+        while bit < 4 {
+            if (value >> bit) & 1 == 1 {
+                all[dimension][nibble][value] ^=
+                    DIRECTIONS[dimension][4 * nibble + bit].reverse_bits();
+            }
+            bit += 1;
+        }
+        i += 1;
+    }
+    all
+}
+
+/// The point of the Sobol sequence with this index, in one dimension, as a binary fraction whose bits are in
+/// opposite order: the first one behind the point is the lowest.
 #[inline]
-fn sobol(index: u32, dimension: usize) -> u32 {
-    let set = |bit: usize| 0_u32.wrapping_sub((index >> bit) & 1);
-    (0..32).fold(0, |x, bit| x ^ (DIRECTIONS[dimension][bit] & set(bit)))
+fn reversed_sobol(index: u32, dimension: usize) -> u32 {
+    let table = NIBBLES[dimension].iter().enumerate();
+    table.fold(0, |x, (i, nibble)| x ^ nibble[(index >> (4 * i)) as usize & 15])
 }
 
 /// A hash in which each bit depends only on the bits below it (Laine and Karras 2011, with the
@@ -116,7 +138,9 @@ impl<R: Single> UniformSource<R> for Sobol {
         }
         self.drawn += 1;
         let seed = mix(self.group_key.wrapping_add(dimension as u64 + 1));
-        let high = owen(sobol(self.index, dimension), seed);
+        // Owen's scrambling of the point.
+        let reversed = reversed_sobol(self.index, dimension);
+        let high = laine_karras(reversed, seed as u32).reverse_bits();
         // Scrambling goes on for ever: the bits below the 32nd are random.
         let low = mix(seed ^ u64::from(self.index)) >> 32;
         unit(u64::from(high) << 32 | low)
@@ -142,8 +166,10 @@ mod tests {
     #[test]
     fn first_points_of_the_unscrambled_sequence() {
         // The first eight points that Joe and Kuo's program prints (it runs in Gray code order).
-        let eighths =
-            |dimension| [0_u32, 1, 2, 3, 4, 5, 6, 7].map(|k| sobol(k ^ (k >> 1), dimension) >> 29);
+        let eighths = |dimension| {
+            [0_u32, 1, 2, 3, 4, 5, 6, 7]
+                .map(|k| reversed_sobol(k ^ (k >> 1), dimension).reverse_bits() >> 29)
+        };
         assert_eq!(eighths(0), [0, 4, 6, 2, 3, 7, 5, 1]);
         assert_eq!(eighths(1), [0, 4, 2, 6, 3, 7, 1, 5]);
         assert_eq!(eighths(2), [0, 4, 2, 6, 5, 1, 7, 3]);
