@@ -19,6 +19,7 @@ pub mod daylight;
 pub mod emission;
 pub mod envmap;
 pub mod eye;
+pub mod film_filter;
 pub mod gradient_domain;
 pub mod half_vectors;
 pub mod image;

@@ -10,7 +10,7 @@ use glam::{Affine2, Vec2, Vec3};
 use super::{Lobe, Material, Scattering};
 use crate::kind::{Everything, Present};
 use crate::scene::bsdf::*;
-use crate::scene::texture::{Colour, Grey, Pattern, Texture};
+use crate::scene::texture::{Colour, Grey, Pattern, Square, Texture};
 use crate::scene::{PrimitiveId, Scene, Tangents};
 use crate::strategies::{SampleBsdf, sample_bsdf};
 use crate::vertex::{Place, SceneVertex, Surface};
@@ -184,7 +184,7 @@ fn turned<'a>(
 fn parts_of_mixtures_are_turned_by_themselves() {
     let normals = [Vec3::new(0.8, 0.5, 0.9), Vec3::new(0.2, 0.6, 0.8)];
     let textures = normals.map(|colour| Texture {
-        pattern: Pattern::Checkerboard([colour; 2]),
+        pattern: Pattern::Checkerboard([colour; 2].map(Square::Plain)),
         to_uv: Affine2::IDENTITY,
         scale: 1.0,
     });

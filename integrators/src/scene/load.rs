@@ -209,7 +209,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
 
 impl<'a> Builder<'a> {
     fn light(&mut self, query: &Query) -> Result<(), SceneError> {
-        match read_lone(query)? {
+        match read_lone(self.document, query, &mut self.textures)? {
             Lone::Sky(sky) => {
                 if self.sky.replace(sky).is_some() {
                     return Err(query.error_at("", "a second sky; only one is allowed"));
