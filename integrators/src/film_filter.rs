@@ -67,7 +67,7 @@ mod tests {
             let table = FilterTable::new(filter).unwrap();
             let points = table.about(0.0, 0.0);
             let value = |p: Vec2<f32>| filter.profile(p.x) * filter.profile(p.y);
-            let (mut signed, mut absolute, mut squared, count) = (0.0, 0.0, 0.0, 64);
+            let (mut signed, mut absolute, mut squared, count) = (0.0, 0.0, 0.0, 400);
             for (k, j) in (0..count).flat_map(|k| (0..count).map(move |j| (k, j))) {
                 let [u, v] = [k, j].map(|k| (k as f32 + 0.5) / count as f32);
                 let sample = points.sample([u, v]);

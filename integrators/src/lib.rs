@@ -13,6 +13,8 @@ pub mod algorithm;
 pub mod aovs;
 pub mod bidirectional;
 pub mod chains;
+#[cfg(test)]
+mod chi_square;
 pub mod cli;
 pub mod convergence;
 pub mod daylight;
