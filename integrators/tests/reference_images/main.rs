@@ -37,8 +37,8 @@ const SCENES: [(&str, u32); 15] = [
     ("two-lights", 512),
     ("tent-filter", 2048),
     ("gaussian-filter", 1024),
-    ("mitchell-filter", 512),
-    ("lanczos-filter", 1024),
+    ("mitchell-filter", 256),
+    ("lanczos-filter", 256),
     ("furnace-enclosure", 64),
     ("furnace-white", 64),
 ];
