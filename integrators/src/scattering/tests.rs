@@ -151,7 +151,10 @@ fn atoms_are_reciprocal() {
                 let back = atoms(w).into_iter().filter(|(to, _)| to.distance(v) < 1e-3);
                 let back: Vec3 = back.map(|(_, share)| share).sum();
                 let error = (there - back).abs().max_element();
-                assert!(error <= 1e-4 * (1.0 + 0.1 / w.z.abs()), "{there} {back} {v} {w} {bsdf:?}");
+                // A cosine is known to a rounding error over itself: that of the direction on the other side.
+                let least = v.z.abs().min(w.z.abs());
+                let bound = (1e-5 + 1e-6 / (least * least)) * there.max_element();
+                assert!(error <= bound, "{there} {back} {v} {w} {bsdf:?}");
                 pairs += 1;
             }
         }
