@@ -21,7 +21,7 @@ use super::texture::{Colour, Patch};
 use super::trace::Tracer;
 use super::{Facts, Scene, xml};
 
-/// The most shapes and primitives that instances may add up to: about two gigabytes.
+/// The most shapes and primitives that instances may add up to: 3.4 gigabytes while the tree is built.
 const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
 
 impl Scene {
@@ -334,7 +334,7 @@ impl<'a> Builder<'a> {
                     "",
                     format!(
                         "instances are copied, and add up to more than {shapes} shapes or {primitives} \
-                         primitives"
+                         primitives, which take 3.4 gigabytes: use fewer of them, or a group with less in it"
                     ),
                 ));
             }
