@@ -38,7 +38,7 @@ const SCENES: [(&str, u32); 15] = [
     ("tent-filter", 2048),
     ("gaussian-filter", 1024),
     ("mitchell-filter", 256),
-    ("lanczos-filter", 256),
+    ("lanczos-filter", 128),
     ("furnace-enclosure", 64),
     ("furnace-white", 64),
 ];
