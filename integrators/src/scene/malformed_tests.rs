@@ -410,7 +410,7 @@ fn broken_shapes_sensors_and_lights() {
             (
                 "<emitter type=\"point\"><texture type=\"checkerboard\" name=\"texture\"/></emitter>",
                 place,
-                "unreferenced",
+                "not supported inside <emitter",
             ),
             (
                 "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
