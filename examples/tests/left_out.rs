@@ -10,16 +10,17 @@ use object::{Object, ObjectSection};
 
 type Slice<'a> = EndianSlice<'a, LittleEndian>;
 
-/// Parts of the names of functions that only some kinds need.
+/// Parts of the names of functions that only some kinds need; of a function without type parameters the name alone is
+/// known.
 const GLASS: [&str; 3] = ["RefractIn", "RefractOut", "VisibleGgxNormals"];
 const OTHERS: [&str; 7] = [
     "UniformDirections",
     "LatitudeLongitude",
-    "fresnel9conductor",
+    "scattering::metal",
     "intensity_towards",
     "rough_plastic",
     "ParallelHit",
-    "FilterTable3new",
+    "film_filter::{impl#0}::new",
 ];
 
 /// The linkage names of all functions whose code is in a program, inlined ones included.
