@@ -7,6 +7,7 @@ mod paths;
 mod shifted;
 
 pub use heuristic::{BalanceHeuristic, Heuristic, MaximumHeuristic, PowerHeuristic};
+pub(crate) use loose::weighted_ratio;
 pub use loose::{LooseTechnique, WeightedSample};
 pub use paths::{Combined, Paths, Weighted};
 pub use shifted::Shifted;

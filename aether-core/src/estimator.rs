@@ -7,7 +7,7 @@ use crate::combine::{Combined, Heuristic, WeightedSample};
 use crate::point::Point;
 use crate::real::{Real, Scalar};
 use crate::sampler::{Sample, Sampler};
-use crate::sequence::{Key, Memo, NONE, PathView, Place, RandomSequence};
+use crate::sequence::{KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Reads, Strategy, Vertex};
 
 mod value;
@@ -178,32 +178,43 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             return I::Value::zero();
         }
         self.remember(path.arena.contents());
-        let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        let tape = &path.arena.tape.unfolded();
+        let (place, n) = (path.handle.place, path.len());
         // Mostly a path extends by one vertex a run that has been estimated.
-        if let Some((before, name, p)) = arena.tape.last_of_run(place)
+        if let Some((before, name, p)) = tape.last_of_run(place)
             && let Some(value) = self.run(before)
         {
-            let value = value.multiply(self.new_factor(path, n - 1));
+            let value = value.multiply(self.new_factor(tape, place, n - 1));
             let value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
             self.set_run(name, value);
-            return if value.is_zero() { value } else { self.ended(path, value) };
+            return if value.is_zero() { value } else { self.ended(tape, place, value) };
         }
-        let ahead = arena.steps_ahead(place);
+        self.joined(path, tape)
+    }
+
+    /// The same of a path that is not known to be one run.
+    fn joined<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+        tape: &Unfolded<'_, I::Vertex>,
+    ) -> I::Value {
+        let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        let ahead = tape.steps_ahead(place);
         // Where two pieces are joined, what goes on behind the edge may vanish without a shadow ray.
-        let behind = (ahead + 1 < n).then(|| self.factor(path, ahead + 1));
+        let behind = (ahead + 1 < n).then(|| self.factor(tape, place, ahead + 1));
         if behind.is_some_and(|factor| factor.is_zero()) {
             return I::Value::zero();
         }
-        let mut value = self.ahead(path, ahead);
+        let mut value = self.ahead(path, tape, ahead);
         if value.is_zero() {
             return value;
         }
         let (mut extended, mut start) = (ahead, ahead);
-        if let Some(ending) = self.ending(path, ahead) {
+        if let Some(ending) = self.ending(path, tape, ahead) {
             let own = (n - ahead).min(self.reads() - 1);
             for k in ahead..ahead + own {
                 let known = behind.filter(|_| k == ahead + 1);
-                value = value.multiply(known.unwrap_or_else(|| self.factor(path, k)));
+                value = value.multiply(known.unwrap_or_else(|| self.factor(tape, place, k)));
             }
             value = value.multiply(ending);
             if value.is_zero() {
@@ -214,10 +225,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         // Step k divides by the density of vertex k, and multiplies with the factor of the edge that
         // it was sampled along: to vertex k + 1 if it came from there.
         for k in start..n {
-            let backward = arena.tape.step(place, k).backward;
+            let backward = tape.way(place, k).is_backward();
             let edges = if backward { (k + 2).min(n) } else { k + 1 };
             while extended < edges {
-                value = value.multiply(self.factor(path, extended));
+                value = value.multiply(self.factor(tape, place, extended));
                 extended += 1;
             }
             let p = arena.factor(place, k, place);
@@ -226,25 +237,26 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return value;
             }
         }
-        self.ended(path, value)
+        self.ended(tape, place, value)
     }
 
     /// f / p of the first `ahead` steps of a path, which are taken forwards.
     fn ahead<S: Strategy<I::Vertex>>(
         &self,
         path: &RandomSequence<'_, I::Vertex, S>,
+        tape: &Unfolded<'_, I::Vertex>,
         ahead: usize,
     ) -> I::Value {
         let (arena, place) = (path.arena, path.handle.place);
-        let run = |k: usize| arena.tape.run_name(place, k);
+        let run = |k: usize| tape.run_name(place, k);
         let known = |k: usize| Some((k + 1, self.run(run(k)?)?));
         let (start, mut value) = (0..ahead).rev().find_map(known).unwrap_or((0, I::Value::one()));
         for k in start..ahead {
             let name = run(k);
             // Of a run that has a name the product is remembered, not its factors.
             let factor = match name {
-                Some(_) => self.new_factor(path, k),
-                None => self.factor(path, k),
+                Some(_) => self.new_factor(tape, place, k),
+                None => self.factor(tape, place, k),
             };
             value = value.multiply(factor);
             let p = arena.factor(place, k, place);
@@ -265,12 +277,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     fn ending<S: Strategy<I::Vertex>>(
         &self,
         path: &RandomSequence<'_, I::Vertex, S>,
+        tape: &Unfolded<'_, I::Vertex>,
         ahead: usize,
     ) -> Option<I::Value> {
         let (arena, place, n) = (path.arena, path.handle.place, path.len());
         let back = place.range(ahead, n).reverse();
         let len = n - ahead;
-        let name = |len: usize| arena.tape.run_name(back, len - 1);
+        let name = |len: usize| tape.run_name(back, len - 1);
         if len == 0 || name(len).is_none() {
             return None;
         }
@@ -280,7 +293,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         for len in start + 1..=len {
             // The edge that the new vertex completes: all that its factor reads is there.
             if len >= self.reads() {
-                value = value.multiply(self.new_factor(path, n - len + self.reads() - 1));
+                value = value.multiply(self.new_factor(tape, place, n - len + self.reads() - 1));
             }
             let p = arena.factor(place, n - len, place);
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
@@ -298,14 +311,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 
     /// What comes along a path, times the factor that closes it.
     #[inline]
-    fn ended<S: Strategy<I::Vertex>>(
-        &self,
-        path: &RandomSequence<'_, I::Vertex, S>,
-        value: I::Value,
-    ) -> I::Value {
-        let tape = path.arena.tape.unfolded();
-        let view = PathView::of_unfolded(&tape, path.handle.place);
-        value.multiply(self.integrand.end(view))
+    fn ended(&self, tape: &Unfolded<'_, I::Vertex>, place: Place, value: I::Value) -> I::Value {
+        value.multiply(self.integrand.end(PathView::of_unfolded(tape, place)))
     }
 
     /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
@@ -318,9 +325,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             return I::Value::zero();
         }
         self.remember(path.arena.contents());
-        let mut value = I::Value::one();
+        let (tape, mut value) = (path.arena.tape.unfolded(), I::Value::one());
         for k in 0..path.len() {
-            value = value.multiply(self.factor(path, k));
+            value = value.multiply(self.factor(&tape, path.handle.place, k));
             if value.is_zero() {
                 return value;
             }
@@ -381,40 +388,29 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         remember_at(&mut self.factors.borrow_mut().runs, name, value);
     }
 
-    /// The factor that vertex `k` brings.
-    fn factor<S: Strategy<I::Vertex>>(
-        &self,
-        path: &RandomSequence<'_, I::Vertex, S>,
-        k: usize,
-    ) -> I::Value {
-        let (tape, reads) = (&path.arena.tape, self.reads());
-        let place: Place = path.handle.place.range(0, k + 1);
-        let mut key: Option<Key> = (reads <= 6).then_some([NONE; 6]);
-        if let Some(key) = &mut key {
-            for (back, part) in key.iter_mut().enumerate().take(reads.min(k + 1)) {
-                *part = tape.entry(place.at(k - back)).vertex;
-            }
+    /// The factor that vertex `k` of a path brings.
+    fn factor(&self, tape: &Unfolded<'_, I::Vertex>, path: Place, k: usize) -> I::Value {
+        let reads = self.reads();
+        if reads > KEY {
+            return self.new_factor(tape, path, k);
         }
-        if let Some(known) = key.and_then(|key| self.factors.borrow().memo.get(&key)) {
-            return known;
+        let mut key: Key = [NONE; KEY];
+        for (back, part) in key.iter_mut().enumerate().take(reads.min(k + 1)) {
+            *part = tape.id(path, k - back);
         }
-        let value = self.new_factor(path, k);
-        if let Some(key) = key {
+        let known = self.factors.borrow().memo.get(&key);
+        known.unwrap_or_else(|| {
+            let value = self.new_factor(tape, path, k);
             self.factors.borrow_mut().memo.insert(key, value);
-        }
-        value
+            value
+        })
     }
 
     /// The same, not remembered.
-    fn new_factor<S: Strategy<I::Vertex>>(
-        &self,
-        path: &RandomSequence<'_, I::Vertex, S>,
-        k: usize,
-    ) -> I::Value {
-        let place = path.handle.place.range(0, k + 1);
+    #[inline]
+    fn new_factor(&self, tape: &Unfolded<'_, I::Vertex>, path: Place, k: usize) -> I::Value {
         let reads = Reads { vertices: self.reads(), length: false };
-        let tape = path.arena.tape.unfolded();
-        self.integrand.extend(PathView::of_unfolded(&tape, place).limited(reads))
+        self.integrand.extend(PathView::of_unfolded(tape, path.range(0, k + 1)).limited(reads))
     }
 }
 

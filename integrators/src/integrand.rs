@@ -1,5 +1,7 @@
 //! What is integrated: the light transport along a path, apart from how it was sampled.
 
+use std::cell::Cell;
+
 use aether_core::prelude::*;
 use aether_core::strategy::{Dirac, Strategy};
 use aether_core::{Includes, PathIntegrand, PathView, RandomSequence, Vertex};
@@ -24,12 +26,24 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     most_geometry: f32,
     /// Whether paths end with what their last vertex emits.
     emission: bool,
+    /// The eyes and vertices whose sights were asked for last, with these.
+    sights: [Cell<Option<(Vec3, SceneVertex<K>, Option<Sight>)>>; 2],
+}
+
+/// Where an eye sees a vertex.
+#[derive(Clone, Copy, Debug)]
+struct Sight {
+    /// The point of the film, in pixels of the image.
+    film: Vec2<f32>,
+    /// The change of measure from film area to that of the vertex.
+    change: f32,
 }
 
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
-        Radiance { world, most_geometry: f32::INFINITY, emission: true }
+        let sights = [const { Cell::new(None) }; 2];
+        Radiance { world, most_geometry: f32::INFINITY, emission: true, sights }
     }
 
     /// The integrand with the geometry terms of edges that no ray has found cut off: biased, but without the
@@ -48,11 +62,27 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        let mut importance = 0.0;
-        film_points(self.world, eye, seen, |_, change| {
-            importance += self.world.filter_scale / change();
+        self.sight(eye, seen).map_or(0.0, |sight| self.world.filter_scale / sight.change)
+    }
+
+    /// Where an eye sees a vertex, visibility aside; the last two are remembered, as the response and the importance
+    /// of a path both follow from it.
+    fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
+        for known in &self.sights {
+            if let Some((from, to, sight)) = known.get()
+                && from == eye.position
+                && to == *seen
+            {
+                return sight;
+            }
+        }
+        let mut sight = None;
+        film_points(self.world, eye, seen, |film, change| {
+            sight = Some(Sight { film, change: change() });
         });
-        importance
+        self.sights[1].swap(&self.sights[0]);
+        self.sights[0].set(Some((eye.position, *seen, sight)));
+        sight
     }
 
     /// The value of a pixel's filter at the film point where a path's second vertex is seen from its
@@ -63,7 +93,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> f32 {
         let (Some(eye), Some(seen)) = (path.vertex(0), path.vertex(1)) else { return 0.0 };
-        let Some(film) = self.world.film_point(&eye, &seen) else { return 0.0 };
+        let Some(Sight { film, .. }) = self.sight(&eye, &seen) else { return 0.0 };
         let filter = self.world.scene.film.filter;
         let centre = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = filter.radius();
@@ -72,8 +102,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        let response = profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x)
-            * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y);
+        let across = profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x);
+        if across == 0.0 {
+            return 0.0;
+        }
+        let response = across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y);
         // What lies too far away for its direction to be known is not seen.
         if response.is_finite() { response } else { 0.0 }
     }

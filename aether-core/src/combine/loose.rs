@@ -77,7 +77,8 @@ impl<P, R> Deref for WeightedSample<P, R> {
 }
 
 /// n_j p_j / (n_i p_i), without NaN.
-pub(super) fn weighted_ratio<R: Scalar>(ratio: R, other: R, own: R) -> R {
+#[inline]
+pub(crate) fn weighted_ratio<R: Scalar>(ratio: R, other: R, own: R) -> R {
     if other == R::ZERO || ratio == R::ZERO {
         R::ZERO
     } else if own == R::ZERO {

@@ -2,7 +2,6 @@
 
 use core::ops::Deref;
 
-use crate::combine::loose::weighted_ratio;
 use crate::combine::{Combine, Heuristic};
 use crate::real::Real;
 use crate::sequence::{Arena, Listed, RandomSequence};
@@ -88,17 +87,6 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
         self.listed(i).samples
     }
 
-    /// The range of steps in which path `i` is unlike the one before, which has the same length.
-    fn unlike(&self, i: usize) -> (u32, u32) {
-        if let Some(known) = self.listed(i).unlike {
-            return known;
-        }
-        let [before, place] = [i - 1, i].map(|i| self.listed(i).handle.place);
-        let unlike = self.arena.tape.unlike(before, place);
-        self.arena.lists.borrow_mut()[self.start + i].unlike = Some(unlike);
-        unlike
-    }
-
     /// The weight of path `own`.
     fn weight(&self, own: usize, heuristic: &impl Heuristic<V::Real>) -> V::Real {
         let samples = self.count(own);
@@ -106,15 +94,8 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
             return V::Real::ZERO;
         }
         let mut ratios = core::mem::take(&mut *self.arena.ratios.borrow_mut());
-        ratios.clear();
-        for _ in 0..self.len {
-            ratios.push(V::Real::ONE);
-        }
-        let place = |i: usize| self.listed(i).handle.place;
-        let unlike = |i: usize| self.unlike(i);
-        self.arena.density_ratios(self.len, own, place, unlike, |j, ratio| {
-            ratios[j] = weighted_ratio(ratio, self.count(j), samples);
-        });
+        let list = &mut self.arena.lists.borrow_mut()[self.start..self.start + self.len];
+        self.arena.density_ratios(list, own, &mut ratios);
         let weight = heuristic.weight(&ratios, own) / samples;
         *self.arena.ratios.borrow_mut() = ratios;
         weight

@@ -103,7 +103,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
         }
         let is_new = |k: usize, backward: bool| {
             let step = arena.tape.step(place, k);
-            step.vertex == NONE && step.backward == backward
+            step.vertex == NONE && step.way.is_backward() == backward
         };
         for k in (0..n).filter(|k| is_new(*k, false)) {
             uniforms.start(VERTICES + k as u32);

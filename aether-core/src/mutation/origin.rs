@@ -57,7 +57,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let (before, after) = neighbours(place, m);
         let was = neighbours(self.path, p);
         (was == (before, after) || was == (after, before))
-            && self.arena.tape.carries(self.path, p, Dirac::Direction)
+            && self.arena.tape.unfolded().carries(self.path, p, Dirac::Direction)
     }
 
     /// What kept vertex `k` of a place knows about the vertex that it was made from: whether it is
@@ -66,9 +66,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let parent = |i: usize, backward| if backward { i + 1 } else { i.wrapping_sub(1) };
         let was = self.position(self.id(place, k)?)?;
         let (old, new) = (self.arena.tape.step(self.path, was), self.arena.tape.step(place, k));
-        let made_from = parent(k, new.backward);
+        let made_from = parent(k, new.way.is_backward());
         let parent_kept =
-            self.id(self.path, parent(was, old.backward)) == self.id(place, made_from);
+            self.id(self.path, parent(was, old.way.is_backward())) == self.id(place, made_from);
         let dirac = old.dirac.filter(|dirac| match dirac {
             Dirac::Position => true,
             Dirac::Direction => parent_kept && self.inherits_direction(place, made_from),
@@ -83,13 +83,13 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let strategies = self.arena.strategies.borrow();
         (0..draft.len as usize).all(|k| {
             let step = tape.step(draft, k);
-            if step.vertex != NONE || step.backward {
+            if step.vertex != NONE || step.way.is_backward() {
                 return true;
             }
-            let reads = strategies[step.strategy as usize].reads().vertices;
+            let reads = strategies[step.way.strategy() as usize].reads().vertices;
             (k.saturating_sub(reads)..k).all(|before| {
                 let before = tape.step(draft, before);
-                before.vertex != NONE || !before.backward
+                before.vertex != NONE || !before.way.is_backward()
             })
         })
     }
@@ -112,12 +112,14 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let is_new = |k: usize, backward: bool| {
             k < to.len as usize && {
                 let step = tape.step(draft, k);
-                step.vertex == NONE && step.backward == backward
+                step.vertex == NONE && step.way.is_backward() == backward
             }
         };
         (0..to.len as usize).all(|m| {
             let drawn = is_new(m + 1, false) || is_new(m.wrapping_sub(1), true);
-            drawn || tape.carries(to, m, Dirac::Direction) == self.inherits_direction(draft, m)
+            drawn
+                || tape.unfolded().carries(to, m, Dirac::Direction)
+                    == self.inherits_direction(draft, m)
         })
     }
 

@@ -1,7 +1,10 @@
 //! A table that forgets everything at once and then needs no heap.
 
 /// What a remembered value depends on.
-pub(crate) type Key = [u32; 6];
+pub(crate) type Key = [u32; KEY];
+
+/// The length of a [`Key`].
+pub(crate) const KEY: usize = 6;
 
 #[derive(Clone, Copy, Debug)]
 struct Slot<T> {
@@ -59,6 +62,26 @@ impl<T: Copy> Memo<T> {
         (slot.round == self.round).then_some(slot.value)
     }
 
+    /// What is remembered, or from now on what `compute` finds.
+    #[inline]
+    pub fn get_or_insert_with(&mut self, key: &Key, compute: impl FnOnce() -> T) -> T {
+        if self.count * 2 >= self.slots.len() {
+            return self.get(key).unwrap_or_else(|| {
+                let value = compute();
+                self.insert(*key, value);
+                value
+            });
+        }
+        let i = self.find(key);
+        if self.slots[i].round == self.round {
+            return self.slots[i].value;
+        }
+        let value = compute();
+        self.count += 1;
+        self.slots[i] = Slot { round: self.round, key: *key, value };
+        value
+    }
+
     pub fn insert(&mut self, key: Key, value: T) {
         if self.count * 2 >= self.slots.len() {
             self.grow(value);
@@ -94,8 +117,15 @@ mod tests {
         }
         assert!((0..1000).all(|i| memo.get(&key(i)) == Some(i)));
         assert_eq!(memo.get(&key(1000)), None);
+        for i in 0..3000 {
+            assert_eq!(
+                memo.get_or_insert_with(&key(i), || i + 1),
+                if i < 1000 { i } else { i + 1 }
+            );
+            assert_eq!(memo.get(&key(i)), Some(if i < 1000 { i } else { i + 1 }));
+        }
         memo.clear();
-        assert!((0..1000).all(|i| memo.get(&key(i)).is_none()));
+        assert!((0..3000).all(|i| memo.get(&key(i)).is_none()));
         memo.insert(key(3), 9);
         assert_eq!(memo.get(&key(3)), Some(9));
     }

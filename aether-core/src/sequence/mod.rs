@@ -21,12 +21,12 @@ use core::sync::atomic::{AtomicU64, Ordering};
 
 pub(crate) use erased::Borrowed;
 pub use erased::{DynStrategy, Erased};
-pub(crate) use memo::{Key, Memo};
+pub(crate) use memo::{KEY, Key, Memo};
 pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
-pub(crate) use tape::{NONE, Part, Place, Tape};
+pub(crate) use tape::{NONE, Part, Place, Tape, Unfolded};
 pub use view::PathView;
 
 use crate::mutation::Decided;

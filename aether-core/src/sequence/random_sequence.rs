@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
 use crate::path_density::PathDensity;
-use crate::sequence::tape::{Entry, Merger};
+use crate::sequence::tape::Merger;
 use crate::sequence::{Arena, Part, PathView, Place};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -186,7 +186,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     fn sample_next<U: UniformSource<V::Real> + ?Sized>(&mut self, uniforms: &mut U) -> bool {
         let i = self.len();
         let step = self.arena.tape.step(self.handle.place, i);
-        if step.backward || self.handle.place.reversed {
+        if step.way.is_backward() || self.handle.place.reversed {
             return false;
         }
         if step.vertex != super::NONE {
@@ -197,7 +197,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         }
         uniforms.start(step.block);
         let drawn = self.arena.draw(self.handle.place, i, uniforms);
-        self.handle.len += if drawn { step.part.len() as u32 } else { 0 };
+        self.handle.len += if drawn { step.way.part().len() as u32 } else { 0 };
         drawn
     }
 
@@ -281,13 +281,16 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         let tape = &self.arena.tape;
         let at = h.place.len as usize - 1;
         let (last, first) = (tape.step(h.place, at), other.arena.tape.step(o.place, 0));
-        if last.backward || !first.backward || last.part.is_joint() || first.part.is_joint() {
+        let is_joint = last.way.part().is_joint() || first.way.part().is_joint();
+        if last.way.is_backward() || !first.way.is_backward() || is_joint {
             return self.absent();
         }
         let joined = self.concat(&other.slice(1..));
         if !joined.handle.absent {
-            let Entry { strategy, dirac, .. } = first;
-            tape.merge(joined.handle.place.at(at), Merger { strategy, dirac, kernel });
+            let merger = Merger { strategy: first.way.strategy(), dirac: first.dirac, kernel };
+            if !tape.merge(joined.handle.place.at(at), merger) {
+                return self.absent();
+            }
         }
         joined
     }

@@ -3,7 +3,7 @@
 use crate::sequence::{Arena, RandomSequence};
 use crate::strategy::{Dirac, Strategy, Vertex};
 
-use super::tape::{Entry, NONE, Part};
+use super::tape::{Entry, Part, Way};
 
 /// A complete path outside any arena: its vertices, the strategies that made them and their Dirac
 /// factors. Storing another path of no greater length needs no heap.
@@ -35,14 +35,14 @@ impl<V: Vertex, S: Strategy<V>> Snapshot<V, S> {
     pub fn store(&mut self, path: &RandomSequence<'_, V, S>) {
         self.steps.clear();
         let (arena, place) = (path.arena, path.handle.place);
-        let merged = |i: usize| arena.tape.step(place, i).merged != NONE;
+        let merged = |i: usize| arena.tape.step(place, i).way.merger().is_some();
         if !path.is_complete() || (0..path.len()).any(merged) {
             return;
         }
         let strategies = arena.strategies.borrow();
         self.steps.extend((0..path.len()).filter_map(|i| {
             let entry = arena.tape.step(place, i);
-            let strategy = strategies.get(entry.strategy as usize)?.clone();
+            let strategy = strategies.get(entry.way.strategy() as usize)?.clone();
             Some((arena.tape.vertex(place.at(i))?, strategy, entry))
         }));
     }
@@ -68,7 +68,7 @@ impl<V: Vertex, S> Snapshot<V, S> {
     /// kept in a file ([`Snapshot::from_steps`]).
     pub fn steps(&self) -> impl Iterator<Item = (&V, &S, u64)> {
         self.steps.iter().enumerate().map(|(i, (vertex, strategy, entry))| {
-            let joined = i > 0 && self.steps[i - 1].2.strategy == entry.strategy;
+            let joined = i > 0 && self.steps[i - 1].2.way.strategy() == entry.way.strategy();
             (vertex, strategy, code(entry, joined))
         })
     }
@@ -79,7 +79,7 @@ impl<V: Vertex, S> Snapshot<V, S> {
         let steps = steps.into_iter().map(|(vertex, strategy, code)| {
             let (entry, joined) = decoded(code);
             number += u32::from(!joined);
-            (vertex, strategy, Entry { strategy: number, ..entry })
+            (vertex, strategy, Entry { way: entry.way.by(number), ..entry })
         });
         Snapshot { steps: steps.collect() }
     }
@@ -103,9 +103,9 @@ fn code(entry: &Entry, joined: bool) -> u64 {
         Some(Dirac::Direction) => 2,
     };
     u64::from(entry.block)
-        | u64::from(entry.part.byte()) << 32
+        | u64::from(entry.way.part().byte()) << 32
         | dirac << 40
-        | u64::from(entry.backward) << 42
+        | u64::from(entry.way.is_backward()) << 42
         | u64::from(entry.visible) << 43
         | u64::from(joined) << 44
 }
@@ -118,17 +118,8 @@ fn decoded(code: u64) -> (Entry, bool) {
         2 => Some(Dirac::Direction),
         _ => None,
     };
-    let entry = Entry {
-        vertex: NONE,
-        strategy: 0,
-        block: code as u32,
-        run: 0,
-        backward: bit(42),
-        visible: bit(43),
-        dirac,
-        part: Part::from_byte((code >> 32) as u8),
-        merged: NONE,
-    };
+    let way = Way::new(0, Part::from_byte((code >> 32) as u8)).turned(bit(42));
+    let entry = Entry { visible: bit(43), dirac, ..Entry::pending(way, code as u32) };
     (entry, bit(44))
 }
 
@@ -152,11 +143,11 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let mut last = None;
         for (i, (vertex, strategy, entry)) in snapshot.steps.iter().enumerate() {
             let id = match last {
-                Some((before, id)) if before == entry.strategy => id,
+                Some((before, id)) if before == entry.way.strategy() => id,
                 _ => self.intern(make(i, strategy)),
             };
-            last = Some((entry.strategy, id));
-            self.tape.push_taken(*vertex, Entry { strategy: id, ..*entry });
+            last = Some((entry.way.strategy(), id));
+            self.tape.push_taken(*vertex, Entry { way: entry.way.by(id), ..*entry });
         }
         path.occupy(start, snapshot.steps.len());
         path

@@ -139,8 +139,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
     #[inline]
     pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
         match self.source {
-            Source::Tape(tape, place) if i < self.len() => tape.carries(place, i, dirac),
-            Source::Unfolded(tape, place) if i < self.len() => tape.tape.carries(place, i, dirac),
+            Source::Tape(tape, place) if i < self.len() => tape.unfolded().carries(place, i, dirac),
+            Source::Unfolded(tape, place) if i < self.len() => tape.carries(place, i, dirac),
             _ => false,
         }
     }

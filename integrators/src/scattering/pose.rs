@@ -46,9 +46,9 @@ impl<K: SceneKind> Pose<K> {
             None if Oriented::<K>::VALUE.is_some() && oriented => {
                 (bump::frame_along(n, tangent), None)
             }
-            None => (Frame::around(Direction::new(n.x, n.y, n.z)), None),
+            None => (Frame::around(Direction::from_unit(n.into())), None),
         };
-        let view = Direction::from_vec(frame.to_local(ground.towards));
+        let view = Direction::from_unit(frame.to_local(ground.towards));
         Pose { frame, view, bumped: K::Bumps::field(|| bumped) }
     }
 

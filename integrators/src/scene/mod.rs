@@ -162,7 +162,7 @@ impl Scene {
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
         match self.primitive(id) {
             round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
-            _ => self.facts[id.0 as usize].normal,
+            _ => self.facts[id.0 as usize].plane.normal,
         }
     }
 
@@ -228,8 +228,13 @@ impl Scene {
 
     /// A surface at a point of it.
     #[inline]
-    fn on(&self, id: PrimitiveId, point: Vec3) -> On<'_> {
-        On { surface: self.primitive(id), normal: self.normal(id, point) }
+    fn on(&self, id: PrimitiveId, point: Vec3) -> On {
+        match self.primitive(id) {
+            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => {
+                On::new(round, round.normal(point))
+            }
+            _ => self.facts[id.0 as usize].plane,
+        }
     }
 
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
@@ -242,10 +247,9 @@ impl Scene {
                 let edge = w.min_element() < facts.margin;
                 let inner = if edge { off_the_edges(w, &[v0, v1, v2]) } else { w };
                 let by_weights = inner.x * v0 + inner.y * v1 + inner.z * v2;
-                let size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
-                let is_huge = size > 8.0 * (origin.abs().max_element() + raw.t);
+                let is_huge = facts.size > 8.0 * (origin.abs().max_element() + raw.t);
                 let on_plane = || hit::inside_on_plane([v0, v1, v2], origin, direction);
                 is_huge.then(on_plane).flatten().unwrap_or(by_weights)
             }
@@ -326,8 +330,10 @@ impl Scene {
 /// What is known of a primitive beside its corners.
 #[derive(Clone, Copy, Debug)]
 struct Facts {
-    /// The normal of a planar primitive; those of round ones are not used.
-    normal: Vec3,
+    /// The plane of a planar primitive; those of round ones are not used.
+    plane: On,
+    /// The largest coordinate of the corners of a triangle.
+    size: f32,
     /// The least weight of a corner for which a point of a triangle lies well off all edges.
     margin: f32,
 }
@@ -342,11 +348,12 @@ pub const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
 
 impl Facts {
     fn new(primitive: &Primitive) -> Self {
-        let mut margin = 0.0;
+        let (mut size, mut margin) = (0.0, 0.0);
         if let Primitive::Triangle { v0, v1, v2 } = *primitive {
+            size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
             margin = margins(&[v0, v1, v2]).max_element();
         }
-        Facts { normal: primitive.normal(Vec3::ZERO), margin }
+        Facts { plane: On::new(primitive, primitive.normal(Vec3::ZERO)), size, margin }
     }
 }
 

@@ -21,11 +21,20 @@ pub struct End {
 
 /// A surface that an end lies on.
 #[derive(Clone, Copy, Debug)]
-pub struct On<'a> {
-    /// The surface.
-    pub surface: &'a Primitive,
+pub struct On {
     /// Its unit normal at the end.
     pub normal: Vec3,
+    /// A bound of how far rounding puts points of it off, along the normal.
+    pub off: f32,
+}
+
+impl On {
+    /// A surface with its unit normal at a point.
+    pub fn new(surface: &Primitive, normal: Vec3) -> Self {
+        let bounds = surface.bounds();
+        let size = bounds.min.abs().max(bounds.max.abs());
+        On { normal, off: LIFT * normal.abs().dot(size) }
+    }
 }
 
 /// A primitive in the scaled scene, and its place in the list of the scene.
@@ -310,11 +319,8 @@ impl<E: Eight> Planes<E> for DiskPlane {
 /// A point on a surface moved off it to the side of `direction` by a bound of its rounding error.
 #[inline]
 fn lifted(point: Vec3, surface: Option<On>, direction: Vec3) -> Vec3 {
-    let Some(On { surface, normal }) = surface else {
+    let Some(On { normal, off }) = surface else {
         return point;
     };
-    let bounds = surface.bounds();
-    let size = bounds.min.abs().max(bounds.max.abs());
-    let distance = LIFT * normal.abs().dot(size);
-    point + normal * distance.copysign(normal.dot(direction))
+    point + normal * off.copysign(normal.dot(direction))
 }

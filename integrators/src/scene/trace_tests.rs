@@ -269,7 +269,7 @@ fn hits_do_not_depend_on_the_machine() {
             Primitive::Triangle { v0, v1, v2 } if i % 4 != 0 => {
                 let on = Some(PrimitiveId(index as u32));
                 let normal = (v1 - v0).cross(v2 - v0).normalize();
-                let surface = On { surface: &primitives[index], normal };
+                let surface = On::new(&primitives[index], normal);
                 (End { point: (v0 + v1 + v2) / 3.0, on }, Some(surface))
             }
             Primitive::Triangle { v0, .. } => (free(v0 * 0.25), None),

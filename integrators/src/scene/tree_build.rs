@@ -33,7 +33,8 @@ pub fn build(boxes: &[Boxed], leaf: impl FnMut(&[u32]) -> Below) -> Tree {
     let (order, starts) = equal_boxes(boxes);
     let groups = Groups { boxes, order, starts };
     let binary = binary_tree(&groups);
-    Builder { groups, binary, nodes: vec![Node::empty()], leaf }.run()
+    let summaries = summaries(&groups, &binary);
+    Builder { groups, binary, summaries, nodes: vec![Node::empty()], leaf }.run()
 }
 
 /// The indices of boxes, equal ones together, because a tree over them would be deep.
@@ -86,18 +87,65 @@ fn binary_tree(groups: &Groups) -> Bvh2 {
     tree
 }
 
+/// What testing a node costs, and what is in a leaf, in comparison: instructions, roughly.
+const NODE_COST: f32 = 1.0;
+const LEAF_COST: f32 = 1.5;
+
+/// What is below a node of the binary tree.
+#[derive(Clone, Copy, Debug)]
+struct Summary {
+    /// What rays cost below it, times the surface of everything, if it takes one place of a node, two, ... eight
+    /// (Ylitie, Karras and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, section 3).
+    costs: [f32; LANES],
+    /// The number of primitives.
+    count: u32,
+    /// Whether all of them are triangles.
+    are_triangles: bool,
+    /// Whether they are best kept in one leaf.
+    is_leaf: bool,
+}
+
+impl Summary {
+    /// Of something that may be a leaf. `opened` is what it costs if it takes two, three, ... eight places.
+    fn new(count: u32, are_triangles: bool, surface: f32, opened: [f32; LANES]) -> Self {
+        let inner = surface * NODE_COST + opened[LANES - 1];
+        let fits = count as usize <= most_in_leaf(are_triangles);
+        let is_leaf = fits && surface * LEAF_COST <= inner;
+        let mut costs = opened;
+        costs[0] = if is_leaf { surface * LEAF_COST } else { inner };
+        // Nobody has to use all places.
+        for places in 1..LANES {
+            costs[places] = costs[places].min(costs[places - 1]);
+        }
+        Summary { costs, count, are_triangles, is_leaf }
+    }
+}
+
+/// How many primitives a leaf holds.
+fn most_in_leaf(are_triangles: bool) -> usize {
+    if are_triangles { LANES } else { 1 }
+}
+
+/// How to share places, at least two, between two halves, and what that costs.
+fn shared([a, b]: [&Summary; 2], places: usize) -> (f32, usize) {
+    let cost = |first: usize| a.costs[first - 1] + b.costs[places - first - 1];
+    let shares = (1..places).map(|first| (cost(first), first));
+    shares.min_by(|x, y| x.0.total_cmp(&y.0)).unwrap_or((f32::INFINITY, 1))
+}
+
 /// A part of the scene that goes into one box.
 #[derive(Clone, Debug)]
 enum Part {
     /// A node of the binary tree.
     Binary(u32),
-    /// Primitives with the same box.
+    /// Primitives with the same box, which are too many for a leaf.
     Equal { bounds: Aabb, members: Vec<u32> },
 }
 
 struct Builder<'a, L> {
     groups: Groups<'a>,
     binary: Bvh2,
+    summaries: Vec<Summary>,
     nodes: Vec<Node>,
     leaf: L,
 }
@@ -108,15 +156,15 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
         if self.binary.nodes.is_empty() {
             return Tree { nodes: self.nodes };
         }
-        let mut waiting = vec![(0, Part::Binary(0))];
-        while let Some((index, part)) = waiting.pop() {
-            for (place, part) in self.opened(part).into_iter().enumerate() {
+        let mut waiting = vec![(0, self.opened(Part::Binary(0)))];
+        while let Some((index, parts)) = waiting.pop() {
+            for (place, part) in parts.into_iter().enumerate() {
                 let Aabb { min, max } = self.bounds(&part);
                 let below = match self.leaf_of(&part) {
                     Some(members) => (self.leaf)(&members),
                     None => {
                         self.nodes.push(Node::empty());
-                        waiting.push((self.nodes.len() - 1, part));
+                        waiting.push((self.nodes.len() - 1, self.opened(part)));
                         Below::Node(self.nodes.len() - 1)
                     }
                 };
@@ -133,90 +181,122 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
         }
     }
 
-    /// Halves parts until there are eight: of those that are no leaves the one with the largest surface, as long as there
-    /// is one, then leaves whose halves have less surface together.
+    /// What a node has in its places if it is made of a part.
     fn opened(&self, part: Part) -> Vec<Part> {
-        let mut parts = vec![(self.gain(&part), part)];
-        while parts.len() < LANES {
-            let gains = parts.iter().enumerate().filter_map(|(i, (gain, _))| Some((i, (*gain)?)));
-            let best = gains.max_by(|(_, a), (_, b)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-            let Some((best, _)) = best else { break };
-            let Some(halves) = self.halves(&parts[best].1) else { break };
-            parts.swap_remove(best);
-            parts.extend(halves.map(|half| (self.gain(&half), half)));
-        }
-        parts.into_iter().map(|(_, part)| part).collect()
-    }
-
-    /// Whether a part has to be halved, and how much good that does.
-    fn gain(&self, part: &Part) -> Option<(bool, f32)> {
-        let [a, b] = self.halves(part)?;
-        let area = self.bounds(part).half_area();
-        if self.leaf_of(part).is_none() {
-            return Some((true, area));
-        }
-        let gain = area - self.bounds(&a).half_area() - self.bounds(&b).half_area();
-        (gain > 0.0).then_some((false, gain))
-    }
-
-    fn halves(&self, part: &Part) -> Option<[Part; 2]> {
-        let half = |bounds: &Aabb, members: &[u32]| Part::Equal {
-            bounds: *bounds,
-            members: members.to_vec(),
-        };
-        let halved = |bounds: &Aabb, members: &[u32]| {
-            let (a, b) = members.split_at(members.len() / 2);
-            (!a.is_empty()).then(|| [half(bounds, a), half(bounds, b)])
-        };
+        let mut parts = Vec::new();
         match part {
-            Part::Binary(index) => {
-                let node = &self.binary.nodes[*index as usize];
-                if node.is_leaf() {
-                    halved(&node.aabb, self.members_of_leaf(*index))
-                } else {
-                    Some([0, 1].map(|i| Part::Binary(node.first_index + i)))
-                }
+            Part::Binary(node) if self.summaries[node as usize].is_leaf => parts.push(part),
+            Part::Binary(node) if self.halves(node).is_some() => {
+                self.share_out(node, LANES, &mut parts);
             }
-            Part::Equal { bounds, members } => halved(bounds, members),
+            Part::Binary(node) => {
+                let bounds = self.binary.nodes[node as usize].aabb;
+                parts.extend(self.eighths(bounds, self.members_of_leaf(node)));
+            }
+            Part::Equal { bounds, members } => parts.extend(self.eighths(bounds, &members)),
         }
+        parts
+    }
+
+    /// Shares places of a node out to the halves of what it is made of.
+    fn share_out(&self, node: u32, places: usize, parts: &mut Vec<Part>) {
+        let Some(halves) = self.halves(node).filter(|_| places > 1) else {
+            return parts.push(Part::Binary(node));
+        };
+        let (_, first) = shared(halves.map(|half| &self.summaries[half as usize]), places);
+        for (half, places) in halves.into_iter().zip([first, places - first]) {
+            let costs = &self.summaries[half as usize].costs;
+            let needed =
+                1 + costs[..places].iter().take_while(|cost| **cost > costs[places - 1]).count();
+            self.share_out(half, needed, parts);
+        }
+    }
+
+    /// As many pieces as a node has places, of leaves if that is enough.
+    fn eighths(&self, bounds: Aabb, members: &[u32]) -> impl Iterator<Item = Part> {
+        let are_triangles = members.iter().all(|i| self.groups.boxes[*i as usize].is_triangle);
+        let size = members.len().div_ceil(LANES).max(most_in_leaf(are_triangles));
+        members.chunks(size).map(move |members| Part::Equal { bounds, members: members.to_vec() })
+    }
+
+    /// The halves of a node of the binary tree, unless it is a leaf of that.
+    fn halves(&self, node: u32) -> Option<[u32; 2]> {
+        halves(&self.binary, node)
     }
 
     /// obvhs makes leaves of one box.
     fn members_of_leaf(&self, node: u32) -> &[u32] {
-        let first = self.binary.nodes[node as usize].first_index;
-        self.groups.members(self.binary.primitive_indices[first as usize])
+        members_of_leaf(&self.groups, &self.binary, node)
     }
 
-    /// What is in a part, if that fits into a leaf.
+    /// What is in a part, if that is to be a leaf.
     fn leaf_of(&self, part: &Part) -> Option<Vec<u32>> {
-        let members = match part {
-            Part::Binary(node) => self.few_below(*node)?,
-            Part::Equal { members, .. } => members.clone(),
-        };
-        let are_triangles = members.iter().all(|i| self.groups.boxes[*i as usize].is_triangle);
-        let most = if are_triangles { LANES } else { 1 };
-        (members.len() <= most).then_some(members)
-    }
-
-    /// The primitives below a node, if there are at most eight.
-    fn few_below(&self, node: u32) -> Option<Vec<u32>> {
-        let (mut found, mut stack) = (Vec::new(), vec![node]);
-        let mut seen = 0;
-        while let Some(index) = stack.pop() {
-            let node = &self.binary.nodes[index as usize];
-            seen += 1;
-            if node.is_leaf() {
-                found.extend(self.members_of_leaf(index));
-            } else {
-                stack.extend([node.first_index + 1, node.first_index]);
+        match part {
+            Part::Binary(node) => {
+                self.summaries[*node as usize].is_leaf.then(|| self.members(*node))
             }
-            // A binary tree of eight leaves has fifteen nodes.
-            if found.len() > LANES || seen >= 2 * LANES {
-                return None;
+            Part::Equal { members, .. } => {
+                let are_triangles =
+                    members.iter().all(|i| self.groups.boxes[*i as usize].is_triangle);
+                (members.len() <= most_in_leaf(are_triangles)).then(|| members.clone())
             }
         }
-        Some(found)
     }
+
+    /// The primitives below a node.
+    fn members(&self, node: u32) -> Vec<u32> {
+        let (mut found, mut stack) = (Vec::new(), vec![node]);
+        while let Some(node) = stack.pop() {
+            match self.halves(node) {
+                Some([a, b]) => stack.extend([b, a]),
+                None => found.extend(self.members_of_leaf(node)),
+            }
+        }
+        found
+    }
+}
+
+fn halves(binary: &Bvh2, node: u32) -> Option<[u32; 2]> {
+    let node = &binary.nodes[node as usize];
+    (!node.is_leaf()).then(|| [node.first_index, node.first_index + 1])
+}
+
+fn members_of_leaf<'a>(groups: &'a Groups, binary: &Bvh2, node: u32) -> &'a [u32] {
+    let first = binary.nodes[node as usize].first_index;
+    groups.members(binary.primitive_indices[first as usize])
+}
+
+/// What is below each node of the binary tree.
+fn summaries(groups: &Groups, binary: &Bvh2) -> Vec<Summary> {
+    let nothing = Summary::new(0, true, 0.0, [0.0; LANES]);
+    let mut summaries = vec![nothing; binary.nodes.len()];
+    let mut stack: Vec<(u32, bool)> =
+        binary.nodes.first().map(|_| (0, false)).into_iter().collect();
+    while let Some((node, has_halves)) = stack.pop() {
+        let surface = binary.nodes[node as usize].aabb.half_area();
+        summaries[node as usize] = match halves(binary, node) {
+            Some([a, b]) if !has_halves => {
+                stack.extend([(node, true), (a, false), (b, false)]);
+                continue;
+            }
+            Some(halves) => {
+                let [a, b] = halves.map(|half| &summaries[half as usize]);
+                let opened = std::array::from_fn(|i| shared([a, b], i + 1).0);
+                let are_triangles = a.are_triangles && b.are_triangles;
+                Summary::new(a.count + b.count, are_triangles, surface, opened)
+            }
+            None => {
+                let members = members_of_leaf(groups, binary, node);
+                let are_triangles = members.iter().all(|i| groups.boxes[*i as usize].is_triangle);
+                let leaves = members.len().div_ceil(most_in_leaf(are_triangles));
+                let opened = [surface * LEAF_COST * leaves as f32; LANES];
+                let summary = Summary::new(members.len() as u32, are_triangles, surface, opened);
+                // They cannot be shared out.
+                Summary { costs: [summary.costs[0]; LANES], ..summary }
+            }
+        };
+    }
+    summaries
 }
 
 #[cfg(test)]
