@@ -231,9 +231,9 @@ impl Contributions {
         }
     }
 
-    /// The sum of their luminances.
+    /// The sum of their luminances, without the signs that a filter with negative lobes gives them.
     pub fn brightness(&self) -> f32 {
-        let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        let luminance = |v: &Vec3| v.dot(Vec3::new(0.2126, 0.7152, 0.0722)).abs();
         self.0.iter().map(|(_, _, [value, _])| luminance(value)).sum()
     }
 

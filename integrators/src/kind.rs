@@ -77,6 +77,8 @@ pub trait SceneKind: Copy + Debug + PartialEq + Send + Sync + 'static {
     type ThinLens: Presence;
     /// Cameras that project along parallel lines.
     type Orthographic: Presence;
+    /// Reconstruction filters with negative lobes.
+    type SignedFilter: Presence;
 }
 
 /// Whether the kind has a surface that is a mirror, a pane or a hole: scattering into single directions.

@@ -13,12 +13,15 @@ pub mod algorithm;
 pub mod aovs;
 pub mod bidirectional;
 pub mod chains;
+#[cfg(test)]
+mod chi_square;
 pub mod cli;
 pub mod convergence;
 pub mod daylight;
 pub mod emission;
 pub mod envmap;
 pub mod eye;
+pub mod film_filter;
 pub mod gradient_domain;
 pub mod half_vectors;
 pub mod image;

@@ -97,6 +97,10 @@ pub fn sample_camera_direction<K: SceneKind>(
             let mass = 1.0 - (-16.0f32).exp();
             draw(film_gaussian(x, y, stddev, mass))
         }
+        (Aim::Pixel(_), Filter::Cubic { .. } | Filter::Lanczos { .. }) => {
+            let table = given(world.filter_table());
+            draw(table.about(x, y))
+        }
     };
     if let Some(parallel) = world.parallel() {
         let in_front: Seen<K> = constant(world.seen_from_film(&film));

@@ -4,6 +4,7 @@ use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
 use crate::eye::{Lens, ParallelFilm};
+use crate::film_filter::FilterTable;
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Form, Lights};
 use crate::scattering::{Material, Scattering};
@@ -30,6 +31,8 @@ pub struct World<'s, K: SceneKind = Everything> {
     lens: Option<With<K::ThinLens, Lens>>,
     /// The film, if its rays are parallel.
     parallel: Option<With<K::Orthographic, ParallelFilm>>,
+    /// How film points are drawn if the filter has negative lobes.
+    filter_table: Option<FilterTable>,
 }
 
 impl<'s, K: SceneKind> World<'s, K> {
@@ -55,7 +58,18 @@ impl<'s, K: SceneKind> World<'s, K> {
         let parallel = ParallelFilm::of(&scene.camera, film_centre(&scene.camera));
         let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
-        Ok(World { scene, lights, materials, light_of, camera_frame, filter_scale, lens, parallel })
+        let filter_table = K::SignedFilter::VALUE.and_then(|_| FilterTable::new(scene.film.filter));
+        Ok(World {
+            scene,
+            lights,
+            materials,
+            light_of,
+            camera_frame,
+            filter_scale,
+            lens,
+            parallel,
+            filter_table,
+        })
     }
 
     /// The camera's lens, if it has one.
@@ -68,6 +82,12 @@ impl<'s, K: SceneKind> World<'s, K> {
     #[inline]
     pub fn parallel(&self) -> Option<ParallelFilm> {
         self.parallel.map(K::Orthographic::get)
+    }
+
+    /// How film points are drawn if the filter has negative lobes.
+    #[inline]
+    pub fn filter_table(&self) -> Option<&FilterTable> {
+        K::SignedFilter::VALUE.and(self.filter_table.as_ref())
     }
 
     /// The eye of a camera without a lens.
@@ -258,7 +278,9 @@ impl<'s, K: SceneKind> World<'s, K> {
                 _ => Vec3::ZERO,
             },
             Place::Bulb(index) => {
-                self.scene.bulbs[K::Point::get(index) as usize].intensity_towards(w())
+                let textures = K::Textures::VALUE.map_or(&[][..], |_| &self.scene.textures);
+                let bulb = &self.scene.bulbs[K::Point::get(index) as usize];
+                bulb.intensity_towards(w(), textures)
             }
             Place::Distant(index) => {
                 self.scene.distant[K::Directional::get(index) as usize].irradiance
@@ -315,7 +337,7 @@ fn camera_frame(camera: &Camera) -> Frame<f32> {
 }
 
 /// The integral of the filter's profile along one axis, by Simpson's rule on each half.
-fn profile_integral(filter: Filter) -> f32 {
+pub(crate) fn profile_integral(filter: Filter) -> f32 {
     const PANELS: usize = 64;
     let h = f64::from(filter.radius()) / PANELS as f64;
     let sum: f64 = (0..=PANELS)

@@ -34,7 +34,7 @@ BATCHES = 64
 SAMPLES = 512
 NAMES = (
     "cornell-box rectangle cube sphere disk obj ply-ascii ply-binary two-lights "
-    "tent-filter gaussian-filter furnace-enclosure furnace-white"
+    "tent-filter gaussian-filter mitchell-filter lanczos-filter furnace-enclosure furnace-white"
 ).split()
 # One material or one light each. Rendered with MODEL_SAMPLES in each of MODEL_BATCHES.
 MODELS = [

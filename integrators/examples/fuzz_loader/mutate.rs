@@ -211,7 +211,8 @@ fn look_around(scene: &Scene, random: &mut Random) {
         let x = random.below(scene.film.width as usize) as u32;
         let y = random.below(scene.film.height as usize) as u32;
         let value = worker((x, y), 0, &mut Splats::default());
-        assert!(value.iter().all(|v| v.is_finite() && *v >= 0.0), "pixel {x}, {y}: {value:?}");
+        let least = if scene.film.filter.is_signed() { f32::MIN } else { 0.0 };
+        assert!(value.iter().all(|v| v.is_finite() && *v >= least), "pixel {x}, {y}: {value:?}");
     }
     assert!(!inspect::json(scene).to_string().is_empty());
     for _ in 0..8 {

@@ -45,6 +45,7 @@ macro_rules! scene_kind {
             type Directional = $crate::__feature!(Directional; $($feature)+);
             type ThinLens = $crate::__feature!(ThinLens; $($feature)+);
             type Orthographic = $crate::__feature!(Orthographic; $($feature)+);
+            type SignedFilter = $crate::__feature!(SignedFilter; $($feature)+);
         }
 
         // A feature that does not exist is an error.
@@ -83,6 +84,7 @@ macro_rules! __feature {
     (Directional; Directional $($rest:ident)*) => { $crate::kind::Present };
     (ThinLens; ThinLens $($rest:ident)*) => { $crate::kind::Present };
     (Orthographic; Orthographic $($rest:ident)*) => { $crate::kind::Present };
+    (SignedFilter; SignedFilter $($rest:ident)*) => { $crate::kind::Present };
     ($wanted:ident; $other:ident $($rest:ident)*) => { $crate::__feature!($wanted; $($rest)*) };
 }
 
@@ -107,7 +109,7 @@ scene_kind! {
     /// Everything that a scene can contain.
     pub struct Everything: Diffuse, Conductor, Dielectric, ThinDielectric, Plastic, RoughConductor,
         RoughDielectric, RoughPlastic, Phong, Mask, Blend, Anisotropy, Bumps, Textures, Area, Constant,
-        Envmap, Point, Directional, ThinLens, Orthographic;
+        Envmap, Point, Directional, ThinLens, Orthographic, SignedFilter;
 }
 
 /// What a scene has and a kind has not.
@@ -152,6 +154,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
         (!scene.distant.is_empty(), "Directional"),
         (matches!(scene.camera.projection, Projection::ThinLens { .. }), "ThinLens"),
         (matches!(scene.camera.projection, Projection::Orthographic { .. }), "Orthographic"),
+        (scene.film.filter.is_signed(), "SignedFilter"),
     ] {
         if exists {
             need(feature, has::<K>(feature));
@@ -164,7 +167,7 @@ pub fn covers<K: SceneKind>(scene: &Scene) -> Result<(), NotCovered> {
 }
 
 /// The features of a scene, in the order of [`SceneKind`].
-pub const FEATURES: [&str; 21] = [
+pub const FEATURES: [&str; 22] = [
     "Diffuse",
     "Conductor",
     "Dielectric",
@@ -186,6 +189,7 @@ pub const FEATURES: [&str; 21] = [
     "Directional",
     "ThinLens",
     "Orthographic",
+    "SignedFilter",
 ];
 
 /// Whether a kind has a feature.
@@ -215,6 +219,7 @@ pub fn has<K: SceneKind>(feature: &str) -> bool {
         "Directional" => K::Directional::VALUE.is_some(),
         "ThinLens" => K::ThinLens::VALUE.is_some(),
         "Orthographic" => K::Orthographic::VALUE.is_some(),
+        "SignedFilter" => K::SignedFilter::VALUE.is_some(),
         _ => false,
     }
 }

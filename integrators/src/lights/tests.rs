@@ -7,14 +7,16 @@ use aether_core::discrete::Discrete;
 use aether_core::{Estimator, Pcg32};
 use glam::{DMat4, Vec3};
 
+use crate::chi_square::{FINE, FINER, SHARP, Sampled, deviation};
+use crate::emission::sample_emission;
 use crate::image::RgbImage;
 use crate::integrand::Radiance;
 use crate::kind::Everything;
 use crate::path::PathArena;
 use crate::scene::envmap::EnvironmentMap;
-use crate::scene::{Scene, Sky};
+use crate::scene::{Filter, Scene, Sky};
 use crate::strategies::{Aim, sample_bsdf, sample_camera, sample_camera_direction, sample_light};
-use crate::vertex::{Eye, SceneVertex};
+use crate::vertex::{Eye, Lamp, Place, SceneVertex};
 use crate::world::World;
 
 const SAMPLES: u32 = 40_000;
@@ -116,6 +118,117 @@ fn lights_are_sampled_as_they_are_found() {
         // An error of five percent would be noticed.
         assert!((1.05 * light - found).abs() > 4.0 * error || what.contains("far"), "{what}");
     }
+}
+
+/// The directions in which a light is sampled.
+#[test]
+fn samples_of_lights_have_the_densities_that_they_say() {
+    let triangle = r#"<shape type="ply"><string name="filename" value="../tests/scenes/meshes/octahedron.ply"/>
+        <transform name="to_world"><scale value="0.6"/><translate z="0.8"/></transform>
+        <emitter type="area"/></shape>"#;
+    let place = r#"<scale value="0.5"/><rotate x="1" angle="140"/><translate x="0.2" z="0.9"/>"#;
+    let sky = r#"<emitter type="constant"/>"#;
+    let cubes: String = (0..3)
+        .map(|k| {
+            area("cube", &format!(r#"<scale value="0.2"/><translate x="{}" z="0.7"/>"#, k - 1))
+        })
+        .collect();
+    let image = RgbImage::from_fn(9, 6, |x, y| [((5 * x + 3 * y) % 8) as f32, 1.0, 0.0]);
+    let picture = EnvironmentMap::new(image, 0.3, &DMat4::from_rotation_x(0.9)).unwrap();
+    let mut off = Vec::new();
+    for (seed, (what, lights)) in (1..).zip([
+        ("a rectangle", area("rectangle", place)),
+        ("a sphere", area("sphere", place)),
+        ("a disk", area("disk", place)),
+        ("a cylinder", area("cylinder", place)),
+        ("triangles", triangle.to_owned()),
+        ("many triangles and a sky", cubes + sky),
+        ("a sky", sky.to_owned()),
+        ("a picture of the sky", sky.to_owned()),
+    ]) {
+        let mut scene = scene(&lights);
+        if what.starts_with("a picture") {
+            scene.sky = Some(Sky::Picture(picture.clone()));
+        }
+        let world = &World::new(&scene).unwrap();
+        let down = |from: Vec3| world.trace(from, Vec3::NEG_Z, None).expect("the floor is below");
+        // On the floor, and next to the lamp, or within it if it is closed.
+        let floor = SceneVertex::on(down(Vec3::new(-0.7, 0.1, 0.1)));
+        let bare = |p: [f32; 3]| SceneVertex::eye(Eye::Pinhole(p.into()));
+        for here in [floor, bare([0.2, -0.13, 0.75])] {
+            let sampled = Sampled { world, strategy: sample_light(world), path: vec![here] };
+            let z = sampled.deviation(seed, SHARP);
+            println!("{z:.1} standard deviations: {what} from {}", here.position);
+            if z > 5.0 {
+                off.push((z, what, here.position));
+            }
+        }
+    }
+    // One of all would be that far off once in a hundred thousand runs.
+    assert!(off.is_empty(), "{off:#?}");
+    // A lamp that is a little larger is told apart.
+    let [a, b] = [0.5, 0.52].map(|radius| {
+        scene(&area("sphere", &format!(r#"<scale value="{radius}"/><translate z="0.9"/>"#)))
+    });
+    let [a, b] = [&a, &b].map(|scene| World::new(scene).unwrap());
+    let [a, b] = [&a, &b].map(|world| {
+        let here = SceneVertex::eye(Eye::Pinhole(Vec3::new(0.4, 0.0, 0.2)));
+        Sampled { world, strategy: sample_light(world), path: vec![here] }
+    });
+    assert!(deviation(&a.counts(1), &b.expected(SHARP)) > 5.0);
+}
+
+/// The directions in which lights shine and cameras look, inside a large ball.
+#[test]
+fn starts_of_paths_have_the_densities_that_they_say() {
+    let xml = r#"<scene version="3.0.0">
+        <sensor type="thinlens"><float name="fov" value="100"/><float name="aperture_radius" value="0.5"/>
+            <float name="focus_distance" value="2"/>
+            <transform name="to_world"><lookat origin="0,0,0" target="3,2,1" up="0,0,1"/></transform>
+            <film type="hdrfilm"><integer name="width" value="5"/><integer name="height" value="5"/></film>
+        </sensor>
+        <emitter type="spot"><float name="cutoff_angle" value="50"/></emitter><emitter type="point"/>
+        <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="20"/><translate z="-5"/></transform>
+            <emitter type="area"/></shape>
+        <shape type="sphere"><float name="radius" value="20"/></shape></scene>"#;
+    let mut scene = Scene::from_str(xml, Path::new("."), &[]).unwrap();
+    let mut off = Vec::new();
+    let mut note = |what: String, z: f64| {
+        println!("{z:.1} standard deviations: {what}");
+        if z > 5.0 {
+            off.push((z, what));
+        }
+    };
+    {
+        let world = &World::new(&scene).unwrap();
+        let lamp = world.trace(Vec3::ZERO, Vec3::NEG_Z, None).expect("the lamp is below");
+        let bulb = |index| SceneVertex::lamp(Lamp::Bulb(index));
+        for (what, light) in [("a cone", 0), ("a point", 1)]
+            .map(|(what, index)| (what, bulb((index, world.scene.bulbs[index as usize].position))))
+            .into_iter()
+            .chain([("a surface", SceneVertex::on(lamp))])
+        {
+            let sampled = Sampled { world, strategy: sample_emission(world), path: vec![light] };
+            note(format!("light of {what}"), sampled.deviation(1, FINE));
+        }
+    }
+    let filters = [
+        Filter::Box,
+        Filter::Tent { radius: 2.0 },
+        Filter::Gaussian { stddev: 0.5 },
+        Filter::Cubic { b: 0.0, c: 0.5 },
+        Filter::Lanczos { lobes: 3 },
+    ];
+    for filter in filters {
+        scene.film.filter = filter;
+        let world = &World::new(&scene).unwrap();
+        let lens = world.lens().expect("there is a lens");
+        let eye = SceneVertex { position: lens.centre + 0.4 * lens.across, place: Place::Camera };
+        let strategy = sample_camera_direction(world, Aim::Pixel((2, 2)));
+        let sampled = Sampled { world, strategy, path: vec![eye] };
+        note(format!("a camera with {filter:?}"), sampled.deviation(1, FINER));
+    }
+    assert!(off.is_empty(), "{off:#?}");
 }
 
 #[test]

@@ -76,9 +76,19 @@ pub fn frame_along(normal: Vec3, tangent: Vec3) -> Frame<f32> {
     frame.unwrap_or_else(|| Frame::around(Direction::new(normal.x, normal.y, normal.z)))
 }
 
-/// The normal of a surface as a texture turns it, on the side of the viewer.
-/// `mirrored` is the back of a two-sided material: what the front has is seen in a mirror there.
-pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, mirrored: bool) -> (Vec3, Bumped) {
+/// What is seen of a surface whose normals are turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// The side of the normal.
+    Front,
+    /// The other side, with the normals of the front from behind.
+    Back,
+    /// The back of a two-sided material: what the front has is seen in a mirror there.
+    Mirrored,
+}
+
+/// The normal of a surface as a texture turns it, on the side that is seen.
+pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, side: Seen) -> (Vec3, Bumped) {
     let Ground { shading, tangents, spot, towards, .. } = *ground;
     let frame = frame_along(shading, tangents.du);
     let texture = &textures[bump.texture as usize];
@@ -90,8 +100,7 @@ pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, mirrored: bool)
         Relief::Normals => (2.0 * texture.on(&spot) - 1.0).try_normalize().unwrap_or(Vec3::Z),
     };
     let mut view: Vec3 = frame.to_local(towards).into();
-    let behind = view.z <= 0.0;
-    if mirrored {
+    if side == Seen::Mirrored {
         view.z = -view.z;
     }
     if bump.flip_invalid && view.z * view.dot(m) <= 0.0 {
@@ -99,11 +108,10 @@ pub fn turned(bump: Bump, textures: &[Texture], ground: &Ground, mirrored: bool)
     }
     let alpha2 =
         if bump.shadowing { (0.125 * (m.x * m.x + m.y * m.y) / (m.z * m.z)).min(1.0) } else { 0.0 };
-    let normal = if behind { -shading } else { shading };
-    let seen = match (behind, mirrored) {
-        (true, true) => Vec3::new(m.x, m.y, -m.z),
-        (true, false) => -m,
-        (false, _) => m,
+    let (normal, seen) = match side {
+        Seen::Front => (shading, m),
+        Seen::Back => (-shading, -m),
+        Seen::Mirrored => (-shading, Vec3::new(m.x, m.y, -m.z)),
     };
     (frame.to_world(seen).into(), Bumped { normal, alpha2 })
 }

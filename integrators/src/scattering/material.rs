@@ -80,6 +80,12 @@ impl<K: SceneKind> Model<K> {
     pub fn is_black(&self) -> bool {
         matches!(self, Model::Black)
     }
+
+    /// Whether no light gets to the other side.
+    #[inline]
+    pub fn is_opaque(&self) -> bool {
+        !matches!(self, Model::Dielectric(_) | Model::ThinDielectric(_) | Model::RoughDielectric(_))
+    }
 }
 
 impl<K: SceneKind> Side<K> {
@@ -128,7 +134,7 @@ fn missing<K: SceneKind>(feature: &'static str) -> NotCovered {
 
 fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
     let mut parts = Parts { layers: Vec::new(), blend: None, holes: None, oriented: false };
-    parts.add(bsdf, front, &Around { factors: Vec::new(), bump: None })?;
+    parts.add(bsdf, front, &Around { factors: Vec::new(), bump: None, from_behind: false })?;
     let Parts { layers, blend, holes, oriented } = parts;
     let black = Layer { model: Model::Black, factors: Box::new([]), bump: None };
     let mut layers = layers.into_iter();
@@ -144,6 +150,8 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
 struct Around<K: SceneKind> {
     factors: Vec<Factor>,
     bump: Option<(K::Bumps, Bump, bool)>,
+    /// Whether opaque models may be seen from behind, because turned normals may face there.
+    from_behind: bool,
 }
 
 impl<K: SceneKind> Around<K> {
@@ -164,7 +172,10 @@ impl<K: SceneKind> Parts<K> {
     fn add(&mut self, bsdf: &Bsdf, front: bool, around: &Around<K>) -> Result<(), NotCovered> {
         let missing = || missing::<K>(bsdf.feature());
         match bsdf {
-            Bsdf::TwoSided(sides) => self.add(&sides[usize::from(!front)], true, around),
+            Bsdf::TwoSided(sides) => {
+                let around = Around { from_behind: false, ..around.clone() };
+                self.add(&sides[usize::from(!front)], true, &around)
+            }
             Bsdf::Mask { opacity, nested } => {
                 let present = K::Mask::VALUE.ok_or_else(missing)?;
                 if opacity.value == 1.0 {
@@ -176,8 +187,9 @@ impl<K: SceneKind> Parts<K> {
             Bsdf::Bump { bump, nested } => {
                 let present = K::Bumps::VALUE.ok_or_else(missing)?;
                 self.oriented = true;
+                let from_behind = !bump.flip_invalid;
                 let bump = Some((present, *bump, front));
-                self.add(nested, front, &Around { bump, ..around.clone() })
+                self.add(nested, front, &Around { bump, from_behind, ..around.clone() })
             }
             Bsdf::Blend { weight, nested } => {
                 self.blend = Some(K::Blend::VALUE.ok_or_else(missing)?);
@@ -192,7 +204,7 @@ impl<K: SceneKind> Parts<K> {
             other => {
                 self.oriented |= other.is_anisotropic() && K::Anisotropy::VALUE.is_some();
                 self.layers.push(Layer {
-                    model: model(other, front)?,
+                    model: model(other, front || around.from_behind)?,
                     factors: around.factors.clone().into(),
                     bump: around.bump,
                 });

@@ -205,6 +205,8 @@ fn filter(filter: Filter) -> String {
         Filter::Box => "box filter".to_owned(),
         Filter::Tent { radius } => format!("tent filter, radius {radius}"),
         Filter::Gaussian { stddev } => format!("gaussian filter, stddev {stddev}"),
+        Filter::Cubic { b, c } => format!("{} filter, B {b}, C {c}", filter.name()),
+        Filter::Lanczos { lobes } => format!("lanczos filter, {lobes} lobes"),
     }
 }
 

@@ -6,6 +6,7 @@ use aether_core::prelude::Direction;
 use glam::Vec3;
 
 use super::envmap::EnvironmentMap;
+use super::texture::Texture;
 
 /// Light from all around, infinitely far away.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,20 +55,40 @@ pub struct Cone {
     pub beam_width: f32,
     /// The angle, in radians, beyond which there is no light.
     pub cutoff: f32,
+    /// What is projected, if it is a picture.
+    pub slide: Option<Slide>,
+}
+
+/// A texture in front of a spot light, which the cone just fits into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slide {
+    /// Index in [`super::Scene::textures`].
+    pub texture: u32,
+    /// The mean over the texture.
+    pub mean: Vec3,
+    /// Unit vectors in which its first and its second coordinate increase.
+    pub axes: [Vec3; 2],
+}
+
+impl Slide {
+    /// The colour in a direction of unit length.
+    fn at(&self, w: Vec3, cone: &Cone, textures: &[Texture]) -> Vec3 {
+        let Some(texture) = textures.get(self.texture as usize) else { return self.mean };
+        let along = w.dot(cone.axis) * cone.cutoff.tan();
+        texture.at(self.axes.map(|axis| 0.5 + 0.5 * w.dot(axis) / along).into())
+    }
 }
 
 impl Bulb {
-    /// What it sends in a direction of unit length.
-    pub fn intensity_towards(&self, w: Vec3) -> Vec3 {
+    /// What it sends in a direction of unit length, in a scene with these textures.
+    pub fn intensity_towards(&self, w: Vec3, textures: &[Texture]) -> Vec3 {
         let Some(cone) = self.cone else { return self.intensity };
+        let colour = cone.slide.map_or(Vec3::ONE, |slide| slide.at(w, &cone, textures));
+        let intensity = self.intensity * colour;
         // By the half chord, which keeps its digits for narrow cones.
         let angle = 2.0 * (0.5 * (w - cone.axis).length()).min(1.0).asin();
         let fade = (cone.cutoff - angle) / (cone.cutoff - cone.beam_width);
-        if angle <= cone.beam_width {
-            self.intensity
-        } else {
-            self.intensity * fade.clamp(0.0, 1.0)
-        }
+        if angle <= cone.beam_width { intensity } else { intensity * fade.clamp(0.0, 1.0) }
     }
 
     /// The cone that it shines into, if it is no wider than a hemisphere: the axis, and by how much the
@@ -87,7 +108,8 @@ impl Bulb {
                 4.0 * PI * half.sin().powi(2)
             }
         };
-        self.intensity * solid_angle
+        let slide = self.cone.and_then(|cone| cone.slide);
+        self.intensity * slide.map_or(Vec3::ONE, |slide| slide.mean) * solid_angle
     }
 }
 

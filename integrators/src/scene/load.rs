@@ -21,7 +21,7 @@ use super::texture::{Colour, Patch};
 use super::trace::Tracer;
 use super::{Facts, Scene, xml};
 
-/// The most shapes and primitives that instances may add up to: about two gigabytes.
+/// The most shapes and primitives that instances may add up to: 3.4 gigabytes while the tree is built.
 const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
 
 impl Scene {
@@ -209,7 +209,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
 
 impl<'a> Builder<'a> {
     fn light(&mut self, query: &Query) -> Result<(), SceneError> {
-        match read_lone(query)? {
+        match read_lone(self.document, query, &mut self.textures)? {
             Lone::Sky(sky) => {
                 if self.sky.replace(sky).is_some() {
                     return Err(query.error_at("", "a second sky; only one is allowed"));
@@ -334,7 +334,7 @@ impl<'a> Builder<'a> {
                     "",
                     format!(
                         "instances are copied, and add up to more than {shapes} shapes or {primitives} \
-                         primitives"
+                         primitives, which take 3.4 gigabytes: use fewer of them, or a group with less in it"
                     ),
                 ));
             }

@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3, Vec3};
 use super::document::{Document, Query};
 use super::envmap::EnvironmentMap;
 use super::error::SceneError;
-use super::lights::{Bulb, Cone, Distant, Sky};
+use super::lights::{Bulb, Cone, Distant, Sky, Slide};
 use super::load_bsdf::reject_texture;
 use super::load_texture::Textures;
 use super::spectrum::Purpose;
@@ -26,7 +26,11 @@ pub enum Lone {
 }
 
 /// Reads an emitter that stands alone.
-pub fn read_lone(query: &Query) -> Result<Lone, SceneError> {
+pub fn read_lone(
+    document: &Document,
+    query: &Query,
+    textures: &mut Textures,
+) -> Result<Lone, SceneError> {
     let light = match query.object.plugin.as_str() {
         "constant" => Lone::Sky(Sky::Constant(emission(query, "radiance")?)),
         "envmap" => Lone::Sky(Sky::Picture(envmap(query)?)),
@@ -36,13 +40,13 @@ pub fn read_lone(query: &Query) -> Result<Lone, SceneError> {
                 Bulb { position: Vec3::ZERO, intensity: emission(query, "intensity")?, cone: None };
             Lone::Bulb(bulb, position)
         }
-        "spot" => spot(query)?,
+        "spot" => spot(document, query, textures)?,
         "directional" => directional(query)?,
         "area" => return Err(query.error_at("", "an area emitter must stand inside a <shape>")),
         _ => return Err(query.unsupported(SUPPORTED)),
     };
     query.ignore(&["sampling_weight"]);
-    query.finish(&[])?;
+    query.finish(if query.object.plugin == "spot" { &["texture"] } else { &[] })?;
     Ok(light)
 }
 
@@ -55,17 +59,25 @@ pub fn read_area(
     if query.object.plugin != "area" {
         return Err(query.unsupported("area"));
     }
-    let radiance = match textures.radiance(document, query)? {
+    let radiance = match textures.emitted(document, query, "radiance")? {
         Some(texture) => texture,
         None => emission(query, "radiance")?.into(),
     };
     query.ignore(&["sampling_weight"]);
-    if let Some((property, _)) = query.children().find(|(property, _)| property.name != "radiance")
-    {
-        return Err(property.place.error("an area light has no texture but \"radiance\""));
-    }
+    only_texture(query, "radiance")?;
     query.finish(&["texture"])?;
     Ok(radiance)
+}
+
+/// That a light has no texture but one of that name.
+fn only_texture(query: &Query, name: &str) -> Result<(), SceneError> {
+    match query.children().find(|(property, _)| property.name != name) {
+        Some((property, _)) => {
+            let message = format!("this light has no texture but \"{name}\"");
+            Err(property.place.error(message))
+        }
+        None => Ok(()),
+    }
 }
 
 fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
@@ -106,8 +118,10 @@ fn position(query: &Query) -> Result<DVec3, SceneError> {
     Ok(position)
 }
 
-fn spot(query: &Query) -> Result<Lone, SceneError> {
-    reject_texture(query, "texture")?;
+fn spot(document: &Document, query: &Query, textures: &mut Textures) -> Result<Lone, SceneError> {
+    let intensity = emission(query, "intensity")?;
+    let picture = textures.emitted(document, query, "texture")?;
+    only_texture(query, "texture")?;
     let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
     let axis = to_world.transform_vector3(DVec3::Z).try_normalize();
     let axis = axis.ok_or_else(|| query.error_at("to_world", "the transform flattens space"))?;
@@ -117,12 +131,16 @@ fn spot(query: &Query) -> Result<Lone, SceneError> {
         let message = "needs 0 <= beam_width < cutoff_angle <= 180 degrees";
         return Err(query.error_at("cutoff_angle", message));
     }
+    let axes = [DVec3::X, DVec3::Y]
+        .map(|axis| to_world.transform_vector3(axis).normalize_or_zero().as_vec3());
+    let slide = picture
+        .and_then(|Colour { value: mean, texture }| Some(Slide { texture: texture?, mean, axes }));
     let cone = Cone {
         axis: axis.as_vec3(),
         beam_width: beam_width.to_radians() as f32,
         cutoff: cutoff.to_radians() as f32,
+        slide,
     };
-    let intensity = emission(query, "intensity")?;
     let bulb = Bulb { position: Vec3::ZERO, intensity, cone: Some(cone) };
     Ok(Lone::Bulb(bulb, to_world.w_axis.truncate()))
 }

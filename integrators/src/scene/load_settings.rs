@@ -282,7 +282,21 @@ fn read_filter(query: &Query) -> Result<Filter, SceneError> {
         "box" => Filter::Box,
         "tent" => Filter::Tent { radius: size("radius", 1.0)? },
         "gaussian" => Filter::Gaussian { stddev: size("stddev", 0.5)? },
-        _ => return Err(query.unsupported("box, tent, gaussian")),
+        "mitchell" => {
+            let parameter = |name| -> Result<f32, SceneError> {
+                let value = query.float(name)?.unwrap_or(1.0 / 3.0);
+                if (0.0..=1.0).contains(&value) {
+                    return Ok(value as f32);
+                }
+                Err(query.error_at(name, format!("\"{name}\" is {value}, but must be in 0..=1")))
+            };
+            Filter::Cubic { b: parameter("B")?, c: parameter("C")? }
+        }
+        "catmullrom" => Filter::Cubic { b: 0.0, c: 0.5 },
+        "lanczos" => Filter::Lanczos { lobes: query.integer("lobes", 1, 16)?.unwrap_or(3) as u32 },
+        _ => {
+            return Err(query.unsupported("box, tent, gaussian, mitchell, catmullrom, lanczos"));
+        }
     };
     query.finish(&[])?;
     Ok(filter)

@@ -7,7 +7,9 @@ use glam::{Affine2, DVec3, Mat2, Vec2, Vec3};
 use super::document::{Document, ObjectId, Property, Query};
 use super::error::SceneError;
 use super::spectrum::Purpose;
-use super::texture::{Colour, Grey, Interpolation, Patch, Pattern, Texture, Wrap, luminance};
+use super::texture::{
+    Colour, Grey, Interpolation, Patch, Pattern, Square, Texture, Wrap, luminance,
+};
 use crate::image::decode;
 
 /// The textures of a scene under construction.
@@ -80,13 +82,14 @@ impl Textures {
         self.between(document, (property, id), limit).map(Some)
     }
 
-    /// Radiance that may vary over the surface, if a texture gives it.
-    pub fn radiance(
+    /// What a light emits, if a texture of that name gives it.
+    pub fn emitted(
         &mut self,
         document: &Document,
         query: &Query,
+        name: &str,
     ) -> Result<Option<Colour>, SceneError> {
-        let found = query.children().find(|(property, _)| property.name == "radiance");
+        let found = query.children().find(|(property, _)| property.name == name);
         let Some(found) = found else { return Ok(None) };
         if document.objects[found.1].plugin == "mesh_attribute" {
             let message =
@@ -172,19 +175,45 @@ fn read(document: &Document, id: ObjectId, depth: usize) -> Result<Texture, Scen
     let pattern = match query.object.plugin.as_str() {
         "bitmap" => bitmap(&query)?,
         "checkerboard" => {
-            let colour = |name, default| -> Result<Vec3, SceneError> {
-                let colour =
-                    query.color(name, Purpose::Reflectance)?.unwrap_or(DVec3::splat(default));
-                Ok(colour.as_vec3())
-            };
-            Pattern::Checkerboard([colour("color0", 0.4)?, colour("color1", 0.2)?])
+            let square = |name, default| square(document, &query, name, default, depth);
+            Pattern::Checkerboard([square("color0", 0.4)?, square("color1", 0.2)?])
         }
         "mesh_attribute" => return attribute(&query),
         _ => return Err(query.unsupported("bitmap, checkerboard, mesh_attribute, scale")),
     };
     let to_uv = placed(&query)?;
-    query.finish(&[])?;
+    let squares = if matches!(pattern, Pattern::Checkerboard(_)) { &["texture"][..] } else { &[] };
+    query.finish(squares)?;
     Ok(Texture { pattern, to_uv, scale: 1.0 })
+}
+
+/// What one kind of squares of a checkerboard shows.
+fn square(
+    document: &Document,
+    query: &Query,
+    name: &'static str,
+    default: f64,
+    depth: usize,
+) -> Result<Square, SceneError> {
+    if let Some((property, id)) = query.children().find(|(property, _)| property.name == name) {
+        if depth > DEEPEST {
+            return Err(query.error_at("", "textures are nested too deeply"));
+        }
+        let texture = read(document, id, depth + 1)?;
+        if matches!(texture.pattern, Pattern::Attribute { .. }) {
+            let message = "attributes of meshes are not supported within a checkerboard";
+            return Err(property.place.error(message));
+        }
+        return Ok(Square::Textured(Box::new(texture)));
+    }
+    let mut others = query.children().filter(|(_, id)| document.objects[*id].tag == "texture");
+    if let Some((property, _)) = others.find(|(p, _)| !["color0", "color1"].contains(&&*p.name)) {
+        let message =
+            format!("a checkerboard has no \"{}\"; supported: color0, color1", property.name);
+        return Err(property.place.error(message));
+    }
+    let colour = query.color(name, Purpose::Reflectance)?.unwrap_or(DVec3::splat(default));
+    Ok(Square::Plain(colour.as_vec3()))
 }
 
 /// What a mesh has at its vertices or faces.

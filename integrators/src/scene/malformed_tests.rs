@@ -403,6 +403,29 @@ fn broken_shapes_sensors_and_lights() {
                 "180 degrees",
             ),
             (
+                "<emitter type=\"spot\"><texture type=\"checkerboard\" name=\"glass\"/></emitter>",
+                place,
+                "has no texture but \"texture\"",
+            ),
+            (
+                "<emitter type=\"point\"><texture type=\"checkerboard\" name=\"texture\"/></emitter>",
+                place,
+                "not supported inside <emitter",
+            ),
+            (
+                "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
+                 <texture type=\"checkerboard\" name=\"color2\"/></texture></bsdf>",
+                place,
+                "supported: color0, color1",
+            ),
+            (
+                "<bsdf type=\"diffuse\"><texture type=\"checkerboard\" name=\"reflectance\">\
+                 <texture type=\"mesh_attribute\" name=\"color0\">\
+                 <string name=\"name\" value=\"vertex_a\"/></texture></texture></bsdf>",
+                place,
+                "not supported within a checkerboard",
+            ),
+            (
                 "<emitter type=\"directional\"><vector name=\"direction\" x=\"0\" y=\"0\" z=\"0\"/></emitter>",
                 place,
                 "must not be zero",
@@ -466,6 +489,18 @@ fn broken_shapes_sensors_and_lights() {
                 "must be in 1..=76",
             ),
             (&film("<rfilter type=\"sharp\"/>"), place, "not supported; supported: box"),
+            (
+                &film("<rfilter type=\"mitchell\"><float name=\"C\" value=\"7\"/></rfilter>"),
+                place,
+                "must be in 0..=1",
+            ),
+            (
+                &film(
+                    "<rfilter type=\"lanczos\"><integer name=\"lobes\" value=\"1000\"/></rfilter>",
+                ),
+                place,
+                "must be in 1..=16",
+            ),
             (
                 &film("<rfilter type=\"tent\"><float name=\"radius\" value=\"0\"/></rfilter>"),
                 place,

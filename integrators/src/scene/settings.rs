@@ -17,15 +17,35 @@ pub enum Filter {
         /// The standard deviation σ in pixels.
         stddev: f32,
     },
+    /// The piecewise cubic filters of Mitchell and Netravali (1988), which reach two pixels far. With B = 0 and
+    /// C = 1/2 it is that of Catmull and Rom.
+    Cubic {
+        /// The parameter B, which blurs.
+        b: f32,
+        /// The parameter C, which rings.
+        c: f32,
+    },
+    /// `sinc(x) sinc(x / lobes)` with `sinc(x) = sin(πx) / πx`, as far as there are lobes.
+    Lanczos {
+        /// How many pixels it reaches.
+        lobes: u32,
+    },
 }
 
 impl Filter {
+    /// Whether it has negative lobes, so that it is no density up to a factor.
+    pub fn is_signed(self) -> bool {
+        matches!(self, Self::Cubic { .. } | Self::Lanczos { .. })
+    }
+
     /// Where the filter becomes 0, in pixels along each axis.
     pub fn radius(self) -> f32 {
         match self {
             Self::Box => 0.5,
             Self::Tent { radius } => radius,
             Self::Gaussian { stddev } => 4.0 * stddev,
+            Self::Cubic { .. } => 2.0,
+            Self::Lanczos { lobes } => lobes as f32,
         }
     }
 
@@ -43,6 +63,17 @@ impl Filter {
                 let bell = |x: f32| (-0.5 * (x / stddev) * (x / stddev)).exp();
                 (bell(x) - bell(4.0 * stddev)).max(0.0)
             }
+            // Mitchell and Netravali 1988, Eq. 8.
+            Self::Cubic { b, c } if x < 1.0 => {
+                let [cubic, square] = [12.0 - 9.0 * b - 6.0 * c, -18.0 + 12.0 * b + 6.0 * c];
+                ((cubic * x + square) * x * x + 6.0 - 2.0 * b) / 6.0
+            }
+            Self::Cubic { b, c } => {
+                let [cubic, square] = [-b - 6.0 * c, 6.0 * b + 30.0 * c];
+                let [linear, constant] = [-12.0 * b - 48.0 * c, 8.0 * b + 24.0 * c];
+                (((cubic * x + square) * x + linear) * x + constant) / 6.0
+            }
+            Self::Lanczos { lobes } => sinc(x) * sinc(x / lobes as f32),
         }
     }
 
@@ -52,8 +83,17 @@ impl Filter {
             Self::Box => "box",
             Self::Tent { .. } => "tent",
             Self::Gaussian { .. } => "gaussian",
+            Self::Cubic { b: 0.0, c: 0.5 } => "catmullrom",
+            Self::Cubic { .. } => "mitchell",
+            Self::Lanczos { .. } => "lanczos",
         }
     }
+}
+
+/// sin(πx) / πx.
+fn sinc(x: f32) -> f32 {
+    let angle = std::f32::consts::PI * x;
+    if angle == 0.0 { 1.0 } else { angle.sin() / angle }
 }
 
 /// The image to render.
@@ -153,6 +193,26 @@ mod tests {
         assert_eq!(Filter::Box.profile(0.49), 1.0);
         assert_eq!(Filter::Box.profile(-0.51), 0.0);
         assert_eq!(Filter::Gaussian { stddev: 0.5 }.radius(), 2.0);
+        // Those with negative lobes: the values of Mitchell's and of Lanczos's filter, by hand.
+        let mitchell = Filter::Cubic { b: 1.0 / 3.0, c: 1.0 / 3.0 };
+        for (x, value) in [(0.0, 16.0 / 18.0), (1.0, 1.0 / 18.0), (-1.5, -5.0 / 144.0), (2.0, 0.0)]
+        {
+            assert!((mitchell.profile(x) - value).abs() < 1e-6, "{x}: {}", mitchell.profile(x));
+        }
+        let catmull_rom = Filter::Cubic { b: 0.0, c: 0.5 };
+        let lanczos = Filter::Lanczos { lobes: 3 };
+        for x in 0..=3 {
+            let one = f32::from(x == 0);
+            assert!((lanczos.profile(x as f32) - one).abs() < 1e-6);
+            assert!((catmull_rom.profile(x as f32) - one).abs() < 1e-6);
+        }
+        assert!((catmull_rom.profile(1.5) + 1.0 / 16.0).abs() < 1e-6);
+        // sinc(3/2) sinc(1/2) = -4 / 3π².
+        assert!((lanczos.profile(1.5) + 0.135_095).abs() < 1e-6);
+        assert_eq!(
+            [mitchell, catmull_rom, lanczos].map(Filter::name),
+            ["mitchell", "catmullrom", "lanczos"]
+        );
         let half = Filter::Gaussian { stddev: 0.5 }.profile(0.5);
         assert!((half - 0.606_195_2).abs() < 1e-6);
     }

@@ -102,8 +102,8 @@ pub enum Pattern {
         /// What lies beyond the picture.
         wrap: Wrap,
     },
-    /// Squares of side one half.
-    Checkerboard([Vec3; 2]),
+    /// Squares of side one half, of two kinds.
+    Checkerboard([Square; 2]),
     /// What a mesh has at its vertices or faces, by name.
     Attribute {
         /// The name, with `vertex_` or `face_` before it.
@@ -111,6 +111,40 @@ pub enum Pattern {
         /// Each mesh that has it, in the order of their triangles.
         patches: Vec<Patch>,
     },
+}
+
+/// What the squares of a checkerboard show.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Square {
+    /// One colour.
+    Plain(Vec3),
+    /// Part of a texture, which has its own place on the surface.
+    Textured(Box<Texture>),
+}
+
+impl Square {
+    /// The colour at texture coordinates of the surface.
+    fn at(&self, uv: Vec2) -> Vec3 {
+        match self {
+            Square::Plain(colour) => *colour,
+            Square::Textured(texture) => texture.at(uv),
+        }
+    }
+
+    fn mean(&self) -> Vec3 {
+        match self {
+            Square::Plain(colour) => *colour,
+            Square::Textured(texture) => texture.mean(),
+        }
+    }
+
+    /// The least value of any channel, and the largest.
+    fn range(&self) -> (f32, f32) {
+        match self {
+            Square::Plain(colour) => (colour.min_element(), colour.max_element()),
+            Square::Textured(texture) => texture.range(),
+        }
+    }
 }
 
 /// A colour as a function of texture coordinates.
@@ -127,11 +161,18 @@ pub struct Texture {
 impl Texture {
     /// The colour at texture coordinates.
     pub fn at(&self, uv: Vec2) -> Vec3 {
-        let uv = self.to_uv.transform_point2(uv);
-        if !uv.is_finite() {
+        let here = self.to_uv.transform_point2(uv);
+        if !here.is_finite() {
             return self.mean();
         }
-        self.scale * self.pattern_at(uv)
+        self.scale
+            * match &self.pattern {
+                Pattern::Checkerboard(squares) => squares[kind_of_square(here)].at(uv),
+                Pattern::Attribute { .. } => self.pattern_mean(),
+                Pattern::Picture { image, interpolation, wrap } => {
+                    picture_at(image, *interpolation, *wrap, here)
+                }
+            }
     }
 
     /// The colour at a point of a surface.
@@ -159,35 +200,16 @@ impl Texture {
     /// The luminance at texture coordinates. As in Mitsuba 3, a checkerboard that is asked for numbers
     /// exchanges its two.
     pub fn number(&self, uv: Vec2) -> f32 {
+        let here = self.to_uv.transform_point2(uv);
         match &self.pattern {
-            Pattern::Checkerboard([a, b]) => luminance(self.scale * (*a + *b) - self.at(uv)),
-            Pattern::Picture { .. } | Pattern::Attribute { .. } => luminance(self.at(uv)),
-        }
-    }
-
-    fn pattern_at(&self, uv: Vec2) -> Vec3 {
-        match &self.pattern {
-            Pattern::Attribute { .. } => self.pattern_mean(),
-            Pattern::Checkerboard(colours) => {
-                let second = uv - uv.floor();
-                colours[usize::from((second.x > 0.5) != (second.y > 0.5))]
+            Pattern::Checkerboard(squares) if here.is_finite() => {
+                self.scale
+                    * match &squares[1 - kind_of_square(here)] {
+                        Square::Plain(colour) => luminance(*colour),
+                        Square::Textured(texture) => texture.number(uv),
+                    }
             }
-            Pattern::Picture { image, interpolation, wrap } => {
-                let size = Vec2::new(image.width() as f32, image.height() as f32);
-                let texel = |x: f32, y: f32| {
-                    let x = wrapped(x, image.width(), *wrap);
-                    let y = wrapped(y, image.height(), *wrap);
-                    Vec3::from(image.pixel(x, y))
-                };
-                if *interpolation == Interpolation::Nearest {
-                    let at = (uv * size).floor();
-                    return texel(at.x, at.y);
-                }
-                let at = uv * size - 0.5;
-                let (low, t) = (at.floor(), at - at.floor());
-                let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), t.x);
-                row(low.y).lerp(row(low.y + 1.0), t.y)
-            }
+            _ => luminance(self.at(uv)),
         }
     }
 
@@ -225,7 +247,7 @@ impl Texture {
         match &self.pattern {
             // Not known before the meshes are; it only matters to how well light is sampled.
             Pattern::Attribute { .. } => Vec3::splat(0.5),
-            Pattern::Checkerboard([a, b]) => 0.5 * (*a + *b),
+            Pattern::Checkerboard([a, b]) => 0.5 * (a.mean() + b.mean()),
             Pattern::Picture { image, .. } => {
                 let sum: glam::DVec3 =
                     image.pixels().iter().map(|p| Vec3::from(*p).as_dvec3()).sum();
@@ -241,7 +263,10 @@ impl Texture {
         };
         let start = (f32::INFINITY, f32::NEG_INFINITY);
         let (least, largest) = match &self.pattern {
-            Pattern::Checkerboard(colours) => colours.iter().fold(start, |(a, b), c| all(a, b, *c)),
+            Pattern::Checkerboard(squares) => squares.iter().fold(start, |(a, b), square| {
+                let (least, largest) = square.range();
+                (a.min(least), b.max(largest))
+            }),
             Pattern::Attribute { patches, .. } => {
                 let triangles = patches.iter().flat_map(|patch| &patch.triangles);
                 let values = triangles.flat_map(|(_, values)| values);
@@ -254,6 +279,28 @@ impl Texture {
         let (a, b) = (self.scale * least, self.scale * largest);
         (a.min(b), a.max(b))
     }
+}
+
+/// Which of its two kinds of squares a checkerboard has at a point.
+fn kind_of_square(uv: Vec2) -> usize {
+    let within = uv - uv.floor();
+    usize::from((within.x > 0.5) != (within.y > 0.5))
+}
+
+/// The colour of a picture at a point.
+fn picture_at(image: &RgbImage, interpolation: Interpolation, wrap: Wrap, uv: Vec2) -> Vec3 {
+    let size = Vec2::new(image.width() as f32, image.height() as f32);
+    let texel = |x: f32, y: f32| {
+        Vec3::from(image.pixel(wrapped(x, image.width(), wrap), wrapped(y, image.height(), wrap)))
+    };
+    if interpolation == Interpolation::Nearest {
+        let at = (uv * size).floor();
+        return texel(at.x, at.y);
+    }
+    let at = uv * size - 0.5;
+    let (low, t) = (at.floor(), at - at.floor());
+    let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), t.x);
+    row(low.y).lerp(row(low.y + 1.0), t.y)
 }
 
 /// The index of a texel, given one that may lie outside.

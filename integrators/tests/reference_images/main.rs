@@ -25,7 +25,7 @@ use integrators::scene::SamplerKind::{Independent, LowDiscrepancy};
 use scenes::{MisjudgingTracer, Reference, film, path_traced, scene, scores};
 
 /// The scenes with a stored image, and samples per pixel.
-const SCENES: [(&str, u32); 13] = [
+const SCENES: [(&str, u32); 15] = [
     ("cornell-box", 512),
     ("rectangle", 512),
     ("cube", 256),
@@ -37,6 +37,8 @@ const SCENES: [(&str, u32); 13] = [
     ("two-lights", 512),
     ("tent-filter", 2048),
     ("gaussian-filter", 1024),
+    ("mitchell-filter", 256),
+    ("lanczos-filter", 128),
     ("furnace-enclosure", 64),
     ("furnace-white", 64),
 ];
