@@ -58,6 +58,38 @@ impl Point {
         list.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN))
     }
 
+    /// The same with numbers that single precision has, uniforms below one; `None` if a parameter leaves its
+    /// domain. Of unit vectors this is left to those who evaluate: they would not have unit length.
+    pub fn in_single(&self, kinds: &[Kind], argument: Option<&Kind>) -> Option<Point> {
+        let round = |x: Dd| Dd::from_f64(f64::from(x.to_f64() as f32));
+        let below_one = Dd::from_f64(1.0 - f64::from(f32::EPSILON) / 2.0);
+        let unknowns = self.unknowns.iter().map(|&u| match argument {
+            None => Number::min(round(u), below_one),
+            Some(Kind::Direction) => u,
+            Some(_) => round(u),
+        });
+        let mut point = Point { unknowns: unknowns.collect(), ..self.clone() };
+        let mut first = 0;
+        for kind in kinds {
+            let place = &mut point.params[first..first + kind.scalars()];
+            first += kind.scalars();
+            if matches!(kind, Kind::Direction | Kind::Frame) {
+                continue;
+            }
+            for x in place {
+                *x = round(*x);
+                let legal = |x: f64| match kind {
+                    Kind::Scalar(Some(d)) => d.lo <= x && x <= d.hi,
+                    _ => true,
+                };
+                if !x.is_finite() || !legal(x.to_f64()) {
+                    return None;
+                }
+            }
+        }
+        Some(point)
+    }
+
     /// The unknowns in double precision, for messages.
     pub fn shown(&self) -> Vec<f64> {
         self.unknowns.iter().map(|u| u.to_f64()).collect()
