@@ -3,6 +3,7 @@
 mod back;
 mod cases;
 mod density;
+mod factored;
 mod gaps;
 mod holding;
 mod joint;

@@ -230,16 +230,17 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
 
 fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     let Some(d) = domain else {
-        // Hundreds or hundredths under stress.
+        // Hundreds or hundredths under stress, then the same of billions.
         let moderate = 0.3 + 3.0 * rng.uniform();
+        let size = if round < ROUNDS + 2 { 1e2 } else { 1e9 };
         return match round {
             0..ROUNDS => moderate,
             WILD.. => {
                 let size = libm::exp2(40.0 * rng.uniform() - 30.0);
                 if round.is_multiple_of(2) { -size } else { size }
             }
-            _ if round.is_multiple_of(2) => 100.0 * moderate,
-            _ => 0.01 * moderate,
+            _ if round.is_multiple_of(2) => size * moderate,
+            _ => moderate / size,
         };
     };
     let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };

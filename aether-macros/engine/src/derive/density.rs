@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
+use super::factored::factored;
 use super::holding::never_negative;
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
@@ -133,6 +134,8 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
+    let short: Vec<Id> = candidates.iter().map(|&c| factored(g, c)).collect();
+    candidates.extend(short);
     if let Some(whole) = whole {
         candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
     }
