@@ -258,9 +258,11 @@ pub(super) fn at_the_sample(
         let good = parts().all(|(new, old)| {
             new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON)
         });
-        let no_worse = parts().all(|(new, old)| new.bits <= old.bits && new.worst <= old.worst);
-        let saves = |(new, old): (Part, Part)| new.worst < old.worst / 4.0 && old.worst > GOOD;
-        let better = no_worse && parts().any(saves);
+        let saves = |new: Part, old: Part| {
+            new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD
+        };
+        let no_worse = new.double.bits <= old.double.bits && new.double.worst <= old.double.worst;
+        let better = saves(new.double, old.double) || no_worse && saves(new.single, old.single);
         if better || good && work + 10 < best.2 {
             best = (there, new, work);
         }

@@ -3,7 +3,6 @@
 
 use crate::expr::{Graph, Id, Node};
 use crate::hash::Map;
-use crate::jacobian::factor_out;
 use crate::rational::Q;
 
 /// The expression with the common factors of all its sums outside of them.
@@ -36,9 +35,38 @@ fn rebuilt(g: &mut Graph, id: Id, memo: &mut Map<Id, Id>) -> Id {
     made
 }
 
+/// The factors that all these terms have, each with the power nearest to one of those that it has in them.
+fn common(g: &mut Graph, terms: &[(Q, Id)]) -> Vec<(Id, Id)> {
+    let mut all = g.factors(terms[0].1);
+    for &(_, term) in &terms[1..] {
+        let factors = g.factors(term);
+        all.retain_mut(|(base, e)| {
+            let Some((_, other)) = factors.iter().find(|(b, _)| b == base) else { return false };
+            let powers = [*e, *other].map(|e| g.as_number(e));
+            match powers {
+                [Some(p), Some(q)] if p.is_negative() == q.is_negative() => {
+                    *e = if q.abs() < p.abs() { *other } else { *e };
+                    true
+                }
+                _ => e == other,
+            }
+        });
+    }
+    all
+}
+
 /// A sum as a product with the factors that all its terms have, and a number that their coefficients have.
 fn without_content(g: &mut Graph, sum: Id) -> Id {
-    let product = factor_out(g, sum);
+    let product = match g.node(sum).clone() {
+        Node::Sum(c, terms) if c.is_zero() && terms.len() > 1 => {
+            let outside = common(g, &terms);
+            let outside = g.product(&outside);
+            let rest: Vec<_> = terms.iter().map(|&(q, t)| (q, g.div(t, outside))).collect();
+            let inside = g.sum(Q::ZERO, &rest);
+            g.mul(outside, inside)
+        }
+        _ => sum,
+    };
     let (q, body) = g.split(product);
     let mut parts = Vec::new();
     for (base, e) in g.factors(body) {
@@ -88,8 +116,8 @@ mod tests {
         let scale = g.powi(scale, 2);
         let terms = stretched.map(|t| (Q::int(4), g.mul(t, scale)));
         let sum = g.plain_sum(&terms);
-        let quotient = g.div(scale, length);
-        let expected = g.product(&[(quotient, one), (length, { g.int(2) })]);
+        let square = g.powi(a, 2);
+        let expected = g.div(square, length);
         let expected = g.sum(Q::ZERO, &[(Q::int(4), expected)]);
         assert_eq!(factored(&mut g, sum), expected);
         let whole = squares(&mut g, [a, a, a]);
