@@ -63,14 +63,17 @@ const REASONS: &[(&str, &str)] = &[
     ("visible_normals", OPPOSITE),
     (
         "renderer: rough conductor, Beckmann",
-        "the half vector is normalised from a rounded direction, and its tangent is squared and exponentiated",
+        "presumably: the half vector is normalised from a rounded direction, and its tangent is squared and exponentiated",
     ),
     ("renderer: rough conductor, visible Beckmann", LAST_SLOPE),
     ("renderer: rough conductor, visible GGX", OPPOSITE),
-    ("renderer: rough dielectric, refraction", OPPOSITE),
+    (
+        "renderer: rough dielectric, refraction",
+        "presumably as of visible normals: the last uniforms",
+    ),
     (
         "renderer: triangle light by direction",
-        "next to an edge of the triangle, which the rounding of a direction crosses",
+        "presumably: next to an edge of the triangle, which the rounding of a direction crosses",
     ),
     ("renderer: visible slopes, Beckmann", LAST_SLOPE),
     ("Weibull", "f32 cannot hold x = u², which is subnormal"),
@@ -82,7 +85,7 @@ const REASONS: &[(&str, &str)] = &[
     ("triangle", "in f32, far from the origin: rounding exceeds an eighth of the triangle"),
     (
         "renderer: film, tent filter",
-        "the last bit of a film point is more than its sampler knows of its tip",
+        "presumably: the last bit of a film point is more than its sampler knows of its tip",
     ),
 ];
 
@@ -93,7 +96,7 @@ const COMPOSED: &str = "a map between rounds the point of the film by more than 
 const OPPOSITE: &str =
     "grazing views, and a half or the last of uniforms: two nearly opposite vectors are added";
 const LAST_SLOPE: &str =
-    "the last uniforms: the steepest slopes are where the error function is next to one";
+    "presumably: the last uniforms, where the steepest slopes have an error function next to one";
 
 /// Why a sampler misses the limit.
 pub fn reason(name: &str) -> &'static str {
