@@ -53,25 +53,26 @@ pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce()
     }
 }
 
-/// The square root of a sum of squares. Where the squares underflow, `scaled` computes the sum again
-/// with the numbers that are squared multiplied by what it is given.
+/// The square root of a sum of squares. Where the squares underflow or overflow, `scaled` computes the sum
+/// again with the numbers that are squared multiplied by what it is given.
 #[inline(always)]
 pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
-    let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
-    if small.any() { small_root(sum, scaled) } else { sum.sqrt() }
+    let usual = sum.ge(R::MIN_POSITIVE / R::EPSILON).and(sum.lt(R::INFINITY));
+    if usual.all() { sum.sqrt() } else { scaled_root(sum, scaled) }
 }
 
 #[cold]
-fn small_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
+fn scaled_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
     // Large numbers overflow, if they are multiplied by what brings the smallest ones, or squares of small ones
     // with small factors, up to one.
     let up = R::MIN_POSITIVE.sqrt().recip();
-    let scales = [R::MIN_POSITIVE.recip(), up, up.sqrt()];
-    let [least, most, less] = scales.map(|up| scaled(up).sqrt() / up);
+    let scales = [R::MIN_POSITIVE.recip(), up, up.sqrt(), up.recip()];
+    let [least, most, less, large] = scales.map(|up| scaled(up).sqrt() / up);
     let root = R::select(less.finite(), less, sum.sqrt());
     let root = R::select(most.finite(), most, root);
-    R::select(small, R::select(least.finite(), least, root), sum.sqrt())
+    let root = R::select(small, R::select(least.finite(), least, root), sum.sqrt());
+    R::select(sum.ge(R::INFINITY), large, root)
 }
 
 /// Whether every number is in [0, 1).

@@ -102,18 +102,23 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        let across = profile(film.x - centre.0, &|| self.film_error(&eye, &seen).x);
+        let across = profile(film.x - centre.0, &|| self.film_error(&eye, &seen, film).x);
         if across == 0.0 {
             return 0.0;
         }
-        let response = across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen).y);
+        let response = across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen, film).y);
         // What lies too far away for its direction to be known is not seen.
         if response.is_finite() { response } else { 0.0 }
     }
 
-    /// By how much rounding of what is seen and of its direction can move a film point, in pixels:
-    /// much only for long lenses.
-    fn film_error(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Vec2<f32> {
+    /// By how much rounding of what is seen and of its direction can move a film point, in pixels: much only for
+    /// long lenses, and where it is far from the axis, as seen from the rim of a lens in focus close by.
+    fn film_error(
+        &self,
+        eye: &SceneVertex<K>,
+        seen: &SceneVertex<K>,
+        film: Vec2<f32>,
+    ) -> Vec2<f32> {
         let size = eye.position.abs().max_element() + seen.position.abs().max_element();
         // Points of triangles are kept off the edges.
         let moved = seen.surface().map_or(0.0, |surface| {
@@ -126,8 +131,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         }
         let distance = if seen.is_infinite() { size } else { seen.position.distance(eye.position) };
         let angle = 8.0 * f32::EPSILON * (1.0 + size / distance) + moved / distance;
-        let scale = self.world.film_scale();
-        Vec2::new(angle / scale.x, angle / scale.y)
+        let (centre, scale) = (self.world.film_centre(eye), self.world.film_scale());
+        let (x, y) = ((film.x - centre.x) * scale.x, (film.y - centre.y) * scale.y);
+        // The derivative of a tangent, along the steepest way.
+        let moved = angle * (1.0 + x * x + y * y);
+        Vec2::new(moved / scale.x, moved / scale.y)
     }
 
     /// Scattering at `here` between its neighbours, times the cosines and inverse square distance of

@@ -72,3 +72,110 @@ fn logarithms_of_compositions_and_mixtures() -> Result<(), DomainError> {
 fn normal_sample() -> aether_core::Sample<Exponential<f64>, f64> {
     exponential(3.0).sample([0.3])
 }
+
+/// What stable code is made by, a rule each. The samplers are written as in textbooks; the expected numbers are
+/// the experts' forms, in which nothing cancels.
+mod rules {
+    use super::*;
+
+    fn towards(tangent: f64) -> Direction<f64> {
+        let length = 1f64.hypot(tangent);
+        Direction::new(tangent / length, 0.0, 1.0 / length)
+    }
+
+    #[test]
+    fn logarithms_and_powers_next_to_one() {
+        let tiny = 2f64.powi(-60);
+        near(*exponential(1.0).sample([tiny]), tiny);
+        near(*truncated_exponential(1e-12, 1.0).sample([0.25]), 0.25);
+        near(truncated_exponential(1e-12, 1.0).pdf(&0.25).value(), 1.00000000000025);
+        near(*linear(1.0, 1.0 + 2f64.powi(-40)).unwrap().sample([0.3]), 0.3);
+    }
+
+    #[test]
+    fn next_to_a_pole_the_small_coordinates_tell_and_at_the_horizon_the_height()
+    -> Result<(), DomainError> {
+        let (alpha, tangent) = (1e-5f64, 3e-5f64);
+        let slope = 1.0 + (tangent / alpha).powi(2);
+        let cosine = 1.0 / 1f64.hypot(tangent);
+        let expected = 1.0 / (PI * alpha * alpha * cosine.powi(3) * slope * slope);
+        let found = ggx(alpha)?.pdf(&towards(tangent)).value();
+        // The tangent itself is known to a unit of rounding.
+        assert!((found / expected - 1.0).abs() < 1e-14, "{found} is not {expected}");
+        let grazing = Direction::new(1.0, 0.0, 1e-12);
+        near(cosine_hemisphere().pdf(&grazing).value(), 1e-12 / PI);
+        Ok(())
+    }
+
+    #[test]
+    fn a_sliver_has_its_area() {
+        let sliver = 1.0 + 1e-9;
+        let origin = Vec3::new(0.0, 0.0, 0.0);
+        let (b, c) = (Vec3::new(1.0, 1.0, 1.0), Vec3::new(1.0, 1.0, sliver));
+        let found = triangle(origin, b, c).sample([0.3, 0.4]).pdf().value();
+        near(found, 2f64.sqrt() / (sliver - 1.0));
+    }
+
+    #[test]
+    fn a_window_of_angles_goes_across_a_half_turn() -> Result<(), DomainError> {
+        let window = zonal_window(-0.5, 0.5, 3.0, 0.5)?;
+        for (angle, inside) in [(-3.0, true), (3.1, true), (3.4, true), (2.9, false), (-2.7, false)]
+        {
+            let at = Direction::new(f64::cos(angle), f64::sin(angle), 0.0);
+            assert_eq!(window.pdf(&at).value() > 0.0, inside, "{angle}");
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn anchors_are_subtracted_first() {
+        let centre = Vec3::new(1e6f32, -1e6, 1e6);
+        let sphere = sphere_surface(centre, 0.5);
+        for i in 0..100 {
+            let sample = sphere.sample([i as f32 / 100.0, (i * 37 % 100) as f32 / 100.0]);
+            assert!(sphere.pdf(&sample).value() > 0.0, "{i}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_point_has_no_density_and_every_preimage_counts_once() {
+        for x in [f64::NAN, f64::INFINITY, -1.0] {
+            assert_eq!(exponential(1.0).pdf(&x).value(), 0.0);
+        }
+        let count = |x: f64| {
+            let mut found = 0;
+            fold().preimages(&x, |_, exists| found += usize::from(exists));
+            found
+        };
+        assert_eq!([count(0.5), count(0.25), count(1.5)], [2, 2, 0]);
+        near(fold().pdf(&0.25).value(), 1.0);
+    }
+}
+
+#[test]
+fn narrow_lobes_as_printed_have_all_their_samples_in_f32() -> Result<(), DomainError> {
+    let g = 1.0 - 2f32.powi(-20);
+    let lobe = henyey_greenstein_as_printed(g)?;
+    for i in 0..2000 {
+        let u = [(i as f32 + 0.5) / 2000.0, (i * 37 % 2000) as f32 / 2000.0];
+        let sample = lobe.sample(u);
+        assert!(lobe.pdf(&sample).value() > 0.0 && sample.pdf().value() > 0.0, "{u:?}");
+    }
+    // 1 + g² - 2 g z is (1 - g)² + 2 g (1 - z), and 1 - z is x² / (1 + z).
+    let x = 1e-6f32;
+    let (g, x2) = (f64::from(g), f64::from(x).powi(2));
+    let square = (1.0 - g).powi(2) + g * x2;
+    let expected = (1.0 - g * g) / (4.0 * PI * square.powf(1.5));
+    let found = f64::from(lobe.pdf(&Direction::new(x, 0.0, 1.0)).value());
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} is not {expected}");
+    Ok(())
+}
+
+#[test]
+fn squares_that_overflow_have_a_root() -> Result<(), DomainError> {
+    let line = linear(1e-20f32, 1e20)?;
+    let sample = line.sample([0.3]);
+    assert!((*sample - 0.3f32.sqrt()).abs() < 1e-6, "{}", *sample);
+    assert!((sample.pdf().value() - 2.0 * 0.3f32.sqrt()).abs() < 1e-6);
+    Ok(())
+}

@@ -3,7 +3,9 @@
 mod back;
 mod cases;
 mod density;
+mod factored;
 mod gaps;
+mod holding;
 mod joint;
 mod limits;
 mod parts;
@@ -23,7 +25,7 @@ use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
-use cases::{Case, cases, inputs, prune, verify_volume};
+use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{accurate, at_the_sample, density, finish, pick_volume};
 use limits::parameters_with_limits;
 
@@ -194,8 +196,17 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         _ => (volumes.clone(), volumes),
     };
 
+    // What is tried from here on are forms, in both precisions.
+    let cases = {
+        let single = in_single(problem, volumes[0], &cases);
+        cases.into_iter().chain(single).collect::<Vec<Case>>()
+    };
     let measured = |problem: &Problem, unknowns| {
-        Measure::new(cases.iter().map(|c| inputs(problem, c, unknowns)).collect::<Vec<Inputs>>())
+        let points = |single: bool| -> Vec<Inputs> {
+            let cases = cases.iter().filter(|c| c.single == single);
+            cases.map(|c| inputs(problem, c, unknowns)).collect()
+        };
+        Measure::new(points(false), points(true))
     };
     let mut unknown_points = measured(problem, true);
     let mut out_points = measured(problem, false);
@@ -231,6 +242,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         preimages.push(preimage);
     }
     if let [preimage] = &preimages[..] {
+        always_inside(problem, &forward, &preimage.tested);
         let sample = (&forward[..], preimage.density, &gaps);
         own = at_the_sample(problem, own, sample, &mut unknown_points);
     }
@@ -252,6 +264,19 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst_error: worst,
         steps,
     })
+}
+
+/// Makes known which unknowns lie in [0, 1] whatever the direction is.
+fn always_inside(problem: &mut Problem, forward: &[Id], unknowns: &[Id]) {
+    if !problem.is_direction() || problem.argument.is_some() {
+        return;
+    }
+    let g = &mut problem.graph;
+    for (leaf, &value) in problem.unknowns.iter().zip(unknowns) {
+        if holding::from_pole_to_pole(g, &problem.outputs, forward, *leaf) {
+            g.assume(value, Interval::new(0.0, 1.0));
+        }
+    }
 }
 
 /// Equal expressions for √det(JᵀJ).

@@ -54,20 +54,32 @@ pub fn node_value<T: Number>(
             s
         }
         Node::Product(factors) => {
-            let mut p = T::from_f64(1.0);
+            // As in emitted code: what is divided by is multiplied first, and may underflow.
+            let (mut top, mut bottom) = (T::from_f64(1.0), None);
             for (b, e) in factors {
                 let b = part(*b);
-                p = p * match graph.as_number(*e) {
-                    Some(q) if q.is_int() => b.powi(q.to_i32().unwrap_or(i32::MAX)),
-                    Some(q) if q.den() == 2 && q.num().abs() < 64 => b.sqrt().powi(q.num() as i32),
-                    Some(q) if q.den() == 3 && q.num().abs() < 64 => b.cbrt().powi(q.num() as i32),
+                let Some(q) = graph.as_number(*e) else {
+                    let e = part(*e);
+                    top = top * b.powf(e);
+                    continue;
+                };
+                let power = match q.den() {
+                    1 => b.powi(q.to_i32().map_or(i32::MAX, i32::abs)),
+                    2 if q.num().abs() < 64 => b.sqrt().powi(q.num().abs() as i32),
+                    3 if q.num().abs() < 64 => b.cbrt().powi(q.num().abs() as i32),
                     _ => {
                         let e = part(*e);
-                        b.powf(e)
+                        top = top * b.powf(e);
+                        continue;
                     }
                 };
+                if q.is_negative() {
+                    bottom = Some(bottom.map_or(power, |bottom: T| bottom * power));
+                } else {
+                    top = top * power;
+                }
             }
-            p
+            bottom.map_or(top, |bottom| top / bottom)
         }
         Node::Call(f, args) => {
             let a = part(args[0]);

@@ -1,5 +1,5 @@
-//! How accurate a form of an expression is: its values in double precision against double-double, at
-//! many points at once.
+//! How accurate a form of an expression is: its values in double and in single precision against
+//! double-double, at many points at once.
 
 use std::cell::OnceCell;
 use std::rc::Rc;
@@ -7,52 +7,118 @@ use std::rc::Rc;
 use crate::eval::node_value;
 use crate::expr::{Graph, Id, Leaf, children};
 use crate::hash::Map;
-use crate::number::{Dd, Number};
+use crate::number::{Dd, Number, Single};
 
 /// An input assignment in double precision.
 pub type Inputs = Map<Leaf, f64>;
 
+/// How inaccurate a form is in one precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// Mean number of bits that are lost.
+    pub bits: f64,
+    /// The largest relative error; in single precision as many units of the double.
+    pub worst: f64,
+}
+
 /// How inaccurate a form is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
-    /// Mean number of bits that are lost.
-    pub bits: f64,
-    /// The largest relative error.
-    pub worst: f64,
+    /// In double precision.
+    pub double: Part,
+    /// In single precision.
+    pub single: Part,
 }
+
+impl Loss {
+    /// The larger of both worst errors.
+    pub fn worst(&self) -> f64 {
+        self.double.worst.max(self.single.worst)
+    }
+
+    /// Both parts.
+    pub fn parts(&self) -> [Part; 2] {
+        [self.double, self.single]
+    }
+}
+
+/// A unit in the last place of a single over that of a double.
+const UNITS: f64 = f32::EPSILON as f64 / f64::EPSILON;
 
 /// The values of expressions at fixed points. Equal expressions are one node of the graph, so each
 /// is evaluated once, in however many forms it occurs.
 pub struct Measure {
     points: Vec<Inputs>,
+    /// How many of the points, the first ones, are for double precision; the others are for single.
+    doubles: usize,
     double: Table<f64>,
+    single: Table<Single>,
     exact: Table<Dd>,
 }
 
 impl Measure {
-    /// For these points.
-    pub fn new(points: Vec<Inputs>) -> Measure {
-        Measure { points, double: Table::new(), exact: Table::new() }
+    /// For these points in double, and these in single precision, whose inputs are rounded to it.
+    pub fn new(mut points: Vec<Inputs>, single: Vec<Inputs>) -> Measure {
+        let doubles = points.len();
+        points.extend(single);
+        let (double, exact) = (Table::new(), Table::new());
+        Measure { points, doubles, double, single: Table::new(), exact }
     }
 
-    /// The points.
+    /// The points, of both precisions.
     pub fn points(&self) -> &[Inputs] {
         &self.points
     }
 
-    /// For those of the points that `keep` says.
-    pub fn subset(&self, keep: impl Fn(&Inputs) -> bool) -> Measure {
-        Measure::new(self.points.iter().filter(|p| keep(p)).cloned().collect())
+    /// How many of the points, the first ones, are for double precision.
+    pub fn doubles(&self) -> usize {
+        self.doubles
     }
 
-    /// The values of an expression in double precision.
-    pub fn values(&mut self, g: &Graph, id: Id) -> Rc<[f64]> {
-        self.double.values(g, id, &self.points)
+    /// For those of the points that `keep` says.
+    pub fn subset(&self, keep: impl Fn(&Inputs) -> bool) -> Measure {
+        let kept = |points: &[Inputs]| points.iter().filter(|p| keep(p)).cloned().collect();
+        let (double, single) = self.points.split_at(self.doubles);
+        Measure::new(kept(double), kept(single))
+    }
+
+    /// The values of an expression, each in the precision of its point.
+    pub fn values(&mut self, g: &Graph, id: Id) -> Vec<f64> {
+        let (double, single) = self.points.split_at(self.doubles);
+        let double = self.double.values(g, id, double);
+        let single = self.single.values(g, id, single);
+        double.iter().copied().chain(single.iter().map(|x| x.to_f64())).collect()
     }
 
     /// The values of an expression, through double-double.
     pub fn truths(&mut self, g: &Graph, id: Id) -> Vec<f64> {
         self.exact.values(g, id, &self.points).iter().map(|x| x.to_f64()).collect()
+    }
+
+    /// The true values of the first of equal forms, where a sum loses even the digits of double-double in it: by
+    /// a form whose own value agrees with that of double-double. `None` if all are as given.
+    pub fn mended(&mut self, g: &Graph, truth: &[f64], forms: &[Id]) -> Option<Vec<f64>> {
+        let first = self.values(g, forms[0]);
+        let suspect =
+            |k: usize| (first[k] - truth[k]).abs() > 1e-3 * truth[k].abs() || truth[k] == 0.0;
+        let suspects: Vec<usize> = (0..truth.len()).filter(|&k| suspect(k)).collect();
+        let mut mended = None;
+        for &form in if suspects.is_empty() { &[] } else { &forms[1..] } {
+            let (values, exact) = (self.values(g, form), self.truths(g, form));
+            for &k in &suspects {
+                let (v, t) = (values[k], exact[k]);
+                let agrees = self.scaled(k, (v - t).abs()) <= 1e-12 * t.abs() && t != 0.0;
+                if agrees && (t - truth[k]).abs() > 1e-10 * t.abs() {
+                    mended.get_or_insert_with(|| truth.to_vec())[k] = t;
+                }
+            }
+        }
+        mended
+    }
+
+    /// A gap between values at a point, where it is one of single precision as many units of the double.
+    pub fn scaled(&self, k: usize, gap: f64) -> f64 {
+        if k < self.doubles { gap } else { gap / UNITS }
     }
 
     /// How far a form is from the true values, over all points.
@@ -62,19 +128,21 @@ impl Measure {
 
     /// How far a form is from the true values at each point.
     pub fn errors(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Errors {
-        let values = self.double.values(g, form, &self.points);
+        let values = self.values(g, form);
         let mut errors = Vec::with_capacity(truth.len());
         let mut worst = 0.0;
         // This is where most of the compiler's time goes, and it runs unoptimised.
         #[allow(clippy::needless_range_loop)]
         for k in 0..truth.len() {
             let (v, t) = (values[k], truth[k]);
-            let error = if !t.is_finite() {
+            let single = k >= self.doubles;
+            let error = if !t.is_finite() || single && !held(t) {
                 None
             } else if v == t {
                 Some(0.0)
             } else {
                 let e = ((v - t) / t).abs();
+                let e = if single { e / UNITS } else { e };
                 Some(if e.is_finite() { e } else { 1e300 })
             };
             if let Some(e) = error
@@ -84,14 +152,20 @@ impl Measure {
             }
             errors.push(error);
         }
-        Errors { errors, worst, bits: OnceCell::new() }
+        Errors { errors, doubles: self.doubles, worst, bits: OnceCell::new() }
     }
+}
+
+/// Whether a value is one that normal numbers of single precision have.
+fn held(t: f64) -> bool {
+    t == 0.0 || (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&t.abs())
 }
 
 /// Relative errors of a form, one a point. Points whose truth is not finite are left out, and a value that is
 /// no number is infinitely wrong.
 pub struct Errors {
     errors: Vec<Option<f64>>,
+    doubles: usize,
     worst: f64,
     /// The bits that they lose. Logarithms are expensive, and often nobody asks.
     bits: OnceCell<Vec<f64>>,
@@ -122,15 +196,18 @@ impl Errors {
         let lost = |e: f64| if e == 0.0 { 0.0 } else { libm::log2(1.0 + e / f64::EPSILON) };
         let lost = |e: &Option<f64>| e.map_or(0.0, lost);
         let all = self.bits.get_or_init(|| self.errors.iter().map(lost).collect());
-        let (mut bits, mut worst, mut count) = (0.0, 0.0f64, 0);
-        for (k, error) in self.errors.iter().enumerate() {
-            if let (Some(e), true) = (error, keep(k)) {
-                bits += all[k];
-                worst = worst.max(*e);
-                count += 1;
+        let part = |points: std::ops::Range<usize>| {
+            let (mut bits, mut worst, mut count) = (0.0, 0.0f64, 0);
+            for k in points {
+                if let (Some(e), true) = (self.errors[k], keep(k)) {
+                    bits += all[k];
+                    worst = worst.max(e);
+                    count += 1;
+                }
             }
-        }
-        Loss { bits: bits / f64::from(count.max(1)), worst }
+            Part { bits: bits / f64::from(count.max(1)), worst }
+        };
+        Loss { double: part(0..self.doubles), single: part(self.doubles..self.errors.len()) }
     }
 }
 

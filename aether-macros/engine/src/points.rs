@@ -58,6 +58,38 @@ impl Point {
         list.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN))
     }
 
+    /// The same with numbers that single precision has, uniforms below one; `None` if a parameter leaves its
+    /// domain. Of unit vectors this is left to those who evaluate: they would not have unit length.
+    pub fn in_single(&self, kinds: &[Kind], argument: Option<&Kind>) -> Option<Point> {
+        let round = |x: Dd| Dd::from_f64(f64::from(x.to_f64() as f32));
+        let below_one = Dd::from_f64(1.0 - f64::from(f32::EPSILON) / 2.0);
+        let unknowns = self.unknowns.iter().map(|&u| match argument {
+            None => Number::min(round(u), below_one),
+            Some(Kind::Direction) => u,
+            Some(_) => round(u),
+        });
+        let mut point = Point { unknowns: unknowns.collect(), ..self.clone() };
+        let mut first = 0;
+        for kind in kinds {
+            let place = &mut point.params[first..first + kind.scalars()];
+            first += kind.scalars();
+            if matches!(kind, Kind::Direction | Kind::Frame) {
+                continue;
+            }
+            for x in place {
+                *x = round(*x);
+                let legal = |x: f64| match kind {
+                    Kind::Scalar(Some(d)) => d.lo <= x && x <= d.hi,
+                    _ => true,
+                };
+                if !x.is_finite() || !legal(x.to_f64()) {
+                    return None;
+                }
+            }
+        }
+        Some(point)
+    }
+
     /// The unknowns in double precision, for messages.
     pub fn shown(&self) -> Vec<f64> {
         self.unknowns.iter().map(|u| u.to_f64()).collect()
@@ -198,16 +230,17 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
 
 fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     let Some(d) = domain else {
-        // Hundreds or hundredths under stress.
+        // Hundreds or hundredths under stress, then the same of billions.
         let moderate = 0.3 + 3.0 * rng.uniform();
+        let size = if round < ROUNDS + 2 { 1e2 } else { 1e9 };
         return match round {
             0..ROUNDS => moderate,
             WILD.. => {
                 let size = libm::exp2(40.0 * rng.uniform() - 30.0);
                 if round.is_multiple_of(2) { -size } else { size }
             }
-            _ if round.is_multiple_of(2) => 100.0 * moderate,
-            _ => 0.01 * moderate,
+            _ if round.is_multiple_of(2) => size * moderate,
+            _ => moderate / size,
         };
     };
     let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };

@@ -22,6 +22,11 @@ pub fn root_value<T: Number>(
     if target.is_nan() || lo.is_nan() || hi.is_nan() {
         return T::from_f64(f64::NAN);
     }
+    if !T::from_f64(HUGE).is_finite() {
+        let root =
+            root_value::<f64>(graph, root, &|l| inputs(l).to_f64(), &mut |id| part(id).to_f64());
+        return T::from_f64(root);
+    }
     let body = |t: T| {
         let at = |l: Leaf| if l == root.variable { t } else { inputs(l) };
         let mut e = Evaluator::new(graph, &at);

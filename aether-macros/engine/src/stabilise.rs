@@ -71,7 +71,7 @@ pub fn stabilise_point(
         let error = |k: usize| {
             let norm = members.iter().map(|&i| truth[i][k] * truth[i][k]).sum::<f64>().sqrt();
             let gap = |&i: &usize| (values[i][k] - truth[i][k]).abs();
-            let error = members.iter().map(gap).fold(0.0, nan_max);
+            let error = measure.scaled(k, members.iter().map(gap).fold(0.0, nan_max));
             if error == 0.0 || !norm.is_finite() { 0.0 } else { error / norm }
         };
         (0..points).map(error).fold(0.0, nan_max)
@@ -101,18 +101,25 @@ pub fn stabilise_point(
     stable
 }
 
-/// The cheapest of the forms with the least error at any point.
+/// The cheapest of the forms with the least error at any point, in double and then in single precision.
 fn nearest(g: &Graph, forms: &[Id], truth: &[f64], measure: &mut Measure) -> Id {
-    let scored = forms.iter().map(|&form| {
+    let doubles = measure.doubles();
+    let mut scored: Vec<(Id, [f64; 2])> = Vec::new();
+    for &form in forms {
         let values = measure.values(g, form);
-        let gaps =
-            values.iter().zip(truth).filter(|(_, t)| t.is_finite()).map(|(v, t)| (v - t).abs());
-        (form, gaps.fold(0.0, nan_max).max(f64::EPSILON))
-    });
-    let scored: Vec<(Id, f64)> = scored.collect();
-    let least = scored.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
-    let good = scored.iter().filter(|s| s.1 <= 4.0 * least);
-    good.min_by_key(|s| cost(g, s.0)).map_or(forms[0], |s| s.0)
+        let mut worst = [f64::EPSILON; 2];
+        for (k, (v, t)) in values.iter().zip(truth).enumerate().filter(|(_, (_, t))| t.is_finite())
+        {
+            let part = &mut worst[usize::from(k >= doubles)];
+            *part = nan_max(*part, measure.scaled(k, (v - t).abs()));
+        }
+        scored.push((form, worst));
+    }
+    for part in 0..2 {
+        let least = scored.iter().map(|s| s.1[part]).fold(f64::INFINITY, f64::min);
+        scored.retain(|s| s.1[part] <= 4.0 * least);
+    }
+    scored.iter().min_by_key(|s| cost(g, s.0)).map_or(forms[0], |s| s.0)
 }
 
 /// Of three coordinates the two that have more unknowns than the third.
@@ -229,21 +236,30 @@ impl Search<'_> {
         if let [(only, _)] = forms[..] {
             return only;
         }
-        let scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
-        let least = scored.iter().map(|s| s.1.bits).fold(f64::INFINITY, f64::min);
-        let good = || scored.iter().filter(|s| s.1.bits <= least + 0.4);
-        let worst = good().map(|s| s.1.worst).fold(f64::INFINITY, f64::min);
-        // What is good at every point goes before what is only good on average.
-        let limit = if worst <= self.good { self.good } else { FAR * worst };
-        good().filter(|s| s.1.worst <= limit).min_by_key(|s| cost(g, s.0)).map_or(original, |s| s.0)
+        let ids: Vec<Id> = forms.iter().map(|f| f.0).collect();
+        if let Some(truth) = self.measure.mended(g, &truth, &ids) {
+            forms = ids.iter().map(|&f| (f, self.measure.errors(g, f, &truth))).collect();
+        }
+        let mut scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
+        // What counts first is double precision; single tells those apart that are as good in it.
+        for part in 0..2 {
+            let least = scored.iter().map(|s| s.1.parts()[part].bits).fold(f64::INFINITY, f64::min);
+            scored.retain(|s| s.1.parts()[part].bits <= least + 0.4);
+            let worst =
+                scored.iter().map(|s| s.1.parts()[part].worst).fold(f64::INFINITY, f64::min);
+            // What is good at every point goes before what is only good on average.
+            let limit = if worst <= self.good { self.good } else { FAR * worst };
+            scored.retain(|s| s.1.parts()[part].worst <= limit);
+        }
+        scored.iter().min_by_key(|s| cost(g, s.0)).map_or(original, |s| s.0)
     }
 
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
     fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Errors)]) -> Option<Id> {
-        // At every point one of them has to be good.
+        // At every point one of them has to be good (where single precision does what it can).
         let hopeless = |k: usize| forms.iter().all(|f| f.1.at(k) > self.good);
-        if (0..self.measure.points().len()).any(hopeless) {
+        if (0..self.measure.doubles()).any(hopeless) {
             return None;
         }
         let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
@@ -258,7 +274,7 @@ impl Search<'_> {
             let above: Vec<bool> = points.map(|p| p.get(&leaf).is_some_and(|x| *x > 0.0)).collect();
             let yes = best_where(forms, &above, true)?;
             let no = best_where(forms, &above, false)?;
-            if yes.0 != no.0 && yes.1.worst.max(no.1.worst) <= self.good {
+            if yes.0 != no.0 && yes.1.double.worst.max(no.1.double.worst) <= self.good {
                 let test = g.get_leaf(leaf);
                 return Some(g.if_positive(test, yes.0, no.0));
             }
@@ -295,7 +311,7 @@ impl Search<'_> {
 /// The form that is most accurate over those of the points for which `kept` is `side`.
 fn best_where(forms: &[(Id, Errors)], kept: &[bool], side: bool) -> Option<(Id, Loss)> {
     let scored = forms.iter().map(|(f, errors)| (*f, errors.loss_where(kept, side)));
-    scored.min_by(|a, b| a.1.bits.total_cmp(&b.1.bits))
+    scored.min_by(|a, b| a.1.double.bits.total_cmp(&b.1.double.bits))
 }
 
 /// Other forms of a node that are equal in exact arithmetic.

@@ -40,6 +40,8 @@ fn the_edge_of_a_lamp_is_blurred_as_it_should_be() {
         (1.0, 10.0, 1e12),
         (1e-3, 1e-2, 1e-2 * (1.0 + 1e-2)),
         (0.1, 1e3, 1.0),
+        (1e4, 1e5, 1.0),
+        (1.0, 10.0, 1e-4),
     ] {
         for s in [0.4, -0.7] {
             seed += 1;

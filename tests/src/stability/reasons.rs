@@ -60,12 +60,43 @@ const REASONS: &[(&str, &str)] = &[
     ("triangle_heitz", BORDER),
     ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
     ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),
-    ("visible_normals", "grazing views and the last uniforms: lengths from differences of squares"),
+    ("visible_normals", OPPOSITE),
+    (
+        "renderer: rough conductor, Beckmann",
+        "presumably: the half vector is normalised from a rounded direction, and its tangent is squared and exponentiated",
+    ),
+    ("renderer: rough conductor, visible Beckmann", LAST_SLOPE),
+    ("renderer: rough conductor, visible GGX", OPPOSITE),
+    (
+        "renderer: rough dielectric, refraction",
+        "presumably as of visible normals: the last uniforms",
+    ),
+    (
+        "renderer: triangle light by direction",
+        "presumably: next to an edge of the triangle, which the rounding of a direction crosses",
+    ),
+    ("renderer: visible slopes, Beckmann", LAST_SLOPE),
+    ("Weibull", "f32 cannot hold x = u², which is subnormal"),
+    (
+        "height field",
+        "in f32, the slope at the top of a hill of 1e8 is the cosine of a rounded quarter turn",
+    ),
+    ("shell", "f32 cannot hold the cube of a radius of 1e-5 times a tiny uniform"),
+    ("triangle", "in f32, far from the origin: rounding exceeds an eighth of the triangle"),
+    (
+        "renderer: film, tent filter",
+        "presumably: the last bit of a film point is more than its sampler knows of its tip",
+    ),
 ];
 
 const BORDER: &str =
     "a point within rounding of a border between pieces counts for both or for none";
 const COMPOSED: &str = "a map between rounds the point of the film by more than its sampler knows: the last bits of a pixel";
+
+const OPPOSITE: &str =
+    "grazing views, and a half or the last of uniforms: two nearly opposite vectors are added";
+const LAST_SLOPE: &str =
+    "presumably: the last uniforms, where the steepest slopes have an error function next to one";
 
 /// Why a sampler misses the limit.
 pub fn reason(name: &str) -> &'static str {

@@ -16,13 +16,21 @@ pub(super) struct Case {
     pub(super) outs: Vec<f64>,
     pub(super) exact_outs: Vec<Dd>,
     pub(super) volume: f64,
+    /// Whether its numbers are of single precision.
+    pub(super) single: bool,
 }
 
 impl Case {
     /// The same parameters with another point of the target space.
     pub(super) fn moved_to(&self, exact_outs: Vec<Dd>) -> Case {
         let outs = exact_outs.iter().map(|x| x.to_f64()).collect();
-        Case { point: self.point.clone(), outs, exact_outs, volume: self.volume }
+        Case {
+            point: self.point.clone(),
+            outs,
+            exact_outs,
+            volume: self.volume,
+            single: self.single,
+        }
     }
 }
 
@@ -38,18 +46,8 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
     if guarded && points.is_empty() {
         return Err("one of the ways through the branches of this body was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken".into());
     }
-    let mut out = Vec::new();
-    for point in points {
-        let at = |l: Leaf| point.input(l, &[]);
-        let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
-        let exact_outs: Vec<Dd> = problem.outputs.iter().map(|f| e.value(*f)).collect();
-        let required = problem.requirements.iter().all(|r| e.value(*r).to_f64() > 0.0);
-        let volume = e.value(volume).to_f64();
-        let outs: Vec<f64> = exact_outs.iter().map(|x| x.to_f64()).collect();
-        if required && outs.iter().all(|x| x.is_finite()) && volume.is_finite() {
-            out.push(Case { point, outs, exact_outs, volume });
-        }
-    }
+    let out: Vec<Case> =
+        points.into_iter().filter_map(|point| case(problem, volume, point)).collect();
     if out.len() < 8 {
         return Err("the map has a finite value at too few points of its domain to be checked; declare the domain of its parameters, as in `#[sampler(alpha in 1e-4..=1.0)]`".into());
     }
@@ -74,6 +72,31 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
     Ok(out)
 }
 
+/// What the map is at a point; `None` if it has no result there.
+fn case(problem: &Problem, volume: Id, point: Point) -> Option<Case> {
+    let at = |l: Leaf| point.input(l, &[]);
+    let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    let exact_outs: Vec<Dd> = problem.outputs.iter().map(|f| e.value(*f)).collect();
+    let required = problem.requirements.iter().all(|r| e.value(*r).to_f64() > 0.0);
+    let volume = e.value(volume).to_f64();
+    let outs: Vec<f64> = exact_outs.iter().map(|x| x.to_f64()).collect();
+    let finite = outs.iter().all(|x| x.is_finite()) && volume.is_finite();
+    (required && finite).then_some(Case { point, outs, exact_outs, volume, single: false })
+}
+
+/// The same points with numbers of single precision, as far as they still are of the domain.
+pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Case> {
+    let rounded = |case: &Case| {
+        let point = case.point.in_single(&problem.kinds, problem.argument.as_ref());
+        let point = point.filter(|point| on_this_way(problem, point))?;
+        let mut case = self::case(problem, volume, point)?;
+        case.single = true;
+        let held = |x: &f64| (*x as f32).is_finite();
+        (case.outs.iter().all(held) && held(&case.volume)).then_some(case)
+    };
+    cases.iter().filter_map(rounded).collect()
+}
+
 /// Whether a point takes this way through the branches.
 fn on_this_way(problem: &Problem, point: &Point) -> bool {
     let at = |l: Leaf| point.input(l, &[]);
@@ -86,17 +109,18 @@ fn on_this_way(problem: &Problem, point: &Point) -> bool {
 }
 
 pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {
+    let round = |x: f64| if case.single { f64::from(x as f32) } else { x };
     let mut map = Inputs::default();
     if unknowns {
         for (i, v) in case.point.unknowns.iter().enumerate() {
-            map.insert(Leaf::Unknown(i as u8), v.to_f64());
+            map.insert(Leaf::Unknown(i as u8), round(v.to_f64()));
         }
     }
     for (i, v) in case.outs.iter().enumerate() {
-        map.insert(Leaf::Out(i as u8), *v);
+        map.insert(Leaf::Out(i as u8), round(*v));
     }
     for i in 0..problem.kinds.iter().map(Kind::scalars).sum::<usize>() {
-        map.insert(Leaf::Param(i as u8), case.point.params[i].to_f64());
+        map.insert(Leaf::Param(i as u8), round(case.point.params[i].to_f64()));
     }
     map
 }

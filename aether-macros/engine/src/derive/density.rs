@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::cases::Case;
+use super::factored::factored;
+use super::holding::never_negative;
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
 use super::{Preimage, Problem, Target};
@@ -10,7 +12,7 @@ use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
 use crate::hash::Map;
 use crate::jacobian::{cost, cost_together, simplify};
-use crate::measure::{Loss, Measure};
+use crate::measure::{Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
 use crate::poly::Expander;
@@ -25,17 +27,21 @@ pub(super) fn pick(
     truth: &[f64],
     measure: &mut Measure,
 ) -> (Id, f64) {
-    let scored: Vec<(Id, Loss, usize)> =
+    let mut scored: Vec<(Id, Loss, usize)> =
         candidates.iter().map(|&c| (c, measure.loss(g, c, truth), cost(g, c))).collect();
-    let least =
-        |f: &dyn Fn(&Loss) -> f64| scored.iter().map(|s| f(&s.1)).fold(f64::INFINITY, f64::min);
-    let (bits, worst) = (least(&|l| l.bits), least(&|l| l.worst).max(16.0 * f64::EPSILON));
-    scored
-        .iter()
-        .filter(|s| s.1.bits <= bits + 1.0 && s.1.worst <= 4.0 * worst)
-        .min_by_key(|s| s.2)
-        .or(scored.first())
-        .map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst))
+    // What counts first is double precision; single tells those apart that are as good in it.
+    for part in 0..2 {
+        let least = |f: &dyn Fn(Part) -> f64| {
+            scored.iter().map(|s| f(s.1.parts()[part])).fold(f64::INFINITY, f64::min)
+        };
+        let (bits, worst) = (least(&|l| l.bits), least(&|l| l.worst).max(16.0 * f64::EPSILON));
+        let good = |l: Part| l.bits <= bits + 1.0 && l.worst <= 4.0 * worst;
+        if scored.iter().any(|s| good(s.1.parts()[part])) {
+            scored.retain(|s| good(s.1.parts()[part]));
+        }
+    }
+    let best = scored.iter().min_by_key(|s| s.2);
+    best.map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst()))
 }
 
 /// Coordinates one by one in their most accurate form: as written, tidied or stabilised.
@@ -128,6 +134,8 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
+    let short: Vec<Id> = candidates.iter().map(|&c| factored(g, c)).collect();
+    candidates.extend(short);
     if let Some(whole) = whole {
         candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
     }
@@ -168,8 +176,8 @@ pub(super) fn density(
     let g = &mut problem.graph;
     if direction && injective && error > 64.0 * f64::EPSILON {
         best = best_forms(g, best, &truth, measure);
-        error = measure.loss(g, best, &truth).worst;
     }
+    error = measure.loss(g, best, &truth).double.worst;
     (guard(g, best), error)
 }
 
@@ -235,7 +243,7 @@ pub(super) fn at_the_sample(
     let mut forms = vec![sample(forward, g)];
     let truth = measure.truths(g, own);
     let old = measure.loss(g, own, &truth);
-    if old.worst > GOOD && !gaps.is_empty() {
+    if old.worst() > GOOD && !gaps.is_empty() {
         let there = sample(&problem.outputs, g);
         forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
     }
@@ -246,8 +254,15 @@ pub(super) fn at_the_sample(
             continue;
         }
         let (old, new, work) = (best.1, measure.loss(g, there, &truth), work(g, there));
-        let good = new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON);
-        let better = new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD;
+        let parts = || new.parts().into_iter().zip(old.parts());
+        let good = parts().all(|(new, old)| {
+            new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON)
+        });
+        let saves = |new: Part, old: Part| {
+            new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD
+        };
+        let no_worse = new.double.bits <= old.double.bits && new.double.worst <= old.double.worst;
+        let better = saves(new.double, old.double) || no_worse && saves(new.single, old.single);
         if better || good && work + 10 < best.2 {
             best = (there, new, work);
         }
@@ -302,7 +317,7 @@ pub(super) fn finish(
             pick(g, &forms, &truth, measure).0
         })
         .collect();
-    let tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
+    let mut tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
     let map: BTreeMap<Id, Id> =
         problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let requirements = problem
@@ -316,19 +331,35 @@ pub(super) fn finish(
         })
         .collect();
     let mut unknowns = tested.clone();
-    if problem.is_direction() && problem.argument.is_none() && injective {
+    let direction = problem.is_direction() && problem.argument.is_none() && injective;
+    if direction {
         for (i, value) in unknowns.iter_mut().enumerate() {
             let best = best_coordinates(problem, i, stable[i], cases, measure);
             *value = guard(&mut problem.graph, best);
         }
     }
-    Preimage {
-        unknowns,
-        tested,
-        // Mapping forward again is a test that contains all others.
-        conditions: if check_forward { vec![] } else { s.conditions.iter().map(|c| c.0).collect() },
-        requirements,
-        density,
-        back: None,
+    let g = &mut problem.graph;
+    for (i, value) in tested.iter_mut().enumerate() {
+        if unknowns[i] != *value {
+            let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+            *value = telling(g, (*value, unknowns[i]), &truth, measure);
+        }
     }
+    // Mapping forward again is a test that contains all others.
+    let conditions = if check_forward { &[][..] } else { &s.conditions[..] };
+    let conditions = conditions.iter().map(|c| c.0).filter(|&c| !never_negative(g, c)).collect();
+    Preimage { unknowns, tested, conditions, requirements, density, back: None }
 }
+
+/// The short form of an unknown where it tells, in both precisions, whether that lies in [0, 1), and else the long one.
+fn telling(g: &Graph, (short, long): (Id, Id), truth: &[f64], measure: &mut Measure) -> Id {
+    let mut off = |form: Id| {
+        let values = measure.values(g, form);
+        let far = |(v, t): &(&f64, &f64)| !((*v - *t).abs() <= TELLING);
+        values.iter().zip(truth).filter(far).count()
+    };
+    if off(short) > off(long) { long } else { short }
+}
+
+/// How far off an unknown may be by which a point is told to lie outside: less than the slack of such tests.
+const TELLING: f64 = 1.0 / 16.0;

@@ -13,7 +13,7 @@ const TINY: f64 = 1e-20;
 
 /// Which scalar parameters have to be kept from zero for all `formulas` to have their limits.
 pub(super) fn parameters_with_limits(g: &Graph, formulas: &[Id], measure: &Measure) -> Vec<u8> {
-    let points = measure.points();
+    let points = &measure.points()[..measure.doubles()];
     let mut used: Vec<u8> = points.iter().flat_map(|p| p.keys()).filter_map(parameter).collect();
     used.sort_unstable();
     used.dedup();

@@ -49,11 +49,25 @@ pub(super) fn best_forms(g: &mut Graph, value: Id, truth: &[f64], measure: &mut 
             let Some(form) = near_pole(g, (value, best), k, side, measure) else { continue };
             let near: Vec<bool> = measure.points().iter().map(|p| beyond(p, k, side)).collect();
             let (old, new) = (measure.errors(g, best, truth), measure.errors(g, form, truth));
-            let better = new.loss().bits + GAIN < old.loss().bits;
-            let (old, new) = (old.loss_where(&near, true), new.loss_where(&near, true));
-            let saves = old.worst > GOOD && LEAP * new.worst < old.worst && new.bits <= old.bits;
-            // Where not even one digit is right, there is nothing to lose.
-            if (better || saves) && (new.worst <= old.worst || old.worst > 0.5) {
+            let (wholly, nearby) = (
+                (old.loss(), new.loss()),
+                (old.loss_where(&near, true), new.loss_where(&near, true)),
+            );
+            let gains = |part: usize| {
+                let (old, new) = (wholly.0.parts()[part], wholly.1.parts()[part]);
+                let better = new.bits + GAIN < old.bits;
+                let (old, new) = (nearby.0.parts()[part], nearby.1.parts()[part]);
+                let saves =
+                    old.worst > GOOD && LEAP * new.worst < old.worst && new.bits <= old.bits;
+                // Where not even one digit is right, there is nothing to lose.
+                (better || saves) && (new.worst <= old.worst || old.worst > 0.5)
+            };
+            let loses = |part: usize| {
+                let (old, new) = (wholly.0.parts()[part], wholly.1.parts()[part]);
+                new.bits > old.bits + 0.1 || new.worst > old.worst.max(16.0 * f64::EPSILON)
+            };
+            // A gain in single precision must not cost anything in double.
+            if gains(0) || gains(1) && !loses(0) {
                 best = form;
             }
         }

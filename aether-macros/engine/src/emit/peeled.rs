@@ -208,9 +208,18 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
         inside.extend(one.map(&below));
     }
     let known = (!sides[0] || far_below.is_some()) && (!sides[1] || far_above.is_some());
+    // A number that is undetermined may be anywhere.
+    let beyond = |bound: f64, low: bool| {
+        let b = number(bound);
+        match low != falling {
+            _ if bound.is_infinite() => quote!(),
+            true => quote!(.and(#value.le(#b).not())),
+            false => quote!(.and(#value.ge(#b).not())),
+        }
+    };
     let near = (known && inner != id).then(|| {
-        let low = far_below.filter(|_| sides[0]).map(|b| above(b, false));
-        let high = far_above.filter(|_| sides[1]).map(&below);
+        let low = far_below.filter(|_| sides[0]).map(|b| beyond(b, true));
+        let high = far_above.filter(|_| sides[1]).map(|b| beyond(b, false));
         quote!(#low #high)
     });
     let tested = |bound: Option<f64>| bound.is_some_and(f64::is_finite);

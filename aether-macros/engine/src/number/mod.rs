@@ -1,4 +1,4 @@
-//! Real numbers for the evaluator: `f64` and the double-double [`Dd`].
+//! Real numbers for the evaluator: `f64`, [`Single`] and the double-double [`Dd`].
 //!
 //! Results are the same on every machine: only IEEE basic operations and the pure-Rust functions of
 //! the crate `libm` are used, never the host's mathematical library.
@@ -7,8 +7,10 @@ mod beta;
 mod dd;
 mod f64;
 mod ratio;
+mod single;
 
 pub use dd::Dd;
+pub use single::Single;
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,5 +1,8 @@
 //! Whether an item and another spelling of it are the same up to what the spelling changed.
 
+use aether_engine::derive::Problem;
+use aether_engine::eval::evaluate;
+use aether_engine::expr::Leaf;
 use aether_engine::interpret::Item;
 use aether_engine::points::{Kind, Rng};
 
@@ -24,7 +27,7 @@ pub fn difference(plain: &Item, other: &Item, spelling: &Spelling) -> Option<Str
     let mut rng = Rng::new(0x5be1);
     let mut compared = 0;
     let found = (0..POINTS).find_map(|_| {
-        let p = parameters(&mut rng, &problem.kinds);
+        let p = legal(&mut rng, problem);
         let u: Vec<f64> = problem
             .unknowns
             .iter()
@@ -78,8 +81,26 @@ fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
-/// Moderate parameters. Numbers of the same domain ascend, which is what relations between them ask.
-fn parameters(rng: &mut Rng, kinds: &[Kind]) -> Vec<f64> {
+/// Moderate parameters between which the declared relations hold. Numbers of the same domain ascend, or where
+/// that never helps descend.
+fn legal(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
+    let holds = |p: &[f64]| {
+        let at = |leaf: Leaf| match leaf {
+            Leaf::Param(i) => p[usize::from(i)],
+            _ => f64::NAN,
+        };
+        problem.relations.iter().all(|t| evaluate(&problem.graph, t.difference, &at) > 0.0)
+    };
+    for attempt in 0..400 {
+        let p = parameters(rng, &problem.kinds, attempt < 200);
+        if holds(&p) {
+            return p;
+        }
+    }
+    panic!("no parameters between which the declared relations hold")
+}
+
+fn parameters(rng: &mut Rng, kinds: &[Kind], ascending: bool) -> Vec<f64> {
     let mut drawn: Vec<Vec<f64>> = kinds
         .iter()
         .map(|kind| match kind {
@@ -102,7 +123,8 @@ fn parameters(rng: &mut Rng, kinds: &[Kind]) -> Vec<f64> {
         .collect();
     for (i, kind) in kinds.iter().enumerate() {
         for j in i + 1..kinds.len() {
-            if matches!(kind, Kind::Scalar(_)) && kinds[j] == *kind && drawn[j] < drawn[i] {
+            let swapped = matches!(kind, Kind::Scalar(_)) && kinds[j] == *kind;
+            if swapped && (drawn[j] < drawn[i]) == ascending {
                 drawn.swap(i, j);
             }
         }

@@ -1,0 +1,188 @@
+//! Conditions that hold wherever a point can be: that 1 + g² - 2 g z is not negative is no test of a direction,
+//! and the unknown behind its height is no test where the heights of samples go from pole to pole.
+//!
+//! A test that cannot fail in exact arithmetic fails by rounding: where g is next to one, all digits of that sum
+//! are lost, and an own sample has no density.
+
+use crate::derivative::derivative;
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::interval::Interval;
+use crate::jacobian::simplify;
+use crate::poly::Expander;
+use crate::rational::Q;
+
+/// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
+/// in a coordinate between two ends, at which it is not.
+pub(super) fn never_negative(g: &mut Graph, id: Id) -> bool {
+    proven(g, id, 3)
+}
+
+fn proven(g: &mut Graph, id: Id, depth: u8) -> bool {
+    if g.range(id).nonnegative() {
+        return true;
+    }
+    let (q, body) = g.split(id);
+    if matches!(g.node(body), Node::Product(_)) {
+        let mut negative = q.is_negative();
+        for (base, e) in g.factors(body) {
+            let whole = g.as_number(e).filter(|e| e.is_int());
+            // Other powers of what is negative are no numbers.
+            if whole.is_some_and(|e| e.num() % 2 != 0) && !proven(g, base, depth) {
+                let opposite = g.neg(base);
+                if !proven(g, opposite, depth) {
+                    return false;
+                }
+                negative = !negative;
+            }
+        }
+        return !negative;
+    }
+    depth > 0 && (0..3).any(|k| between_ends(g, id, Leaf::Out(k), depth - 1))
+}
+
+/// Whether an expression is linear in an input, and not negative at both ends of it.
+fn between_ends(g: &mut Graph, id: Id, leaf: Leaf, depth: u8) -> bool {
+    let range = g.leaf_range(leaf);
+    if !g.has(id, leaf_bit(leaf)) || range.lo != -1.0 || range.hi != 1.0 {
+        return false;
+    }
+    let slope = derivative(g, id, leaf);
+    let slope = simplify(g, slope, None);
+    let x = g.get_leaf(leaf);
+    !g.has(slope, leaf_bit(leaf))
+        && [-1, 1].into_iter().all(|end| {
+            let end = g.int(end);
+            let there = g.substitute(id, &[(x, end)].into());
+            proven(g, there, depth) || is_square(g, there)
+        })
+}
+
+/// Whether an expression is the square of a quotient of polynomials.
+fn is_square(g: &mut Graph, id: Id) -> bool {
+    let Some(f) = Expander::new(g).expand(id) else { return false };
+    f.num.sqrt().is_some() && f.den.iter().all(|(_, e)| e % 2 == 0)
+}
+
+/// Whether one of three coordinates of a direction, which are `written` so and equal to `forms`, depends on this
+/// unknown alone, continuously, and goes from one pole to the other: then it takes all values between, and the
+/// unknown behind any height lies in [0, 1].
+pub(super) fn from_pole_to_pole(
+    g: &mut Graph,
+    written: &[Id],
+    forms: &[Id],
+    unknown: Leaf,
+) -> bool {
+    let alone = |x: &Id| g.deps(*x) & UNKNOWNS == leaf_bit(unknown);
+    let Some(k) = written.iter().position(alone) else { return false };
+    let u = g.get_leaf(unknown);
+    let ends = [0, 1].map(|end| {
+        let end = g.int(end);
+        let there = g.substitute(written[k], &[(u, end)].into());
+        let there = simplify(g, there, None);
+        g.as_number(there)
+    });
+    let poles = [Q::ONE, Q::int(-1)];
+    let at_poles = ends.iter().all(|end| end.is_some_and(|z| poles.contains(&z)));
+    at_poles && ends[0] != ends[1] && [written[k], forms[k]].iter().any(|&x| continuous(g, x, u))
+}
+
+/// Whether an expression is continuous in an unknown `u` on the closed interval.
+fn continuous(g: &mut Graph, id: Id, u: Id) -> bool {
+    match g.node(id).clone() {
+        Node::Leaf(_) | Node::Number(_) | Node::Float(_) | Node::Pi => true,
+        Node::Sum(_, terms) => terms.iter().all(|&(_, t)| continuous(g, t, u)),
+        Node::Product(factors) => factors.iter().all(|&(base, e)| {
+            let Some(e) = g.as_number(e) else { return false };
+            let exists = !e.is_negative() || never_zero(g, base, u);
+            let real = e.is_int() || g.range(base).nonnegative() || proven(g, base, 1);
+            exists && real && continuous(g, base, u)
+        }),
+        Node::Call(f, args) => {
+            let range = g.range(args[0]);
+            let within = match f {
+                Fun::Exp | Fun::ExpM1 | Fun::Sin | Fun::Cos | Fun::Tanh | Fun::Atan => true,
+                Fun::Abs | Fun::Cbrt | Fun::Asinh | Fun::SinPi | Fun::CosPi => true,
+                Fun::Ln => range.lo > 0.0,
+                Fun::Ln1p => range.lo > -1.0,
+                _ => false,
+            };
+            within && args.iter().all(|&a| continuous(g, a, u))
+        }
+        Node::If(..) | Node::Root(_) => false,
+    }
+}
+
+/// Whether an expression is proven to have one sign and no zero: by its range, or because it is linear in `u` and
+/// so at both ends.
+fn never_zero(g: &mut Graph, id: Id, u: Id) -> bool {
+    let signs = |range: Interval| (range.lo > 0.0, range.hi < 0.0);
+    if signs(g.range(id)) != (false, false) {
+        return true;
+    }
+    let leaf = match g.node(u) {
+        Node::Leaf(leaf) => *leaf,
+        _ => return false,
+    };
+    let slope = derivative(g, id, leaf);
+    let slope = simplify(g, slope, None);
+    let ends = [0, 1].map(|end| {
+        let end = g.int(end);
+        let there = g.substitute(id, &[(u, end)].into());
+        let there = simplify(g, there, None);
+        signs(g.range(there))
+    });
+    !g.has(slope, leaf_bit(leaf)) && ends[0] == ends[1] && ends[0] != (false, false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_squared_distance_between_points_of_two_spheres() {
+        let mut g = Graph::new();
+        let p = g.leaf(Leaf::Param(0), "g", Interval::ALL);
+        let z = g.leaf(Leaf::Out(2), "z", Interval::new(-1.0, 1.0));
+        let square = g.powi(p, 2);
+        let product = g.mul(p, z);
+        let sum =
+            |g: &mut Graph, twice| g.sum(Q::ONE, &[(Q::ONE, square), (Q::int(twice), product)]);
+        let held = sum(&mut g, -2);
+        assert!(never_negative(&mut g, held));
+        let over = g.powi(held, -3);
+        assert!(never_negative(&mut g, over));
+        let failing = sum(&mut g, -3);
+        assert!(!never_negative(&mut g, failing));
+        let negated = g.neg(held);
+        assert!(!never_negative(&mut g, negated));
+    }
+
+    #[test]
+    fn heights_that_take_all_values() {
+        let mut g = Graph::new();
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let v = g.leaf(Leaf::Unknown(1), "v", Interval::new(0.0, 1.0));
+        let part = g.leaf(Leaf::Param(0), "p", Interval::new(0.1, 0.9));
+        let around = g.mul(u, v);
+        let holds = |g: &mut Graph, height: Id, leaf: u8| {
+            let point = [around, around, height];
+            from_pole_to_pole(g, &point, &point, Leaf::Unknown(leaf))
+        };
+        let uniform = g.sum(Q::ONE, &[(Q::int(-2), u)]);
+        assert!(holds(&mut g, uniform, 0));
+        assert!(!holds(&mut g, uniform, 1));
+        // A cap ends before the other pole.
+        let cap = g.mul(u, part);
+        let cap = g.sum(Q::ONE, &[(Q::int(-1), cap)]);
+        assert!(!holds(&mut g, cap, 0));
+        // One over 1 - 2 u goes from pole to pole through infinity.
+        let jump = g.powi(uniform, -1);
+        assert!(!holds(&mut g, jump, 0));
+        // With a divisor that is positive between its ends: (p - (1 + p) u) / (p + (1 - p) u).
+        let (more, less) = (g.add(part, u), g.mul(part, u));
+        let top = g.sum(Q::ZERO, &[(Q::ONE, part), (Q::int(-1), less), (Q::int(-1), u)]);
+        let bottom = g.sub(more, less);
+        let ratio = g.div(top, bottom);
+        assert!(holds(&mut g, ratio, 0));
+    }
+}
