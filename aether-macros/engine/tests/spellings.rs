@@ -92,7 +92,8 @@ fn judge(sampler: &Sampler) -> (usize, Vec<Failure>) {
         };
         Some((sampler.name.clone(), spelling.name, what))
     };
-    (all.len(), all.iter().filter_map(failure).collect())
+    let stray = compare::stray(&plain).map(|what| (sampler.name.clone(), "as it is", what));
+    (all.len(), all.iter().filter_map(failure).chain(stray).collect())
 }
 
 #[test]

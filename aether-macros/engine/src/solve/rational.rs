@@ -7,7 +7,7 @@ use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
-use crate::poly::{Expander, Poly, RatFun, coefficients};
+use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
 use crate::rational::Q;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
@@ -23,7 +23,8 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
         if deps.count_ones() != 1 || eq.modulo_turn {
             continue;
         }
-        let whole = solved(g, eq.known, eq.rhs);
+        // Multiplied out, a long equation could use up what finding a part in it takes.
+        let whole = within_part_of_budget(2, || solved(g, eq.known, eq.rhs));
         let Some(roots) = whole.or_else(|| through_a_part(g, eq.known, eq.rhs)) else { continue };
         let next = roots.into_iter().map(|Root { atom, value, also }| {
             let mut s = state.clone();
