@@ -481,7 +481,8 @@ fn squares(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     Some(g.mul(d, s))
 }
 
-/// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one.
+/// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one. Only where both have the same sign:
+/// elsewhere the sum below would cancel, next to a zero that no point that is tried may show.
 fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let mut all: Vec<(Q, Id)> = terms.to_vec();
     if !c.is_zero() {
@@ -498,7 +499,17 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let top = g.sum(Q::ZERO, &[(Q::ONE, a2), (q.mul(q)?.neg(), b2)]);
     let top = Expander::new(g).normal_form(top).unwrap_or(top);
     let bottom = g.sum(Q::ZERO, &[(Q::ONE, rest), (q.neg(), root)]);
-    Some(g.div(top, bottom))
+    let form = g.div(top, bottom);
+    let other = g.sum(Q::ZERO, &[(q, root)]);
+    let opposed = g.mul(rest, other);
+    if g.range(opposed).nonpositive() {
+        return Some(form);
+    }
+    if g.range(opposed).nonnegative() {
+        return None;
+    }
+    let plain = g.sum(c, terms);
+    Some(g.if_positive(opposed, plain, form))
 }
 
 /// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.
