@@ -129,6 +129,117 @@ fn small_angles(u: [Uniform; 2], r1: f64, r2: f64) -> Direction {
     Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
+/// Row 70: uniform in the solid angle `omega` of a spherical triangle with corners a, b and a third one, as Arvo prints
+/// it ("Stratified Sampling of Spherical Triangles", 1995). `alpha` is the angle at a, `ca` and `sa` are its cosine and
+/// sine, `cosab` is the cosine of the side from a to b, and n the unit vector perpendicular to a towards the third corner.
+#[sampler(ca in -0.999..=0.999, sa in 0.01..=1.0, omega in 1e-3..=6.0, alpha in 0.01..=3.13)]
+fn spherical_triangle(
+    u: [Uniform; 2],
+    ca: f64,
+    sa: f64,
+    cosab: f64,
+    omega: f64,
+    alpha: f64,
+    a: Direction,
+    b: Direction,
+    n: Direction,
+) -> Direction {
+    let psi = omega * u[0] - alpha;
+    let (s, t) = (psi.sin(), psi.cos());
+    let q = t - ca;
+    let w = s + sa * cosab;
+    let k = ((w * t - q * s) * ca - w) / ((w * s + q * t) * sa);
+    let c = k * a + (1.0 - k * k).sqrt() * n;
+    let z = 1.0 - u[1] * (1.0 - c.dot(b));
+    let side = (c - c.dot(b) * b).normalize();
+    Direction::from_vec(z * b + (1.0 - z * z).sqrt() * side)
+}
+
+/// The solid angle of a spherical triangle by the formula of Van Oosterom and Strackee (1983).
+fn solid_angle([a, b, c]: [Vec3; 3]) -> f64 {
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
+/// The density is one over the solid angle, and zero outside. The uniforms are areas: the arc from b through the point
+/// cuts off the first one's share of the triangle, and |b - x|² is the second one's share of that of the end of the arc.
+#[test]
+fn row_70_is_uniform_in_its_triangle() {
+    let v = Vec3::new;
+    for corners in [
+        [v(1.0, 0.0, 0.25), v(0.25, 1.0, 0.5), v(-0.25, 0.125, 1.0)],
+        [v(1.0, 0.0, 0.0), v(0.0, 1.0, 0.0), v(0.0, 0.0, 1.0)],
+        [v(1.0, 0.0, 1.0), v(-1.0, 1.0, 0.125), v(-1.0, -1.0, 0.125)],
+        [v(1.0, 1.0, 1.0), v(1.0, 1.5, 1.0), v(1.0, 1.0, 1.5)],
+    ] {
+        let [a, b, c] = corners.map(Vec3::normalize);
+        let omega = solid_angle([a, b, c]);
+        let ca = a.cross(b).normalize().dot(a.cross(c).normalize());
+        let n = (c - c.dot(a) * a).normalize();
+        let [u, v, w] = [a, b, n].map(Direction::from_vec);
+        let sa = (1.0 - ca * ca).sqrt();
+        let triangle = right(spherical_triangle(ca, sa, a.dot(b), omega, ca.acos(), u, v, w));
+        for i in 0..400 {
+            let u = [(f64::from(i % 20) + 0.5) / 20.0, (f64::from(i / 20) + 0.5) / 20.0];
+            let sample = triangle.sample(u);
+            let x = sample.value().vec();
+            let end = b.cross(x).cross(c.cross(a)).normalize();
+            let end = if end.dot(a + c) < 0.0 { -end } else { end };
+            let share = solid_angle([a, b, end]) / omega;
+            let along = (b - x).dot(b - x) / (b - end).dot(b - end);
+            assert!((share - u[0]).abs() + (along - u[1]).abs() < 1e-12, "{u:?}: {share}, {along}");
+            for found in [sample.pdf().value(), triangle.pdf(&sample).value()] {
+                assert!((found * omega - 1.0).abs() < 2e-12, "{u:?}: {found:e} for {omega}");
+            }
+            // Beyond a side, and on the other side of the sphere.
+            for outside in [-x, x - 2.0 * x.dot(b.cross(a).normalize()) * b.cross(a).normalize()] {
+                assert_eq!(triangle.pdf(&Direction::from_vec(outside)).value(), 0.0, "{u:?}");
+            }
+        }
+    }
+}
+
+/// Row 85: normals of GGX that are visible from w, as they were first printed: Heitz, "Sampling the GGX Distribution of
+/// Visible Normals" (2018).
+#[sampler(alpha in 1e-3..=1.0)]
+fn visible_normals_as_printed(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
+    let v = Vec3::new(alpha * w.x, alpha * w.y, w.z).normalize();
+    let t1 = Vec3::new(-v.y, v.x, 0.0).normalize();
+    let t2 = v.cross(t1);
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let a = r * phi.cos();
+    let s = 0.5 * (1.0 + v.z);
+    let b = (1.0 - s) * (1.0 - a * a).sqrt() + s * r * phi.sin();
+    let n = a * t1 + b * t2 + (1.0 - a * a - b * b).sqrt() * v;
+    Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
+}
+
+/// D(h) max(0, w · h) / (w.z Λ-term), the density of visible normals in closed form.
+#[test]
+fn row_85_has_the_density_of_visible_normals() {
+    for (alpha, w) in [
+        (0.4, Direction::new(0.6, 0.2, 0.7)),
+        (0.05, Direction::new(0.6, 0.2, 0.1)),
+        (0.9, Direction::new(0.01, 0.02, 1.0)),
+    ] {
+        let normals = visible_normals_as_printed(alpha, w).expect("legal parameters");
+        let a2: f64 = alpha * alpha;
+        let seen = 0.5 * (w.z + (a2 * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt());
+        for i in 0..400 {
+            let u = [(i % 20) as f64 / 20.0 + 0.025, (i / 20) as f64 / 20.0 + 0.025];
+            let sample = normals.sample(u);
+            let h = sample.value();
+            let slope = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
+            let truth = h.dot(w).max(0.0) / (PI * a2 * slope * slope) / seen;
+            for found in [sample.pdf().value(), normals.pdf(&sample).value()] {
+                assert!((found / truth - 1.0).abs() < 1e-12, "{found:e}, expected {truth:e}");
+            }
+            let below = Direction::new(h.x, h.y, -h.z - 0.1);
+            assert_eq!(normals.pdf(&below).value(), 0.0);
+        }
+    }
+}
+
 /// The sample, its own density, and the density at `x`.
 fn values<S: Sampler<f64, Point = f64>>(s: &S, u: f64, x: f64) -> [f64; 3] {
     let sample = s.sample(S::Uniforms::from_fn(|_| u));

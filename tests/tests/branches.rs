@@ -143,6 +143,77 @@ pub fn kinked_square(u: [Uniform; 2]) -> Vec2 {
     kink().apply(&square().sample(u))
 }
 
+/// Row 71: uniform in the solid angle of the rectangle from (.., y0) to (.., y1) at the height z0, as Ureña, Fajardo
+/// and King print it: `b0` and `b1` are the heights of the unit normals of the planes through the lower and the upper
+/// side, the solid angle is `omega`, and `start` is what its corners on the left leave of a turn.
+/// `where` says that x grows with the first uniform, which holds for every rectangle.
+#[sampler(
+    b0 in -0.999..=0.999, b1 in -0.999..=0.999, omega in 1e-3..=6.0, start in 0.0..=6.28,
+    where start + omega <= 6.28, where b0 + b1 > 0.0, where b1 * start.cos() < b0,
+    where b1 * (start + omega).cos() < b0
+)]
+pub fn spherical_rectangle(
+    u: [Uniform; 2],
+    b0: f64,
+    b1: f64,
+    omega: f64,
+    start: f64,
+    y0: f64,
+    y1: f64,
+    z0: f64,
+) -> Direction {
+    let a = start + omega * u[0];
+    let f = (a.cos() * b0 - b1) / a.sin();
+    let c = f.signum() / (f * f + b0 * b0).sqrt();
+    let x = -c * z0 / (1.0 - c * c).sqrt();
+    let d = (x * x + z0 * z0).sqrt();
+    let h0 = y0 / (d * d + y0 * y0).sqrt();
+    let h1 = y1 / (d * d + y1 * y1).sqrt();
+    let h = h0 + u[1] * (h1 - h0);
+    let y = h * d / (1.0 - h * h).sqrt();
+    Direction::from_vec(Vec3::new(x, y, z0).normalize())
+}
+
+/// The sampler of the rectangle between two corners, and its solid angle.
+fn rectangle([x0, y0, x1, y1, z0]: [f64; 5]) -> (SphericalRectangle, f64) {
+    let corner = |x, y| Vec3::new(x, y, z0);
+    let (a, b, c, d) = (corner(x0, y0), corner(x1, y0), corner(x1, y1), corner(x0, y1));
+    let normals = [a.cross(b), b.cross(c), c.cross(d), d.cross(a)].map(Vec3::normalize);
+    let angle = |i: usize| (-normals[i].dot(normals[(i + 1) % 4])).acos();
+    let omega = (0..4).map(angle).sum::<f64>() - TAU;
+    let start = TAU - angle(2) - angle(3);
+    (right(spherical_rectangle(normals[0].z, normals[2].z, omega, start, y0, y1, z0)), omega)
+}
+
+/// Directions and densities by the printed formulas in 50 digits (mpmath).
+#[test]
+fn row_71_agrees_with_its_reference() {
+    #[rustfmt::skip]
+    let reference = [
+        ([0.25, -0.375, 1.25, 0.75, -1.0], [0.3125, 0.625], [0.40406851846926677, 0.23116772583516308, -0.885036787322567], 1.8724788985738825),
+        ([0.25, -0.375, 1.25, 0.75, -1.0], [0.9375, 0.0625], [0.73389641873741948, -0.19832314961538085, -0.64966450949011021], 1.8724788985738825),
+        ([-1.0, -1.0, 1.0, 1.0, -0.5], [0.3125, 0.625], [-0.37166623789783296, 0.21990393946548023, -0.9019459324230216], 0.26960130403645125),
+        ([-1.0, -1.0, 1.0, 1.0, -0.5], [0.9375, 0.0625], [0.60537226445742039, -0.66527781117807305, -0.43695520980966373], 0.26960130403645125),
+        ([-2.0, 0.5, -0.25, 3.0, -2.0], [0.3125, 0.625], [-0.44765649662341573, 0.56649437221442482, -0.69187266695558547], 2.6084844440378724),
+        ([-2.0, 0.5, -0.25, 3.0, -2.0], [0.9375, 0.0625], [-0.15788066310141669, 0.27624909971092622, -0.94802960456283205], 2.6084844440378724),
+    ];
+    for (corners, u, x, density) in reference {
+        let (sampler, _) = rectangle(corners);
+        let sample = sampler.sample(u);
+        let gap = (sample.value().vec() - Vec3::new(x[0], x[1], x[2])).length();
+        assert!(gap < 1e-14, "{corners:?} {u:?}: {:?}, {gap:e} off", sample.value());
+        for found in [sample.pdf().value(), sampler.pdf(&sample.value()).value()] {
+            let error = (found / density - 1.0).abs();
+            assert!(error < 1e-12, "{corners:?} {u:?}: density {found}, {error:e} off");
+        }
+    }
+}
+
+#[test]
+fn row_71_passes_the_battery() {
+    aether_core::battery::check(&rectangle([-2.0, 0.5, -0.25, 3.0, -2.0]).0).assert_ok();
+}
+
 batteries! { [double single off]
     tents: tent(2.0), tent(0.125);
     laplaces: laplace(0.7), laplace(20.0);

@@ -5,7 +5,7 @@ use aether_core::prelude::*;
 use tests::checks::right;
 use tests::mutation::OnePercentOff;
 
-/// A point of the lens and the direction from it to a point of the plane of focus at distance f.
+/// Row 100: a point of the lens and the direction from it to a point of the plane of focus at distance f.
 #[sampler(r in 1e-6..=10.0, f in 1e-3..=1e3)]
 pub fn thin_lens(u: [Uniform; 4], r: f64, f: f64, a: f64, b: f64) -> (Vec2, Direction) {
     let s = r * u[0].sqrt();

@@ -8,7 +8,7 @@
 use aether_core::battery;
 use aether_core::prelude::*;
 
-/// A sum of three increasing functions: only the inverse is numerical.
+/// Row 39: a sum of three increasing functions; only the inverse is numerical.
 #[sampler(k in 0.0..=100.0)]
 fn quintic(u: [Uniform; 1], k: f64) -> f64 {
     u[0] + k * u[0].powi(5) + u[0].ln_1p()
@@ -21,20 +21,20 @@ fn lambert_tail(u: [Uniform; 1], h: f64) -> f64 {
     z * (0.5 * h * z * z).exp()
 }
 
-/// A density like the smoothstep, by inverting its distribution.
+/// Row 8: a density like the smoothstep, by inverting its distribution.
 #[sampler]
 fn smoothstep(u: [Uniform; 1], a: f64, b: f64) -> f64 {
     let t = solve(|t| 2.0 * t.powi(3) - t.powi(4), 0.0..1.0, u[0]);
     a + (b - a) * t
 }
 
-/// Kepler's equation: only the forward step is numerical.
+/// Row 37: Kepler's equation; only the forward step is numerical.
 #[sampler(e in 0.0..=1.0)]
 fn kepler(u: [Uniform; 1], e: f64) -> f64 {
     solve(|a| a - e * a.sin(), 0.0..TAU, TAU * u[0])
 }
 
-/// A mixture of two exponentials with a single uniform.
+/// Row 38: a mixture of two exponentials with a single uniform, by its distribution.
 #[sampler(p in 0.0..=1.0, l in 1e-3..=1e3, m in 1e-3..=1e3)]
 fn hyperexponential(u: [Uniform; 1], p: f64, l: f64, m: f64) -> f64 {
     solve(|x| -p * (-l * x).exp_m1() - (1.0 - p) * (-m * x).exp_m1(), 0.0.., u[0])
@@ -61,7 +61,7 @@ fn chain(u: [Uniform; 2], k: f64) -> Vec2 {
     Vec2::new(x, y)
 }
 
-/// A planar flow of a pair of normal variables: the coordinates are coupled through w · z.
+/// Row 115: a planar flow of a pair of normal variables; the coordinates are coupled through w · z.
 #[sampler(k in 0.0..=10.0)]
 fn planar_flow(u: [Uniform; 2], k: f64, w: Vec2, b: f64) -> Vec2 {
     let r = (-2.0 * (-u[0]).ln_1p()).sqrt();

@@ -3,18 +3,31 @@
 use crate::expr::{Fun, Graph, Id, Node};
 use crate::rational::Q;
 
-/// The expression in ordinary mathematical notation.
+/// The longest text of an expression, in characters.
+const LONGEST: usize = 400;
+
+thread_local! {
+    /// Parts of an expression that may still be written: one in which parts occur again and again
+    /// has a text that is far longer than anybody reads, and would take long to write.
+    static ROOM: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
+/// The expression in ordinary mathematical notation; of a long one the beginning.
 pub fn show(g: &Graph, id: Id) -> String {
+    // What is below a line is written after what is above, so that there has to be some more.
+    ROOM.set(4 * LONGEST);
     let text = print(g, id, 0);
-    if text.chars().count() <= 400 {
+    if text.chars().count() <= LONGEST {
         return text;
     }
-    let head: String = text.chars().take(390).collect();
-    format!("{head} … ({} characters)", text.chars().count())
+    let head: String = text.chars().take(LONGEST - 10).collect();
+    format!("{head} …")
 }
 
 /// Precedences: 0 sum, 1 product, 2 power or call.
 fn print(g: &Graph, id: Id, outer: u8) -> String {
+    let Some(room) = ROOM.get().checked_sub(1) else { return "…".to_owned() };
+    ROOM.set(room);
     let (text, own) = match g.node(id) {
         Node::Number(q) => (
             q.to_string(),

@@ -1,4 +1,5 @@
-//! Quotients of exponentials that stay finite where their parts overflow.
+//! What measuring cannot show: quotients of exponentials that stay finite where their parts overflow, and
+//! differences of squares of parameters that are nearly equal, which random parameters are not.
 //!
 //! e^a - 1 overflows long before a quotient of two of them does. With e^b - 1 = -e^b (e^-b - 1) the
 //! quotient becomes a single exponential of a difference, for positive b; and likewise
@@ -7,7 +8,7 @@
 
 use std::collections::HashMap;
 
-use crate::expr::{Fun, Graph, Id, Node};
+use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::rational::Q;
 
 /// Exponents up to this one overflow neither in double nor in single precision.
@@ -25,7 +26,7 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
     let guarded = match g.node(id).clone() {
         Node::Sum(c, terms) => {
             let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuild(g, t, memo))).collect();
-            g.sum(c, &terms)
+            squares_of_parameters(g, c, &terms).unwrap_or_else(|| g.sum(c, &terms))
         }
         Node::Product(factors) => {
             let whole = together(g, factors.clone());
@@ -48,6 +49,27 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
     };
     memo.insert(id, guarded);
     guarded
+}
+
+/// a² - b² for two parameters as (a - b) (a + b).
+fn squares_of_parameters(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(p, s), (q, t)] = *terms else { return None };
+    let opposite = p == Q::ONE && q == Q::int(-1) || p == Q::int(-1) && q == Q::ONE;
+    if !c.is_zero() || !opposite {
+        return None;
+    }
+    let parameter = |g: &Graph, square: Id| match g.node(square) {
+        Node::Product(f) => match f[..] {
+            [(base, e)] if g.as_number(e) == Some(Q::int(2)) => {
+                matches!(g.node(base), Node::Leaf(Leaf::Param(_))).then_some(base)
+            }
+            _ => None,
+        },
+        _ => None,
+    };
+    let (a, b) = (parameter(g, s)?, parameter(g, t)?);
+    let (difference, sum) = (g.sum(Q::ZERO, &[(p, a), (q, b)]), g.add(a, b));
+    Some(g.mul(difference, sum))
 }
 
 /// The argument of `exp_m1`, if that (or its absolute value) is what the expression is.

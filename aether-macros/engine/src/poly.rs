@@ -51,6 +51,16 @@ pub fn refill_budget(parts: u64) {
     BUDGET.set(BUDGET.get().max(STEPS / parts));
 }
 
+/// Does some work with one of `parts` of what is left of the budget.
+pub(crate) fn within_part_of_budget<T>(parts: u64, work: impl FnOnce() -> T) -> T {
+    let left = BUDGET.get();
+    BUDGET.set(left / parts);
+    let result = work();
+    let spent = left / parts - BUDGET.get();
+    BUDGET.set(left - spent);
+    result
+}
+
 /// Leaves nothing of the budget, as a costly item does.
 #[cfg(test)]
 pub(crate) fn use_up_budget() {

@@ -20,6 +20,10 @@ pub(crate) const GOOD: f64 = 64.0 * f64::EPSILON;
 /// How much larger the worst error of a form may be that is as good as another on average.
 const FAR: f64 = 256.0;
 
+/// The most forms that are tried for an expression and its parts: what is so long that more would help takes
+/// seconds to compile.
+const MOST_FORMS: usize = 400;
+
 /// The expression with every part in its most accurate form.
 pub fn stabilise(g: &mut Graph, id: Id, measure: &mut Measure) -> Id {
     stabilise_to(g, id, measure, GOOD)
@@ -43,7 +47,8 @@ pub fn stabilise_knowing(
     good: f64,
     told: &Map<Id, Id>,
 ) -> Id {
-    Search { measure, good, turns: true, told, memo: Map::default() }.rebuild(g, id, 3)
+    Search { measure, good, turns: true, told, left: MOST_FORMS, memo: Map::default() }
+        .rebuild(g, id, 3)
 }
 
 /// The coordinates of a point, each with every part in its most accurate form, if the point as a
@@ -82,7 +87,8 @@ pub fn stabilise_point(
     let around = if unit { around_a_pole(g, coordinates) } else { None };
     let at_poles = around.filter(|pair| worst(pair) > GOOD).map_or(vec![], |pair| pair.to_vec());
     let concerned = if worst(&all) <= GOOD { at_poles } else { all };
-    let mut search = Search { measure, good: GOOD, turns: false, told, memo: Map::default() };
+    let left = MOST_FORMS;
+    let mut search = Search { measure, good: GOOD, turns: false, told, left, memo: Map::default() };
     let mut stable = coordinates.to_vec();
     for &k in &concerned {
         stable[k] = search.rebuild(g, stable[k], 3);
@@ -180,6 +186,8 @@ struct Search<'a> {
     turns: bool,
     /// Forms of single parts that no rule finds.
     told: &'a Map<Id, Id>,
+    /// How many forms may still be tried.
+    left: usize,
     memo: Map<Id, Id>,
 }
 
@@ -223,6 +231,8 @@ impl Search<'_> {
             let mut others = other_forms(g, original, self.turns);
             others.extend(self.told.get(&original));
             for form in others {
+                let Some(left) = self.left.checked_sub(1) else { break };
+                self.left = left;
                 // The parts of a new form deserve a look of their own.
                 let form = self.rebuild_children(g, form, depth - 1);
                 forms.push((form, self.measure.errors(g, form, &truth)));
@@ -497,7 +507,8 @@ fn squares(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     Some(g.mul(d, s))
 }
 
-/// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one.
+/// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one. Only where both have the same sign:
+/// elsewhere the sum below would cancel, next to a zero that no point that is tried may show.
 fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let mut all: Vec<(Q, Id)> = terms.to_vec();
     if !c.is_zero() {
@@ -514,7 +525,17 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let top = g.sum(Q::ZERO, &[(Q::ONE, a2), (q.mul(q)?.neg(), b2)]);
     let top = Expander::new(g).normal_form(top).unwrap_or(top);
     let bottom = g.sum(Q::ZERO, &[(Q::ONE, rest), (q.neg(), root)]);
-    Some(g.div(top, bottom))
+    let form = g.div(top, bottom);
+    let other = g.sum(Q::ZERO, &[(q, root)]);
+    let opposed = g.mul(rest, other);
+    if g.range(opposed).nonpositive() {
+        return Some(form);
+    }
+    if g.range(opposed).nonnegative() {
+        return None;
+    }
+    let plain = g.sum(c, terms);
+    Some(g.if_positive(opposed, plain, form))
 }
 
 /// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.

@@ -35,7 +35,18 @@ const FILES: [&str; 9] = [
 ];
 
 /// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const KNOWN: [(&str, &str, &str); 0] = [];
+const KNOWN: [(&str, &str, &str); 5] = [
+    ("algebra::spherical_triangle", "inlined", NO_NAMES),
+    ("algebra::spherical_triangle", "all of these", NO_NAMES),
+    ("algebra::visible_normals_as_printed", "inlined", NO_NAMES),
+    ("algebra::visible_normals_as_printed", "all of these", NO_NAMES),
+    (
+        "algebra::visible_normals_as_printed",
+        "reordered",
+        "refused: what is left in this order of the sums is the equation of the root",
+    ),
+];
+const NO_NAMES: &str = "refused: found in two steps, by the names of the body, of which there are none";
 
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {
@@ -92,7 +103,8 @@ fn judge(sampler: &Sampler) -> (usize, Vec<Failure>) {
         };
         Some((sampler.name.clone(), spelling.name, what))
     };
-    (all.len(), all.iter().filter_map(failure).collect())
+    let stray = compare::stray(&plain).map(|what| (sampler.name.clone(), "as it is", what));
+    (all.len(), all.iter().filter_map(failure).chain(stray).collect())
 }
 
 #[test]

@@ -11,8 +11,10 @@ use crate::number::{Dd, Number};
 use crate::points::{Rng, unit};
 use crate::solve::Solution;
 
-/// How many points of the target space are tried for each case.
+/// How many points that have nothing to do with it are tried for each case.
 const TRIES: usize = 4;
+/// Of a point, reflections in this many planes of coordinates are tried.
+const PLANES: usize = 3;
 
 /// Whether some solution accepts a point of the target space that it does not map back to.
 pub(super) fn accepted(problem: &Problem, solutions: &[&Solution], cases: &[Case]) -> bool {
@@ -22,13 +24,24 @@ pub(super) fn accepted(problem: &Problem, solutions: &[&Solution], cases: &[Case
     }
     let mut rng = Rng::new(0x57a7);
     let tried = cases.iter().filter(|c| c.point.interior && !c.point.stress);
-    tried.flat_map(|case| std::iter::repeat_n(case, TRIES)).any(|case| {
-        let outs = stray(problem, cases, &mut rng);
-        let stray = case.moved_to(outs);
+    tried.flat_map(|case| strays(problem, case, cases, &mut rng)).any(|stray| {
         solutions
             .iter()
             .any(|s| try_exactly(problem, s, &stray).is_some_and(|u| is_wrong(problem, &stray, &u)))
     })
+}
+
+/// Points that may be no images, with the parameters of a case: its image with other signs, which are what a
+/// square forgets, and points from anywhere.
+fn strays(problem: &Problem, case: &Case, cases: &[Case], rng: &mut Rng) -> Vec<Case> {
+    let planes = case.outs.len().min(PLANES);
+    let reflected = (1..1 << planes).map(|signs: usize| {
+        let flip = |(i, x): (usize, &Dd)| if signs >> i & 1 == 1 { -*x } else { *x };
+        case.exact_outs.iter().enumerate().map(flip).collect()
+    });
+    let anywhere = (0..TRIES).map(|_| stray(problem, cases, rng));
+    let all: Vec<Vec<Dd>> = reflected.chain(anywhere).collect();
+    all.into_iter().map(|outs| case.moved_to(outs)).collect()
 }
 
 /// A random direction; other coordinates from images of different points, some with the other sign.

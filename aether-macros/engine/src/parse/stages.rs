@@ -5,7 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use syn::ItemFn;
+use syn::visit::Visit;
+use syn::{FnArg, Ident, ItemFn, Stmt};
 
 use super::branch::Way;
 use super::{Options, Parsed, Reader, Reading};
@@ -20,6 +21,9 @@ const FIRST: u8 = 10;
 /// Steps that are tried, and the most names in one.
 const MOST: usize = 3;
 const MOST_NAMES: usize = 2;
+/// Readings of the body that are tried, and the last names that are taken for them.
+const MOST_READ: usize = 8;
+const LAST_NAMES: usize = 100;
 
 /// The first parameter that stands for a coordinate of a named vector: beyond those that an item may have.
 pub(super) const FIRST_CONSTANT: u8 = 66;
@@ -64,7 +68,9 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
         all.iter().filter(|name| all.iter().filter(|n| n == name).count() == 1).collect();
     let uniforms = piece.problem.unknowns.iter().fold(0, |bits, leaf| bits | leaf_bit(*leaf));
     let mut found: Vec<Stage> = Vec::new();
-    for names in choices(&unique, count) {
+    let Some(uses) = Uses::of(item) else { return vec![] };
+    let cuts = choices(&unique, count).into_iter().filter(|names| uses.are_all(names));
+    for names in cuts.take(MOST_READ) {
         if found.len() == MOST {
             break;
         }
@@ -145,6 +151,76 @@ fn roots_of_products(g: &mut Graph, id: Id) -> Id {
     g.substitute(id, &sums)
 }
 
+/// Which names the statements of a body bind, and which they mention; the last one is the result.
+struct Uses {
+    statements: Vec<(Vec<usize>, Vec<usize>)>,
+    names: Vec<String>,
+}
+
+impl Uses {
+    /// Of a body that is a list of bindings and an expression. The first name is that of the uniforms.
+    fn of(item: &ItemFn) -> Option<Uses> {
+        let Some(FnArg::Typed(uniforms)) = item.sig.inputs.first() else { return None };
+        let mut mentioned = Mentioned::default();
+        mentioned.visit_pat(&uniforms.pat);
+        let mut statements = Vec::new();
+        for statement in &item.block.stmts {
+            let bound = match statement {
+                Stmt::Local(local) => mentioned.in_part(|m| m.visit_pat(&local.pat)),
+                _ => vec![],
+            };
+            let used = match statement {
+                Stmt::Local(local) => {
+                    let init = local.init.as_ref()?;
+                    mentioned.in_part(|m| m.visit_expr(&init.expr))
+                }
+                Stmt::Expr(result, _) => mentioned.in_part(|m| m.visit_expr(result)),
+                _ => return None,
+            };
+            statements.push((bound, used));
+        }
+        Some(Uses { statements, names: mentioned.names })
+    }
+
+    /// Whether all that the result has of the uniforms it has through these names.
+    fn are_all(&self, cut: &[String]) -> bool {
+        let is_cut: Vec<bool> = self.names.iter().map(|name| cut.contains(name)).collect();
+        let mut needed = vec![false; self.names.len()];
+        let last = self.statements.len().saturating_sub(1);
+        for (i, (bound, used)) in self.statements.iter().enumerate().rev() {
+            if i == last || bound.iter().any(|&name| needed[name] && !is_cut[name]) {
+                used.iter().for_each(|&name| needed[name] = true);
+            }
+        }
+        !needed.first().is_some_and(|uniforms| *uniforms)
+    }
+}
+
+/// Names that occur, each once, and the places of those in the part that is looked at.
+#[derive(Default)]
+struct Mentioned {
+    names: Vec<String>,
+    part: Vec<usize>,
+}
+
+impl Mentioned {
+    fn in_part(&mut self, visit: impl FnOnce(&mut Self)) -> Vec<usize> {
+        self.part.clear();
+        visit(self);
+        std::mem::take(&mut self.part)
+    }
+}
+
+impl Visit<'_> for Mentioned {
+    fn visit_ident(&mut self, name: &Ident) {
+        let known = self.names.iter().position(|n| name == n);
+        self.part.push(known.unwrap_or(self.names.len()));
+        if known.is_none() {
+            self.names.push(name.to_string());
+        }
+    }
+}
+
 /// Vectors of which these are the coordinates.
 fn columns(coordinates: &[Id]) -> Vec<[Id; 3]> {
     coordinates.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect()
@@ -152,7 +228,7 @@ fn columns(coordinates: &[Id]) -> Vec<[Id; 3]> {
 
 /// Sets of so many names, the last first.
 fn choices(names: &[&String], count: usize) -> Vec<Vec<String>> {
-    let last = (0..names.len()).rev();
+    let last = (names.len().saturating_sub(LAST_NAMES)..names.len()).rev();
     if count == 1 {
         return last.map(|i| vec![names[i].clone()]).collect();
     }

@@ -99,7 +99,14 @@ pub(super) fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
         let atom = g.product(&open);
         let multiplied = if expand { multiply_out(g, atom)? } else { vec![(Q::ONE, atom)] };
         for (p, a) in multiplied {
+            // Multiplied out, more of a term may be known.
+            let (known, open): (Vec<_>, Vec<_>) = g
+                .factors(a)
+                .into_iter()
+                .partition(|(b, e)| !g.has(*b, UNKNOWNS) && !g.has(*e, UNKNOWNS));
+            let (known, a) = (g.product(&known), g.product(&open));
             let k = g.number(p);
+            let k = g.mul(k, known);
             let c = g.mul(k, factor);
             match out.iter_mut().find(|(_, b)| *b == a) {
                 Some((have, _)) => *have = g.add(*have, c),
@@ -115,7 +122,7 @@ pub(super) fn row(g: &mut Graph, id: Id, expand: bool) -> Option<Row> {
 fn multiply_out(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
     let r = Expander::new(g).expand(atom)?;
     if !r.den.is_empty() {
-        return Some(vec![(Q::ONE, atom)]);
+        return Some(multiply_out_sums(g, atom).unwrap_or_else(|| vec![(Q::ONE, atom)]));
     }
     let terms = r.num.terms(g);
     // A constant among the atoms would have to be known: leave such products alone.
@@ -124,6 +131,19 @@ fn multiply_out(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
     } else {
         Some(terms)
     }
+}
+
+/// The same where only the sums among the factors are multiplied out, and what they are divided by stays.
+fn multiply_out_sums(g: &mut Graph, atom: Id) -> Option<Vec<(Q, Id)>> {
+    let one = g.int(1);
+    let (sums, rest): (Vec<_>, Vec<_>) = g
+        .factors(atom)
+        .into_iter()
+        .partition(|&(b, e)| e == one && matches!(g.node(b), Node::Sum(..)));
+    let (sums, rest) = (g.product(&sums), g.product(&rest));
+    let r = Expander::new(g).expand(sums).filter(|r| r.den.is_empty())?;
+    let terms = r.num.terms(g);
+    Some(terms.into_iter().map(|(q, t)| (q, g.mul(t, rest))).collect())
 }
 
 pub(super) fn coefficient(g: &mut Graph, row: &[(Id, Id)], atom: Id) -> Id {

@@ -7,7 +7,7 @@ use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
-use crate::poly::{Expander, Poly, RatFun, coefficients};
+use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
 use crate::rational::Q;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
@@ -23,8 +23,7 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
         if deps.count_ones() != 1 || eq.modulo_turn {
             continue;
         }
-        let whole = solved(g, eq.known, eq.rhs);
-        let Some(roots) = whole.or_else(|| through_a_part(g, eq.known, eq.rhs)) else { continue };
+        let Some(roots) = whole_or_part(g, eq.known, eq.rhs) else { continue };
         let next = roots.into_iter().map(|Root { atom, value, also }| {
             let mut s = state.clone();
             s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
@@ -79,6 +78,22 @@ fn roots(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
 /// All ways to satisfy known = rhs, as it stands or squared.
 fn solved(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
     roots(g, known, rhs).or_else(|| squared(g, known, rhs))
+}
+
+/// The same, or all ways for a part of `rhs` to satisfy it, where those are fewer or shorter: what is in a part that
+/// comes out plainly is not squared.
+fn whole_or_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    // Multiplied out, a long equation could use up what finding a part in it takes.
+    let whole = within_part_of_budget(2, || solved(g, known, rhs));
+    let plain = |g: &Graph, roots: &[Root]| !roots.iter().any(|r| mentions_root(g, r.value));
+    match whole {
+        Some(whole) if plain(g, &whole) => Some(whole),
+        Some(whole) => match within_part_of_budget(2, || through_a_part(g, known, rhs)) {
+            Some(part) if part.len() <= whole.len() && shorter(g, &part, &whole) => Some(part),
+            _ => Some(whole),
+        },
+        None => through_a_part(g, known, rhs),
+    }
 }
 
 /// The same for the largest part of `rhs` through which alone the unknowns enter: q of q / √(1 - q²),

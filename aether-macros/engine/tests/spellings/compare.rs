@@ -1,6 +1,6 @@
 //! Whether an item and another spelling of it are the same up to what the spelling changed.
 
-use aether_engine::derive::Problem;
+use aether_engine::derive::{Problem, Target};
 use aether_engine::eval::evaluate;
 use aether_engine::expr::Leaf;
 use aether_engine::interpret::Item;
@@ -10,6 +10,8 @@ use crate::samplers::Spelling;
 
 /// Points that are compared, each with parameters of its own.
 const POINTS: usize = 20;
+/// How many are drawn for them, where parameters have to have some relation.
+const MOST: usize = 400;
 /// So many of them have to exist, where the map is not defined everywhere.
 const ENOUGH: usize = 5;
 /// Allowed difference of images, relative to their size.
@@ -26,19 +28,64 @@ pub fn difference(plain: &Item, other: &Item, spelling: &Spelling) -> Option<Str
     let problem = &plain.parsed.pieces[0].problem;
     let mut rng = Rng::new(0x5be1);
     let mut compared = 0;
-    let found = (0..POINTS).find_map(|_| {
-        let p = legal(&mut rng, problem);
+    let found = (0..MOST).find_map(|_| {
+        let p = parameters(&mut rng, problem);
         let u: Vec<f64> = problem
             .unknowns
             .iter()
             .map(|_| BORDER + (1.0 - 2.0 * BORDER) * rng.uniform())
             .collect();
+        if compared == POINTS || !legal(plain, &p) {
+            return None;
+        }
         compared += usize::from(image(plain, &p, &u).is_some());
         at(plain, other, spelling, &p, &u).map(|what| format!("parameters {p:?}, u {u:?}: {what}"))
     });
     let few =
         || (compared < ENOUGH).then(|| format!("there are points at {compared} uniforms only"));
     found.or_else(few)
+}
+
+/// Whether parameters have the relations that are declared.
+fn legal(item: &Item, p: &[f64]) -> bool {
+    let problem = &item.parsed.pieces[0].problem;
+    let at = |l: Leaf| if let Leaf::Param(i) = l { p[usize::from(i)] } else { f64::NAN };
+    problem.relations.iter().all(|t| evaluate(&problem.graph, t.difference, &at) > 0.0)
+}
+
+/// A point with a preimage that does not lead back to it, if there is any: among images, images with other signs,
+/// and points that other parameters have for images.
+pub fn stray(item: &Item) -> Option<String> {
+    let problem = &item.parsed.pieces[0].problem;
+    let mut rng = Rng::new(0x0dd);
+    let mut other: Option<Vec<f64>> = None;
+    // Off a surface that only its identity tells there are no points.
+    if problem.parts.iter().any(|p| p.target == Target::Identified) {
+        return None;
+    }
+    for _ in 0..MOST {
+        let p = parameters(&mut rng, problem);
+        let u: Vec<f64> = problem.unknowns.iter().map(|_| rng.uniform()).collect();
+        let Some(x) = image(item, &p, &u).filter(|_| legal(item, &p)) else { continue };
+        let signs = |k: usize| move |i: usize| if k >> i & 1 == 1 { -1.0 } else { 1.0 };
+        let reflected = (0..1 << x.len().min(3)).map(|k| {
+            let sign = signs(k);
+            x.iter().enumerate().map(|(i, x)| sign(i) * x).collect::<Vec<f64>>()
+        });
+        for y in reflected.chain(other.take()) {
+            let size = y.iter().fold(1.0f64, |s, x| s.max(x.abs()));
+            let leads_back = |v: &Vec<f64>| {
+                // On a border rounding puts uniforms beyond their ends.
+                let inside = v.iter().all(|v| (1e-6..1.0 - 1e-6).contains(v));
+                !inside || image(item, &p, v).is_some_and(|z| near(&z, &y, 1e-6 * size))
+            };
+            if let Some(v) = item.preimages(&p, &y).into_iter().find(|v| !leads_back(v)) {
+                return Some(format!("parameters {p:?}: {v:?} is no preimage of {y:?}"));
+            }
+        }
+        other = Some(x);
+    }
+    None
 }
 
 /// The image of uniforms: where a formula has no value there is no point.
@@ -81,26 +128,10 @@ fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
-/// Moderate parameters between which the declared relations hold. Numbers of the same domain ascend, or where
-/// that never helps descend.
-fn legal(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
-    let holds = |p: &[f64]| {
-        let at = |leaf: Leaf| match leaf {
-            Leaf::Param(i) => p[usize::from(i)],
-            _ => f64::NAN,
-        };
-        problem.relations.iter().all(|t| evaluate(&problem.graph, t.difference, &at) > 0.0)
-    };
-    for attempt in 0..400 {
-        let p = parameters(rng, &problem.kinds, attempt < 200);
-        if holds(&p) {
-            return p;
-        }
-    }
-    panic!("no parameters between which the declared relations hold")
-}
-
-fn parameters(rng: &mut Rng, kinds: &[Kind], ascending: bool) -> Vec<f64> {
+/// Moderate parameters. Numbers of the same domain ascend where no relations are declared: what is between them
+/// should have a width.
+fn parameters(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
+    let kinds = &problem.kinds;
     let mut drawn: Vec<Vec<f64>> = kinds
         .iter()
         .map(|kind| match kind {
@@ -121,10 +152,9 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], ascending: bool) -> Vec<f64> {
             other => panic!("no rule to draw {other:?}"),
         })
         .collect();
-    for (i, kind) in kinds.iter().enumerate() {
+    for (i, kind) in kinds.iter().enumerate().filter(|_| problem.relations.is_empty()) {
         for j in i + 1..kinds.len() {
-            let swapped = matches!(kind, Kind::Scalar(_)) && kinds[j] == *kind;
-            if swapped && (drawn[j] < drawn[i]) == ascending {
+            if matches!(kind, Kind::Scalar(_)) && kinds[j] == *kind && drawn[j] < drawn[i] {
                 drawn.swap(i, j);
             }
         }
