@@ -26,9 +26,12 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     most_geometry: f32,
     /// Whether paths end with what their last vertex emits.
     emission: bool,
-    /// The eyes and vertices whose sights were asked for last, with these.
-    sights: [Cell<Option<(Vec3, SceneVertex<K>, Option<Sight>)>>; 2],
+    /// What was seen last.
+    sights: [Cell<Option<Seen<K>>>; 2],
 }
+
+/// A vertex that was looked for from an eye, and where it is seen if it is.
+type Seen<K> = (Vec3, SceneVertex<K>, Option<Sight>);
 
 /// Where an eye sees a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +109,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         if across == 0.0 {
             return 0.0;
         }
-        let response = across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen, film).y);
+        let response =
+            across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen, film).y);
         // What lies too far away for its direction to be known is not seen.
         if response.is_finite() { response } else { 0.0 }
     }
