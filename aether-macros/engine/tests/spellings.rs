@@ -46,7 +46,8 @@ const KNOWN: [(&str, &str, &str); 5] = [
         "refused: what is left in this order of the sums is the equation of the root",
     ),
 ];
-const NO_NAMES: &str = "refused: found in two steps, by the names of the body, of which there are none";
+const NO_NAMES: &str =
+    "refused: found in two steps, by the names of the body, of which there are none";
 
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {
