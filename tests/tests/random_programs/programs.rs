@@ -3532,7 +3532,7 @@ pub mod wide_128 {
     }
 }
 
-// wide_129 is refused: cannot invert this map: stuck at `-48/25 = 4 b y (2100 u₂ + 18750 sin(7 u₁ / 25 + 24 u₂ / 25) + 1008 u₁ u₂ + 9000 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) + 14400 u₁ sin(7 u₁ / 25 + 24 u₂ / 25)² + 3456 u₁² sin(7 u₁ / 25 + 24 u₂ / 25)² + 294 u₂² sin(7 u₁ / 25 + 24 u₂ / 25)² + 20000 sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 19200 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 4608 u₁² sin(7 u₁ / 25 + 24 u₂ / 25) … (1232 characters)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_129 is refused: cannot invert this map: stuck at `-48/25 = 4 b y (2100 u₂ + 18750 sin(7 u₁ / 25 + 24 u₂ / 25) + 1008 u₁ u₂ + 9000 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) + 14400 u₁ sin(7 u₁ / 25 + 24 u₂ / 25)² + 3456 u₁² sin(7 u₁ / 25 + 24 u₂ / 25)² + 294 u₂² sin(7 u₁ / 25 + 24 u₂ / 25)² + 20000 sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 19200 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 4608 u₁² sin(7 u₁ / 25 + 24 u₂ / 25) …`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
 // #[sampler(b in 0.5..=2.0)]
 // pub fn compiled(u: [Uniform; 2], b: f64) -> Direction {
 //     let r = 0.5 * (0.96 * u[0] - 0.28 * u[1]) + 1.0;
