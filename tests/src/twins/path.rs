@@ -31,13 +31,16 @@ pub struct PathByHand(pub PathSettings);
 pub(super) const BLOCKS: u32 = 8;
 pub(super) const TO_LIGHT: u32 = 1;
 
-/// Whether a scene has no more than this path tracer knows: a pinhole, and lights that are triangles or spheres.
+/// Whether a scene has no more than this path tracer knows: a pinhole, a filter that is nowhere negative, and lights
+/// that are triangles or spheres.
 pub fn supports(scene: &Scene) -> bool {
     let known = |e: &integrators::scene::Emitter| {
         let shape = &scene.primitives[e.primitive as usize];
         matches!(shape, Primitive::Triangle { .. } | Primitive::Sphere { .. })
     };
-    scene.sky.is_none()
+    let is_signed = matches!(scene.film.filter, Filter::Cubic { .. } | Filter::Lanczos { .. });
+    !is_signed
+        && scene.sky.is_none()
         && scene.bulbs.is_empty()
         && scene.distant.is_empty()
         && scene.emitters.iter().all(known)
@@ -145,6 +148,7 @@ pub(super) fn camera_direction<K: SceneKind>(
             let (s, c) = (std::f32::consts::TAU * v).sin_cos();
             (r * c, r * s)
         }
+        Filter::Cubic { .. } | Filter::Lanczos { .. } => (0.0, 0.0),
     };
     let (centre, scale) = (world.film_centre(eye), world.film_scale());
     let film = Vec2::new(pixel.0 as f32 + 0.5 + offset.0, pixel.1 as f32 + 0.5 + offset.1);

@@ -355,8 +355,9 @@ pub(super) fn finish(
 fn telling(g: &Graph, (short, long): (Id, Id), truth: &[f64], measure: &mut Measure) -> Id {
     let mut off = |form: Id| {
         let values = measure.values(g, form);
-        let far = |(v, t): &(&f64, &f64)| !((*v - *t).abs() <= TELLING);
-        values.iter().zip(truth).filter(far).count()
+        // What is no number tells nothing.
+        let near = |(v, t): &(&f64, &f64)| (*v - *t).abs() <= TELLING;
+        values.len() - values.iter().zip(truth).filter(near).count()
     };
     if off(short) > off(long) { long } else { short }
 }
