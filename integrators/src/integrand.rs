@@ -98,30 +98,30 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let (Some(eye), Some(seen)) = (path.vertex(0), path.vertex(1)) else { return 0.0 };
         let Some(Sight { film, .. }) = self.sight(&eye, &seen) else { return 0.0 };
         let filter = self.world.scene.film.filter;
-        let centre = (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
+        let centre = Vec2::new(pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = filter.radius();
         // A point that the filter's rim was sampled for may come back on the other side of it.
         let profile = |x: f32, error: &dyn Fn() -> f32| {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        let across = profile(film.x - centre.0, &|| self.film_error(&eye, &seen, film).x);
+        let across = profile(film.x - centre.x, &|| self.film_error(&eye, &seen, [film, centre]).x);
         if across == 0.0 {
             return 0.0;
         }
         let response =
-            across * profile(film.y - centre.1, &|| self.film_error(&eye, &seen, film).y);
+            across * profile(film.y - centre.y, &|| self.film_error(&eye, &seen, [film, centre]).y);
         // What lies too far away for its direction to be known is not seen.
         if response.is_finite() { response } else { 0.0 }
     }
 
-    /// By how much rounding of what is seen and of its direction can move a film point, in pixels: much only for
-    /// long lenses, and where it is far from the axis, as seen from the rim of a lens in focus close by.
+    /// By how much rounding of what is seen and of its direction can move a film point from one of two to the other,
+    /// in pixels: much only for long lenses, and far from the axis, as seen from the rim of a lens in focus close by.
     fn film_error(
         &self,
         eye: &SceneVertex<K>,
         seen: &SceneVertex<K>,
-        film: Vec2<f32>,
+        points: [Vec2<f32>; 2],
     ) -> Vec2<f32> {
         let size = eye.position.abs().max_element() + seen.position.abs().max_element();
         // Points of triangles are kept off the edges.
@@ -136,9 +136,13 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let distance = if seen.is_infinite() { size } else { seen.position.distance(eye.position) };
         let angle = 8.0 * f32::EPSILON * (1.0 + size / distance) + moved / distance;
         let (centre, scale) = (self.world.film_centre(eye), self.world.film_scale());
-        let (x, y) = ((film.x - centre.x) * scale.x, (film.y - centre.y) * scale.y);
-        // The derivative of a tangent, along the steepest way.
-        let moved = angle * (1.0 + x * x + y * y);
+        // The derivative of a tangent, along the steepest way, at the point that is nearer to the axis: were it far
+        // from the other one, that would move by more than it is off.
+        let steepness = points.map(|film| {
+            let (x, y) = ((film.x - centre.x) * scale.x, (film.y - centre.y) * scale.y);
+            1.0 + x * x + y * y
+        });
+        let moved = angle * steepness[0].min(steepness[1]);
         Vec2::new(moved / scale.x, moved / scale.y)
     }
 
