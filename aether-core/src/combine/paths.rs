@@ -94,8 +94,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Paths<'a, V, S> {
             return V::Real::ZERO;
         }
         let mut ratios = core::mem::take(&mut *self.arena.ratios.borrow_mut());
-        let list = &mut self.arena.lists.borrow_mut()[self.start..self.start + self.len];
-        self.arena.density_ratios(list, own, &mut ratios);
+        let own_list = self.start..self.start + self.len;
+        // The lists are free again before the heuristic, which may be anybody's, is asked.
+        self.arena.density_ratios(&mut self.arena.lists.borrow_mut()[own_list], own, &mut ratios);
         let weight = heuristic.weight(&ratios, own) / samples;
         *self.arena.ratios.borrow_mut() = ratios;
         weight
