@@ -141,8 +141,7 @@ impl Measure {
             } else if v == t {
                 Some(0.0)
             } else {
-                let e = ((v - t) / t).abs();
-                let e = if single { e / UNITS } else { e };
+                let e = self.scaled(k, ((v - t) / t).abs());
                 Some(if e.is_finite() { e } else { 1e300 })
             };
             if let Some(e) = error

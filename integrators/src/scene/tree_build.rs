@@ -50,6 +50,10 @@ impl Groups<'_> {
         let [start, end] = [0, 1].map(|i| self.starts[group as usize + i] as usize);
         &self.order[start..end]
     }
+
+    fn are_triangles(&self, members: &[u32]) -> bool {
+        members.iter().all(|i| self.boxes[*i as usize].is_triangle)
+    }
 }
 
 fn equal_boxes(boxes: &[Boxed]) -> (Vec<u32>, Vec<u32>) {
@@ -181,12 +185,14 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
         let mut parts = Vec::new();
         match part {
             Part::Binary(node) if self.summaries[node as usize].is_leaf => parts.push(part),
-            Part::Binary(node) if self.halves(node).is_some() => {
+            Part::Binary(node) if halves(&self.binary, node).is_some() => {
                 self.share_out(node, LANES, &mut parts);
             }
             Part::Binary(node) => {
                 let bounds = self.binary.nodes[node as usize].aabb;
-                parts.extend(self.eighths(bounds, self.members_of_leaf(node)));
+                parts.extend(
+                    self.eighths(bounds, members_of_leaf(&self.groups, &self.binary, node)),
+                );
             }
             Part::Equal { bounds, members } => parts.extend(self.eighths(bounds, &members)),
         }
@@ -195,7 +201,7 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
 
     /// Shares places of a node out to the halves of what it is made of.
     fn share_out(&self, node: u32, places: usize, parts: &mut Vec<Part>) {
-        let Some(halves) = self.halves(node).filter(|_| places > 1) else {
+        let Some(halves) = halves(&self.binary, node).filter(|_| places > 1) else {
             return parts.push(Part::Binary(node));
         };
         let (_, first) = shared(halves.map(|half| &self.summaries[half as usize]), places);
@@ -209,19 +215,9 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
 
     /// As many pieces as a node has places, of leaves if that is enough.
     fn eighths(&self, bounds: Aabb, members: &[u32]) -> impl Iterator<Item = Part> {
-        let are_triangles = members.iter().all(|i| self.groups.boxes[*i as usize].is_triangle);
+        let are_triangles = self.groups.are_triangles(members);
         let size = members.len().div_ceil(LANES).max(most_in_leaf(are_triangles));
         members.chunks(size).map(move |members| Part::Equal { bounds, members: members.to_vec() })
-    }
-
-    /// The halves of a node of the binary tree, unless it is a leaf of that.
-    fn halves(&self, node: u32) -> Option<[u32; 2]> {
-        halves(&self.binary, node)
-    }
-
-    /// obvhs makes leaves of one box.
-    fn members_of_leaf(&self, node: u32) -> &[u32] {
-        members_of_leaf(&self.groups, &self.binary, node)
     }
 
     /// What is in a part, if that is to be a leaf.
@@ -231,8 +227,7 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
                 self.summaries[*node as usize].is_leaf.then(|| self.members(*node))
             }
             Part::Equal { members, .. } => {
-                let are_triangles =
-                    members.iter().all(|i| self.groups.boxes[*i as usize].is_triangle);
+                let are_triangles = self.groups.are_triangles(members);
                 (members.len() <= most_in_leaf(are_triangles)).then(|| members.clone())
             }
         }
@@ -242,20 +237,22 @@ impl<L: FnMut(&[u32]) -> Below> Builder<'_, L> {
     fn members(&self, node: u32) -> Vec<u32> {
         let (mut found, mut stack) = (Vec::new(), vec![node]);
         while let Some(node) = stack.pop() {
-            match self.halves(node) {
+            match halves(&self.binary, node) {
                 Some([a, b]) => stack.extend([b, a]),
-                None => found.extend(self.members_of_leaf(node)),
+                None => found.extend(members_of_leaf(&self.groups, &self.binary, node)),
             }
         }
         found
     }
 }
 
+/// The halves of a node of the binary tree, unless it is a leaf of that.
 fn halves(binary: &Bvh2, node: u32) -> Option<[u32; 2]> {
     let node = &binary.nodes[node as usize];
     (!node.is_leaf()).then(|| [node.first_index, node.first_index + 1])
 }
 
+/// The primitives in a leaf of the binary tree: obvhs makes leaves of one box.
 fn members_of_leaf<'a>(groups: &'a Groups, binary: &Bvh2, node: u32) -> &'a [u32] {
     let first = binary.nodes[node as usize].first_index;
     groups.members(binary.primitive_indices[first as usize])
@@ -282,7 +279,7 @@ fn summaries(groups: &Groups, binary: &Bvh2) -> Vec<Summary> {
             }
             None => {
                 let members = members_of_leaf(groups, binary, node);
-                let are_triangles = members.iter().all(|i| groups.boxes[*i as usize].is_triangle);
+                let are_triangles = groups.are_triangles(members);
                 let leaves = members.len().div_ceil(most_in_leaf(are_triangles));
                 let opened = [surface * leaves as f32; LANES];
                 let summary = Summary::new(members.len() as u32, are_triangles, surface, opened);

@@ -74,20 +74,26 @@ pub(super) fn from_pole_to_pole(
 ) -> bool {
     let alone = |x: &Id| g.deps(*x) & UNKNOWNS == leaf_bit(unknown);
     let Some(k) = written.iter().position(alone) else { return false };
-    let u = g.get_leaf(unknown);
-    let ends = [0, 1].map(|end| {
-        let end = g.int(end);
-        let there = g.substitute(written[k], &[(u, end)].into());
-        let there = simplify(g, there, None);
-        g.as_number(there)
-    });
+    let ends = at_ends(g, written[k], unknown).map(|there| g.as_number(there));
     let poles = [Q::ONE, Q::int(-1)];
     let at_poles = ends.iter().all(|end| end.is_some_and(|z| poles.contains(&z)));
-    at_poles && ends[0] != ends[1] && [written[k], forms[k]].iter().any(|&x| continuous(g, x, u))
+    at_poles
+        && ends[0] != ends[1]
+        && [written[k], forms[k]].iter().any(|&x| continuous(g, x, unknown))
 }
 
-/// Whether an expression is continuous in an unknown `u` on the closed interval.
-fn continuous(g: &mut Graph, id: Id, u: Id) -> bool {
+/// What an expression is where an unknown is 0, and where it is 1.
+fn at_ends(g: &mut Graph, id: Id, unknown: Leaf) -> [Id; 2] {
+    let u = g.get_leaf(unknown);
+    [0, 1].map(|end| {
+        let end = g.int(end);
+        let there = g.substitute(id, &[(u, end)].into());
+        simplify(g, there, None)
+    })
+}
+
+/// Whether an expression is continuous in an unknown on the closed interval.
+fn continuous(g: &mut Graph, id: Id, u: Leaf) -> bool {
     match g.node(id).clone() {
         Node::Leaf(_) | Node::Number(_) | Node::Float(_) | Node::Pi => true,
         Node::Sum(_, terms) => terms.iter().all(|&(_, t)| continuous(g, t, u)),
@@ -114,24 +120,15 @@ fn continuous(g: &mut Graph, id: Id, u: Id) -> bool {
 
 /// Whether an expression is proven to have one sign and no zero: by its range, or because it is linear in `u` and
 /// so at both ends.
-fn never_zero(g: &mut Graph, id: Id, u: Id) -> bool {
+fn never_zero(g: &mut Graph, id: Id, u: Leaf) -> bool {
     let signs = |range: Interval| (range.lo > 0.0, range.hi < 0.0);
     if signs(g.range(id)) != (false, false) {
         return true;
     }
-    let leaf = match g.node(u) {
-        Node::Leaf(leaf) => *leaf,
-        _ => return false,
-    };
-    let slope = derivative(g, id, leaf);
+    let slope = derivative(g, id, u);
     let slope = simplify(g, slope, None);
-    let ends = [0, 1].map(|end| {
-        let end = g.int(end);
-        let there = g.substitute(id, &[(u, end)].into());
-        let there = simplify(g, there, None);
-        signs(g.range(there))
-    });
-    !g.has(slope, leaf_bit(leaf)) && ends[0] == ends[1] && ends[0] != (false, false)
+    let ends = at_ends(g, id, u).map(|there| signs(g.range(there)));
+    !g.has(slope, leaf_bit(u)) && ends[0] == ends[1] && ends[0] != (false, false)
 }
 
 #[cfg(test)]
