@@ -25,7 +25,7 @@ fn half_turns<R: Real>(x: R, quarter: f64) -> R {
     let odd = (k - R::of(2.0) * (k * R::of(0.5)).floor()).ge(R::of(0.5));
     let half = (k * R::of(0.5)).floor();
     let minus = (half - R::of(2.0) * (half * R::of(0.5)).floor()).ge(R::of(0.5));
-    let v = R::select(odd, r.cos(), r.sin());
+    let v = either(odd, || r.cos(), || r.sin());
     R::select(minus, -v, v)
 }
 
@@ -208,6 +208,21 @@ pub fn member<R: Real, const M: usize, const P: usize>(
     found
 }
 
+/// Where a test finds that a point lies on a manifold, and where that it plainly does not.
+#[inline(always)]
+pub fn on_or_off<R: Real, const M: usize, const P: usize>(
+    p: &[R; P],
+    x: &[R; M],
+    test: impl Fn(&[R::Lane; P], &[R::Lane; M]) -> (bool, bool),
+) -> [R::Mask; 2] {
+    let mut found = [R::Mask::FALSE; 2];
+    for i in 0..R::LANES {
+        let (on, off) = test(&lane(p, i), &lane(x, i));
+        found = [found[0].with_lane(i, on), found[1].with_lane(i, off)];
+    }
+    found
+}
+
 /// Uniforms that count although they came out beyond their interval, and in which lanes they do.
 pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, [R; N])>;
 
@@ -340,8 +355,9 @@ pub fn not_negative<R: Real>(x: R) -> R {
 /// without error bounds.
 #[inline(always)]
 pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
-    let tolerance = R::of(SLACK) * R::EPSILON;
-    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance * b.abs())))
+    let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
+    let tolerance = R::of(SLACK) * R::EPSILON * size;
+    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
 }
 
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.
@@ -361,6 +377,41 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
         // An unbounded error tells nothing about the point: that is no membership.
         tolerance.is_finite() && (value.to_f64() - x).abs() <= tolerance
     })
+}
+
+/// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.
+const FAR: f64 = 1024.0;
+
+/// Whether a point is its image to within the error bounds of that, and whether it is so far from it that no error
+/// bounds explain it.
+#[inline]
+pub fn near_or_far<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]) -> (bool, bool) {
+    let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
+    let (mut near, mut far) = (true, false);
+    for (y, x) in image.iter().zip(x) {
+        let (value, error) = R::value_and_error(*y);
+        let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
+        let off = (value.to_f64() - x.to_f64()).abs();
+        // An unbounded error tells nothing.
+        near &= tolerance.is_finite() && off <= tolerance;
+        far |= tolerance.is_finite() && off > FAR * tolerance;
+    }
+    (near, far)
+}
+
+/// The power of a base as `value`, which is by way of another power of it, or by itself where that one has left the
+/// range of normal numbers.
+#[inline(always)]
+pub fn by_power<R: Real>(other: R, value: R, base: R, exponent: R) -> R {
+    let usable = other.gt(R::MIN_POSITIVE).and(other.lt(R::INFINITY));
+    if usable.all() { value } else { R::select(usable, value, rare_power(base, exponent)) }
+}
+
+/// A function of its own, so that it is not computed in advance.
+#[cold]
+#[inline(never)]
+fn rare_power<R: Real>(base: R, exponent: R) -> R {
+    base.powf(exponent)
 }
 
 /// Two recovered preimages that are one: equal to within rounding in every uniform.

@@ -10,6 +10,7 @@ mod joint;
 mod limits;
 mod parts;
 mod regimes;
+mod sample;
 mod staged;
 mod strays;
 mod through;
@@ -26,8 +27,9 @@ use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
-use density::{accurate, at_the_sample, density, finish, pick_volume};
+use density::{accurate, density, finish, pick_volume};
 use limits::parameters_with_limits;
+use sample::{at_the_sample, shorter};
 
 /// What the type of the result guarantees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -218,6 +220,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         Some(_) => accurate(&mut problem.graph, &written, &outputs, &mut unknown_points),
         None => stabilise_point(&mut problem.graph, &written, &mut unknown_points, &gaps),
     };
+    let forward = shorter(&mut problem.graph, forward, &mut unknown_points);
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let mut own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();

@@ -3,11 +3,14 @@
 //! The compiler of samplers runs unoptimised in most builds, where the standard library's hasher, which
 //! resists chosen keys, costs more than what is looked up. Nothing depends on the order of these maps.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// A map with the quick hasher.
 pub type Map<K, V> = HashMap<K, V, BuildHasherDefault<Quick>>;
+
+/// A set with the quick hasher.
+pub type Set<K> = HashSet<K, BuildHasherDefault<Quick>>;
 
 /// Rotates, adds and multiplies, a word at a time.
 #[derive(Clone, Copy, Default, Debug)]

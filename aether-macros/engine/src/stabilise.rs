@@ -153,7 +153,7 @@ fn by_turns(g: &mut Graph, id: Id) -> Id {
 }
 
 /// The sine, cosine or tangent of a fraction of a turn.
-fn of_turn(g: &mut Graph, id: Id) -> Option<Id> {
+pub(crate) fn of_turn(g: &mut Graph, id: Id) -> Option<Id> {
     let Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::Tan), args) = g.node(id).clone() else {
         return None;
     };

@@ -10,15 +10,14 @@ use super::regimes::{best_coordinates, best_forms};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
-use crate::hash::Map;
-use crate::jacobian::{cost, cost_together, simplify};
+use crate::jacobian::{cost, simplify};
 use crate::measure::{Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
 use crate::poly::Expander;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
-use crate::stabilise::{GOOD, stabilise, stabilise_knowing};
+use crate::stabilise::stabilise;
 
 /// The cheapest among the most accurate expressions.
 pub(super) fn pick(
@@ -223,51 +222,6 @@ fn divides_by_zero(g: &Graph, id: Id) -> bool {
         Node::Product(f) if f.iter().any(divisor) => true,
         node => children(node).into_iter().any(|c| divides_by_zero(g, c)),
     }
-}
-
-/// The volume at the uniforms as that of the sample itself, where this is more accurate, or as good and
-/// shares more with the sample. `gaps` tell of sums in which the sample loses digits.
-pub(super) fn at_the_sample(
-    problem: &mut Problem,
-    own: Id,
-    (forward, density, gaps): (&[Id], Id, &Map<Id, Id>),
-    measure: &mut Measure,
-) -> Id {
-    let g = &mut problem.graph;
-    let sample = |written: &[Id], g: &mut Graph| {
-        let outs = (0..written.len() as u8).map(Leaf::Out);
-        let sample = outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
-        let there = g.substitute(density, &sample);
-        g.powi(there, -1)
-    };
-    let mut forms = vec![sample(forward, g)];
-    let truth = measure.truths(g, own);
-    let old = measure.loss(g, own, &truth);
-    if old.worst() > GOOD && !gaps.is_empty() {
-        let there = sample(&problem.outputs, g);
-        forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
-    }
-    let work = |g: &Graph, own| cost_together(g, &[forward, &[own]].concat());
-    let mut best = (own, old, work(g, own));
-    for there in forms {
-        if g.has(there, OUTS) {
-            continue;
-        }
-        let (old, new, work) = (best.1, measure.loss(g, there, &truth), work(g, there));
-        let parts = || new.parts().into_iter().zip(old.parts());
-        let good = parts().all(|(new, old)| {
-            new.bits <= old.bits + 0.25 && new.worst <= old.worst.max(16.0 * f64::EPSILON)
-        });
-        let saves = |new: Part, old: Part| {
-            new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD
-        };
-        let no_worse = new.double.bits <= old.double.bits && new.double.worst <= old.double.worst;
-        let better = saves(new.double, old.double) || no_worse && saves(new.single, old.single);
-        if better || good && work + 10 < best.2 {
-            best = (there, new, work);
-        }
-    }
-    best.0
 }
 
 /// An expression with what a solution knows of more than single unknowns put in, the longest first:

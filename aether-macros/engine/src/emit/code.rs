@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
+use super::powers::{Related, related};
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::number::{Dd, Number};
@@ -17,6 +18,10 @@ pub struct Code<'a> {
     lets: TokenStream,
     names: HashMap<Id, Ident>,
     named: usize,
+    /// General powers that have been written: base, exponent, name.
+    powers: Vec<(Id, Id, TokenStream)>,
+    /// Names of roots that are computed again where their squares underflow.
+    rescued: HashMap<Id, TokenStream>,
     /// Whether roots are those of a map, which exist but for rounding.
     lenient: bool,
 }
@@ -30,6 +35,8 @@ impl<'a> Code<'a> {
             lets: TokenStream::new(),
             names: HashMap::new(),
             named: 0,
+            powers: Vec::new(),
+            rescued: HashMap::new(),
             lenient: false,
         }
     }
@@ -71,6 +78,7 @@ impl<'a> Code<'a> {
                 continue;
             }
             if ready {
+                self.write_powers(id);
                 let e = self.expression(id);
                 let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
                 self.lets.extend(quote!(let #name = #e;));
@@ -95,6 +103,60 @@ impl<'a> Code<'a> {
             }
         }
         self.reference(id)
+    }
+
+    /// Writes the general powers among the factors of a product. One that differs from another power of its base by
+    /// a factor of that base is that one times or over it, unless it has left the range of numbers.
+    fn write_powers(&mut self, id: Id) {
+        let factors = match self.graph.node(id) {
+            Node::Product(factors) => factors,
+            _ => match self.multiple(id) {
+                Some((_, factors)) => factors,
+                None => return,
+            },
+        };
+        for &(b, e) in factors {
+            let number = self.graph.as_number(e);
+            if number.is_some_and(|q| q.abs() == Q::HALF) && !self.rescued.contains_key(&b) {
+                self.write_rescued(b);
+            }
+            if number.is_some() || self.power(b, e).is_some() {
+                continue;
+            }
+            let (base, exponent) = (self.reference(b), self.reference(e));
+            let power = quote!(#base.powf(#exponent));
+            let known = self.powers.iter().find_map(|(base, f, name)| {
+                let related = (*base == b).then(|| related(self.graph, e, *f)).flatten()?;
+                Some((related, name.clone()))
+            });
+            let value = known.map(|(related, name)| {
+                let value = match related {
+                    Related::Times => quote!(#name * #base),
+                    Related::Over => quote!(#name / #base),
+                    Related::Rest => quote!(#base / #name),
+                    Related::Inverse => quote!(R::ONE / #name),
+                };
+                quote!(::aether_core::support::by_power(#name, #value, #base, #exponent))
+            });
+            let name = self.named(&value.unwrap_or(power));
+            self.powers.push((b, e, name));
+        }
+    }
+
+    /// Writes the root of a sum of squares, which has to be looked after, once for all that it divides.
+    fn write_rescued(&mut self, b: Id) {
+        let base = self.reference(b);
+        if let Some(scaled) = self.scaled_squares(b) {
+            let root = quote!(::aether_core::support::root(#base, |up: R| #scaled));
+            let name = self.named(&root);
+            self.rescued.insert(b, name);
+        }
+    }
+
+    /// The name of a general power that has been written.
+    fn power(&self, b: Id, e: Id) -> Option<TokenStream> {
+        let written = self.powers.iter().find(|(base, exponent, _)| (*base, *exponent) == (b, e));
+        written.map(|(.., name)| name.clone())
     }
 
     /// A multiple of a product with a constant that is rounded anyway, such as 2 π u: one number times the rest.
@@ -204,7 +266,8 @@ impl<'a> Code<'a> {
     pub(super) fn inner(&self) -> Code<'a> {
         let names = self.names.clone();
         let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
-        Code { graph, input, lets: TokenStream::new(), names, named, lenient }
+        let (powers, rescued) = (self.powers.clone(), self.rescued.clone());
+        Code { graph, input, lets: TokenStream::new(), names, named, powers, rescued, lenient }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -265,10 +328,13 @@ impl<'a> Code<'a> {
                     parts.push_whole(root, q.is_negative());
                 }
                 Some(q) => parts.push(&base, q),
-                None => {
-                    let e = self.reference(*e);
-                    parts.top.push(quote!(#base.powf(#e)));
-                }
+                None => match self.power(*b, *e) {
+                    Some(power) => parts.top.push(power),
+                    None => {
+                        let e = self.reference(*e);
+                        parts.top.push(quote!(#base.powf(#e)));
+                    }
+                },
             }
         }
         parts.finish()
@@ -315,12 +381,7 @@ impl<'a> Code<'a> {
 
     /// √base; a sum of squares small enough to underflow is computed again on another scale.
     fn root(&self, b: Id, base: &TokenStream) -> TokenStream {
-        match self.scaled_squares(b) {
-            Some(scaled) => {
-                quote!(::aether_core::support::root(#base, |up: R| #scaled))
-            }
-            None => quote!(#base.sqrt()),
-        }
+        self.rescued.get(&b).cloned().unwrap_or_else(|| quote!(#base.sqrt()))
     }
 
     /// A sum of squares (with factors that are not negative), each square times `up`.

@@ -12,6 +12,7 @@ mod numeric;
 mod own;
 mod peeled;
 mod pieces;
+mod powers;
 mod quick;
 mod sampler;
 mod tame;

@@ -19,6 +19,15 @@ pub(super) fn own_density(e: &Emitter) -> TokenStream {
         let checked = single(e);
         return quote!(#density #checked);
     }
+    let density = at_the_point(e);
+    quote! {
+        let (point, exists) = ::aether_core::Sampler::forward(self, u);
+        #density
+    }
+}
+
+/// The density of the `point` of the uniforms, where other uniforms may have it too.
+fn at_the_point(e: &Emitter) -> TokenStream {
     let several = e.derived.iter().any(|derived| derived.preimages.len() > 1);
     if several { among_several(e) } else { one_a_piece(e) }
 }
@@ -28,10 +37,22 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
     if e.support.is_some() {
         return None;
     }
-    if !e.is_single() {
-        return is_alone(e).then(|| pieces_with_density(e));
-    }
     let (n, m, _) = e.sizes();
+    if !e.is_single() {
+        if is_alone(e) {
+            return Some(pieces_with_density(e));
+        }
+        let (parameters, density) = (e.parameters(), at_the_point(e));
+        return Some(quote! {
+            #[inline(always)]
+            fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+                #parameters
+                let (point, exists) = ::aether_core::Sampler::forward(self, u);
+                let density = { #density };
+                (point, exists, density)
+            }
+        });
+    }
     let made = e.point(&quote!(c));
     let density = single(e);
     let closed = (!e.forward_is_tame(0)).then(|| {
@@ -217,7 +238,6 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         }
     };
     quote! {
-        let (point, exists) = ::aether_core::Sampler::forward(self, u);
         let mut sum = R::ZERO;
         let mut inner = <R::Mask as Mask>::FALSE;
         let mut at_border = <R::Mask as Mask>::FALSE;
@@ -256,18 +276,18 @@ fn among_several(e: &Emitter) -> TokenStream {
     let existence = existence(e);
     let jacobians = jacobians(e);
     let distances = e.places().into_iter().map(|place| {
-        let [distance, strict, recovered, inverse] = ["distance", "strict", "recovered", "inverse"]
-            .map(|name| format_ident!("{name}_{}", place.number));
+        let [distance, inside, strict, recovered, inverse] =
+            ["distance", "inside", "strict", "recovered", "inverse"]
+                .map(|name| format_ident!("{name}_{}", place.number));
         let [leave, taken] = ["leave", "taken"].map(|name| format_ident!("{name}_{}", place.piece));
         // On a border `u` itself may have been found in the other piece.
         let mine = (!e.is_whole()).then(|| {
             quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::coincide(&u, &v))))
         });
         quote! {
-            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
-            let #distance = if inside.any() {
+            let #distance = if #inside.any() {
                 let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
-                R::select(inside #mine, ::aether_core::support::distance(&u, &v), R::INFINITY)
+                R::select(#inside #mine, ::aether_core::support::distance(&u, &v), R::INFINITY)
             } else {
                 R::INFINITY
             };
@@ -275,22 +295,38 @@ fn among_several(e: &Emitter) -> TokenStream {
         }
     });
     let others = e.places().into_iter().map(|place| {
-        let [distance, strict, recovered] = ["distance", "strict", "recovered"]
-            .map(|name| format_ident!("{name}_{}", place.number));
+        let [distance, inside] =
+            ["distance", "inside"].map(|name| format_ident!("{name}_{}", place.number));
         let value = value_at(e, place, &quote!(other));
         quote! {
             let itself = #distance.le(nearest).and(#distance.lt(R::INFINITY)).and(counted.not());
             counted = counted.or(itself);
-            let inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
-            let other = inside.and(itself.not());
+            let other = #inside.and(itself.not());
             if other.any() {
                 let d = #value;
                 sum += R::select(other.and(d.gt(R::ZERO)), d, R::ZERO);
             }
         }
     });
+    // Where no other preimage than that of the uniforms is in sight there is nothing to tell apart.
+    let places = e.places();
+    let inside: Vec<_> =
+        places.iter().map(|place| format_ident!("inside_{}", place.number)).collect();
+    let found = places.iter().zip(&inside).map(|(place, inside)| {
+        let [strict, recovered] =
+            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
+        quote!(let #inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));)
+    });
+    let pairs = (0..places.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+    let pairs = pairs.map(|(j, k)| {
+        let (a, b) = (&inside[j], &inside[k]);
+        quote!(.or(#a.and(#b)))
+    });
+    let elsewhere = places.iter().zip(&inside).filter(|_| !e.is_whole()).map(|(place, inside)| {
+        let taken = format_ident!("taken_{}", place.piece);
+        quote!(.or(#inside.and(#taken::<R>(&p, &u).not())))
+    });
     quote! {
-        let (point, exists) = ::aether_core::Sampler::forward(self, u);
         let mut sum = R::ZERO;
         let mut inner = <R::Mask as Mask>::FALSE;
         #jacobians
@@ -301,16 +337,18 @@ fn among_several(e: &Emitter) -> TokenStream {
         } else {
             R::ZERO
         };
-        if !exists.and(inner).any() {
-            return ::aether_core::Density::new(R::select(outer, limit, R::ZERO));
+        if exists.and(inner).any() {
+            let point = &point;
+            let x = #coordinates;
+            #existence
+            #(#found)*
+            if (<R::Mask as Mask>::FALSE #(#pairs)* #(#elsewhere)*).any() {
+                let mut nearest = R::INFINITY;
+                #(#distances)*
+                let mut counted = <R::Mask as Mask>::FALSE;
+                #(#others)*
+            }
         }
-        let point = &point;
-        let x = #coordinates;
-        #existence
-        let mut nearest = R::INFINITY;
-        #(#distances)*
-        let mut counted = <R::Mask as Mask>::FALSE;
-        #(#others)*
         ::aether_core::Density::new(R::select(exists, R::select(inner, sum, limit), R::ZERO))
     }
 }

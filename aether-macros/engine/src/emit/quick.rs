@@ -88,29 +88,46 @@ fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let value = value_at(e, place, &all);
     let near = about(place);
     let on_manifold = place.derived.check_forward.then(|| {
+        let (_, _, s) = e.sizes();
+        let lies = format_ident!("lies_{k}");
         let image = match place.preimage.back {
             Some(_) => quote!(#back::<R>(&p, &x)),
             None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
         };
+        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs()););
+        // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
+        let otherwise = match place.preimage.back {
+            Some(_) => quote! {
+                let [on, off] = ::aether_core::support::on_or_off::<R, #m, #s>(&p, &x, #lies::<R::Lane>);
+                if off.all() {
+                    break 'inside;
+                }
+                if !on.all() { #elsewhere }
+            },
+            None => elsewhere,
+        };
         quote! {
             let back = #image;
-            if !::aether_core::support::near::<R, #m>(&back, &x).all() {
-                break 'quick pdf_anywhere::<R>(p, x, belongs());
-            }
+            if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
         }
     });
     let wide = format_ident!("wide_{j}");
     let confined = place.problem.segments.iter().any(Option::is_some);
     let wide = confined.then(|| quote!(let ok = ok.and(#wide::<R>(&p));));
     let inside = if confined { quote!(plain.and(ok).all()) } else { quote!(plain.all()) };
+    let accepted = quote! {
+        #on_manifold
+        let d = #value;
+        sum += R::select(d.gt(R::ZERO), d, R::ZERO);
+        #found = true;
+    };
+    let leaves = place.derived.check_forward && place.preimage.back.is_some();
+    let accepted = if leaves { quote!('inside: { #accepted }) } else { accepted };
     let tested = quote! {
         let (plain, ok) = #plainly::<R>(&p, &x);
         #wide
         if #inside {
-            #on_manifold
-            let d = #value;
-            sum += R::select(d.gt(R::ZERO), d, R::ZERO);
-            #found = true;
+            #accepted
         } else if ok.any() {
             let (checked, ..) = #support::<R>(&p, &x);
             if ok.and(#near).any() {

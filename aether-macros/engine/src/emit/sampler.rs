@@ -198,8 +198,9 @@ pub(super) fn about(place: Place) -> TokenStream {
 fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStream {
     let (k, j) = (place.number, place.piece);
     let (_, m, s) = e.sizes();
-    let [support, inverse, strict, possible] =
-        ["support", "inverse", "strict", "possible"].map(|name| format_ident!("{name}_{k}"));
+    let [support, inverse, strict, possible, open] =
+        ["support", "inverse", "strict", "possible", "open"]
+            .map(|name| format_ident!("{name}_{k}"));
     let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
     let guarded =
         (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
@@ -245,16 +246,18 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
         } else {
             ok
         };
+        // Unknowns that plainly lie inside are none that rounding could have put outside.
+        let #open = #possible.and(#strict.not());
         #membership
     };
     match wanted {
         None => tested,
         Some(wanted) => quote! {
             let wanted: R::Mask = #wanted;
-            let (#strict, #possible) = if wanted.any() {
+            let (#strict, #open) = if wanted.any() {
                 let belongs = belongs.and(wanted);
                 #tested
-                (#strict, #possible)
+                (#strict, #open)
             } else {
                 (wanted, wanted)
             };
@@ -267,10 +270,26 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
 fn exceptions(e: &Emitter) -> TokenStream {
     let functions = e.places().into_iter().map(|place| {
         let member = place.derived.check_forward.then(|| e.member(place, &e.tracked()));
-        let rounded = rounded(e, place);
-        quote!(#member #rounded)
+        let (lies, rounded) = (lies(e, place), rounded(e, place));
+        quote!(#member #lies #rounded)
     });
     quote!(#(#functions)*)
+}
+
+/// Whether a point is its image under a preimage, and whether it lies far from it, where that image is known as such.
+fn lies(e: &Emitter, place: Place) -> Option<TokenStream> {
+    let (_, m, s) = e.sizes();
+    let [lies, back] = ["lies", "back"].map(|name| format_ident!("{name}_{}", place.number));
+    let tracked = e.tracked();
+    place.preimage.back.as_ref().map(|_| {
+        quote! {
+            /// Whether a point lies on the manifold to within error bounds, and whether it plainly does not.
+            fn #lies<R: Single>(p: &[R; #s], x: &[R; #m]) -> (bool, bool) {
+                let (tp, tx) = (::aether_core::support::track(p), #tracked);
+                ::aether_core::support::near_or_far::<R, #m>(#back::<R::Tracked>(&tp, &tx), x)
+            }
+        }
+    })
 }
 
 fn rounded(e: &Emitter, place: Place) -> TokenStream {
@@ -316,8 +335,8 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
 fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let k = place.number;
     let (n, _, _) = e.sizes();
-    let [strict, possible, recovered, rounded] =
-        ["strict", "possible", "recovered", "rounded"].map(|name| format_ident!("{name}_{k}"));
+    let [open, recovered, rounded] =
+        ["open", "recovered", "rounded"].map(|name| format_ident!("{name}_{k}"));
     // A preimage that was accepted by tolerance and equals one that counts already counts once.
     let again = places.iter().filter(|other| other.number != k).map(|other| {
         let [inverse, strict, recovered] =
@@ -348,7 +367,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         }
     });
     quote! {
-        let #recovered = ::aether_core::support::recovered::<R, #n>(#possible.and(#strict.not()), |i| {
+        let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
             #rounded::<R::Lane>(&p, &x) #(#again)* #alone
         });

@@ -1,0 +1,112 @@
+//! A sample together with its density: what both compute is computed once, so that forms that are as accurate are
+//! chosen by what they share.
+
+use std::collections::BTreeMap;
+
+use super::Problem;
+use super::factored::factored;
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
+use crate::hash::{Map, Set};
+use crate::jacobian::cost_together;
+use crate::measure::{Loss, Measure, Part};
+use crate::stabilise::{GOOD, of_turn, stabilise_knowing};
+
+/// Whether a form is as accurate as another, or more accurate than it is worth to be. Where a density is
+/// ill-conditioned each form is far off at some point, in one precision or the other.
+fn as_good(new: Loss, old: Loss) -> bool {
+    let bits =
+        new.parts().into_iter().zip(old.parts()).all(|(new, old)| new.bits <= old.bits + 1.0);
+    bits && new.worst() <= (4.0 * old.worst()).max(GOOD)
+}
+
+/// The coordinates of a sample with what the terms of their sums have in common outside of them, where this is
+/// shorter and as accurate: a vector that is given unit length twice has one divisor then.
+pub(super) fn shorter(g: &mut Graph, forward: Vec<Id>, measure: &mut Measure) -> Vec<Id> {
+    let forms: Vec<Id> = forward.iter().map(|&f| factored(g, f)).collect();
+    if cost_together(g, &forms) >= cost_together(g, &forward) {
+        return forward;
+    }
+    let good = forms.iter().zip(&forward).all(|(&new, &old)| {
+        let truth = measure.truths(g, old);
+        as_good(measure.loss(g, new, &truth), measure.loss(g, old, &truth))
+    });
+    if good { forms } else { forward }
+}
+
+/// The volume at the uniforms as that of the sample itself, or by the sines and cosines that the sample has, where
+/// this is more accurate, or as good and shares more with the sample. `gaps` tell of sums in which the sample loses
+/// digits.
+pub(super) fn at_the_sample(
+    problem: &mut Problem,
+    own: Id,
+    (forward, density, gaps): (&[Id], Id, &Map<Id, Id>),
+    measure: &mut Measure,
+) -> Id {
+    let g = &mut problem.graph;
+    let sample = |written: &[Id], g: &mut Graph| {
+        let outs = (0..written.len() as u8).map(Leaf::Out);
+        let sample = outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
+        let there = g.substitute(density, &sample);
+        g.powi(there, -1)
+    };
+    let short = factored(g, own);
+    let mut forms = vec![sample(forward, g), by_its_angles(g, own, forward), short];
+    forms.push(by_its_angles(g, short, forward));
+    let truth = measure.truths(g, own);
+    let old = measure.loss(g, own, &truth);
+    if old.worst() > GOOD && !gaps.is_empty() {
+        let there = sample(&problem.outputs, g);
+        forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
+    }
+    let work = |g: &Graph, own| cost_together(g, &[forward, &[own]].concat());
+    let mut best = (own, old, work(g, own));
+    for there in forms {
+        if g.has(there, OUTS) {
+            continue;
+        }
+        let (new, work) = (measure.loss(g, there, &truth), work(g, there));
+        let saves = |new: Part, old: Part| {
+            new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD
+        };
+        let no_worse =
+            new.double.bits <= best.1.double.bits && new.double.worst <= best.1.double.worst;
+        let better =
+            saves(new.double, best.1.double) || no_worse && saves(new.single, best.1.single);
+        // What is given up for less work is counted from the form that came first.
+        if better || as_good(new, old) && work + 10 < best.2 {
+            best = (there, new, work);
+        }
+    }
+    best.0
+}
+
+/// The expression with sines and cosines of an angle for those of the same fraction of a turn, or the other way
+/// round, where some other expressions have these.
+fn by_its_angles(g: &mut Graph, id: Id, others: &[Id]) -> Id {
+    let [mine, theirs] = [&[id][..], others].map(|roots| angles(g, roots));
+    let mut same = BTreeMap::new();
+    for &angle in &mine {
+        let turn = of_turn(g, angle).filter(|turn| theirs.contains(turn));
+        same.extend(turn.map(|turn| (angle, turn)));
+    }
+    for &angle in &theirs {
+        let turn = of_turn(g, angle).filter(|turn| mine.contains(turn));
+        same.extend(turn.map(|turn| (turn, angle)));
+    }
+    if same.is_empty() { id } else { g.substitute(id, &same) }
+}
+
+/// The sines and cosines in expressions.
+fn angles(g: &Graph, roots: &[Id]) -> Vec<Id> {
+    let (mut open, mut seen, mut found) = (roots.to_vec(), Set::default(), Vec::new());
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        if let Node::Call(Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi, _) = g.node(id) {
+            found.push(id);
+        }
+        open.extend(children(g.node(id)));
+    }
+    found
+}
