@@ -315,6 +315,8 @@ tests/reference/stability.csv`.
 Errors in units of 2⁻⁵² (f64) or 2⁻²³ (f32) of the value: the worst over its condition number (at least
 one), and in brackets the worst and the median. Points: the extreme points of the reference data, uniforms
 up to the last bit before an end with parameters over their declared domains, and random samples; in f32,
-parameters and uniforms are rounded first. Zeros: own samples with density zero. Infinite: densities that
-are not. The textbook form is the density as it is usually written, at the same points.
+parameters and uniforms are rounded first. The condition number of `sample.pdf()` is that of `pdf(x)` or,
+where that is larger, what half a unit in each uniform and parameter does to it. Zeros: own samples with
+density zero. Infinite: densities that are not. The textbook form is the density as it is usually written,
+at the same points.
 ";
