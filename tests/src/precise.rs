@@ -7,6 +7,7 @@
 //! Special functions ([`aether_core::special`]) are those of `f64` here; no sampler of the registry has
 //! one.
 
+use core::cell::RefCell;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -38,6 +39,21 @@ impl Precise {
         if x * 4096.0 == (x * 4096.0).floor() {
             return Precise::f64(x);
         }
+        // The same few constants are asked for again and again.
+        thread_local! {
+            static LATELY: RefCell<[(f64, Dd); 64]> = const { RefCell::new([(0.0, Dd::ZERO); 64]) };
+        }
+        let place = (x.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 58) as usize;
+        LATELY.with_borrow_mut(|lately| {
+            if lately[place].0 != x {
+                lately[place] = (x, Precise::recognised(x));
+            }
+            Precise(lately[place].1)
+        })
+    }
+
+    /// The simple fraction or multiple that has these digits, or the number itself.
+    fn recognised(x: f64) -> Dd {
         let fraction = |x: f64| {
             let fits = |q: &f64| (x * q).round() / q == x && (x * q).abs() < 1e4;
             (1..100).map(f64::from).find(fits).map(|q| Dd::of((x * q).round()) / Dd::of(q))
@@ -50,7 +66,7 @@ impl Precise {
             close.then(|| factor * unit)
         };
         let found = fraction(x).or_else(|| multiple(pi)).or_else(|| multiple(Dd::ONE / pi));
-        Precise(found.unwrap_or(Dd::of(x)))
+        found.unwrap_or(Dd::of(x))
     }
 }
 
@@ -158,8 +174,7 @@ macro_rules! number {
                 self
             }
             fn value_and_error(tracked: Self) -> (Self, Self) {
-                let error = tracked.abs() * Self::EPSILON * Self::of(1e3);
-                (tracked, Self::of(error.to_f64()))
+                (tracked, tracked.abs() * Self::EPSILON * Self::of(1e3))
             }
         }
     };

@@ -180,7 +180,7 @@ fn triple(t: &Tally) -> String {
 }
 
 fn markdown(rows: &[Row]) -> String {
-    let mut text = String::from(INTRODUCTION);
+    let mut text = String::from(INTRODUCTION) + &summary(rows);
     for precision in ["f64", "f32"] {
         text += &format!("\n## {precision}\n\n");
         text += "| sampler | sample | inverse | pdf(x) | sample.pdf() | extreme points | textbook | zeros | NaN | infinite | points |\n";
@@ -231,6 +231,50 @@ fn markdown(rows: &[Row]) -> String {
     text + &oracle(rows) + &beside_mitsuba(rows)
 }
 
+/// Both precisions side by side.
+fn summary(rows: &[Row]) -> String {
+    let line = |what: &str, figure: &dyn Fn(&[&Row]) -> String| {
+        let of = |precision| rows.iter().filter(move |r| r.precision == precision).collect();
+        let both: [Vec<&Row>; 2] = ["f64", "f32"].map(of);
+        format!("| {what} | {} |\n", both.map(|rows| figure(&rows)).join(" | "))
+    };
+    let counted = |of: fn(&Row) -> u64| {
+        move |rows: &[&Row]| {
+            let with = rows.iter().filter(|r| of(r) > 0).count();
+            format!("{with}, {}", rows.iter().map(|r| of(r)).sum::<u64>())
+        }
+    };
+    let within = |over: fn(&Row) -> f64, asked: fn(&Row) -> bool| {
+        move |rows: &[&Row]| {
+            let asked: Vec<&&Row> = rows.iter().filter(|r| asked(r)).collect();
+            format!("{} of {}", asked.iter().filter(|r| over(r) <= LIMIT).count(), asked.len())
+        }
+    };
+    let extremes = within(|r| r.extremes.worst_over, |r| r.extremes.count() > 0);
+    let medians = |rows: &[&Row]| {
+        let median = |tally: fn(&Row) -> &Tally| {
+            let mut all: Vec<f64> = rows.iter().map(|r| tally(r).median()).collect();
+            all.retain(|m| !m.is_nan());
+            all.sort_by(f64::total_cmp);
+            all.get(all.len() / 2).map_or("-".into(), |m| format!("{m:.2}"))
+        };
+        [median(|r| &r.sample), median(|r| &r.pdf), median(|r| &r.own)].join(", ")
+    };
+    let limit = format!("samplers within {LIMIT} units over the condition number at");
+    [
+        String::from("\n## Summary\n\n| | f64 | f32 |\n| --- | --- | --- |\n"),
+        line("samplers", &|rows| rows.len().to_string()),
+        line("points tried", &|rows| rows.iter().map(|r| r.samples).sum::<u64>().to_string()),
+        line(&format!("{limit} the extreme points of the reference data"), &extremes),
+        line(&format!("{limit} all points"), &within(|r| r.worst_over(), |_| true)),
+        line("samplers with a false zero, of these points", &counted(|r| r.false_zeros)),
+        line("samplers with NaN, of these points", &counted(|r| r.nan)),
+        line("samplers with a false infinity, of these points", &counted(|r| r.infinite)),
+        line("median error of samples, pdf(x) and sample.pdf() (median over samplers)", &medians),
+    ]
+    .concat()
+}
+
 /// Where the oracle itself differs from the reference data.
 fn oracle(rows: &[Row]) -> String {
     let points: u64 = rows.iter().map(|r| r.oracle.count()).sum();
@@ -271,6 +315,8 @@ tests/reference/stability.csv`.
 Errors in units of 2⁻⁵² (f64) or 2⁻²³ (f32) of the value: the worst over its condition number (at least
 one), and in brackets the worst and the median. Points: the extreme points of the reference data, uniforms
 up to the last bit before an end with parameters over their declared domains, and random samples; in f32,
-parameters and uniforms are rounded first. Zeros: own samples with density zero. Infinite: densities that
-are not. The textbook form is the density as it is usually written, at the same points.
+parameters and uniforms are rounded first. The condition number of `sample.pdf()` is that of `pdf(x)` or,
+where that is larger, what half a unit in each uniform and parameter does to it. Zeros: own samples with
+density zero. Infinite: densities that are not. The textbook form is the density as it is usually written,
+at the same points.
 ";

@@ -6,17 +6,25 @@
 //!
 //! Errors are in units of the spacing of numbers next to one: 2⁻⁵² of the value, or 2⁻²³ for `f32`. The
 //! error of a sample is that of the vector. Below the smallest normal number errors are absolute. A
-//! condition number is what moving each input by half a unit may cost, in units.
+//! condition number is what moving each input by half a unit may cost, in units; the density of a sample has that
+//! of its coordinates or that of its uniforms, whichever is larger.
 
+mod conditions;
+mod few;
+mod judge;
 mod measure;
 mod oracle;
 mod peers;
 mod places;
+mod probe;
+mod random;
 mod reasons;
 mod tally;
 
+pub use conditions::{Conditions, conditions};
+pub use few::Few;
 pub use measure::{Row, Settings, measure};
-pub use oracle::{Conditions, Exact, Format, conditions, exact};
+pub use oracle::{Exact, Format, exact};
 pub use peers::{PeerPoint, peer_points};
 pub use places::{next_to_ends, swept};
 pub use reasons::reason;

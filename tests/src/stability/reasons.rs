@@ -61,21 +61,18 @@ const REASONS: &[(&str, &str)] = &[
     ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
     ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),
     ("visible_normals", OPPOSITE),
-    (
-        "renderer: rough conductor, Beckmann",
-        "presumably: the half vector is normalised from a rounded direction, and its tangent is squared and exponentiated",
-    ),
-    ("renderer: rough conductor, visible Beckmann", LAST_SLOPE),
+    ("renderer: rough conductor, Beckmann", BACK),
+    ("renderer: rough conductor, visible Beckmann", BACK),
     ("renderer: rough conductor, visible GGX", OPPOSITE),
-    (
-        "renderer: rough dielectric, refraction",
-        "presumably as of visible normals: the last uniforms",
-    ),
+    ("renderer: rough dielectric, refraction", OPPOSITE),
     (
         "renderer: triangle light by direction",
-        "presumably: next to an edge of the triangle, which the rounding of a direction crosses",
+        "next to the corner at the pole: z is rounded to one, and 1 - z, by which it divides, to zero",
     ),
-    ("renderer: visible slopes, Beckmann", LAST_SLOPE),
+    (
+        "renderer: visible slopes, Beckmann",
+        "viewed nearly from above, slopes are small differences from the steepest one that is seen",
+    ),
     ("Weibull", "f32 cannot hold x = u², which is subnormal"),
     (
         "height field",
@@ -85,7 +82,7 @@ const REASONS: &[(&str, &str)] = &[
     ("triangle", "in f32, far from the origin: rounding exceeds an eighth of the triangle"),
     (
         "renderer: film, tent filter",
-        "presumably: the last bit of a film point is more than its sampler knows of its tip",
+        "in f32, far out on the film, the last samples are rounded onto the end of the filter",
     ),
 ];
 
@@ -95,8 +92,8 @@ const COMPOSED: &str = "a map between rounds the point of the film by more than 
 
 const OPPOSITE: &str =
     "grazing views, and a half or the last of uniforms: two nearly opposite vectors are added";
-const LAST_SLOPE: &str =
-    "presumably: the last uniforms, where the steepest slopes have an error function next to one";
+const BACK: &str = "light that goes back to where it is seen from, on a facet that is seen edge-on: the half vector \
+     is the sum of two nearly opposite directions, and a rounded one has not quite unit length";
 
 /// Why a sampler misses the limit.
 pub fn reason(name: &str) -> &'static str {

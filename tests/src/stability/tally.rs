@@ -25,11 +25,12 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// Counts an error in units. The condition number is asked for only if it matters.
+    /// Counts an error in units. The condition number is asked for only if it matters, with a limit above which
+    /// it does not matter how large it is.
     pub fn add(
         &mut self,
         error: f64,
-        condition: impl FnOnce() -> f64,
+        condition: impl FnOnce(f64) -> f64,
         at: impl FnOnce() -> String,
     ) {
         let bin =
@@ -38,7 +39,7 @@ impl Tally {
         self.bins[bin.min(last)] += 1;
         self.worst = self.worst.max(error);
         if error > self.worst_over {
-            let over = error / condition().max(1.0);
+            let over = error / condition(error / self.worst_over).max(1.0);
             if over > self.worst_over {
                 self.worst_over = over;
                 self.at = at();

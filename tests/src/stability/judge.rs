@@ -1,0 +1,177 @@
+//! What is found at one point against the exact values there.
+
+use aether_core::{Real, Scalar};
+
+use super::conditions::{Conditions, STEPS, Steps, conditions, estimate};
+use super::few::Few;
+use super::measure::Row;
+use super::oracle::{Exact, Format};
+use super::probe::Answer;
+use crate::precise::Precise;
+use crate::registry::Item;
+use crate::textbook::textbook;
+
+/// Where a point comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The reference data: it counts among the extreme points.
+    Extreme,
+    /// The ends of uniforms, or of the domains of parameters.
+    Swept,
+    /// Chance: mostly far enough from all ends for differences in `f64`.
+    Random,
+}
+
+/// A point with its exact values.
+pub struct Judge<'a> {
+    /// The sampler.
+    pub item: &'a Item,
+    /// Its parameters.
+    pub numbers: &'a [f64],
+    /// The uniforms.
+    pub u: &'a [f64],
+    /// The exact values; none where there is no sample.
+    pub exact: Option<Exact>,
+    /// The precision.
+    pub format: Format,
+    /// Where the point comes from.
+    pub origin: Origin,
+}
+
+/// How far estimates of a condition number may be apart, relative to them, to be believed within twice as much.
+const AGREEMENT: f64 = 0.01;
+
+/// The condition numbers at a point, computed when they are asked for.
+struct Lazy<'a> {
+    at: &'a Judge<'a>,
+    exact: Exact,
+    estimates: [Option<[Conditions; 2]>; 2],
+    known: Option<Conditions>,
+}
+
+impl Lazy<'_> {
+    fn exactly(&mut self) -> &Conditions {
+        let Judge { item, numbers, u, format, .. } = *self.at;
+        self.known
+            .get_or_insert_with(|| conditions(item, numbers, &precise(u), &self.exact, format))
+    }
+
+    /// A little less than one of the condition numbers, if it can be estimated; all inputs add to it, so that
+    /// uniforms and coordinates without parameters may do.
+    fn at_least(&mut self, parameters: bool, which: &impl Fn(&Conditions) -> f64) -> Option<f64> {
+        let Judge { item, numbers, u, format, origin, .. } = *self.at;
+        if origin != Origin::Random || self.known.is_some() {
+            return None;
+        }
+        let estimates = self.estimates[usize::from(parameters)].get_or_insert_with(|| {
+            let moved = if parameters { numbers.len() } else { 0 };
+            STEPS.map(|uniform| {
+                let steps = Steps { uniform, parameter: uniform.max(format.spacing), moved };
+                estimate(steps, item, numbers, &precise(u), &self.exact, format)
+            })
+        });
+        let [a, b] = [which(&estimates[0]), which(&estimates[1])];
+        // Where moved uniforms have no sample there is no estimate.
+        let agree = a.is_finite() && (a - b).abs() <= AGREEMENT * a;
+        agree.then_some(a * (1.0 - 2.0 * AGREEMENT))
+    }
+
+    /// One of the condition numbers; where it is plainly larger than `limit`, some number above that.
+    fn beyond(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> f64 {
+        for parameters in [false, true] {
+            if let Some(least) = self.at_least(parameters, &which).filter(|c| *c > limit) {
+                return least;
+            }
+        }
+        which(self.exactly())
+    }
+}
+
+fn precise(u: &[f64]) -> Few<Precise> {
+    u.iter().map(|u| Precise::f64(*u)).collect()
+}
+
+impl Judge<'_> {
+    /// The exact sample, rounded: a point to ask about.
+    pub fn rounded<R: Scalar>(exact: &Option<Exact>) -> Few<f64> {
+        let Some(exact) = exact else { return Few::default() };
+        exact.x.iter().map(|x| R::of(x.to_f64()).to_f64()).collect()
+    }
+
+    /// Adds to a row what was found at the uniforms and at the exact sample, `x`, rounded.
+    pub fn enter<R: Scalar>(&self, row: &mut Row, found: &Answer, x: &[f64]) {
+        let Judge { item, numbers, u, format, .. } = self;
+        row.samples += 1;
+        let at = || format!("{numbers:?} {u:?}");
+        let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
+        // Where parameters leave no distribution, such as one of width zero, there is no sample either.
+        let exists = self.exact.as_ref().is_some_and(|e| e.x.iter().all(|x| x.finite()));
+        let nan = found.valid && exists && found.sample.iter().any(|x| x.is_nan());
+        if nan || found.nan || densities.clone().any(f64::is_nan) {
+            row.nan += 1;
+            row.example("NaN", &at);
+        }
+        let Some(exact) = self.exact else { return };
+        let density = exact.density.to_f64();
+        // Where the map is 0/0, at a uniform of zero, there is only a limit, which the oracle does not know.
+        let known = density.is_finite() && density > 0.0 && exists;
+        if !known || !found.valid {
+            return;
+        }
+        let mut lazy = Lazy { at: self, exact, estimates: [None; 2], known: None };
+        let normal = density > format.floor && density < format.ceiling;
+        if normal && (found.own == 0.0 || found.at_own == Some(0.0)) {
+            // A point next to the border of the support may be rounded onto it, where the density is zero.
+            if found.own == 0.0 || lazy.exactly().density * format.spacing < 0.25 {
+                row.false_zeros += 1;
+                row.example("false zero", &at);
+            }
+        }
+        let infinite = densities.into_iter().any(|d| d == f64::INFINITY);
+        if normal && infinite && lazy.exactly().density * format.spacing < 0.25 {
+            row.infinite += 1;
+            row.example("infinity", &at);
+        }
+        if exact.x.iter().any(|x| x.abs().to_f64() > format.ceiling) {
+            return;
+        }
+        let sample = format.vector(&found.sample, &exact.x);
+        row.sample.add(sample, |c| lazy.beyond(c, |c| c.sample), at);
+        let own = format.density(found.own, exact.density);
+        row.own.add(own, |c| lazy.beyond(c, |c| c.own), at);
+        let by_hand: Few<R> = x.iter().map(|x| R::of(*x)).collect();
+        let parameters: Vec<R> = numbers.iter().map(|x| R::of(*x)).collect();
+        if let Some(pdf) = textbook(item.which, &parameters, &by_hand) {
+            let error = format.density(pdf.to_f64(), exact.density);
+            row.textbook.add(error, |c| lazy.beyond(c, |c| c.density), at);
+        }
+        let mut pdf = 0.0;
+        if let Some(found) = found.pdf {
+            pdf = format.density(found, exact.density);
+            row.pdf.add(pdf, |c| lazy.beyond(c, |c| c.density), at);
+        }
+        if self.origin == Origin::Extreme {
+            let t = &mut row.extremes;
+            t.add(sample, |_| lazy.exactly().sample, || format!("sample at {}", at()));
+            t.add(own, |_| lazy.exactly().density, || format!("sample.pdf() at {}", at()));
+            t.add(pdf, |_| lazy.exactly().density, || format!("pdf(x) at {}", at()));
+        }
+        self.inverse(row, found, &mut lazy, &at);
+    }
+
+    /// The preimage next to the uniforms: its worst uniform.
+    fn inverse(&self, row: &mut Row, found: &Answer, lazy: &mut Lazy, at: &dyn Fn() -> String) {
+        let Some(back) = &found.back else { return };
+        let Judge { u, format, .. } = self;
+        let errors = back.iter().zip(*u);
+        let errors: Few<f64> =
+            errors.map(|(v, u)| format.units((v - u).abs() / u.max(format.floor))).collect();
+        let worst = errors.iter().copied().fold(0.0, f64::max);
+        // The condition number that goes with the worst error is that of the uniform with the worst quotient.
+        let relative = |c: &Conditions| {
+            let over = errors.iter().zip(c.inverse.iter()).map(|(e, c)| e / c.max(1.0));
+            worst / over.fold(0.0, f64::max)
+        };
+        row.inverse.add(worst, |c| lazy.beyond(c, relative), at);
+    }
+}

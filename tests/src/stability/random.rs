@@ -1,0 +1,85 @@
+//! Random samples of `f32` against `f64`: as many as there is time for, so that each costs little more than the
+//! sampler itself.
+
+use aether_core::{Pcg32, Scalar, UniformSource};
+
+use super::few::Few;
+use super::judge::{Judge, Origin};
+use super::measure::Row;
+use super::oracle::{Exact, Format};
+use super::probe::{Answer, Question, ask};
+use crate::precise::Precise;
+use crate::registry::Item;
+
+/// How many are drawn at once: samplers are made for each block, and blocks should stay in the cache.
+const BLOCK: u64 = 1 << 8;
+
+/// Uniforms below one, rounded to the precision.
+pub fn draw<R: Scalar>(source: &mut Pcg32, dimensions: usize) -> Few<f64> {
+    let below_one = R::ONE - R::EPSILON * R::of(0.5);
+    let mut next = || -> f64 {
+        let u: f64 = source.next();
+        R::of(u).min(below_one).to_f64()
+    };
+    (0..dimensions).map(|_| next()).collect()
+}
+
+/// Adds so many samples to the row, with these sets of parameters in turns.
+pub fn against_double<R: Scalar>(
+    row: &mut Row,
+    item: &Item,
+    sets: &[Vec<f64>],
+    dimensions: usize,
+    count: u64,
+) {
+    let format = Format::of::<R>();
+    let mut source = Pcg32::new(11, 0, 0);
+    let mut first = 0;
+    while first < count {
+        let size = BLOCK.min(count - first) as usize;
+        let set = |i: usize| (first as usize + i) % sets.len();
+        let mut questions: Vec<Question> = Vec::with_capacity(size);
+        questions
+            .extend((0..size).map(|_| Question { u: draw::<R>(&mut source, dimensions), x: None }));
+        let exact: Vec<Option<Exact>> =
+            by_set::<f64>(item, sets, &questions, set).into_iter().map(reference).collect();
+        for (question, exact) in questions.iter_mut().zip(&exact) {
+            question.x = Some(Judge::rounded::<R>(exact));
+        }
+        let found = by_set::<R>(item, sets, &questions, set);
+        for (i, found) in found.iter().enumerate() {
+            let (Some(found), Some(x)) = (found, questions[i].x) else { continue };
+            let (numbers, u) = (&sets[set(i)][..], &questions[i].u[..]);
+            let exact = exact[i];
+            let origin = Origin::Random;
+            let judge = Judge { item, numbers, u, exact, format, origin };
+            judge.enter::<R>(row, found, &x);
+        }
+        first += size as u64;
+    }
+}
+
+/// The answers in the order of the questions, each to the sampler with its set of parameters.
+fn by_set<R: Scalar>(
+    item: &Item,
+    sets: &[Vec<f64>],
+    questions: &[Question],
+    set: impl Fn(usize) -> usize,
+) -> Vec<Option<Answer>> {
+    let mut all = vec![None; questions.len()];
+    for (s, numbers) in sets.iter().enumerate() {
+        let mine: Vec<usize> = (0..questions.len()).filter(|i| set(*i) == s).collect();
+        let asked: Vec<Question> = mine.iter().map(|i| questions[*i]).collect();
+        for (i, found) in mine.iter().zip(ask::<R>(item, numbers, &asked)) {
+            all[*i] = Some(found);
+        }
+    }
+    all
+}
+
+/// What `f64` says, as if it were exact.
+fn reference(found: Option<Answer>) -> Option<Exact> {
+    let found = found.filter(|f| f.valid)?;
+    let x = found.sample.iter().map(|x| Precise::f64(*x)).collect();
+    Some(Exact { x, density: Precise::f64(found.own) })
+}
