@@ -188,12 +188,13 @@ struct Search<'a> {
     told: &'a Map<Id, Id>,
     /// How many forms may still be tried.
     left: usize,
-    memo: Map<Id, Id>,
+    /// What was found already, by expression and depth: forms share most of their parts.
+    memo: Map<(Id, u8), Id>,
 }
 
 impl Search<'_> {
     fn rebuild(&mut self, g: &mut Graph, id: Id, depth: u8) -> Id {
-        if let Some(&r) = self.memo.get(&id) {
+        if let Some(&r) = self.memo.get(&(id, depth)) {
             return r;
         }
         let rebuilt = match g.node(id).clone() {
@@ -213,7 +214,7 @@ impl Search<'_> {
             _ => id,
         };
         let best = self.best_form(g, id, rebuilt, depth);
-        self.memo.insert(id, best);
+        self.memo.insert((id, depth), best);
         best
     }
 
@@ -234,7 +235,7 @@ impl Search<'_> {
                 let Some(left) = self.left.checked_sub(1) else { break };
                 self.left = left;
                 // The parts of a new form deserve a look of their own.
-                let form = self.rebuild_children(g, form, depth - 1);
+                let form = self.children_of(g, form, depth - 1);
                 forms.push((form, self.measure.errors(g, form, &truth)));
             }
             if worst(&forms) > self.good
@@ -290,13 +291,6 @@ impl Search<'_> {
             }
         }
         None
-    }
-
-    fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
-        let outer = std::mem::take(&mut self.memo);
-        let r = self.children_of(g, form, depth);
-        self.memo = outer;
-        r
     }
 
     fn children_of(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
