@@ -54,6 +54,10 @@ pub struct Measure {
     double: Table<f64>,
     single: Table<Single>,
     exact: Table<Dd>,
+    /// The errors of forms by the expression that they are forms of.
+    judged: Map<(Id, Id), Rc<Errors>>,
+    /// What [`crate::stabilise`] chose among forms, by these and the error that is good enough.
+    pub(crate) chosen: Map<(Vec<Id>, u64), Id>,
 }
 
 impl Measure {
@@ -61,8 +65,9 @@ impl Measure {
     pub fn new(mut points: Vec<Inputs>, single: Vec<Inputs>) -> Measure {
         let doubles = points.len();
         points.extend(single);
-        let (double, exact) = (Table::new(), Table::new());
-        Measure { points, doubles, double, single: Table::new(), exact }
+        let (double, single, exact) = (Table::new(), Table::new(), Table::new());
+        let (judged, chosen) = (Map::default(), Map::default());
+        Measure { points, doubles, double, single, exact, judged, chosen }
     }
 
     /// The points, of both precisions.
@@ -124,6 +129,17 @@ impl Measure {
     /// How far a form is from the true values, over all points.
     pub fn loss(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Loss {
         self.errors(g, form, truth).loss()
+    }
+
+    /// How far a form of an expression is from the true values of that at each point.
+    pub fn errors_of(&mut self, g: &Graph, form: Id, of: Id) -> Rc<Errors> {
+        if let Some(known) = self.judged.get(&(form, of)) {
+            return known.clone();
+        }
+        let truth = self.truths(g, of);
+        let errors = Rc::new(self.errors(g, form, &truth));
+        self.judged.insert((form, of), errors.clone());
+        errors
     }
 
     /// How far a form is from the true values at each point.

@@ -62,7 +62,8 @@ impl Q {
         }
         let g = gcd(num, den).max(1);
         let sign = if den < 0 { -1 } else { 1 };
-        let (num, den) = if g == 1 { (sign * num, sign * den) } else { (sign * num / g, sign * den / g) };
+        let (num, den) =
+            if g == 1 { (sign * num, sign * den) } else { (sign * num / g, sign * den / g) };
         (num.abs() < LIMIT && den < LIMIT).then_some(Q { num, den })
     }
 
