@@ -167,7 +167,8 @@ impl Measure {
             }
             errors.push(error);
         }
-        Errors { errors, doubles: self.doubles, worst, bits: OnceCell::new() }
+        let (bits, whole) = (OnceCell::new(), OnceCell::new());
+        Errors { errors, doubles: self.doubles, worst, bits, whole }
     }
 }
 
@@ -184,6 +185,7 @@ pub struct Errors {
     worst: f64,
     /// The bits that they lose. Logarithms are expensive, and often nobody asks.
     bits: OnceCell<Vec<f64>>,
+    whole: OnceCell<Loss>,
 }
 
 impl Errors {
@@ -199,7 +201,7 @@ impl Errors {
 
     /// Over all points.
     pub fn loss(&self) -> Loss {
-        self.over(|_| true)
+        *self.whole.get_or_init(|| self.over(|_| true))
     }
 
     /// Over those of the points for which `kept` is `side`.
@@ -244,11 +246,19 @@ impl<T: Number> Table<T> {
             children(g.node(id)).into_iter().map(|c| (c, self.values(g, c, points))).collect();
         let at = |k: usize| {
             let input = |l: Leaf| T::from_f64(points[k].get(&l).copied().unwrap_or(f64::NAN));
-            let part = |id: Id| {
-                let found = parts.iter().find(|(c, _)| *c == id);
-                found.map_or(T::from_f64(f64::NAN), |(_, v)| v[k])
+            // Parts are asked for in their order, with some left out.
+            let mut next = 0;
+            let mut part = |id: Id| {
+                for _ in 0..parts.len() {
+                    let (child, values) = &parts[next];
+                    next = if next + 1 < parts.len() { next + 1 } else { 0 };
+                    if child.0 == id.0 {
+                        return values[k];
+                    }
+                }
+                T::from_f64(f64::NAN)
             };
-            node_value(g, id, &input, &mut { part })
+            node_value(g, id, &input, &mut part)
         };
         let values: Rc<[T]> = (0..points.len()).map(at).collect();
         self.known.insert(id, values.clone());
