@@ -3,7 +3,6 @@
 pub mod moved;
 pub mod sphere;
 
-
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::poly::{Expander, gathered, paired};
