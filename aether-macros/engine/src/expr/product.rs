@@ -71,7 +71,7 @@ impl Graph {
             let Node::Call(_, args) = self.node(size) else { continue };
             let inner = args[0];
             let Some(exponents) = collect.of(inner) else { continue };
-            let e = self.added(&exponents.to_vec());
+            let e = self.added(exponents);
             if self.as_number(e).is_some_and(|q| q.den() == 2) {
                 for e in collect.remove(size) {
                     collect.push(inner, e);
