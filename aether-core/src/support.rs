@@ -16,6 +16,14 @@ pub fn turn<R: Real>(angle: R) -> R {
     R::select(out, wrapped, angle)
 }
 
+/// An angle brought to within half a turn of another one by adding or subtracting whole turns; one that is, is not rounded.
+#[inline(always)]
+pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
+    let tau = R::of(core::f64::consts::TAU);
+    let turns = ((angle - middle) / tau + R::of(0.5)).floor();
+    R::select(turns.lt(R::ZERO).or(turns.gt(R::ZERO)), angle - tau * turns, angle)
+}
+
 /// sin(π x + quarter · π / 2), with x reduced exactly to an eighth of a turn first.
 #[inline(always)]
 fn half_turns<R: Real>(x: R, quarter: f64) -> R {

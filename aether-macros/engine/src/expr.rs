@@ -71,6 +71,8 @@ pub enum Fun {
     CosPi,
     /// An angle brought into [0, 2π) by adding a multiple of 2π.
     Turn,
+    /// An angle brought to within half a turn of another one by adding a multiple of 2π.
+    TurnTo,
     /// (1 + a)^e, accurate for small a.
     Pow1p,
 }
@@ -328,6 +330,10 @@ impl Graph {
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
             Node::Call(Fun::LnBeta, _) => Interval::ALL,
+            Node::Call(Fun::TurnTo, args) => {
+                let half = std::f64::consts::PI;
+                self.range(args[1]).add(Interval::new(-half, half))
+            }
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
                 [y, x] if self.range(x).nonnegative() => {
