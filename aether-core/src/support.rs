@@ -16,6 +16,14 @@ pub fn turn<R: Real>(angle: R) -> R {
     R::select(out, wrapped, angle)
 }
 
+/// An angle brought to within half a turn of another one by adding or subtracting whole turns; one that is, is not rounded.
+#[inline(always)]
+pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
+    let tau = R::of(core::f64::consts::TAU);
+    let turns = ((angle - middle) / tau + R::of(0.5)).floor();
+    R::select(turns.lt(R::ZERO).or(turns.gt(R::ZERO)), angle - tau * turns, angle)
+}
+
 /// sin(π x + quarter · π / 2), with x reduced exactly to an eighth of a turn first.
 #[inline(always)]
 fn half_turns<R: Real>(x: R, quarter: f64) -> R {
@@ -368,9 +376,18 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
 ) -> bool {
     // An undetermined uniform may have any value.
     let known = |t: R::Tracked| t.ge(t);
+    let u = u.map(|t| if known(t) { t } else { R::Tracked::ZERO });
+    // So may one without a bound, as next to a corner: the one that it has, then.
+    let unbounded = |t: &R::Tracked| !R::value_and_error(*t).1.to_f64().is_finite();
+    is_at::<R, M>(forward(&u), x)
+        || u.iter().any(unbounded)
+            && is_at::<R, M>(forward(&u.map(|t| unit(R::value_and_error(t).0).track())), x)
+}
+
+/// Whether an image is the point, to within the error bounds of both.
+fn is_at<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]) -> bool {
     let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
-    let y = forward(&u.map(|t| if known(t) { t } else { R::Tracked::ZERO }));
-    y.iter().zip(x).all(|(y, x)| {
+    image.iter().zip(x).all(|(y, x)| {
         let (value, error) = R::value_and_error(*y);
         let x = x.to_f64();
         let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());

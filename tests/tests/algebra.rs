@@ -213,14 +213,23 @@ fn visible_normals_as_printed(u: [Uniform; 2], alpha: f64, w: Direction) -> Dire
     Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
 }
 
+/// Roughness and view: usual, grazing and nearly along the normal.
+fn views() -> [(f64, Direction); 3] {
+    let views = [(0.4, [0.6, 0.2, 0.7]), (0.05, [0.6, 0.2, 0.1]), (0.9, [0.01, 0.02, 1.0])];
+    views.map(|(alpha, [x, y, z])| (alpha, Direction::new(x, y, z)))
+}
+
+#[test]
+fn row_85_passes_the_battery() {
+    for (alpha, w) in views() {
+        aether_core::battery::check(&right(visible_normals_as_printed(alpha, w))).assert_ok();
+    }
+}
+
 /// D(h) max(0, w · h) / (w.z Λ-term), the density of visible normals in closed form.
 #[test]
 fn row_85_has_the_density_of_visible_normals() {
-    for (alpha, w) in [
-        (0.4, Direction::new(0.6, 0.2, 0.7)),
-        (0.05, Direction::new(0.6, 0.2, 0.1)),
-        (0.9, Direction::new(0.01, 0.02, 1.0)),
-    ] {
+    for (alpha, w) in views() {
         let normals = visible_normals_as_printed(alpha, w).expect("legal parameters");
         let a2: f64 = alpha * alpha;
         let seen = 0.5 * (w.z + (a2 * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt());

@@ -211,7 +211,14 @@ fn row_71_agrees_with_its_reference() {
 
 #[test]
 fn row_71_passes_the_battery() {
-    aether_core::battery::check(&rectangle([-2.0, 0.5, -0.25, 3.0, -2.0]).0).assert_ok();
+    for corners in [
+        [-2.0, 0.5, -0.25, 3.0, -2.0],
+        [0.25, -0.375, 1.25, 0.75, -1.0],
+        [-1.0, -1.0, 1.0, 1.0, -0.5],
+        [-0.1, -0.2, 0.2, 0.1, -1.0],
+    ] {
+        aether_core::battery::check(&rectangle(corners).0).assert_ok();
+    }
 }
 
 batteries! { [double single off]

@@ -234,3 +234,17 @@ fn bidirectional_paths_carry_what_those_by_hand_do_with_as_many_rays_and_densiti
     let differences: f64 = samples[0].iter().zip(&samples[1]).map(|(a, b)| (a - b).abs()).sum();
     assert!(all > 0.0 && differences < 1e-3 * all, "{differences} of {all}");
 }
+
+/// Next to a corner the second uniform may be any as far as rounding tells, and the point is one of the triangle.
+#[test]
+fn next_to_a_corner_far_from_the_origin_a_point_is_of_its_triangle() {
+    let v = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    let far = triangle(v(1000.0, 0.0, 0.0), v(1001.0, 0.0, 0.0), v(1000.5, 1.0, 1.0));
+    for k in 0..1000 {
+        let u = [1.0 - f32::EPSILON / 2.0, k as f32 / 1000.0];
+        let x = far.sample(u).value();
+        assert!(far.pdf(&x).value() > 0.0, "{u:?}: {x:?}");
+        let off = Surface::new(x.0[0], x.0[1] - 0.1, x.0[2] + 0.1);
+        assert_eq!(far.pdf(&off).value(), 0.0, "{u:?}: {off:?}");
+    }
+}

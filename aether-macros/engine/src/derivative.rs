@@ -168,7 +168,7 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
         Fun::LnGamma | Fun::LnBeta => g.float(f64::NAN),
         Fun::Abs => g.call(Fun::Sign, &[a]),
         Fun::Sign => g.int(0),
-        Fun::Turn | Fun::Atan2 | Fun::Pow1p | Fun::BetaInc | Fun::BetaIncInv => one,
+        Fun::Turn | Fun::TurnTo | Fun::Atan2 | Fun::Pow1p | Fun::BetaInc | Fun::BetaIncInv => one,
     }
 }
 

@@ -8,12 +8,26 @@ use crate::points::{Kind, Point};
 
 /// √det(JᵀJ) at a point, by central differences and orthogonalisation; `None` if not finite.
 pub fn volume(problem: &Problem, point: &Point) -> Option<f64> {
+    volume_by(problem, point, STEP)
+}
+
+/// Whether differences tell the volume at a point: next to a vertical tangent, as that of a cube root at its zero, each
+/// step gives another one.
+pub fn tell(problem: &Problem, point: &Point) -> bool {
+    let [Some(fine), Some(coarse)] = [STEP, 8.0 * STEP].map(|h| volume_by(problem, point, h))
+    else {
+        return false;
+    };
+    (fine - coarse).abs() <= 1e-3 * fine.abs()
+}
+
+fn volume_by(problem: &Problem, point: &Point, step: f64) -> Option<f64> {
     let columns: Vec<Option<Vec<Dd>>> = match problem.argument {
         Some(Kind::Direction) => {
             let w: [Dd; 3] = [0, 1, 2].map(|i| point.unknowns[i]);
-            tangents(w).into_iter().map(|t| along_circle(problem, point, w, t)).collect()
+            tangents(w).into_iter().map(|t| along_circle(problem, point, (w, t), step)).collect()
         }
-        _ => (0..problem.unknowns.len()).map(|j| along_axis(problem, point, j)).collect(),
+        _ => (0..problem.unknowns.len()).map(|j| along_axis(problem, point, j, step)).collect(),
     };
     let v = span(columns.into_iter().collect::<Option<_>>()?).to_f64();
     v.is_finite().then_some(v)
@@ -31,8 +45,8 @@ pub fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
 
 const STEP: f64 = 1.0 / (1u64 << 32) as f64;
 
-fn along_axis(problem: &Problem, point: &Point, j: usize) -> Option<Vec<Dd>> {
-    let h = Dd::from_f64(STEP);
+fn along_axis(problem: &Problem, point: &Point, j: usize, step: f64) -> Option<Vec<Dd>> {
+    let h = Dd::from_f64(step);
     let at = |sign: f64| {
         let mut u: Vec<Dd> = point.unknowns.clone();
         u[j] = u[j] + h * Dd::from_f64(sign);
@@ -42,8 +56,13 @@ fn along_axis(problem: &Problem, point: &Point, j: usize) -> Option<Vec<Dd>> {
 }
 
 /// The derivative along the great circle through w with unit tangent t.
-fn along_circle(problem: &Problem, point: &Point, w: [Dd; 3], t: [Dd; 3]) -> Option<Vec<Dd>> {
-    let h = Dd::from_f64(STEP);
+fn along_circle(
+    problem: &Problem,
+    point: &Point,
+    (w, t): ([Dd; 3], [Dd; 3]),
+    step: f64,
+) -> Option<Vec<Dd>> {
+    let h = Dd::from_f64(step);
     let at = |sign: f64| {
         let a = h * Dd::from_f64(sign);
         let moved: Vec<Dd> = (0..3).map(|i| w[i] * a.cos() + t[i] * a.sin()).collect();

@@ -182,6 +182,7 @@ fn name(f: Fun) -> &'static str {
         Fun::Sign => "sign",
         Fun::Atan2 => "atan2",
         Fun::Turn => "turn",
+        Fun::TurnTo => "turn_to",
         Fun::SinPi => "sinpi",
         Fun::CosPi => "cospi",
         Fun::Pow1p => "pow1p",

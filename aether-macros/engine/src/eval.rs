@@ -134,6 +134,11 @@ fn call<T: Number>(f: Fun, a: T, b: T, c: T) -> T {
         Fun::Abs => a.abs(),
         Fun::Sign => T::from_f64(if a.to_f64() < 0.0 { -1.0 } else { 1.0 }),
         Fun::Atan2 => a.atan2(b),
+        Fun::TurnTo => {
+            let turn = T::pi() + T::pi();
+            let turns = ((a - b) / turn + T::from_f64(0.5)).floor();
+            if turns.to_f64() == 0.0 { a } else { a - turn * turns }
+        }
         Fun::Pow1p => (b * a.ln_1p()).exp(),
         Fun::Turn => {
             let turn = T::pi() + T::pi();

@@ -5,6 +5,7 @@
 //! is comparing expressions, and sharing is free. Nothing is ever multiplied out here: the written
 //! shape of a sampler is what its author meant to be evaluated ([`crate::poly`] expands on demand).
 
+mod index;
 mod product;
 mod root;
 mod substitute;
@@ -70,6 +71,8 @@ pub enum Fun {
     CosPi,
     /// An angle brought into [0, 2π) by adding a multiple of 2π.
     Turn,
+    /// An angle brought to within half a turn of another one by adding a multiple of 2π.
+    TurnTo,
     /// (1 + a)^e, accurate for small a.
     Pow1p,
 }
@@ -88,7 +91,7 @@ pub enum Leaf {
 }
 
 /// A node of the graph.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Node {
     /// An exact number.
     Number(Q),
@@ -134,7 +137,9 @@ pub struct Graph {
     nodes: Vec<Node>,
     ranges: Vec<Interval>,
     deps: Vec<Deps>,
-    index: Map<Node, Id>,
+    index: index::Index,
+    /// The small whole numbers that were asked for, from the least.
+    small: [Option<Id>; 8],
     leaf_ranges: Map<Leaf, Interval>,
     names: Map<Leaf, String>,
     units: Vec<[Id; 3]>,
@@ -274,16 +279,15 @@ impl Graph {
     }
 
     fn intern(&mut self, node: Node) -> Id {
-        if let Some(&id) = self.index.get(&node) {
-            return id;
-        }
-        let id = Id(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
+        let hash = match self.index.find(&self.nodes, &node) {
+            Ok(id) => return id,
+            Err(hash) => hash,
+        };
         let range = self.part_of_unit(&node).unwrap_or_else(|| self.range_of(&node));
         self.ranges.push(range);
         self.deps.push(self.deps_of(&node));
-        self.nodes.push(node.clone());
-        self.index.insert(node, id);
-        id
+        self.nodes.push(node);
+        self.index.enter(hash)
     }
 
     /// The squares of some coordinates of a unit vector add up to at most one.
@@ -326,6 +330,10 @@ impl Graph {
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
             Node::Call(Fun::LnBeta, _) => Interval::ALL,
+            Node::Call(Fun::TurnTo, args) => {
+                let half = std::f64::consts::PI;
+                self.range(args[1]).add(Interval::new(-half, half))
+            }
             Node::Call(f, args) => match args[..] {
                 [a] => self.range(a).call(*f),
                 [y, x] if self.range(x).nonnegative() => {
@@ -395,7 +403,15 @@ impl Graph {
     }
     /// The integer `n`.
     pub fn int(&mut self, n: i64) -> Id {
-        self.number(Q::int(n))
+        let place = (n + 3) as usize;
+        if let Some(Some(known)) = self.small.get(place) {
+            return *known;
+        }
+        let id = self.number(Q::int(n));
+        if let Some(known) = self.small.get_mut(place) {
+            *known = Some(id);
+        }
+        id
     }
     /// The circle constant.
     pub fn pi(&mut self) -> Id {

@@ -179,7 +179,9 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
             Some(a[0])
         }
         (Fun::Atanh, Node::Call(Fun::Tanh, a)) if q == Q::ONE => Some(a[0]),
-        (Fun::Sin | Fun::Cos, Node::Call(Fun::Turn, a)) if q == Q::ONE => Some(g.call(f, &[a[0]])),
+        (Fun::Sin | Fun::Cos, Node::Call(Fun::Turn | Fun::TurnTo, a)) if q == Q::ONE => {
+            Some(g.call(f, &[a[0]]))
+        }
         (Fun::Sin, Node::Call(Fun::Atan2, a)) if q == Q::ONE => {
             let r = radius(g, a);
             Some(g.div(a[0], r))

@@ -19,6 +19,11 @@ pub struct Quick(u64);
 /// An odd number without a pattern: 2^64 over the golden ratio.
 const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
 
+/// A hash with one more word.
+pub(crate) fn mixed(hash: u64, word: u64) -> u64 {
+    (hash.rotate_left(23) ^ word).wrapping_mul(FACTOR)
+}
+
 impl Hasher for Quick {
     fn finish(&self) -> u64 {
         // Tables take their place from the low bits and a tag from the high ones.
@@ -38,7 +43,7 @@ impl Hasher for Quick {
         self.write_u64(u64::from(x));
     }
     fn write_u64(&mut self, x: u64) {
-        self.0 = (self.0.rotate_left(23) ^ x).wrapping_mul(FACTOR);
+        self.0 = mixed(self.0, x);
     }
     fn write_u128(&mut self, x: u128) {
         self.write_u64(x as u64);

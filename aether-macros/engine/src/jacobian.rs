@@ -3,11 +3,8 @@
 pub mod moved;
 pub mod sphere;
 
-use std::hash::BuildHasherDefault;
-
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
-use crate::hash::Quick;
 use crate::poly::{Expander, gathered, paired};
 use crate::rational::Q;
 use crate::solve::linear::{cross, determinant, dot};
@@ -258,11 +255,11 @@ pub fn cost(g: &Graph, id: Id) -> usize {
 
 /// The same of several expressions, with what they share counted once.
 pub fn cost_together(g: &Graph, ids: &[Id]) -> usize {
-    let mut seen = std::collections::HashSet::<Id, BuildHasherDefault<Quick>>::default();
+    let mut seen = vec![false; g.len()];
     let mut open = ids.to_vec();
     let mut total = 0;
     while let Some(id) = open.pop() {
-        if !seen.insert(id) {
+        if std::mem::replace(&mut seen[id.0 as usize], true) {
             continue;
         }
         total += match g.node(id) {

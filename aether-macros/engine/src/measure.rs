@@ -54,6 +54,10 @@ pub struct Measure {
     double: Table<f64>,
     single: Table<Single>,
     exact: Table<Dd>,
+    /// The errors of forms by the expression that they are forms of.
+    judged: Map<(Id, Id), Rc<Errors>>,
+    /// What [`crate::stabilise`] chose among forms, by these and the error that is good enough.
+    pub(crate) chosen: Map<(Vec<Id>, u64), Id>,
 }
 
 impl Measure {
@@ -61,8 +65,9 @@ impl Measure {
     pub fn new(mut points: Vec<Inputs>, single: Vec<Inputs>) -> Measure {
         let doubles = points.len();
         points.extend(single);
-        let (double, exact) = (Table::new(), Table::new());
-        Measure { points, doubles, double, single: Table::new(), exact }
+        let (double, single, exact) = (Table::new(), Table::new(), Table::new());
+        let (judged, chosen) = (Map::default(), Map::default());
+        Measure { points, doubles, double, single, exact, judged, chosen }
     }
 
     /// The points, of both precisions.
@@ -126,6 +131,17 @@ impl Measure {
         self.errors(g, form, truth).loss()
     }
 
+    /// How far a form of an expression is from the true values of that at each point.
+    pub fn errors_of(&mut self, g: &Graph, form: Id, of: Id) -> Rc<Errors> {
+        if let Some(known) = self.judged.get(&(form, of)) {
+            return known.clone();
+        }
+        let truth = self.truths(g, of);
+        let errors = Rc::new(self.errors(g, form, &truth));
+        self.judged.insert((form, of), errors.clone());
+        errors
+    }
+
     /// How far a form is from the true values at each point.
     pub fn errors(&mut self, g: &Graph, form: Id, truth: &[f64]) -> Errors {
         let values = self.values(g, form);
@@ -151,7 +167,8 @@ impl Measure {
             }
             errors.push(error);
         }
-        Errors { errors, doubles: self.doubles, worst, bits: OnceCell::new() }
+        let (bits, whole) = (OnceCell::new(), OnceCell::new());
+        Errors { errors, doubles: self.doubles, worst, bits, whole }
     }
 }
 
@@ -168,6 +185,7 @@ pub struct Errors {
     worst: f64,
     /// The bits that they lose. Logarithms are expensive, and often nobody asks.
     bits: OnceCell<Vec<f64>>,
+    whole: OnceCell<Loss>,
 }
 
 impl Errors {
@@ -183,7 +201,7 @@ impl Errors {
 
     /// Over all points.
     pub fn loss(&self) -> Loss {
-        self.over(|_| true)
+        *self.whole.get_or_init(|| self.over(|_| true))
     }
 
     /// Over those of the points for which `kept` is `side`.
@@ -228,11 +246,19 @@ impl<T: Number> Table<T> {
             children(g.node(id)).into_iter().map(|c| (c, self.values(g, c, points))).collect();
         let at = |k: usize| {
             let input = |l: Leaf| T::from_f64(points[k].get(&l).copied().unwrap_or(f64::NAN));
-            let part = |id: Id| {
-                let found = parts.iter().find(|(c, _)| *c == id);
-                found.map_or(T::from_f64(f64::NAN), |(_, v)| v[k])
+            // Parts are asked for in their order, with some left out.
+            let mut next = 0;
+            let mut part = |id: Id| {
+                for _ in 0..parts.len() {
+                    let (child, values) = &parts[next];
+                    next = if next + 1 < parts.len() { next + 1 } else { 0 };
+                    if child.0 == id.0 {
+                        return values[k];
+                    }
+                }
+                T::from_f64(f64::NAN)
             };
-            node_value(g, id, &input, &mut { part })
+            node_value(g, id, &input, &mut part)
         };
         let values: Rc<[T]> = (0..points.len()).map(at).collect();
         self.known.insert(id, values.clone());

@@ -335,27 +335,41 @@ impl Poly {
 }
 
 /// The sum of two lists of terms in order.
-fn merge(a: Vec<(Mono, Q)>, b: Vec<(Mono, Q)>) -> Option<Vec<(Mono, Q)>> {
+fn merge(mut a: Vec<(Mono, Q)>, mut b: Vec<(Mono, Q)>) -> Option<Vec<(Mono, Q)>> {
     if a.is_empty() || b.is_empty() {
         return Some(if a.is_empty() { b } else { a });
     }
     let mut r = Vec::with_capacity(a.len() + b.len());
-    let (mut a, mut b) = (a.into_iter(), b.into_iter());
-    let (mut x, mut y) = (a.next(), b.next());
-    while let (Some((m, p)), Some((n, q))) = (&x, &y) {
-        match order(m, n) {
-            Ordering::Less => r.extend(std::mem::replace(&mut x, a.next())),
-            Ordering::Greater => r.extend(std::mem::replace(&mut y, b.next())),
+    let take = |from: &mut (Mono, Q)| (std::mem::take(&mut from.0), from.1);
+    let (mut i, mut j) = (0, 0);
+    while i < a.len() && j < b.len() {
+        match order(&a[i].0, &b[j].0) {
+            Ordering::Less => {
+                r.push(take(&mut a[i]));
+                i += 1;
+            }
+            Ordering::Greater => {
+                r.push(take(&mut b[j]));
+                j += 1;
+            }
             Ordering::Equal => {
-                let q = p.add(*q)?;
-                let m = std::mem::replace(&mut x, a.next()).map(|t| t.0);
-                r.extend(m.filter(|_| !q.is_zero()).map(|m| (m, q)));
-                y = b.next();
+                let q = a[i].1.add(b[j].1)?;
+                if !q.is_zero() {
+                    r.push((std::mem::take(&mut a[i].0), q));
+                }
+                i += 1;
+                j += 1;
             }
         }
     }
-    r.extend(x.into_iter().chain(a));
-    r.extend(y.into_iter().chain(b));
+    while i < a.len() {
+        r.push(take(&mut a[i]));
+        i += 1;
+    }
+    while j < b.len() {
+        r.push(take(&mut b[j]));
+        j += 1;
+    }
     Some(r)
 }
 

@@ -7,6 +7,8 @@
 
 mod exponential;
 
+use std::rc::Rc;
+
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::hash::Map;
 use crate::jacobian::{cost, factor_out, simplify};
@@ -188,12 +190,13 @@ struct Search<'a> {
     told: &'a Map<Id, Id>,
     /// How many forms may still be tried.
     left: usize,
-    memo: Map<Id, Id>,
+    /// What was found already, by expression and depth: forms share most of their parts.
+    memo: Map<(Id, u8), Id>,
 }
 
 impl Search<'_> {
     fn rebuild(&mut self, g: &mut Graph, id: Id, depth: u8) -> Id {
-        if let Some(&r) = self.memo.get(&id) {
+        if let Some(&r) = self.memo.get(&(id, depth)) {
             return r;
         }
         let rebuilt = match g.node(id).clone() {
@@ -213,18 +216,17 @@ impl Search<'_> {
             _ => id,
         };
         let best = self.best_form(g, id, rebuilt, depth);
-        self.memo.insert(id, best);
+        self.memo.insert((id, depth), best);
         best
     }
 
     /// The cheapest among the most accurate forms; a form must be clearly better to be taken.
     fn best_form(&mut self, g: &mut Graph, original: Id, rebuilt: Id, depth: u8) -> Id {
-        let truth = self.measure.truths(g, original);
-        let mut forms = vec![(original, self.measure.errors(g, original, &truth))];
+        let mut forms = vec![(original, self.measure.errors_of(g, original, original))];
         if rebuilt != original {
-            forms.push((rebuilt, self.measure.errors(g, rebuilt, &truth)));
+            forms.push((rebuilt, self.measure.errors_of(g, rebuilt, original)));
         }
-        let worst = |forms: &[(Id, Errors)]| {
+        let worst = |forms: &[(Id, Rc<Errors>)]| {
             forms.iter().map(|f| f.1.worst()).fold(f64::INFINITY, f64::min)
         };
         if worst(&forms) > self.good && depth > 0 {
@@ -234,23 +236,36 @@ impl Search<'_> {
                 let Some(left) = self.left.checked_sub(1) else { break };
                 self.left = left;
                 // The parts of a new form deserve a look of their own.
-                let form = self.rebuild_children(g, form, depth - 1);
-                forms.push((form, self.measure.errors(g, form, &truth)));
+                let form = self.children_of(g, form, depth - 1);
+                forms.push((form, self.measure.errors_of(g, form, original)));
             }
             if worst(&forms) > self.good
                 && let Some(form) = self.by_sign(g, &forms)
             {
-                forms.push((form, self.measure.errors(g, form, &truth)));
+                forms.push((form, self.measure.errors_of(g, form, original)));
             }
         }
         if let [(only, _)] = forms[..] {
             return only;
         }
         let ids: Vec<Id> = forms.iter().map(|f| f.0).collect();
-        if let Some(truth) = self.measure.mended(g, &truth, &ids) {
-            forms = ids.iter().map(|&f| (f, self.measure.errors(g, f, &truth))).collect();
+        let choice = (ids, self.good.to_bits());
+        if let Some(&best) = self.measure.chosen.get(&choice) {
+            return best;
         }
-        let mut scored: Vec<(Id, Loss)> = forms.iter().map(|f| (f.0, f.1.loss())).collect();
+        let best = self.cheapest_of_the_best(g, forms);
+        self.measure.chosen.insert(choice, best);
+        best
+    }
+
+    /// The cheapest among the most accurate of equal forms, of which the first is the original.
+    fn cheapest_of_the_best(&mut self, g: &Graph, forms: Vec<(Id, Rc<Errors>)>) -> Id {
+        let truth = self.measure.truths(g, forms[0].0);
+        let ids: Vec<Id> = forms.iter().map(|f| f.0).collect();
+        let mut scored: Vec<(Id, Loss)> = match self.measure.mended(g, &truth, &ids) {
+            Some(truth) => ids.iter().map(|&f| (f, self.measure.loss(g, f, &truth))).collect(),
+            None => forms.iter().map(|f| (f.0, f.1.loss())).collect(),
+        };
         // What counts first is double precision; single tells those apart that are as good in it.
         for part in 0..2 {
             let least = scored.iter().map(|s| s.1.parts()[part].bits).fold(f64::INFINITY, f64::min);
@@ -261,12 +276,12 @@ impl Search<'_> {
             let limit = if worst <= self.good { self.good } else { FAR * worst };
             scored.retain(|s| s.1.parts()[part].worst <= limit);
         }
-        scored.iter().min_by_key(|s| cost(g, s.0)).map_or(original, |s| s.0)
+        scored.iter().min_by_key(|s| cost(g, s.0)).map_or(ids[0], |s| s.0)
     }
 
     /// If no form is good everywhere: the one that is best for positive, and the one that is best for
     /// other values of an input, chosen by its sign.
-    fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Errors)]) -> Option<Id> {
+    fn by_sign(&mut self, g: &mut Graph, forms: &[(Id, Rc<Errors>)]) -> Option<Id> {
         // At every point one of them has to be good (where single precision does what it can).
         let hopeless = |k: usize| forms.iter().all(|f| f.1.at(k) > self.good);
         if (0..self.measure.doubles()).any(hopeless) {
@@ -292,13 +307,6 @@ impl Search<'_> {
         None
     }
 
-    fn rebuild_children(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
-        let outer = std::mem::take(&mut self.memo);
-        let r = self.children_of(g, form, depth);
-        self.memo = outer;
-        r
-    }
-
     fn children_of(&mut self, g: &mut Graph, form: Id, depth: u8) -> Id {
         match g.node(form).clone() {
             Node::Product(f) => {
@@ -319,7 +327,7 @@ impl Search<'_> {
 }
 
 /// The form that is most accurate over those of the points for which `kept` is `side`.
-fn best_where(forms: &[(Id, Errors)], kept: &[bool], side: bool) -> Option<(Id, Loss)> {
+fn best_where(forms: &[(Id, Rc<Errors>)], kept: &[bool], side: bool) -> Option<(Id, Loss)> {
     let scored = forms.iter().map(|(f, errors)| (*f, errors.loss_where(kept, side)));
     scored.min_by(|a, b| a.1.double.bits.total_cmp(&b.1.double.bits))
 }

@@ -129,3 +129,14 @@ fn the_first_angle_of_a_window() {
             Direction::from_vec(Vec3::new(r * cos, 1.5, r * sin).normalize()) }",
     );
 }
+
+/// Where the tangent is vertical, differences with any step are wrong, and say nothing about the Jacobian.
+#[test]
+fn a_cube_root_of_a_cosine() {
+    let item = compile("fn root(u: [Uniform; 1]) -> f64 { let x = (PI * u[0]).cos().cbrt(); x }");
+    // x³ = cos(π u), so that du/dx = 3 x² / (π sin(π u)).
+    let (x, u) = (0.5f64, 0.125f64.acos() / std::f64::consts::PI);
+    let truth = 0.75 / (std::f64::consts::PI * (1.0 - 0.125f64 * 0.125).sqrt());
+    assert!((item.pdf(&[], &[x]) / truth - 1.0).abs() < 1e-12);
+    assert!((item.preimages(&[], &[x])[0][0] - u).abs() < 1e-12);
+}

@@ -2609,12 +2609,20 @@ pub mod wide_077 {
     }
 }
 
-// wide_078 is refused: internal check failed: the derived Jacobian is 8.000914894339272e21 at [0.5], differences of the map give 3.8698119827691214e6; please report this map
-// #[sampler]
-// pub fn compiled(u: [Uniform; 1]) -> f64 {
-//     let x = (PI * u[0]).cos().cbrt();
-//     x
-// }
+pub mod wide_078 {
+    use super::*;
+
+    #[sampler]
+    pub fn compiled(u: [Uniform; 1]) -> f64 {
+        let x = (PI * u[0]).cos().cbrt();
+        x
+    }
+
+    pub fn plain(u: [Uniform; 1]) -> f64 {
+        let x = (PI * u[0]).cos().cbrt();
+        x
+    }
+}
 
 pub mod wide_079 {
     use super::*;
@@ -4879,6 +4887,7 @@ pub fn all() -> Vec<Case> {
         case("wide_075", wide_075::compiled(0.8).expect("in the domain"), |u| wide_075::plain(u, 0.8)),
         case("wide_076", wide_076::compiled(), |u| wide_076::plain(u)),
         case("wide_077", wide_077::compiled(), |u| wide_077::plain(u)),
+        case("wide_078", wide_078::compiled(), |u| wide_078::plain(u)),
         case("wide_079", wide_079::compiled(), |u| wide_079::plain(u)),
         case("wide_081", wide_081::compiled(), |u| wide_081::plain(u)),
         case("wide_082", wide_082::compiled(0.8, 1.3).expect("in the domain"), |u| wide_082::plain(u, 0.8, 1.3)),

@@ -133,7 +133,7 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
-    let short: Vec<Id> = candidates.iter().map(|&c| factored(g, c)).collect();
+    let short = factored(g, &candidates);
     candidates.extend(short);
     if let Some(whole) = whole {
         candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));

@@ -5,9 +5,11 @@ use crate::expr::{Graph, Id, Node};
 use crate::hash::Map;
 use crate::rational::Q;
 
-/// The expression with the common factors of all its sums outside of them.
-pub(super) fn factored(g: &mut Graph, id: Id) -> Id {
-    rebuilt(g, id, &mut Map::default())
+/// The expressions with the common factors of all their sums outside of them.
+pub(super) fn factored(g: &mut Graph, ids: &[Id]) -> Vec<Id> {
+    // Forms of one density share most of their parts.
+    let mut memo = Map::default();
+    ids.iter().map(|&id| rebuilt(g, id, &mut memo)).collect()
 }
 
 fn rebuilt(g: &mut Graph, id: Id, memo: &mut Map<Id, Id>) -> Id {
@@ -119,9 +121,10 @@ mod tests {
         let square = g.powi(a, 2);
         let expected = g.div(square, length);
         let expected = g.sum(Q::ZERO, &[(Q::int(4), expected)]);
-        assert_eq!(factored(&mut g, sum), expected);
+        assert_eq!(factored(&mut g, &[sum]), [expected]);
         let whole = squares(&mut g, [a, a, a]);
         let whole = g.plain_sum(&whole.map(|s| (Q::ONE, s)));
-        assert_eq!(factored(&mut g, whole), g.powi(a, 2));
+        let square = g.powi(a, 2);
+        assert_eq!(factored(&mut g, &[whole]), [square]);
     }
 }

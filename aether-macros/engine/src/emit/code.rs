@@ -237,6 +237,10 @@ impl<'a> Code<'a> {
                         quote!(::aether_core::special::#name(#b, #c, #a))
                     }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
+                    Fun::TurnTo => {
+                        let middle = self.reference(args[1]);
+                        quote!(::aether_core::support::turn_to(#a, #middle))
+                    }
                     Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
                     Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
                     Fun::Sign => quote!(R::ONE.copysign(#a)),

@@ -91,9 +91,8 @@ impl<'a> Tame<'a> {
         let ranges: Vec<Interval> = args.iter().map(|&a| self.range(a)).collect::<Option<_>>()?;
         let a = *ranges.first()?;
         let exists = match f {
-            Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi | Fun::Atan | Fun::Atan2 | Fun::Turn => {
-                true
-            }
+            Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi => true,
+            Fun::Atan | Fun::Atan2 | Fun::Turn | Fun::TurnTo => true,
             Fun::Abs | Fun::Sign | Fun::Tanh | Fun::Cbrt | Fun::Asinh | Fun::Erf | Fun::Erfc => {
                 true
             }

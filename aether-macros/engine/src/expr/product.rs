@@ -1,7 +1,5 @@
 //! Products in canonical form: powers of powers, exponentials, numbers under roots.
 
-use std::collections::BTreeMap;
-
 use super::{Fun, Graph, Id, Node};
 use crate::rational::Q;
 
@@ -28,7 +26,7 @@ impl Graph {
             let e = self.call(Fun::Exp, &[argument]);
             let one = self.int(1);
             if matches!(self.node(e), Node::Call(Fun::Exp, _)) {
-                collect.factors.entry(e).or_default().push((Q::ONE, one));
+                collect.push(e, one);
             } else {
                 self.collect_factor(&mut collect, e, one);
             }
@@ -38,7 +36,7 @@ impl Graph {
         let mut list = Vec::new();
         let mut again = Vec::new();
         for (base, exps) in std::mem::take(&mut collect.factors) {
-            let e = self.sum(Q::ZERO, &exps);
+            let e = self.added(&exps);
             match self.as_number(e) {
                 Some(q) if q.is_zero() => {}
                 // A merged exponent may allow more (a root of a number that became whole).
@@ -69,31 +67,26 @@ impl Graph {
 
     /// |x| √x = x √x: what is under a root is not negative.
     fn sizes(&mut self, collect: &mut Collect) {
-        let bases: Vec<Id> = collect.factors.keys().copied().collect();
-        for size in bases {
-            let Node::Call(Fun::Abs, args) = self.node(size).clone() else { continue };
-            let Some(exponents) = collect.factors.get(&args[0]) else { continue };
-            let e = self.sum(Q::ZERO, exponents);
+        for size in collect.bases(|b| matches!(self.node(b), Node::Call(Fun::Abs, _))) {
+            let Node::Call(_, args) = self.node(size) else { continue };
+            let inner = args[0];
+            let Some(exponents) = collect.of(inner) else { continue };
+            let e = self.added(exponents);
             if self.as_number(e).is_some_and(|q| q.den() == 2) {
-                let moved = collect.factors.remove(&size).unwrap_or_default();
-                collect.factors.entry(args[0]).or_default().extend(moved);
+                for e in collect.remove(size) {
+                    collect.push(inner, e);
+                }
             }
         }
     }
 
     /// (x / l)^k · l / x = (x / l)^(k - 1): factors that are an integer power of a grouped base.
     fn absorb(&mut self, collect: &mut Collect) {
-        let groups: Vec<Id> = collect
-            .factors
-            .keys()
-            .copied()
-            .filter(|b| matches!(self.node(*b), Node::Product(_)))
-            .collect();
-        for group in groups {
+        for group in collect.bases(|b| matches!(self.node(b), Node::Product(_))) {
             let Node::Product(members) = self.node(group).clone() else { continue };
             let mut power: Option<Q> = None;
             let fits = members.iter().all(|(b, e)| {
-                let have = collect.factors.get(b).map(|es| self.sum(Q::ZERO, es));
+                let have = collect.of(*b).map(|es| self.added(es));
                 let ratio = have.and_then(|h| self.as_number(h)?.mul(self.as_number(*e)?.recip()?));
                 let same = ratio
                     .is_some_and(|r| r.is_int() && !r.is_zero() && power.is_none_or(|p| p == r));
@@ -102,10 +95,21 @@ impl Graph {
             });
             if let (true, Some(p)) = (fits, power) {
                 for (b, _) in &members {
-                    collect.factors.remove(b);
+                    collect.remove(*b);
                 }
                 let p = self.number(p);
                 collect.push(group, p);
+            }
+        }
+    }
+
+    /// The sum of exponents.
+    fn added(&mut self, exponents: &[Id]) -> Id {
+        match exponents {
+            [only] if self.as_number(*only).is_some() => *only,
+            _ => {
+                let terms: Vec<(Q, Id)> = exponents.iter().map(|&e| (Q::ONE, e)).collect();
+                self.sum(Q::ZERO, &terms)
             }
         }
     }
@@ -123,9 +127,10 @@ impl Graph {
 
     fn collect_factor(&mut self, out: &mut Collect, base: Id, exp: Id) {
         let number = self.as_number(exp);
-        match self.node(base).clone() {
-            Node::Number(q) => self.collect_number(out, q, exp, number),
+        match self.node(base) {
+            Node::Number(q) => self.collect_number(out, *q, exp, number),
             Node::Product(inner) => {
+                let inner = inner.clone();
                 let mut together = Vec::new();
                 for (b, e) in inner {
                     match self.power_of_power(b, e, exp) {
@@ -155,11 +160,13 @@ impl Graph {
                 }
             }
             Node::Call(Fun::Exp, args) => {
-                let scaled = self.mul(args[0], exp);
+                let argument = args[0];
+                let scaled = self.mul(argument, exp);
                 out.exponents.push((Q::ONE, scaled));
             }
             Node::Call(Fun::Abs, args) if number.is_some_and(Q::is_even) => {
-                self.collect_factor(out, args[0], exp);
+                let inner = args[0];
+                self.collect_factor(out, inner, exp);
             }
             _ => out.push(base, exp),
         }
@@ -171,7 +178,11 @@ impl Graph {
         let inner = self.as_number(e);
         // A fractional or symbolic inner power means that the base is not negative.
         let base_nonnegative = self.range(b).nonnegative() || !inner.is_some_and(Q::is_int);
-        let merged = self.mul(e, exp);
+        let merged = match (inner, self.as_number(exp)) {
+            (Some(Q::ONE), _) => exp,
+            (_, Some(Q::ONE)) => e,
+            _ => self.mul(e, exp),
+        };
         if outer_int || base_nonnegative {
             return Some((b, merged));
         }
@@ -221,18 +232,47 @@ impl Graph {
 /// The parts of a product while it is put together.
 struct Collect {
     coefficient: Q,
-    factors: BTreeMap<Id, Vec<(Q, Id)>>,
+    /// Bases in the order of their ids with their exponents, which are added at the end. They are few, and lists cheap.
+    factors: Vec<(Id, Vec<Id>)>,
     exponents: Vec<(Q, Id)>,
 }
 
 impl Default for Collect {
     fn default() -> Self {
-        Collect { coefficient: Q::ONE, factors: BTreeMap::new(), exponents: Vec::new() }
+        Collect { coefficient: Q::ONE, factors: Vec::new(), exponents: Vec::new() }
     }
 }
 
 impl Collect {
+    /// The place of a base, or where it belongs.
+    fn place(&self, base: Id) -> Result<usize, usize> {
+        self.factors.binary_search_by_key(&base.0, |(b, _)| b.0)
+    }
+
     fn push(&mut self, base: Id, exp: Id) {
-        self.factors.entry(base).or_default().push((Q::ONE, exp));
+        match self.place(base) {
+            Ok(k) => self.factors[k].1.push(exp),
+            Err(k) => self.factors.insert(k, (base, vec![exp])),
+        }
+    }
+
+    /// The exponents of a base.
+    fn of(&self, base: Id) -> Option<&[Id]> {
+        self.place(base).ok().map(|k| &self.factors[k].1[..])
+    }
+
+    fn remove(&mut self, base: Id) -> Vec<Id> {
+        self.place(base).map_or(Vec::new(), |k| self.factors.remove(k).1)
+    }
+
+    /// The bases of a kind.
+    fn bases(&self, kind: impl Fn(Id) -> bool) -> Vec<Id> {
+        let mut out = Vec::new();
+        for &(base, _) in &self.factors {
+            if kind(base) {
+                out.push(base);
+            }
+        }
+        out
     }
 }

@@ -1,7 +1,5 @@
 //! Sums in canonical form, and the identities between their terms.
 
-use std::collections::BTreeMap;
-
 use super::{Fun, Graph, Id, Node};
 use crate::rational::Q;
 
@@ -9,35 +7,27 @@ impl Graph {
     /// constant + Σ coefficient · term, in canonical form.
     pub fn sum(&mut self, constant: Q, terms: &[(Q, Id)]) -> Id {
         let mut total = constant;
-        let mut collected: BTreeMap<Id, Q> = BTreeMap::new();
+        let mut collected = Terms::default();
         let mut overflow = false;
-        let mut add = |map: &mut BTreeMap<Id, Q>, q: Q, t: Id| {
-            let entry = map.entry(t).or_insert(Q::ZERO);
-            match entry.add(q) {
-                Some(s) => *entry = s,
-                None => overflow = true,
-            }
-        };
         for &(q, t) in terms {
-            match self.node(t).clone() {
-                Node::Number(n) => match q.mul(n).and_then(|p| total.add(p)) {
+            match self.node(t) {
+                Node::Number(n) => match q.mul(*n).and_then(|p| total.add(p)) {
                     Some(s) => total = s,
-                    None => add(&mut collected, q, t),
+                    None => overflow |= collected.add(q, t).is_none(),
                 },
                 Node::Sum(c, inner) => {
-                    let scaled: Option<Vec<(Q, Id)>> =
-                        inner.iter().map(|&(p, x)| Some((q.mul(p)?, x))).collect();
-                    match (scaled, q.mul(c).and_then(|p| total.add(p))) {
+                    let scaled = scaled(inner, q);
+                    match (scaled, q.mul(*c).and_then(|p| total.add(p))) {
                         (Some(scaled), Some(s)) => {
                             total = s;
                             for (p, x) in scaled {
-                                add(&mut collected, p, x);
+                                overflow |= collected.add(p, x).is_none();
                             }
                         }
-                        _ => add(&mut collected, q, t),
+                        _ => overflow |= collected.add(q, t).is_none(),
                     }
                 }
-                _ => add(&mut collected, q, t),
+                _ => overflow |= collected.add(q, t).is_none(),
             }
         }
         if overflow {
@@ -45,38 +35,29 @@ impl Graph {
             let kept = terms.iter().copied().filter(|(q, _)| !q.is_zero()).collect();
             return self.intern(Node::Sum(constant, kept));
         }
-        collected.retain(|_, q| !q.is_zero());
+        collected.0.retain(|(q, _)| !q.is_zero());
         self.sum_rules(total, collected)
     }
 
     /// Identities between terms of a sum: sin² + cos² = 1, 1 + expm1(x) = exp(x).
-    fn sum_rules(&mut self, mut total: Q, mut terms: BTreeMap<Id, Q>) -> Id {
+    fn sum_rules(&mut self, mut total: Q, mut terms: Terms) -> Id {
         let one = self.int(1);
-        let ids: Vec<Id> = terms.keys().copied().collect();
-        for t in ids {
-            let Some(&q) = terms.get(&t) else { continue };
+        for k in 0..terms.0.len() {
+            let (q, t) = terms.0[k];
             for (other, merged, sign) in self.partners(t) {
-                let found = if other == one {
-                    total
-                } else {
-                    terms.get(&other).copied().unwrap_or(Q::ZERO)
-                };
+                let found = if other == one { total } else { terms.of(other) };
                 if found.is_zero() || found != if sign { q } else { q.neg() } {
                     continue;
                 }
-                terms.remove(&t);
                 if other == one {
                     total = Q::ZERO;
-                } else {
-                    terms.remove(&other);
                 }
-                let mut rest: Vec<(Q, Id)> = terms.iter().map(|(&t, &q)| (q, t)).collect();
-                rest.push((found, merged));
-                return self.sum(total, &rest);
+                terms.0.retain(|(_, id)| *id != t && *id != other);
+                terms.0.push((found, merged));
+                return self.sum(total, &terms.0);
             }
         }
-        // In the map's order, which is the canonical one.
-        let list: Vec<(Q, Id)> = terms.into_iter().map(|(t, q)| (q, t)).collect();
+        let list = terms.0;
         match (list.len(), total.is_zero()) {
             (0, _) => self.number(total),
             (1, true) if list[0].0 == Q::ONE => list[0].1,
@@ -87,6 +68,15 @@ impl Graph {
     /// For a term t: triples (s, m, same) such that q·t + q·s = q·m (same) or s·q' + t·q = m·q' with q' = -q.
     fn partners(&mut self, t: Id) -> Vec<(Id, Id, bool)> {
         let mut found = Vec::new();
+        let merges =
+            |base: Id| matches!(self.node(base), Node::Call(Fun::Sin | Fun::Cos | Fun::ExpM1, _));
+        let any = match self.node(t) {
+            Node::Product(factors) => factors.iter().any(|f| merges(f.0)),
+            _ => merges(t),
+        };
+        if !any {
+            return found;
+        }
         let factors = self.factors(t);
         let two = self.int(2);
         let one = self.int(1);
@@ -118,4 +108,38 @@ impl Graph {
         }
         found
     }
+}
+
+/// Terms in the order of their ids, which is the canonical one. They are few, and lists cheap.
+#[derive(Default)]
+struct Terms(Vec<(Q, Id)>);
+
+impl Terms {
+    /// The place of a term, or where it belongs.
+    fn place(&self, id: Id) -> Result<usize, usize> {
+        self.0.binary_search_by_key(&id.0, |(_, t)| t.0)
+    }
+
+    /// Adds to a coefficient; `None` if the sum does not fit.
+    fn add(&mut self, q: Q, id: Id) -> Option<()> {
+        match self.place(id) {
+            Ok(k) => self.0[k].0 = self.0[k].0.add(q)?,
+            Err(k) => self.0.insert(k, (q, id)),
+        }
+        Some(())
+    }
+
+    /// The coefficient of a term.
+    fn of(&self, id: Id) -> Q {
+        self.place(id).map_or(Q::ZERO, |k| self.0[k].0)
+    }
+}
+
+/// Terms times a number, if they fit.
+fn scaled(terms: &[(Q, Id)], q: Q) -> Option<Vec<(Q, Id)>> {
+    let mut out = Vec::with_capacity(terms.len());
+    for &(p, t) in terms {
+        out.push((q.mul(p)?, t));
+    }
+    Some(out)
 }

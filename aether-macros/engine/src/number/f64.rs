@@ -20,7 +20,11 @@ impl Number for f64 {
     }
 
     fn powi(self, exponent: i32) -> Self {
-        libm::pow(self, f64::from(exponent))
+        match exponent {
+            1 => self,
+            2 => self * self,
+            _ => libm::pow(self, f64::from(exponent)),
+        }
     }
 
     fn is_finite(self) -> bool {

@@ -132,7 +132,8 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
     }
 }
 
-/// An angle that is known up to whole turns, brought into the range that its expression can have.
+/// An angle that is known up to whole turns, brought into the range that its expression can have. That is a window
+/// which is cut open in the middle of its complement, where no rounding error leads.
 fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
     let range = g.range(rhs);
     let single = |known| vec![Inverse { known, conditions: vec![] }];
@@ -140,12 +141,13 @@ fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)>
         return Some((rhs, single(known)));
     }
     if range.width().is_finite() && range.width() <= 64.0 * TAU {
-        // A window is cut open in the middle of its complement, where no rounding error leads.
-        let gap = (TAU - range.width()).max(0.0);
-        let shift = if range.lo == 0.0 { g.int(0) } else { g.float(range.lo - 0.5 * gap) };
-        let offset = g.sub(known, shift);
-        let turned = g.call(Fun::Turn, &[offset]);
-        let base = g.add(turned, shift);
+        let middle = range.lo + 0.5 * range.width().min(TAU);
+        let base = if (middle - PI).abs() < 1e-12 {
+            g.call(Fun::Turn, &[known])
+        } else {
+            let middle = g.float(middle);
+            g.call(Fun::TurnTo, &[known, middle])
+        };
         let turns = ((range.width() / TAU) - 1e-12).ceil().max(1.0) as i64;
         let pi = g.pi();
         let inverses = (0..turns).map(|k| {
@@ -158,7 +160,9 @@ fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)>
     let (constant, factor, rest) = super::affine_parts(g, rhs);
     let (f, r) = (g.range(factor), g.range(rest));
     if constant.is_none() && r.nonnegative() && f.nonnegative() && r.hi * f.hi <= TAU + 1e-9 {
-        let turned = g.call(Fun::Turn, &[known]);
+        let half = g.float(0.5 * r.hi);
+        let middle = g.mul(half, factor);
+        let turned = g.call(Fun::TurnTo, &[known, middle]);
         return Some((rhs, single(turned)));
     }
     None
@@ -263,6 +267,7 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::Tan => periodic(g, Fun::Atan, known, argument),
         Fun::Sign
         | Fun::Turn
+        | Fun::TurnTo
         | Fun::Atan2
         | Fun::SinPi
         | Fun::CosPi
