@@ -1,7 +1,10 @@
 //! What emitted code calls. Not part of the public interface.
 
+mod manifold;
+
 use crate::real::{Mask, Real, Single};
 pub use crate::root::{place_of_root, root_inside, root_or_beyond};
+pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
 /// a point may have rounded a few times more than the map that is asked about it.
@@ -199,38 +202,6 @@ pub fn lane<R: Real, const N: usize>(x: &[R; N], i: usize) -> [R::Lane; N] {
     x.map(|x| x.lane(i))
 }
 
-/// Where `wanted` is true: whether the test of that lane's parameters and point succeeds.
-#[inline(always)]
-pub fn member<R: Real, const M: usize, const P: usize>(
-    wanted: R::Mask,
-    p: &[R; P],
-    x: &[R; M],
-    test: impl Fn(&[R::Lane; P], &[R::Lane; M]) -> bool,
-) -> R::Mask {
-    let mut found = R::Mask::FALSE;
-    if wanted.any() {
-        for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
-            found = found.with_lane(i, test(&lane(p, i), &lane(x, i)));
-        }
-    }
-    found
-}
-
-/// Where a test finds that a point lies on a manifold, and where that it plainly does not.
-#[inline(always)]
-pub fn on_or_off<R: Real, const M: usize, const P: usize>(
-    p: &[R; P],
-    x: &[R; M],
-    test: impl Fn(&[R::Lane; P], &[R::Lane; M]) -> (bool, bool),
-) -> [R::Mask; 2] {
-    let mut found = [R::Mask::FALSE; 2];
-    for i in 0..R::LANES {
-        let (on, off) = test(&lane(p, i), &lane(x, i));
-        found = [found[0].with_lane(i, on), found[1].with_lane(i, off)];
-    }
-    found
-}
-
 /// Uniforms that count although they came out beyond their interval, and in which lanes they do.
 pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, [R; N])>;
 
@@ -357,63 +328,6 @@ pub fn unit<R: Real>(u: R) -> R {
 pub fn not_negative<R: Real>(x: R) -> R {
     let rounded = x.lt(R::ZERO).and(x.gt(R::of(-256.0) * R::EPSILON));
     R::select(rounded, R::ZERO, x)
-}
-
-/// Whether two points are equal to within a few roundings: the common case of membership, decided
-/// without error bounds.
-#[inline(always)]
-pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
-    let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
-    let tolerance = R::of(SLACK) * R::EPSILON * size;
-    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
-}
-
-/// Whether mapping `u` forward gives `x`, to within the error bounds of both.
-pub fn leads_back<R: Single, const N: usize, const M: usize>(
-    u: [R::Tracked; N],
-    x: &[R; M],
-    forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
-) -> bool {
-    // An undetermined uniform may have any value.
-    let known = |t: R::Tracked| t.ge(t);
-    let u = u.map(|t| if known(t) { t } else { R::Tracked::ZERO });
-    // So may one without a bound, as next to a corner: the one that it has, then.
-    let unbounded = |t: &R::Tracked| !R::value_and_error(*t).1.to_f64().is_finite();
-    is_at::<R, M>(forward(&u), x)
-        || u.iter().any(unbounded)
-            && is_at::<R, M>(forward(&u.map(|t| unit(R::value_and_error(t).0).track())), x)
-}
-
-/// Whether an image is the point, to within the error bounds of both.
-fn is_at<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]) -> bool {
-    let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
-    image.iter().zip(x).all(|(y, x)| {
-        let (value, error) = R::value_and_error(*y);
-        let x = x.to_f64();
-        let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
-        // An unbounded error tells nothing about the point: that is no membership.
-        tolerance.is_finite() && (value.to_f64() - x).abs() <= tolerance
-    })
-}
-
-/// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.
-const FAR: f64 = 1024.0;
-
-/// Whether a point is its image to within the error bounds of that, and whether it is so far from it that no error
-/// bounds explain it.
-#[inline]
-pub fn near_or_far<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]) -> (bool, bool) {
-    let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
-    let (mut near, mut far) = (true, false);
-    for (y, x) in image.iter().zip(x) {
-        let (value, error) = R::value_and_error(*y);
-        let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
-        let off = (value.to_f64() - x.to_f64()).abs();
-        // An unbounded error tells nothing.
-        near &= tolerance.is_finite() && off <= tolerance;
-        far |= tolerance.is_finite() && off > FAR * tolerance;
-    }
-    (near, far)
 }
 
 /// The power of a base as `value`, which is by way of another power of it, or by itself where that one has left the

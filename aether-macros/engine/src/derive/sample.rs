@@ -22,7 +22,7 @@ fn as_good(new: Loss, old: Loss) -> bool {
 /// The coordinates of a sample with what the terms of their sums have in common outside of them, where this is
 /// shorter and as accurate: a vector that is given unit length twice has one divisor then.
 pub(super) fn shorter(g: &mut Graph, forward: Vec<Id>, measure: &mut Measure) -> Vec<Id> {
-    let forms: Vec<Id> = forward.iter().map(|&f| factored(g, f)).collect();
+    let forms = factored(g, &forward);
     if cost_together(g, &forms) >= cost_together(g, &forward) {
         return forward;
     }
@@ -49,7 +49,7 @@ pub(super) fn at_the_sample(
         let there = g.substitute(density, &sample);
         g.powi(there, -1)
     };
-    let short = factored(g, own);
+    let short = factored(g, &[own])[0];
     let mut forms = vec![sample(forward, g), by_its_angles(g, own, forward), short];
     forms.push(by_its_angles(g, short, forward));
     let truth = measure.truths(g, own);
@@ -109,4 +109,30 @@ fn angles(g: &Graph, roots: &[Id]) -> Vec<Id> {
         open.extend(children(g.node(id)));
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+    use crate::rational::Q;
+
+    #[test]
+    fn a_density_takes_the_sines_of_its_sample() {
+        let mut g = Graph::new();
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let twice = g.sum(Q::ZERO, &[(Q::int(2), u)]);
+        let pi = g.pi();
+        let angle = g.mul(twice, pi);
+        let (sine, of_turn) = (g.call(Fun::Sin, &[angle]), g.call(Fun::SinPi, &[twice]));
+        let square = |g: &mut Graph, x| {
+            let square = g.powi(x, 2);
+            g.sum(Q::ONE, &[(Q::int(3), square)])
+        };
+        let (density, other) = (square(&mut g, of_turn), square(&mut g, sine));
+        assert_eq!(by_its_angles(&mut g, density, &[sine]), other);
+        assert_eq!(by_its_angles(&mut g, other, &[of_turn]), density);
+        let cosine = g.call(Fun::Cos, &[angle]);
+        assert_eq!(by_its_angles(&mut g, density, &[cosine]), density);
+    }
 }

@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::item::Emitter;
+use super::item::{Emitter, point_type};
 use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
 use crate::expr::{OUTS, UNKNOWNS};
@@ -19,11 +19,33 @@ pub(super) fn own_density(e: &Emitter) -> TokenStream {
         let checked = single(e);
         return quote!(#density #checked);
     }
-    let density = at_the_point(e);
     quote! {
         let (point, exists) = ::aether_core::Sampler::forward(self, u);
-        #density
+        self.density_of(u, point, exists)
     }
+}
+
+/// A method for the density of the point of the uniforms, where other uniforms may have that point too.
+pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
+    if e.support.is_some() || e.is_single() {
+        return None;
+    }
+    let (ty, args, point) = (e.type_name(), e.generics(), point_type(&e.signature().space));
+    let (n, _, _) = e.sizes();
+    let (parameters, density) = (e.parameters(), at_the_point(e));
+    // Without parameters the type says nothing of the precision.
+    let bounds = quote!(<R: Real>);
+    let (outside, inside) =
+        if args.is_empty() { (None, Some(bounds)) } else { (Some(bounds), None) };
+    Some(quote! {
+        impl #outside #ty #args {
+            #[inline(always)]
+            fn density_of #inside(&self, u: [R; #n], point: #point, exists: R::Mask) -> ::aether_core::PdfOf<Self, R> {
+                #parameters
+                #density
+            }
+        }
+    })
 }
 
 /// The density of the `point` of the uniforms, where other uniforms may have it too.
@@ -42,14 +64,11 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
         if is_alone(e) {
             return Some(pieces_with_density(e));
         }
-        let (parameters, density) = (e.parameters(), at_the_point(e));
         return Some(quote! {
             #[inline(always)]
             fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
-                #parameters
                 let (point, exists) = ::aether_core::Sampler::forward(self, u);
-                let density = { #density };
-                (point, exists, density)
+                (point, exists, self.density_of(u, point, exists))
             }
         });
     }

@@ -404,15 +404,25 @@ impl<'a> Emitter<'a> {
     /// Whether a point lies on the manifold to within error bounds, those of its coordinates `tracked`.
     pub(super) fn member(&self, place: Place, tracked: &TokenStream) -> TokenStream {
         let (n, m, s) = self.sizes();
-        let [member, inverse] =
-            ["member", "inverse"].map(|name| format_ident!("{name}_{}", place.number));
+        let [member, inverse, lies] =
+            ["member", "inverse", "lies"].map(|name| format_ident!("{name}_{}", place.number));
         let forward = format_ident!("forward_{}", place.piece);
         // Rounding may put a uniform beyond its end, where the map need not have a value.
         let unit = place.problem.argument.is_none();
         let clamped = unit.then(|| quote!(let tt = ::aether_core::support::to_unit(tt);));
+        // The image in terms of the point tells first, as it does on the quick way.
+        let told = place.preimage.back.as_ref().map(|_| {
+            quote! {
+                let (on, off) = #lies::<R>(p, x);
+                if on || off {
+                    return on;
+                }
+            }
+        });
         quote! {
             #[cold]
             fn #member<R: Single>(p: &[R; #s], x: &[R; #m]) -> bool {
+                #told
                 let (tp, tx) = (::aether_core::support::track(p), #tracked);
                 let tt = #inverse::<R::Tracked>(&tp, &tx);
                 #clamped

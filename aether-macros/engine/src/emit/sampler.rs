@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{apart, forward_with_density, own_density};
+use super::own::{apart, density_of, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
@@ -20,6 +20,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let anywhere = quick::anywhere(e);
     let own = own_density(e);
     let both = forward_with_density(e);
+    let density_of = density_of(e);
     let visits = visits(e);
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
@@ -27,6 +28,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     quote! {
         #exceptions
         #anywhere
+        #density_of
 
         #[automatically_derived]
         impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
