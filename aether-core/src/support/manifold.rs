@@ -23,21 +23,9 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
     let u = u.map(|t| if known(t) { t } else { R::Tracked::ZERO });
     // So may one without a bound, as next to a corner: the one that it has, then.
     let unbounded = |t: &R::Tracked| !R::value_and_error(*t).1.to_f64().is_finite();
-    is_at::<R, M>(forward(&u), x)
+    near_or_far::<R, M>(forward(&u), x).0
         || u.iter().any(unbounded)
-            && is_at::<R, M>(forward(&u.map(|t| unit(R::value_and_error(t).0).track())), x)
-}
-
-/// Whether an image is the point, to within the error bounds of both.
-fn is_at<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]) -> bool {
-    let size = x.iter().fold(0.0, |m: f64, x| m.max(x.to_f64().abs()));
-    image.iter().zip(x).all(|(y, x)| {
-        let (value, error) = R::value_and_error(*y);
-        let x = x.to_f64();
-        let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
-        // An unbounded error tells nothing about the point: that is no membership.
-        tolerance.is_finite() && (value.to_f64() - x).abs() <= tolerance
-    })
+            && near_or_far::<R, M>(forward(&u.map(|t| unit(R::value_and_error(t).0).track())), x).0
 }
 
 /// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.
@@ -53,7 +41,7 @@ pub fn near_or_far<R: Single, const M: usize>(image: [R::Tracked; M], x: &[R; M]
         let (value, error) = R::value_and_error(*y);
         let tolerance = SLACK * (error.to_f64() + size * R::EPSILON.to_f64());
         let off = (value.to_f64() - x.to_f64()).abs();
-        // An unbounded error tells nothing.
+        // An unbounded error tells nothing about the point: that is no membership.
         near &= tolerance.is_finite() && off <= tolerance;
         far |= tolerance.is_finite() && off > FAR * tolerance;
     }

@@ -37,7 +37,14 @@ pub fn conditions(
     format: Format,
 ) -> Conditions {
     let steps = Steps { uniform: 1e-12, parameter: format.spacing, moved: numbers.len() };
-    differences(&|numbers, u| exact(item, numbers, u), steps, numbers, u, at, format)
+    differences(
+        |numbers: &[f64], u: &[Precise]| exact(item, numbers, u),
+        steps,
+        numbers,
+        u,
+        at,
+        format,
+    )
 }
 
 /// Steps of differences in `f64`: rounding disturbs the small one, and a border that is near the large one.
@@ -61,7 +68,7 @@ pub fn estimate(
             density: Precise::f64(found.own),
         })
     };
-    differences(&value, steps, numbers, u, at, format)
+    differences(value, steps, numbers, u, at, format)
 }
 
 /// Steps of differences.
@@ -77,7 +84,7 @@ pub struct Steps {
 
 /// Condition numbers by differences of `value`.
 fn differences(
-    value: &dyn Fn(&[f64], &[Precise]) -> Option<Exact>,
+    value: impl Fn(&[f64], &[Precise]) -> Option<Exact>,
     steps: Steps,
     numbers: &[f64],
     u: &[Precise],
