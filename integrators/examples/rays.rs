@@ -2,9 +2,12 @@
 //!
 //! Rays from the camera, in the order of the pixels; rays from what these hit in random directions, in random
 //! order; and segments between pairs of points that were hit.
+//! With `--write FILE` the first two sets are written too: of each ray its origin, its direction and how far away the
+//! nearest hit is (infinite if there is none), as little-endian `f32`.
 //! Under `valgrind --tool=callgrind --toggle-collect='*rays::cast*'` with `--rays 20000 --rounds 1` the
 //! instructions that it counts are those of the rays alone.
 
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -13,7 +16,7 @@ use aether_core::uniform::{Pcg32, UniformSource};
 use glam::{Vec2, Vec3};
 use integrators::scene::{Hit, PrimitiveId, Scene};
 
-const USAGE: &str = "rays SCENE.xml [--rays N] [--rounds N]   (a million rays, three times)";
+const USAGE: &str = "rays SCENE.xml [--rays N] [--rounds N] [--write FILE]   (a million rays, three times)";
 
 /// A ray, or a segment to another point.
 struct Ray {
@@ -35,6 +38,11 @@ fn main() -> ExitCode {
         eprintln!("{USAGE}");
         return ExitCode::FAILURE;
     };
+    let file_of_rays = words.iter().position(|word| word == "--write").map(|i| words.get(i + 1));
+    if file_of_rays == Some(None) {
+        eprintln!("{USAGE}");
+        return ExitCode::FAILURE;
+    }
     let start = Instant::now();
     let scene = match Scene::load(Path::new(file), &[]) {
         Ok(scene) => scene,
@@ -57,6 +65,12 @@ fn main() -> ExitCode {
     let scattered: Vec<Ray> = starts.iter().map(|hit| scatter(hit, &mut random)).collect();
     let segments: Vec<Ray> = starts.iter().zip(&ends).map(|(a, b)| segment(a, b)).collect();
 
+    if let Some(file) = file_of_rays.flatten()
+        && let Err(error) = write(&scene, Path::new(file), coherent.iter().chain(&scattered))
+    {
+        eprintln!("{file}: {error}");
+        return ExitCode::FAILURE;
+    }
     let hit = |ray: &Ray| nearest(&scene, ray).is_some();
     report("nearest hit from the camera", rounds, &coherent, hit);
     report("nearest hit after scattering", rounds, &scattered, hit);
@@ -64,6 +78,19 @@ fn main() -> ExitCode {
         ray.to.is_some_and(|to| !scene.visible(ray.from, ray.on, to.position, Some(to.primitive)))
     });
     ExitCode::SUCCESS
+}
+
+/// Writes rays with the distances of their hits.
+fn write<'r>(scene: &Scene, file: &Path, rays: impl Iterator<Item = &'r Ray>) -> io::Result<()> {
+    let mut out = io::BufWriter::new(std::fs::File::create(file)?);
+    for ray in rays {
+        let hit = nearest(scene, ray);
+        let t = hit.map_or(f32::INFINITY, |hit| hit.position.distance(ray.from));
+        for number in ray.from.to_array().into_iter().chain(ray.direction.to_array()).chain([t]) {
+            out.write_all(&number.to_le_bytes())?;
+        }
+    }
+    out.flush()
 }
 
 fn uniform(random: &mut Pcg32) -> f64 {
