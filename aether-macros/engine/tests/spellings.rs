@@ -35,19 +35,11 @@ const FILES: [&str; 9] = [
 ];
 
 /// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const KNOWN: [(&str, &str, &str); 5] = [
-    ("algebra::spherical_triangle", "inlined", NO_NAMES),
-    ("algebra::spherical_triangle", "all of these", NO_NAMES),
-    ("algebra::visible_normals_as_printed", "inlined", NO_NAMES),
-    ("algebra::visible_normals_as_printed", "all of these", NO_NAMES),
-    (
-        "algebra::visible_normals_as_printed",
-        "reordered",
-        "refused: what is left in this order of the sums is the equation of the root",
-    ),
-];
-const NO_NAMES: &str =
-    "refused: found in two steps, by the names of the body, of which there are none";
+const KNOWN: [(&str, &str, &str); 1] = [(
+    "algebra::visible_normals_as_printed",
+    "reordered",
+    "refused: what is left in this order of the sums is the equation of the root",
+)];
 
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {

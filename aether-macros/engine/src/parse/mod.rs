@@ -6,6 +6,7 @@ mod branch;
 mod expression;
 mod methods;
 mod pieces;
+mod shared;
 mod signature;
 mod solve;
 mod special;
