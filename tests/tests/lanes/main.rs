@@ -89,6 +89,7 @@ samplers! {
     keplers: No 1 |r| right(kepler(r(0.7)));
     hyperexponentials: No 1 |r| right(hyperexponential(r(0.3), r(2.0), r(0.5)));
     narrowings: No 3 |r| narrowing(r(2.0));
+    students: No 1 |r| right(tests::catalogue::student(r(3.5)));
 }
 
 #[test]

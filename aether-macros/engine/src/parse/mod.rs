@@ -16,6 +16,7 @@ mod value;
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
 pub use pieces::{Segment, Test};
+pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
 use stages::Cut;
 pub use stages::{Stage, stages};

@@ -25,7 +25,7 @@ struct Parts {
 
 /// The item with a name for all that its body mentions more than once, and for nothing else; `None` if it is more than
 /// bindings and an expression, or mentions nothing twice.
-pub(super) fn shared(item: &ItemFn) -> Option<ItemFn> {
+pub fn shared(item: &ItemFn) -> Option<ItemFn> {
     let mut parts = Parts::default();
     let (last, bindings) = item.block.stmts.split_last()?;
     for statement in bindings {

@@ -2,7 +2,7 @@
 //!
 //! Expressions are kept in a canonical form, in which the names of the body are gone: where `a` is the product r cos φ,
 //! `a * a` is r² cos² φ. What a name says is read once more where the inverse is not found without it: a name of the body,
-//! or one that it could have.
+//! or one that it could have (`shared.rs`).
 
 use std::collections::BTreeMap;
 
@@ -10,9 +10,7 @@ use syn::visit::Visit;
 use syn::{FnArg, Ident, ItemFn, Stmt};
 
 use super::branch::Way;
-use super::shared::shared;
 use super::{Options, Parsed, Reader, Reading};
-use crate::derive::Problem;
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};
 use crate::jacobian::{factor_out, simplify};
@@ -21,7 +19,7 @@ use crate::solve::linear::dot;
 
 /// The first unknown that stands for a named number.
 const FIRST: u8 = 10;
-/// Steps that are tried with the names of a body and, as many, with those of its parts, and the most names in one.
+/// Steps that are tried, and the most names in one.
 const MOST: usize = 3;
 const MOST_NAMES: usize = 2;
 /// Readings of the body that are tried, and the last names that are taken for them.
@@ -60,45 +58,34 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
     if !piece.tests.is_empty() || !(1..=MOST_NAMES).contains(&count) {
         return vec![];
     }
-    let mut found = Vec::new();
-    for item in core::iter::once(item).chain(shared(item).as_ref()) {
-        let mut errors = Diagnostics::new();
-        let reader = Reader { item, signature, options, errors: &mut errors };
-        by_names(reader, &mut piece.problem, &mut found);
-    }
-    found
-}
-
-/// The ways by the names of a body, but for those that are known.
-fn by_names(mut reader: Reader<'_>, problem: &mut Problem, found: &mut Vec<Stage>) {
-    let (item, before) = (reader.item, found.len());
-    let count = problem.unknowns.len();
+    let mut errors = Diagnostics::new();
+    let mut reader = Reader { item, signature, options, errors: &mut errors };
     let Some(plain) = reader.read(Graph::new(), (Way::default(), &[]), Cut::default()) else {
-        return;
+        return vec![];
     };
     let frame = frame(&mut reader, &plain.vectors);
     let all: Vec<String> = plain.scalars;
     let unique: Vec<&String> =
         all.iter().filter(|name| all.iter().filter(|n| n == name).count() == 1).collect();
-    let uniforms = problem.unknowns.iter().fold(0, |bits, leaf| bits | leaf_bit(*leaf));
-    let Some(uses) = Uses::of(item) else { return };
+    let uniforms = piece.problem.unknowns.iter().fold(0, |bits, leaf| bits | leaf_bit(*leaf));
+    let mut found: Vec<Stage> = Vec::new();
+    let Some(uses) = Uses::of(item) else { return vec![] };
     let cuts = choices(&unique, count).into_iter().filter(|names| uses.are_all(names));
     for names in cuts.take(MOST_READ) {
-        if found.len() == before + MOST {
+        if found.len() == MOST {
             break;
         }
         let first = FIRST + (found.len() * MOST_NAMES) as u8;
-        let graph = std::mem::take(&mut problem.graph);
+        let graph = std::mem::take(&mut piece.problem.graph);
         let cut = Cut { numbers: names, first, frame: frame.clone() };
         let Some(reading) = reader.read(graph, (Way::default(), &[]), cut) else { break };
-        problem.graph = reading.graph;
-        let g = &mut problem.graph;
+        piece.problem.graph = reading.graph;
+        let g = &mut piece.problem.graph;
         let Some((outputs, _)) = reading.point else { break };
         let closed = outputs.iter().all(|o| !g.has(*o, uniforms));
-        let is_leaf = |id: Id| problem.unknowns.iter().any(|l| g.is_leaf(id, *l));
+        let is_leaf = |id: Id| piece.problem.unknowns.iter().any(|l| g.is_leaf(id, *l));
         let named = reading.cuts;
-        let known = found.iter().any(|s| s.named.iter().map(|n| n.1).eq(named.iter().map(|n| n.1)));
-        if closed && !known && !named.iter().any(|(_, id)| is_leaf(*id)) {
+        if closed && !named.iter().any(|(_, id)| is_leaf(*id)) {
             let constants = reading.constants_cut;
             let mut values = BTreeMap::new();
             for (leaf, value) in &constants {
@@ -113,6 +100,7 @@ fn by_names(mut reader: Reader<'_>, problem: &mut Problem, found: &mut Vec<Stage
             found.push(Stage { outputs, named, frame, constants });
         }
     }
+    found
 }
 
 /// The names of three vectors of parameters that are perpendicular to each other and have unit length, if there are
