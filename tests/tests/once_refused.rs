@@ -4,7 +4,7 @@
 use aether_core::prelude::*;
 use tests::catalogue::{
     bilinear_patch, concentric_disk, concentric_hemisphere, helix, reflected_ggx, sphere_light,
-    torus, triangle_heitz,
+    student, torus, triangle_heitz,
 };
 use tests::checks::right;
 
