@@ -87,38 +87,6 @@ fn samples_and_densities_agree_with_the_reference() {
 }
 
 #[test]
-fn zz_shortfalls() {
-    let all = Reference::load_branched();
-    let of = |inputs: &Inputs, u: &[f64], x: &[f64]| {
-        SHORTFALLS.iter().any(|(name, test, _)| *name == inputs.name && test(inputs, u, x))
-    };
-    for p in all.points.iter().filter(|p| of(&p.inputs, &p.u, &p.x)) {
-        let e = tests::errors::errors::<f64>(p);
-        let r = |e: f64, c: f64| e / (1e-12 * c.max(1.0));
-        println!(
-            "{} u {:?}: sample {:.1e} pdf {:.1e} own {:.1e} | conditions {:.1e} {:.1e} | params {:?}",
-            p.inputs.name,
-            p.u,
-            r(e.sample, p.condition_sample),
-            r(e.pdf, p.condition_pdf),
-            r(e.own, p.condition_pdf),
-            p.condition_sample,
-            p.condition_pdf,
-            p.inputs
-        );
-    }
-    for q in all.queries.iter().filter(|q| of(&q.inputs, &[], &q.x)) {
-        println!(
-            "{} x {:?}: {:?} for {:e}",
-            q.inputs.name,
-            q.x,
-            tests::errors::values::<f64>(&q.inputs, &[], &q.x).pdf,
-            q.pdf
-        );
-    }
-}
-
-#[test]
 fn queries_have_the_density_of_the_reference() {
     let failed = wrong_densities(&reference());
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
@@ -150,12 +118,6 @@ fn patch<R: Scalar>() -> BilinearPatch<R> {
     let v = |x, y, z| Vec3::new(R::of(x), R::of(y), R::of(z));
     let [a, b] = [v(0.0, 0.0, 0.0), v(2.0, 0.25, 0.5)];
     bilinear_patch(a, b, v(2.5, 1.75, -0.25), v(-0.25, 1.0, 0.75))
-}
-
-/// A quadrilateral that is no parallelogram.
-fn quad<R: Scalar>() -> BilinearQuad<R> {
-    let v = |x, y| Vec2::new(R::of(x), R::of(y));
-    bilinear_quad(v(0.0, 0.0), v(2.0, 0.25), v(2.5, 1.75), v(-0.25, 1.0))
 }
 
 fn view<R: Scalar>() -> Direction<R> {
@@ -222,14 +184,6 @@ batteries! { [double single]
     row_111_stick_breaking: stick_breaking();
     row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
     row_117_affine_coupling: affine_coupling(0.875, 0.5);
-    row_104_tetrahedron: tetrahedron(corners()[0], corners()[1], corners()[2], corners()[3]);
-    row_54_bilinear_quad: quad();
-    row_46_elliptical_grid: elliptical_grid();
-    row_69_double_lune: right(double_lune(0.75));
-    row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view()));
-    row_113_ordered: ordered();
-    row_114_correlation_factor: correlation_factor();
-    row_91_mixture: right(mixture(0.25, 8.0));
 }
 
 /// Only in double precision: folds, whose two preimages are one to `f32`, rims within rounding, and
