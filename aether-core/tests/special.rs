@@ -21,8 +21,8 @@ const LIMITS: [(&str, f64, f64); 13] = [
     ("ln_beta", 28.0, 0.6),
     ("beta_inc", 540.0, 0.6),
     ("beta_inc_inv", 240.0, 0.6),
-    ("beta_inc_rest", 540.0, 0.6),
-    ("beta_inc_rest_inv", 240.0, 0.6),
+    ("beta_inc_rest", 23.0, 0.6),
+    ("beta_inc_rest_inv", 30.0, 0.6),
 ];
 
 /// The value of a function at its arguments.
