@@ -12,7 +12,7 @@ use crate::special::Function;
 /// follow the coordinates and the anchors instead of being absolute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounded<R> {
-    /// The value, computed as it would be without the bound.
+    /// The value, computed as it would be without the bound but next to the ends of the domain of a root or an arc.
     pub value: R,
     /// Bound on the absolute error of `value`.
     pub error: R,
@@ -51,6 +51,17 @@ impl<R: Scalar> Bounded<R> {
     #[inline]
     fn capped(self, width: R) -> Self {
         Bounded { value: self.value, error: self.error.min(width) }
+    }
+
+    /// A function with a domain that ends at `low` and `high`, of which an argument within it is meant: one that
+    /// rounding has put beyond an end is that end, and there are no arguments beyond.
+    #[inline]
+    fn steep_between(self, f: impl Fn(R) -> R, low: R, high: R) -> Self {
+        let far = R::of(8.0) * self.error;
+        let beyond = self.value.lt(low - far) || self.value.gt(high + far);
+        let inside = |x: R| if beyond || !x.ge(x) { x } else { x.max(low).min(high) };
+        let at = Bounded { value: inside(self.value), error: self.error };
+        at.steep(f(at.value), |x| f(inside(x)))
     }
 
     /// A function whose derivative blows up at an end of its domain (a square root at zero, an
@@ -282,5 +293,41 @@ impl<R: Scalar> Real for Bounded<R> {
         tanh: |x| R::ONE - x.tanh() * x.tanh();
         asinh: |x| R::ONE / (x * x + R::ONE).sqrt();
     }
-    steep! { sqrt cbrt ln ln_1p asin acos acosh atanh }
+    steep! { cbrt ln ln_1p acosh atanh }
+    #[inline]
+    fn sqrt(self) -> Self {
+        self.steep_between(R::sqrt, R::ZERO, R::INFINITY)
+    }
+    #[inline]
+    fn asin(self) -> Self {
+        self.steep_between(R::asin, -R::ONE, R::ONE)
+    }
+    #[inline]
+    fn acos(self) -> Self {
+        self.steep_between(R::acos, -R::ONE, R::ONE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What rounding has put beyond the end of a domain is the end; the error covers what else it may have been.
+    #[test]
+    fn arguments_next_to_the_end_of_a_domain_lie_within_it() {
+        let number = |value: f64, error: f64| Bounded { value, error };
+        let root = number(-1e-17, 1e-16).sqrt();
+        assert!(root.value == 0.0 && root.error >= 9e-17_f64.sqrt() && root.error < 1.1e-8);
+        let root = number(1e-17, 1e-16).sqrt();
+        assert!(root.value == 1e-17_f64.sqrt() && root.error >= root.value);
+        let arc = number(1.0 + 1e-15, 4e-16).acos();
+        assert!(arc.value == 0.0 && arc.error > 0.0 && arc.error < 1e-7);
+        let arc = number(-1.0 - 1e-15, 4e-16).asin();
+        assert!(arc.value == -core::f64::consts::FRAC_PI_2 && arc.error < 1e-7);
+        // What no rounding explains is outside.
+        assert!(number(-1e-14, 1e-16).sqrt().value.is_nan());
+        assert!(number(-1e-17, 0.0).sqrt().value.is_nan());
+        assert!(number(1.5, 1e-3).acos().value.is_nan());
+        assert!(number(f64::NAN, 1.0).sqrt().value.is_nan());
+    }
 }

@@ -58,11 +58,6 @@ const SHORTFALLS: &[Shortfall] = &[
         "the border of the square, whose halves meet: a point within rounding counts for both",
     ),
     (
-        "reflected_ggx",
-        |_, u, x| u.is_empty() && x == [-0.48, -0.64, 0.6],
-        "the mirror direction, a pole: it counts once for each sign of the half vector",
-    ),
-    (
         "chained_frames",
         |_, u, _| u.get(2).is_some_and(|u| *u > 1.0 - 1e-9),
         "the grazing second direction",

@@ -10,7 +10,7 @@ use crate::derive::{Derived, Preimage, derive};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
-use crate::parse::{Options, Parsed, Piece, Signature, Test, parse, signature, stages};
+use crate::parse::{Options, Parsed, Piece, Signature, Test, parse, shared, signature, stages};
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
 /// of a preimage may lie from the point.
@@ -22,6 +22,32 @@ pub struct Item {
     pub parsed: Parsed,
     /// What was derived, a piece each.
     pub derived: Vec<Derived>,
+}
+
+/// What is derived of a piece by names of the body.
+fn in_two_steps(
+    function: &ItemFn,
+    parsed: &mut Parsed,
+    piece: usize,
+    options: &Options,
+) -> Option<Derived> {
+    let stages = stages(function, parsed, options);
+    let problem = &mut parsed.pieces[piece].problem;
+    problem.stages = stages;
+    if problem.stages.is_empty() { None } else { derive(problem).ok() }
+}
+
+/// An item without branches by names for all that its body mentions more than once.
+fn by_its_parts(function: &ItemFn, parsed: &Parsed, options: &Options) -> Option<Item> {
+    if parsed.pieces.len() != 1 {
+        return None;
+    }
+    let named = shared(function)?;
+    // What is wrong with the body is said of the body as it is.
+    let mut errors = Diagnostics::new();
+    let mut parsed = parse(&named, parsed.signature.clone(), options, &mut errors)?;
+    let derived = in_two_steps(&named, &mut parsed, 0, options)?;
+    errors.is_empty().then(|| Item { parsed, derived: vec![derived] })
 }
 
 impl Item {
@@ -46,16 +72,15 @@ impl Item {
         let mut parsed = parse(function, signature, options, errors)?;
         let mut derived = Vec::new();
         for k in 0..parsed.pieces.len() {
-            let found = derive(&mut parsed.pieces[k].problem).or_else(|message| {
-                parsed.pieces[k].problem.stages = stages(function, &mut parsed, options);
-                if parsed.pieces[k].problem.stages.is_empty() {
-                    return Err(message);
-                }
-                derive(&mut parsed.pieces[k].problem).map_err(|_| message)
-            });
+            let found = derive(&mut parsed.pieces[k].problem)
+                .or_else(|message| in_two_steps(function, &mut parsed, k, options).ok_or(message));
             match found {
                 Ok(d) => derived.push(d),
                 Err(message) => {
+                    let item = by_its_parts(function, &parsed, options);
+                    if item.is_some() {
+                        return item;
+                    }
                     errors.error(&function.sig.ident, message);
                     return None;
                 }

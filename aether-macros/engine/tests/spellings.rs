@@ -34,21 +34,6 @@ const FILES: [&str; 9] = [
     "tests/joint.rs",
 ];
 
-/// Spellings that are refused or differ, and why: sampler, spelling, cause.
-const KNOWN: [(&str, &str, &str); 5] = [
-    ("algebra::spherical_triangle", "inlined", NO_NAMES),
-    ("algebra::spherical_triangle", "all of these", NO_NAMES),
-    ("algebra::visible_normals_as_printed", "inlined", NO_NAMES),
-    ("algebra::visible_normals_as_printed", "all of these", NO_NAMES),
-    (
-        "algebra::visible_normals_as_printed",
-        "reordered",
-        "refused: what is left in this order of the sums is the equation of the root",
-    ),
-];
-const NO_NAMES: &str =
-    "refused: found in two steps, by the names of the body, of which there are none";
-
 /// The spellings of a sampler.
 fn spellings(function: &syn::ItemFn, signature: &Signature) -> Vec<Spelling> {
     let space = &signature.space;
@@ -132,14 +117,7 @@ fn every_spelling_of_a_sampler_is_the_same() {
     let (count, mut failures) = results.into_inner().expect("no thread panicked");
     failures.sort();
     println!("{} samplers, {count} spellings, {} failures", all.len(), failures.len());
-    let known = |f: &Failure| KNOWN.iter().any(|k| (k.0, k.1) == (&f.0, f.1));
-    let failed = |k: &(&str, &str, &str)| failures.iter().any(|f| (k.0, k.1) == (&f.0, f.1));
-    let new = failures.iter().filter(|f| !known(f)).map(|f| format!("{} {}: {}", f.0, f.1, f.2));
-    let gone = KNOWN
-        .iter()
-        .filter(|k| !failed(k))
-        .map(|k| format!("{} {} passes: take it off the list", k.0, k.1));
-    let wrong: Vec<String> = new.chain(gone).collect();
+    let wrong: Vec<String> = failures.iter().map(|f| format!("{} {}: {}", f.0, f.1, f.2)).collect();
     assert!(wrong.is_empty(), "{} differences:\n{}", wrong.len(), wrong.join("\n"));
 }
 

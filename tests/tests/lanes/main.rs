@@ -151,3 +151,29 @@ fn a_map_has_preimages_in_some_lanes() {
     });
     assert_eq!(found, [1, 1, 0, 1, 1, 1, 0, 1]);
 }
+
+/// They iterate in double precision, a lane at a time.
+#[test]
+fn incomplete_beta_functions_have_the_bits_of_the_scalar() {
+    fn all<R: Real>(a: R, b: R, x: R) -> [R; 4] {
+        use aether_core::special::{beta_inc_rest, beta_inc_rest_inv};
+        [
+            beta_inc(a, b, x),
+            beta_inc_inv(a, b, x),
+            beta_inc_rest(a, b, x),
+            beta_inc_rest_inv(a, b, x),
+        ]
+    }
+    for (a, b) in [(1.75, 0.5), (0.5, 40.0), (500.0, 0.5)] {
+        for k in 0..64 {
+            let x: [f32; 8] = core::array::from_fn(|i| (k * 8 + i) as f32 / 511.0);
+            let wide = all(Lanes::splat(a), Lanes::splat(b), Lanes::new(x));
+            for (i, x) in x.into_iter().enumerate() {
+                for (wide, single) in wide.iter().zip(all(a, b, x)) {
+                    let lane = wide.to_array()[i];
+                    assert_eq!(lane.to_bits(), single.to_bits(), "a = {a}, b = {b}, x = {x}");
+                }
+            }
+        }
+    }
+}

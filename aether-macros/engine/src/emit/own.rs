@@ -4,9 +4,11 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
+use super::pieces::Place;
 use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
-use crate::expr::{OUTS, UNKNOWNS};
+use crate::expr::{Id, Node, OUTS, UNKNOWNS};
+use crate::rational::Q;
 
 /// The density at the uniforms, and the densities by way of the other preimages.
 pub(super) fn own_density(e: &Emitter) -> TokenStream {
@@ -219,7 +221,8 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         }
     });
     let masks: Vec<_> = (0..pieces).map(|j| format_ident!("own_piece_{j}")).collect();
-    let wanted = |k: usize| {
+    let wanted = |place: Place| {
+        let k = place.piece;
         let overlapping = (0..pieces).filter(|&j| j != k && !apart(e, j, k));
         let overlapping: Vec<_> = overlapping.map(|j| &masks[j]).collect();
         Some(quote!(<R::Mask as Mask>::FALSE #(.or(#overlapping))*))
@@ -285,6 +288,21 @@ pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
         let (a, b) = (range(j, i), range(k, i));
         a.hi <= b.lo || b.hi <= a.lo
     })
+}
+
+/// Whether no point has both preimages, but on a border, where they are one: those of pieces that are apart, and of one
+/// piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
+pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
+    if one.piece != other.piece {
+        return apart(e, one.piece, other.piece);
+    }
+    let g = &one.problem.graph;
+    let negated = |a: Id, b: Id| match g.node(a) {
+        Node::Sum(c, terms) => c.is_zero() && terms[..] == [(Q::int(-1), b)],
+        _ => false,
+    };
+    let theirs = &other.preimage.conditions;
+    one.preimage.conditions.iter().any(|&a| theirs.iter().any(|&b| negated(a, b) || negated(b, a)))
 }
 
 /// Of the preimages in the piece that `u` takes, the nearest is `u` itself: its density is that of

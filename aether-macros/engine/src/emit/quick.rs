@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 
 use super::code::Code;
 use super::item::Emitter;
-use super::own::apart;
+use super::own::exclusive;
 use super::peeled::{passed_on, unit_test};
 use super::pieces::{Place, is_unguarded};
 use super::sampler::{about, general_density, value_at};
@@ -135,8 +135,8 @@ fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             }
         }
     };
-    // A point that lies in the image of one piece does not lie in those that are apart from it.
-    let earlier = places.iter().filter(|other| other.piece < j && apart(e, other.piece, j));
+    // A point that has one of two preimages that exclude each other does not have the other.
+    let earlier = places[..place.number].iter().filter(|other| exclusive(e, other, &place));
     let earlier: Vec<_> = earlier.map(|other| format_ident!("found_{}", other.number)).collect();
     if earlier.is_empty() { tested } else { quote!(if !(#(#earlier)||*) { #tested }) }
 }

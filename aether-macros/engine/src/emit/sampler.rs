@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{apart, density_of, forward_with_density, own_density};
+use super::own::{density_of, exclusive, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
@@ -129,11 +129,10 @@ pub(super) fn existence(e: &Emitter) -> TokenStream {
 /// The same where `belongs` is known.
 fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     let places = e.places();
-    // A point that lies in the image of one piece does not lie in those that are apart from it.
-    existence_where(e, &|piece| {
-        let earlier = places.iter().filter(|place| place.piece < piece);
-        let apart = earlier.filter(|place| apart(e, place.piece, piece));
-        let found: Vec<_> = apart.map(|place| format_ident!("strict_{}", place.number)).collect();
+    // A point that has one of two preimages that exclude each other does not have the other.
+    existence_where(e, &|place| {
+        let earlier = places[..place.number].iter().filter(|other| exclusive(e, other, &place));
+        let found: Vec<_> = earlier.map(|other| format_ident!("strict_{}", other.number)).collect();
         (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
     })
 }
@@ -141,10 +140,10 @@ fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
 /// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
 pub(super) fn existence_where(
     e: &Emitter,
-    wanted: &dyn Fn(usize) -> Option<TokenStream>,
+    wanted: &dyn Fn(Place) -> Option<TokenStream>,
 ) -> TokenStream {
     let places = e.places();
-    let strict = places.iter().map(|&place| strictly(e, place, wanted(place.piece)));
+    let strict = places.iter().map(|&place| strictly(e, place, wanted(place)));
     let once = places.iter().map(|&place| once(place, &places));
     let recovered = places.iter().map(|&place| recovered(e, place, &places));
     quote! {
@@ -362,6 +361,10 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             .then(|| quote!(.or(::aether_core::support::lanes_of::<R, #n>(&#recovered))));
         quote!(|| #strict #earlier.lane(i))
     });
+    let excluded = places[..k].iter().filter(|other| exclusive(e, other, &place)).map(|other| {
+        let recovered = format_ident!("recovered_{}", other.number);
+        quote!(.filter(|_| !::aether_core::support::lanes_of::<R, #n>(&#recovered).lane(i)))
+    });
     let alone = (places.len() > 1).then(|| {
         quote! {
             .filter(|_| !(::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x))
@@ -371,7 +374,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            #rounded::<R::Lane>(&p, &x) #(#again)* #alone
+            #rounded::<R::Lane>(&p, &x) #(#again)* #(#excluded)* #alone
         });
     }
 }

@@ -1,7 +1,8 @@
 //! Bodies in two steps: from the uniforms to some of the numbers that the body names, and from these to the point.
 //!
 //! Expressions are kept in a canonical form, in which the names of the body are gone: where `a` is the product r cos φ,
-//! `a * a` is r² cos² φ. What a name says is read once more where the inverse is not found without it.
+//! `a * a` is r² cos² φ. What a name says is read once more where the inverse is not found without it: a name of the body,
+//! or one that it could have (`shared.rs`).
 
 use std::collections::BTreeMap;
 

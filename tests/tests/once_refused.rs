@@ -1,0 +1,265 @@
+//! Cases that an earlier implementation of the same idea refused, or took and got wrong; `regressions.rs` has
+//! those that are simplest to write. Each test states the true value in closed form.
+
+use aether_core::prelude::*;
+use tests::catalogue::{
+    bilinear_patch, concentric_disk, concentric_hemisphere, helix, reflected_ggx, sphere_light,
+    student, torus, triangle_heitz,
+};
+use tests::checks::right;
+
+/// Asserts that two densities agree to rounding.
+#[track_caller]
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 2e-13 * expected.abs(), "{found:e}, expected {expected:e}");
+}
+
+/// Asserts that a sample's own density and that of the point both have the value.
+#[track_caller]
+fn both<S: Sampler<f64>>(sampler: S, u: S::Uniforms, expected: f64) {
+    let sample = sampler.sample(u);
+    close(sample.pdf().value(), expected);
+    close(sampler.pdf(&sample).value(), expected);
+}
+
+// One dimension.
+
+#[sampler]
+fn cube_and_itself(u: [Uniform; 1]) -> f64 {
+    u[0].powi(3) + u[0]
+}
+
+#[sampler]
+fn exponential_and_itself(u: [Uniform; 1]) -> f64 {
+    u[0] + u[0].exp()
+}
+
+#[sampler]
+fn log_odds(u: [Uniform; 1]) -> f64 {
+    (u[0] / (1.0 - u[0])).ln()
+}
+
+#[sampler]
+fn tangent(u: [Uniform; 1]) -> f64 {
+    u[0].tan()
+}
+
+#[sampler]
+fn arc_cosine(u: [Uniform; 1]) -> f64 {
+    u[0].acos()
+}
+
+#[sampler]
+fn angle_of_a_slope(u: [Uniform; 1], x: f64) -> f64 {
+    u[0].atan2(x)
+}
+
+#[sampler(d in 1e-3..)]
+fn equiangular(u: [Uniform; 1], d: f64, a: f64, b: f64) -> f64 {
+    let (from, to) = ((a / d).atan(), (b / d).atan());
+    d * ((1.0 - u[0]) * from + u[0] * to).tan()
+}
+
+#[sampler]
+fn kepler(u: [Uniform; 1]) -> f64 {
+    solve(|a| a - 0.6 * a.sin(), 0.0..TAU, TAU * u[0])
+}
+
+#[test]
+fn one_uniform_that_occurs_twice() {
+    for u in [0.05, 0.3, 0.7, 0.95_f64] {
+        both(cube_and_itself(), [u], 1.0 / (1.0 + 3.0 * u * u));
+        both(exponential_and_itself(), [u], 1.0 / (1.0 + u.exp()));
+        both(log_odds(), [u], u * (1.0 - u));
+        let e = *kepler().sample([u]);
+        both(kepler(), [u], (1.0 - 0.6 * e.cos()) / TAU);
+        let t = *right(student(4.0)).sample([u]);
+        both(right(student(4.0)), [u], 0.375 * (1.0 + t * t / 4.0).powf(-2.5));
+    }
+}
+
+#[test]
+fn tangents_and_inverse_functions_have_derivatives() {
+    for u in [0.05, 0.3, 0.7, 0.95_f64] {
+        both(tangent(), [u], u.cos() * u.cos());
+        both(arc_cosine(), [u], (1.0 - u * u).sqrt());
+        both(angle_of_a_slope(0.75), [u], (u * u + 0.5625) / 0.75);
+        let (d, a, b) = (0.5, -1.0, 2.0_f64);
+        let x = *right(equiangular(d, a, b)).sample([u]);
+        let width = (b / d).atan() - (a / d).atan();
+        both(right(equiangular(d, a, b)), [u], d / (width * (d * d + x * x)));
+    }
+}
+
+// Conditions.
+
+#[sampler]
+fn by_less(u: [Uniform; 1]) -> f64 {
+    if u[0] < 0.25 { 2.0 * u[0] } else { 0.5 + (u[0] - 0.25) / 3.0 }
+}
+
+#[sampler]
+fn by_logic(u: [Uniform; 1]) -> f64 {
+    if u[0] >= 0.75 || u[0] <= 0.25 { 2.0 * u[0] } else { 4.0 + u[0] }
+}
+
+#[test]
+fn every_comparison_can_be_written() {
+    both(by_less(), [0.125], 0.5);
+    both(by_less(), [0.5], 3.0);
+    both(by_logic(), [0.125], 0.5);
+    both(by_logic(), [0.5], 1.0);
+    both(by_logic(), [0.875], 0.5);
+    assert_eq!(by_logic().pdf(&1.0).value(), 0.0);
+}
+
+// Uniforms are known by their index, not by where they occur first.
+
+#[sampler]
+fn second_first(u: [Uniform; 2]) -> Surface {
+    Surface::new(u[1], u[0], 1.0)
+}
+
+#[test]
+fn uniforms_go_by_their_index() {
+    let x = second_first().sample([0.25, 0.5]).value();
+    assert_eq!(x, Surface::new(0.5, 0.25, 1.0));
+    both(second_first(), [0.25, 0.5], 1.0);
+}
+
+// Surfaces and volumes.
+
+#[sampler]
+fn flat_disk(u: [Uniform; 2]) -> Surface {
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    Surface::new(r * phi.cos(), r * phi.sin(), 0.0)
+}
+
+#[sampler]
+fn ball(u: [Uniform; 3]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[1];
+    let s = (1.0 - z * z).sqrt();
+    let phi = TAU * u[2];
+    u[0].cbrt() * Vec3::new(s * phi.cos(), s * phi.sin(), z)
+}
+
+#[sampler]
+fn cube(u: [Uniform; 3]) -> Vec3 {
+    Vec3::new(2.0 * u[0], 3.0 * u[1], 4.0 * u[2])
+}
+
+#[sampler]
+fn sphere_by_its_radius(u: [Uniform; 2]) -> Direction {
+    let r = 2.0 * (u[0] * (1.0 - u[0])).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - 2.0 * u[0])
+}
+
+#[test]
+fn a_disk_has_no_density_off_its_plane() {
+    both(flat_disk(), [0.3, 0.6], 1.0 / PI);
+    both(flat_disk(), [0.0, 0.6], 1.0 / PI);
+    assert_eq!(flat_disk().pdf(&Surface::new(0.3, 0.2, 1e-3)).value(), 0.0);
+    assert_eq!(flat_disk().pdf(&Surface::new(0.9, 0.9, 0.0)).value(), 0.0);
+}
+
+#[test]
+fn volumes_have_densities() {
+    both(ball(), [0.3, 0.6, 0.2], 0.75 / PI);
+    assert_eq!(ball().pdf(&Vec3::new(0.8, 0.8, 0.0)).value(), 0.0);
+    both(cube(), [0.3, 0.6, 0.2], 1.0 / 24.0);
+}
+
+#[test]
+fn curves_and_surfaces_have_densities() {
+    both(sphere_by_its_radius(), [0.3, 0.6], 0.25 / PI);
+    both(concentric_disk(), [0.3, 0.6], 1.0 / PI);
+    both(concentric_hemisphere(), [0.3, 0.6], 0.5 / PI);
+    both(right(helix(1.5, 0.25, 20.0)), [0.3], 1.0 / (20.0 * 1.5_f64.hypot(0.25)));
+    let x = right(torus(2.0, 0.5)).sample([0.3, 0.6]).value().vec();
+    both(right(torus(2.0, 0.5)), [0.3, 0.6], 1.0 / (4.0 * PI * PI * 0.5 * x.x.hypot(x.y)));
+    let v = Vec3::new;
+    let heitz = triangle_heitz(v(1.0, 0.0, 0.0), v(1.0, 2.0, 0.0), v(1.0, 0.0, 3.0));
+    both(heitz, [0.3, 0.6], 1.0 / 3.0);
+    both(heitz, [0.6, 0.3], 1.0 / 3.0);
+    let [a, b, c, d] =
+        [v(0.0, 0.0, 0.0), v(2.0, 0.25, 0.5), v(2.5, 1.75, -0.25), v(-0.25, 1.0, 0.75)];
+    let (s, t) = (0.3, 0.6);
+    let along = (1.0 - t) * (b - a) + t * (c - d);
+    let across = (1.0 - s) * (d - a) + s * (c - b);
+    both(bilinear_patch(a, b, c, d), [s, t], 1.0 / along.cross(across).length());
+}
+
+// Microfacets.
+
+#[sampler(alpha in 1e-3..=1.0)]
+fn ggx_by_the_cosine(u: [Uniform; 2], alpha: f64) -> Direction {
+    let z = ((1.0 - u[0]) / (1.0 + (alpha * alpha - 1.0) * u[0])).sqrt();
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+#[sampler(alpha in 1e-3..=1.0)]
+fn ggx_by_the_angle(u: [Uniform; 2], alpha: f64) -> Direction {
+    let theta = (alpha * (u[0] / (1.0 - u[0])).sqrt()).atan();
+    let phi = TAU * u[1];
+    Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
+fn ggx_density(alpha: f64, h: Direction) -> f64 {
+    let slope = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
+    h.z / (PI * alpha * alpha * slope * slope)
+}
+
+#[test]
+fn ggx_compiles_in_both_usual_forms() {
+    for u in [[0.3, 0.6], [0.9, 0.1], [0.01, 0.99]] {
+        let h = right(ggx_by_the_cosine(0.25)).sample(u).value();
+        both(right(ggx_by_the_cosine(0.25)), u, ggx_density(0.25, h));
+        let h = right(ggx_by_the_angle(0.25)).sample(u).value();
+        both(right(ggx_by_the_angle(0.25)), u, ggx_density(0.25, h));
+    }
+}
+
+/// About w, which is seen from behind by some half vectors: the sample is as legal as any other.
+#[sampler(n in 0.0..=100.0)]
+fn blinn(u: [Uniform; 2], n: f64, w: Direction) -> Direction {
+    let z = u[0].powf(1.0 / (n + 1.0));
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    let h = Vec3::new(r * phi.cos(), r * phi.sin(), z);
+    Direction::from_vec(2.0 * h.dot(w) * h - w)
+}
+
+#[test]
+fn a_reflection_at_a_half_vector_that_faces_away_has_a_density() {
+    let (n, w) = (2.0, Direction::from_vec(Vec3::new(0.9, 0.3, 0.1).normalize()));
+    let lobe = right(blinn(n, w));
+    let mut away = 0;
+    for k in 0..100 {
+        let u = [(f64::from(k % 10) + 0.5) / 10.0, (f64::from(k / 10) + 0.5) / 10.0];
+        let (z, phi) = (u[0].powf(1.0 / 3.0), TAU * u[1]);
+        let r = (1.0 - z * z).sqrt();
+        let cosine = Vec3::new(r * phi.cos(), r * phi.sin(), z).dot(w);
+        away += usize::from(cosine < 0.0);
+        // A point has this half vector and the opposite one, which lies below the horizon.
+        both(lobe, u, 3.0 * z * z / (TAU * 4.0 * cosine.abs()));
+    }
+    assert!(away > 10, "{away}");
+}
+
+#[test]
+fn a_lobe_has_its_peak_at_the_mirror_direction() {
+    let w = Direction::from_vec(Vec3::new(0.48, 0.64, 0.6));
+    for alpha in [0.25, 0.5] {
+        both(right(reflected_ggx(alpha, w)), [0.0, 0.3], 1.0 / (PI * alpha * alpha * 4.0 * w.z));
+    }
+}
+
+#[test]
+fn a_sphere_light_has_the_density_of_its_axis() {
+    let (d, r, m) = (1.25_f64, 0.75, 0.1875);
+    both(right(sphere_light(m, d, r)), [0.0, 0.3], 1.0 / (TAU * m * (d - r) * (d - r)));
+}
