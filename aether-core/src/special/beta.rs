@@ -148,31 +148,22 @@ fn in_domain(a: f64, b: f64, x: f64) -> bool {
     a > 0.0 && b > 0.0 && a + b < f64::INFINITY && (0.0..=1.0).contains(&x)
 }
 
-/// I(x; a, b) of x and y = 1 - x.
-fn incomplete(a: f64, b: f64, [x, y]: [f64; 2]) -> f64 {
-    if !in_domain(a, b, x) || !in_domain(a, b, y) {
+fn incomplete(a: f64, b: f64, x: f64) -> f64 {
+    if !in_domain(a, b, x) {
         return f64::NAN;
     }
-    match x {
-        _ if x == 0.0 => 0.0,
-        _ if y == 0.0 => 1.0,
-        _ => tails(a, b, x, y)[0],
-    }
+    if x == 0.0 || x == 1.0 { x } else { tails(a, b, x, 1.0 - x)[0] }
 }
 
-/// The x with I(x; a, b) = p, and 1 - x.
-fn quantile(a: f64, b: f64, p: f64) -> [f64; 2] {
+fn quantile(a: f64, b: f64, p: f64) -> f64 {
     if !in_domain(a, b, p) {
-        return [f64::NAN; 2];
+        return f64::NAN;
     }
-    if p == 0.0 || p == 1.0 {
-        return [p, 1.0 - p];
+    match p {
+        _ if p == 0.0 || p == 1.0 => p,
+        _ if p <= 0.5 => lower_quantile(a, b, p)[0],
+        _ => lower_quantile(b, a, 1.0 - p)[1],
     }
-    if p <= 0.5 {
-        return lower_quantile(a, b, p);
-    }
-    let [y, x] = lower_quantile(b, a, 1.0 - p);
-    [x, y]
 }
 
 /// A function of doubles, one lane after the other.
@@ -181,19 +172,11 @@ fn by_lane<R: Real>(f: impl Fn([f64; 3]) -> f64, arguments: [R; 3]) -> R {
 }
 
 pub(super) fn beta_inc<R: Real>(a: R, b: R, x: R) -> R {
-    by_lane(|[a, b, x]| incomplete(a, b, [x, 1.0 - x]), [a, b, x])
+    by_lane(|[a, b, x]| incomplete(a, b, x), [a, b, x])
 }
 
 pub(super) fn beta_inc_inv<R: Real>(a: R, b: R, p: R) -> R {
-    by_lane(|[a, b, p]| quantile(a, b, p)[0], [a, b, p])
-}
-
-pub(super) fn beta_inc_rest<R: Real>(a: R, b: R, y: R) -> R {
-    by_lane(|[a, b, y]| incomplete(a, b, [1.0 - y, y]), [a, b, y])
-}
-
-pub(super) fn beta_inc_rest_inv<R: Real>(a: R, b: R, p: R) -> R {
-    by_lane(|[a, b, p]| quantile(a, b, p)[1], [a, b, p])
+    by_lane(|[a, b, p]| quantile(a, b, p), [a, b, p])
 }
 
 pub(super) fn ln_beta<R: Real>(a: R, b: R) -> R {

@@ -155,16 +155,3 @@ function! {
     /// Error: mostly below 3 ulp in `f64`; at most 240 (for a p of 1e-30 and small a), 0.6 in `f32`.
     beta_inc_inv(a, b; p) BetaIncInv = beta::beta_inc_inv, 540.0
 }
-function! {
-    /// I(1 - y; a, b), by what the argument of [`beta_inc`] leaves of one: accurate where y is so small that 1 - y
-    /// has lost its digits.
-    ///
-    /// Error: at most 23 ulp in `f64` where the parameters are up to half a million, 0.6 in `f32`.
-    beta_inc_rest(a, b; y) BetaIncRest = beta::beta_inc_rest, 540.0
-}
-function! {
-    /// The inverse of [`beta_inc_rest`]: 1 - I⁻¹(p; a, b), accurate where it is small.
-    ///
-    /// Error: at most 30 ulp in `f64`, 0.6 in `f32`.
-    beta_inc_rest_inv(a, b; p) BetaIncRestInv = beta::beta_inc_rest_inv, 540.0
-}

@@ -62,13 +62,6 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
             let inner = derive(g, args[0], x, memo);
             if f == Fun::BetaInc { g.mul(inner, slope) } else { g.div(inner, slope) }
         }
-        Node::Call(f @ (Fun::BetaRest | Fun::BetaRestInv), args) => {
-            let at = if f == Fun::BetaRest { args[0] } else { id };
-            let slope = beta_slope(g, at, [args[2], args[1]]);
-            let inner = derive(g, args[0], x, memo);
-            let size = if f == Fun::BetaRest { g.mul(inner, slope) } else { g.div(inner, slope) };
-            g.neg(size)
-        }
         Node::Call(f, args) => {
             let inner = derive(g, args[0], x, memo);
             let slope = slope(g, f, args[0], id);
@@ -175,14 +168,7 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
         Fun::LnGamma | Fun::LnBeta => g.float(f64::NAN),
         Fun::Abs => g.call(Fun::Sign, &[a]),
         Fun::Sign => g.int(0),
-        Fun::Turn
-        | Fun::TurnTo
-        | Fun::Atan2
-        | Fun::Pow1p
-        | Fun::BetaInc
-        | Fun::BetaIncInv
-        | Fun::BetaRest
-        | Fun::BetaRestInv => one,
+        Fun::Turn | Fun::TurnTo | Fun::Atan2 | Fun::Pow1p | Fun::BetaInc | Fun::BetaIncInv => one,
     }
 }
 

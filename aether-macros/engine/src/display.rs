@@ -49,13 +49,6 @@ fn print(g: &Graph, id: Id, outer: u8) -> String {
         Node::Product(factors) => {
             (product(g, Q::ONE, factors), if factors.len() == 1 { 2 } else { 1 })
         }
-        Node::Call(f @ (Fun::BetaRest | Fun::BetaRestInv), args) => {
-            let [x, a, b] = [0, 1, 2].map(|i| print(g, args[i], u8::from(i == 0)));
-            match f {
-                Fun::BetaRest => (format!("I(1 - {x}, {a}, {b})"), 3),
-                _ => (format!("1 - I⁻¹({x}, {a}, {b})"), 0),
-            }
-        }
         Node::Call(f, args) => {
             let args: Vec<String> = args.iter().map(|a| print(g, *a, 0)).collect();
             (format!("{}({})", name(*f), args.join(", ")), 3)
@@ -185,8 +178,6 @@ fn name(f: Fun) -> &'static str {
         Fun::LnBeta => "lnB",
         Fun::BetaInc => "I",
         Fun::BetaIncInv => "I⁻¹",
-        // These two are spelled out.
-        Fun::BetaRest | Fun::BetaRestInv => "I",
         Fun::Abs => "abs",
         Fun::Sign => "sign",
         Fun::Atan2 => "atan2",

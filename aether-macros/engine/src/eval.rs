@@ -129,8 +129,6 @@ fn call<T: Number>(f: Fun, a: T, b: T, c: T) -> T {
         Fun::LnBeta => a.ln_beta(b),
         Fun::BetaInc => a.beta_inc(b, c),
         Fun::BetaIncInv => a.beta_inc_inv(b, c),
-        Fun::BetaRest => a.beta_inc_rest(b, c),
-        Fun::BetaRestInv => a.beta_inc_rest_inv(b, c),
         Fun::SinPi => half_turns(a, 0),
         Fun::CosPi => half_turns(a, 1),
         Fun::Abs => a.abs(),

@@ -60,10 +60,6 @@ pub enum Fun {
     BetaInc,
     /// Its inverse, of p, a, b.
     BetaIncInv,
-    /// The regularised incomplete beta function of 1 - y, of y, a, b.
-    BetaRest,
-    /// Its inverse, of p, a, b: one less that of `BetaInc`.
-    BetaRestInv,
     Abs,
     /// One with the sign of the argument.
     Sign,
@@ -332,9 +328,7 @@ impl Graph {
             }),
             Node::Product(factors) => self.range_of_product(factors),
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
-            Node::Call(Fun::BetaInc | Fun::BetaIncInv | Fun::BetaRest | Fun::BetaRestInv, _) => {
-                Interval::new(0.0, 1.0)
-            }
+            Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
             Node::Call(Fun::LnBeta, _) => Interval::ALL,
             Node::Call(Fun::TurnTo, args) => {
                 let half = std::f64::consts::PI;

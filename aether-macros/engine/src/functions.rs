@@ -20,8 +20,6 @@ fn inverse_beta(g: &Graph, f: Fun, args: &[Id]) -> Option<Id> {
     let undone = match f {
         Fun::BetaInc => Fun::BetaIncInv,
         Fun::BetaIncInv => Fun::BetaInc,
-        Fun::BetaRest => Fun::BetaRestInv,
-        Fun::BetaRestInv => Fun::BetaRest,
         _ => return None,
     };
     match g.node(args[0]) {
@@ -56,9 +54,6 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
         Fun::Ln | Fun::ErfcInv if q == Some(Q::ONE) => Some(g.int(0)),
         Fun::Erfc if zero => Some(g.int(1)),
         Fun::BetaInc | Fun::BetaIncInv if zero || q == Some(Q::ONE) => Some(x),
-        Fun::BetaRest | Fun::BetaRestInv if zero || q == Some(Q::ONE) => {
-            Some(g.int(i64::from(zero)))
-        }
         Fun::LnGamma if q == Some(Q::ONE) || q == Some(Q::int(2)) => Some(g.int(0)),
         // A root of something that has a sign is a power, of which the other rules know more.
         Fun::Cbrt if g.range(x).nonnegative() => {

@@ -5,7 +5,6 @@
 //! test points and compared with double-double; a form is taken if it is clearly more accurate.
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
-mod angles;
 mod exponential;
 
 use std::rc::Rc;
@@ -347,7 +346,6 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
-            out.extend(angles::difference(g, c, &terms));
             let f = factor_out(g, id);
             out.push(f);
             for open in [crate::expr::UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
@@ -366,7 +364,6 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
         Node::Call(Fun::Ln1p, args) => out.extend(exponential::by_size(g, id, args[0])),
         Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => {
             out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
-            out.extend(by_the_rest(g, id));
         }
         Node::Product(factors) => {
             for (k, &(b, e)) in factors.iter().enumerate() {
@@ -379,12 +376,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 }
             }
         }
-        Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::Tan), args) => {
-            out.extend(angles::of_sum(g, f, args[0]));
-            if turns {
-                out.extend(of_turn(g, id));
-            }
-        }
+        Node::Call(Fun::Sin | Fun::Cos | Fun::Tan, _) if turns => out.extend(of_turn(g, id)),
         _ => {}
     }
     out.retain(|f| *f != id);
@@ -408,18 +400,11 @@ fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
     (form != id && g.as_number(gap).is_some_and(Q::is_zero)).then_some(form)
 }
 
-/// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse; 1 - I⁻¹(p; a, b) also as a function
-/// of p, which may be small.
-fn other_tail(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Vec<Id> {
-    let [(q, t)] = *terms else { return vec![] };
-    if q != Q::int(-1) || c != Q::ONE {
-        return vec![];
-    }
-    let rest = match g.node(t).clone() {
-        Node::Call(Fun::BetaIncInv, args) => Some(g.call(Fun::BetaRestInv, &args)),
-        _ => None,
-    };
-    flipped(g, t).into_iter().chain(rest).collect()
+/// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse.
+fn other_tail(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(q, t)] = *terms else { return None };
+    let minus = q == Q::int(-1) && c == Q::ONE;
+    minus.then(|| flipped(g, t)).flatten()
 }
 
 /// The angle with a given sine or cosine by the sine and cosine of half of it (from the quarter turn), which
@@ -439,20 +424,6 @@ fn by_halves(g: &mut Graph, f: Fun, a: Id) -> Id {
             g.sum(Q::ZERO, &[(Q::int(2), half), (Q::HALF.neg(), pi)])
         }
     }
-}
-
-/// The incomplete beta function by what its argument leaves of one, and its inverse as what that of the other leaves:
-/// of two numbers that add up to one, the smaller one knows both.
-fn by_the_rest(g: &mut Graph, id: Id) -> Option<Id> {
-    let Node::Call(f, args) = g.node(id).clone() else { return None };
-    if f == Fun::BetaIncInv {
-        let rest = g.call(Fun::BetaRestInv, &args);
-        return Some(g.sum(Q::ONE, &[(Q::int(-1), rest)]));
-    }
-    let one = g.int(1);
-    let rest = g.sub(one, args[0]);
-    let rest = simplify(g, rest, None);
-    Some(g.call(Fun::BetaRest, &[rest, args[1], args[2]]))
 }
 
 /// What the incomplete beta function or its inverse leaves of one.

@@ -155,14 +155,8 @@ fn a_map_has_preimages_in_some_lanes() {
 /// They iterate in double precision, a lane at a time.
 #[test]
 fn incomplete_beta_functions_have_the_bits_of_the_scalar() {
-    fn all<R: Real>(a: R, b: R, x: R) -> [R; 4] {
-        use aether_core::special::{beta_inc_rest, beta_inc_rest_inv};
-        [
-            beta_inc(a, b, x),
-            beta_inc_inv(a, b, x),
-            beta_inc_rest(a, b, x),
-            beta_inc_rest_inv(a, b, x),
-        ]
+    fn all<R: Real>(a: R, b: R, x: R) -> [R; 2] {
+        [beta_inc(a, b, x), beta_inc_inv(a, b, x)]
     }
     for (a, b) in [(1.75, 0.5), (0.5, 40.0), (500.0, 0.5)] {
         for k in 0..64 {

@@ -230,13 +230,9 @@ impl<'a> Code<'a> {
                         let b = self.reference(args[1]);
                         quote!(::aether_core::special::ln_beta(#a, #b))
                     }
-                    Fun::BetaInc | Fun::BetaIncInv | Fun::BetaRest | Fun::BetaRestInv => {
-                        let name = match f {
-                            Fun::BetaInc => quote!(beta_inc),
-                            Fun::BetaIncInv => quote!(beta_inc_inv),
-                            Fun::BetaRest => quote!(beta_inc_rest),
-                            _ => quote!(beta_inc_rest_inv),
-                        };
+                    Fun::BetaInc | Fun::BetaIncInv => {
+                        let inverse = *f == Fun::BetaIncInv;
+                        let name = if inverse { quote!(beta_inc_inv) } else { quote!(beta_inc) };
                         let (b, c) = (self.reference(args[1]), self.reference(args[2]));
                         quote!(::aether_core::special::#name(#b, #c, #a))
                     }

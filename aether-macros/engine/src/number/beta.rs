@@ -132,24 +132,24 @@ fn in_domain(a: Dd, b: Dd, x: Dd) -> bool {
     inside && (a + b).is_finite()
 }
 
-/// I(x; a, b) of x and 1 - x.
-pub(super) fn incomplete((x, y): (Dd, Dd), a: Dd, b: Dd) -> Dd {
-    if !in_domain(a, b, x) || !in_domain(a, b, y) {
+/// I(x; a, b).
+pub(super) fn incomplete(x: Dd, a: Dd, b: Dd) -> Dd {
+    if !in_domain(a, b, x) {
         return Dd::from_f64(f64::NAN);
     }
-    if x == Dd::ZERO || y == Dd::ZERO {
+    if x == Dd::ZERO || x == Dd::ONE {
         return x;
     }
-    Beta::new(a, b).tails(Point { x, y })[0]
+    Beta::new(a, b).tails(Point { x, y: Dd::ONE - x })[0]
 }
 
-/// The x with I(x; a, b) = p, and 1 - x.
-pub(super) fn quantile(p: Dd, a: Dd, b: Dd) -> (Dd, Dd) {
+/// The x with I(x; a, b) = p.
+pub(super) fn quantile(p: Dd, a: Dd, b: Dd) -> Dd {
     if !in_domain(a, b, p) {
-        return (Dd::from_f64(f64::NAN), Dd::from_f64(f64::NAN));
+        return Dd::from_f64(f64::NAN);
     }
     if p == Dd::ZERO || p == Dd::ONE {
-        return (p, Dd::ONE - p);
+        return p;
     }
     let lower = p <= Dd::from_f64(0.5);
     let beta = Beta::new(a, b);
@@ -162,5 +162,5 @@ pub(super) fn quantile(p: Dd, a: Dd, b: Dd) -> (Dd, Dd) {
         beta.newton(p, Point { x, y }.moved(Dd::ZERO), 1e-17)
     });
     let Point { x, y } = found.unwrap_or(Point { x: Dd::ZERO, y: Dd::ONE });
-    if lower { (x, y) } else { (y, x) }
+    if lower { x } else { y }
 }

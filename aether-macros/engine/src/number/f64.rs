@@ -163,14 +163,6 @@ impl Number for f64 {
         Dd::from_f64(self).beta_inc_inv(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
     }
 
-    fn beta_inc_rest(self, a: Self, b: Self) -> Self {
-        Dd::from_f64(self).beta_inc_rest(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
-    }
-
-    fn beta_inc_rest_inv(self, a: Self, b: Self) -> Self {
-        Dd::from_f64(self).beta_inc_rest_inv(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
-    }
-
     fn min(self, other: Self) -> Self {
         libm::fmin(self, other)
     }

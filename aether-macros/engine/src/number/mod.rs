@@ -108,10 +108,6 @@ pub trait Number:
     fn beta_inc(self, a: Self, b: Self) -> Self;
     /// The inverse of `beta_inc`.
     fn beta_inc_inv(self, a: Self, b: Self) -> Self;
-    /// `beta_inc` of what `self` leaves of one, accurate where `self` is small.
-    fn beta_inc_rest(self, a: Self, b: Self) -> Self;
-    /// The inverse of `beta_inc_rest`: what `beta_inc_inv` leaves of one.
-    fn beta_inc_rest_inv(self, a: Self, b: Self) -> Self;
     /// The smaller of two; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger of two; the other one if one is NaN.

@@ -85,12 +85,4 @@ impl Number for Single {
     fn beta_inc_inv(self, a: Self, b: Self) -> Self {
         Self::from_f64(self.wide().beta_inc_inv(a.wide(), b.wide()))
     }
-
-    fn beta_inc_rest(self, a: Self, b: Self) -> Self {
-        Self::from_f64(self.wide().beta_inc_rest(a.wide(), b.wide()))
-    }
-
-    fn beta_inc_rest_inv(self, a: Self, b: Self) -> Self {
-        Self::from_f64(self.wide().beta_inc_rest_inv(a.wide(), b.wide()))
-    }
 }

@@ -122,16 +122,8 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
             Some((squared, vec![inverse]))
         }
         Node::Call(Fun::Atan2, args) => undo_atan2(g, known, args[0], args[1]),
-        Node::Call(
-            f @ (Fun::BetaInc | Fun::BetaIncInv | Fun::BetaRest | Fun::BetaRestInv),
-            args,
-        ) => {
-            let back = match f {
-                Fun::BetaInc => Fun::BetaIncInv,
-                Fun::BetaIncInv => Fun::BetaInc,
-                Fun::BetaRest => Fun::BetaRestInv,
-                _ => Fun::BetaRest,
-            };
+        Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) => {
+            let back = if f == Fun::BetaInc { Fun::BetaIncInv } else { Fun::BetaInc };
             let known = g.call(back, &[known, args[1], args[2]]);
             Some((args[0], vec![Inverse { known, conditions: vec![] }]))
         }
@@ -283,9 +275,7 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         | Fun::LnGamma
         | Fun::LnBeta
         | Fun::BetaInc
-        | Fun::BetaIncInv
-        | Fun::BetaRest
-        | Fun::BetaRestInv => None,
+        | Fun::BetaIncInv => None,
     }
 }
 

@@ -373,19 +373,11 @@ impl Number for Dd {
     }
 
     fn beta_inc(self, a: Self, b: Self) -> Self {
-        beta::incomplete((self, Dd::ONE - self), a, b)
+        beta::incomplete(self, a, b)
     }
 
     fn beta_inc_inv(self, a: Self, b: Self) -> Self {
-        beta::quantile(self, a, b).0
-    }
-
-    fn beta_inc_rest(self, a: Self, b: Self) -> Self {
-        beta::incomplete((Dd::ONE - self, self), a, b)
-    }
-
-    fn beta_inc_rest_inv(self, a: Self, b: Self) -> Self {
-        beta::quantile(self, a, b).1
+        beta::quantile(self, a, b)
     }
 
     fn min(self, other: Self) -> Self {

@@ -127,20 +127,6 @@ fn beta_functions() {
     }
     let expected = Dd::sum(-2.5346891063280625, 1.4576678168577982e-16);
     assert!(relative_error(dd(500.0).ln_beta(dd(0.5)), expected) < 1e-28);
-    // The rest to one, which the small one of two numbers knows better.
-    for (x, a, b) in [(0.125, 1.75, 0.5), (0.75, 25.0, 0.5)] {
-        let one = Dd::ONE;
-        let gaps = [
-            (dd(x).beta_inc_rest(dd(a), dd(b)), (one - dd(x)).beta_inc(dd(a), dd(b))),
-            (dd(x).beta_inc_rest_inv(dd(a), dd(b)), one - dd(x).beta_inc_inv(dd(a), dd(b))),
-        ];
-        for (found, expected) in gaps {
-            assert!(relative_error(found, expected) < 1e-27, "{x} {a} {b}: {found:?}");
-        }
-    }
-    let tiny = dd(1e-40);
-    let back = tiny.beta_inc_rest(dd(25.0), dd(0.5)).beta_inc_rest_inv(dd(25.0), dd(0.5));
-    assert!(relative_error(back, tiny) < 1e-8, "{back:?}");
     for f in [inc, inv] {
         assert_is(f(dd(0.0), dd(2.0), dd(3.0)), 0.0);
         assert_is(f(dd(1.0), dd(2.0), dd(3.0)), 1.0);
