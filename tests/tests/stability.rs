@@ -3,9 +3,10 @@
 
 use aether_core::prelude::*;
 use aether_core::uniform::clamped;
-use aether_core::{DomainError, coin, mixture};
+use aether_core::{DomainError, Pcg32, coin, mixture};
 use tests::catalogue::*;
 use tests::fuzz::fuzz;
+use tests::leaks::{aimed, leaks, room};
 use tests::registry::items;
 
 #[test]
@@ -18,6 +19,16 @@ fn any_bit_pattern_is_survived_in_f64() {
 fn any_bit_pattern_is_survived_in_f32() {
     let found = fuzz::<f32>(&items(), 500_000, 2);
     assert_eq!(found.failures, 0, "{:#?}", found.examples);
+}
+
+#[test]
+fn rays_aimed_at_edges_stay_in_closed_rooms() {
+    let found = leaks(1_000_000);
+    assert_eq!(found.lost, 0, "{:#?}", found.first);
+    assert!(found.rays >= 1_000_000);
+    // Without a wall many are lost.
+    let open = aimed(&room(1.0, 0, 5), 10_000, &mut Pcg32::new(1, 0, 0));
+    assert!(open.lost > 500, "{open:?}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Errors as they come in: the worst, the median, and where the worst was.
 
+use serde_json::{Value, json};
+
 /// Errors of one kind.
 #[derive(Clone, Debug)]
 pub struct Tally {
@@ -63,6 +65,31 @@ impl Tally {
             }
         }
         f64::NAN
+    }
+
+    /// A tally without errors, which looks only at what is worse than all in this one.
+    pub fn onward(&self) -> Tally {
+        Tally { worst_over: self.worst_over, at: self.at.clone(), ..Tally::default() }
+    }
+
+    /// All that is known, for [`Tally::from_json`].
+    pub(super) fn as_json(&self) -> Value {
+        let counted = self.bins.iter().enumerate().filter(|(_, n)| **n > 0);
+        let bins: Vec<[u64; 2]> = counted.map(|(i, n)| [i as u64, *n]).collect();
+        json!({ "worst": self.worst, "over": self.worst_over, "at": self.at, "bins": bins })
+    }
+
+    pub(super) fn from_json(value: &Value) -> Option<Tally> {
+        let mut tally = Tally {
+            worst: value["worst"].as_f64()?,
+            worst_over: value["over"].as_f64()?,
+            at: value["at"].as_str()?.to_owned(),
+            ..Tally::default()
+        };
+        for bin in value["bins"].as_array()? {
+            *tally.bins.get_mut(bin[0].as_u64()? as usize)? = bin[1].as_u64()?;
+        }
+        Some(tally)
     }
 
     /// Adds the errors of another tally.
