@@ -57,6 +57,11 @@ const REASONS: &[(&str, &str)] = &[
     ("sphere_light", "far away, at the rim and close by: differences of squares"),
     ("tetrahedron", "f32 next to a corner"),
     ("triangle_fold", BORDER),
+    (
+        "student",
+        "a quarter and three quarters, where two pieces meet: with the slack of incomplete beta functions a point \
+         next to the border counts for both; in f32, nu / (nu + x²) underflows far out",
+    ),
     ("triangle_heitz", BORDER),
     ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
     ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 pub struct Tally {
     /// The worst error in units.
     pub worst: f64,
-    /// The worst error over its condition number, which counts as one if it is less.
+    /// The worst error over its condition number, which counts as one if it is less; to within four percent.
     pub worst_over: f64,
     /// Where `worst_over` was.
     pub at: String,
@@ -17,6 +17,9 @@ pub struct Tally {
 
 /// Bins for a factor of two.
 const FINENESS: f64 = 8.0;
+/// An error over its condition number is not looked at if it is larger than the worst by no more than this factor:
+/// where a density and its condition number are the same everywhere, each point would be.
+const MORE: f64 = 1.04;
 /// The logarithm of the least error that is told from none.
 const LEAST: f64 = -4.0;
 
@@ -40,9 +43,10 @@ impl Tally {
         let last = self.bins.len() - 1;
         self.bins[bin.min(last)] += 1;
         self.worst = self.worst.max(error);
-        if error > self.worst_over {
-            let over = error / condition(error / self.worst_over).max(1.0);
-            if over > self.worst_over {
+        let least = MORE * self.worst_over;
+        if error > least {
+            let over = error / condition(error / least).max(1.0);
+            if over > least {
                 self.worst_over = over;
                 self.at = at();
             }
