@@ -16,7 +16,8 @@ use aether_core::uniform::{Pcg32, UniformSource};
 use glam::{Vec2, Vec3};
 use integrators::scene::{Hit, PrimitiveId, Scene};
 
-const USAGE: &str = "rays SCENE.xml [--rays N] [--rounds N] [--write FILE]   (a million rays, three times)";
+const USAGE: &str =
+    "rays SCENE.xml [--rays N] [--rounds N] [--write FILE]   (a million rays, three times)";
 
 /// A ray, or a segment to another point.
 struct Ray {

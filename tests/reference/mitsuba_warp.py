@@ -79,12 +79,27 @@ def bilinear_density(u, v, w00, w10, w01, w11):
     return (x, y), 4 * ((1 - x) * c + x * d) / (w00 + w10 + w01 + w11)
 
 
+def tent(u, v, radius):
+    """On a line: Mitsuba's tent of two dimensions, which is 1 across the middle of the other one."""
+    x = sqrt(2 * u) - 1 if u < 0.5 else 1 - sqrt(2 * (1 - u))
+    return (radius * x,), (1 - abs(x)) / radius
+
+
+def concentric_disk(u, v):
+    a, b = 2 * u - 1, 2 * v - 1
+    if abs(a) > abs(b):
+        return polar(a, pi / 4 * (b / a)), 1 / pi
+    return polar(b, pi / 2 - pi / 4 * (a / b) if b else 0), 1 / pi
+
+
 CASES = [
     ("uniform sphere", uniform_sphere, [()], lambda x: warp.square_to_uniform_sphere_pdf(x)),
     ("uniform hemisphere", uniform_hemisphere, [()], lambda x: warp.square_to_uniform_hemisphere_pdf(x)),
     ("cosine hemisphere", cosine_hemisphere, [()], lambda x: warp.square_to_cosine_hemisphere_pdf(x)),
     ("cone", cone, [(1.0,), (0.1,), (1e-4,), (1e-7,)], lambda x, m: warp.square_to_uniform_cone_pdf(x, 1 - m)),
     ("disk polar", disk_polar, [(1.0,)], lambda x, r: warp.square_to_uniform_disk_pdf(x)),
+    ("tent", tent, [(1.0,)], lambda x, r: warp.square_to_tent_pdf(x)),
+    ("concentric_disk", concentric_disk, [()], lambda x: warp.square_to_uniform_disk_concentric_pdf(x)),
     (
         "von_mises_fisher",
         von_mises_fisher,
@@ -107,6 +122,9 @@ CASES = [
     ),
 ]
 
+# Samplers of one uniform.
+LINES = ["tent"]
+
 LAST = 1 - 2**-24
 FIRST = [2**-60, 1e-5, 1e-3, 0.1, 0.3, 0.5, 0.75, 0.97, 0.999, 1 - 1e-5, LAST]
 SECOND = [1e-5, 0.1, 0.3, 0.5, 0.75, LAST]
@@ -119,13 +137,13 @@ def main():
         for numbers in sets:
             numbers = [single(n) for n in numbers]
             for u in FIRST:
-                for v in SECOND:
+                for v in SECOND[:1] if name in LINES else SECOND:
                     u, v = single(u), single(v)
                     x, exact = sample(mpf(u), mpf(v), *map(mpf, numbers))
                     x = [single(c) for c in x]
-                    point = mi.Vector3f(*x) if len(x) == 3 else mi.Point2f(*x)
+                    point = mi.Vector3f(*x) if len(x) == 3 else mi.Point2f(*(x + [0.0])[:2])
                     found = float(density(point, *numbers))
-                    print(f"{name},{words(numbers)},{words([u, v])},{words(x)},{mp.nstr(exact, 17)},{found!r}")
+                    print(f"{name},{words(numbers)},{words([u] if name in LINES else [u, v])},{words(x)},{mp.nstr(exact, 17)},{found!r}")
 
 
 main()

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod errors;
 pub mod forward;
 pub mod fuzz;
+pub mod leaks;
 pub mod mutation;
 pub mod points;
 pub mod precise;

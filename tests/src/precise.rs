@@ -4,13 +4,14 @@
 //! Emitted code writes constants with the digits of `f64`; here they are what is meant, so that a parameter
 //! or a uniform must not be made by `of` but by [`exactly`].
 //!
-//! Special functions ([`aether_core::special`]) are those of `f64` here; no sampler of the registry has
-//! one.
+//! Special functions ([`aether_core::special`]) are the compiler's, which have these digits; their parameters
+//! are taken as constant.
 
 use core::cell::RefCell;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+use aether_core::special::Function;
 use aether_core::{Real, Scalar, Single};
 use aether_engine::number::{Dd, Number};
 
@@ -173,6 +174,9 @@ macro_rules! number {
             fn track(self) -> Self {
                 self
             }
+            fn track_within(self, _: Self) -> Self {
+                self
+            }
             fn value_and_error(tracked: Self) -> (Self, Self) {
                 (tracked, tracked.abs() * Self::EPSILON * Self::of(1e3))
             }
@@ -257,6 +261,55 @@ impl Real for Precise {
     }
     fn hypot(self, other: Self) -> Self {
         Precise(Number::hypot(self.0, other.0))
+    }
+    fn special<F: Function>(parameters: &[Self], x: Self) -> Self {
+        special(F::NAME, parameters, x)
+    }
+}
+
+/// The special function of this name.
+///
+/// # Panics
+/// If there is none.
+fn special(name: &str, parameters: &[Precise], x: Precise) -> Precise {
+    let root2 = p(2.0).sqrt();
+    Precise(match (name, parameters) {
+        ("erf", []) => x.0.erf(),
+        ("erfc", []) => x.0.erfc(),
+        ("erf_inv", []) => x.0.erf_inv(),
+        ("erfc_inv", []) => x.0.erfc_inv(),
+        ("normal_cdf", []) => p(0.5).0 * (-x / root2).0.erfc(),
+        ("normal_quantile", []) => (-root2).0 * (p(2.0) * x).0.erfc_inv(),
+        ("lambert_w", []) => x.0.lambert_w(),
+        ("ln_gamma", []) => x.0.ln_gamma(),
+        ("ln_beta", [a]) => a.0.ln_beta(x.0),
+        ("beta_inc", [a, b]) => x.0.beta_inc(a.0, b.0),
+        ("beta_inc_inv", [a, b]) => x.0.beta_inc_inv(a.0, b.0),
+        _ => panic!("there is no function {name} of {} parameters", parameters.len()),
+    })
+}
+
+/// The derivative of the special function of this name, by its argument and its value.
+fn special_slope(name: &str, parameters: &[Precise], x: Precise, y: Precise) -> Precise {
+    let half_root_pi = p(0.5) * p(core::f64::consts::PI).sqrt();
+    let normal = |x: Precise| (-(x * x) / p(2.0)).exp() / p(core::f64::consts::TAU).sqrt();
+    let beta = |x: Precise| {
+        let [a, b] = *parameters else { return p(f64::NAN) };
+        let logarithm = (a - Precise::ONE) * x.ln() + (b - Precise::ONE) * (-x).ln_1p();
+        (logarithm - special("ln_beta", &[a], b)).exp()
+    };
+    match name {
+        "erf" => (-(x * x)).exp() / half_root_pi,
+        "erfc" => -((-(x * x)).exp() / half_root_pi),
+        "erf_inv" => (y * y).exp() * half_root_pi,
+        "erfc_inv" => -((y * y).exp() * half_root_pi),
+        "normal_cdf" => normal(x),
+        "normal_quantile" => normal(y).recip(),
+        "lambert_w" => (y.exp() * (Precise::ONE + y)).recip(),
+        "beta_inc" => beta(x),
+        "beta_inc_inv" => beta(y).recip(),
+        // Of parameters alone.
+        _ => p(f64::NAN),
     }
 }
 
@@ -358,6 +411,11 @@ impl Real for Dual {
             + other.chain(value, other.value / value).slope;
         Dual { value, slope }
     }
+    fn special<F: Function>(parameters: &[Self], x: Self) -> Self {
+        let parameters: Vec<Precise> = parameters.iter().map(|p| p.value).collect();
+        let value = special(F::NAME, &parameters, x.value);
+        x.chain(value, special_slope(F::NAME, &parameters, x.value, value))
+    }
 }
 
 #[cfg(test)]
@@ -389,5 +447,30 @@ mod tests {
         near(x.powf(x), 0.3f64.powf(0.3) * (0.3f64.ln() + 1.0));
         near(x.atan2(x * x), -1.0 / 1.09);
         near((x / (Dual::ONE - x)).sqrt(), 0.5 * (0.7f64 / 0.3).sqrt() / 0.49);
+    }
+
+    /// Each function undoes its inverse to 28 digits, and so do their derivatives.
+    #[test]
+    fn special_functions_have_all_digits() {
+        use aether_core::special::{
+            beta_inc, beta_inc_inv, erf, erf_inv, erfc, erfc_inv, lambert_w, normal_cdf,
+            normal_quantile,
+        };
+        let x = Dual::variable(Precise::f64(0.3));
+        let [a, b] = [0.5, 7.0].map(|x| Dual::constant(Precise::f64(x)));
+        for (name, y) in [
+            ("erf", erf(erf_inv(x))),
+            ("erfc", erfc(erfc_inv(x))),
+            ("normal_cdf", normal_cdf(normal_quantile(x))),
+            ("lambert_w", lambert_w(x) * lambert_w(x).exp()),
+            ("beta_inc", beta_inc(a, b, beta_inc_inv(a, b, x))),
+        ] {
+            let off = [(y.value - x.value).to_f64(), (y.slope - Precise::ONE).to_f64()];
+            assert!(off.iter().all(|e| e.abs() < 1e-26), "{name}: {off:?}");
+        }
+        // I(x; 1/2, 1) = √x.
+        let root = beta_inc(a, Dual::ONE, x);
+        let off = [root.value - x.value.sqrt(), root.slope - p(0.5) / x.value.sqrt()];
+        assert!(off.iter().all(|e| e.to_f64().abs() < 1e-26), "{off:?}");
     }
 }

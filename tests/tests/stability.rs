@@ -3,10 +3,12 @@
 
 use aether_core::prelude::*;
 use aether_core::uniform::clamped;
-use aether_core::{DomainError, coin, mixture};
+use aether_core::{DomainError, Pcg32, coin, mixture};
 use tests::catalogue::*;
 use tests::fuzz::fuzz;
-use tests::registry::items;
+use tests::leaks::{aimed, leaks, room};
+use tests::registry::{Item, items};
+use tests::stability::{Row, Settings, run};
 
 #[test]
 fn any_bit_pattern_is_survived_in_f64() {
@@ -18,6 +20,31 @@ fn any_bit_pattern_is_survived_in_f64() {
 fn any_bit_pattern_is_survived_in_f32() {
     let found = fuzz::<f32>(&items(), 500_000, 2);
     assert_eq!(found.failures, 0, "{:#?}", found.examples);
+}
+
+#[test]
+fn rays_aimed_at_edges_stay_in_closed_rooms() {
+    let found = leaks(1_000_000);
+    assert_eq!(found.lost, 0, "{:#?}", found.first);
+    assert!(found.rays >= 1_000_000);
+    // Without a wall many are lost.
+    let open = aimed(&room(1.0, 0, 5), 10_000, &mut Pcg32::new(1, 0, 0));
+    assert!(open.lost > 500, "{open:?}");
+}
+
+/// The last bits of a pixel, which the maps of a camera round, and half vectors on the horizon.
+#[test]
+fn samples_next_to_a_border_have_a_density() {
+    for name in ["renderer: camera, box filter", "refracted_ggx"] {
+        let items: Vec<Item> = items().into_iter().filter(|item| item.name == name).collect();
+        assert_eq!(items.len(), 1);
+        let settings = Settings { single: 5_000, double: 200, sweep: false };
+        let rows = run(&items, settings, None, &|_, _| ()).expect("nothing is written");
+        for row in rows {
+            let Row { precision, false_zeros, examples, .. } = row;
+            assert_eq!(false_zeros, 0, "{name} in {precision}: {examples:?}");
+        }
+    }
 }
 
 #[test]

@@ -53,6 +53,8 @@ use crate::real::Real;
 /// A function of one argument, with parameters: what [`Real::special`] applies.
 #[doc(hidden)]
 pub trait Function {
+    /// Its name, for numbers that have kernels of their own.
+    const NAME: &'static str;
     /// A bound for its error and for that of its inverse in `f64`, in units in the last place.
     const ULPS: f64;
     /// The value at `x`.
@@ -72,6 +74,7 @@ macro_rules! function {
         pub fn $name<R: Real>($($parameter: R,)* $x: R) -> R {
             struct $marker;
             impl Function for $marker {
+                const NAME: &'static str = stringify!($name);
                 const ULPS: f64 = $ulps;
                 #[inline(always)]
                 fn value<R: Real>(parameters: &[R], x: R) -> R {

@@ -87,8 +87,8 @@ fn triangles_without_area_are_left_out_with_a_count() {
     assert_eq!((scene.primitives.len(), scene.degenerate_triangles), (1, 3));
 }
 
-/// A camera exactly on a wall, in a corner of the room, or in the plane of a light sees a furnace or
-/// black, but never something else.
+/// A camera exactly on a wall, in a corner of the room, or in the plane of a light looks into a furnace: its own
+/// wall is not in its way.
 #[test]
 fn cameras_in_walls() {
     let room =
@@ -96,11 +96,8 @@ fn cameras_in_walls() {
     for origin in [[1.0, 0.0, 0.0], [1.0, 1.0, -1.0], [0.0, -1.0, 0.25]] {
         let mut scene = scene(&camera(origin, [0.1, 0.2, 0.0], 40.0), 8, -1, &room);
         scene.integrator.rr_depth = 5;
-        let film = rendered(&mut scene, 64, 1);
-        for pixel in film.pixels() {
-            let mean = pixel.mean()[0];
-            assert!((0.0..1.5).contains(&mean), "{origin:?}: {mean}");
-        }
+        let film = rendered(&mut scene, 256, 1);
+        assert_mean(&format!("a camera at {origin:?}"), &film, 1.0);
     }
 }
 

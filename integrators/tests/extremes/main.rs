@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod geometry;
+mod grazing;
 mod lenses;
 mod lights;
 mod long_paths;

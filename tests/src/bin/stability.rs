@@ -1,21 +1,25 @@
 //! The stability report: `cargo run --release -p tests --bin stability`.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Mutex;
 
 use serde_json::json;
-use tests::reference::{PointEntry, Reference};
+use tests::leaks::{Leaks, leaks};
 use tests::registry::{Item, items};
-use tests::stability::{Row, Settings, Tally, measure, reason};
+use tests::stability::{Row, Settings, Tally, reason, run};
 
 const USAGE: &str = "\
-stability [--json] [--markdown FILE] [--csv FILE] [--samples N] [--precise N] [NAME...]
+stability [--json] [--markdown FILE] [--csv FILE] [--samples N] [--precise N] [--rays N] [--full]
+          [--keep FILE] [NAME...]
   --json           print one object for programs to read
   --markdown FILE  write the report
   --csv FILE       write all figures
   --samples N      random samples of each sampler in f32, against f64 (20000)
   --precise N      random samples of each sampler in f64, against 31 digits (1000)
-  --full           as many as 10000000 and 100000
+  --rays N         rays at edges and corners of closed rooms (1000000; none if there are names)
+  --full           as many as 10000000, 100000 and 100000000
+  --keep FILE      add each sampler's figures to this file when they are there, and take those from it that are
+                   there already: a report that was interrupted goes on
   NAME             only samplers with this in their name";
 
 struct Options {
@@ -23,12 +27,22 @@ struct Options {
     markdown: Option<String>,
     csv: Option<String>,
     settings: Settings,
+    rays: u64,
+    keep: Option<PathBuf>,
     names: Vec<String>,
+}
+
+/// All that is reported.
+struct Report {
+    rows: Vec<Row>,
+    leaks: Leaks,
 }
 
 fn options() -> Option<Options> {
     let settings = Settings { single: 20_000, double: 1_000, sweep: true };
-    let mut options = Options { json: false, markdown: None, csv: None, settings, names: vec![] };
+    let (markdown, csv, keep, names) = (None, None, None, vec![]);
+    let mut options =
+        Options { json: false, markdown, csv, settings, rays: 1_000_000, keep, names };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
@@ -37,8 +51,11 @@ fn options() -> Option<Options> {
             "--csv" => options.csv = Some(words.next()?),
             "--samples" => options.settings.single = words.next()?.parse().ok()?,
             "--precise" => options.settings.double = words.next()?.parse().ok()?,
+            "--keep" => options.keep = Some(words.next()?.into()),
+            "--rays" => options.rays = words.next()?.parse().ok()?,
             "--full" => {
                 options.settings = Settings { single: 10_000_000, double: 100_000, sweep: true };
+                options.rays = 100_000_000;
             }
             name if !name.starts_with('-') => options.names.push(name.to_owned()),
             _ => return None,
@@ -59,17 +76,26 @@ fn main() -> ExitCode {
         );
         return ExitCode::from(2);
     }
-    let rows = rows(&options);
+    let report = match report(&options) {
+        Ok(report) => report,
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    let rows = &report.rows[..];
     if options.json {
-        println!("{}", json!({ "rows": rows.iter().map(as_json).collect::<Vec<_>>() }));
+        let rows: Vec<serde_json::Value> = rows.iter().map(as_json).collect();
+        let leaks = json!({ "rays": report.leaks.rays, "lost": report.leaks.lost });
+        println!("{}", json!({ "rows": rows, "leaks": leaks }));
     } else {
-        print!("{}", markdown(&rows));
+        print!("{}", markdown(&report));
     }
     let write = |file: &Option<String>, text: String| match file {
         Some(file) => std::fs::write(file, text).map_err(|e| format!("{file}: {e}")),
         None => Ok(()),
     };
-    let written = write(&options.markdown, markdown(&rows)).and(write(&options.csv, csv(&rows)));
+    let written = write(&options.markdown, markdown(&report)).and(write(&options.csv, csv(rows)));
     match written {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
@@ -79,38 +105,17 @@ fn main() -> ExitCode {
     }
 }
 
-/// All rows, in the order of the registry, whichever thread has made them.
-fn rows(options: &Options) -> Vec<Row> {
-    let tried = [Reference::load(), Reference::load_branched()];
+/// Everything, rows in the order of the registry. Each is written to the error stream as soon as it is there.
+fn report(options: &Options) -> std::io::Result<Report> {
+    let leaks = if options.names.is_empty() { leaks(options.rays) } else { Leaks::default() };
+    eprintln!("{}", rays(&leaks));
     let mut items = items();
     let named = |item: &Item| options.names.iter().any(|name| item.name.contains(name.as_str()));
     items.retain(|item| options.names.is_empty() || named(item));
-    let next = Mutex::new(items.iter().enumerate());
-    let done = Mutex::new(Vec::new());
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|| {
-                let take = || next.lock().ok().and_then(|mut items| items.next());
-                while let Some((i, item)) = take() {
-                    let about =
-                        |p: &&PointEntry| p.inputs.row == item.row && p.inputs.name == item.name;
-                    let entries = tried.iter().flat_map(|r| &r.points).filter(about);
-                    let entries: Vec<PointEntry> = entries.cloned().collect();
-                    let pair = [
-                        measure::<f64>(item, &entries, options.settings),
-                        measure::<f32>(item, &entries, options.settings),
-                    ];
-                    if let Ok(mut done) = done.lock() {
-                        done.push((i, pair));
-                    }
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().unwrap_or_default();
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().flat_map(|(_, pair)| pair).collect()
+    let rows = run(&items, options.settings, options.keep.as_deref(), &|row, time| {
+        eprint!("{:.1} s: {}", time.as_secs_f64(), csv_row(row));
+    })?;
+    Ok(Report { rows, leaks })
 }
 
 fn as_json(row: &Row) -> serde_json::Value {
@@ -148,22 +153,23 @@ fn csv(rows: &[Row]) -> String {
         text += &format!(",{what} worst,{what} over condition,{what} median");
     }
     text.push('\n');
-    for row in rows {
-        text += &format!(
-            "\"{}\",{},{},{},{},{}",
-            row.name, row.precision, row.samples, row.false_zeros, row.nan, row.infinite
-        );
-        let tallies = [&row.sample, &row.inverse, &row.pdf, &row.own, &row.extremes, &row.textbook];
-        for t in tallies.into_iter().chain([&row.mitsuba, &row.beside_mitsuba]) {
-            if t.count() == 0 {
-                text += ",,,";
-            } else {
-                text += &format!(",{:.3e},{:.3e},{:.2e}", t.worst, t.worst_over, t.median());
-            }
+    text + &rows.iter().map(csv_row).collect::<String>()
+}
+
+fn csv_row(row: &Row) -> String {
+    let mut text = format!(
+        "\"{}\",{},{},{},{},{}",
+        row.name, row.precision, row.samples, row.false_zeros, row.nan, row.infinite
+    );
+    let tallies = [&row.sample, &row.inverse, &row.pdf, &row.own, &row.extremes, &row.textbook];
+    for t in tallies.into_iter().chain([&row.mitsuba, &row.beside_mitsuba]) {
+        if t.count() == 0 {
+            text += ",,,";
+        } else {
+            text += &format!(",{:.3e},{:.3e},{:.2e}", t.worst, t.worst_over, t.median());
         }
-        text.push('\n');
     }
-    text
+    text + "\n"
 }
 
 /// A figure in few characters.
@@ -179,7 +185,8 @@ fn triple(t: &Tally) -> String {
     format!("{} ({}, {})", short(t.worst_over), short(t.worst), short(t.median()))
 }
 
-fn markdown(rows: &[Row]) -> String {
+fn markdown(report: &Report) -> String {
+    let rows = &report.rows[..];
     let mut text = String::from(INTRODUCTION) + &summary(rows);
     for precision in ["f64", "f32"] {
         text += &format!("\n## {precision}\n\n");
@@ -228,7 +235,21 @@ fn markdown(rows: &[Row]) -> String {
                 &format!("\nLeft out, because rounding leaves the domain:\n\n{}", dropped.concat());
         }
     }
-    text + &oracle(rows) + &beside_mitsuba(rows)
+    text + &oracle(rows)
+        + &beside_mitsuba(rows)
+        + "\n## Rays at edges and corners\n\n"
+        + &rays(&report.leaks)
+        + "\n"
+}
+
+/// How many rays left a closed room.
+fn rays(leaks: &Leaks) -> String {
+    let Leaks { rays, lost, first } = leaks;
+    let first: String = first.iter().map(|from| format!("\n- {from}")).collect();
+    format!(
+        "Of {rays} rays aimed at edges and corners of closed rooms, and going on from there in directions that \
+         often graze the walls, {lost} left.{first}"
+    )
 }
 
 /// Both precisions side by side.

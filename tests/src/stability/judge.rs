@@ -2,12 +2,12 @@
 
 use aether_core::{Real, Scalar};
 
-use super::conditions::{Conditions, STEPS, Steps, conditions, estimate};
+use super::conditions::{Conditions, Spot};
 use super::few::Few;
+use super::lazy::Lazy;
 use super::measure::Row;
 use super::oracle::{Exact, Format};
 use super::probe::Answer;
-use crate::precise::Precise;
 use crate::registry::Item;
 use crate::textbook::textbook;
 
@@ -38,59 +38,6 @@ pub struct Judge<'a> {
     pub origin: Origin,
 }
 
-/// How far estimates of a condition number may be apart, relative to them, to be believed within twice as much.
-const AGREEMENT: f64 = 0.01;
-
-/// The condition numbers at a point, computed when they are asked for.
-struct Lazy<'a> {
-    at: &'a Judge<'a>,
-    exact: Exact,
-    estimates: [Option<[Conditions; 2]>; 2],
-    known: Option<Conditions>,
-}
-
-impl Lazy<'_> {
-    fn exactly(&mut self) -> &Conditions {
-        let Judge { item, numbers, u, format, .. } = *self.at;
-        self.known
-            .get_or_insert_with(|| conditions(item, numbers, &precise(u), &self.exact, format))
-    }
-
-    /// A little less than one of the condition numbers, if it can be estimated; all inputs add to it, so that
-    /// uniforms and coordinates without parameters may do.
-    fn at_least(&mut self, parameters: bool, which: &impl Fn(&Conditions) -> f64) -> Option<f64> {
-        let Judge { item, numbers, u, format, origin, .. } = *self.at;
-        if origin != Origin::Random || self.known.is_some() {
-            return None;
-        }
-        let estimates = self.estimates[usize::from(parameters)].get_or_insert_with(|| {
-            let moved = if parameters { numbers.len() } else { 0 };
-            STEPS.map(|uniform| {
-                let steps = Steps { uniform, parameter: uniform.max(format.spacing), moved };
-                estimate(steps, item, numbers, &precise(u), &self.exact, format)
-            })
-        });
-        let [a, b] = [which(&estimates[0]), which(&estimates[1])];
-        // Where moved uniforms have no sample there is no estimate.
-        let agree = a.is_finite() && (a - b).abs() <= AGREEMENT * a;
-        agree.then_some(a * (1.0 - 2.0 * AGREEMENT))
-    }
-
-    /// One of the condition numbers; where it is plainly larger than `limit`, some number above that.
-    fn beyond(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> f64 {
-        for parameters in [false, true] {
-            if let Some(least) = self.at_least(parameters, &which).filter(|c| *c > limit) {
-                return least;
-            }
-        }
-        which(self.exactly())
-    }
-}
-
-fn precise(u: &[f64]) -> Few<Precise> {
-    u.iter().map(|u| Precise::f64(*u)).collect()
-}
-
 impl Judge<'_> {
     /// The exact sample, rounded: a point to ask about.
     pub fn rounded<R: Scalar>(exact: &Option<Exact>) -> Few<f64> {
@@ -118,17 +65,36 @@ impl Judge<'_> {
         if !known || !found.valid {
             return;
         }
-        let mut lazy = Lazy { at: self, exact, estimates: [None; 2], known: None };
+        let spot = Spot { item, numbers, u, exact: &exact, format: *format };
+        let order = core::mem::take(&mut row.order);
+        let mut lazy = Lazy::new(spot, self.origin == Origin::Random, order);
+        self.errors::<R>(row, found, x, &exact, &mut lazy);
+        row.order = lazy.order();
+    }
+
+    /// The errors at a point where there is a density.
+    fn errors<R: Scalar>(
+        &self,
+        row: &mut Row,
+        found: &Answer,
+        x: &[f64],
+        exact: &Exact,
+        lazy: &mut Lazy,
+    ) {
+        let Judge { item, numbers, u, format, .. } = self;
+        let at = || format!("{numbers:?} {u:?}");
+        let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
+        let density = exact.density.to_f64();
         let normal = density > format.floor && density < format.ceiling;
         if normal && (found.own == 0.0 || found.at_own == Some(0.0)) {
             // A point next to the border of the support may be rounded onto it, where the density is zero.
-            if found.own == 0.0 || lazy.exactly().density * format.spacing < 0.25 {
+            if found.own == 0.0 || lazy.all().density * format.spacing < 0.25 {
                 row.false_zeros += 1;
                 row.example("false zero", &at);
             }
         }
         let infinite = densities.into_iter().any(|d| d == f64::INFINITY);
-        if normal && infinite && lazy.exactly().density * format.spacing < 0.25 {
+        if normal && infinite && lazy.all().density * format.spacing < 0.25 {
             row.infinite += 1;
             row.example("infinity", &at);
         }
@@ -152,11 +118,11 @@ impl Judge<'_> {
         }
         if self.origin == Origin::Extreme {
             let t = &mut row.extremes;
-            t.add(sample, |_| lazy.exactly().sample, || format!("sample at {}", at()));
-            t.add(own, |_| lazy.exactly().density, || format!("sample.pdf() at {}", at()));
-            t.add(pdf, |_| lazy.exactly().density, || format!("pdf(x) at {}", at()));
+            t.add(sample, |_| lazy.all().sample, || format!("sample at {}", at()));
+            t.add(own, |_| lazy.all().density, || format!("sample.pdf() at {}", at()));
+            t.add(pdf, |_| lazy.all().density, || format!("pdf(x) at {}", at()));
         }
-        self.inverse(row, found, &mut lazy, &at);
+        self.inverse(row, found, lazy, &at);
     }
 
     /// The preimage next to the uniforms: its worst uniform.

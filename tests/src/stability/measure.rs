@@ -2,14 +2,15 @@
 
 use aether_core::{Pcg32, Real, Scalar};
 
-use super::conditions::conditions;
+use super::conditions::Spot;
 use super::few::Few;
 use super::judge::{Judge, Origin};
+use super::lazy::Lazy;
 use super::oracle::{Format, exact};
 use super::peers::{PeerPoint, peer_points};
 use super::places::{next_to_ends, swept};
 use super::probe::{Question, ask, dimensions, legal};
-use super::random::{against_double, draw};
+use super::random::{against_double, below_one, draw};
 use super::tally::Tally;
 use crate::errors::errors;
 use crate::precise::Precise;
@@ -64,6 +65,8 @@ pub struct Row {
     pub dropped: Vec<String>,
     /// The first false zero, NaN and infinity.
     pub examples: Vec<String>,
+    /// In which order parameters are asked for condition numbers.
+    pub(super) order: Vec<usize>,
 }
 
 impl Row {
@@ -84,6 +87,42 @@ impl Row {
         worst.map_or_else(String::new, |(name, t)| format!("{name} at {}", t.at))
     }
 
+    pub(super) fn tallies(&self) -> [&Tally; 9] {
+        let Row { sample, inverse, pdf, own, extremes, textbook, mitsuba, .. } = self;
+        [sample, inverse, pdf, own, extremes, textbook, mitsuba, &self.beside_mitsuba, &self.oracle]
+    }
+
+    pub(super) fn tallies_mut(&mut self) -> [&mut Tally; 9] {
+        let Row { sample, inverse, pdf, own, extremes, textbook, mitsuba, beside_mitsuba, .. } =
+            self;
+        let oracle = &mut self.oracle;
+        [sample, inverse, pdf, own, extremes, textbook, mitsuba, beside_mitsuba, oracle]
+    }
+
+    /// A row without points for the same sampler, which looks only at what is worse than all in this one.
+    fn onward(&self) -> Row {
+        let mut row = Row { name: self.name.clone(), precision: self.precision, ..Row::default() };
+        for (new, old) in row.tallies_mut().into_iter().zip(self.tallies()) {
+            *new = old.onward();
+        }
+        row
+    }
+
+    /// Adds the points of another row of the same sampler.
+    pub fn merge(&mut self, other: &Row) {
+        for (all, new) in self.tallies_mut().into_iter().zip(other.tallies()) {
+            all.merge(new);
+        }
+        self.false_zeros += other.false_zeros;
+        self.nan += other.nan;
+        self.infinite += other.infinite;
+        self.samples += other.samples;
+        for example in &other.examples {
+            let what = example.split(" at ").next().unwrap_or_default();
+            self.example(what, &|| example[what.len() + 4..].to_owned());
+        }
+    }
+
     /// Keeps the first of each.
     pub(super) fn example(&mut self, what: &str, at: &dyn Fn() -> String) {
         if !self.examples.iter().any(|e| e.starts_with(what)) {
@@ -92,56 +131,81 @@ impl Row {
     }
 }
 
-/// Everything about a sampler in the precision `R`. `reference` are its entries in the reference data
-/// that are meant for that precision.
-pub fn measure<R: Scalar>(item: &Item, reference: &[PointEntry], settings: Settings) -> Row {
-    let units = Format::of::<R>();
-    let double = units.spacing < 1e-10;
+/// A sampler in the precision `R` at all points that chance does not choose. `reference` are its entries in the
+/// reference data that are meant for that precision.
+pub fn chosen<R: Scalar>(item: &Item, reference: &[PointEntry], sweep: bool) -> Row {
+    let format = Format::of::<R>();
+    let double = is_double::<R>();
     let precision = if double { "f64" } else { "f32" };
     let mut row = Row { name: item.name.to_owned(), precision, ..Row::default() };
-    let round = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| R::of(*x).to_f64()).collect() };
     for entry in reference {
         if double {
-            extreme(&mut row, entry, &units);
-            verify(&mut row, item, entry, &units);
+            extreme(&mut row, entry, &format);
+            verify(&mut row, item, entry, &format);
         }
-        let below_one = R::ONE - R::EPSILON * R::of(0.5);
-        let u: Vec<f64> = entry.u.iter().map(|u| R::of(*u).min(below_one).to_f64()).collect();
+        let numbers = rounded::<R>(&entry.inputs.numbers());
+        if !legal::<R>(item, &numbers, &mut row.dropped) {
+            continue;
+        }
+        let u: Vec<f64> = entry.u.iter().map(|u| below_one::<R>(*u)).collect();
         // The reference data are for `f64`; in `f32` these points count as extreme by the oracle alone.
         let origin = if double { Origin::Swept } else { Origin::Extreme };
-        one::<R>(&mut row, item, &round(&entry.inputs.numbers()), &u, origin);
+        one::<R>(&mut row, item, &numbers, &u, origin);
     }
     if !double {
         for point in peer_points(item.name) {
-            peer::<R>(&mut row, item, &point, &units);
+            peer::<R>(&mut row, item, &point, &format);
         }
     }
-    let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| round(s)).collect();
-    sets.retain(|s| legal::<R>(item, s, &mut row.dropped));
+    let sets = sets::<R>(item, &mut row.dropped);
     let Some(dimensions) = sets.first().and_then(|s| dimensions::<R>(item, s)) else { return row };
     for set in &sets {
         for u in next_to_ends::<R>(dimensions, true) {
             one::<R>(&mut row, item, set, &u, Origin::Swept);
         }
     }
-    if settings.sweep {
-        let swept: Vec<Vec<f64>> = swept(item).iter().map(|s| round(s)).collect();
+    if sweep {
+        let swept: Vec<Vec<f64>> = swept(item).iter().map(|s| rounded::<R>(s)).collect();
         for set in swept.iter().filter(|s| legal::<R>(item, s, &mut vec![])) {
             for u in next_to_ends::<R>(dimensions, false) {
                 one::<R>(&mut row, item, set, &u, Origin::Swept);
             }
         }
     }
-    if double {
-        let mut source = Pcg32::new(11, 0, 0);
-        for i in 0..settings.double {
+    row
+}
+
+/// Some of its random points, to be merged with what was found at the chosen ones: those of the stream `part`, the
+/// first of which has the number `first`.
+pub fn random<R: Scalar>(item: &Item, chosen: &Row, part: u64, first: u64, count: u64) -> Row {
+    let mut row = chosen.onward();
+    let sets = sets::<R>(item, &mut vec![]);
+    let Some(dimensions) = sets.first().and_then(|s| dimensions::<R>(item, s)) else { return row };
+    let mut source = Pcg32::new(11, part, 0);
+    if is_double::<R>() {
+        for i in first..first + count {
             let u = draw::<R>(&mut source, dimensions);
             one::<R>(&mut row, item, &sets[i as usize % sets.len()], &u, Origin::Random);
         }
     } else {
-        against_double::<R>(&mut row, item, &sets, dimensions, settings.single);
+        against_double::<R>(&mut row, item, &sets, &mut source, dimensions, first..first + count);
     }
     row
+}
+
+fn is_double<R: Scalar>() -> bool {
+    Format::of::<R>().spacing < 1e-10
+}
+
+fn rounded<R: Scalar>(x: &[f64]) -> Vec<f64> {
+    x.iter().map(|x| R::of(*x).to_f64()).collect()
+}
+
+/// The parameters that the item is tried with, rounded to the precision, and without those that leave their domain.
+fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
+    let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| rounded::<R>(s)).collect();
+    sets.retain(|s| legal::<R>(item, s, dropped));
+    sets
 }
 
 /// An extreme point of the reference data, against its values and condition numbers.
@@ -177,7 +241,9 @@ fn peer<R: Scalar>(row: &mut Row, item: &Item, point: &PeerPoint, format: &Forma
     let question = Question { u: Few::new(&point.u), x: Some(Few::new(&point.x)) };
     let answers = ask::<R>(item, &point.numbers, &[question]);
     let Some(found) = answers.first() else { return };
-    let condition = |_: f64| conditions(item, &point.numbers, &u, &exact, *format).density;
+    let numbers = &point.numbers[..];
+    let spot = Spot { item, numbers, u: &point.u, exact: &exact, format: *format };
+    let condition = |_: f64| Lazy::new(spot, false, vec![]).all().density;
     let at = || format!("{:?} {:?}", point.numbers, point.u);
     row.mitsuba.add(format.density(point.density, exact.density), condition, at);
     let own = format.density(found.pdf.unwrap_or(f64::NAN), exact.density);
@@ -186,9 +252,6 @@ fn peer<R: Scalar>(row: &mut Row, item: &Item, point: &PeerPoint, format: &Forma
 
 /// Uniforms against the oracle.
 fn one<R: Scalar>(row: &mut Row, item: &Item, numbers: &[f64], u: &[f64], origin: Origin) {
-    if !legal::<R>(item, numbers, &mut row.dropped) {
-        return;
-    }
     let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
     let exact = exact(item, numbers, &precise);
     let x = Judge::rounded::<R>(&exact);

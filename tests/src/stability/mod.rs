@@ -12,6 +12,7 @@
 mod conditions;
 mod few;
 mod judge;
+mod lazy;
 mod measure;
 mod oracle;
 mod peers;
@@ -19,13 +20,16 @@ mod places;
 mod probe;
 mod random;
 mod reasons;
+mod run;
+mod stored;
 mod tally;
 
-pub use conditions::{Conditions, conditions};
+pub use conditions::{Conditions, Differences, Source, Spot};
 pub use few::Few;
-pub use measure::{Row, Settings, measure};
+pub use measure::{Row, Settings};
 pub use oracle::{Exact, Format, exact};
 pub use peers::{PeerPoint, peer_points};
 pub use places::{next_to_ends, swept};
 pub use reasons::reason;
+pub use run::{on_all_threads, run};
 pub use tally::Tally;

@@ -3,6 +3,7 @@
 use aether_core::{Point, Real, Sampler, Scalar, Uniforms};
 
 use super::few::Few;
+use super::probe::Answer;
 use crate::points::FromCoordinates;
 use crate::precise::{Dual, Precise};
 use crate::registry::{Item, Visitor};
@@ -14,6 +15,14 @@ pub struct Exact {
     pub x: Few<Precise>,
     /// The density there.
     pub density: Precise,
+}
+
+impl Exact {
+    /// What `f64` says, as if it were exact; none if that is no sample.
+    pub fn of_double(found: &Answer) -> Option<Self> {
+        let x = || found.sample.iter().map(|x| Precise::f64(*x)).collect();
+        found.valid.then(|| Exact { x: x(), density: Precise::f64(found.own) })
+    }
 }
 
 /// A format of floating-point numbers.

@@ -1,6 +1,8 @@
 //! Random samples of `f32` against `f64`: as many as there is time for, so that each costs little more than the
 //! sampler itself.
 
+use core::ops::Range;
+
 use aether_core::{Pcg32, Scalar, UniformSource};
 
 use super::few::Few;
@@ -8,41 +10,41 @@ use super::judge::{Judge, Origin};
 use super::measure::Row;
 use super::oracle::{Exact, Format};
 use super::probe::{Answer, Question, ask};
-use crate::precise::Precise;
 use crate::registry::Item;
 
 /// How many are drawn at once: samplers are made for each block, and blocks should stay in the cache.
 const BLOCK: u64 = 1 << 8;
 
-/// Uniforms below one, rounded to the precision.
-pub fn draw<R: Scalar>(source: &mut Pcg32, dimensions: usize) -> Few<f64> {
-    let below_one = R::ONE - R::EPSILON * R::of(0.5);
-    let mut next = || -> f64 {
-        let u: f64 = source.next();
-        R::of(u).min(below_one).to_f64()
-    };
-    (0..dimensions).map(|_| next()).collect()
+/// A uniform rounded to the precision, but not to one.
+pub fn below_one<R: Scalar>(u: f64) -> f64 {
+    R::of(u).min(R::ONE - R::EPSILON * R::of(0.5)).to_f64()
 }
 
-/// Adds so many samples to the row, with these sets of parameters in turns.
+/// Uniforms below one, rounded to the precision.
+pub fn draw<R: Scalar>(source: &mut Pcg32, dimensions: usize) -> Few<f64> {
+    (0..dimensions).map(|_| below_one::<R>(source.next())).collect()
+}
+
+/// Adds samples to the row, with these sets of parameters in turns by the number of the sample.
 pub fn against_double<R: Scalar>(
     row: &mut Row,
     item: &Item,
     sets: &[Vec<f64>],
+    source: &mut Pcg32,
     dimensions: usize,
-    count: u64,
+    samples: Range<u64>,
 ) {
     let format = Format::of::<R>();
-    let mut source = Pcg32::new(11, 0, 0);
-    let mut first = 0;
-    while first < count {
-        let size = BLOCK.min(count - first) as usize;
+    let mut first = samples.start;
+    while first < samples.end {
+        let size = BLOCK.min(samples.end - first) as usize;
         let set = |i: usize| (first as usize + i) % sets.len();
         let mut questions: Vec<Question> = Vec::with_capacity(size);
-        questions
-            .extend((0..size).map(|_| Question { u: draw::<R>(&mut source, dimensions), x: None }));
-        let exact: Vec<Option<Exact>> =
-            by_set::<f64>(item, sets, &questions, set).into_iter().map(reference).collect();
+        questions.extend((0..size).map(|_| Question { u: draw::<R>(source, dimensions), x: None }));
+        let exact: Vec<Option<Exact>> = by_set::<f64>(item, sets, &questions, set)
+            .iter()
+            .map(|found| Exact::of_double(found.as_ref()?))
+            .collect();
         for (question, exact) in questions.iter_mut().zip(&exact) {
             question.x = Some(Judge::rounded::<R>(exact));
         }
@@ -75,11 +77,4 @@ fn by_set<R: Scalar>(
         }
     }
     all
-}
-
-/// What `f64` says, as if it were exact.
-fn reference(found: Option<Answer>) -> Option<Exact> {
-    let found = found.filter(|f| f.valid)?;
-    let x = found.sample.iter().map(|x| Precise::f64(*x)).collect();
-    Some(Exact { x, density: Precise::f64(found.own) })
 }

@@ -41,8 +41,6 @@ const REASONS: &[(&str, &str)] = &[
         "the mirror direction, a pole that counts for both signs of the half vector; the horizon",
     ),
     ("refracted_ggx", "half vectors on the horizon, which rounding crosses"),
-    ("renderer: camera, box filter", COMPOSED),
-    ("renderer: camera, tent filter", COMPOSED),
     ("renderer: diffuse, hit at a distance", "a grazing plane a million units away"),
     (
         "renderer: film, Gaussian filter",
@@ -57,6 +55,11 @@ const REASONS: &[(&str, &str)] = &[
     ("sphere_light", "far away, at the rim and close by: differences of squares"),
     ("tetrahedron", "f32 next to a corner"),
     ("triangle_fold", BORDER),
+    (
+        "student",
+        "a quarter and three quarters, where two pieces meet: with the slack of incomplete beta functions a point \
+         next to the border counts for both; in f32, nu / (nu + x²) underflows far out",
+    ),
     ("triangle_heitz", BORDER),
     ("triangular", "a peak at an end: c - √(c²(1 - u)) cancels"),
     ("truncated exponential", "s d below -709: 1 - u is rounded before it meets exp(-s d)"),
@@ -88,7 +91,6 @@ const REASONS: &[(&str, &str)] = &[
 
 const BORDER: &str =
     "a point within rounding of a border between pieces counts for both or for none";
-const COMPOSED: &str = "a map between rounds the point of the film by more than its sampler knows: the last bits of a pixel";
 
 const OPPOSITE: &str =
     "grazing views, and a half or the last of uniforms: two nearly opposite vectors are added";

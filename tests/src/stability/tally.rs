@@ -1,11 +1,13 @@
 //! Errors as they come in: the worst, the median, and where the worst was.
 
+use serde_json::{Value, json};
+
 /// Errors of one kind.
 #[derive(Clone, Debug)]
 pub struct Tally {
     /// The worst error in units.
     pub worst: f64,
-    /// The worst error over its condition number, which counts as one if it is less.
+    /// The worst error over its condition number, which counts as one if it is less; to within four percent.
     pub worst_over: f64,
     /// Where `worst_over` was.
     pub at: String,
@@ -15,6 +17,9 @@ pub struct Tally {
 
 /// Bins for a factor of two.
 const FINENESS: f64 = 8.0;
+/// An error over its condition number is not looked at if it is larger than the worst by no more than this factor:
+/// where a density and its condition number are the same everywhere, each point would be.
+const MORE: f64 = 1.04;
 /// The logarithm of the least error that is told from none.
 const LEAST: f64 = -4.0;
 
@@ -38,9 +43,10 @@ impl Tally {
         let last = self.bins.len() - 1;
         self.bins[bin.min(last)] += 1;
         self.worst = self.worst.max(error);
-        if error > self.worst_over {
-            let over = error / condition(error / self.worst_over).max(1.0);
-            if over > self.worst_over {
+        let least = MORE * self.worst_over;
+        if error > least {
+            let over = error / condition(error / least).max(1.0);
+            if over > least {
                 self.worst_over = over;
                 self.at = at();
             }
@@ -63,6 +69,31 @@ impl Tally {
             }
         }
         f64::NAN
+    }
+
+    /// A tally without errors, which looks only at what is worse than all in this one.
+    pub fn onward(&self) -> Tally {
+        Tally { worst_over: self.worst_over, at: self.at.clone(), ..Tally::default() }
+    }
+
+    /// All that is known, for [`Tally::from_json`].
+    pub(super) fn as_json(&self) -> Value {
+        let counted = self.bins.iter().enumerate().filter(|(_, n)| **n > 0);
+        let bins: Vec<[u64; 2]> = counted.map(|(i, n)| [i as u64, *n]).collect();
+        json!({ "worst": self.worst, "over": self.worst_over, "at": self.at, "bins": bins })
+    }
+
+    pub(super) fn from_json(value: &Value) -> Option<Tally> {
+        let mut tally = Tally {
+            worst: value["worst"].as_f64()?,
+            worst_over: value["over"].as_f64()?,
+            at: value["at"].as_str()?.to_owned(),
+            ..Tally::default()
+        };
+        for bin in value["bins"].as_array()? {
+            *tally.bins.get_mut(bin[0].as_u64()? as usize)? = bin[1].as_u64()?;
+        }
+        Some(tally)
     }
 
     /// Adds the errors of another tally.

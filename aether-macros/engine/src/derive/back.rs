@@ -6,10 +6,20 @@ use std::collections::BTreeMap;
 use super::Problem;
 use super::cases::Case;
 use super::density::pick;
-use crate::expr::{Id, Leaf};
+use crate::expr::{Graph, Id, Leaf, Node};
 use crate::jacobian::{cost_together, simplify};
 use crate::measure::Measure;
+use crate::rational::Q;
 use crate::solve::Solution;
+
+/// 1 - x, where x has the form c / (1 + c): the inverse of 1 + c.
+fn complement(g: &mut Graph, x: Id) -> Option<Id> {
+    let Node::Product(factors) = g.node(x).clone() else { return None };
+    factors.into_iter().find_map(|(base, _)| {
+        let c = g.mul(x, base);
+        (g.sum(Q::ONE, &[(Q::ONE, c)]) == base).then(|| g.powi(base, -1))
+    })
+}
 
 /// Each coordinate of the image of the unknowns that a point has; `None` where that costs as much as to compute
 /// the unknowns and to map them.
@@ -21,8 +31,13 @@ pub(super) fn back(
     measure: &mut Measure,
 ) -> Option<Vec<Id>> {
     let g = &mut problem.graph;
-    let values: BTreeMap<Id, Id> =
+    let mut values: BTreeMap<Id, Id> =
         problem.unknowns.iter().map(|leaf| (g.get_leaf(*leaf), solution.unknowns[leaf])).collect();
+    // Next to its end, an unknown does not tell how far it is from one.
+    for (unknown, value) in values.clone() {
+        let rest = g.sum(Q::ONE, &[(Q::int(-1), unknown)]);
+        values.extend(complement(g, value).map(|known| (rest, known)));
+    }
     let mut images = Vec::new();
     for (i, (&written, &stable)) in problem.outputs.iter().zip(forward).enumerate() {
         let truth: Vec<f64> = cases.iter().map(|c| c.outs[i]).collect();
@@ -41,4 +56,24 @@ pub(super) fn back(
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
     let shorter = cost_together(g, &images) < cost_together(g, &otherwise);
     (!identity && shorter).then_some(images)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn what_an_unknown_lacks_to_one() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Out(i), "x", Interval::new(0.0, 9.0)));
+        let c = g.div(a, b);
+        let whole = g.sum(Q::ONE, &[(Q::ONE, c)]);
+        let x = g.div(c, whole);
+        let rest = g.powi(whole, -1);
+        assert_eq!(complement(&mut g, x), Some(rest));
+        let other = g.div(a, whole);
+        assert_eq!(complement(&mut g, other), None);
+        assert_eq!(complement(&mut g, a), None);
+    }
 }

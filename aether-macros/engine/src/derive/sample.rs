@@ -26,10 +26,9 @@ pub(super) fn shorter(g: &mut Graph, forward: Vec<Id>, measure: &mut Measure) ->
     if cost_together(g, &forms) >= cost_together(g, &forward) {
         return forward;
     }
-    let good = forms.iter().zip(&forward).all(|(&new, &old)| {
-        let truth = measure.truths(g, old);
-        as_good(measure.loss(g, new, &truth), measure.loss(g, old, &truth))
-    });
+    let mut loss = |form, of| measure.errors_of(g, form, of).loss();
+    let good =
+        forms.iter().zip(&forward).all(|(&new, &old)| as_good(loss(new, old), loss(old, old)));
     if good { forms } else { forward }
 }
 
@@ -52,8 +51,7 @@ pub(super) fn at_the_sample(
     let short = factored(g, &[own])[0];
     let mut forms = vec![sample(forward, g), by_its_angles(g, own, forward), short];
     forms.push(by_its_angles(g, short, forward));
-    let truth = measure.truths(g, own);
-    let old = measure.loss(g, own, &truth);
+    let old = measure.errors_of(g, own, own).loss();
     if old.worst() > GOOD && !gaps.is_empty() {
         let there = sample(&problem.outputs, g);
         forms.push(stabilise_knowing(g, there, measure, GOOD, gaps));
@@ -64,7 +62,7 @@ pub(super) fn at_the_sample(
         if g.has(there, OUTS) {
             continue;
         }
-        let (new, work) = (measure.loss(g, there, &truth), work(g, there));
+        let (new, work) = (measure.errors_of(g, there, own).loss(), work(g, there));
         let saves = |new: Part, old: Part| {
             new.bits <= old.bits && new.worst < old.worst / 4.0 && old.worst > GOOD
         };

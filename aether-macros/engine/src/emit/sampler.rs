@@ -25,6 +25,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
     let logarithm = e.has_logarithms().then(|| log_density(e));
+    let near = quick::near(e);
     quote! {
         #exceptions
         #anywhere
@@ -55,6 +56,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             }
 
             #both
+
+            #near
 
             fn preimages(&self, point: &Self::Point, mut visit: impl FnMut([R; #n], R::Mask)) {
                 #parameters
@@ -120,13 +123,15 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
     let (belongs, found) = (e.belongs(), existence_where_it_belongs(e));
+    let (_, m, _) = e.sizes();
     quote! {
         let belongs: R::Mask = #belongs;
+        let errors = [R::ZERO; #m];
         #found
     }
 }
 
-/// The same where `belongs` is known.
+/// The same where `belongs` and `errors` are known.
 fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     let places = e.places();
     // A point that has one of two preimages that exclude each other does not have the other.
@@ -137,7 +142,8 @@ fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     })
 }
 
-/// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
+/// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known, and so are
+/// `errors` that the coordinates have beside their rounding.
 pub(super) fn existence_where(
     e: &Emitter,
     wanted: &dyn Fn(Place) -> Option<TokenStream>,
@@ -320,8 +326,9 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     quote! {
         /// The uniforms of a preimage that lies outside by no more than rounding.
         #[cold]
-        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m]) -> Option<[R; #n]> {
+        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m], errors: &[R; #m]) -> Option<[R; #n]> {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
+            let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
             ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
                 #tested
@@ -374,7 +381,8 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            #rounded::<R::Lane>(&p, &x) #(#again)* #(#excluded)* #alone
+            let errors = ::aether_core::support::lane(&errors, i);
+            #rounded::<R::Lane>(&p, &x, &errors) #(#again)* #(#excluded)* #alone
         });
     }
 }
@@ -391,7 +399,8 @@ fn density(e: &Emitter) -> TokenStream {
     }
     quick::density(e).unwrap_or_else(|| {
         let density = general_density(e);
-        quote!(let belongs: R::Mask = #belongs; #density)
+        let (_, m, _) = e.sizes();
+        quote!(let belongs: R::Mask = #belongs; let errors = [R::ZERO; #m]; #density)
     })
 }
 
