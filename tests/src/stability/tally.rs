@@ -17,9 +17,6 @@ pub struct Tally {
 
 /// Bins for a factor of two.
 const FINENESS: f64 = 8.0;
-/// An error over its condition number is not looked at if it is larger than the worst by no more than this factor:
-/// where a density and its condition number are the same everywhere, each point would be.
-const MORE: f64 = 1.04;
 /// The logarithm of the least error that is told from none.
 const LEAST: f64 = -4.0;
 
@@ -30,6 +27,10 @@ impl Default for Tally {
 }
 
 impl Tally {
+    /// An error over its condition number is not looked at if it is larger than the worst by no more than this factor:
+    /// where a density and its condition number are the same everywhere, each point would be.
+    pub const MORE: f64 = 1.04;
+
     /// Counts an error in units. The condition number is asked for only if it matters, with a limit above which
     /// it does not matter how large it is.
     pub fn add(
@@ -43,7 +44,7 @@ impl Tally {
         let last = self.bins.len() - 1;
         self.bins[bin.min(last)] += 1;
         self.worst = self.worst.max(error);
-        let least = MORE * self.worst_over;
+        let least = Self::MORE * self.worst_over;
         if error > least {
             let over = error / condition(error / least).max(1.0);
             if over > least {
