@@ -4,7 +4,7 @@ use crate::density::Density;
 use crate::point::Point;
 use crate::real::{Mask, Real};
 use crate::sampler::{PdfOf, Sampler};
-use crate::support::{add_logs, log_density};
+use crate::support::add_logs;
 
 /// A differentiable map from one space to another, with its inverse and its change of measure
 /// derived by the compiler. Made by `#[map]`.
@@ -19,19 +19,6 @@ pub trait Map<R: Real>: Copy {
 
     /// Calls `visit` with every preimage of `y` (where the mask holds).
     fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask));
-
-    /// The preimages of a point whose coordinates are known to within `errors`, each with bounds for the errors that
-    /// its own coordinates have by that; an empty list says nothing.
-    #[inline]
-    fn preimages_near(
-        &self,
-        y: &Self::Target,
-        errors: &[R],
-        mut visit: impl FnMut(Self::Source, &[R], R::Mask),
-    ) {
-        let _ = errors;
-        self.preimages(y, |x, valid| visit(x, &[], valid));
-    }
 
     /// The change of measure at `x`: how much the map stretches the measure of the source space to
     /// that of the target (units of the target's measure over units of the source's), the
@@ -113,21 +100,10 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     x: &S::Point,
     valid: R::Mask,
 ) -> R {
-    shared(|| sampler.pdf(x).value(), map, x, valid)
-}
-
-/// The same for a density at `x` that is computed by `density`.
-#[inline(always)]
-fn shared<R: Real, M: Map<R>>(
-    density: impl FnOnce() -> R,
-    map: &M,
-    x: &M::Source,
-    valid: R::Mask,
-) -> R {
     if !valid.any() {
         return R::ZERO;
     }
-    let p = density();
+    let p = sampler.pdf(x).value();
     let inside = valid.and(p.gt(R::ZERO));
     // Where the sampler has no density the map need not have a derivative.
     if !inside.any() {
@@ -136,21 +112,6 @@ fn shared<R: Real, M: Map<R>>(
     let q = p / map.jacobian(x);
     // Nor is a quotient of infinities a density.
     R::select(inside.and(q.ge(R::ZERO)), q, R::ZERO)
-}
-
-impl<S, M> Then<S, M> {
-    /// The density where some preimage `missed` the support of the sampler: next to its border, the errors that the
-    /// preimages have tell on which side they are.
-    #[cold]
-    #[inline(never)]
-    fn beside<R: Real>(&self, y: &M::Target, missed: R::Mask, sum: R) -> R
-    where
-        S: Sampler<R>,
-        M: Map<R, Source = S::Point>,
-    {
-        let near = missed.and(self.near_border(y));
-        if near.any() { R::select(near, self.pdf_near(y, &[]).value(), sum) } else { sum }
-    }
 }
 
 impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S, M> {
@@ -167,44 +128,24 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     #[inline(always)]
     fn pdf(&self, y: &M::Target) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
-        let mut missed = R::Mask::FALSE;
         self.second.preimages(y, |x, valid| {
-            let q = by_way_of(&self.first, &self.second, &x, valid);
-            sum += q;
-            missed = missed.or(valid.and(q.gt(R::ZERO).not()));
-        });
-        Density::new(if missed.any() { self.beside(y, missed, sum) } else { sum })
-    }
-
-    fn pdf_near(&self, y: &M::Target, errors: &[R]) -> PdfOf<Self, R> {
-        let mut sum = R::ZERO;
-        self.second.preimages_near(y, errors, |x, errors, valid| {
-            let density = || self.first.pdf_near(&x, errors).value();
-            sum += shared(density, &self.second, &x, valid);
+            sum += by_way_of(&self.first, &self.second, &x, valid);
         });
         Density::new(sum)
     }
 
-    fn near_border(&self, y: &M::Target) -> R::Mask {
-        let mut near = R::Mask::FALSE;
-        self.second.preimages(y, |x, valid| near = near.or(valid.and(self.first.near_border(&x))));
-        near
-    }
-
     #[inline]
     fn log_pdf(&self, y: &M::Target) -> R {
-        log_density(self.pdf(y).value(), || {
-            let mut sum = -R::INFINITY;
-            self.second.preimages(y, |x, valid| {
-                if valid.any() {
-                    let p = self.first.log_pdf(&x);
-                    let inside = valid.and(p.gt(-R::INFINITY));
-                    let q = R::select(inside, p - self.second.log_jacobian(&x), p);
-                    sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
-                }
-            });
-            sum
-        })
+        let mut sum = -R::INFINITY;
+        self.second.preimages(y, |x, valid| {
+            if valid.any() {
+                let p = self.first.log_pdf(&x);
+                let inside = valid.and(p.gt(-R::INFINITY));
+                let q = R::select(inside, p - self.second.log_jacobian(&x), p);
+                sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
+            }
+        });
+        sum
     }
 
     #[inline(always)]
@@ -243,19 +184,6 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn preimages(&self, z: &B::Target, mut visit: impl FnMut(A::Source, R::Mask)) {
         self.second.preimages(z, |y, outer| {
             self.first.preimages(&y, |x, inner| visit(x, outer.and(inner)));
-        });
-    }
-
-    #[inline]
-    fn preimages_near(
-        &self,
-        z: &B::Target,
-        errors: &[R],
-        mut visit: impl FnMut(A::Source, &[R], R::Mask),
-    ) {
-        self.second.preimages_near(z, errors, |y, errors, outer| {
-            let inner = |x, errors: &[R], inner: R::Mask| visit(x, errors, outer.and(inner));
-            self.first.preimages_near(&y, errors, inner);
         });
     }
 

@@ -7,7 +7,7 @@ use crate::density::Density;
 use crate::map::{Map, Then};
 use crate::point::Point;
 use crate::preimages::Preimages;
-use crate::real::{Mask, Real};
+use crate::real::Real;
 use crate::support::log_density;
 
 /// A uniform random number in [0, 1) as the body of a sampler sees it.
@@ -85,23 +85,6 @@ pub trait Sampler<R: Real>: Copy {
     /// 1 / √det(J(u)ᵀJ(u)), zero outside the support and for NaN or infinite coordinates (Aether
     /// 2017, Eq. 5, with the authors' erratum).
     fn pdf(&self, x: &Self::Point) -> PdfOf<Self, R>;
-
-    /// The density at a point whose coordinates are known to within `errors` (none, if there are fewer): one that lies
-    /// outside of the support by no more than that counts as inside. Maps that come after a sampler ask this about
-    /// points that they have computed. Without an answer of its own a sampler takes the point as it is.
-    #[inline]
-    fn pdf_near(&self, x: &Self::Point, errors: &[R]) -> PdfOf<Self, R> {
-        let _ = errors;
-        self.pdf(x)
-    }
-
-    /// Whether a point lies so near to the border of the support that its errors may matter to
-    /// [`Sampler::pdf_near`].
-    #[inline]
-    fn near_border(&self, x: &Self::Point) -> R::Mask {
-        let _ = x;
-        R::Mask::FALSE
-    }
 
     /// The density of the sample that `u` maps to. Needs no inversion if the map is injective.
     fn pdf_of_uniforms(&self, u: Self::Uniforms) -> PdfOf<Self, R>;

@@ -188,32 +188,6 @@ pub fn track_some<R: Single, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R
     core::array::from_fn(|i| if unit[i] { unit_vector[i] } else { plain[i] })
 }
 
-/// Numbers that are off by `errors` more.
-#[inline]
-pub fn widened<R: Single, const N: usize>(x: [R::Tracked; N], errors: &[R; N]) -> [R::Tracked; N] {
-    core::array::from_fn(|i| x[i] + R::ZERO.track_within(errors[i]))
-}
-
-/// The bounds of errors that were given; zero where there is none.
-#[inline]
-pub fn given<R: Real, const N: usize>(errors: &[R]) -> [R; N] {
-    core::array::from_fn(|i| {
-        let error = errors.get(i).copied().unwrap_or(R::ZERO);
-        R::select(error.finite(), error, R::ZERO)
-    })
-}
-
-/// The error bounds of tracked numbers, which are computed for each lane.
-#[inline]
-pub fn errors_of<R: Real, const N: usize>(
-    tracked: impl Fn(usize) -> [<R::Lane as Single>::Tracked; N],
-) -> [R; N] {
-    (0..R::LANES).fold([R::ZERO; N], |errors, i| {
-        let lane = tracked(i);
-        core::array::from_fn(|k| errors[k].with_lane(i, R::Lane::value_and_error(lane[k]).1))
-    })
-}
-
 /// The coordinates of several points, one after the other.
 #[inline(always)]
 pub fn flat<R: Real, P: crate::point::Point<R>, const M: usize>(point: &P) -> [R; M] {

@@ -5,6 +5,7 @@
 //! test points and compared with double-double; a form is taken if it is clearly more accurate.
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
+mod angles;
 mod exponential;
 
 use std::rc::Rc;
@@ -346,6 +347,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
+            out.extend(angles::difference(g, c, &terms));
             let f = factor_out(g, id);
             out.push(f);
             for open in [crate::expr::UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
@@ -376,7 +378,12 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 }
             }
         }
-        Node::Call(Fun::Sin | Fun::Cos | Fun::Tan, _) if turns => out.extend(of_turn(g, id)),
+        Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::Tan), args) => {
+            out.extend(angles::of_sum(g, f, args[0]));
+            if turns {
+                out.extend(of_turn(g, id));
+            }
+        }
         _ => {}
     }
     out.retain(|f| *f != id);

@@ -194,8 +194,6 @@ pub fn emit(
                 fn forward(&self, u: [R; #count]) -> (Self::Point, R::Mask) { let s = { #unpack #result }; Sampler::<R>::forward(&s, u) }
                 #[inline(always)]
                 fn pdf(&self, x: &Self::Point) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf(&s, x) }
-                fn pdf_near(&self, x: &Self::Point, errors: &[R]) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_near(&s, x, errors) }
-                fn near_border(&self, x: &Self::Point) -> R::Mask { let s = { #unpack #result }; Sampler::<R>::near_border(&s, x) }
                 #[inline(always)]
                 fn pdf_of_uniforms(&self, u: [R; #count]) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_of_uniforms(&s, u) }
                 fn preimages(&self, x: &Self::Point, visit: impl FnMut([R; #count], R::Mask)) { let s = { #unpack #result }; Sampler::<R>::preimages(&s, x, visit) }
@@ -212,7 +210,6 @@ pub fn emit(
                     fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask) { let m = { #unpack #result }; Map::<R>::forward(&m, x) }
                     #[inline(always)]
                     fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask)) { let m = { #unpack #result }; Map::<R>::preimages(&m, y, visit) }
-                    fn preimages_near(&self, y: &Self::Target, errors: &[R], visit: impl FnMut(Self::Source, &[R], R::Mask)) { let m = { #unpack #result }; Map::<R>::preimages_near(&m, y, errors, visit) }
                     #[inline(always)]
                     fn jacobian(&self, x: &Self::Source) -> R { let m = { #unpack #result }; Map::<R>::jacobian(&m, x) }
                 }

@@ -13,8 +13,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let (source_ty, target_ty) = (point_type(source), point_type(&e.signature().space));
     let parameters = e.parameters();
     let made = e.point(&quote!(c));
-    let [visits, visits_near] = [false, true].map(|near| visits(e, source, near));
-    let (_, m, _) = e.sizes();
+    let visits = visits(e, source);
     let (forward, jacobian) = (forward(e), jacobian(e));
     let coordinates = e.coordinates();
     let members = e.places().into_iter().filter(|place| place.derived.check_forward);
@@ -40,18 +39,6 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 #parameters
                 let x = #coordinates;
                 #visits
-            }
-
-            fn preimages_near(
-                &self,
-                point: &Self::Target,
-                errors: &[R],
-                mut visit: impl FnMut(Self::Source, &[R], R::Mask),
-            ) {
-                #parameters
-                let x = #coordinates;
-                let errors = ::aether_core::support::given::<R, #m>(errors);
-                #visits_near
             }
 
             #[inline(always)]
@@ -100,10 +87,9 @@ fn jacobian(e: &Emitter) -> TokenStream {
     }
 }
 
-/// Calls `visit` with each preimage; `near` with bounds of the errors that it has by those of the point.
-fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
+fn visits(e: &Emitter, source: &Space) -> TokenStream {
     let belongs = e.belongs();
-    let (n, m, s) = e.sizes();
+    let (_, m, s) = e.sizes();
     let each = e.places().into_iter().map(|place| {
         let (k, j) = (place.number, place.piece);
         let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
@@ -111,20 +97,6 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
         let guarded =
             (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
         let made = point(source, &quote!(u), None);
-        let visited = if near {
-            let tracked = e.tracked();
-            quote! {
-                let bounds = ::aether_core::support::errors_of::<R, #n>(|i| {
-                    let (p, x) = (&::aether_core::support::lane(&p, i), &::aether_core::support::lane(&x, i));
-                    let errors = ::aether_core::support::lane(&errors, i);
-                    let tx = ::aether_core::support::widened::<R::Lane, #m>(#tracked, &errors);
-                    #inverse::<<R::Lane as Single>::Tracked>(&::aether_core::support::track(p), &tx)
-                });
-                visit(#made, &bounds, ok);
-            }
-        } else {
-            quote!(visit(#made, ok);)
-        };
         let member = format_ident!("member_{k}");
         let membership = place.derived.check_forward.then(|| {
             quote! {
@@ -138,8 +110,7 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
                 #membership
                 if ok.any() {
                     let u = #inverse::<R>(&p, &x);
-                    let ok = ok.and(::aether_core::support::finite::<R>(&u));
-                    #visited
+                    visit(#made, ok.and(::aether_core::support::finite::<R>(&u)));
                 }
             }
         }

@@ -194,7 +194,7 @@ fn has_parameters(e: &Emitter, piece: usize) -> bool {
 /// Where each piece has one preimage: that of the piece that `u` takes is `u` itself, with the density of the
 /// uniforms, and only pieces whose images overlap with its own are inverted.
 fn one_a_piece(e: &Emitter) -> TokenStream {
-    let (n, m, _) = e.sizes();
+    let (n, _, _) = e.sizes();
     let (coordinates, belongs) = (e.coordinates(), e.belongs());
     let pieces = e.parsed.pieces.len();
     let own = e.by_piece(|j| {
@@ -255,7 +255,6 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
             let point = &point;
             let x = #coordinates;
             let belongs: R::Mask = #belongs;
-            let errors = [R::ZERO; #m];
             #existence
             #(#terms)*
         }

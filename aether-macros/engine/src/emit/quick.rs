@@ -26,7 +26,6 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
         return None;
     }
     let (belongs, places) = (e.belongs(), e.places());
-    let (_, m, _) = e.sizes();
     let each = places.iter().map(|&place| preimage(e, place, &places));
     let found = places.iter().map(|place| format_ident!("found_{}", place.number));
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
@@ -34,7 +33,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let elsewhere = (!told).then(|| {
         quote! {
             if !belongs().all() {
-                break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs(), [R::ZERO; #m]) } else { R::ZERO };
+                break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs()) } else { R::ZERO };
             }
         }
     });
@@ -72,45 +71,8 @@ pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
     Some(quote! {
         /// The density at any point.
         #[inline(never)]
-        fn pdf_anywhere<R: Real>(p: [R; #p], x: [R; #m], belongs: R::Mask, errors: [R; #m]) -> R {
+        fn pdf_anywhere<R: Real>(p: [R; #p], x: [R; #m], belongs: R::Mask) -> R {
             #density
-        }
-    })
-}
-
-/// The density next to the border of the support by the errors of a point, and where it is asked for.
-pub(super) fn near(e: &Emitter) -> Option<TokenStream> {
-    if !is_quick(e) {
-        return None;
-    }
-    let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
-    let (_, m, _) = e.sizes();
-    let each = e.places().into_iter().map(|place| {
-        let [plainly, support] =
-            ["plainly", "support"].map(|name| format_ident!("{name}_{}", place.number));
-        let near = about(place);
-        quote! {
-            let (_, ok) = #plainly::<R>(&p, &x);
-            if ok.any() {
-                let (checked, ..) = #support::<R>(&p, &x);
-                near = near.or(ok.and(#near));
-            }
-        }
-    });
-    Some(quote! {
-        fn pdf_near(&self, point: &Self::Point, errors: &[R]) -> ::aether_core::PdfOf<Self, R> {
-            #parameters
-            let x = #coordinates;
-            let errors = ::aether_core::support::given::<R, #m>(errors);
-            ::aether_core::Density::new(pdf_anywhere::<R>(p, x, #belongs, errors))
-        }
-
-        fn near_border(&self, point: &Self::Point) -> R::Mask {
-            #parameters
-            let x = #coordinates;
-            let mut near = <R::Mask as Mask>::FALSE;
-            #(#each)*
-            near
         }
     })
 }
@@ -132,7 +94,7 @@ fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             Some(_) => quote!(#back::<R>(&p, &x)),
             None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
         };
-        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs(), [R::ZERO; #m]););
+        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs()););
         // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
         let otherwise = match place.preimage.back {
             Some(_) => quote! {
@@ -169,7 +131,7 @@ fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         } else if ok.any() {
             let (checked, ..) = #support::<R>(&p, &x);
             if ok.and(#near).any() {
-                break 'quick pdf_anywhere::<R>(p, x, belongs(), [R::ZERO; #m]);
+                break 'quick pdf_anywhere::<R>(p, x, belongs());
             }
         }
     };

@@ -25,7 +25,6 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
     let logarithm = e.has_logarithms().then(|| log_density(e));
-    let near = quick::near(e);
     quote! {
         #exceptions
         #anywhere
@@ -56,8 +55,6 @@ pub fn implementation(e: &Emitter) -> TokenStream {
             }
 
             #both
-
-            #near
 
             fn preimages(&self, point: &Self::Point, mut visit: impl FnMut([R; #n], R::Mask)) {
                 #parameters
@@ -123,15 +120,13 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
     let (belongs, found) = (e.belongs(), existence_where_it_belongs(e));
-    let (_, m, _) = e.sizes();
     quote! {
         let belongs: R::Mask = #belongs;
-        let errors = [R::ZERO; #m];
         #found
     }
 }
 
-/// The same where `belongs` and `errors` are known.
+/// The same where `belongs` is known.
 fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     let places = e.places();
     // A point that has one of two preimages that exclude each other does not have the other.
@@ -142,8 +137,7 @@ fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     })
 }
 
-/// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known, and so are
-/// `errors` that the coordinates have beside their rounding.
+/// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
 pub(super) fn existence_where(
     e: &Emitter,
     wanted: &dyn Fn(Place) -> Option<TokenStream>,
@@ -326,9 +320,8 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     quote! {
         /// The uniforms of a preimage that lies outside by no more than rounding.
         #[cold]
-        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m], errors: &[R; #m]) -> Option<[R; #n]> {
+        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m]) -> Option<[R; #n]> {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
-            let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
             ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
                 #tested
@@ -381,8 +374,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            let errors = ::aether_core::support::lane(&errors, i);
-            #rounded::<R::Lane>(&p, &x, &errors) #(#again)* #(#excluded)* #alone
+            #rounded::<R::Lane>(&p, &x) #(#again)* #(#excluded)* #alone
         });
     }
 }
@@ -399,8 +391,7 @@ fn density(e: &Emitter) -> TokenStream {
     }
     quick::density(e).unwrap_or_else(|| {
         let density = general_density(e);
-        let (_, m, _) = e.sizes();
-        quote!(let belongs: R::Mask = #belongs; let errors = [R::ZERO; #m]; #density)
+        quote!(let belongs: R::Mask = #belongs; #density)
     })
 }
 
