@@ -41,6 +41,8 @@ const REASONS: &[(&str, &str)] = &[
         "the mirror direction, a pole that counts for both signs of the half vector; the horizon",
     ),
     ("refracted_ggx", "half vectors on the horizon, which rounding crosses"),
+    ("renderer: camera, box filter", COMPOSED),
+    ("renderer: camera, tent filter", COMPOSED),
     ("renderer: diffuse, hit at a distance", "a grazing plane a million units away"),
     (
         "renderer: film, Gaussian filter",
@@ -91,6 +93,8 @@ const REASONS: &[(&str, &str)] = &[
 
 const BORDER: &str =
     "a point within rounding of a border between pieces counts for both or for none";
+
+const COMPOSED: &str = "a map between rounds the point of the film by more than its sampler knows: the last bits of a pixel";
 
 const OPPOSITE: &str =
     "grazing views, and a half or the last of uniforms: two nearly opposite vectors are added";
