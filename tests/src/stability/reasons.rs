@@ -36,10 +36,7 @@ const REASONS: &[(&str, &str)] = &[
         "the last uniform: the radius is recovered from a difference and exponentiated",
     ),
     ("rational_quadratic", "at the upper end the density is a difference"),
-    (
-        "reflected_ggx",
-        "the mirror direction, a pole that counts for both signs of the half vector; the horizon",
-    ),
+    ("reflected_ggx", "half vectors on the horizon"),
     ("refracted_ggx", "half vectors on the horizon, which rounding crosses"),
     ("renderer: camera, box filter", COMPOSED),
     ("renderer: camera, tent filter", COMPOSED),
