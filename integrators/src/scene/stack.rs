@@ -4,7 +4,7 @@ use super::simd::LANES;
 use super::tree::Child;
 
 /// More than a ray through an ordinary tree needs.
-const ENTRIES: usize = 32;
+const ENTRIES: usize = 64;
 
 /// A child and where the ray enters it, as a number that is greater for what is further away.
 #[derive(Clone, Copy)]
