@@ -14,6 +14,7 @@ mod sample;
 mod staged;
 mod strays;
 mod through;
+mod units;
 
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};

@@ -7,6 +7,7 @@ use super::factored::factored;
 use super::holding::never_negative;
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
+use super::units::{by_the_others, units};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -99,7 +100,8 @@ pub(super) fn density(
     measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
-    let direction = problem.is_direction() && problem.argument.is_none();
+    let units = if injective { units(problem) } else { vec![] };
+    let direction = problem.is_direction();
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
@@ -138,6 +140,10 @@ pub(super) fn density(
     if let Some(whole) = whole {
         candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
     }
+    if !direction {
+        candidates
+            .extend(candidates.clone().into_iter().filter_map(|c| by_the_others(g, c, &units)));
+    }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -173,8 +179,8 @@ pub(super) fn density(
         (best, error) = pick(&mut problem.graph, &all, &truth, measure);
     }
     let g = &mut problem.graph;
-    if direction && injective && error > 64.0 * f64::EPSILON {
-        best = best_forms(g, best, &truth, measure);
+    if error > 64.0 * f64::EPSILON {
+        best = best_forms(g, best, &units, &truth, measure);
     }
     error = measure.loss(g, best, &truth).double.worst;
     (guard(g, best), error)
@@ -257,6 +263,8 @@ pub(super) fn finish(
     measure: &mut Measure,
     (injective, check_forward): (bool, bool),
 ) -> Preimage {
+    let units = if injective { units(problem) } else { vec![] };
+    let direction = problem.is_direction();
     let g = &mut problem.graph;
     let stable: Vec<Id> = problem
         .unknowns
@@ -264,9 +272,11 @@ pub(super) fn finish(
         .enumerate()
         .map(|(i, l)| {
             let best = stabilise(g, s.unknowns[l], measure);
-            let Some(whole) = whole else { return best };
+            let mut forms = whole.map_or(vec![], |whole| in_parts(g, whole, s.unknowns[l]));
+            if !direction {
+                forms.extend(by_the_others(g, s.unknowns[l], &units));
+            }
             let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
-            let mut forms = in_parts(g, whole, s.unknowns[l]);
             forms.push(best);
             pick(g, &forms, &truth, measure).0
         })
@@ -285,10 +295,9 @@ pub(super) fn finish(
         })
         .collect();
     let mut unknowns = tested.clone();
-    let direction = problem.is_direction() && problem.argument.is_none() && injective;
-    if direction {
-        for (i, value) in unknowns.iter_mut().enumerate() {
-            let best = best_coordinates(problem, i, stable[i], cases, measure);
+    for (i, value) in unknowns.iter_mut().enumerate() {
+        let best = best_coordinates(problem, (i, stable[i]), &units, cases, measure);
+        if best != stable[i] {
             *value = guard(&mut problem.graph, best);
         }
     }

@@ -109,7 +109,7 @@ fn positive(g: &mut Graph, base: Id, exponent: Id) -> Vec<(Id, Id)> {
 }
 
 /// Whether the terms of a sum have one sign; the parts of a whole are taken for positive.
-fn one_sign(g: &Graph, id: Id) -> bool {
+pub(super) fn one_sign(g: &Graph, id: Id) -> bool {
     let Node::Sum(c, terms) = g.node(id) else { return true };
     let constant = (!c.is_zero()).then_some(*c);
     let mut signs = terms.iter().map(|(q, _)| *q).chain(constant).map(Q::is_negative);

@@ -3,7 +3,8 @@
 //! The equations of a direction are one too many. Near a pole z is known to an ulp of one, and says
 //! next to nothing of how far the pole is away; x and y say it to full precision, and conversely at
 //! the horizon. So every coordinate of which an unknown is a function may be replaced, where it is
-//! large, by what the other two say of it; whether it pays is measured.
+//! large, by what the others say of it; whether it pays is measured. The same holds of coordinates of any
+//! manifold whose squares add up to one.
 
 use std::collections::BTreeMap;
 
@@ -29,24 +30,31 @@ const DEPTH: Leaf = Leaf::Unknown(22);
 /// The value of unknown number `index` in terms of the coordinates that are best conditioned.
 pub(super) fn best_coordinates(
     problem: &mut Problem,
-    index: usize,
-    value: Id,
+    (index, value): (usize, Id),
+    units: &[Vec<u8>],
     cases: &[Case],
     measure: &mut Measure,
 ) -> Id {
     let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[index].to_f64()).collect();
-    best_forms(&mut problem.graph, value, &truth, measure)
+    best_forms(&mut problem.graph, value, units, &truth, measure)
 }
 
-/// The value of an expression of a direction's coordinates, in terms of those that are best conditioned.
-pub(super) fn best_forms(g: &mut Graph, value: Id, truth: &[f64], measure: &mut Measure) -> Id {
+/// The value of an expression of the coordinates of unit vectors, in terms of those that are best conditioned.
+pub(super) fn best_forms(
+    g: &mut Graph,
+    value: Id,
+    units: &[Vec<u8>],
+    truth: &[f64],
+    measure: &mut Measure,
+) -> Id {
     let mut best = value;
-    for k in 0..3u8 {
+    for (unit, k) in units.iter().flat_map(|unit| unit.iter().map(move |&k| (unit, k))) {
         if !g.has(value, leaf_bit(Leaf::Out(k))) {
             continue;
         }
         for side in [Q::ONE, Q::int(-1)] {
-            let Some(form) = near_pole(g, (value, best), k, side, measure) else { continue };
+            let form = near_pole(g, (value, best), (unit, k), side, measure);
+            let Some(form) = form else { continue };
             let near: Vec<bool> = measure.points().iter().map(|p| beyond(p, k, side)).collect();
             let (old, new) = (measure.errors(g, best, truth), measure.errors(g, form, truth));
             let (wholly, nearby) = (
@@ -75,13 +83,13 @@ pub(super) fn best_forms(g: &mut Graph, value: Id, truth: &[f64], measure: &mut 
     best
 }
 
-/// The value with coordinate `k` computed from the other two where it is above a half (side 1) or
+/// The value with coordinate `k` computed from the others where it is above a half (side 1) or
 /// below minus a half (side -1): as one minus the depth below the pole, which they tell to full precision.
 /// Elsewhere it is `rest`.
 fn near_pole(
     g: &mut Graph,
     (value, rest): (Id, Id),
-    k: u8,
+    (unit, k): (&[u8], u8),
     side: Q,
     measure: &Measure,
 ) -> Option<Id> {
@@ -89,9 +97,10 @@ fn near_pole(
     let signed = g.sum(Q::ZERO, &[(side, coordinate)]);
     let minus_half = g.number(Q::HALF.neg());
     let test = g.add(signed, minus_half);
-    let others: Vec<(Q, Id)> = (0..3u8)
-        .filter(|i| *i != k)
-        .map(|i| {
+    let others: Vec<(Q, Id)> = unit
+        .iter()
+        .filter(|i| **i != k)
+        .map(|&i| {
             let c = g.get_leaf(Leaf::Out(i));
             (Q::ONE, g.powi(c, 2))
         })

@@ -34,11 +34,16 @@ impl<'a> Expander<'a> {
     }
 
     /// Adds the relation x² + y² + z² = 1 between three atoms.
-    pub fn unit(mut self, [x, y, z]: [Id; 3]) -> Self {
-        let square = |a: Id| Poly::term(vec![(a, 2)], Q::int(-1));
+    pub fn unit(self, [x, y, z]: [Id; 3]) -> Self {
+        self.unit_with(z, &[x, y])
+    }
+
+    /// The same of an atom and any number of others.
+    pub fn unit_with(mut self, atom: Id, others: &[Id]) -> Self {
+        let square = |a: &Id| Poly::term(vec![(*a, 2)], Q::int(-1));
         let one = Poly::constant(Q::ONE);
-        if let Some(p) = one.add(&square(x)).and_then(|p| p.add(&square(y))) {
-            self.squares.push((z, p));
+        if let Some(p) = others.iter().try_fold(one, |sum, a| sum.add(&square(a))) {
+            self.squares.push((atom, p));
         }
         self
     }
