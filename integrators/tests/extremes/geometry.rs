@@ -101,27 +101,51 @@ fn cameras_in_walls() {
     }
 }
 
-/// A light in the same plane as the wall that it hangs on: the wall gets nothing from it, and each
-/// pixel shows one or the other.
+/// A light in the plane of a wall, on it and beside it: the wall gets nothing from it, so that each sample is
+/// black or the light itself, and beside it the mean is the part of the picture that the light covers.
 #[test]
 fn a_light_in_the_plane_of_a_wall() {
-    let elements = r#"
-        <shape type="rectangle"><scale value="1"/>
-            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
-        <shape type="rectangle"><transform name="to_world"><scale value="0.5"/></transform>
-            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
-            <emitter type="area"><rgb name="radiance" value="3"/></emitter></shape>"#
-        .replace(r#"<scale value="1"/>"#, "");
-    let mut scene = scene(&camera([0.0, -2.0, 2.0], [0.0; 3], 50.0), 16, 4, &elements);
-    let film = rendered(&mut scene, 64, 1);
-    for pixel in film.pixels() {
-        let mean = pixel.mean()[0];
-        assert!((0.0..=3.0).contains(&mean), "{mean}");
+    let (samples, radiance) = (256, 3.0);
+    for beside in [0.0, 1.5] {
+        let elements = format!(
+            r#"<shape type="rectangle">
+                <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf></shape>
+            <shape type="rectangle"><transform name="to_world"><scale value="0.5"/>
+                <translate x="0" y="{beside}" z="0"/></transform>
+                <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+                <emitter type="area"><rgb name="radiance" value="{radiance}"/></emitter></shape>"#
+        );
+        let mut scene = scene(&camera([0.0, -2.0, 2.0], [0.0; 3], 70.0), 16, 4, &elements);
+        let film = rendered(&mut scene, samples, 1);
+        for pixel in film.pixels() {
+            let seen = f64::from(pixel.mean()[0] / radiance) * f64::from(samples);
+            assert!((seen - seen.round()).abs() < 1e-4, "{beside}: {seen} samples are light");
+        }
+        if beside > 0.0 {
+            assert_mean("beside the wall", &film, f64::from(radiance) * covered(beside));
+        }
     }
 }
 
+/// The part of the picture of the camera above that a square of side one round (0, y, 0) covers, by the middles
+/// of a fine grid.
+fn covered(y: f64) -> f64 {
+    let n = 2000;
+    let (root, tangent) = (0.5f64.sqrt(), 35f64.to_radians().tan());
+    let at = |i: usize| tangent * ((2 * i + 1) as f64 / n as f64 - 1.0);
+    let hits = |(a, b): (f64, f64)| {
+        // From (0, -2, 2), ahead is (0, 1, -1) and up (0, 1, 1), over the root of two.
+        let [along, down] = [root * (1.0 + b), root * (1.0 - b)];
+        let distance = 2.0 / down;
+        (distance * a).abs() < 0.5 && (distance * along - 2.0 - y).abs() < 0.5
+    };
+    let grid = (0..n * n).map(|i| (at(i % n), at(i / n)));
+    grid.filter(|point| hits(*point)).count() as f64 / (n * n) as f64
+}
+
 /// Shading normals that face away from the viewer or lie in the surface: dark perhaps, never NaN and
-/// never brighter than what they could reflect.
+/// never brighter than in a furnace, where all is 0.5 + 0.5. Five standard errors of a pixel: one chance in
+/// three thousand that one of the pixels fails for no reason.
 #[test]
 fn shading_normals_that_face_away() {
     let obj = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvn 0 0 -1\nvn 1 0 0\nvn 0 0 1\nvn 0 1 1e-20\n\
@@ -136,8 +160,12 @@ fn shading_normals_that_face_away() {
             scene(&camera(origin, [0.1, 0.0, 0.0], 60.0), 16, 6, &(sky.clone() + &bent));
         let film = rendered(&mut scene, 64, 1);
         for pixel in film.pixels() {
-            let mean = pixel.mean()[0];
-            assert!(mean.is_finite() && (0.0..8.0).contains(&mean), "{origin:?}: {mean}");
+            let mean = f64::from(pixel.mean()[0]);
+            let error = pixel.variance_of_mean().expect("two samples a pixel")[0].sqrt();
+            assert!(
+                (0.0..=1.0 + 5.0 * error + 1e-5).contains(&mean),
+                "{origin:?}: {mean} +- {error}"
+            );
         }
     }
 }

@@ -221,7 +221,9 @@ fn markdown(report: &Report) -> String {
         }
         let with_examples = rows.iter().filter(|r| r.precision == precision);
         let examples: Vec<String> = with_examples
-            .flat_map(|r| r.examples.iter().map(|e| format!("- {}: {e}\n", r.name)))
+            .flat_map(|r| {
+                r.examples.iter().map(|e| format!("- {}: {e}; {}\n", r.name, reason(&r.name)))
+            })
             .collect();
         if !examples.is_empty() {
             text += &format!("\nFalse zeros, NaN and infinities:\n\n{}", examples.concat());
@@ -334,8 +336,8 @@ const KNOWN: f64 = LIMIT / Tally::MORE;
 const INTRODUCTION: &str = "\
 # Stability
 
-Made by `cargo run --release -p tests --bin stability -- --markdown tests/reference/stability.md --csv
-tests/reference/stability.csv`.
+Made by `cargo run --release -p tests --bin stability -- --full --markdown tests/reference/stability.md --csv
+tests/reference/stability.csv` (without `--full` with a five hundredth of the random samples, in a minute).
 
 Errors in units of 2⁻⁵² (f64) or 2⁻²³ (f32) of the value: the worst over its condition number (at least
 one), and in brackets the worst and the median. Points: the extreme points of the reference data, uniforms
