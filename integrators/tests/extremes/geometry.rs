@@ -118,11 +118,11 @@ fn a_light_in_the_plane_of_a_wall() {
         let mut scene = scene(&camera([0.0, -2.0, 2.0], [0.0; 3], 70.0), 16, 4, &elements);
         let film = rendered(&mut scene, samples, 1);
         for pixel in film.pixels() {
-            let seen = f64::from(pixel.mean()[0] / radiance) * f64::from(samples);
+            let seen = pixel.mean()[0] / radiance * f64::from(samples);
             assert!((seen - seen.round()).abs() < 1e-4, "{beside}: {seen} samples are light");
         }
         if beside > 0.0 {
-            assert_mean("beside the wall", &film, f64::from(radiance) * covered(beside));
+            assert_mean("beside the wall", &film, radiance * covered(beside));
         }
     }
 }
@@ -160,7 +160,7 @@ fn shading_normals_that_face_away() {
             scene(&camera(origin, [0.1, 0.0, 0.0], 60.0), 16, 6, &(sky.clone() + &bent));
         let film = rendered(&mut scene, 64, 1);
         for pixel in film.pixels() {
-            let mean = f64::from(pixel.mean()[0]);
+            let mean = pixel.mean()[0];
             let error = pixel.variance_of_mean().expect("two samples a pixel")[0].sqrt();
             assert!(
                 (0.0..=1.0 + 5.0 * error + 1e-5).contains(&mean),
