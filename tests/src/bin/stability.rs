@@ -336,8 +336,8 @@ const KNOWN: f64 = LIMIT / Tally::MORE;
 const INTRODUCTION: &str = "\
 # Stability
 
-Made by `cargo run --release -p tests --bin stability -- --full --markdown tests/reference/stability.md --csv
-tests/reference/stability.csv` (without `--full` with a five hundredth of the random samples, in a minute).
+Made by `cargo run --release -p tests --bin stability -- --markdown tests/reference/stability.md --csv
+tests/reference/stability.csv`; with `--full` as well, from 500 times the random samples in f32 and 100 times in f64.
 
 Errors in units of 2⁻⁵² (f64) or 2⁻²³ (f32) of the value: the worst over its condition number (at least
 one), and in brackets the worst and the median. Points: the extreme points of the reference data, uniforms
