@@ -78,8 +78,11 @@ fn scaled_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     // Large numbers overflow, if they are multiplied by what brings the smallest ones, or squares of small ones
     // with small factors, up to one.
     let up = R::MIN_POSITIVE.sqrt().recip();
-    let scales = [R::MIN_POSITIVE.recip(), up, up.sqrt(), up.recip()];
-    let [least, most, less, large] = scales.map(|up| scaled(up).sqrt() / up);
+    let mut roots = [R::MIN_POSITIVE.recip(), up, up.sqrt(), up.recip()];
+    for root in &mut roots {
+        *root = scaled(*root).sqrt() / *root;
+    }
+    let [least, most, less, large] = roots;
     let root = R::select(less.finite(), less, sum.sqrt());
     let root = R::select(most.finite(), most, root);
     let root = R::select(small, R::select(least.finite(), least, root), sum.sqrt());
@@ -132,11 +135,16 @@ fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -
     let tiny = R::EPSILON * R::EPSILON;
     let tiny = R::select(size.gt(R::ZERO), size * tiny, tiny);
     // Mostly it is a coordinate of exactly zero, else some coincidence of the parameters.
-    let off_axis = x.map(|x| R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), x, tiny));
-    let mut first = density(&off_axis);
+    let mut moved = *x;
+    for x in &mut moved {
+        *x = R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), *x, tiny);
+    }
+    let mut first = density(&moved);
     if first.ge(first).not().any() {
         let step = R::of(8.0) * R::EPSILON * size;
-        let moved = core::array::from_fn(|i| off_axis[i] + R::of(i as f64 + 1.0) * step);
+        for (i, x) in moved.iter_mut().enumerate() {
+            *x += R::of(i as f64 + 1.0) * step;
+        }
         first = R::select(first.ge(first), first, density(&moved));
     }
     R::select(d.ge(d), d, first)
@@ -222,8 +230,10 @@ fn recover_lanes<R: Real, const N: usize>(
     let mut found: Recovered<R, N> = None;
     for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
         if let Some(u) = recover(i) {
-            let (mask, all) = found.unwrap_or((R::Mask::FALSE, [R::ZERO; N]));
-            let all = core::array::from_fn(|k| all[k].with_lane(i, u[k]));
+            let (mask, mut all) = found.unwrap_or((R::Mask::FALSE, [R::ZERO; N]));
+            for (all, u) in all.iter_mut().zip(u) {
+                *all = all.with_lane(i, u);
+            }
             found = Some((mask.with_lane(i, true), all));
         }
     }
@@ -385,20 +395,27 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
 ) -> [R; M] {
     // Far below any uniform that a generator makes, far above what underflows when squared.
     let tiny = R::EPSILON * R::EPSILON;
-    let at_zero = [tiny, tiny * tiny].map(|t| u.map(|u| R::select(u.gt(R::ZERO), u, t)));
     // In the middle of its range a uniform cannot be moved by less than its rounding.
     let small = R::EPSILON.sqrt();
-    let inner: [[R; N]; 2] = [small, small * small.sqrt()]
-        .map(|t| core::array::from_fn(|i| u[i] * (R::ONE - R::of(i as f64 + 1.0) * t)));
     let zero = u.iter().fold(R::Mask::FALSE, |m, u| m.or(u.gt(R::ZERO).not()));
-    let [near, nearer] = [0, 1]
-        .map(|k| forward(&core::array::from_fn(|i| R::select(zero, at_zero[k][i], inner[k][i]))));
-    core::array::from_fn(|i| {
+    let mut images = [x; 2];
+    let steps = [(tiny, small), (tiny * tiny, small * small.sqrt())];
+    for (image, (at_zero, inside)) in images.iter_mut().zip(steps) {
+        let mut moved = *u;
+        for (i, u) in moved.iter_mut().enumerate() {
+            let inner = *u * (R::ONE - R::of(i as f64 + 1.0) * inside);
+            *u = R::select(zero, R::select(u.gt(R::ZERO), *u, at_zero), inner);
+        }
+        *image = forward(&moved);
+    }
+    let [near, mut limits] = images;
+    for ((limit, near), x) in limits.iter_mut().zip(near).zip(x) {
         // What still shrinks with the uniform, by whatever power, tends to zero.
-        let vanishes = nearer[i].abs().lt(near[i].abs() * R::of(1e-3));
-        let limit = R::select(vanishes, R::ZERO, nearer[i]);
-        R::select(x[i].finite().or(x[i].ge(x[i])), x[i], limit)
-    })
+        let vanishes = limit.abs().lt(near.abs() * R::of(1e-3));
+        *limit = R::select(vanishes, R::ZERO, *limit);
+        *limit = R::select(x.finite().or(x.ge(x)), x, *limit);
+    }
+    limits
 }
 
 /// A parameter of exactly zero, moved by so little that formulas that are 0/0 there give their limit.

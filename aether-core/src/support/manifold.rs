@@ -18,14 +18,22 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
 ) -> bool {
-    // An undetermined uniform may have any value.
-    let known = |t: R::Tracked| t.ge(t);
-    let u = u.map(|t| if known(t) { t } else { R::Tracked::ZERO });
+    let (mut tried, mut unbounded) = (u, false);
+    for t in &mut tried {
+        // An undetermined uniform may have any value.
+        if !t.ge(*t) {
+            *t = R::Tracked::ZERO;
+        }
+        unbounded |= !R::value_and_error(*t).1.to_f64().is_finite();
+    }
+    if near_or_far::<R, M>(forward(&tried), x).0 {
+        return true;
+    }
     // So may one without a bound, as next to a corner: the one that it has, then.
-    let unbounded = |t: &R::Tracked| !R::value_and_error(*t).1.to_f64().is_finite();
-    near_or_far::<R, M>(forward(&u), x).0
-        || u.iter().any(unbounded)
-            && near_or_far::<R, M>(forward(&u.map(|t| unit(R::value_and_error(t).0).track())), x).0
+    for t in &mut tried {
+        *t = unit(R::value_and_error(*t).0).track();
+    }
+    unbounded && near_or_far::<R, M>(forward(&tried), x).0
 }
 
 /// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.

@@ -28,9 +28,10 @@ use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
-use density::{accurate, density, finish, pick_volume};
+use density::{Sums, accurate, density, finish, pick_volume};
 use limits::parameters_with_limits;
 use sample::{at_the_sample, shorter};
+use units::units;
 
 /// What the type of the result guarantees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -227,18 +228,23 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     let mut preimages = Vec::new();
     let mut worst = 0.0f64;
     let mut steps = Vec::new();
+    let injective = solutions.len() == 1;
+    crate::poly::refill_budget(8);
+    let sums = Sums {
+        whole: whole.as_ref(),
+        units: if injective { units(problem) } else { vec![] },
+        is_direction: problem.is_direction(),
+    };
     for s in &solutions {
         steps.extend(s.steps.iter().cloned());
         crate::poly::start_budget();
-        let injective = solutions.len() == 1;
         crate::poly::refill_budget(4);
         let (density, error) =
-            density(problem, s, (&named, whole.as_ref()), &cases, &mut out_points, injective);
+            density(problem, s, (&named, &sums), &cases, &mut out_points, injective);
         worst = worst.max(error);
-        let flags = (injective, check_forward);
         crate::poly::refill_budget(8);
         let mut preimage =
-            finish(problem, s, (density, whole.as_ref()), &cases, &mut out_points, flags);
+            finish(problem, s, (density, &sums), &cases, &mut out_points, check_forward);
         if check_forward {
             let made = (&forward[..], &preimage.unknowns[..]);
             preimage.back = back::back(problem, made, s, &cases, &mut out_points);

@@ -7,7 +7,7 @@ use super::factored::factored;
 use super::holding::never_negative;
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
-use super::units::{by_the_others, units};
+use super::units::by_the_others;
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -59,10 +59,30 @@ pub(super) fn accurate(
     written.iter().zip(tidied).map(&mut best).collect()
 }
 
-/// Forms of an expression of the point in which constants are what the coordinates add up to.
-fn in_parts(g: &mut Graph, whole: &Whole, id: Id) -> Vec<Id> {
-    let normal = Expander::new(g).normal_form(id);
-    [Some(id), normal].into_iter().flatten().map(|form| whole.put_into(g, form)).collect()
+/// What is known of sums of the coordinates and of their squares.
+pub(super) struct Sums<'a> {
+    /// The combination of coordinates that is one.
+    pub whole: Option<&'a Whole>,
+    /// The places of coordinates that are together a unit vector.
+    pub units: Vec<Vec<u8>>,
+    /// Directions are simplified by their length wherever that pays, before forms are chosen.
+    pub is_direction: bool,
+}
+
+impl Sums<'_> {
+    /// Forms of an expression of the point in which constants are what coordinates, or their squares, add up to.
+    fn put_into(&self, g: &mut Graph, id: Id) -> Vec<Id> {
+        let mut forms = vec![];
+        if let Some(whole) = self.whole {
+            let normal = Expander::new(g).normal_form(id);
+            let both = [Some(id), normal].into_iter().flatten();
+            forms.extend(both.map(|form| whole.put_into(g, form)));
+        }
+        if !self.is_direction {
+            forms.extend(by_the_others(g, id, &self.units));
+        }
+        forms
+    }
 }
 
 pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut Measure) -> Id {
@@ -95,13 +115,11 @@ fn divides_by_the_point(g: &Graph, id: Id) -> bool {
 pub(super) fn density(
     problem: &mut Problem,
     s: &Solution,
-    (volumes, whole): (&[Id], Option<&Whole>),
+    (volumes, sums): (&[Id], &Sums),
     cases: &[Case],
     measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
-    let units = if injective { units(problem) } else { vec![] };
-    let direction = problem.is_direction();
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
@@ -137,13 +155,7 @@ pub(super) fn density(
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
     let short = factored(g, &candidates);
     candidates.extend(short);
-    if let Some(whole) = whole {
-        candidates.extend(candidates.clone().into_iter().flat_map(|c| in_parts(g, whole, c)));
-    }
-    if !direction {
-        candidates
-            .extend(candidates.clone().into_iter().filter_map(|c| by_the_others(g, c, &units)));
-    }
+    candidates.extend(candidates.clone().into_iter().flat_map(|c| sums.put_into(g, c)));
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     // Among several preimages this one's share is known only where it is the one that was sampled.
@@ -180,7 +192,7 @@ pub(super) fn density(
     }
     let g = &mut problem.graph;
     if error > 64.0 * f64::EPSILON {
-        best = best_forms(g, best, &units, &truth, measure);
+        best = best_forms(g, best, &sums.units, &truth, measure);
     }
     error = measure.loss(g, best, &truth).double.worst;
     (guard(g, best), error)
@@ -258,13 +270,11 @@ fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
 pub(super) fn finish(
     problem: &mut Problem,
     s: &Solution,
-    (density, whole): (Id, Option<&Whole>),
+    (density, sums): (Id, &Sums),
     cases: &[Case],
     measure: &mut Measure,
-    (injective, check_forward): (bool, bool),
+    check_forward: bool,
 ) -> Preimage {
-    let units = if injective { units(problem) } else { vec![] };
-    let direction = problem.is_direction();
     let g = &mut problem.graph;
     let stable: Vec<Id> = problem
         .unknowns
@@ -272,10 +282,7 @@ pub(super) fn finish(
         .enumerate()
         .map(|(i, l)| {
             let best = stabilise(g, s.unknowns[l], measure);
-            let mut forms = whole.map_or(vec![], |whole| in_parts(g, whole, s.unknowns[l]));
-            if !direction {
-                forms.extend(by_the_others(g, s.unknowns[l], &units));
-            }
+            let mut forms = sums.put_into(g, s.unknowns[l]);
             let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
             forms.push(best);
             pick(g, &forms, &truth, measure).0
@@ -296,7 +303,7 @@ pub(super) fn finish(
         .collect();
     let mut unknowns = tested.clone();
     for (i, value) in unknowns.iter_mut().enumerate() {
-        let best = best_coordinates(problem, (i, stable[i]), &units, cases, measure);
+        let best = best_coordinates(problem, (i, stable[i]), &sums.units, cases, measure);
         if best != stable[i] {
             *value = guard(&mut problem.graph, best);
         }

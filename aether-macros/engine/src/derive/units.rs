@@ -2,7 +2,7 @@
 //!
 //! Next to one, x says little of how far it is from there; the others say it to full precision.
 
-use crate::expr::{Graph, Id, Leaf, Node, leaf_bit};
+use crate::expr::{Graph, Id, Leaf, Node};
 use crate::hash::Map;
 use crate::jacobian::simplify;
 use crate::poly::Expander;
@@ -60,17 +60,16 @@ pub(super) fn by_the_others(g: &mut Graph, written: Id, units: &[Vec<u8>]) -> Op
     let mut id = written;
     for unit in units {
         let leaves: Vec<Id> = unit.iter().map(|&i| g.get_leaf(Leaf::Out(i))).collect();
-        for (k, &place) in unit.iter().enumerate() {
-            let others = leaves.iter().copied().filter(|leaf| *leaf != leaves[k]).collect();
-            let mut others = Others { place, coordinate: leaves[k], others, memo: Map::default() };
-            id = others.put_into(g, id);
+        for &coordinate in &leaves {
+            let others = leaves.iter().copied().filter(|&leaf| leaf != coordinate).collect();
+            let mut replacing = Others { coordinate, others, memo: Map::default() };
+            id = replacing.put_into(g, id);
         }
     }
     (id != written).then_some(id)
 }
 
 struct Others {
-    place: u8,
     coordinate: Id,
     others: Vec<Id>,
     memo: Map<Id, Id>,
@@ -80,12 +79,12 @@ impl Others {
     /// The expression without the coordinate, if it depends on nothing but one minus its square.
     fn without(&self, g: &mut Graph, id: Id) -> Option<Id> {
         let normal = Expander::new(g).unit_with(self.coordinate, &self.others).normal_form(id)?;
-        let gone = !g.has(normal, leaf_bit(Leaf::Out(self.place)));
+        let gone = !g.has(normal, g.deps(self.coordinate));
         (gone && !cancels(g, normal)).then_some(normal)
     }
 
     fn put_into(&mut self, g: &mut Graph, id: Id) -> Id {
-        if id == self.coordinate || !g.has(id, leaf_bit(Leaf::Out(self.place))) {
+        if id == self.coordinate || !g.has(id, g.deps(self.coordinate)) {
             return id;
         }
         if let Some(&known) = self.memo.get(&id) {
@@ -112,7 +111,7 @@ impl Others {
         let mut groups: Vec<(Id, Vec<Id>)> = Vec::new();
         let mut product = g.int(1);
         for (base, exponent) in factors {
-            if !g.has(base, leaf_bit(Leaf::Out(self.place))) {
+            if !g.has(base, g.deps(self.coordinate)) {
                 let factor = g.pow(base, exponent);
                 product = g.mul(product, factor);
             } else if let Some(group) = groups.iter_mut().find(|group| group.0 == exponent) {
