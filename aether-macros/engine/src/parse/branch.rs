@@ -339,7 +339,7 @@ fn assume_nonnegative(g: &mut Graph, difference: Id) {
     assume_order(g, larger, smaller);
 }
 
-/// From X >= Y >= 0: Y / X is at most one; from |x| >= |y|: y / x is within one.
+/// From X >= Y >= 0: X² - Y² is not negative, and Y / X at most one; from |x| >= |y|: y / x is within one.
 fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
     let zero = g.int(0);
     if larger == zero || smaller == zero {
@@ -347,6 +347,11 @@ fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
     }
     if !(g.range(larger).nonnegative() && g.range(smaller).nonnegative()) {
         return;
+    }
+    let [above, below] = [larger, smaller].map(|side| g.powi(side, 2));
+    for sign in [1, -1] {
+        let squares = g.sum(Q::ZERO, &[(Q::int(sign), above), (Q::int(-sign), below)]);
+        g.assume(squares, Interval::POSITIVE.scale(sign as f64));
     }
     let plain = |g: &Graph, id: Id| match g.node(id) {
         Node::Call(Fun::Abs, args) => (args[0], true),
