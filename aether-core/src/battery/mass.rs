@@ -4,12 +4,10 @@ use super::cubature::{Bounds, Integral, integrate};
 use super::derivative::Derivative;
 use super::gamma::chi_square_tail;
 use super::partition::{Tree, cut};
-use super::probe::{Probe, coordinates};
+use super::probe::Probe;
 use super::report::{Report, Verdict};
-use super::space::{Chart, Space};
-use crate::point::Point;
-use crate::real::Scalar;
-use crate::sampler::Sampler;
+use super::space::Chart;
+use super::{Cover, Settings};
 use crate::uniform::Pcg32;
 
 /// Levels of the partition: 2^8 bins.
@@ -30,17 +28,10 @@ pub(super) struct Draws {
 
 impl Draws {
     /// Draws `count` times.
-    pub(super) fn new<S: Sampler<R>, R: Scalar>(
-        probe: &Probe<S, R>,
-        seed: u64,
-        count: usize,
-    ) -> Self
-    where
-        S::Point: Space<R>,
-    {
+    pub(super) fn new(probe: &Probe, seed: u64, count: usize) -> Self {
         let mut source = Pcg32::new(seed, 3, 0);
         let points: Vec<_> = (0..count)
-            .filter_map(|_| probe.forward(&Probe::<S, R>::draw(&mut source)))
+            .filter_map(|_| probe.forward(&probe.sampler.draw(&mut source)))
             .map(|(_, x)| x)
             .collect();
         Draws { missing: count - points.len(), points }
@@ -57,26 +48,9 @@ impl Draws {
     }
 }
 
-/// Settings of the checks.
-pub(super) struct Effort<'a> {
-    /// How often the cubature may evaluate the density.
-    pub(super) evaluations: usize,
-    /// Of the chi-square test.
-    pub(super) false_alarm_rate: f64,
-    /// Coordinate and value at which the density jumps.
-    pub(super) jumps: &'a [(usize, f64)],
-}
-
 /// Checks the density over a space that has a chart.
-pub(super) fn check<S: Sampler<R>, R: Scalar>(
-    probe: &Probe<S, R>,
-    draws: &Draws,
-    effort: &Effort,
-    report: &mut Report,
-) where
-    S::Point: Space<R>,
-{
-    let Some(chart) = Chart::new(<S::Point as Space<R>>::KIND, &probe.pilot) else {
+pub(super) fn check(probe: &Probe, draws: &Draws, settings: &Settings, report: &mut Report) {
+    let Some(chart) = Chart::new(probe.sampler.kind(), &probe.pilot) else {
         let detail = "only the sampler knows the manifold: give `.parametrised(…)`".to_owned();
         report.add("mass", Verdict::NotApplicable, detail);
         let detail = "only the sampler knows the manifold".to_owned();
@@ -86,12 +60,12 @@ pub(super) fn check<S: Sampler<R>, R: Scalar>(
     let mut pilot: Vec<_> = probe.pilot.iter().map(|x| chart.cube(x)).collect();
     let mut parts = Vec::new();
     let tree = Tree::grow(&mut pilot, CUBE, dimension, LEVELS, &mut parts);
-    for (axis, value) in effort.jumps.iter().filter(|(axis, _)| *axis < dimension) {
+    for (axis, value) in settings.jumps.iter().filter(|(axis, _)| *axis < dimension) {
         cut(&mut parts, *axis, chart.coordinate(*axis, *value));
     }
-    let integral = integrate(&parts, dimension, PRECISE, effort.evaluations, |t| {
+    let integral = integrate(&parts, dimension, PRECISE, settings.evaluations, |t| {
         let (x, factor) = chart.point(t);
-        let density = probe.pdf(&probe.model.moved_to(&x));
+        let density = probe.model.moved_to(&x).pdf();
         // The factor is infinite where the cube's face stands for infinity.
         if density == 0.0 { 0.0 } else { density * factor }
     });
@@ -99,29 +73,27 @@ pub(super) fn check<S: Sampler<R>, R: Scalar>(
 
     let mut counts = vec![0.0; integral.bins.len()];
     draws.points.iter().for_each(|x| counts[tree.leaf(&chart.cube(x))] += 1.0);
-    chi_square(draws, &counts, &integral, effort.false_alarm_rate, report);
+    chi_square(draws, &counts, &integral, settings.false_alarm_rate, report);
 }
 
 /// Checks the mass of the density over a manifold that the user has parametrised.
-pub(super) fn check_over<S: Sampler<R>, R: Scalar>(
-    probe: &Probe<S, R>,
+pub(super) fn check_over(
+    probe: &Probe,
     draws: &Draws,
     evaluations: usize,
-    cover: &dyn Fn(&[f64]) -> S::Point,
+    cover: Cover<'_, '_>,
     report: &mut Report,
-) where
-    S::Point: Space<R>,
-{
-    let dimension = <S::Point as Point<R>>::DIMENSION;
+) {
+    let dimension = probe.sampler.dimension();
     if dimension > 3 {
         let detail = "cubature goes up to three dimensions".to_owned();
         return report.add("mass", Verdict::NotApplicable, detail);
     }
-    let map = |t: &[f64]| Some(coordinates(&cover(t)));
+    let map = |t: &[f64]| Some(cover(t).coordinates());
     // Each evaluation differentiates the parametrisation too.
     let integral = integrate(&[(0, CUBE)], dimension, PRECISE, evaluations / 10, |t| {
         let t: Vec<f64> = t[..dimension].iter().map(|t| 0.5 + 0.5 * t).collect();
-        let density = probe.pdf(&cover(&t));
+        let density = cover(&t).pdf();
         if density == 0.0 {
             return 0.0;
         }

@@ -39,6 +39,7 @@ mod pointwise;
 mod probe;
 mod report;
 mod space;
+mod subject;
 #[cfg(test)]
 mod tests;
 
@@ -49,6 +50,7 @@ use crate::map::Map;
 use crate::real::Scalar;
 use crate::sampler::Sampler;
 use probe::Probe;
+use subject::{AnySpot, Subject, Typed};
 
 /// Checks a sampler in `f64` with the default settings.
 pub fn check<S: Sampler<f64>>(sampler: &S) -> Report
@@ -77,14 +79,26 @@ where
 
 type Parametrisation<'a, P> = Box<dyn Fn(&[f64]) -> P + 'a>;
 
+/// A parametrisation of points whose type is forgotten.
+type Cover<'c, 'a> = &'c dyn Fn(&[f64]) -> AnySpot<'a>;
+
 /// The battery for one sampler, with its settings.
 pub struct Battery<'a, S: Sampler<R>, R: Scalar> {
     sampler: &'a S,
-    seed: u64,
-    samples: usize,
-    evaluations: usize,
-    false_alarm_rate: f64,
+    settings: Settings,
     parametrisation: Option<Parametrisation<'a, S::Point>>,
+}
+
+/// Settings of the checks.
+struct Settings {
+    seed: u64,
+    /// How many samples the chi-square test draws.
+    samples: usize,
+    /// How often the cubature may evaluate the density.
+    evaluations: usize,
+    /// Of the chi-square test.
+    false_alarm_rate: f64,
+    /// Coordinate and value at which the density jumps.
     jumps: Vec<(usize, f64)>,
 }
 
@@ -95,38 +109,37 @@ where
     /// The default settings: seed 1, 200,000 samples, 600,000 evaluations of the density, one false
     /// alarm in 10^6 seeds.
     pub fn new(sampler: &'a S) -> Self {
-        Battery {
-            sampler,
+        let settings = Settings {
             seed: 1,
             samples: 200_000,
             evaluations: 600_000,
             false_alarm_rate: 1e-6,
-            parametrisation: None,
             jumps: Vec::new(),
-        }
+        };
+        Battery { sampler, settings, parametrisation: None }
     }
 
     /// Seed of all random choices; a battery with the same seed makes the same report.
     pub fn seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
+        self.settings.seed = seed;
         self
     }
 
     /// How many samples the chi-square test draws (at least 1000).
     pub fn samples(mut self, samples: usize) -> Self {
-        self.samples = samples.max(1000);
+        self.settings.samples = samples.max(1000);
         self
     }
 
     /// How often the cubature may evaluate the density.
     pub fn evaluations(mut self, evaluations: usize) -> Self {
-        self.evaluations = evaluations;
+        self.settings.evaluations = evaluations;
         self
     }
 
     /// Probability that the chi-square test of a right sampler fails, over the choice of seed.
     pub fn false_alarm_rate(mut self, rate: f64) -> Self {
-        self.false_alarm_rate = rate;
+        self.settings.false_alarm_rate = rate;
         self
     }
 
@@ -140,34 +153,41 @@ where
     /// Where the density jumps: at these values of coordinate `axis`, so that the cubature cuts its
     /// cells there. On the sphere the coordinates are z and the azimuth in (-π, π].
     pub fn jumps(mut self, axis: usize, values: impl IntoIterator<Item = f64>) -> Self {
-        self.jumps.extend(values.into_iter().map(|value| (axis, value)));
+        self.settings.jumps.extend(values.into_iter().map(|value| (axis, value)));
         self
     }
 
     /// Runs all checks.
     pub fn run(&self) -> Report {
+        let typed = Typed::<S, R>::new(self.sampler);
         let mut report = Report::new(core::any::type_name::<S>());
-        let Some(probe) = Probe::<S, R>::new(self.sampler, self.seed) else {
-            let detail = "no uniforms of 16384 give a finite sample".to_owned();
-            report.add("samples", Verdict::Failed, detail);
-            return report;
-        };
-        pointwise::check(&probe, self.seed, &mut report);
-        let draws = mass::Draws::new(&probe, self.seed, self.samples);
         match &self.parametrisation {
-            None => {
-                let effort = mass::Effort {
-                    evaluations: self.evaluations,
-                    false_alarm_rate: self.false_alarm_rate,
-                    jumps: &self.jumps,
-                };
-                mass::check(&probe, &draws, &effort, &mut report)
-            }
+            None => run(&typed, &self.settings, None, &mut report),
             Some(cover) => {
-                mass::check_over(&probe, &draws, self.evaluations, cover.as_ref(), &mut report);
+                let cover = |t: &[f64]| typed.spot(cover(t));
+                run(&typed, &self.settings, Some(&cover), &mut report);
             }
         }
-        outside::check(&probe, self.seed, &mut report);
         report
     }
+}
+
+/// Runs all checks.
+fn run(
+    sampler: &dyn Subject,
+    settings: &Settings,
+    cover: Option<Cover<'_, '_>>,
+    report: &mut Report,
+) {
+    let Some(probe) = Probe::new(sampler, settings.seed) else {
+        let detail = "no uniforms of 16384 give a finite sample".to_owned();
+        return report.add("samples", Verdict::Failed, detail);
+    };
+    pointwise::check(&probe, settings.seed, report);
+    let draws = mass::Draws::new(&probe, settings.seed, settings.samples);
+    match cover {
+        None => mass::check(&probe, &draws, settings, report),
+        Some(cover) => mass::check_over(&probe, &draws, settings.evaluations, cover, report),
+    }
+    outside::check(&probe, settings.seed, report);
 }

@@ -1,12 +1,10 @@
 //! Density where there should be none, and none where there should be some.
 
 use super::derivative::{distance, dot};
-use super::probe::{Probe, coordinates};
+use super::probe::Probe;
 use super::report::Report;
-use super::space::{Chart, Kind, Space};
-use crate::point::Point;
-use crate::real::Scalar;
-use crate::sampler::Sampler;
+use super::space::{Chart, Kind};
+use super::subject::{AnySpot, Spot};
 use crate::uniform::{Pcg32, UniformSource};
 
 /// How many samples are the origin of points to try.
@@ -17,24 +15,21 @@ const SPREAD: usize = 2000;
 const SLACK: f64 = 16.0;
 
 /// Tries points all over the space and off the manifold.
-pub(super) fn check<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64, report: &mut Report)
-where
-    S::Point: Space<R>,
-{
+pub(super) fn check(probe: &Probe, seed: u64, report: &mut Report) {
     let mut source = Pcg32::new(seed, 4, 0);
     let origins: Vec<_> = (0..ORIGINS)
         .filter_map(|_| {
-            let u = Probe::<S, R>::draw(&mut source);
+            let u = probe.sampler.draw(&mut source);
             probe.forward(&u).map(|(x, _)| (u, x))
         })
         .collect();
     let (mut candidates, mut forbidden) = (Vec::new(), Vec::new());
     for (u, x) in &origins {
-        forbidden.extend(not_points(x));
-        candidates.extend(beside(probe, u, x));
+        forbidden.extend(not_points(&**x));
+        candidates.extend(beside(probe, u, &**x));
     }
     if let (Some(chart), Some((_, x))) =
-        (Chart::new(<S::Point as Space<R>>::KIND, &probe.pilot), origins.first())
+        (Chart::new(probe.sampler.kind(), &probe.pilot), origins.first())
     {
         let mut anywhere = || -1.0 + 2.0 * UniformSource::<f64>::next(&mut source);
         candidates.extend((0..SPREAD).map(|_| {
@@ -45,12 +40,11 @@ where
     let failure = forbidden
         .iter()
         .find_map(|y| {
-            let p = probe.pdf(y);
-            let found = probe.preimages(y);
+            let (p, found) = (y.pdf(), y.preimages());
             let wrong = p != 0.0 || !found.is_empty();
             wrong.then(|| format!("{y:?} has density {p:e} and preimages {found:?}"))
         })
-        .or_else(|| candidates.iter().find_map(|y| contradiction(probe, y)));
+        .or_else(|| candidates.iter().find_map(|y| contradiction(probe, &**y)));
     report.conclude(
         "outside",
         failure,
@@ -59,9 +53,9 @@ where
 }
 
 /// NaN, infinity, and the same place on another manifold: never in the support.
-fn not_points<R: Scalar, P: Space<R>>(x: &P) -> Vec<P> {
-    let at = coordinates(x);
-    let mut all: Vec<P> = x.elsewhere().into_iter().collect();
+fn not_points<'a>(x: &dyn Spot<'a>) -> Vec<AnySpot<'a>> {
+    let at = x.coordinates();
+    let mut all: Vec<AnySpot<'a>> = x.elsewhere().into_iter().collect();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         all.push(x.moved_to(&vec![bad; at.len()]));
         for axis in 0..at.len() {
@@ -75,12 +69,9 @@ fn not_points<R: Scalar, P: Space<R>>(x: &P) -> Vec<P> {
 
 /// Points in special position to a sample: mirrored, scaled, off along the normals, and beyond the
 /// rim along the tangents.
-fn beside<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64], x: &S::Point) -> Vec<S::Point>
-where
-    S::Point: Space<R>,
-{
-    let kind = <S::Point as Space<R>>::KIND;
-    let at = coordinates(x);
+fn beside<'a>(probe: &Probe, u: &[f64], x: &dyn Spot<'a>) -> Vec<AnySpot<'a>> {
+    let kind = probe.sampler.kind();
+    let at = x.coordinates();
     let mut all: Vec<Vec<f64>> = Vec::new();
     if kind != Kind::Identified && kind != Kind::Joint {
         all.push(at.iter().map(|x| -x).collect());
@@ -94,7 +85,7 @@ where
         all.extend([1e-3, 10.0, 1e4].map(|k| at.iter().map(|x| x * k).collect()));
     }
     let size = probe.magnitude(&at);
-    let square = Probe::<S, R>::is_square();
+    let square = probe.is_square();
     if let (Kind::Embedded | Kind::Identified, true, Some(d)) = (kind, square, probe.derivative(u))
     {
         let moved = |along: &[f64], step: f64| -> Vec<f64> {
@@ -118,10 +109,7 @@ where
 }
 
 /// Whether all samples lie in the plane through `at` across the normals.
-fn is_flat<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, at: &[f64], normals: &[Vec<f64>]) -> bool
-where
-    S::Point: Space<R>,
-{
+fn is_flat(probe: &Probe, at: &[f64], normals: &[Vec<f64>]) -> bool {
     probe.pilot.iter().all(|x| {
         let offset: Vec<f64> = x.iter().zip(at).map(|(x, a)| x - a).collect();
         let limit = probe.epsilon.sqrt() * probe.magnitude(at).max(distance(x, at));
@@ -130,11 +118,8 @@ where
 }
 
 /// What is contradictory about a point: a density without a preimage, or the other way round.
-fn contradiction<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, y: &S::Point) -> Option<String>
-where
-    S::Point: Space<R>,
-{
-    let (at, p, found) = (coordinates(y), probe.pdf(y), probe.preimages(y));
+fn contradiction(probe: &Probe, y: &dyn Spot) -> Option<String> {
+    let (at, p, found) = (y.coordinates(), y.pdf(), y.preimages());
     if p.is_nan() || p < 0.0 {
         return Some(format!("density {p} at {at:?}"));
     }
@@ -155,10 +140,7 @@ where
 
 /// Whether `v` is next to an end of [0, 1) and what lies between its image and `at` has no mass to
 /// speak of: the uniforms that map to a long tail are closer to one, or to zero, than any number is.
-fn in_tail<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, v: &[f64], at: &[f64], p: f64) -> bool
-where
-    S::Point: Space<R>,
-{
+fn in_tail(probe: &Probe, v: &[f64], at: &[f64], p: f64) -> bool {
     let last = v.iter().any(|v| *v >= 1.0 - 4.0 * probe.epsilon);
     // A uniform that underflowed to zero stands for one of the least size; its image may be at
     // infinity, where only the density tells how little mass is beyond.
@@ -169,6 +151,5 @@ where
         None if least => distance(at, &vec![0.0; at.len()]).max(1.0),
         image => image.map_or(f64::INFINITY, |y| distance(&y, at)),
     };
-    (last || least)
-        && p * gap.powi(<S::Point as Point<R>>::DIMENSION as i32) <= 64.0 * probe.epsilon
+    (last || least) && p * gap.powi(probe.sampler.dimension() as i32) <= 64.0 * probe.epsilon
 }

@@ -2,10 +2,7 @@
 
 use super::probe::Probe;
 use super::report::{Report, Verdict};
-use super::space::Space;
-use crate::real::Scalar;
-use crate::sampler::{Sampler, Uniforms};
-use crate::uniform::{Pcg32, Sobol, draw_uniforms};
+use crate::uniform::{Pcg32, Sobol};
 
 /// How many interior points are tried, half of them stratified.
 const INTERIOR: u32 = 400;
@@ -15,12 +12,9 @@ const EXTREME: usize = 125;
 const MARGIN: f64 = 1e-4;
 
 /// Runs the three checks.
-pub(super) fn check<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64, report: &mut Report)
-where
-    S::Point: Space<R>,
-{
-    let interior = interior::<S, R>(probe, seed);
-    let extreme = extreme(S::Uniforms::COUNT);
+pub(super) fn check(probe: &Probe, seed: u64, report: &mut Report) {
+    let interior = interior(probe, seed);
+    let extreme = extreme(probe.sampler.uniforms());
     let everywhere = || interior.iter().chain(&extreme);
 
     let failure = everywhere().find_map(|u| round_trip(probe, u));
@@ -39,20 +33,16 @@ where
     jacobian(probe, &interior, report);
 }
 
-/// Stratified and random points, as `R` represents them.
-fn interior<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, seed: u64) -> Vec<Vec<f64>>
-where
-    S::Point: Space<R>,
-{
-    let inside = |u: S::Uniforms| -> Vec<f64> {
-        let u: Vec<f64> =
-            u.as_ref().iter().map(|u| MARGIN + (1.0 - 2.0 * MARGIN) * u.to_f64()).collect();
-        probe.uniforms(&u).as_ref().iter().map(|u| u.to_f64()).collect()
+/// Stratified and random points, as the sampler's numbers represent them.
+fn interior(probe: &Probe, seed: u64) -> Vec<Vec<f64>> {
+    let inside = |mut u: Vec<f64>| -> Vec<f64> {
+        u.iter_mut().for_each(|u| *u = MARGIN + (1.0 - 2.0 * MARGIN) * *u);
+        probe.sampler.rounded(&u)
     };
     let mut source = Pcg32::new(seed, 2, 0);
-    let random = (0..INTERIOR / 2).map(|_| inside(draw_uniforms::<R, _>(&mut source)));
-    let stratified =
-        (0..INTERIOR / 2).map(|k| inside(draw_uniforms::<R, _>(&mut Sobol::new(seed, 2, k))));
+    let random = (0..INTERIOR / 2).map(|_| inside(probe.sampler.draw(&mut source)));
+    let stratified = (0..INTERIOR / 2)
+        .map(|k| inside(probe.sampler.draw_stratified(&mut Sobol::new(seed, 2, k))));
     random.chain(stratified).collect()
 }
 
@@ -66,12 +56,9 @@ fn extreme(count: usize) -> Vec<Vec<f64>> {
 }
 
 /// What is wrong with the preimages of the sample of `u`, if anything.
-fn round_trip<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64]) -> Option<String>
-where
-    S::Point: Space<R>,
-{
+fn round_trip(probe: &Probe, u: &[f64]) -> Option<String> {
     let (x, at) = probe.forward(u)?;
-    let found = probe.preimages(&x);
+    let found = x.preimages();
     if found.is_empty() {
         return Some(format!("the sample {at:?} of the uniforms {u:?} has no preimage"));
     }
@@ -82,11 +69,8 @@ where
 
 /// Whether `u` itself is missing among the preimages of its sample, or there twice. Says nothing
 /// where the map is too flat to tell its uniforms apart.
-fn lost_preimage<S: Sampler<R>, R: Scalar>(probe: &Probe<S, R>, u: &[f64]) -> Option<String>
-where
-    S::Point: Space<R>,
-{
-    if !Probe::<S, R>::is_square() {
+fn lost_preimage(probe: &Probe, u: &[f64]) -> Option<String> {
+    if !probe.is_square() {
         return None;
     }
     let (x, at) = probe.forward(u)?;
@@ -97,7 +81,7 @@ where
         return None;
     }
     let near = |v: &&Vec<f64>| v.iter().zip(u).all(|(v, u)| (v - u).abs() <= tolerance);
-    let found = probe.preimages(&x);
+    let found = x.preimages();
     match found.iter().filter(near).count() {
         1 => None,
         0 => Some(format!("the uniforms {u:?} of {at:?} are not among its preimages {found:?}")),
@@ -107,17 +91,10 @@ where
 
 /// How `sample.pdf()` differs from `sampler.pdf(&sample)`, if it does; records the difference
 /// relative to the density, less what the condition explains.
-fn own_density<S: Sampler<R>, R: Scalar>(
-    probe: &Probe<S, R>,
-    u: &[f64],
-    worst: &mut f64,
-) -> Option<String>
-where
-    S::Point: Space<R>,
-{
+fn own_density(probe: &Probe, u: &[f64], worst: &mut f64) -> Option<String> {
     let (x, at) = probe.forward(u)?;
-    let own = |u: &[f64]| probe.sampler.sample(probe.uniforms(u)).pdf().value().to_f64();
-    let (own_here, general) = (own(u), probe.pdf(&x));
+    let own = |u: &[f64]| probe.sampler.own_density(u);
+    let (own_here, general) = (own(u), x.pdf());
     let text = || {
         format!("at {at:?} (uniforms {u:?}): sample.pdf() is {own_here:e}, sampler.pdf {general:e}")
     };
@@ -151,14 +128,8 @@ fn tolerance(epsilon: f64) -> f64 {
 }
 
 /// Compares the density of a sample with the Jacobians at all of its preimages.
-fn jacobian<S: Sampler<R>, R: Scalar>(
-    probe: &Probe<S, R>,
-    interior: &[Vec<f64>],
-    report: &mut Report,
-) where
-    S::Point: Space<R>,
-{
-    if !Probe::<S, R>::is_square() {
+fn jacobian(probe: &Probe, interior: &[Vec<f64>], report: &mut Report) {
+    if !probe.is_square() {
         let detail = "uniforms and dimensions differ in number: no determinant".to_owned();
         return report.add("jacobian", Verdict::NotApplicable, detail);
     }
@@ -166,7 +137,7 @@ fn jacobian<S: Sampler<R>, R: Scalar>(
     for u in interior {
         let Some((expected, error)) = density_by_differences(probe, u) else { continue };
         resolved += 1;
-        let density = probe.sampler.sample(probe.uniforms(u)).pdf().value().to_f64();
+        let density = probe.sampler.own_density(u);
         let difference = (density / expected - 1.0).abs();
         worst = worst.max(difference);
         let right = difference <= 10.0 * error + 10.0 * probe.epsilon.sqrt();
@@ -186,16 +157,10 @@ fn jacobian<S: Sampler<R>, R: Scalar>(
 
 /// The density of the sample of `u` from derivatives by differences at all of its preimages, and
 /// its relative error; `None` where they do not resolve it.
-fn density_by_differences<S: Sampler<R>, R: Scalar>(
-    probe: &Probe<S, R>,
-    u: &[f64],
-) -> Option<(f64, f64)>
-where
-    S::Point: Space<R>,
-{
+fn density_by_differences(probe: &Probe, u: &[f64]) -> Option<(f64, f64)> {
     let (x, _) = probe.forward(u)?;
     let (mut density, mut error) = (0.0, 0.0_f64);
-    for v in probe.preimages(&x) {
+    for v in x.preimages() {
         let inside = v.iter().all(|v| (0.5 * MARGIN..1.0 - 0.5 * MARGIN).contains(v));
         let derivative = if inside { probe.derivative(&v)? } else { return None };
         density += derivative.volume().recip();
