@@ -13,6 +13,8 @@ pub trait Map<R: Real>: Copy {
     type Source: Point<R>;
     /// The space that it maps to.
     type Target: Point<R>;
+    /// Whether no point has more than one preimage, so that nobody need look for others.
+    const INJECTIVE: bool = false;
 
     /// The image of `x`, and whether there is one.
     fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask);
@@ -69,27 +71,37 @@ pub(crate) fn other_preimages<R: Real, M: Map<R>>(
     y: &M::Target,
     mut visit: impl FnMut(M::Source, R::Mask),
 ) {
-    let mut count = 0;
-    map.preimages(y, |_, _| count += 1);
+    if M::INJECTIVE {
+        return;
+    }
+    let (mut count, mut nearest) = (0, R::INFINITY);
+    map.preimages(y, |z, valid| {
+        count += 1;
+        nearest = nearest.min(R::select(valid, distance(x, &z), R::INFINITY));
+    });
     if count <= 1 {
         return;
     }
-    let distance = |z: &M::Source, valid: R::Mask| {
-        let (x, z) = (x.coordinates(), z.coordinates());
-        let differences = x.as_ref().iter().zip(z.as_ref()).map(|(x, z)| (*x - *z).abs());
-        R::select(valid, differences.fold(R::ZERO, R::max), R::INFINITY)
-    };
-    let mut nearest = R::INFINITY;
-    map.preimages(y, |z, valid| nearest = nearest.min(distance(&z, valid)));
     let mut counted = R::Mask::FALSE;
     map.preimages(y, |z, valid| {
-        let itself = valid.and(counted.not()).and(distance(&z, valid).le(nearest));
+        let itself = valid.and(counted.not()).and(distance(x, &z).le(nearest));
         counted = counted.or(itself);
         let other = valid.and(itself.not());
         if other.any() {
             visit(z, other);
         }
     });
+}
+
+/// The largest difference of coordinates.
+#[inline(always)]
+fn distance<R: Real, P: Point<R>>(x: &P, z: &P) -> R {
+    let (x, z) = (x.coordinates(), z.coordinates());
+    let mut largest = R::ZERO;
+    for (x, z) in x.as_ref().iter().zip(z.as_ref()) {
+        largest = largest.max((*x - *z).abs());
+    }
+    largest
 }
 
 /// The density of the images of a sampler's points by way of one preimage, `x`; zero if it is not valid.
@@ -172,6 +184,7 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
 impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     type Source = A::Source;
     type Target = B::Target;
+    const INJECTIVE: bool = A::INJECTIVE && B::INJECTIVE;
 
     #[inline(always)]
     fn forward(&self, x: &A::Source) -> (B::Target, R::Mask) {

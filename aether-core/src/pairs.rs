@@ -61,6 +61,7 @@ where
 {
     type Source = (P, M::Source);
     type Target = (P, M::Target);
+    const INJECTIVE: bool = M::INJECTIVE;
 
     #[inline(always)]
     fn forward(&self, (p, x): &Self::Source) -> (Self::Target, R::Mask) {
@@ -106,6 +107,7 @@ where
 {
     type Source = (M::Source, P);
     type Target = (M::Target, P);
+    const INJECTIVE: bool = M::INJECTIVE;
 
     #[inline(always)]
     fn forward(&self, (x, p): &Self::Source) -> (Self::Target, R::Mask) {

@@ -95,6 +95,24 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     u.iter().fold(R::Mask::TRUE, |m, u| m.and(u.ge(R::ZERO)).and(u.lt(R::ONE)))
 }
 
+/// Where `mask` is true and every number positive.
+#[inline(always)]
+pub fn all_positive<R: Real, const N: usize>(mask: R::Mask, x: &[R; N]) -> R::Mask {
+    x.iter().fold(mask, |m, x| m.and(x.gt(R::ZERO)))
+}
+
+/// Where `mask` is true and no number below `least`, nor undetermined.
+#[inline(always)]
+pub fn all_at_least<R: Real, const N: usize>(mask: R::Mask, x: &[R; N], least: R) -> R::Mask {
+    x.iter().fold(mask, |m, x| m.and(x.ge(least)))
+}
+
+/// Where `mask` is true and no number below `least`; undetermined ones count as not below.
+#[inline(always)]
+pub fn none_below<R: Real, const N: usize>(mask: R::Mask, x: &[R; N], least: R) -> R::Mask {
+    x.iter().fold(mask, |m, x| m.and(x.lt(least).not()))
+}
+
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
 /// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
 /// it is as good as undetermined. What passes is decided by error bounds, which cost more. An error of

@@ -16,6 +16,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let visits = visits(e, source);
     let (forward, jacobian) = (forward(e), jacobian(e));
     let coordinates = e.coordinates();
+    let injective = e.places().len() <= 1;
     let members = e.places().into_iter().filter(|place| place.derived.check_forward);
     let members = members.map(|place| e.member(place, &quote!(::aether_core::support::track(x))));
     quote! {
@@ -25,6 +26,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
         impl<R: Real> ::aether_core::Map<R> for #ty #args {
             type Source = #source_ty;
             type Target = #target_ty;
+            const INJECTIVE: bool = #injective;
 
             #[inline(always)]
             fn forward(&self, point: &Self::Source) -> (Self::Target, R::Mask) {

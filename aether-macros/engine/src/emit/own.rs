@@ -149,7 +149,7 @@ fn has_own_density(e: &Emitter, j: usize) -> TokenStream {
     if is_tame(e, j) {
         quote!(taken.and(d.ge(R::ZERO)))
     } else {
-        quote!(t.iter().fold(taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO))))
+        quote!(::aether_core::support::all_positive(taken.and(d.ge(R::ZERO)), &t))
     }
 }
 
@@ -166,7 +166,7 @@ fn single(e: &Emitter) -> TokenStream {
     let inner = if tame {
         quote!(d.ge(R::ZERO))
     } else {
-        quote!(u.iter().fold(d.ge(R::ZERO), |m, u| m.and(u.gt(R::ZERO))))
+        quote!(::aether_core::support::all_positive(d.ge(R::ZERO), &u))
     };
     quote! {
         let inner = #inner;
@@ -403,7 +403,7 @@ fn jacobians(e: &Emitter) -> TokenStream {
         quote! {
             let t = #entered;
             let d = #own::<R>(&p, &t);
-            let here = t.iter().fold(#taken.and(d.ge(R::ZERO)), |m, t| m.and(t.gt(R::ZERO)));
+            let here = ::aether_core::support::all_positive(#taken.and(d.ge(R::ZERO)), &t);
             sum = R::select(here, d, sum);
             inner = inner.or(here);
         }

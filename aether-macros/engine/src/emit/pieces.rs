@@ -365,11 +365,10 @@ impl<'a> Emitter<'a> {
                 #support_lets
                 let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
                 let tests: [R; #tests] = [#(#conditions),*];
-                let plain = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.ge(#least)));
+                let plain = ::aether_core::support::all_at_least(exists, &tests, #least);
                 // A test that is 0/0, in a corner, says nothing, and one that fails by little may have
                 // been rounded: error bounds decide.
-                let slack = R::of(-1.0 / 256.0);
-                let possible = tests.iter().fold(exists, |m: R::Mask, t: &R| m.and(t.lt(slack).not()));
+                let possible = ::aether_core::support::none_below(exists, &tests, R::of(-1.0 / 256.0));
                 ([#(#uniforms),*], tests, plain, possible)
             }
             #plainly
