@@ -8,7 +8,6 @@ use super::{Condition, Equation, State};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
-use crate::jacobian::factor_out;
 use crate::poly::Expander;
 use crate::rational::Q;
 
@@ -116,7 +115,6 @@ fn replace(g: &mut Graph, state: &State, i: usize, j: usize, pair: &Pair, sign: 
     let (p, q) = if sign < 0 { (g.neg(p), g.neg(q)) } else { (p, q) };
     let (p2, q2) = (g.powi(p, 2), g.powi(q, 2));
     let sum = g.add(p2, q2);
-    let sum = factor_out(g, sum);
     let radius = g.sqrt(sum);
     let size = if sign < 0 { g.neg(radius) } else { radius };
     s.equations[i] = Equation { known: size, rhs: amplitude, modulo_turn: false };

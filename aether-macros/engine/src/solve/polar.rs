@@ -38,27 +38,12 @@ pub(crate) fn with_factor(g: &mut Graph, id: Id, f: Fun) -> Vec<(Id, Id)> {
     found
 }
 
-/// The product of the factors that two expressions share and that are never negative: the angle of a pair does
-/// not depend on it.
-fn common_size(g: &mut Graph, p: Id, q: Id) -> Id {
-    let others = g.factors(q);
-    let mut common = g.factors(p);
-    common.retain(|factor| others.contains(factor));
-    common.retain(|&(base, exponent)| {
-        let power = g.pow(base, exponent);
-        g.range(power).nonnegative()
-    });
-    g.product(&common)
-}
-
 fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude: Id) -> Vec<State> {
     let (p, q) = (state.equations[i].known, state.equations[j].known);
-    let common = common_size(g, p, q);
-    let [along, across] = [p, q].map(|id| g.div(id, common));
-    let squares = [along, across].map(|id| g.powi(id, 2));
-    let sum = g.add(squares[0], squares[1]);
+    let p2 = g.powi(p, 2);
+    let q2 = g.powi(q, 2);
+    let sum = g.add(p2, q2);
     let radius = g.sqrt(sum);
-    let radius = g.mul(common, radius);
     let range = g.range(amplitude);
     let mut signs = Vec::new();
     if !range.nonpositive() {
@@ -71,7 +56,7 @@ fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude:
         .into_iter()
         .map(|sign| {
             let mut s = state.clone();
-            let (y, x) = if sign > 0 { (across, along) } else { (g.neg(across), g.neg(along)) };
+            let (y, x) = if sign > 0 { (q, p) } else { (g.neg(q), g.neg(p)) };
             let radius = if sign > 0 { radius } else { g.neg(radius) };
             let t = g.call(Fun::Atan2, &[y, x]);
             s.equations[i] = Equation { known: radius, rhs: amplitude, modulo_turn: false };
@@ -79,7 +64,7 @@ fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude:
             // A known amplitude can be negative; then the angle turns by half a turn.
             if !g.has(amplitude, UNKNOWNS) && !range.nonnegative() && !range.nonpositive() {
                 let sign = g.call(Fun::Sign, &[amplitude]);
-                let (y, x) = (g.mul(sign, across), g.mul(sign, along));
+                let (y, x) = (g.mul(sign, q), g.mul(sign, p));
                 s.equations[j].known = g.call(Fun::Atan2, &[y, x]);
             }
             let cos = g.call(Fun::Cos, &[angle]);
