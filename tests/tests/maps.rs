@@ -34,6 +34,18 @@ fn framed_lobe(u: [Uniform; 2], n: f64, frame: Frame) -> Direction {
     rotate(frame).apply(&local)
 }
 
+/// Both ends of an interval onto one.
+#[map]
+fn folded(x: f64) -> f64 {
+    (2.0 * x - 1.0).abs()
+}
+
+/// Two directions onto each.
+#[map]
+fn doubled(w: Direction) -> Direction {
+    Direction::new(w.x, w.y, w.z.abs())
+}
+
 /// A direction sheared by three vectors: more parameters than simplification can multiply out.
 #[map]
 fn skew(w: Direction, x: Vec3, y: Vec3, z: Vec3) -> Direction {
@@ -85,4 +97,14 @@ fn a_sheared_lobe() {
     let (x, y) = (Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.0, 1.0, 0.1));
     let lobe = power_cosine(1.0).then(skew(x, y, Vec3::new(0.3, -0.2, 1.0)));
     battery::check(&lobe).assert_ok();
+}
+
+#[test]
+fn maps_know_whether_they_are_injective() {
+    fn is_injective<M: Map<f64>>(_: M) -> bool {
+        M::INJECTIVE
+    }
+    let turned = rotate(frame(0.3, -0.5, 0.2));
+    assert!(is_injective(turned) && is_injective(turned.then(turned)));
+    assert!(!is_injective(folded()) && !is_injective(turned.then(doubled())));
 }

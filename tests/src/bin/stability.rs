@@ -34,6 +34,7 @@ struct Options {
 
 /// All that is reported.
 struct Report {
+    settings: Settings,
     rows: Vec<Row>,
     leaks: Leaks,
 }
@@ -54,7 +55,7 @@ fn options() -> Option<Options> {
             "--keep" => options.keep = Some(words.next()?.into()),
             "--rays" => options.rays = words.next()?.parse().ok()?,
             "--full" => {
-                options.settings = Settings { single: 10_000_000, double: 100_000, sweep: true };
+                options.settings = FULL;
                 options.rays = 100_000_000;
             }
             name if !name.starts_with('-') => options.names.push(name.to_owned()),
@@ -115,7 +116,7 @@ fn report(options: &Options) -> std::io::Result<Report> {
     let rows = run(&items, options.settings, options.keep.as_deref(), &|row, time| {
         eprint!("{:.1} s: {}", time.as_secs_f64(), csv_row(row));
     })?;
-    Ok(Report { rows, leaks })
+    Ok(Report { settings: options.settings, rows, leaks })
 }
 
 fn as_json(row: &Row) -> serde_json::Value {
@@ -187,7 +188,7 @@ fn triple(t: &Tally) -> String {
 
 fn markdown(report: &Report) -> String {
     let rows = &report.rows[..];
-    let mut text = String::from(INTRODUCTION) + &summary(rows);
+    let mut text = introduction(report.settings) + &summary(rows);
     for precision in ["f64", "f32"] {
         text += &format!("\n## {precision}\n\n");
         text += "| sampler | sample | inverse | pdf(x) | sample.pdf() | extreme points | textbook | zeros | NaN | infinite | points |\n";
@@ -333,12 +334,21 @@ const LIMIT: f64 = 64.0;
 /// What is within the limit whatever was not looked at.
 const KNOWN: f64 = LIMIT / Tally::MORE;
 
-const INTRODUCTION: &str = "\
-# Stability
+/// What `--full` takes.
+const FULL: Settings = Settings { single: 10_000_000, double: 100_000, sweep: true };
 
-Made by `cargo run --release -p tests --bin stability -- --markdown tests/reference/stability.md --csv
-tests/reference/stability.csv`; with `--full` as well, from 500 times the random samples in f32 and 100 times in f64.
+/// How the report is made, and what its figures mean.
+fn introduction(settings: Settings) -> String {
+    let Settings { single, double, .. } = settings;
+    let full = if settings == FULL { " --full" } else { "" };
+    format!(
+        "# Stability\n\nMade by `cargo run --release -p tests --bin stability --{full} --markdown \
+         tests/reference/stability.md --csv tests/reference/stability.csv`: {single} random samples of each sampler in \
+         f32 and {double} in f64.\n\n{MEANING}"
+    )
+}
 
+const MEANING: &str = "\
 Errors in units of 2⁻⁵² (f64) or 2⁻²³ (f32) of the value: the worst over its condition number (at least
 one), and in brackets the worst and the median. Points: the extreme points of the reference data, uniforms
 up to the last bit before an end with parameters over their declared domains, and random samples; in f32,

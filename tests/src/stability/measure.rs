@@ -18,7 +18,7 @@ use crate::reference::PointEntry;
 use crate::registry::Item;
 
 /// How much is tried.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// Random samples in `f32`, against `f64`.
     pub single: u64,

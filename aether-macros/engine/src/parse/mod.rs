@@ -5,6 +5,7 @@ mod body;
 mod branch;
 mod expression;
 mod methods;
+mod order;
 mod pieces;
 mod shared;
 mod signature;
