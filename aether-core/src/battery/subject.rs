@@ -49,7 +49,7 @@ pub(super) trait Spot<'a>: fmt::Debug {
 pub(super) type AnySpot<'a> = Box<dyn Spot<'a> + 'a>;
 
 /// A sampler whose type is to be forgotten.
-pub(super) struct Typed<'a, S, R>(pub(super) &'a S, PhantomData<R>);
+pub(super) struct Typed<'a, S, R>(&'a S, PhantomData<R>);
 
 /// A point together with the sampler that is asked about it.
 struct At<'a, S: Sampler<R>, R: Scalar>(&'a S, S::Point);
