@@ -11,7 +11,7 @@ use super::scribe::{Program, write};
 /// How many programs are composed of affine, polar, normalise and rotate only.
 pub const CORE: usize = 60;
 /// How many are composed of the whole grammar.
-pub const WIDE: usize = 190;
+pub const WIDE: usize = 155;
 
 /// The first plans that proptest composes from a seed, always the same.
 pub fn plans(core: bool, seed: u8, count: usize) -> Vec<Plan> {
