@@ -4,6 +4,7 @@
 //! √(1 - z²), or √u and √(1 - u), are pairs as well. So are f and h with α f² + β h² = 1: known
 //! factors may have been moved over before.
 
+use super::polar::apart;
 use super::{Condition, Equation, State};
 use crate::derivative::derivative;
 use crate::display::show;
@@ -113,9 +114,7 @@ fn replace(g: &mut Graph, state: &State, i: usize, j: usize, pair: &Pair, sign: 
     let q = g.mul(state.equations[j].known, weights.1);
     // A negative amplitude is the positive one of the opposite point.
     let (p, q) = if sign < 0 { (g.neg(p), g.neg(q)) } else { (p, q) };
-    let (p2, q2) = (g.powi(p, 2), g.powi(q, 2));
-    let sum = g.add(p2, q2);
-    let radius = g.sqrt(sum);
+    let (radius, _) = apart(g, p, q);
     let size = if sign < 0 { g.neg(radius) } else { radius };
     s.equations[i] = Equation { known: size, rhs: amplitude, modulo_turn: false };
     // The plainer of the two is solved for; the other keeps its sign.

@@ -38,12 +38,51 @@ pub(crate) fn with_factor(g: &mut Graph, id: Id, f: Fun) -> Vec<(Id, Id)> {
     found
 }
 
+/// √(p² + q²), and p and q without the factors that they share and that are never negative: these change neither
+/// the angle of the pair nor what there is to round in its root.
+///
+/// Lengths of one part in a million are nothing unusual, and the square of a polynomial of the third degree in
+/// them is lost in single precision. So the factors stay, as what they were multiplied or divided by for, where
+/// more than squares would be left.
+pub(super) fn apart(g: &mut Graph, p: Id, q: Id) -> (Id, [Id; 2]) {
+    let others = g.factors(q);
+    let mut common = g.factors(p);
+    common.retain(|factor| others.contains(factor));
+    common.retain(|&(base, exponent)| {
+        let power = g.pow(base, exponent);
+        g.range(power).nonnegative()
+    });
+    let mut common = g.product(&common);
+    let mut rest = [p, q].map(|id| g.div(id, common));
+    if rest.iter().any(|id| degree(g, *id).abs() > 2.0) {
+        (common, rest) = (g.int(1), [p, q]);
+    }
+    let squares = rest.map(|id| g.powi(id, 2));
+    let sum = g.add(squares[0], squares[1]);
+    let root = g.sqrt(sum);
+    (g.mul(common, root), rest)
+}
+
+/// The degree of an expression in all its inputs; functions of them count as numbers.
+fn degree(g: &Graph, id: Id) -> f64 {
+    let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+    match g.node(id) {
+        Node::Leaf(_) => 1.0,
+        Node::Sum(_, terms) => terms.iter().map(|(_, t)| degree(g, *t)).fold(0.0, largest),
+        Node::Product(factors) => factors
+            .iter()
+            .map(|&(base, exponent)| {
+                g.as_number(exponent).map_or(0.0, |exponent| exponent.to_f64() * degree(g, base))
+            })
+            .sum(),
+        Node::If(_, a, b) => largest(degree(g, *a), degree(g, *b)),
+        Node::Number(_) | Node::Float(_) | Node::Pi | Node::Call(..) | Node::Root(_) => 0.0,
+    }
+}
+
 fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude: Id) -> Vec<State> {
     let (p, q) = (state.equations[i].known, state.equations[j].known);
-    let p2 = g.powi(p, 2);
-    let q2 = g.powi(q, 2);
-    let sum = g.add(p2, q2);
-    let radius = g.sqrt(sum);
+    let (radius, [along, across]) = apart(g, p, q);
     let range = g.range(amplitude);
     let mut signs = Vec::new();
     if !range.nonpositive() {
@@ -56,7 +95,7 @@ fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude:
         .into_iter()
         .map(|sign| {
             let mut s = state.clone();
-            let (y, x) = if sign > 0 { (q, p) } else { (g.neg(q), g.neg(p)) };
+            let (y, x) = if sign > 0 { (across, along) } else { (g.neg(across), g.neg(along)) };
             let radius = if sign > 0 { radius } else { g.neg(radius) };
             let t = g.call(Fun::Atan2, &[y, x]);
             s.equations[i] = Equation { known: radius, rhs: amplitude, modulo_turn: false };
@@ -64,7 +103,7 @@ fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude:
             // A known amplitude can be negative; then the angle turns by half a turn.
             if !g.has(amplitude, UNKNOWNS) && !range.nonnegative() && !range.nonpositive() {
                 let sign = g.call(Fun::Sign, &[amplitude]);
-                let (y, x) = (g.mul(sign, q), g.mul(sign, p));
+                let (y, x) = (g.mul(sign, across), g.mul(sign, along));
                 s.equations[j].known = g.call(Fun::Atan2, &[y, x]);
             }
             let cos = g.call(Fun::Cos, &[angle]);
