@@ -415,23 +415,27 @@ fn from_inside<R: Real, const N: usize, const M: usize>(
     let tiny = R::EPSILON * R::EPSILON;
     // In the middle of its range a uniform cannot be moved by less than its rounding.
     let small = R::EPSILON.sqrt();
+    let smaller = small * small.sqrt();
+    let below_one = R::ONE - R::EPSILON * R::of(0.5);
     let zero = u.iter().fold(R::Mask::FALSE, |m, u| m.or(u.gt(R::ZERO).not()));
-    let mut images = [x; 2];
-    let steps = [(tiny, small), (tiny * tiny, small * small.sqrt())];
+    let mut images = [x; 3];
+    let steps = [(tiny, small), (tiny * tiny, smaller), (tiny, -smaller)];
     for (image, (at_zero, inside)) in images.iter_mut().zip(steps) {
         let mut moved = *u;
         for (i, u) in moved.iter_mut().enumerate() {
             let inner = *u * (R::ONE - R::of(i as f64 + 1.0) * inside);
-            *u = R::select(zero, R::select(u.gt(R::ZERO), *u, at_zero), inner);
+            *u = R::select(zero, R::select(u.gt(R::ZERO), *u, at_zero), inner.min(below_one));
         }
         *image = forward(&moved);
     }
-    let [near, mut limits] = images;
-    for ((limit, near), x) in limits.iter_mut().zip(near).zip(x) {
+    let [near, mut limits, beyond] = images;
+    for (k, limit) in limits.iter_mut().enumerate() {
         // What still shrinks with the uniform, by whatever power, tends to zero.
-        let vanishes = limit.abs().lt(near.abs() * R::of(1e-3));
+        let vanishes = limit.abs().lt(near[k].abs() * R::of(1e-3));
         *limit = R::select(vanishes, R::ZERO, *limit);
-        *limit = R::select(x.finite().or(x.ge(x)), x, *limit);
+        // Where there is nothing on the other side either, the map has ended.
+        let limited = x[k].ge(x[k]).not().and(beyond[k].ge(beyond[k]));
+        *limit = R::select(limited, *limit, x[k]);
     }
     limits
 }

@@ -115,6 +115,22 @@ fn falling_extinction(u: [Uniform; 1], k: f64, h: f64) -> f64 {
     -(h * (-u[0]).ln_1p() / k).ln_1p() / h
 }
 
+/// What is no number beyond the last uniform that stays is not filled in from before it, as 0/0 at one uniform is.
+#[test]
+fn row_29_leaves_from_the_first_uniform_on() {
+    let last = -(-2f64).exp_m1();
+    for beyond in [1e-15, 1e-13, 1e-8, 1e-3] {
+        let stays = right(falling_extinction(1.0, 0.5)).forward([last - beyond]).0;
+        assert!(stays > 0.0 && stays < 75.0, "{beyond:e}: {stays}");
+        let leaves = right(falling_extinction(1.0, 0.5)).forward([last + beyond]).0;
+        assert!(leaves.is_nan(), "{beyond:e}: {leaves}");
+    }
+    for beyond in [3e-7, 3e-6, 1e-4] {
+        let leaves = right(falling_extinction(1.0f32, 0.5)).forward([last as f32 + beyond]).0;
+        assert!(leaves.is_nan(), "{beyond:e}: {leaves}");
+    }
+}
+
 /// Row 33: the cosine of a uniform angle.
 #[sampler]
 fn arcsine(u: [Uniform; 1]) -> f64 {
@@ -357,6 +373,7 @@ batteries! { [double single]
     row_26_equiangular: right(equiangular(1.0, -1.0, 3.0)), right(equiangular(0.5, 1.0, 2.0));
     row_27_wavelength: wavelength();
     row_28_linear_extinction: right(linear_extinction(1.0, 2.0));
+    row_29_falling_extinction: right(falling_extinction(1.0, 0.5)), right(falling_extinction(2.0, 0.125));
     row_108_small_angles: right(small_angles(0.125, 1.0));
 }
 

@@ -120,6 +120,17 @@ fn row_68_zonal_window() {
     check(&right(zonal_window(-0.25f32, 0.75, 2.5, 1.5)));
 }
 
+#[test]
+fn row_69_double_lune() {
+    fn check<R: Scalar>(lunes: &impl Sampler<R, Point = Direction<R>>, t: f64) {
+        let rims = [-t, t, PI - t, t - PI];
+        Battery::new(lunes).jumps(1, rims).run().assert_ok();
+    }
+    check(&right(double_lune(0.25f64)), 0.25);
+    check(&right(double_lune(1.5f64)), 1.5);
+    check(&right(double_lune(0.25f32)), 0.25);
+}
+
 /// A quadrilateral that is no parallelogram.
 fn quad<R: Scalar>() -> BilinearQuad<R> {
     let v = |x, y| Vec2::new(R::of(x), R::of(y));
@@ -127,9 +138,8 @@ fn quad<R: Scalar>() -> BilinearQuad<R> {
 }
 
 // Left out: corners and poles of the shortfalls above, which the extreme points of the battery reach,
-// densities that its cubature does not resolve (double lune, ordered), the tetrahedron next to a corner,
-// correlation factors at the corner, where the density is 0/0, and the refraction, whose half vectors end on
-// a horizon that rounding crosses.
+// a density that its cubature does not resolve (ordered), the tetrahedron next to a corner, and
+// correlation factors at the corner, where the density is 0/0.
 batteries! { [double single]
     row_6_tent: right(tent(2.0)), right(tent(0.125));
     row_7_triangular: triangular(-1.0, 0.5, 3.0), triangular(0.0, 0.0, 1.0), triangular(0.0, 1.0, 1.0);
@@ -158,6 +168,7 @@ batteries! { [double single]
     row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
     row_86_visible_normals: right(visible_normals(0.25, view()));
     row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
+    row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view()));
     row_91_mixture: right(mixture(0.25, 8.0));
     row_92_sheen: right(sheen(0.5));
     row_99_perspective: right(perspective(0.75, 0.5));
@@ -180,8 +191,8 @@ batteries! { [double single]
     row_117_affine_coupling: affine_coupling(0.875, 0.5);
 }
 
-/// Only in double precision: folds, whose two preimages are one to `f32`, rims within rounding, and
-/// exp(-2 kappa).
+/// Only in double precision: folds, whose two preimages are one to `f32`, rims within rounding, half vectors on a
+/// horizon that rounding crosses, and exp(-2 kappa).
 mod only_double {
     use super::*;
     batteries! { [double]
@@ -194,6 +205,7 @@ mod only_double {
         row_74_von_mises_fisher: right(von_mises_fisher(10.0)), right(von_mises_fisher(0.01));
         row_74_as_printed: right(von_mises_fisher_as_printed(10.0));
         row_75_as_printed: right(henyey_greenstein_as_printed(0.75));
+        row_90_into_air: right(refracted_ggx(0.25, 0.75, view()));
         row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
     }
 }

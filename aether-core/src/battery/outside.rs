@@ -138,18 +138,36 @@ fn contradiction(probe: &Probe, y: &dyn Spot) -> Option<String> {
         .map(|v| format!("no density at {at:?}, which the uniforms {v:?} map to"))
 }
 
-/// Whether `v` is next to an end of [0, 1) and what lies between its image and `at` has no mass to
-/// speak of: the uniforms that map to a long tail are closer to one, or to zero, than any number is.
+/// Whether `v` is next to an end of [0, 1), or to uniforms without a sample, and what lies between its image and
+/// `at` has no mass to speak of: the uniforms that map to a long tail are closer to one, to zero, or to where a
+/// flight escapes, than any number is.
 fn in_tail(probe: &Probe, v: &[f64], at: &[f64], p: f64) -> bool {
     let last = v.iter().any(|v| *v >= 1.0 - 4.0 * probe.epsilon);
     // A uniform that underflowed to zero stands for one of the least size; its image may be at
     // infinity, where only the density tells how little mass is beyond.
     let least = v.iter().any(|v| *v <= f64::from(f32::MIN_POSITIVE) * probe.epsilon);
-    let finite = |y: &Vec<f64>| y.iter().all(|y| y.is_finite());
-    let image = probe.forward(v).map(|(_, y)| y).filter(finite);
-    let gap = match image {
-        None if least => distance(at, &vec![0.0; at.len()]).max(1.0),
-        image => image.map_or(f64::INFINITY, |y| distance(&y, at)),
+    let image = |v: &[f64]| {
+        let (_, y) = probe.forward(v)?;
+        y.iter().all(|y| y.is_finite()).then_some(y)
     };
-    (last || least) && p * gap.powi(probe.sampler.dimension() as i32) <= 64.0 * probe.epsilon
+    let beside: Vec<_> = roundings(v, probe.epsilon).map(|v| image(&v)).collect();
+    let edge = beside.iter().any(Option::is_none);
+    let gap = match image(v).into_iter().chain(beside.into_iter().flatten()).next() {
+        Some(image) => distance(&image, at),
+        None if least => distance(at, &vec![0.0; at.len()]).max(1.0),
+        None => f64::INFINITY,
+    };
+    (last || least || edge)
+        && p * gap.powi(probe.sampler.dimension() as i32) <= 64.0 * probe.epsilon
+}
+
+/// Uniforms a few roundings from these.
+fn roundings(v: &[f64], epsilon: f64) -> impl Iterator<Item = Vec<f64>> {
+    (0..v.len()).flat_map(move |axis| {
+        [-4.0, 4.0].map(|steps| {
+            let mut near = v.to_vec();
+            near[axis] = (near[axis] + steps * epsilon).clamp(0.0, 1.0 - 0.5 * epsilon);
+            near
+        })
+    })
 }
