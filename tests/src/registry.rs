@@ -6,6 +6,7 @@
 use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::prelude::*;
 use aether_core::{DomainError, Legal, Sampler, Scalar};
+use integrators::daylight;
 use integrators::samplers as renderer;
 use integrators::scattering::facets;
 
@@ -295,6 +296,20 @@ registry! {
             |p| facets::visible_ggx_normals(p(0), p(0), view(p(1)))?
                 .then(facets::refract_in(view(p(1)), p(2))?),
             [[0.5, 0.6, 0.667], [0.1, 0.9, 0.75], [1e-2, 0.3, 0.667], [1e-4, 0.6, 0.5]];
+        "rough dielectric, refraction into air" RoughEscape:
+            |p| facets::visible_ggx_normals(p(0), p(1), view(p(2)))?
+                .then(facets::refract_out(view(p(2)), p(3))?),
+            [[0.5, 0.3, 0.6, 1.5], [0.1, 0.1, 0.9, 1.333], [1e-2, 1e-2, 0.95, 1.5], [0.3, 0.3, 0.7, 1.00003]];
+        "rough dielectric, index next to one" RoughNearOne:
+            |p| facets::visible_ggx_normals(p(0), p(0), view(p(1)))?
+                .then(facets::refract_in(view(p(1)), p(2))?),
+            [[0.3, 0.7, 0.99997], [0.05, 0.7, 0.999999]];
+        "rough conductor, anisotropic GGX" AnisotropicNormals:
+            |p| facets::ggx_normals(p(0), p(1))?.then(facets::reflect(view(p(2)))),
+            [[0.5, 0.1, 0.6], [1e-2, 0.3, 0.9], [1e-4, 1e-2, 0.5]];
+        "rough conductor, anisotropic visible GGX" AnisotropicVisible:
+            |p| facets::visible_ggx_normals(p(0), p(1), view(p(2)))?.then(facets::reflect(view(p(2)))),
+            [[0.5, 0.1, 0.6], [1e-2, 0.3, 0.9], [1e-4, 1e-2, 0.5]];
         "sphere light by its cone" LightCone: |p| renderer::uniform_cone(p(0))?, [[0.5], [1e-3], [1e-7], [1.0]];
         "triangle light by direction" TriangleByDirection:
             |p| renderer::spherical_triangle(p(0), p(1), p(2))?,
@@ -325,6 +340,30 @@ registry! {
                 [100.0, -50.0, 1.0, 1.0, -2.0, 0.5, 1e-3, 10.0],
                 [0.0, 0.0, 0.0, 0.0, 0.6, -0.8, 1e6, 1e-6],
             ];
+        "rectangle light" RectangleLight:
+            |p| renderer::uniform_rectangle(vector(p, 0), vector(p, 3), vector(p, 6), SurfaceId(0)),
+            [
+                [1.0, 2.0, 3.0, 2.0, 0.5, 0.0, -0.5, 1.0, 0.25],
+                [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 0.0],
+                [0.0, 0.0, 1.0, 1e6, 0.0, 0.0, 0.0, 1e-6, 0.0],
+            ];
+        "lens" Lens: |p| renderer::disk(p(0)), [[1.0], [1e-6], [1e6]];
+        "rectangle of the film" FilmRectangle:
+            |p| renderer::film_rectangle(Vec2::new(p(0), p(1)), Vec2::new(p(2), p(3))),
+            [[0.0, 0.0, 640.0, 480.0], [8191.0, 4095.0, 1.0, 2.0]];
+        "about a pixel" FilmNear:
+            |p| renderer::film_near(Vec2::new(p(0), p(1)), p(2), p(3))?,
+            [[0.5, 0.5, 0.1, 100.0], [320.5, 240.5, 0.1, 64.0]];
+        "about a direction" ConeNear: |p| renderer::cone_near(p(0), p(1))?, [[1e-4, 0.1], [1e-2, 1.0]];
+        "square of directions" SquareOfDirections:
+            |p| renderer::square_of_directions(p(0))?, [[0.5], [0.01], [1.0]];
+        "window by direction" Window:
+            |p| daylight::unit_triangle().then(daylight::through(vector(p, 0), vector(p, 3), vector(p, 6))),
+            [
+                [-1.0, -1.0, 2.0, 2.0, 0.0, 0.0, 0.0, 2.0, 0.5],
+                [1.0, -1.0, 1e-3, 0.0, 2.0, 0.0, 0.0, 0.0, 2.0],
+                [0.0, 0.0, 1e3, 1e-2, 0.0, 0.0, 0.0, 1e-2, 0.0],
+            ];
         "parallel film" ParallelFilm:
             |p| renderer::film_box(p(0), p(1)).then(renderer::parallel_hit(
                 Vec2::new(R::of(320.0), R::of(240.0)), vector(p, 2), vector(p, 5), vector(p, 8), vector(p, 11),
@@ -352,6 +391,9 @@ registry! {
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002], [320.5, 240.5, 1e-6], [639.5, 479.5, 0.1]];
         "camera, tent filter" CameraTent:
             |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2)),
+            [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];
+        "camera, Gaussian filter" CameraGaussian:
+            |p| camera(renderer::film_gaussian(p(0), p(1), R::of(0.5), R::of(0.9999998874648253)), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];
     }
 }

@@ -16,10 +16,12 @@ mod strays;
 mod through;
 mod units;
 
+use std::collections::BTreeMap;
+
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::interval::Interval;
-use crate::jacobian::{Source, simplify, sphere, volume};
+use crate::jacobian::{Source, cost_together, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Piece, Segment, Space, Stage, Test};
@@ -428,15 +430,31 @@ fn find_solutions(
     })?;
     let g = &mut problem.graph;
     for s in &mut solutions {
-        for v in s.unknowns.values_mut() {
-            *v = simplify(g, *v, None);
-        }
+        tidy(g, &mut s.unknowns);
         s.short = s.unknowns.clone();
         let spelled: Vec<_> = s.unknowns.iter().map(|(l, v)| (*l, s.spell_out(g, *v))).collect();
         s.unknowns = spelled.into_iter().collect();
         s.conditions = s.conditions.iter().map(|c| Condition(s.spell_out(g, c.0))).collect();
     }
     Ok(solutions)
+}
+
+/// Simplifies expressions, but for those that cost less as they are, next to the others.
+fn tidy(g: &mut Graph, values: &mut BTreeMap<Leaf, Id>) {
+    let written: Vec<(Leaf, Id)> = values.iter().map(|(leaf, v)| (*leaf, *v)).collect();
+    for v in values.values_mut() {
+        *v = simplify(g, *v, None);
+    }
+    let together = |g: &Graph, values: &BTreeMap<Leaf, Id>| {
+        cost_together(g, &values.values().copied().collect::<Vec<_>>())
+    };
+    for (leaf, as_written) in written {
+        let before = together(g, values);
+        let tidied = values.insert(leaf, as_written);
+        if let Some(tidied) = tidied.filter(|_| together(g, values) >= before) {
+            values.insert(leaf, tidied);
+        }
+    }
 }
 
 /// The numbers among the parameters that no domain is declared of.

@@ -87,7 +87,7 @@ fn main() -> ExitCode {
     let rows = &report.rows[..];
     if options.json {
         let rows: Vec<serde_json::Value> = rows.iter().map(as_json).collect();
-        let leaks = json!({ "rays": report.leaks.rays, "lost": report.leaks.lost });
+        let leaks = json!({ "aimed": report.leaks.aimed, "rays": report.leaks.rays, "lost": report.leaks.lost });
         println!("{}", json!({ "rows": rows, "leaks": leaks }));
     } else {
         print!("{}", markdown(&report));
@@ -249,11 +249,12 @@ fn markdown(report: &Report) -> String {
 
 /// How many rays left a closed room.
 fn rays(leaks: &Leaks) -> String {
-    let Leaks { rays, lost, first } = leaks;
+    let Leaks { aimed, rays, lost, first } = leaks;
+    let onward = rays - aimed;
     let first: String = first.iter().map(|from| format!("\n- {from}")).collect();
     format!(
-        "Of {rays} rays aimed at edges and corners of closed rooms, and going on from there in directions that \
-         often graze the walls, {lost} left.{first}"
+        "Of {aimed} rays aimed at edges and corners of closed rooms, some of them shared by hundreds of triangles, and \
+         {onward} that went on from there in directions that often graze the walls, {lost} left.{first}"
     )
 }
 

@@ -112,8 +112,11 @@ impl Judge<'_> {
             row.textbook.add(error, |c| lazy.beyond(c, |c| c.density), at);
         }
         let mut pdf = 0.0;
-        if let Some(found) = found.pdf {
-            pdf = format.density(found, exact.density);
+        if let Some(value) = found.pdf {
+            pdf = match found.log_pdf.filter(|_| !normal) {
+                Some(log) => format.beyond_range(value, log, density),
+                None => format.density(value, exact.density),
+            };
             row.pdf.add(pdf, |c| lazy.beyond(c, |c| c.density), at);
         }
         if self.origin == Origin::Extreme {

@@ -60,6 +60,18 @@ impl Format {
         self.units(gap / expected.max(self.floor))
     }
 
+    /// The error of the logarithm of a density that leaves the range of numbers, as one of the density, beyond what
+    /// rounding the logarithm costs; infinite if the density is not the zero or the infinity that it rounds to.
+    pub fn beyond_range(&self, found: f64, log: f64, expected: f64) -> f64 {
+        let rounded = match expected < 1.0 {
+            true => (0.0..=2.0 * self.floor).contains(&found),
+            false => found == f64::INFINITY || found >= 0.5 * self.ceiling,
+        };
+        let truth = expected.ln();
+        let gap = (log - truth).abs() - truth.abs() * self.spacing;
+        self.units(if rounded { gap.max(0.0) } else { f64::INFINITY })
+    }
+
     /// The error of a vector.
     pub fn vector(&self, found: &[f64], exact: &[Precise]) -> f64 {
         let gaps = found.iter().zip(exact).map(|(a, b)| (Precise::f64(*a) - *b).to_f64());

@@ -28,6 +28,8 @@ pub struct Answer {
     pub at_own: Option<f64>,
     /// `sampler.pdf(x)`.
     pub pdf: Option<f64>,
+    /// `sampler.log_pdf(x)`, where that density is not a normal number.
+    pub log_pdf: Option<f64>,
     /// The preimage of `x` that is nearest to the uniforms.
     pub back: Option<Few<f64>>,
     /// Whether one of the preimages is NaN.
@@ -72,7 +74,10 @@ where
     found.at_own = Some(sampler.pdf(&sample).value().to_f64());
     let x: Few<R> = x.iter().map(|x| R::of(*x)).collect();
     if let Some(x) = (!x.is_empty()).then(|| S::Point::from_coordinates(&x)).flatten() {
-        found.pdf = Some(sampler.pdf(&x).value().to_f64());
+        let pdf = sampler.pdf(&x).value();
+        found.pdf = Some(pdf.to_f64());
+        let normal = pdf.gt(R::MIN_POSITIVE) && pdf.lt(R::INFINITY);
+        found.log_pdf = (!normal).then(|| sampler.log_pdf(&x).to_f64());
         let mut nearest = f64::INFINITY;
         sampler.preimages(&x, |v, exists| {
             if exists {

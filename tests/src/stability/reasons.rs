@@ -56,6 +56,10 @@ const REASONS: &[(&str, &str)] = &[
     ("scattering_vertex", "far from the origin, and a printed cosine that cancels"),
     ("sheen", "alpha of 0.001: a power of 1000, whose base is not taken from z"),
     ("sphere_light", "far away, at the rim and close by: differences of squares"),
+    (
+        "student_2",
+        "in f32, (2 + x²)^(-3/2) far out is smaller than any number, and logarithms are emitted of exponentials alone",
+    ),
     ("tetrahedron", "f32 next to a corner"),
     ("triangle_fold", BORDER),
     (
@@ -71,6 +75,16 @@ const REASONS: &[(&str, &str)] = &[
     ("renderer: rough conductor, visible Beckmann", BACK),
     ("renderer: rough conductor, visible GGX", OPPOSITE),
     ("renderer: rough dielectric, refraction", OPPOSITE),
+    (
+        "renderer: rough dielectric, index next to one",
+        "light that is hardly bent: its half vector is the difference of nearly equal directions",
+    ),
+    ("renderer: rough conductor, anisotropic GGX", BACK),
+    ("renderer: rough conductor, anisotropic visible GGX", OPPOSITE),
+    (
+        "renderer: window by direction",
+        "next to a side of the window, which the rounding of a direction crosses",
+    ),
     (
         "renderer: triangle light by direction",
         "next to the corner at the pole: z is rounded to one, and 1 - z, by which it divides, to zero",

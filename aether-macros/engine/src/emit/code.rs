@@ -283,6 +283,15 @@ impl<'a> Code<'a> {
     }
 
     fn sum(&self, c: Q, terms: &[(Q, Id)]) -> TokenStream {
+        // One factor of many terms is a factor of their sum.
+        let size = terms.first().map_or(Q::ONE, |(q, _)| q.abs());
+        let alike = c.is_zero() && terms.len() > 2 && terms.iter().all(|(q, _)| q.abs() == size);
+        if alike && size != Q::ONE {
+            let sign = |q: Q| if q.is_negative() { Q::int(-1) } else { Q::ONE };
+            let signs: Vec<(Q, Id)> = terms.iter().map(|&(q, t)| (sign(q), t)).collect();
+            let sum = self.sum(c, &signs);
+            return times(size, &quote!((#sum)));
+        }
         // In the order in which forms were measured: (1 - u) + u p is not (1 + u p) - u.
         let mut out: Option<TokenStream> = (!c.is_zero()).then(|| rational(c));
         for (q, t) in terms {
