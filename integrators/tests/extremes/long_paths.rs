@@ -1,25 +1,42 @@
 //! Paths of a thousand vertices: nothing overflows, underflows or becomes 0/0.
 
-use super::{assert_mean, camera, rendered, scene};
+use integrators::algorithm::Algorithm;
+use integrators::bidirectional::Bidirectional;
+use integrators::scene::Scene;
 
-/// Inside walls that emit one and reflect `albedo`, the radiance is the geometric sum over the bounces.
+use super::{assert_mean, camera, common, rendered, rendered_by, scene};
+
+/// Walls and a ball that emit one and reflect `albedo`.
+fn furnace(albedo: f64, depth: i32) -> Scene {
+    let elements = format!(
+        r#"<shape type="cube"><boolean name="flip_normals" value="true"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="{albedo}"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
+        <shape type="sphere"><float name="radius" value="0.3"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="{albedo}"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>"#
+    );
+    scene(&camera([0.2, -0.8, 0.1], [0.0, 0.5, -0.1], 60.0), 4, depth, &elements)
+}
+
+/// The radiance is the geometric sum over the bounces.
 #[test]
 fn a_furnace_a_thousand_edges_deep() {
     for (albedo, depth) in [(1.0, 1000), (0.999, 1000), (1.0, 40)] {
-        let elements = format!(
-            r#"<shape type="cube"><boolean name="flip_normals" value="true"/>
-                <bsdf type="diffuse"><rgb name="reflectance" value="{albedo}"/></bsdf>
-                <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
-            <shape type="sphere"><float name="radius" value="0.3"/>
-                <bsdf type="diffuse"><rgb name="reflectance" value="{albedo}"/></bsdf>
-                <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>"#
-        );
-        let camera = camera([0.2, -0.8, 0.1], [0.0, 0.5, -0.1], 60.0);
-        let mut scene = scene(&camera, 4, depth, &elements);
+        let mut scene = furnace(albedo, depth);
         let film = rendered(&mut scene, 16, 1);
         let terms = f64::from(depth);
         let expected =
             if albedo == 1.0 { terms } else { (1.0 - f64::powf(albedo, terms)) / (1.0 - albedo) };
         assert_mean(&format!("albedo {albedo}, depth {depth}"), &film, expected);
     }
+}
+
+/// Twenty thousand connections a sample, each with weights over two hundred techniques.
+#[test]
+fn a_furnace_two_hundred_edges_deep_from_both_ends() {
+    let scene = furnace(1.0, 200);
+    let bidirectional = Algorithm::Bidirectional(Bidirectional::new(common::settings(&scene)));
+    let film = rendered_by(bidirectional, &scene, 4, 1);
+    assert_mean("200 edges from both ends", &film, 200.0);
 }

@@ -12,6 +12,8 @@ mod own_samples;
 
 use std::path::Path;
 
+use integrators::algorithm::Algorithm;
+use integrators::kind;
 use integrators::render::Film;
 use integrators::scene::{SamplerKind, Scene};
 
@@ -52,6 +54,13 @@ fn camera(origin: [f64; 3], target: [f64; 3], fov: f64) -> String {
 fn rendered(scene: &mut Scene, samples: u32, seed: u64) -> Film {
     scene.sampler.kind = SamplerKind::Independent;
     common::film(&*common::path_tracer(scene, seed), scene, samples, None)
+}
+
+/// A render by an integrator, of the smallest kind that covers the scene.
+fn rendered_by(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
+    let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
+    let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
+    common::film(&*kernel, scene, samples, None)
 }
 
 /// By how many standard errors the mean of a film is off from a number, and its relative error. The
