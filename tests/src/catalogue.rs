@@ -3,12 +3,14 @@
 //! The number behind each name is the row in the reference data `reference/catalogue-e.json` and
 //! `reference/catalogue-mh.json`.
 
+mod algebra;
 mod direction;
 pub mod easy;
 mod line;
 mod plane;
 mod space;
 
+pub use algebra::*;
 pub use direction::*;
 pub use easy::*;
 pub use line::*;

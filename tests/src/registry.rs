@@ -75,12 +75,13 @@ fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
 macro_rules! registry {
     (
         catalogue { $($row:literal $name:literal $which:ident: $item:ty;)* }
+        more { $($number:literal $other:literal $more:ident: $type:ty, $parameters:expr;)* }
         renderer { $($part:literal $here:ident: |$p:ident| $sampler:expr, $sets:expr;)* }
     ) => {
         /// Which sampler.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(missing_docs)]
-        pub enum Which { $($which,)* $($here,)* }
+        pub enum Which { $($which,)* $($more,)* $($here,)* }
 
         /// All items.
         pub fn items() -> Vec<Item> {
@@ -94,6 +95,14 @@ macro_rules! registry {
                     parameters: <$item>::PARAMETERS,
                     sets: sets(&tried, $row, $name),
                     preimages: <$item>::DERIVATION.preimages,
+                },)*
+                $(Item {
+                    which: Which::$more,
+                    name: $other,
+                    row: $number,
+                    parameters: <$type>::PARAMETERS,
+                    sets: $parameters.iter().map(|s| s.to_vec()).collect(),
+                    preimages: <$type>::DERIVATION.preimages,
                 },)*
                 $(Item {
                     which: Which::$here,
@@ -128,6 +137,7 @@ macro_rules! registry {
         ) -> Result<V::Output, DomainError> {
             Ok(match which {
                 $(Which::$which => visitor.visit(make::<$item>(numbers)?),)*
+                $(Which::$more => visitor.visit(make::<$type>(numbers)?),)*
                 $(Which::$here => {
                     #[allow(unused_variables)]
                     let $p = |i: usize| exactly::<R>(numbers[i]);
@@ -265,6 +275,27 @@ registry! {
         105 "simplex" Simplex: Simplex;
         113 "ordered" Ordered: Ordered;
         114 "correlation_factor" CorrelationFactor: CorrelationFactor;
+    }
+    more {
+        9 "epanechnikov" Epanechnikov: Epanechnikov, [[]];
+        10 "logistic" Logistic: Logistic<R>, [[1.0], [0.25]];
+        11 "truncated_logistic" TruncatedLogistic: TruncatedLogistic<R>, [[1.0, -2.0, 3.0], [0.5, -1.0, 20.0]];
+        14 "cauchy" Cauchy: Cauchy<R>, [[1.0], [20.0]];
+        14 "cauchy_by_tangent" CauchyByTangent: CauchyByTangent<R>, [[1.0], [20.0]];
+        20 "pareto" Pareto: Pareto<R>, [[0.0, 1.0, 0.25], [1.0, 2.0, -0.5], [0.0, 1.0, 1e-6]];
+        21 "kumaraswamy" Kumaraswamy: Kumaraswamy<R>, [[2.0, 3.0], [2.0, 2.0], [0.5, 100.0]];
+        22 "power_law" PowerLaw: PowerLaw<R>, [[1.0, 2.0, 2.0], [0.5, 4.0, 3.5]];
+        24 "sinh_arcsinh" SinhArcsinh: SinhArcsinh<R>, [[0.5, 1.5], [-1.0, 0.25]];
+        25 "heavy_tails" HeavyTails: HeavyTails<R>, [[0.25], [1e-3]];
+        26 "equiangular" Equiangular: Equiangular<R>, [[1.0, -1.0, 3.0], [0.5, 1.0, 2.0], [1e-3, -1.0, 1.0]];
+        27 "wavelength" Wavelength: Wavelength, [[]];
+        28 "linear_extinction" LinearExtinction: LinearExtinction<R>, [[1.0, 2.0], [0.0, 1.0], [1.0, 1e-10]];
+        33 "arcsine" Arcsine: Arcsine, [[]];
+        39 "quintic" Quintic: Quintic<R>, [[0.0], [1.0], [100.0]];
+        85 "visible_normals_as_printed" VisibleNormalsAsPrinted: VisibleNormalsAsPrinted<R>,
+            [[0.25, 0.48, 0.64, 0.6], [0.05, 0.6, 0.0, 0.8]];
+        108 "small_angles" SmallAngles: SmallAngles<R>, [[0.125, 1.0], [1e-8, 0.01]];
+        115 "planar_flow" PlanarFlow: PlanarFlow<R>, [[0.75, 0.5, -2.0, 0.25], [0.0, 1.0, 1.0, 0.0]];
     }
     renderer {
         "diffuse lobe" DiffuseLobe: |p| renderer::cosine_hemisphere(), [[]];

@@ -7,12 +7,7 @@
 
 use aether_core::battery;
 use aether_core::prelude::*;
-
-/// Row 39: a sum of three increasing functions; only the inverse is numerical.
-#[sampler(k in 0.0..=100.0)]
-fn quintic(u: [Uniform; 1], k: f64) -> f64 {
-    u[0] + k * u[0].powi(5) + u[0].ln_1p()
-}
+use tests::catalogue::{PlanarFlow, Quintic, planar_flow, quintic};
 
 /// A logistic variable with the tails of Lambert's W.
 #[sampler(h in 0.0..=10.0)]
@@ -59,15 +54,6 @@ fn chain(u: [Uniform; 2], k: f64) -> Vec2 {
     let x = u[0] + u[0].powi(5);
     let y = u[1] + k * u[0] * u[1].exp();
     Vec2::new(x, y)
-}
-
-/// Row 115: a planar flow of a pair of normal variables; the coordinates are coupled through w · z.
-#[sampler(k in 0.0..=10.0)]
-fn planar_flow(u: [Uniform; 2], k: f64, w: Vec2, b: f64) -> Vec2 {
-    let r = (-2.0 * (-u[0]).ln_1p()).sqrt();
-    let phi = TAU * u[1];
-    let z = Vec2::new(r * phi.cos(), r * phi.sin());
-    z + k * (w.dot(z) + b).tanh() * w
 }
 
 /// A sum of logarithms has a closed inverse.

@@ -22,12 +22,13 @@ use aether_engine::parse::Signature;
 use quote::ToTokens;
 use samplers::{Affine, Sampler, Spelling, samplers};
 
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "src/catalogue/easy.rs",
     "src/catalogue/line.rs",
     "src/catalogue/plane.rs",
     "src/catalogue/direction.rs",
     "src/catalogue/space.rs",
+    "src/catalogue/algebra.rs",
     "tests/algebra.rs",
     "tests/numeric.rs",
     "tests/branches.rs",

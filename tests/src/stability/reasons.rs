@@ -7,6 +7,28 @@ const REASONS: &[(&str, &str)] = &[
         "the inverse of a nearly singular matrix magnifies the rounding of products",
     ),
     ("affine_coupling", "far out, the product of exponentials is one of nearly equal sizes"),
+    ("truncated_logistic", "a width of 0.001: the exponential of 3000 overflows"),
+    ("cauchy", TAIL),
+    (
+        "cauchy_by_tangent",
+        "as printed, u - 1/2 loses a small u, and the tangent is taken next to its pole",
+    ),
+    ("pareto", TINY),
+    (
+        "kumaraswamy",
+        "last uniforms, and x below every number: powers of a rounded x next to one and to zero",
+    ),
+    ("sinh_arcsinh", TAIL),
+    ("heavy_tails", TAIL),
+    ("linear_extinction", TINY),
+    (
+        "quintic",
+        "in f32, the root of a sum whose terms are a hundred times as large as its slope at the end",
+    ),
+    (
+        "visible_normals_as_printed",
+        "as printed, 1 - a² - b² at the rim of the disk is a difference",
+    ),
     ("annular_sector", "in f32, squares of the radius underflow"),
     ("anisotropic_ggx", "the own density at the last uniforms adds terms in u instead of 1 - u"),
     (
@@ -105,6 +127,11 @@ const REASONS: &[(&str, &str)] = &[
         "in f32, far out on the film, the last samples are rounded onto the end of the filter",
     ),
 ];
+
+const TAIL: &str = "in f32, far out, squares overflow and the density is smaller than any number";
+
+const TINY: &str =
+    "the least parameter times the least uniform is a subnormal number, which has few digits";
 
 const BORDER: &str =
     "a point within rounding of a border between pieces counts for both or for none";
