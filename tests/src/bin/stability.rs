@@ -16,7 +16,7 @@ stability [--json] [--markdown FILE] [--csv FILE] [--samples N] [--precise N] [-
   --csv FILE       write all figures
   --samples N      random samples of each sampler in f32, against f64 (20000)
   --precise N      random samples of each sampler in f64, against 31 digits (1000)
-  --rays N         rays at edges and corners of closed rooms (1000000; none if there are names)
+  --rays N         rays aimed at edges and corners of closed rooms (1000000; none if there are names)
   --full           as many as 10000000, 100000 and 100000000
   --keep FILE      add each sampler's figures to this file when they are there, and take those from it that are
                    there already: a report that was interrupted goes on
@@ -357,5 +357,7 @@ parameters and uniforms are rounded first. The condition number of `sample.pdf()
 where that is larger, what half a unit in each uniform and parameter does to it. Zeros: own samples with
 density zero. Infinite: densities that are not. The textbook form is the density as it is usually written,
 at the same points. Errors over condition numbers may be four percent more than stated; within the limit counts
-what is so nevertheless.
+what is so nevertheless. The limit is on samples and densities. Where a density leaves the range of numbers, its
+logarithm is compared, and the density must be the zero or the infinity that it rounds to. Errors of inverses are
+relative to the uniform: next to zero, or where rounding the point moves it far, all of its digits may be lost.
 ";
