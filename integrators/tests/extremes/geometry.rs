@@ -76,7 +76,7 @@ fn fans_of_slivers_are_a_closed_furnace() {
         let mut scene = scene(&room, 16, -1, &mesh(&name, &fans(n, offset)));
         scene.integrator.rr_depth = 5;
         assert_eq!((scene.primitives.len(), scene.degenerate_triangles), (24 * n, 0));
-        let film = rendered(&mut scene, 256, 1);
+        let film = rendered(&mut scene, 64, 1);
         assert_mean(&format!("fans of {n}, offset {offset:e}"), &film, 1.0);
     }
 }

@@ -98,6 +98,10 @@ const REASONS: &[(&str, &str)] = &[
     ("renderer: rough conductor, visible GGX", OPPOSITE),
     ("renderer: rough dielectric, refraction", OPPOSITE),
     (
+        "renderer: rough dielectric, refraction into air",
+        "next to total reflection, and where light is hardly bent: differences of nearly equal numbers",
+    ),
+    (
         "renderer: rough dielectric, index next to one",
         "light that is hardly bent: its half vector is the difference of nearly equal directions",
     ),
