@@ -1,5 +1,7 @@
 //! Polar pairs: A cos t and A sin t determine A and t together.
 
+use std::collections::HashMap;
+
 use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
@@ -54,7 +56,8 @@ pub(super) fn apart(g: &mut Graph, p: Id, q: Id) -> (Id, [Id; 2]) {
     });
     let mut common = g.product(&common);
     let mut rest = [p, q].map(|id| g.div(id, common));
-    if rest.iter().any(|id| degree(g, *id).abs() > 2.0) {
+    let mut known = HashMap::new();
+    if rest.iter().any(|id| degree(g, *id, &mut known).abs() > 2.0) {
         (common, rest) = (g.int(1), [p, q]);
     }
     let squares = rest.map(|id| g.powi(id, 2));
@@ -64,20 +67,24 @@ pub(super) fn apart(g: &mut Graph, p: Id, q: Id) -> (Id, [Id; 2]) {
 }
 
 /// The degree of an expression in all its inputs; functions of them count as numbers.
-fn degree(g: &Graph, id: Id) -> f64 {
+fn degree(g: &Graph, id: Id, known: &mut HashMap<Id, f64>) -> f64 {
+    if let Some(&degree) = known.get(&id) {
+        return degree;
+    }
+    let mut of = |id: Id| degree(g, id, known);
     let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-    match g.node(id) {
+    let found = match g.node(id) {
         Node::Leaf(_) => 1.0,
-        Node::Sum(_, terms) => terms.iter().map(|(_, t)| degree(g, *t)).fold(0.0, largest),
+        Node::Sum(_, terms) => terms.iter().map(|(_, t)| of(*t)).fold(0.0, largest),
         Node::Product(factors) => factors
             .iter()
-            .map(|&(base, exponent)| {
-                g.as_number(exponent).map_or(0.0, |exponent| exponent.to_f64() * degree(g, base))
-            })
+            .map(|&(base, e)| g.as_number(e).map_or(0.0, |e| e.to_f64() * of(base)))
             .sum(),
-        Node::If(_, a, b) => largest(degree(g, *a), degree(g, *b)),
+        Node::If(_, a, b) => largest(of(*a), of(*b)),
         Node::Number(_) | Node::Float(_) | Node::Pi | Node::Call(..) | Node::Root(_) => 0.0,
-    }
+    };
+    known.insert(id, found);
+    found
 }
 
 fn split(g: &mut Graph, state: &State, i: usize, j: usize, angle: Id, amplitude: Id) -> Vec<State> {
