@@ -385,12 +385,13 @@ pub fn distance<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
     a.iter().zip(b).fold(R::ZERO, |m, (a, b)| m.max((*a - *b).abs()))
 }
 
-/// The map at `u`; where a uniform of exactly zero leads to 0/0, its limit from inside.
+/// The map at `u` and whether it has a value there; where a uniform of exactly zero leads to 0/0, its
+/// limit from inside.
 #[inline(always)]
 pub fn closed<R: Real, const N: usize, const M: usize>(
     u: &[R; N],
     forward: impl Fn(&[R; N]) -> [R; M],
-) -> [R; M] {
+) -> ([R; M], R::Mask) {
     closed_where(R::Mask::TRUE, u, forward)
 }
 
@@ -400,9 +401,14 @@ pub fn closed_where<R: Real, const N: usize, const M: usize>(
     wanted: R::Mask,
     u: &[R; N],
     forward: impl Fn(&[R; N]) -> [R; M],
-) -> [R; M] {
+) -> ([R; M], R::Mask) {
     let x = forward(u);
-    if finite::<R>(&x).or(wanted.not()).all() { x } else { from_inside(u, x, forward) }
+    if finite::<R>(&x).or(wanted.not()).all() {
+        return (x, R::Mask::TRUE);
+    }
+    let x = from_inside(u, x, forward);
+    // A flight that escapes, say, has no value, and so no sample.
+    (x, x.iter().fold(R::Mask::TRUE, |known, x| known.and(x.ge(*x))))
 }
 
 #[cold]

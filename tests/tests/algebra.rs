@@ -25,19 +25,22 @@ fn lower_normal(u: [Uniform; 1], a: f64, b: f64) -> f64 {
     normal_quantile((1.0 - u[0]) * normal_cdf(a) + u[0] * normal_cdf(b))
 }
 
-/// What is no number beyond the last uniform that stays is not filled in from before it, as 0/0 at one uniform is.
+/// What has no value beyond the last uniform that stays is no sample; it is not filled in from before it, as 0/0 at one
+/// uniform is.
 #[test]
 fn row_29_leaves_from_the_first_uniform_on() {
     let last = -(-2f64).exp_m1();
+    let flight = right(falling_extinction(1.0, 0.5));
     for beyond in [1e-15, 1e-13, 1e-8, 1e-3] {
-        let stays = right(falling_extinction(1.0, 0.5)).forward([last - beyond]).0;
-        assert!(stays > 0.0 && stays < 75.0, "{beyond:e}: {stays}");
-        let leaves = right(falling_extinction(1.0, 0.5)).forward([last + beyond]).0;
-        assert!(leaves.is_nan(), "{beyond:e}: {leaves}");
+        let (stays, is_sample) = flight.forward([last - beyond]);
+        assert!(is_sample && stays > 0.0 && stays < 75.0, "{beyond:e}: {stays}");
+        let escapes = flight.sample([last + beyond]);
+        assert!(!escapes.is_valid() && escapes.pdf().value() == 0.0, "{beyond:e}: {escapes:?}");
     }
+    let flight = right(falling_extinction(1.0f32, 0.5));
     for beyond in [3e-7, 3e-6, 1e-4] {
-        let leaves = right(falling_extinction(1.0f32, 0.5)).forward([last as f32 + beyond]).0;
-        assert!(leaves.is_nan(), "{beyond:e}: {leaves}");
+        let escapes = flight.sample([last as f32 + beyond]);
+        assert!(!escapes.is_valid() && escapes.pdf().value() == 0.0, "{beyond:e}: {escapes:?}");
     }
 }
 

@@ -145,21 +145,36 @@ fn models_that_conserve_energy_vanish_in_white_light() {
     assert!(!is_exact(&grey, [1.0; 3]).1);
 }
 
-/// The difference of the means of two films in standard errors, and relative to their size.
+/// The number of blocks along each side of a picture whose means are compared.
+const BLOCKS: usize = 4;
+
+/// The largest difference of the means of two films in standard errors, over the whole picture and over sixteen
+/// blocks of it, and the difference of the whole relative to its size.
 fn difference(a: &Film, b: &Film) -> (f64, f64) {
-    let sum = |film: &Film, value: &dyn Fn(usize) -> f64| {
-        (0..film.pixels().len()).map(value).sum::<f64>()
-    };
-    let mean = |film: &Film| sum(film, &|i| film.pixels()[i].mean().iter().sum::<f64>());
-    let variance = |film: &Film| {
-        // The channels of a sample share their noise: their errors add up at worst.
-        sum(film, &|i| {
-            let v = film.pixels()[i].variance_of_mean().unwrap_or_default();
-            v.iter().map(|v| v.sqrt()).sum::<f64>().powi(2)
+    let (width, height) = (a.size().0 as usize, a.size().1 as usize);
+    let sums = |film: &Film, wanted: &dyn Fn(usize) -> bool| {
+        let pixels = film.pixels().iter().enumerate().filter(|(i, _)| wanted(*i));
+        pixels.fold((0.0, 0.0), |(mean, variance), (_, pixel)| {
+            // The channels of a sample share their noise: their errors add up at worst.
+            let v = pixel.variance_of_mean().unwrap_or_default();
+            let error = v.iter().map(|v| v.sqrt()).sum::<f64>();
+            (mean + pixel.mean().iter().sum::<f64>(), variance + error * error)
         })
     };
-    let off = mean(a) - mean(b);
-    (off / (variance(a) + variance(b)).sqrt(), off / mean(b))
+    let compare = |wanted: &dyn Fn(usize) -> bool| {
+        let ((a, va), (b, vb)) = (sums(a, wanted), sums(b, wanted));
+        ((a - b) / (va + vb).sqrt(), (a - b) / b)
+    };
+    let (mut worst, off) = compare(&|_| true);
+    for block in 0..BLOCKS * BLOCKS {
+        let of = |i: usize| i / width * BLOCKS / height * BLOCKS + i % width * BLOCKS / width;
+        let (z, _) = compare(&|i| of(i) == block);
+        // Where both are black there is nothing to compare.
+        if z.abs() > worst.abs() {
+            worst = z;
+        }
+    }
+    (worst, off)
 }
 
 /// A scene of `tests/scenes/models` with another material in it.
@@ -177,6 +192,9 @@ fn stage(bsdf: &str) -> Film {
 /// other whatever the index is, which takes a hundredth of the light at a roughness of 0.3.
 const AIR: [(&str, &str); 3] = [("1.000001", "0.3"), ("1.00004", "0.05"), ("0.99996", "0.05")];
 
+/// Seventeen comparisons of normal numbers exceed this once in 5,400 pictures.
+const LIMIT: f64 = 4.4;
+
 #[test]
 fn rough_surfaces_converge_to_smooth_ones() {
     let gold = r#"<string name="material" value="Au"/>"#;
@@ -192,10 +210,10 @@ fn rough_surfaces_converge_to_smooth_ones() {
         for alpha in ["1e-3", "1e-4"] {
             let (z, off) = difference(&rough("roughconductor", alpha, gold), &smooth);
             println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
-            assert!(z.abs() < 4.0, "{distribution} {alpha}: {z} standard errors, {off} off");
+            assert!(z.abs() < LIMIT, "{distribution} {alpha}: {z} standard errors, {off} off");
             let (z, off) = difference(&rough("roughdielectric", alpha, ""), &glass);
             println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
-            assert!(z.abs() < 4.0, "{distribution} {alpha}: {z} standard errors, {off} off");
+            assert!(z.abs() < LIMIT, "{distribution} {alpha}: {z} standard errors, {off} off");
         }
         // A boundary that hardly refracts is not to be seen.
         let nothing = stage(
@@ -208,7 +226,7 @@ fn rough_surfaces_converge_to_smooth_ones() {
             );
             let (z, off) = difference(&rough("roughdielectric", alpha, &index), &nothing);
             println!("{distribution} {index}: {z:.2} standard errors, {off:.1e} off");
-            assert!(z.abs() < 4.0, "{distribution}, {index}: {z} standard errors, {off} off");
+            assert!(z.abs() < LIMIT, "{distribution}, {index}: {z} standard errors, {off} off");
         }
     }
 }

@@ -53,7 +53,8 @@ impl Judge<'_> {
         let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
         // Where parameters leave no distribution, such as one of width zero, there is no sample either.
         let exists = self.exact.as_ref().is_some_and(|e| e.x.iter().all(|x| x.finite()));
-        let nan = found.valid && exists && found.sample.iter().any(|x| x.is_nan());
+        // What has no value is no sample; where there is one exactly, it is lost.
+        let nan = exists && found.sample.iter().any(|x| x.is_nan());
         if nan || found.nan || densities.clone().any(f64::is_nan) {
             row.nan += 1;
             row.example("NaN", &at);

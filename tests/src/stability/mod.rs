@@ -21,7 +21,7 @@ mod probe;
 mod random;
 mod reasons;
 mod run;
-mod stored;
+pub mod stored;
 mod tally;
 
 pub use conditions::{Conditions, Differences, Source, Spot};

@@ -58,27 +58,3 @@ fn row(value: &Value, points: [u64; 2]) -> Option<Row> {
     }
     Some(row)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_come_back_as_they_were() {
-        let mut row = Row { name: "a \"name\"".into(), precision: "f32", ..Row::default() };
-        row.sample.add(3.25, |_| 0.1, || "here".into());
-        row.pdf.add(0.0, |_| 1.0, || "there".into());
-        row.own.add(f64::MAX, |_| f64::INFINITY, || "nowhere".into());
-        row.examples.push("NaN at 0".into());
-        row.samples = 3;
-        let text = line(&row, 7) + "{\"name\": \"cut sh";
-        let path = std::env::temp_dir().join(format!("aether-rows-{}", std::process::id()));
-        std::fs::write(&path, text).expect("a temporary file");
-        let found = read(&path, [5, 7]);
-        assert_eq!(read(&path, [7, 5]).len(), 0);
-        std::fs::remove_file(&path).expect("it is there");
-        assert_eq!(found.len(), 1);
-        assert_eq!(line(&found[0], 7), line(&row, 7));
-        assert_eq!(format!("{:?}", found[0]), format!("{row:?}"));
-    }
-}

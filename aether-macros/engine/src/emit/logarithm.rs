@@ -7,12 +7,12 @@ use quote::quote;
 
 use super::code::{Code, number, rational};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Node, children};
+use crate::expr::{Fun, Graph, Id, Node, OUTS, children};
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 
-/// Whether the expression has exponentials or powers with a variable exponent, which is where densities
-/// become too small or too large; products of plain powers seldom do.
+/// Whether the expression has exponentials, powers with a variable exponent, or quotients by what grows with a
+/// coordinate without end, which is where densities become too small or too large.
 pub(super) fn leaves_the_range(g: &Graph, id: Id) -> bool {
     let (mut open, mut seen) = (vec![id], HashSet::new());
     while let Some(id) = open.pop() {
@@ -24,7 +24,10 @@ pub(super) fn leaves_the_range(g: &Graph, id: Id) -> bool {
             Node::Call(f, _) => {
                 matches!(f, Fun::Exp | Fun::ExpM1 | Fun::Pow1p | Fun::Cosh | Fun::Sinh)
             }
-            Node::Product(factors) => factors.iter().any(|(_, e)| g.as_number(*e).is_none()),
+            Node::Product(factors) => factors.iter().any(|&(b, e)| match g.as_number(e) {
+                Some(q) => q.is_negative() && is_unbounded(g, b),
+                None => true,
+            }),
             _ => false,
         };
         if grows {
@@ -33,6 +36,12 @@ pub(super) fn leaves_the_range(g: &Graph, id: Id) -> bool {
         open.extend(children(node));
     }
     false
+}
+
+/// Whether a number grows with a coordinate without end.
+fn is_unbounded(g: &Graph, id: Id) -> bool {
+    let range = g.range(id);
+    g.has(id, OUTS) && (range.hi == f64::INFINITY || range.lo == f64::NEG_INFINITY)
 }
 
 /// ln |e|.
@@ -49,7 +58,7 @@ pub(super) fn logarithm(code: &mut Code, id: Id) -> TokenStream {
         }
         Node::Sum(c, terms) => match (&terms[..], c.is_zero()) {
             ([(q, t)], true) => scaled(code, *q, *t),
-            _ if all_positive(g, *c, terms) && leaves_the_range(g, id) => {
+            _ if all_positive(g, *c, terms) && (is_unbounded(g, id) || leaves_the_range(g, id)) => {
                 let logs: Vec<TokenStream> =
                     terms.iter().map(|&(q, t)| scaled(code, q, t)).collect();
                 let constant = if c.is_zero() { quote!(-R::INFINITY) } else { log_of(*c) };

@@ -76,15 +76,17 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
     }
     let made = e.point(&quote!(c));
     let density = single(e);
-    let closed = (!e.forward_is_tame(0)).then(|| {
+    let tame = e.forward_is_tame(0);
+    let closed = (!tame).then(|| {
         quote! {
-            let c = if ::aether_core::support::finite::<R>(&c).all() {
-                c
+            let (c, known) = if ::aether_core::support::finite::<R>(&c).all() {
+                (c, <R::Mask as Mask>::TRUE)
             } else {
                 ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))
             };
         }
     });
+    let known = (!tame).then(|| quote!(.and(known)));
     let parameters = e.parameters();
     Some(quote! {
         #[inline(always)]
@@ -93,7 +95,7 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
             let (c, d) = both_0::<R>(&p, &u);
             #closed
             let density = { #density };
-            (#made, exists_0::<R>(&p, &u), density)
+            (#made, exists_0::<R>(&p, &u) #known, density)
         }
     })
 }
@@ -115,9 +117,9 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
         let (image, here) = (image_in(e, j), has_own_density(e, j));
         quote! {
             let t = #enter::<R>(&p, &u);
-            let y = #image;
+            let (y, known) = #image;
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
             let d = #own::<R>(&p, &t);
             let here = #here;
             sum = R::select(here, d, sum);
@@ -159,8 +161,7 @@ fn single(e: &Emitter) -> TokenStream {
     if tame && !has_parameters(e, 0) {
         return quote!(::aether_core::Density::new(d));
     }
-    let image = image(e);
-    let made = e.point(&image);
+    let (image, made) = (image(e), e.point(&quote!(c)));
     // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
     // Jacobian; the density at the point knows it. Parameters may overflow.
     let inner = if tame {
@@ -173,6 +174,7 @@ fn single(e: &Emitter) -> TokenStream {
         if inner.all() {
             ::aether_core::Density::new(d)
         } else {
+            let (c, _) = #image;
             let limit = ::aether_core::Sampler::pdf(self, &#made).value();
             ::aether_core::Density::new(R::select(inner, d, limit))
         }

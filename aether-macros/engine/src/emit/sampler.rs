@@ -74,8 +74,8 @@ fn forward(e: &Emitter) -> TokenStream {
     if e.is_whole() {
         let image = image(e);
         return quote! {
-            let c = #image;
-            (#made, exists_0::<R>(&p, &u))
+            let (c, known) = #image;
+            (#made, exists_0::<R>(&p, &u).and(known))
         };
     }
     let pieces = e.by_piece(|j| {
@@ -83,9 +83,9 @@ fn forward(e: &Emitter) -> TokenStream {
         let y = image_in(e, j);
         quote! {
             let t = #enter::<R>(&p, &u);
-            let y = #y;
+            let (y, known) = #y;
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
         }
     });
     quote! {
@@ -96,21 +96,22 @@ fn forward(e: &Emitter) -> TokenStream {
     }
 }
 
-/// The coordinates of the image of `t` under a piece, which the uniforms take where `taken` says so.
+/// The coordinates of the image of `t` under a piece, which the uniforms take where `taken` says so, and
+/// whether they have values.
 pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
     let (n, m, _) = e.sizes();
     let forward = format_ident!("forward_{j}");
     if e.forward_is_tame(j) {
-        quote!(#forward::<R>(&p, &t))
+        quote!((#forward::<R>(&p, &t), <R::Mask as Mask>::TRUE))
     } else {
         quote!(::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t)))
     }
 }
 
-/// The coordinates of the image of `u` under the only piece.
+/// The coordinates of the image of `u` under the only piece, and whether they have values.
 pub(super) fn image(e: &Emitter) -> TokenStream {
     if e.forward_is_tame(0) {
-        return quote!(forward_0::<R>(&p, &u));
+        return quote!((forward_0::<R>(&p, &u), <R::Mask as Mask>::TRUE));
     }
     let (n, m, _) = e.sizes();
     quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t)))

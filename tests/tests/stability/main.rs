@@ -1,6 +1,9 @@
 //! Extremes: any bit pattern into every sampler of the registry, and logarithms of densities that no
 //! number holds. The binaries `fuzz` and `stability` try more.
 
+mod files;
+mod oracle;
+
 use aether_core::prelude::*;
 use aether_core::uniform::clamped;
 use aether_core::{DomainError, Pcg32, coin, mixture};
