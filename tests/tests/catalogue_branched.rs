@@ -137,9 +137,36 @@ fn quad<R: Scalar>() -> BilinearQuad<R> {
     bilinear_quad(v(0.0, 0.0), v(2.0, 0.25), v(2.5, 1.75), v(-0.25, 1.0))
 }
 
-// Left out: corners and poles of the shortfalls above, which the extreme points of the battery reach,
-// a density that its cubature does not resolve (ordered), the tetrahedron next to a corner, and
-// correlation factors at the corner, where the density is 0/0.
+/// A corner far from the origin: uniforms below 1e-30 move its point by less than rounding.
+#[test]
+fn row_104_tetrahedron() {
+    let [a, b, c, d] = corners::<f64>();
+    Battery::new(&tetrahedron(a, b, c, d)).least(1e-30).run().assert_ok();
+}
+
+/// The density of heavy tails is integrated over numbers in order that are spread as widely.
+#[test]
+fn row_113_ordered() {
+    let cover = |v: &[f64]| {
+        let gap = |v: f64| (v / (1.0 - v)).powi(2);
+        let low = 2.0 * (v[0] / (1.0 - v[0])).ln();
+        Vec3::new(low, low + gap(v[1]), low + gap(v[1]) + gap(v[2]))
+    };
+    Battery::<_, f64>::new(&ordered()).parametrised(cover).run().assert_ok();
+    assert!(!Battery::<_, f64>::new(&OnePercentOff(ordered())).parametrised(cover).run().is_ok());
+}
+
+#[test]
+fn row_114_correlation_factor() {
+    let cover = |v: &[f64]| {
+        let [a, b, c] = [0, 1, 2].map(|i| (PI * v[i]).sin_cos());
+        Embedded([a.1, a.0, b.1, c.1 * b.0, c.0 * b.0])
+    };
+    Battery::<_, f64>::new(&correlation_factor()).parametrised(cover).run().assert_ok();
+    let off = OnePercentOff(correlation_factor());
+    assert!(!Battery::<_, f64>::new(&off).parametrised(cover).run().is_ok());
+}
+
 batteries! { [double single]
     row_6_tent: right(tent(2.0)), right(tent(0.125));
     row_7_triangular: triangular(-1.0, 0.5, 3.0), triangular(0.0, 0.0, 1.0), triangular(0.0, 1.0, 1.0);

@@ -98,6 +98,8 @@ struct Settings {
     evaluations: usize,
     /// Of the chi-square test.
     false_alarm_rate: f64,
+    /// The smallest uniform that is tried, besides zero.
+    least: f64,
     /// Coordinate and value at which the density jumps.
     jumps: Vec<(usize, f64)>,
 }
@@ -114,6 +116,7 @@ where
             samples: 200_000,
             evaluations: 600_000,
             false_alarm_rate: 1e-6,
+            least: 1e-300,
             jumps: Vec::new(),
         };
         Battery { sampler, settings, parametrisation: None }
@@ -128,6 +131,15 @@ where
     /// How many samples the chi-square test draws (at least 1000).
     pub fn samples(mut self, samples: usize) -> Self {
         self.settings.samples = samples.max(1000);
+        self
+    }
+
+    /// The smallest uniform that is tried besides zero; 1e-300 if this is not called.
+    ///
+    /// Where a uniform is so small that a whole border of the unit cube leads to one rounded point, and that point
+    /// is not the origin, rounding puts it inside or outside of the support as it happens: such uniforms say nothing.
+    pub fn least(mut self, uniform: f64) -> Self {
+        self.settings.least = uniform;
         self
     }
 
@@ -183,7 +195,7 @@ fn run(
         let detail = "no uniforms of 16384 give a finite sample".to_owned();
         return report.add("samples", Verdict::Failed, detail);
     };
-    pointwise::check(&probe, settings.seed, report);
+    pointwise::check(&probe, settings.seed, settings.least, report);
     let draws = mass::Draws::new(&probe, settings.seed, settings.samples);
     match cover {
         None => mass::check(&probe, &draws, settings, report),

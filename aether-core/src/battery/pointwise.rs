@@ -12,9 +12,9 @@ const EXTREME: usize = 125;
 const MARGIN: f64 = 1e-4;
 
 /// Runs the three checks.
-pub(super) fn check(probe: &Probe, seed: u64, report: &mut Report) {
+pub(super) fn check(probe: &Probe, seed: u64, least: f64, report: &mut Report) {
     let interior = interior(probe, seed);
-    let extreme = extreme(probe.sampler.uniforms());
+    let extreme = extreme(probe.sampler.uniforms(), least);
     let everywhere = || interior.iter().chain(&extreme);
 
     let failure = everywhere().find_map(|u| round_trip(probe, u));
@@ -47,11 +47,10 @@ fn interior(probe: &Probe, seed: u64) -> Vec<Vec<f64>> {
 }
 
 /// Combinations of uniforms at and next to the ends.
-fn extreme(count: usize) -> Vec<Vec<f64>> {
-    const VALUES: [f64; 5] =
-        [0.0, 1e-300, 1.0 / (1_u64 << 60) as f64, 0.5, 1.0 - 0.5 * f64::EPSILON];
-    (0..VALUES.len().pow(count.min(3) as u32).min(EXTREME))
-        .map(|k| (0..count).map(|i| VALUES[(k / VALUES.len().pow(i as u32 % 3)) % 5]).collect())
+fn extreme(count: usize, least: f64) -> Vec<Vec<f64>> {
+    let values = [0.0, least, 1.0 / (1_u64 << 60) as f64, 0.5, 1.0 - 0.5 * f64::EPSILON];
+    (0..values.len().pow(count.min(3) as u32).min(EXTREME))
+        .map(|k| (0..count).map(|i| values[(k / values.len().pow(i as u32 % 3)) % 5]).collect())
         .collect()
 }
 
@@ -111,10 +110,10 @@ fn own_density(probe: &Probe, u: &[f64], worst: &mut f64) -> Option<String> {
         let stretch = extents.get(axis).map_or(1.0, |extent| (magnitude / extent).max(1.0));
         16.0 * probe.epsilon * stretch
     };
-    let moved = probe
-        .neighbours(u, step)
-        .iter()
-        .map(|v| (own(v) - own_here).abs())
+    let rounded = probe.neighbours(u, step).into_iter().chain([probe.inwards(u, step)]);
+    let moved = rounded
+        .chain(probe.undetermined(u, &at))
+        .map(|v| (own(&v) - own_here).abs())
         .filter(|change| !change.is_nan())
         .fold(0.0, f64::max);
     let excess = ((own_here - general).abs() - 10.0 * moved) / own_here.max(general);

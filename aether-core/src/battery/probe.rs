@@ -72,6 +72,26 @@ impl<'a> Probe<'a> {
         distance(&y, x) <= slack * (64.0 * self.epsilon * self.magnitude(x) + 2.0 * reach)
     }
 
+    /// Uniforms beside `u` with each moved by `step(axis)` towards the middle of the cube: at a corner, rounding moves all.
+    pub(super) fn inwards(&self, u: &[f64], step: impl Fn(usize) -> f64) -> Vec<f64> {
+        let moved = |(axis, u): (usize, &f64)| u + (0.5 - u).signum() * step(axis).min(0.5);
+        u.iter().enumerate().map(moved).collect()
+    }
+
+    /// Uniforms that lead to the same point as `u` although one of them differs by much: in a corner where that one
+    /// has no meaning, the density of the point may be that of any of them.
+    pub(super) fn undetermined(&self, u: &[f64], at: &[f64]) -> Vec<Vec<f64>> {
+        let near = 4.0 * self.epsilon * norm(at);
+        let others = (0..u.len()).flat_map(|axis| [0.25, 0.5, 0.75].map(|value| (axis, value)));
+        let others = others.map(|(axis, value)| {
+            let mut v = u.to_vec();
+            v[axis] = value;
+            v
+        });
+        let same = |v: &Vec<f64>| self.forward(v).is_some_and(|(_, x)| distance(&x, at) <= near);
+        others.filter(same).collect()
+    }
+
     /// The uniforms beside `u` along each axis, at a distance of `step(axis)`, inside the cube.
     pub(super) fn neighbours(&self, u: &[f64], step: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
         let mut all = Vec::with_capacity(2 * u.len());

@@ -3,6 +3,7 @@
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::hash::Map;
 use crate::number::Number;
+use crate::rational::Q;
 
 /// Evaluates several expressions that share their subexpressions.
 pub struct Evaluator<'a, T> {
@@ -42,16 +43,18 @@ pub fn node_value<T: Number>(
         Node::Pi => T::pi(),
         Node::Leaf(l) => inputs(*l),
         Node::Sum(c, terms) => {
-            let mut s = T::from_ratio(c.num(), c.den());
-            for (q, t) in terms {
-                let v = part(*t);
-                s = s + if q.num() == 1 && q.den() == 1 {
-                    v
-                } else {
-                    T::from_ratio(q.num(), q.den()) * v
-                };
-            }
-            s
+            let mut term = |(q, t): (Q, Id)| {
+                let v = part(t);
+                if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v }
+            };
+            let c_value = T::from_ratio(c.num(), c.den());
+            let Some((j, k)) = graph.anchored(*c, terms) else {
+                return terms.iter().fold(c_value, |s, t| s + term(*t));
+            };
+            // As in emitted code.
+            let difference = term(terms[j]) + term(terms[k]);
+            let rest = terms.iter().enumerate().filter(|(i, _)| *i != j && *i != k);
+            rest.fold(difference + c_value, |s, (_, t)| s + term(*t))
         }
         Node::Product(factors) => {
             // As in emitted code: what is divided by is multiplied first, and may underflow.

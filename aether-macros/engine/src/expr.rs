@@ -230,6 +230,26 @@ impl Graph {
         self.deps(id) & set != 0
     }
 
+    /// Of a sum of more than them, two coordinates of a point whose difference is to be taken first: both may be
+    /// large, and the rest would be lost in either.
+    pub fn anchored(&self, c: Q, terms: &[(Q, Id)]) -> Option<(usize, usize)> {
+        if terms.len() < 2 || (c.is_zero() && terms.len() == 2) {
+            return None;
+        }
+        let is_open = |&(_, t): &(Q, Id)| match self.node(t) {
+            Node::Leaf(Leaf::Out(_)) => {
+                let range = self.range(t);
+                range.lo == f64::NEG_INFINITY && range.hi == f64::INFINITY
+            }
+            _ => false,
+        };
+        let (j, large) = terms.iter().enumerate().find(|(_, term)| is_open(term))?;
+        let rest = terms.iter().enumerate().skip(j + 1);
+        let opposite =
+            rest.filter(|(_, (q, _))| *q == large.0.neg()).find(|(_, term)| is_open(term));
+        opposite.map(|(k, _)| (j, k))
+    }
+
     /// Declares an input with its printed name and the interval of its values.
     pub fn leaf(&mut self, leaf: Leaf, name: &str, range: Interval) -> Id {
         self.leaf_ranges.insert(leaf, range);

@@ -111,7 +111,9 @@ fn cameras_inside_of_solids() {
     let shining = r#"<boolean name="flip_normals" value="true"/>
         <emitter type="area"><rgb name="radiance" value="1"/></emitter>"#;
     for size in [1.0, 1e-6] {
-        for (what, solid, expected) in [("matt", WHITE, 0.0), ("lit", shining, 1.0), ("glass", glass, 1.0)] {
+        for (what, solid, expected) in
+            [("matt", WHITE, 0.0), ("lit", shining, 1.0), ("glass", glass, 1.0)]
+        {
             for kind in ["cube", "sphere"] {
                 let solid = format!(
                     r#"<shape type="{kind}"><transform name="to_world"><scale value="{size}"/></transform>{solid}</shape>"#
@@ -122,7 +124,10 @@ fn cameras_inside_of_solids() {
                 let film = rendered(&mut scene, 64, 1);
                 let (z, error) = z_of_mean(&film, expected);
                 let exact = film.pixels().iter().all(|p| p.mean() == [expected; 3]);
-                assert!(exact || z.abs() < LIMIT, "{what} {kind} of {size:e}: {z:.2} standard errors, {error:.1e}");
+                assert!(
+                    exact || z.abs() < LIMIT,
+                    "{what} {kind} of {size:e}: {z:.2} standard errors, {error:.1e}"
+                );
             }
         }
     }

@@ -53,8 +53,8 @@ impl Judge<'_> {
         let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
         // Where parameters leave no distribution, such as one of width zero, there is no sample either.
         let exists = self.exact.as_ref().is_some_and(|e| e.x.iter().all(|x| x.finite()));
-        // What has no value is no sample; where there is one exactly, it is lost.
-        let nan = exists && found.sample.iter().any(|x| x.is_nan());
+        let unknown = exists && found.sample.iter().any(|x| x.is_nan());
+        let nan = unknown && found.valid;
         if nan || found.nan || densities.clone().any(f64::is_nan) {
             row.nan += 1;
             row.example("NaN", &at);
@@ -63,13 +63,19 @@ impl Judge<'_> {
         let density = exact.density.to_f64();
         // Where the map is 0/0, at a uniform of zero, there is only a limit, which the oracle does not know.
         let known = density.is_finite() && density > 0.0 && exists;
-        if !known || !found.valid {
+        if !known {
             return;
         }
         let spot = Spot { item, numbers, u, exact: &exact, format: *format };
         let order = core::mem::take(&mut row.order);
         let mut lazy = Lazy::new(spot, self.origin == Origin::Random, order);
-        self.errors::<R>(row, found, x, &exact, &mut lazy);
+        if found.valid {
+            self.errors::<R>(row, found, x, &exact, &mut lazy);
+        } else if unknown && lazy.all().sample * format.spacing < 0.25 {
+            // What has no value is called no sample: it must not be a sample that was lost.
+            row.nan += 1;
+            row.example("lost sample", &at);
+        }
         row.order = lazy.order();
     }
 

@@ -1,8 +1,8 @@
 //! What is read from files comes as it was written.
 
 use tests::reference::{Reference, hexadecimal};
-use tests::stability::stored::{line, read};
 use tests::stability::Row;
+use tests::stability::stored::{line, read};
 
 #[test]
 fn rows_come_back_as_they_were() {

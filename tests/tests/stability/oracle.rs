@@ -19,10 +19,7 @@ fn constants_are_what_is_meant_and_parameters_what_they_are() {
 fn derivatives() {
     let x = Dual::variable(Precise::f64(0.3));
     let near = |found: Dual, slope: f64| {
-        assert!(
-            (found.slope.to_f64() - slope).abs() < 1e-15,
-            "{found:?} has not slope {slope}"
-        );
+        assert!((found.slope.to_f64() - slope).abs() < 1e-15, "{found:?} has not slope {slope}");
     };
     near(x.sin() * x.exp(), 0.3f64.exp() * (0.3f64.sin() + 0.3f64.cos()));
     near(x.powf(x), 0.3f64.powf(0.3) * (0.3f64.ln() + 1.0));

@@ -293,17 +293,33 @@ impl<'a> Code<'a> {
             return times(size, &quote!((#sum)));
         }
         // In the order in which forms were measured: (1 - u) + u p is not (1 + u p) - u.
-        let mut out: Option<TokenStream> = (!c.is_zero()).then(|| rational(c));
-        for (q, t) in terms {
-            let t = self.reference(*t);
-            let size = q.abs();
-            let term = if size == Q::ONE { t } else { times(size, &t) };
-            out = Some(match (out, q.is_negative()) {
+        let mut out: Option<TokenStream> = None;
+        let mut add = |negative: bool, term: TokenStream| {
+            out = Some(match (out.take(), negative) {
                 (None, false) => term,
                 (None, true) => quote!(-(#term)),
                 (Some(o), false) => quote!(#o + #term),
                 (Some(o), true) => quote!(#o - #term),
             });
+        };
+        let written = |(q, t): (Q, Id)| {
+            let t = self.reference(t);
+            let size = q.abs();
+            (q.is_negative(), if size == Q::ONE { t } else { times(size, &t) })
+        };
+        let first = self.graph.anchored(c, terms);
+        let anchored = first.into_iter().flat_map(|(j, k)| [j, k]);
+        let anchored: Vec<usize> = anchored.collect();
+        for &i in &anchored {
+            let (negative, term) = written(terms[i]);
+            add(negative, term);
+        }
+        if !c.is_zero() {
+            add(c.is_negative(), rational(c.abs()));
+        }
+        for (_, term) in terms.iter().enumerate().filter(|(i, _)| !anchored.contains(i)) {
+            let (negative, term) = written(*term);
+            add(negative, term);
         }
         out.unwrap_or_else(|| quote!(R::ZERO))
     }
