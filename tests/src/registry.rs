@@ -5,7 +5,7 @@
 
 use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::prelude::*;
-use aether_core::{DomainError, Legal, Sampler, Scalar};
+use aether_core::{DomainError, Legal, Real, Sampler, Scalar};
 use integrators::daylight;
 use integrators::samplers as renderer;
 use integrators::scattering::facets;
@@ -56,11 +56,11 @@ impl Item {
     }
 }
 
-/// An item with these parameters, rounded to its precision; directions are made unit vectors there.
-fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
-    let mut rounded: Vec<S::Real> = numbers.iter().map(|x| exactly(*x)).collect();
+/// Numbers of these parameters, rounded to the precision; directions are made unit vectors there.
+pub fn rounded<R: Real>(parameters: &[Parameter], numbers: &[f64]) -> Vec<R> {
+    let mut rounded: Vec<R> = numbers.iter().map(|x| exactly(*x)).collect();
     let mut first = 0;
-    for parameter in S::PARAMETERS {
+    for parameter in parameters {
         let n = parameter.kind.numbers();
         if parameter.kind == ParameterKind::Direction
             && let Some([x, y, z]) = rounded.get_mut(first..first + n)
@@ -69,7 +69,12 @@ fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
         }
         first += n;
     }
-    S::from_parameters(&rounded)
+    rounded
+}
+
+/// An item with these parameters.
+fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
+    S::from_parameters(&rounded::<S::Real>(S::PARAMETERS, numbers))
 }
 
 macro_rules! registry {

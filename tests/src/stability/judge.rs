@@ -8,7 +8,7 @@ use super::lazy::Lazy;
 use super::measure::Row;
 use super::oracle::{Exact, Format};
 use super::probe::Answer;
-use crate::registry::Item;
+use crate::registry::{Item, rounded};
 use crate::textbook::textbook;
 
 /// Where a point comes from.
@@ -113,7 +113,7 @@ impl Judge<'_> {
         let own = format.density(found.own, exact.density);
         row.own.add(own, |c| lazy.beyond(c, |c| c.own), at);
         let by_hand: Few<R> = x.iter().map(|x| R::of(*x)).collect();
-        let parameters: Vec<R> = numbers.iter().map(|x| R::of(*x)).collect();
+        let parameters: Vec<R> = rounded(item.parameters, numbers);
         if let Some(pdf) = textbook(item.which, &parameters, &by_hand) {
             let error = format.density(pdf.to_f64(), exact.density);
             row.textbook.add(error, |c| lazy.beyond(c, |c| c.density), at);
