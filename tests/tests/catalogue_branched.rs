@@ -7,6 +7,7 @@ use tests::batteries;
 use tests::catalogue::*;
 use tests::checks::right;
 use tests::compare::{IllConditioned, failures, unnoticed, wrong_densities};
+use tests::mutation::OnePercentOff;
 use tests::reference::{Inputs, Reference};
 
 /// Where the loss is real, and the full condition number is the limit.

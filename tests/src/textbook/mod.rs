@@ -12,8 +12,6 @@ mod microfacets;
 mod plane;
 mod space;
 mod surface;
-#[cfg(test)]
-mod tests;
 
 use aether_core::{Real, Vec3};
 

@@ -3,6 +3,7 @@
 
 mod files;
 mod oracle;
+mod textbook;
 
 use aether_core::prelude::*;
 use aether_core::uniform::clamped;
