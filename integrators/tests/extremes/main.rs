@@ -74,6 +74,9 @@ fn z_of_mean(film: &Film, expected: f64) -> (f64, f64) {
         variance += of_pixel / (pixels.len() as f64).powi(2);
     }
     let off = mean - expected;
+    if off == 0.0 {
+        return (0.0, 0.0);
+    }
     ((off / (variance + (1e-5 * expected).powi(2)).sqrt()), off / expected)
 }
 

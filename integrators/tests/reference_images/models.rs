@@ -148,9 +148,9 @@ fn models_that_conserve_energy_vanish_in_white_light() {
 /// The number of blocks along each side of a picture whose means are compared.
 const BLOCKS: usize = 4;
 
-/// The largest difference of the means of two films in standard errors, over the whole picture and over sixteen
-/// blocks of it, and the difference of the whole relative to its size.
-fn difference(a: &Film, b: &Film) -> (f64, f64) {
+/// The difference of the means of two films in standard errors and relative to their size, and the largest difference of
+/// the means of sixteen blocks in standard errors.
+fn difference(a: &Film, b: &Film) -> (f64, f64, f64) {
     let (width, height) = (a.size().0 as usize, a.size().1 as usize);
     let sums = |film: &Film, wanted: &dyn Fn(usize) -> bool| {
         let pixels = film.pixels().iter().enumerate().filter(|(i, _)| wanted(*i));
@@ -165,16 +165,11 @@ fn difference(a: &Film, b: &Film) -> (f64, f64) {
         let ((a, va), (b, vb)) = (sums(a, wanted), sums(b, wanted));
         ((a - b) / (va + vb).sqrt(), (a - b) / b)
     };
-    let (mut worst, off) = compare(&|_| true);
-    for block in 0..BLOCKS * BLOCKS {
-        let of = |i: usize| i / width * BLOCKS / height * BLOCKS + i % width * BLOCKS / width;
-        let (z, _) = compare(&|i| of(i) == block);
-        // Where both are black there is nothing to compare.
-        if z.abs() > worst.abs() {
-            worst = z;
-        }
-    }
-    (worst, off)
+    let block_of = |i: usize| i / width * BLOCKS / height * BLOCKS + i % width * BLOCKS / width;
+    let blocks = (0..BLOCKS * BLOCKS).map(|block| compare(&|i| block_of(i) == block).0.abs());
+    let (z, off) = compare(&|_| true);
+    // Of two black blocks nothing is known.
+    (z, off, blocks.fold(0.0, f64::max))
 }
 
 /// A scene of `tests/scenes/models` with another material in it.
@@ -192,7 +187,7 @@ fn stage(bsdf: &str) -> Film {
 /// other whatever the index is, which takes a hundredth of the light at a roughness of 0.3.
 const AIR: [(&str, &str); 3] = [("1.000001", "0.3"), ("1.00004", "0.05"), ("0.99996", "0.05")];
 
-/// Seventeen comparisons of normal numbers exceed this once in 5,400 pictures.
+/// Of seventeen normal numbers one exceeds this in one of 5,400 pictures.
 const LIMIT: f64 = 4.4;
 
 #[test]
@@ -208,14 +203,19 @@ fn rough_surfaces_converge_to_smooth_ones() {
             ))
         };
         for alpha in ["1e-3", "1e-4"] {
-            let (z, off) = difference(&rough("roughconductor", alpha, gold), &smooth);
-            println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
-            assert!(z.abs() < LIMIT, "{distribution} {alpha}: {z} standard errors, {off} off");
-            let (z, off) = difference(&rough("roughdielectric", alpha, ""), &glass);
-            println!("{distribution} {alpha}: {z:.2} standard errors, {off:.1e} off");
-            assert!(z.abs() < LIMIT, "{distribution} {alpha}: {z} standard errors, {off} off");
+            for (kind, more, smooth) in
+                [("roughconductor", gold, &smooth), ("roughdielectric", "", &glass)]
+            {
+                let (z, off, block) = difference(&rough(kind, alpha, more), smooth);
+                let what = format!(
+                    "{kind}, {distribution} {alpha}: {z:.2} standard errors, {off:.1e} off"
+                );
+                println!("{what}, {block:.2} in the worst block");
+                assert!(z.abs() < LIMIT && block < LIMIT, "{what}, {block:.2} in the worst block");
+            }
         }
-        // A boundary that hardly refracts is not to be seen.
+        // A boundary that hardly refracts is not to be seen, but at the rim of the sphere, where facets hide each other;
+        // and lamps are seen through it rarely and brightly, so that means of blocks are not normally distributed.
         let nothing = stage(
             r#"<bsdf type="mask"><float name="opacity" value="0"/>
             <bsdf type="diffuse"/></bsdf>"#,
@@ -224,7 +224,7 @@ fn rough_surfaces_converge_to_smooth_ones() {
             let index = format!(
                 r#"<float name="int_ior" value="{index}"/><float name="ext_ior" value="1"/>"#
             );
-            let (z, off) = difference(&rough("roughdielectric", alpha, &index), &nothing);
+            let (z, off, _) = difference(&rough("roughdielectric", alpha, &index), &nothing);
             println!("{distribution} {index}: {z:.2} standard errors, {off:.1e} off");
             assert!(z.abs() < LIMIT, "{distribution}, {index}: {z} standard errors, {off} off");
         }
