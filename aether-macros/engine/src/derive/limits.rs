@@ -38,15 +38,17 @@ fn has_limit(g: &Graph, formula: Id, parameter: Leaf, points: &[Inputs]) -> bool
         };
         Evaluator::<f64>::new(g, &at).value(formula)
     };
-    let (mut undetermined, mut settled) = (0, 0);
+    let (mut tried, mut undetermined, mut settled) = (0, 0, 0);
     // One point of each round of parameters is enough.
     for inputs in points.iter().step_by(7).filter(|p| p.contains_key(&parameter)) {
+        tried += 1;
         let [near, nearer, there] = [1e8 * TINY, TINY, 0.0].map(|x| value(inputs, x));
         if there.is_nan() {
             undetermined += 1;
             settled += usize::from((near - nearer).abs() <= 1e-9 * nearer.abs());
         }
     }
-    // A few points may have no limit of their own (the edge of a support that shrinks).
-    2 * settled > undetermined
+    // A few points may have no limit of their own (the edge of a support that shrinks); and where only a few have no
+    // value, such as a pole, it is theirs that is the exception.
+    2 * settled > undetermined && 2 * undetermined > tried
 }
