@@ -159,6 +159,8 @@ batteries! { [double single]
     row_65_cone: right(cone(0.125)), right(cone(2.0));
     row_66_concentric_hemisphere: concentric_hemisphere();
     row_67_equal_area_octahedral: equal_area_octahedral();
+    row_70_seen_triangle: right(seen_triangle(corners()[0], corners()[1], corners()[2]));
+    row_71_seen_rectangle: right(seen_rectangle(0.25, -0.375, 1.25, 0.75, -1.0)), right(seen_rectangle(-2.0, -3.0, -0.25, -0.5, -2.0));
     row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
     row_76_rayleigh: rayleigh();
     row_77_transformed_cosine: transformed_cosine(matrix());
@@ -166,6 +168,7 @@ batteries! { [double single]
     row_82_ggx: right(ggx(0.25)), right(ggx(2.0));
     row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
     row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
+    row_85_heitz_normals: right(heitz_normals(0.25, view())), right(heitz_normals(0.5, Direction::from_vec(corners()[0])));
     row_86_visible_normals: right(visible_normals(0.25, view()));
     row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
     row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view()));
