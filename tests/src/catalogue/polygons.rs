@@ -2,7 +2,7 @@
 //! Normals of facets that are seen, for views from straight above too.
 
 use aether_core::prelude::*;
-use aether_core::{DomainError, Sampler, Scalar};
+use aether_core::{DomainError, Scalar};
 
 /// Row 70: uniform in the solid angle `omega` of a spherical triangle with corners a, b and a third one, as Arvo prints
 /// it ("Stratified Sampling of Spherical Triangles", 1995). `alpha` is the angle at a, `ca` and `sa` are its cosine and
@@ -61,41 +61,41 @@ pub fn spherical_rectangle(
     Direction::from_vec(Vec3::new(x, y, z0).normalize())
 }
 
-/// Row 70 in another form: uniform in a spherical triangle with one corner at the pole +z.
+/// Row 70 in another form: uniform in a spherical triangle with one corner at the third axis of a frame.
 ///
-/// The side opposite to the pole lies on a great circle that comes nearest to it, in the half plane of +x, at a
-/// distance whose half has the tangent `tau`. With w the tangent of half the way along that circle, tan⁻¹(tau w) is half
-/// the area between that nearest point, the pole and the point of the circle: it goes from `from` to `from` + `half`.
-/// The second uniform divides the arc from the pole to there, by its depth below the pole.
+/// The side opposite to that pole lies on a great circle that comes nearest to it, in the half plane of the first axis,
+/// at a distance whose half has the tangent `tau`. With w the tangent of half the way along that circle, tan⁻¹(tau w) is
+/// half the area between that nearest point, the pole and the point of the circle: it goes from `from` to `from` +
+/// `half`. The second uniform divides the arc from the pole to there, by its depth below the pole.
 #[sampler(
     tau in 1e-9..=1.0, from in -1.5707..=1.5707, half in 1e-12..=3.1, where from + half <= 1.5707
 )]
-pub fn triangle_from_foot(u: [Uniform; 2], tau: f64, from: f64, half: f64) -> Direction {
+pub fn triangle_from_foot(
+    u: [Uniform; 2],
+    tau: f64,
+    from: f64,
+    half: f64,
+    frame: Frame,
+) -> Direction {
     let w = (from + half * u[0]).tan() / tau;
     let phi = (w * (1.0 + tau * tau)).atan2(tau * (1.0 - w * w));
     let depth = 2.0 * (tau * tau + w * w) / ((1.0 + tau * tau) * (1.0 + w * w));
     let h = u[1] * depth;
     let r = (h * (2.0 - h)).sqrt();
-    Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
-}
-
-/// A direction given in a frame.
-#[map]
-pub fn from_frame(w: Direction, frame: Frame) -> Direction {
-    Direction::from_vec(frame.to_world(w))
+    Direction::from_vec(frame.to_world(Vec3::new(r * phi.cos(), r * phi.sin(), 1.0 - h)))
 }
 
 /// Row 70: the directions in which the triangle with these corners is seen from the origin. The first uniform goes from
 /// a to c, the second from b to the side between these.
 ///
 /// # Errors
-/// If the triangle has no area, or half the sky, or if its corner b is nearly a quarter turn from all of the great
-/// circle through the others.
+/// If the triangle has no area or half the sky, or if the side from a to c passes the point of its great circle that is
+/// farthest from b.
 pub fn seen_triangle<R: Scalar>(
     a: Vec3<R>,
     b: Vec3<R>,
     c: Vec3<R>,
-) -> Result<impl Sampler<R, Point = Direction<R>>, DomainError> {
+) -> Result<TriangleFromFoot<R>, DomainError> {
     let [a, b, c] = [a, b, c].map(Vec3::normalize);
     // The normal of the circle on the side of b, by differences: corners may be close to each other.
     let normal = (c - a).cross(a).normalize();
@@ -103,22 +103,23 @@ pub fn seen_triangle<R: Scalar>(
     let normal = normal * side;
     let sine = normal.dot(b - a);
     let below = b - normal * sine;
+    let below = below - normal * normal.dot(below);
     let cosine = below.length();
-    let foot = below / cosine;
+    // From its pole all of the circle is as far.
+    let foot = if cosine > R::EPSILON { below / cosine } else { a };
     // The way from a to c along the circle, at its point next to b.
     let along = foot.cross(normal) * side;
     let tau = sine / (R::ONE + cosine);
     let half_way = |p: Vec3<R>| p.dot(along) / (R::ONE + p.dot(foot));
     let (start, end) = (tau * half_way(a), tau * half_way(c));
     let half = (tau * (half_way(c) - half_way(a))).atan2(R::ONE + start * end);
-    let triangle = triangle_from_foot(tau, start.atan(), half)?;
     let frame = Frame::try_from_axes(foot * sine - normal * cosine, along, b);
     let frame = frame.ok_or(DomainError {
         item: "seen_triangle",
-        requirement: "a great circle through a and c that is nearest to b somewhere",
-        value: cosine.to_f64(),
+        requirement: "corners in different directions",
+        value: sine.to_f64(),
     })?;
-    Ok(triangle.then(from_frame(frame)))
+    triangle_from_foot(tau, start.atan(), half, frame)
 }
 
 /// Row 71 in another form: uniform in the solid angle of a rectangle in a plane z = -1 with sides along x and y.
