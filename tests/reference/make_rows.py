@@ -12,7 +12,8 @@ the cosine of a rounded quarter turn, is an exact 0.
 import json
 import pathlib
 
-from mpmath import acos, atan2, betainc, cbrt, cos, exp, expm1, floor, gamma, inf, log, log1p, mp, mpf, pi, sin, sqrt, tanh
+from mpmath import (acos, asin, asinh, atan2, betainc, cbrt, cos, cosh, cot, erfc, exp, expm1, floor, gamma, inf, lambertw, log, log1p, mp, mpf,
+                    pi, sign, sin, sinh, sqrt, tan, tanh)
 
 from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, linear, logistic_density, logit, norm,
                              on_circle, over, query_for, real_power, to_unit_sphere, unit)
@@ -133,6 +134,200 @@ def cubic_density(x, p):
     return 4 * sin(cubic_angle(x) + pi / 3) / (3 * sqrt(x[0] * (1 - 16 * x[0])))
 
 
+def increasing_root(f, slope, target, low, high):
+    """Where an increasing function has the value: Newton's method in a bracket, which is halved where that leaves it."""
+    if f(low) >= target:
+        return low
+    t = (low + high) / 2
+    for _ in range(5000):
+        gap = f(t) - target
+        low, high = (low, t) if gap > 0 else (t, high)
+        step = gap / slope(t)
+        if not low <= t - step <= high:
+            step = t - (low + high) / 2
+        t -= step
+        if abs(step) <= abs(t) * mpf(10) ** (-mp.dps // 2 - 20):
+            return t
+    raise ArithmeticError((target, low, high))
+
+
+def smoothstep(u, p):
+    """Row 8."""
+    t = increasing_root(lambda t: 2 * t**3 - t**4, lambda t: 6 * t**2 - 4 * t**3, u[0], mpf(0), mpf(1))
+    return [p["a"] + (p["b"] - p["a"]) * t]
+
+
+def smoothstep_density(x, p):
+    """Row 8."""
+    t = (x[0] - p["a"]) / (p["b"] - p["a"])
+    return 2 * t**2 * (3 - 2 * t) / abs(p["b"] - p["a"])
+
+
+def logistic(u, p):
+    """Row 10."""
+    return [p["s"] * logit(u[0])]
+
+
+def truncated_logistic(u, p):
+    """Row 11: the odds, by the probabilities of both tails."""
+    s, a, b = p["s"], p["a"], p["b"]
+    below = (1 - u[0]) / (1 + exp(-a / s)) + u[0] / (1 + exp(-b / s))
+    above = (1 - u[0]) / (1 + exp(a / s)) + u[0] / (1 + exp(b / s))
+    return [s * log(below / above)]
+
+
+def truncated_logistic_density(x, p):
+    """Row 11: the mass between a and b is sinh((b - a) / 2 s) / (2 cosh(a / 2 s) cosh(b / 2 s))."""
+    s, a, b = p["s"], p["a"], p["b"]
+    mass = sinh((b - a) / (2 * s)) / (2 * cosh(a / (2 * s)) * cosh(b / (2 * s)))
+    return logistic_density(x[0] / s) / (s * mass)
+
+
+def normal_tail(x):
+    """The probability of a standard normal variable below x."""
+    return erfc(-x / sqrt(mpf(2))) / 2
+
+
+def normal_point(x):
+    """The standard normal density."""
+    return exp(-x * x / 2) / sqrt(2 * pi)
+
+
+def normal_quantile(q):
+    """Newton's method on the logarithm of the tail, which is concave."""
+    if q > 0.5:
+        return -normal_quantile(1 - q)
+    x = -sqrt(-2 * log(q)) if q < 0.4 else mpf(0)
+    for _ in range(400):
+        tail = normal_tail(x)
+        step = log(tail / q) * tail / normal_point(x)
+        x -= step
+        if abs(step) < mpf(10) ** (-mp.dps // 2 - 20):
+            return x
+    raise ArithmeticError(q)
+
+
+def normal(u, p):
+    """Row 12."""
+    return [p["m"] + p["s"] * normal_quantile(u[0])]
+
+
+def lower_normal(u, p):
+    """Row 13."""
+    return [normal_quantile((1 - u[0]) * normal_tail(p["a"]) + u[0] * normal_tail(p["b"]))]
+
+
+def upper_normal(u, p):
+    """Row 13, of the probabilities above."""
+    return [-lower_normal(u, {"a": -p["a"], "b": -p["b"]})[0]]
+
+
+def lower_normal_density(x, p):
+    """Row 13."""
+    return normal_point(x[0]) / (normal_tail(p["b"]) - normal_tail(p["a"]))
+
+
+def upper_normal_density(x, p):
+    """Row 13, of the probabilities above."""
+    return normal_point(x[0]) / (normal_tail(-p["a"]) - normal_tail(-p["b"]))
+
+
+def pareto_density(x, p):
+    """Row 20."""
+    return exp(-log1p(p["xi"] * (x[0] - p["m"]) / p["s"]) * (1 / p["xi"] + 1)) / p["s"]
+
+
+def kumaraswamy(u, p):
+    """Row 21."""
+    return [real_power(-expm1(log1p(-u[0]) / p["b"]), 1 / p["a"])]
+
+
+def kumaraswamy_density(x, p):
+    """Row 21."""
+    a, b = p["a"], p["b"]
+    return a * b * real_power(x[0], a - 1) * real_power(1 - real_power(x[0], a), b - 1)
+
+
+def power_law(u, p):
+    """Row 22."""
+    k = 1 - p["p"]
+    return [p["a"] * exp(log1p(u[0] * expm1(k * log(p["b"] / p["a"]))) / k)]
+
+
+def power_law_density(x, p):
+    """Row 22."""
+    k, a = 1 - p["p"], p["a"]
+    return k * real_power(x[0] / a, -p["p"]) / (a * expm1(k * log(p["b"] / a)))
+
+
+def sinh_arcsinh_density(x, p):
+    """Row 24."""
+    t = asinh(x[0]) / p["d"] - p["e"]
+    return logistic_density(sinh(t)) * cosh(t) / (p["d"] * sqrt(1 + x[0] ** 2))
+
+
+def heavy_tails(u, p):
+    """Row 25."""
+    z = logit(u[0])
+    return [z * exp(p["h"] * z * z / 2)]
+
+
+def heavy_tails_density(x, p):
+    """Row 25."""
+    h = p["h"]
+    z = sign(x[0]) * sqrt(lambertw(h * x[0] ** 2).real / h)
+    return logistic_density(z) * exp(-h * z * z / 2) / (1 + h * z * z)
+
+
+def width_of_view(p):
+    """Row 26: the angle under which the light sees the range."""
+    return atan2((p["b"] - p["a"]) * p["d"], p["d"] ** 2 + p["a"] * p["b"])
+
+
+def linear_extinction(u, p):
+    """Row 28."""
+    tau = -log1p(-u[0])
+    return [2 * tau / (p["a"] + sqrt(p["a"] ** 2 + 2 * p["b"] * tau))]
+
+
+def falling_extinction_density(x, p):
+    """Row 29."""
+    k, h = p["k"], p["h"]
+    return k * exp(-h * x[0]) * exp(k * expm1(-h * x[0]) / h)
+
+
+def kepler(u, p):
+    """Row 37."""
+    e = p["e"]
+    return [increasing_root(lambda t: t - e * sin(t), lambda t: 1 - e * cos(t), 2 * pi * u[0], mpf(0), 2 * pi)]
+
+
+def hyperexponential(u, p):
+    """Row 38."""
+    w, l, m = p["p"], p["l"], p["m"]
+    below = lambda x: -w * expm1(-l * x) - (1 - w) * expm1(-m * x)
+    high = mpf(1)
+    while below(high) < u[0]:
+        high *= 2
+    return [increasing_root(below, lambda x: hyperexponential_density([x], p), u[0], mpf(0), high)]
+
+
+def hyperexponential_density(x, p):
+    """Row 38."""
+    w, l, m = p["p"], p["l"], p["m"]
+    return w * l * exp(-l * x[0]) + (1 - w) * m * exp(-m * x[0])
+
+
+def positive(x, p):
+    """On the half line."""
+    return x[0] >= 0
+
+
+def between(x, p):
+    """Between a and b."""
+    return min(p["a"], p["b"]) <= x[0] <= max(p["a"], p["b"])
+
+
 def within(low, high):
     """The interval as a support."""
     return lambda x, p: low <= x[0] <= high
@@ -159,6 +354,27 @@ LINE = [
             preimages=lambda x, p: [[(x[0] + k) / 3] for k in range(3)], smooth=lambda u, p: u[0] > 1e-20),
     Sampler(36, "cubic", lambda u, p: [u[0] * (u[0] * (u[0] - mpf(3) / 2) + mpf(9) / 16)], cubic_density, within(0, mpf(1) / 16),
             preimages=cubic_preimages, smooth=lambda u, p: u[0] > 1e-20 and u[0] not in (0.25, 0.75)),
+    Sampler(8, "smoothstep", smoothstep, smoothstep_density, between),
+    Sampler(9, "epanechnikov", lambda u, p: [2 * sin(asin(2 * u[0] - 1) / 3)], lambda x, p: 3 * (1 - x[0]) * (1 + x[0]) / 4, within(-1, 1)),
+    Sampler(10, "logistic", logistic, lambda x, p: logistic_density(x[0] / p["s"]) / p["s"]),
+    Sampler(11, "truncated_logistic", truncated_logistic, truncated_logistic_density, between),
+    Sampler(12, "normal", normal, lambda x, p: normal_point((x[0] - p["m"]) / p["s"]) / p["s"]),
+    Sampler(13, "lower_normal", lower_normal, lower_normal_density, between),
+    Sampler(13, "upper_normal", upper_normal, upper_normal_density, between),
+    Sampler(14, "cauchy", lambda u, p: [-p["g"] * cot(pi * u[0])], lambda x, p: p["g"] / (pi * (p["g"] ** 2 + x[0] ** 2))),
+    Sampler(20, "pareto", lambda u, p: [p["m"] + p["s"] * expm1(-p["xi"] * log1p(-u[0])) / p["xi"]], pareto_density,
+            lambda x, p: x[0] >= p["m"] and p["xi"] * (x[0] - p["m"]) > -p["s"]),
+    Sampler(21, "kumaraswamy", kumaraswamy, kumaraswamy_density, within(0, 1)),
+    Sampler(22, "power_law", power_law, power_law_density, between),
+    Sampler(24, "sinh_arcsinh", lambda u, p: [sinh((asinh(logit(u[0])) + p["e"]) * p["d"])], sinh_arcsinh_density),
+    Sampler(25, "heavy_tails", heavy_tails, heavy_tails_density),
+    Sampler(26, "equiangular", lambda u, p: [p["d"] * tan(atan2(p["a"], p["d"]) + u[0] * width_of_view(p))],
+            lambda x, p: p["d"] / (width_of_view(p) * (p["d"] ** 2 + x[0] ** 2)), between),
+    Sampler(28, "linear_extinction", linear_extinction,
+            lambda x, p: (p["a"] + p["b"] * x[0]) * exp(-p["a"] * x[0] - p["b"] * x[0] ** 2 / 2), positive),
+    Sampler(29, "falling_extinction", lambda u, p: [-log1p(p["h"] * log1p(-u[0]) / p["k"]) / p["h"]], falling_extinction_density, positive),
+    Sampler(37, "kepler", kepler, lambda x, p: (1 - p["e"] * cos(x[0])) / (2 * pi), lambda x, p: 0 <= x[0] <= 2 * pi),
+    Sampler(38, "hyperexponential", hyperexponential, hyperexponential_density, positive),
 ]
 
 # --- the plane --------------------------------------------------------------
@@ -491,63 +707,107 @@ def octahedral(u, p):
     return [one(a) * h * cos(phi), one(b) * h * sin(phi), one(s) * (1 - r * r)]
 
 
+def view(p):
+    """The direction w: a vector of any length stands for the one along it, one of length one to rounding for itself."""
+    w = p["w"]
+    return w if abs(dot(w, w) - 1) < mpf(2) ** -48 else unit(w)
+
+
+def stretched(p):
+    """Rows 85 and 86: the direction in which facets of roughness one are seen alike."""
+    x, y, z = view(p)
+    return unit([p["alpha"] * x, p["alpha"] * y, z])
+
+
+def heitz_normals(u, p):
+    """Row 85: a point of the disk, moved into the half of it that is seen."""
+    v = stretched(p)
+    t1 = unit([-v[1], v[0], mpf(0)]) if v[0] != 0 or v[1] != 0 else [mpf(1), mpf(0), mpf(0)]
+    a, b = on_circle(sqrt(u[0]), u[1])
+    s = (1 + v[2]) / 2
+    b = (1 - s) * sqrt(1 - a * a) + s * b
+    n = combine((a, t1), (b, cross(v, t1)), (sqrt(1 - a * a - b * b), v))
+    return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
+
+
 def visible_normals(u, p):
     """Row 86: a point of the spherical cap, added to the stretched direction."""
-    v = unit([p["alpha"] * p["w"][0], p["alpha"] * p["w"][1], p["w"][2]])
+    v = stretched(p)
     n = unit(combine((1, from_height(1 - u[1] * (1 + v[2]), u[0])), (1, v)))
     return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
 
 
 def visible_normals_density(x, p):
-    """Row 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
-    a, w = p["alpha"], p["w"]
+    """Rows 85 and 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
+    a, w = p["alpha"], view(p)
     d = 1 / (pi * a**2 * ((x[0] ** 2 + x[1] ** 2) / a**2 + x[2] ** 2) ** 2)
     return 2 * dot(w, x) * d / (w[2] + norm([a * w[0], a * w[1], w[2]]))
 
 
+def is_visible(x, p):
+    """Rows 85 and 86."""
+    return x[2] >= 0 and dot(x, view(p)) >= 0
+
+
+def angle(x):
+    """Between a direction and +z."""
+    return atan2(norm(x[:2]), x[2])
+
+
+def small_angles(u, p):
+    """Row 108."""
+    t = p["r1"] * real_power(p["r2"] / p["r1"], u[0])
+    return on_circle(sin(t), u[1]) + [cos(t)]
+
+
+def small_angles_density(x, p):
+    """Row 108."""
+    return 1 / (2 * pi * log(p["r2"] / p["r1"]) * angle(x) * norm(x[:2]))
+
+
 def half_of_reflection(x, p):
     """Row 89: the half vector, on the upper side."""
-    h = unit(combine((1, x), (1, p["w"])))
+    h = unit(combine((1, x), (1, view(p))))
     return h if h[2] >= 0 else combine((-1, h))
 
 
 def reflected_ggx(u, p):
     """Row 89."""
     h = ggx(u, p)
-    return combine((2 * dot(h, p["w"]), h), (-1, p["w"]))
+    return combine((2 * dot(h, view(p)), h), (-1, view(p)))
 
 
 def reflected_ggx_density(x, p):
     """Row 89."""
     h = half_of_reflection(x, p)
-    return ggx_density(h, p) / (4 * abs(dot(p["w"], h)))
+    return ggx_density(h, p) / (4 * abs(dot(view(p), h)))
 
 
 def half_of_refraction(x, p):
     """Row 90: the half vector on the side of w."""
-    h = unit(combine((p["eta"], x), (1, p["w"])))
+    h = unit(combine((p["eta"], x), (1, view(p))))
     return h if p["eta"] < 1 else combine((-1, h))
 
 
 def refracted_ggx(u, p):
     """Row 90."""
     h = ggx(u, p)
-    c = dot(h, p["w"])
+    c = dot(h, view(p))
     root = sqrt(1 - (1 - c * c) / p["eta"] ** 2)
-    return combine((c / p["eta"] - root, h), (-1 / p["eta"], p["w"]))
+    return combine((c / p["eta"] - root, h), (-1 / p["eta"], view(p)))
 
 
 def refracted_ggx_density(x, p):
     """Row 90."""
     h = half_of_refraction(x, p)
-    inner, outer = dot(p["w"], h), p["eta"] * dot(x, h)
+    inner, outer = dot(view(p), h), p["eta"] * dot(x, h)
     return ggx_density(h, p) * p["eta"] * abs(outer) / (inner + outer) ** 2
 
 
 def is_refracted(x, p):
     """Row 90: the half vector is above the surface, w and x on its two sides."""
     h = half_of_refraction(x, p)
-    return h[2] >= 0 and dot(p["w"], h) >= 0 and dot(x, h) <= 0
+    return h[2] >= 0 and dot(view(p), h) >= 0 and dot(x, h) <= 0
 
 
 def in_view(x, p):
@@ -558,6 +818,70 @@ def in_view(x, p):
 def upper(x, p):
     """On the upper half of the sphere."""
     return x[2] >= 0
+
+
+def corner_directions(p):
+    """Row 70: the corners, on the sphere."""
+    return [unit(p[k]) for k in "abc"]
+
+
+def solid_angle_of_triangle(p):
+    """Row 70: by Van Oosterom and Strackee."""
+    a, b, c = corner_directions(p)
+    return 2 * atan2(abs(dot(a, cross(b, c))), 1 + dot(a, b) + dot(b, c) + dot(c, a))
+
+
+def seen_triangle(u, p):
+    """Row 70: as Arvo prints it, by the angle at a."""
+    a, b, c = corner_directions(p)
+    s, t = unit(cross(a, b)), unit(cross(a, c))
+    ca, sa = dot(s, t), norm(cross(s, t))
+    psi = u[0] * solid_angle_of_triangle(p) - atan2(sa, ca)
+    q, w = cos(psi) - ca, sin(psi) + sa * dot(a, b)
+    k = ((w * cos(psi) - q * sin(psi)) * ca - w) / ((w * sin(psi) + q * cos(psi)) * sa)
+    end = combine((k, a), (sqrt((1 - k) * (1 + k)), unit(combine((1, c), (-dot(c, a), a)))))
+    z = 1 - u[1] * (1 - dot(end, b))
+    if z == 1:
+        return b
+    return combine((z, b), (sqrt((1 - z) * (1 + z)), unit(combine((1, end), (-dot(end, b), b)))))
+
+
+def in_seen_triangle(x, p):
+    """Row 70: on the inner side of all three planes."""
+    a, b, c = corner_directions(p)
+    turn = dot(a, cross(b, c))
+    return all(dot(x, cross(s, t)) * turn >= 0 for s, t in ((a, b), (b, c), (c, a)))
+
+
+def seen_corners(p):
+    """Row 71: the angles at the corners, and the heights of the normals of the planes of the lower and the upper side."""
+    x0, y0, x1, y1, z0 = [p[k] for k in ("x0", "y0", "x1", "y1", "z0")]
+    corners = [[x0, y0, z0], [x1, y0, z0], [x1, y1, z0], [x0, y1, z0]]
+    normals = [unit(cross(corners[i], corners[(i + 1) % 4])) for i in range(4)]
+    angles = [acos(-dot(normals[i], normals[(i + 1) % 4])) for i in range(4)]
+    return angles, normals[0][2], normals[2][2]
+
+
+def seen_rectangle(u, p):
+    """Row 71: as Urena, Fajardo and King print it."""
+    angles, b0, b1 = seen_corners(p)
+    z0 = p["z0"]
+    turn = u[0] * (sum(angles) - 2 * pi) + 2 * pi - angles[2] - angles[3]
+    f = (cos(turn) * b0 - b1) / sin(turn)
+    c = sign(f) / sqrt(f * f + b0 * b0)
+    x = -c * z0 / sqrt((1 - c) * (1 + c))
+    d = sqrt(x * x + z0 * z0)
+    low, high = [y / sqrt(d * d + y * y) for y in (p["y0"], p["y1"])]
+    h = (1 - u[1]) * low + u[1] * high
+    return unit([x, h * d / sqrt((1 - h) * (1 + h)), z0])
+
+
+def in_seen_rectangle(x, p):
+    """Row 71."""
+    if x[2] >= 0:
+        return False
+    s, t = [x[i] * p["z0"] / x[2] for i in range(2)]
+    return p["x0"] <= s <= p["x1"] and p["y0"] <= t <= p["y1"]
 
 
 def rayleigh(u, p):
@@ -571,7 +895,11 @@ def rayleigh(u, p):
 DIRECTIONS = [
     Sampler(67, "equal_area_octahedral", octahedral, lambda x, p: 1 / (4 * pi), project=to_unit_sphere,
             smooth=lambda u, p: 0.5 not in u and abs(2 * u[0] - 1) + abs(2 * u[1] - 1) != 1),
-    Sampler(86, "visible_normals", visible_normals, visible_normals_density, lambda x, p: x[2] >= 0 and dot(x, p["w"]) >= 0, to_unit_sphere),
+    Sampler(85, "heitz_normals", heitz_normals, visible_normals_density, is_visible, to_unit_sphere),
+    Sampler(86, "visible_normals", visible_normals, visible_normals_density, is_visible, to_unit_sphere),
+    Sampler(70, "seen_triangle", seen_triangle, lambda x, p: 1 / solid_angle_of_triangle(p), in_seen_triangle, to_unit_sphere),
+    Sampler(71, "seen_rectangle", seen_rectangle, lambda x, p: 1 / (sum(seen_corners(p)[0]) - 2 * pi), in_seen_rectangle, to_unit_sphere),
+    Sampler(108, "small_angles", small_angles, small_angles_density, lambda x, p: p["r1"] <= angle(x) <= p["r2"], to_unit_sphere),
     Sampler(89, "reflected_ggx", reflected_ggx, reflected_ggx_density, project=to_unit_sphere),
     Sampler(90, "refracted_ggx", refracted_ggx, refracted_ggx_density, is_refracted, to_unit_sphere),
     Sampler(76, "rayleigh", rayleigh, lambda x, p: 3 * (1 + (1 - depth(x)) ** 2) / (16 * pi), project=to_unit_sphere),
@@ -859,6 +1187,25 @@ def stick_breaking_density(x, p):
     return density
 
 
+def thin_lens(u, p):
+    """Row 100: a point of the lens, and the direction from it to one of the plane of focus."""
+    x, y = on_circle(p["r"] * sqrt(u[0]), u[1])
+    return [x, y] + unit([p["a"] * (2 * u[2] - 1) - x, p["b"] * (2 * u[3] - 1) - y, p["f"]])
+
+
+def thin_lens_density(x, p):
+    """Row 100."""
+    return p["f"] ** 2 / (pi * p["r"] ** 2 * 4 * p["a"] * p["b"] * x[4] ** 3)
+
+
+def through_lens(x, p):
+    """Row 100: in the lens, and towards the rectangle in the plane of focus."""
+    if x[4] <= 0:
+        return False
+    focus = [x[i] + p["f"] * x[2 + i] / x[4] for i in range(2)]
+    return norm(x[:2]) <= p["r"] and abs(focus[0]) <= p["a"] and abs(focus[1]) <= p["b"]
+
+
 def patch_edges(p):
     """Row 54 in space: the two edges from a, and what makes the patch no parallelogram."""
     a, b, c, d = [p[k] for k in "abcd"]
@@ -895,6 +1242,7 @@ def bilinear_patch_inverse(x, p):
 
 
 SPACE = [
+    Sampler(100, "thin_lens", thin_lens, thin_lens_density, through_lens, lambda x, p: x[:2] + unit(x[2:])),
     Sampler(54, "bilinear_patch", bilinear_patch, lambda x, p: 1 / norm(patch_normal(*bilinear_patch_inverse(x, p), p)),
             lambda x, p: all(0 <= t <= 1 for t in bilinear_patch_inverse(x, p)),
             lambda x, p: bilinear_patch(bilinear_patch_inverse(x, p), p)),
@@ -968,20 +1316,72 @@ COIL = {"r": 1.5, "c": 0.2, "T": 20.0}
 SADDLE = {"a": [0.0, 0.0, 0.0], "b": [2.0, 0.25, 0.5], "c": [2.5, 1.75, -0.25], "d": [-0.25, 1.0, 0.75]}
 TILTED_QUAD = {"a": [1.0, 0.0, 0.0], "b": [3.0, 0.0, 1.0], "c": [4.0, 2.0, 2.5], "d": [1.0, 1.0, 0.5]}
 WALL = {"a": [0.5, 0.0, 0.0], "b": [0.5, 2.0, 0.0], "c": [0.5, 2.0, 1.0], "d": [0.5, 0.0, 1.0]}
+GRAZING = {"alpha": 0.1, "w": [1.0, 0.0, 1e-7]}
+UPRIGHT = {"alpha": 0.5, "w": [0.0, 0.0, 1.0]}
+STEEP = {"alpha": 0.3, "w": [0.36, 0.48, 0.8]}
+SMOOTH = {"alpha": 0.1, "eta": 1 + 2.0**-20, "w": [0.4, 0.1, 0.8]}
+LENS = {"r": 0.5, "f": 2.0, "a": 0.8, "b": 0.6}
+PINHOLE = {"r": 1e-6, "f": 1e6, "a": 1.2, "b": 0.8}
+RING = {"r1": 0.125, "r2": 1.0}
+NARROW = {"r1": 1e-8, "r2": 0.01}
+QUADRUPLES = [[0.3, 0.6, 0.2, 0.9], [0.7183098861837907, 0.15915494309189535, 0.4, 0.3], [TINY, 0.3, 0.9, 0.6], [BELOW_ONE, 0.25, 0.6, 0.1],
+              [0.3, 0.6, TINY, 0.1], [0.3, 0.6, BELOW_ONE, 0.7], [0.3, 0.6, 0.5, 0.0]]
+TINY_TRIANGLE = {"a": [0.0, 0.0, 1.0], "b": [1e-5, 0.0, 1.0], "c": [0.0, 1e-5, 1.0]}
+SEEN_SLIVER = {"a": [0.0, 0.0, 1.0], "b": [1.0, 0.0, 1.0], "c": [1.0, 1e-8, 1.0]}
+SEEN_TRIANGLE = {"a": [1.0, 0.0, 0.25], "b": [0.25, 1.0, 0.5], "c": [-0.25, 0.125, 1.0]}
+TURNED_TRIANGLE = {"a": [1.0, 0.0, 0.25], "b": [-0.25, 0.125, 1.0], "c": [0.25, 1.0, 0.5]}
+OCTANT = {"a": [0.0, 0.0, 1.0], "b": [1.0, 0.0, 0.0], "c": [0.0, 1.0, 0.0]}
+TINY_RECTANGLE = {"x0": 3.0, "y0": 3.0, "x1": 3 + 1e-6, "y1": 3 + 1e-6, "z0": -1.0}
+FLAT_RECTANGLE = {"x0": -1.0, "y0": -1.0, "x1": 1.0, "y1": 1.0, "z0": -1e-6}
+SEEN_RECTANGLE = {"x0": 0.25, "y0": -0.375, "x1": 1.25, "y1": 0.75, "z0": -1.0}
+LOW_RECTANGLE = {"x0": -2.0, "y0": -3.0, "x1": -0.25, "y1": -0.5, "z0": -2.0}
 VIEW = {"alpha": 0.3, "w": [0.48, 0.64, 0.6]}
 GLASS = {"alpha": 0.3, "eta": 1.5, "w": [0.48, 0.0, 0.8772684879784525]}
 OUT_OF_GLASS = {"alpha": 0.1, "eta": 0.75, "w": [0.28, 0.0, 0.96]}
 
 POINTS = {
+    "smoothstep": over({"a": 0.0, "b": 1.0}, [[0.5], [1e-18]] + INNER[::2] + ENDS) + over({"a": 2.0, "b": -5.0}, INNER),
+    "epanechnikov": over({}, [[1e-12]] + INNER + ENDS),
+    "logistic": over({"s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"s": 0.25}, INNER + ENDS[1:]),
+    "truncated_logistic": [({"s": 0.1, "a": 5.0, "b": 6.0}, [0.5]), ({"s": 1e-3, "a": -3.0, "b": 3.0}, [1e-20])]
+    + over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS) + over({"s": 0.5, "a": -1.0, "b": 20.0}, INNER),
+    "normal": over({"m": 0.0, "s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"m": 3.0, "s": 0.25}, INNER + ENDS[1:]),
+    "lower_normal": [({"a": -40.0, "b": -39.0}, [0.5])] + over({"a": -9.0, "b": -8.0}, INNER + ENDS) + over({"a": -1.0, "b": 2.0}, INNER),
+    "upper_normal": [({"a": 8.0, "b": 9.0}, [0.5])] + over({"a": 0.5, "b": 2.0}, INNER + ENDS) + over({"a": 8.0, "b": 9.0}, [[0.3], [BELOW_ONE]]),
+    "cauchy": over({"g": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"g": 20.0}, INNER + ENDS[1:]),
+    "pareto": [({"m": 0.0, "s": 1.0, "xi": 1e-12}, [0.7]), ({"m": 0.0, "s": 1.0, "xi": -0.5}, [BELOW_ONE])]
+    + over({"m": 0.0, "s": 1.0, "xi": 0.25}, INNER + ENDS) + over({"m": 1.0, "s": 2.0, "xi": -0.5}, INNER),
+    "kumaraswamy": [({"a": 2.0, "b": 1e6}, [1e-12]), ({"a": 0.5, "b": 0.5}, [BELOW_ONE])] + over({"a": 2.0, "b": 3.0}, INNER + ENDS)
+    + [({"a": 0.5, "b": 100.0}, [0.3])],
+    "power_law": [({"a": 1.0, "b": 2.0, "p": 1 + 2.0**-40}, [0.3]), ({"a": 1e-6, "b": 1e6, "p": 3.0}, [0.999])]
+    + over({"a": 1.0, "b": 2.0, "p": 2.0}, INNER + ENDS) + over({"a": 0.5, "b": 4.0, "p": 3.5}, INNER),
+    "sinh_arcsinh": [({"e": 0.0, "d": 1.0}, [BELOW_ONE]), ({"e": 5.0, "d": 2.0}, [1e-12])] + over({"e": 0.5, "d": 1.5}, INNER + ENDS[1:])
+    + [({"e": -1.0, "d": 0.25}, [0.3])],
+    "heavy_tails": [({"h": 1e-10}, [0.9]), ({"h": 0.5}, [BELOW_ONE])] + over({"h": 0.25}, INNER[::2] + [[TINY], [1e-9], [1 - 2.0**-20]]),
+    "equiangular": [({"d": 1e-6, "a": 1.0, "b": 2.0}, [0.5]), ({"d": 1e-8, "a": -1.0, "b": 1.0}, [0.25]), ({"d": 1.0, "a": 1e6, "b": 1e6 + 1}, [0.5])]
+    + over({"d": 1.0, "a": -1.0, "b": 3.0}, INNER + ENDS) + over({"d": 0.5, "a": 1.0, "b": 2.0}, INNER) + [({"d": 1e-3, "a": -1.0, "b": 1.0}, [0.3])],
+    "linear_extinction": [({"a": 1.0, "b": 1e-14}, [0.5]), ({"a": 0.0, "b": 1.0}, [1e-20])] + over({"a": 1.0, "b": 2.0}, INNER + ENDS)
+    + [({"a": 1.0, "b": 1e-10}, [0.3])],
+    "falling_extinction": [({"k": 1.0, "h": 1e-12}, [0.5])] + over({"k": 2.0, "h": 0.125}, INNER + ENDS[:4]) + over({"k": 1.0, "h": 0.5}, INNER + ENDS[:3]),
+    "kepler": [({"e": 1 - 2.0**-20}, [1e-9]), ({"e": 0.99}, [0.5])] + over({"e": 0.6}, INNER + ENDS),
+    "hyperexponential": over({"p": 0.3, "l": 2.0, "m": 0.1}, INNER + ENDS[:3]) + [({"p": 0.0, "l": 1.0, "m": 3.0}, [0.25]),
+                                                                             ({"p": 1e-9, "l": 1e-3, "m": 1e3}, [0.9])],
+    "thin_lens": [(PINHOLE, [0.3, 0.6, 0.2, 0.9])] + over(LENS, QUADRUPLES),
     "equal_area_octahedral": over({}, [[0.5, 0.5 + 2.0**-50]] + PAIRS[:4] + [[0.2, 0.9], [0.9, 0.2], [0.6, 0.7], [0.1, 0.2], [0.45, 0.3], [0.999, 0.998]]),
     "visible_normals": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.5, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6])]
-    + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])],
-    "reflected_ggx": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6]), ({"alpha": 1.0, "w": [0.8, 0.0, 0.6]}, [0.9, 0.4])],
-    "refracted_ggx": over(GLASS, PAIRS[:3] + PAIRS[4:5]) + over(OUT_OF_GLASS, PAIRS[:2]),
+    + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])]
+    + over(GRAZING, [[0.3, 0.6], [0.3, BELOW_ONE]]),
+    "heitz_normals": over(STEEP, PAIRS[:3] + PAIRS[4:5]) + over(GRAZING, PAIRS[:2]) + over(UPRIGHT, PAIRS[:2]) + [(VIEW, [0.3, 0.6])],
+    "seen_triangle": [(TINY_TRIANGLE, [0.3, 0.6]), (SEEN_SLIVER, [0.3, 0.6])] + over(SEEN_TRIANGLE, PAIRS[:4] + PAIRS[5:]) + over(TURNED_TRIANGLE, PAIRS[:2]) + over(OCTANT, PAIRS[:2]),
+    "seen_rectangle": [(TINY_RECTANGLE, [0.3, 0.6]), (FLAT_RECTANGLE, [0.3, 0.6])] + over(SEEN_RECTANGLE, PAIRS) + over(LOW_RECTANGLE, PAIRS[:2]),
+    "small_angles": [(NARROW, [0.01, 0.6])] + over(RING, PAIRS) + [(NARROW, [0.99, 0.2])],
+    "reflected_ggx": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6]), ({"alpha": 1.0, "w": [0.8, 0.0, 0.6]}, [0.9, 0.4]),
+                                                        ({"alpha": 1e-3, "w": [1.0, 0.0, 1e-4]}, [0.3, 0.6])],
+    "refracted_ggx": over(GLASS, PAIRS[:3] + PAIRS[4:5]) + over(OUT_OF_GLASS, PAIRS[:2]) + [(SMOOTH, [0.3, 0.6])],
     "bilinear_patch": over(SADDLE, PAIRS) + over(TILTED_QUAD, PAIRS[:3]) + over(WALL, PAIRS[:3]),
     "cubic": over({}, INNER + ENDS + [[0.1], [0.9], [0.25], [0.75], [0.25 + 2.0**-20]]),
     "elliptical_grid": over({}, [[1 - 2.0**-20, 1 - 2.0**-20], [0.5 + 2.0**-30, 0.7]] + PAIRS + [[0.5, 0.5], [0.001, 0.999]]),
-    "bilinear_density": over(WEIGHTS, PAIRS) + over(CORNER, [[1e-12, 1e-12], [0.3, 0.6]])
+    "bilinear_density": over(WEIGHTS, PAIRS + [[0.3, 0.2]]) + over(CORNER, [[1e-12, 1e-12], [0.3, 0.6]])
     + over({"w00": 1.0, "w10": 1.0, "w01": 1.0, "w11": 1.0}, PAIRS[:2]) + over({"w00": 1.0, "w10": 0.0, "w01": 0.0, "w11": 1.0}, PAIRS[:2]),
     "complex_square_xy": over({}, PAIRS[:-1]),
     "rayleigh": over({}, [[1e-18, 0.1]] + PAIRS + [[0.5, 0.1], [0.01, 0.7], [1e-300, 0.4]]),
@@ -1078,6 +1478,33 @@ def given(params, queries):
 
 
 QUERIES = {
+    "smoothstep": outside({"a": 0.0, "b": 1.0}, [-0.1], [1.1], [NAN]) + inside({"a": 0.0, "b": 1.0}, [0.0], [0.25], [1.0]),
+    "epanechnikov": outside({}, [-1.1], [1.5], [NAN]) + inside({}, [0.0], [-0.75], [1.0]),
+    "logistic": inside({"s": 1.0}, [800.0], [0.0], [-700.0]) + outside({"s": 1.0}, [INF], [NAN]),
+    "truncated_logistic": outside({"s": 1.0, "a": -2.0, "b": 3.0}, [-2.5], [3.5], [NAN]) + inside({"s": 1.0, "a": -2.0, "b": 3.0}, [0.0], [2.5]),
+    "normal": inside({"m": 0.0, "s": 1.0}, [0.0], [-37.0], [8.0]) + outside({"m": 0.0, "s": 1.0}, [INF], [NAN]),
+    "lower_normal": outside({"a": -9.0, "b": -8.0}, [-9.5], [-7.5], [NAN]) + inside({"a": -9.0, "b": -8.0}, [-8.5]),
+    "upper_normal": outside({"a": 8.0, "b": 9.0}, [7.5], [9.5], [NAN]) + inside({"a": 8.0, "b": 9.0}, [8.5]),
+    "cauchy": inside({"g": 1.0}, [-1e9], [0.0], [1e9]) + outside({"g": 1.0}, [INF], [NAN]),
+    "pareto": outside({"m": 1.0, "s": 2.0, "xi": -0.5}, [0.5], [5.5], [NAN]) + inside({"m": 1.0, "s": 2.0, "xi": -0.5}, [1.0], [2.5]),
+    "kumaraswamy": outside({"a": 2.0, "b": 3.0}, [-0.1], [1.1], [NAN]) + inside({"a": 2.0, "b": 3.0}, [0.0], [0.25]),
+    "power_law": outside({"a": 1.0, "b": 2.0, "p": 2.0}, [0.5], [2.5], [NAN]) + inside({"a": 1.0, "b": 2.0, "p": 2.0}, [1.0], [1.5]),
+    "sinh_arcsinh": inside({"e": 0.5, "d": 1.5}, [0.0], [-3.0], [100.0]) + outside({"e": 0.5, "d": 1.5}, [NAN]),
+    "heavy_tails": inside({"h": 0.25}, [-1e9], [1e-9], [3.0]) + outside({"h": 0.25}, [NAN]),
+    "equiangular": outside({"d": 1.0, "a": -1.0, "b": 3.0}, [-1.5], [3.5], [NAN]) + inside({"d": 1.0, "a": -1.0, "b": 3.0}, [0.0], [2.0]),
+    "linear_extinction": outside({"a": 1.0, "b": 2.0}, [-0.1], [NAN], [INF]) + inside({"a": 1.0, "b": 2.0}, [0.0], [0.75]),
+    "falling_extinction": outside({"k": 1.0, "h": 0.5}, [-0.1], [NAN]) + inside({"k": 1.0, "h": 0.5}, [0.0], [0.75], [20.0]),
+    "kepler": outside({"e": 0.6}, [-0.1], [6.5], [NAN]) + inside({"e": 0.6}, [0.0], [1.5], [5.0]),
+    "hyperexponential": outside({"p": 0.3, "l": 2.0, "m": 0.1}, [-0.1], [NAN], [INF]) + inside({"p": 0.3, "l": 2.0, "m": 0.1}, [0.0], [0.75], [100.0]),
+    "heitz_normals": outside(STEEP, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0])
+    + inside(STEEP, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
+    "seen_triangle": outside(SEEN_TRIANGLE, [0.0, 0.0, -1.0], [0.6, 0.0, -0.8], [-0.6, 0.8, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0])
+    + inside(SEEN_TRIANGLE, [0.6, 0.48, 0.64], [0.36, 0.48, 0.8]),
+    "seen_rectangle": outside(SEEN_RECTANGLE, [0.0, 0.0, -1.0], [0.6, 0.0, 0.8], [0.48, -0.64, -0.6], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0])
+    + inside(SEEN_RECTANGLE, [0.6, 0.0, -0.8], [0.48, 0.36, -0.8]),
+    "small_angles": outside(RING, NORTH, [0.0, 0.6, -0.8], [0.0, 1.0, 0.0], [NAN, 0.0, 1.0]) + inside(RING, [0.6, 0.0, 0.8], [0.0, -0.28, 0.96]),
+    "thin_lens": outside(LENS, [0.6, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.8, 0.0, 0.6], [0.0, 0.25, NAN, 0.0, 1.0])
+    + inside(LENS, [0.0, 0.0, 0.0, 0.0, 1.0], [0.25, -0.25, 0.0, 0.28, 0.96]),
     "equal_area_octahedral": outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside({}, [0.6, 0.48, 0.64], [-0.6, 0.48, -0.64], [0.6, -0.48, -0.64], [-0.48, -0.64, 0.6]),
     "visible_normals": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
     "reflected_ggx": inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, -0.64, 0.6], [-0.6, 0.0, -0.8]) + outside(VIEW, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),

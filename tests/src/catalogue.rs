@@ -7,12 +7,16 @@ mod algebra;
 mod direction;
 pub mod easy;
 mod line;
+mod numeric;
 mod plane;
+mod polygons;
 mod space;
 
 pub use algebra::*;
 pub use direction::*;
 pub use easy::*;
 pub use line::*;
+pub use numeric::*;
 pub use plane::*;
+pub use polygons::*;
 pub use space::*;

@@ -65,3 +65,12 @@ impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
         (Direction::made_of(&x[..3]), Direction::made_of(&x[3..]))
     }
 }
+
+impl<R: Scalar> FromCoordinates<R> for (Vec2<R>, Direction<R>) {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some((Vec2::from_coordinates(&x[..2])?, Direction::from_coordinates(&x[2..])?))
+    }
+    fn made_of(x: &[R]) -> Self {
+        (Vec2::made_of(&x[..2]), Direction::made_of(&x[2..]))
+    }
+}

@@ -80,13 +80,14 @@ fn make<S: Legal>(numbers: &[f64]) -> Result<S, DomainError> {
 macro_rules! registry {
     (
         catalogue { $($row:literal $name:literal $which:ident: $item:ty;)* }
+        composed { $($line:literal $made:literal $made_of:ident: |$q:ident| $composition:expr;)* }
         more { $($number:literal $other:literal $more:ident: $type:ty, $parameters:expr;)* }
         renderer { $($part:literal $here:ident: |$p:ident| $sampler:expr, $sets:expr;)* }
     ) => {
         /// Which sampler.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(missing_docs)]
-        pub enum Which { $($which,)* $($more,)* $($here,)* }
+        pub enum Which { $($which,)* $($made_of,)* $($more,)* $($here,)* }
 
         /// All items.
         pub fn items() -> Vec<Item> {
@@ -100,6 +101,14 @@ macro_rules! registry {
                     parameters: <$item>::PARAMETERS,
                     sets: sets(&tried, $row, $name),
                     preimages: <$item>::DERIVATION.preimages,
+                },)*
+                $(Item {
+                    which: Which::$made_of,
+                    name: $made,
+                    row: $line,
+                    parameters: &[],
+                    sets: sets(&tried, $line, $made),
+                    preimages: 16,
                 },)*
                 $(Item {
                     which: Which::$more,
@@ -127,6 +136,7 @@ macro_rules! registry {
         pub fn item_of(inputs: &Inputs) -> Which {
             match (inputs.row, inputs.name.as_str()) {
                 $(($row, $name) => Which::$which,)*
+                $(($line, $made) => Which::$made_of,)*
                 _ => panic!("the catalogue has no sampler {} in row {}", inputs.name, inputs.row),
             }
         }
@@ -143,6 +153,10 @@ macro_rules! registry {
             Ok(match which {
                 $(Which::$which => visitor.visit(make::<$item>(numbers)?),)*
                 $(Which::$more => visitor.visit(make::<$type>(numbers)?),)*
+                $(Which::$made_of => {
+                    let $q = |i: usize| exactly::<R>(numbers[i]);
+                    visitor.visit($composition)
+                })*
                 $(Which::$here => {
                     #[allow(unused_variables)]
                     let $p = |i: usize| exactly::<R>(numbers[i]);
@@ -280,26 +294,39 @@ registry! {
         105 "simplex" Simplex: Simplex;
         113 "ordered" Ordered: Ordered;
         114 "correlation_factor" CorrelationFactor: CorrelationFactor;
+        8 "smoothstep" Smoothstep: Smoothstep<R>;
+        9 "epanechnikov" Epanechnikov: Epanechnikov;
+        10 "logistic" Logistic: Logistic<R>;
+        11 "truncated_logistic" TruncatedLogistic: TruncatedLogistic<R>;
+        12 "normal" Normal: Normal<R>;
+        13 "lower_normal" LowerNormal: LowerNormal<R>;
+        13 "upper_normal" UpperNormal: UpperNormal<R>;
+        14 "cauchy" Cauchy: Cauchy<R>;
+        20 "pareto" Pareto: Pareto<R>;
+        21 "kumaraswamy" Kumaraswamy: Kumaraswamy<R>;
+        22 "power_law" PowerLaw: PowerLaw<R>;
+        24 "sinh_arcsinh" SinhArcsinh: SinhArcsinh<R>;
+        25 "heavy_tails" HeavyTails: HeavyTails<R>;
+        26 "equiangular" Equiangular: Equiangular<R>;
+        28 "linear_extinction" LinearExtinction: LinearExtinction<R>;
+        29 "falling_extinction" FallingExtinction: FallingExtinction<R>;
+        37 "kepler" Kepler: Kepler<R>;
+        38 "hyperexponential" Hyperexponential: Hyperexponential<R>;
+        100 "thin_lens" ThinLens: ThinLens<R>;
+        108 "small_angles" SmallAngles: SmallAngles<R>;
+    }
+    composed {
+        85 "heitz_normals" HeitzNormals: |p| heitz_normals(p(0), Direction::from_vec(vector(p, 1)))?;
+        70 "seen_triangle" SeenTriangle: |p| seen_triangle(vector(p, 0), vector(p, 3), vector(p, 6))?;
+        71 "seen_rectangle" SeenRectangle: |p| seen_rectangle(p(0), p(1), p(2), p(3), p(4))?;
     }
     more {
-        9 "epanechnikov" Epanechnikov: Epanechnikov, [[]];
-        10 "logistic" Logistic: Logistic<R>, [[1.0], [0.25]];
-        11 "truncated_logistic" TruncatedLogistic: TruncatedLogistic<R>, [[1.0, -2.0, 3.0], [0.5, -1.0, 20.0]];
-        14 "cauchy" Cauchy: Cauchy<R>, [[1.0], [20.0]];
         14 "cauchy_by_tangent" CauchyByTangent: CauchyByTangent<R>, [[1.0], [20.0]];
-        20 "pareto" Pareto: Pareto<R>, [[0.0, 1.0, 0.25], [1.0, 2.0, -0.5], [0.0, 1.0, 1e-6]];
-        21 "kumaraswamy" Kumaraswamy: Kumaraswamy<R>, [[2.0, 3.0], [2.0, 2.0], [0.5, 100.0]];
-        22 "power_law" PowerLaw: PowerLaw<R>, [[1.0, 2.0, 2.0], [0.5, 4.0, 3.5]];
-        24 "sinh_arcsinh" SinhArcsinh: SinhArcsinh<R>, [[0.5, 1.5], [-1.0, 0.25]];
-        25 "heavy_tails" HeavyTails: HeavyTails<R>, [[0.25], [1e-3]];
-        26 "equiangular" Equiangular: Equiangular<R>, [[1.0, -1.0, 3.0], [0.5, 1.0, 2.0], [1e-3, -1.0, 1.0]];
         27 "wavelength" Wavelength: Wavelength, [[]];
-        28 "linear_extinction" LinearExtinction: LinearExtinction<R>, [[1.0, 2.0], [0.0, 1.0], [1.0, 1e-10]];
         33 "arcsine" Arcsine: Arcsine, [[]];
         39 "quintic" Quintic: Quintic<R>, [[0.0], [1.0], [100.0]];
         85 "visible_normals_as_printed" VisibleNormalsAsPrinted: VisibleNormalsAsPrinted<R>,
             [[0.25, 0.48, 0.64, 0.6], [0.05, 0.6, 0.0, 0.8]];
-        108 "small_angles" SmallAngles: SmallAngles<R>, [[0.125, 1.0], [1e-8, 0.01]];
         115 "planar_flow" PlanarFlow: PlanarFlow<R>, [[0.75, 0.5, -2.0, 0.25], [0.0, 1.0, 1.0, 0.0]];
     }
     renderer {

@@ -2,6 +2,7 @@
 
 use aether_core::prelude::*;
 use tests::batteries;
+use tests::catalogue::{SphericalRectangle, spherical_rectangle};
 use tests::checks::right;
 
 /// A tent over [-r, r].
@@ -141,37 +142,6 @@ pub fn square(u: [Uniform; 2]) -> Vec2 {
 #[sampler]
 pub fn kinked_square(u: [Uniform; 2]) -> Vec2 {
     kink().apply(&square().sample(u))
-}
-
-/// Row 71: uniform in the solid angle of the rectangle from (.., y0) to (.., y1) at the height z0, as Ureña, Fajardo
-/// and King print it: `b0` and `b1` are the heights of the unit normals of the planes through the lower and the upper
-/// side, the solid angle is `omega`, and `start` is what its corners on the left leave of a turn.
-/// `where` says that x grows with the first uniform, which holds for every rectangle.
-#[sampler(
-    b0 in -0.999..=0.999, b1 in -0.999..=0.999, omega in 1e-3..=6.0, start in 0.0..=6.28,
-    where start + omega <= 6.28, where b0 + b1 > 0.0, where b1 * start.cos() < b0,
-    where b1 * (start + omega).cos() < b0
-)]
-pub fn spherical_rectangle(
-    u: [Uniform; 2],
-    b0: f64,
-    b1: f64,
-    omega: f64,
-    start: f64,
-    y0: f64,
-    y1: f64,
-    z0: f64,
-) -> Direction {
-    let a = start + omega * u[0];
-    let f = (a.cos() * b0 - b1) / a.sin();
-    let c = f.signum() / (f * f + b0 * b0).sqrt();
-    let x = -c * z0 / (1.0 - c * c).sqrt();
-    let d = (x * x + z0 * z0).sqrt();
-    let h0 = y0 / (d * d + y0 * y0).sqrt();
-    let h1 = y1 / (d * d + y1 * y1).sqrt();
-    let h = h0 + u[1] * (h1 - h0);
-    let y = h * d / (1.0 - h * h).sqrt();
-    Direction::from_vec(Vec3::new(x, y, z0).normalize())
 }
 
 /// The sampler of the rectangle between two corners, and its solid angle.

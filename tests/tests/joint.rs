@@ -2,18 +2,9 @@
 
 use aether_core::battery;
 use aether_core::prelude::*;
+use tests::catalogue::thin_lens;
 use tests::checks::right;
 use tests::mutation::OnePercentOff;
-
-/// Row 100: a point of the lens and the direction from it to a point of the plane of focus at distance f.
-#[sampler(r in 1e-6..=10.0, f in 1e-3..=1e3)]
-pub fn thin_lens(u: [Uniform; 4], r: f64, f: f64, a: f64, b: f64) -> (Vec2, Direction) {
-    let s = r * u[0].sqrt();
-    let phi = TAU * u[1];
-    let (x, y) = (s * phi.cos(), s * phi.sin());
-    let focus = Vec3::new(a * (2.0 * u[2] - 1.0), b * (2.0 * u[3] - 1.0), f);
-    (Vec2::new(x, y), Direction::from_vec((focus - Vec3::new(x, y, 0.0)).normalize()))
-}
 
 /// Two points of two parallelograms.
 #[sampler]

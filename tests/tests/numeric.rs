@@ -7,32 +7,16 @@
 
 use aether_core::battery;
 use aether_core::prelude::*;
-use tests::catalogue::{PlanarFlow, Quintic, planar_flow, quintic};
+use tests::catalogue::{
+    Hyperexponential, Kepler, PlanarFlow, Quintic, Smoothstep, hyperexponential, kepler,
+    planar_flow, quintic, smoothstep,
+};
 
 /// A logistic variable with the tails of Lambert's W.
 #[sampler(h in 0.0..=10.0)]
 fn lambert_tail(u: [Uniform; 1], h: f64) -> f64 {
     let z = u[0].ln() - (-u[0]).ln_1p();
     z * (0.5 * h * z * z).exp()
-}
-
-/// Row 8: a density like the smoothstep, by inverting its distribution.
-#[sampler]
-fn smoothstep(u: [Uniform; 1], a: f64, b: f64) -> f64 {
-    let t = solve(|t| 2.0 * t.powi(3) - t.powi(4), 0.0..1.0, u[0]);
-    a + (b - a) * t
-}
-
-/// Row 37: Kepler's equation; only the forward step is numerical.
-#[sampler(e in 0.0..=1.0)]
-fn kepler(u: [Uniform; 1], e: f64) -> f64 {
-    solve(|a| a - e * a.sin(), 0.0..TAU, TAU * u[0])
-}
-
-/// Row 38: a mixture of two exponentials with a single uniform, by its distribution.
-#[sampler(p in 0.0..=1.0, l in 1e-3..=1e3, m in 1e-3..=1e3)]
-fn hyperexponential(u: [Uniform; 1], p: f64, l: f64, m: f64) -> f64 {
-    solve(|x| -p * (-l * x).exp_m1() - (1.0 - p) * (-m * x).exp_m1(), 0.0.., u[0])
 }
 
 /// Student's t with four degrees of freedom, by its distribution function.

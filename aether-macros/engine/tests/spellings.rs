@@ -22,13 +22,15 @@ use aether_engine::parse::Signature;
 use quote::ToTokens;
 use samplers::{Affine, Sampler, Spelling, samplers};
 
-const FILES: [&str; 10] = [
+const FILES: [&str; 12] = [
     "src/catalogue/easy.rs",
     "src/catalogue/line.rs",
     "src/catalogue/plane.rs",
     "src/catalogue/direction.rs",
     "src/catalogue/space.rs",
     "src/catalogue/algebra.rs",
+    "src/catalogue/numeric.rs",
+    "src/catalogue/polygons.rs",
     "tests/algebra.rs",
     "tests/numeric.rs",
     "tests/branches.rs",

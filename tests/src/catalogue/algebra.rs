@@ -14,11 +14,18 @@ pub fn logistic(u: [Uniform; 1], s: f64) -> f64 {
     s * (u[0].ln() - (-u[0]).ln_1p())
 }
 
-/// Row 11: the logistic distribution between a and b, by probabilities of both tails.
+/// Row 11: the logistic distribution between a and b, by probabilities of both tails. Exponentials are those of
+/// negative numbers, which do not overflow: 1 / (1 + exp(-a / s)) is exp((a - |a|) / 2 s) / (1 + exp(-|a| / s)).
 #[sampler(s in 1e-3..)]
 pub fn truncated_logistic(u: [Uniform; 1], s: f64, a: f64, b: f64) -> f64 {
-    let below = (1.0 - u[0]) / (1.0 + (-a / s).exp()) + u[0] / (1.0 + (-b / s).exp());
-    let above = (1.0 - u[0]) / (1.0 + (a / s).exp()) + u[0] / (1.0 + (b / s).exp());
+    let at_a = 1.0 + (-a.abs() / s).exp();
+    let at_b = 1.0 + (-b.abs() / s).exp();
+    let below_a = ((a - a.abs()) / (2.0 * s)).exp() / at_a;
+    let below_b = ((b - b.abs()) / (2.0 * s)).exp() / at_b;
+    let above_a = ((-a - a.abs()) / (2.0 * s)).exp() / at_a;
+    let above_b = ((-b - b.abs()) / (2.0 * s)).exp() / at_b;
+    let below = (1.0 - u[0]) * below_a + u[0] * below_b;
+    let above = (1.0 - u[0]) * above_a + u[0] * above_b;
     s * (below / above).ln()
 }
 

@@ -94,3 +94,21 @@ pub fn sawtooth(u: [Uniform; 1]) -> f64 {
 pub fn cubic(u: [Uniform; 1]) -> f64 {
     u[0].powi(3) - 1.5 * u[0].powi(2) + 0.5625 * u[0]
 }
+
+/// Row 12: the normal distribution.
+#[sampler(s in 1e-3..)]
+pub fn normal(u: [Uniform; 1], m: f64, s: f64) -> f64 {
+    m + s * normal_quantile(u[0])
+}
+
+/// Row 13: the normal distribution in its upper tail, between a and b.
+#[sampler]
+pub fn upper_normal(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+    -normal_quantile((1.0 - u[0]) * normal_cdf(-a) + u[0] * normal_cdf(-b))
+}
+
+/// Row 13 again, in the lower tail.
+#[sampler]
+pub fn lower_normal(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+    normal_quantile((1.0 - u[0]) * normal_cdf(a) + u[0] * normal_cdf(b))
+}

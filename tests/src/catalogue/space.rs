@@ -182,3 +182,13 @@ pub fn bilinear_patch(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Su
     let (s, t) = (u[0], u[1]);
     Surface::from_vec((1.0 - s) * (1.0 - t) * a + s * (1.0 - t) * b + s * t * c + (1.0 - s) * t * d)
 }
+
+/// Row 100: a point of the lens and the direction from it to a point of the plane of focus at distance f.
+#[sampler(r in 1e-6..=10.0, f in 1e-3..=1e6)]
+pub fn thin_lens(u: [Uniform; 4], r: f64, f: f64, a: f64, b: f64) -> (Vec2, Direction) {
+    let s = r * u[0].sqrt();
+    let phi = TAU * u[1];
+    let (x, y) = (s * phi.cos(), s * phi.sin());
+    let focus = Vec3::new(a * (2.0 * u[2] - 1.0), b * (2.0 * u[3] - 1.0), f);
+    (Vec2::new(x, y), Direction::from_vec((focus - Vec3::new(x, y, 0.0)).normalize()))
+}

@@ -7,7 +7,11 @@ const REASONS: &[(&str, &str)] = &[
         "the inverse of a nearly singular matrix magnifies the rounding of products",
     ),
     ("affine_coupling", "far out, the product of exponentials is one of nearly equal sizes"),
-    ("truncated_logistic", "a width of 0.001: the exponential of 3000 overflows"),
+    (
+        "truncated_logistic",
+        "a width of 1e6: the logarithm of a ratio next to one; one of 0.001: at the last uniforms, 1 - u of a rounded u; in \
+         f32, exponentials next to the end of their range, and in a tail sample.pdf() cancels",
+    ),
     ("cauchy", TAIL),
     (
         "cauchy_by_tangent",
@@ -58,7 +62,25 @@ const REASONS: &[(&str, &str)] = &[
         "the last uniform: the radius is recovered from a difference and exponentiated",
     ),
     ("rational_quadratic", "at the upper end the density is a difference"),
-    ("reflected_ggx", "half vectors on the horizon"),
+    (
+        "reflected_ggx",
+        "half vectors on the horizon; grazing views, where the half vector is the sum of two nearly opposite directions",
+    ),
+    ("falling_extinction", TINY),
+    (
+        "seen_triangle",
+        "next to the corner from which arcs start, which has no azimuth, and within which 1 - z is rounded; in f32, all of \
+         a triangle as small as that",
+    ),
+    (
+        "seen_rectangle",
+        "one that fills nearly half of the sky: it starts next to a quarter turn, and heights are next to one; in f32, \
+         one that is four roundings wide",
+    ),
+    (
+        "lower_normal",
+        "40 standard deviations below: probabilities beyond 39 are smaller than any number, with 31 digits too",
+    ),
     ("refracted_ggx", "half vectors on the horizon, which rounding crosses"),
     (
         "renderer: camera, box filter",

@@ -15,6 +15,7 @@ use aether_core::{LaneMask, Lanes, Mask};
 use compare::{Exact, compare, condition_after};
 use samplers::*;
 use tests::catalogue::easy::*;
+use tests::catalogue::{hyperexponential, kepler, normal, smoothstep, upper_normal};
 use tests::checks::right;
 
 /// One test a sampler: whether bits are compared, the number of uniforms, and the sampler, with a

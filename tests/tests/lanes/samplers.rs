@@ -159,18 +159,6 @@ pub fn box_muller(u: [Uniform; 2]) -> Vec2 {
     Vec2::new(r * phi.cos(), r * phi.sin())
 }
 
-/// The normal distribution.
-#[sampler(s in 1e-3..)]
-pub fn normal(u: [Uniform; 1], m: f64, s: f64) -> f64 {
-    m + s * normal_quantile(u[0])
-}
-
-/// The normal distribution in its upper tail, between a and b.
-#[sampler]
-pub fn upper_normal(u: [Uniform; 1], a: f64, b: f64) -> f64 {
-    -normal_quantile((1.0 - u[0]) * normal_cdf(-a) + u[0] * normal_cdf(-b))
-}
-
 /// A logistic variable with tails that Lambert's W undoes.
 #[sampler(h in 0.0..=10.0)]
 pub fn lambert_tail(u: [Uniform; 1], h: f64) -> f64 {
@@ -200,25 +188,6 @@ pub fn sinh_arcsine(u: [Uniform; 1], a: f64) -> f64 {
 #[sampler(k in 0.0..=100.0)]
 pub fn quintic(u: [Uniform; 1], k: f64) -> f64 {
     u[0] + k * u[0].powi(5) + u[0].ln_1p()
-}
-
-/// A density like the smoothstep, by inverting its distribution.
-#[sampler]
-pub fn smoothstep(u: [Uniform; 1], a: f64, b: f64) -> f64 {
-    let t = solve(|t| 2.0 * t.powi(3) - t.powi(4), 0.0..1.0, u[0]);
-    a + (b - a) * t
-}
-
-/// Kepler's equation: only the forward step is numerical.
-#[sampler(e in 0.0..=0.9)]
-pub fn kepler(u: [Uniform; 1], e: f64) -> f64 {
-    solve(|a| a - e * a.sin(), 0.0..TAU, TAU * u[0])
-}
-
-/// A mixture of two exponentials with a single uniform, over an infinite range.
-#[sampler(p in 0.0..=1.0, l in 1e-3..=1e3, m in 1e-3..=1e3)]
-pub fn hyperexponential(u: [Uniform; 1], p: f64, l: f64, m: f64) -> f64 {
-    solve(|x| -p * (-l * x).exp_m1() - (1.0 - p) * (-m * x).exp_m1(), 0.0.., u[0])
 }
 
 /// A distance and a direction that is the narrower the farther away.

@@ -1,7 +1,9 @@
 //! The numbers of 31 digits that errors are measured with.
 
-use aether_core::Real;
+use aether_core::{Real, Sampler};
 use core::f64::consts::{PI, TAU};
+use tests::catalogue::{hyperexponential, kepler};
+use tests::checks::right;
 use tests::precise::{Dual, Precise, exactly};
 
 #[test]
@@ -50,4 +52,27 @@ fn special_functions_have_all_digits() {
     let root = beta_inc(a, Dual::ONE, x);
     let off = [root.value - x.value.sqrt(), root.slope - Precise::of(0.5) / x.value.sqrt()];
     assert!(off.iter().all(|e| e.to_f64().abs() < 1e-26), "{off:?}");
+}
+
+/// A step of a sampler that is solved for has them too, and so has its derivative, by the last step of Newton's method.
+#[test]
+fn solved_equations_have_all_digits() {
+    let (u, e) = (Precise::f64(0.3), Precise::f64(0.6));
+    let turn = Precise::of(TAU);
+    let (x, _) = right(kepler(e)).forward([u]);
+    assert!((x - e * x.sin() - turn * u).to_f64().abs() < 1e-29, "{x:?}");
+    let (y, _) = right(kepler(Dual::constant(e))).forward([Dual::variable(u)]);
+    let slope = turn / (Precise::ONE - e * x.cos());
+    assert!(
+        (y.value - x).to_f64().abs() < 1e-29 && (y.slope - slope).to_f64().abs() < 1e-27,
+        "{y:?}"
+    );
+    // In a unit without an upper end, next to both of its ends.
+    for u in [1e-300, 0.5, 0.999] {
+        let u = Precise::f64(u);
+        let [p, l, m] = [0.3, 2.0, 0.1].map(Precise::f64);
+        let (x, _) = right(hyperexponential(p, l, m)).forward([u]);
+        let found = -p * (-l * x).exp_m1() - (Precise::ONE - p) * (-m * x).exp_m1();
+        assert!(((found - u) / u).to_f64().abs() < 1e-28, "{x:?}");
+    }
 }

@@ -14,13 +14,15 @@ use quote::ToTokens;
 use serde_json::Value;
 
 /// Where the samplers are, from the root of the repository.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 12] = [
     "tests/src/catalogue/easy.rs",
     "tests/src/catalogue/line.rs",
     "tests/src/catalogue/plane.rs",
     "tests/src/catalogue/direction.rs",
     "tests/src/catalogue/space.rs",
     "tests/src/catalogue/algebra.rs",
+    "tests/src/catalogue/numeric.rs",
+    "tests/src/catalogue/polygons.rs",
     "tests/tests/algebra.rs",
     "tests/tests/numeric.rs",
     "tests/tests/branches.rs",

@@ -128,6 +128,16 @@ fn near(a: &[f64], b: &[f64], tolerance: f64) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
+/// The vector, as long as one.
+fn unit(v: [f64; 3]) -> [f64; 3] {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / length)
+}
+
+fn direction(rng: &mut Rng) -> [f64; 3] {
+    unit(core::array::from_fn(|_| 2.0 * rng.uniform() - 1.0))
+}
+
 /// Moderate parameters. Numbers of the same domain ascend where no relations are declared: what is between them
 /// should have a width.
 fn parameters(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
@@ -144,10 +154,13 @@ fn parameters(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
                 let diagonal = |i: usize| if i.is_multiple_of(4) { 1.6 } else { 0.0 };
                 (0..9).map(|i| rng.uniform() - 0.5 + diagonal(i)).collect()
             }
-            Kind::Direction => {
-                let v: Vec<f64> = (0..3).map(|_| 2.0 * rng.uniform() - 1.0).collect();
-                let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
-                v.iter().map(|x| x / length).collect()
+            Kind::Direction => direction(rng).to_vec(),
+            Kind::Frame => {
+                let ([a, b, c], [x, y, z]) = (direction(rng), direction(rng));
+                let across = unit([b * z - c * y, c * x - a * z, a * y - b * x]);
+                let [d, e, f] = across;
+                let third = [b * f - c * e, c * d - a * f, a * e - b * d];
+                [[a, b, c], across, third].concat()
             }
             other => panic!("no rule to draw {other:?}"),
         })
