@@ -356,7 +356,8 @@ up to the last bit before an end with parameters over their declared domains, an
 parameters and uniforms are rounded first. The condition number of `sample.pdf()` is that of `pdf(x)` or,
 where that is larger, what half a unit in each uniform and parameter does to it. Zeros: own samples with
 density zero. Infinite: densities that are not. The textbook form is the density as it is usually written,
-at the same points. Errors over condition numbers may be four percent more than stated; within the limit counts
+at the same points, but of the random ones at the first 1000 in f64 and 20000 in f32 alone.
+Errors over condition numbers may be four percent more than stated; within the limit counts
 what is so nevertheless. The limit is on samples and densities. Where a density leaves the range of numbers, its
 logarithm is compared, and the density must be the zero or the infinity that it rounds to. Errors of inverses are
 relative to the uniform: next to zero, or where rounding the point moves it far, all of its digits may be lost.

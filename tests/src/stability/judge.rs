@@ -36,6 +36,8 @@ pub struct Judge<'a> {
     pub format: Format,
     /// Where the point comes from.
     pub origin: Origin,
+    /// Whether the textbook form is looked at too.
+    pub by_hand: bool,
 }
 
 impl Judge<'_> {
@@ -112,11 +114,8 @@ impl Judge<'_> {
         row.sample.add(sample, |c| lazy.beyond(c, |c| c.sample), at);
         let own = format.density(found.own, exact.density);
         row.own.add(own, |c| lazy.beyond(c, |c| c.own), at);
-        let by_hand: Few<R> = x.iter().map(|x| R::of(*x)).collect();
-        let parameters: Vec<R> = rounded(item.parameters, numbers);
-        if let Some(pdf) = textbook(item.which, &parameters, &by_hand) {
-            let error = format.density(pdf.to_f64(), exact.density);
-            row.textbook.add(error, |c| lazy.beyond(c, |c| c.density), at);
+        if self.by_hand {
+            self.textbook::<R>(row, x, exact, lazy);
         }
         let mut pdf = 0.0;
         if let Some(value) = found.pdf {
@@ -133,6 +132,18 @@ impl Judge<'_> {
             t.add(pdf, |_| lazy.all().density, || format!("pdf(x) at {}", at()));
         }
         self.inverse(row, found, lazy, &at);
+    }
+
+    /// The density as textbooks write it, at the exact sample, rounded.
+    fn textbook<R: Scalar>(&self, row: &mut Row, x: &[f64], exact: &Exact, lazy: &mut Lazy) {
+        let Judge { item, numbers, u, format, .. } = self;
+        let at = || format!("{numbers:?} {u:?}");
+        let by_hand: Few<R> = x.iter().map(|x| R::of(*x)).collect();
+        let parameters: Vec<R> = rounded(item.parameters, numbers);
+        if let Some(pdf) = textbook(item.which, &parameters, &by_hand) {
+            let error = format.density(pdf.to_f64(), exact.density);
+            row.textbook.add(error, |c| lazy.beyond(c, |c| c.density), at);
+        }
     }
 
     /// The preimage next to the uniforms: its worst uniform.

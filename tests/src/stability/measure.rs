@@ -10,7 +10,7 @@ use super::oracle::{Format, exact};
 use super::peers::{PeerPoint, peer_points};
 use super::places::{next_to_ends, swept};
 use super::probe::{Question, ask, dimensions, legal};
-use super::random::{against_double, below_one, draw};
+use super::random::{BY_HAND, against_double, below_one, draw};
 use super::tally::Tally;
 use crate::errors::errors;
 use crate::precise::Precise;
@@ -150,7 +150,7 @@ pub fn chosen<R: Scalar>(item: &Item, reference: &[PointEntry], sweep: bool) -> 
         let u: Vec<f64> = entry.u.iter().map(|u| below_one::<R>(*u)).collect();
         // The reference data are for `f64`; in `f32` these points count as extreme by the oracle alone.
         let origin = if double { Origin::Swept } else { Origin::Extreme };
-        one::<R>(&mut row, item, &numbers, &u, origin);
+        one::<R>(&mut row, item, &numbers, &u, origin, true);
     }
     if !double {
         for point in peer_points(item.name) {
@@ -161,14 +161,14 @@ pub fn chosen<R: Scalar>(item: &Item, reference: &[PointEntry], sweep: bool) -> 
     let Some(dimensions) = sets.first().and_then(|s| dimensions::<R>(item, s)) else { return row };
     for set in &sets {
         for u in next_to_ends::<R>(dimensions, true) {
-            one::<R>(&mut row, item, set, &u, Origin::Swept);
+            one::<R>(&mut row, item, set, &u, Origin::Swept, true);
         }
     }
     if sweep {
         let swept: Vec<Vec<f64>> = swept(item).iter().map(|s| rounded::<R>(s)).collect();
         for set in swept.iter().filter(|s| legal::<R>(item, s, &mut vec![])) {
             for u in next_to_ends::<R>(dimensions, false) {
-                one::<R>(&mut row, item, set, &u, Origin::Swept);
+                one::<R>(&mut row, item, set, &u, Origin::Swept, true);
             }
         }
     }
@@ -185,7 +185,8 @@ pub fn random<R: Scalar>(item: &Item, chosen: &Row, part: u64, first: u64, count
     if is_double::<R>() {
         for i in first..first + count {
             let u = draw::<R>(&mut source, dimensions);
-            one::<R>(&mut row, item, &sets[i as usize % sets.len()], &u, Origin::Random);
+            let by_hand = i < BY_HAND / 20;
+            one::<R>(&mut row, item, &sets[i as usize % sets.len()], &u, Origin::Random, by_hand);
         }
     } else {
         against_double::<R>(&mut row, item, &sets, &mut source, dimensions, first..first + count);
@@ -251,11 +252,18 @@ fn peer<R: Scalar>(row: &mut Row, item: &Item, point: &PeerPoint, format: &Forma
 }
 
 /// Uniforms against the oracle.
-fn one<R: Scalar>(row: &mut Row, item: &Item, numbers: &[f64], u: &[f64], origin: Origin) {
+fn one<R: Scalar>(
+    row: &mut Row,
+    item: &Item,
+    numbers: &[f64],
+    u: &[f64],
+    origin: Origin,
+    by_hand: bool,
+) {
     let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
     let exact = exact(item, numbers, &precise);
     let x = Judge::rounded::<R>(&exact);
     let found = ask::<R>(item, numbers, &[Question { u: Few::new(u), x: Some(x) }]);
-    let judge = Judge { item, numbers, u, exact, format: Format::of::<R>(), origin };
+    let judge = Judge { item, numbers, u, exact, format: Format::of::<R>(), origin, by_hand };
     found.iter().for_each(|found| judge.enter::<R>(row, found, &x));
 }

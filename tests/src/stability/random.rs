@@ -15,6 +15,10 @@ use crate::registry::Item;
 /// How many are drawn at once: samplers are made for each block, and blocks should stay in the cache.
 const BLOCK: u64 = 1 << 8;
 
+/// Of so many the textbook form is looked at too: few, as it is often far off, and where errors are large it takes long
+/// to find how large they may be.
+pub const BY_HAND: u64 = 20_000;
+
 /// A uniform rounded to the precision, but not to one.
 pub fn below_one<R: Scalar>(u: f64) -> f64 {
     R::of(u).min(R::ONE - R::EPSILON * R::of(0.5)).to_f64()
@@ -53,8 +57,8 @@ pub fn against_double<R: Scalar>(
             let (Some(found), Some(x)) = (found, questions[i].x) else { continue };
             let (numbers, u) = (&sets[set(i)][..], &questions[i].u[..]);
             let exact = exact[i];
-            let origin = Origin::Random;
-            let judge = Judge { item, numbers, u, exact, format, origin };
+            let (origin, by_hand) = (Origin::Random, first + (i as u64) < BY_HAND);
+            let judge = Judge { item, numbers, u, exact, format, origin, by_hand };
             judge.enter::<R>(row, found, &x);
         }
         first += size as u64;
