@@ -157,7 +157,7 @@ pub fn sampler_points(
     points
 }
 
-/// Random uniforms, some with one at an extreme, and one with all.
+/// Random uniforms, and some with one at an extreme.
 fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: bool) -> Vec<Point> {
     let mut points = Vec::new();
     for _ in 0..4 {
@@ -176,12 +176,6 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
         }
         let unknowns = u.into_iter().map(Dd::from_f64).collect();
         points.push(Point { unknowns, params: params.to_vec(), interior, stress });
-    }
-    if unknowns > 1 {
-        // Two ends at once; rounds go through the pairs. There, rounding may move a sample from the support.
-        let end = |i: usize| EXTREMES[(round + i * (1 + round / EXTREMES.len())) % EXTREMES.len()];
-        let unknowns = (0..unknowns).map(|i| Dd::from_f64(end(i))).collect();
-        points.push(Point { unknowns, params: params.to_vec(), interior: false, stress: true });
     }
     points
 }

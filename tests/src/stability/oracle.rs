@@ -86,9 +86,12 @@ pub fn exact(item: &Item, numbers: &[f64], u: &[Precise]) -> Option<Exact> {
     let several = item.preimages > 1;
     let (x, others) = item.visit::<Precise, _>(numbers, Place { u, several }).ok()??;
     let own = share(item, numbers, u);
-    // A uniform that is smaller than any number has a derivative larger than any.
-    let others = others.iter().filter(|v| v.iter().all(|v| *v > Precise::ZERO));
-    let density = others.fold(own, |sum, v| sum + share(item, numbers, v));
+    let density = others.iter().fold(own, |sum, v| {
+        let share = share(item, numbers, v);
+        // A uniform that is smaller than any number has a derivative larger than any.
+        let vanishes = !share.finite() && v.contains(&Precise::ZERO);
+        if vanishes { sum } else { sum + share }
+    });
     Some(Exact { x: Few::new(&x), density })
 }
 
