@@ -90,7 +90,7 @@ impl Judge<'_> {
         exact: &Exact,
         lazy: &mut Lazy,
     ) {
-        let Judge { item, numbers, u, format, .. } = self;
+        let Judge { numbers, u, format, .. } = self;
         let at = || format!("{numbers:?} {u:?}");
         let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
         let density = exact.density.to_f64();

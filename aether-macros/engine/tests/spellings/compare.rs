@@ -162,7 +162,6 @@ fn parameters(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
                 let third = [b * f - c * e, c * d - a * f, a * e - b * d];
                 [[a, b, c], across, third].concat()
             }
-            other => panic!("no rule to draw {other:?}"),
         })
         .collect();
     for (i, kind) in kinds.iter().enumerate().filter(|_| problem.relations.is_empty()) {
