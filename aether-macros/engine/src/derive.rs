@@ -237,7 +237,13 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         units: if injective { units(problem) } else { vec![] },
         is_direction: problem.is_direction(),
     };
-    for s in &solutions {
+    // Mapping forward again is a test that contains all others, but what tells opposite preimages apart may be smaller
+    // than rounding lets it see.
+    let conditions: Vec<Vec<Id>> = match check_forward {
+        true => holding::opposed(&mut problem.graph, &solutions),
+        false => solutions.iter().map(|s| s.conditions.iter().map(|c| c.0).collect()).collect(),
+    };
+    for (s, conditions) in solutions.iter().zip(&conditions) {
         steps.extend(s.steps.iter().cloned());
         crate::poly::start_budget();
         crate::poly::refill_budget(4);
@@ -246,7 +252,7 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst = worst.max(error);
         crate::poly::refill_budget(8);
         let mut preimage =
-            finish(problem, s, (density, &sums), &cases, &mut out_points, check_forward);
+            finish(problem, s, (density, &sums), &cases, &mut out_points, conditions);
         if check_forward {
             let made = (&forward[..], &preimage.unknowns[..]);
             preimage.back = back::back(problem, made, s, &cases, &mut out_points);

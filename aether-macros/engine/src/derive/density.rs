@@ -273,7 +273,7 @@ pub(super) fn finish(
     (density, sums): (Id, &Sums),
     cases: &[Case],
     measure: &mut Measure,
-    check_forward: bool,
+    conditions: &[Id],
 ) -> Preimage {
     let g = &mut problem.graph;
     let stable: Vec<Id> = problem
@@ -315,9 +315,7 @@ pub(super) fn finish(
             *value = telling(g, (*value, unknowns[i]), &truth, measure);
         }
     }
-    // Mapping forward again is a test that contains all others.
-    let conditions = if check_forward { &[][..] } else { &s.conditions[..] };
-    let conditions = conditions.iter().map(|c| c.0).filter(|&c| !never_negative(g, c)).collect();
+    let conditions = conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
     Preimage { unknowns, tested, conditions, requirements, density, back: None }
 }
 

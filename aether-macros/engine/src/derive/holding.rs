@@ -10,11 +10,45 @@ use crate::interval::Interval;
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
+use crate::solve::Solution;
 
 /// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
 /// in a coordinate between two ends, at which it is not.
 pub(super) fn never_negative(g: &mut Graph, id: Id) -> bool {
     proven(g, id, 3)
+}
+
+/// The conditions of each solution by which it excludes another one, where those of the other ask for the opposite
+/// sign: as plain as a sign can be told.
+pub(super) fn opposed(g: &mut Graph, solutions: &[Solution]) -> Vec<Vec<Id>> {
+    let conditions: Vec<Vec<Id>> =
+        solutions.iter().map(|s| s.conditions.iter().map(|c| sign(g, c.0)).collect()).collect();
+    let mut kept = conditions.clone();
+    for (i, own) in kept.iter_mut().enumerate() {
+        own.retain(|&c| {
+            let opposite = g.neg(c);
+            conditions.iter().enumerate().any(|(j, others)| j != i && others.contains(&opposite))
+        });
+    }
+    kept
+}
+
+/// An expression without what does not change its sign: ±b for ±a b³ / c², where a is positive.
+fn sign(g: &mut Graph, id: Id) -> Id {
+    let (q, body) = g.split(id);
+    let mut factors = g.factors(body);
+    factors.retain(|&(base, e)| {
+        let even = g.as_number(e).is_some_and(Q::is_even);
+        !even && !g.range(base).nonnegative()
+    });
+    let one = g.int(1);
+    for (_, e) in &mut factors {
+        if g.as_number(*e).is_some_and(Q::is_int) {
+            *e = one;
+        }
+    }
+    let plain = g.product(&factors);
+    if q.is_negative() { g.neg(plain) } else { plain }
 }
 
 fn proven(g: &mut Graph, id: Id, depth: u8) -> bool {
