@@ -1,6 +1,6 @@
 //! Directions.
 
-use aether_core::Real;
+use aether_core::{Real, Vec3};
 use core::f64::consts::{FRAC_1_PI, PI, TAU};
 
 use super::{henyey_greenstein, vector};
@@ -23,9 +23,25 @@ fn uniform<R: Real>(which: Which, p: &[R]) -> Option<R> {
         // The last parameter is half of the solid angle.
         Which::TriangleByDirection => (c(2.0) * p[2]).recip(),
         Which::RectangleByDirection => (c(2.0) * p[3]).recip(),
+        Which::SeenTriangle => excess([0, 3, 6].map(|i| vector(p, i))).recip(),
+        Which::SeenRectangle => {
+            let [x0, y0, x1, y1, z] = [p[0], p[1], p[2], p[3], p[4]];
+            excess([(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| Vec3::new(x, y, z)))
+                .recip()
+        }
         _ => return None,
     };
     Some(density)
+}
+
+/// The solid angle of a polygon seen from the origin, by Girard's theorem: what its angles add up to beyond those of a
+/// plane polygon, as Arvo ("Stratified Sampling of Spherical Triangles", 1995) and Ureña, Fajardo and King ("An
+/// Area-Preserving Parametrization for Spherical Rectangles", 2013) compute it.
+fn excess<R: Real, const N: usize>(corners: [Vec3<R>; N]) -> R {
+    let side = |i: usize| corners[i % N].cross(corners[(i + 1) % N]).normalize();
+    let angles = (0..N).map(|i| (-side(i).dot(side(i + 1))).acos());
+    let half_turn = (-R::ONE).acos();
+    angles.fold(-half_turn * R::of(N as f64 - 2.0), |sum, angle| sum + angle)
 }
 
 /// Lobes about an axis, and phase functions.

@@ -1,7 +1,7 @@
 //! The line.
 
 use aether_core::Real;
-use aether_core::special::{lambert_w, ln_gamma};
+use aether_core::special::{lambert_w, ln_gamma, normal_cdf};
 use core::f64::consts::{PI, TAU};
 
 use super::{logistic, truncated_exponential};
@@ -49,10 +49,24 @@ fn distribution<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
             let [a, b] = [p[0], p[1]];
             a * b * x.powf(a - one) * (one - x.powf(a)).powf(b - one)
         }
+        Which::Normal => bell((x - p[0]) / p[1]) / p[1],
+        Which::LowerNormal | Which::UpperNormal => {
+            bell(x) / (normal_cdf(p[1]) - normal_cdf(p[0])).abs()
+        }
+        Which::Smoothstep => {
+            let width = p[1] - p[0];
+            let t = (x - p[0]) / width;
+            t * t * (c(6.0) - c(4.0) * t) / width.abs()
+        }
         Which::RationalQuadratic => spline_segment(p[0], p[1], p[2], x),
         _ => return None,
     };
     Some(density)
+}
+
+/// The density of the standard normal distribution.
+fn bell<R: Real>(z: R) -> R {
+    (-R::of(0.5) * z * z).exp() / R::of(TAU.sqrt())
 }
 
 /// A segment of width one (Durkan, Bekasov, Murray and Papamakarios, "Neural Spline Flows", 2019): the inverse by
@@ -126,6 +140,16 @@ fn flight<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
             let depth = p[0] * x + p[1] * x * x * c(0.5);
             (p[0] + p[1] * x) * (-depth).exp()
         }
+        Which::FallingExtinction => {
+            let left = (-p[1] * x).exp();
+            p[0] * left * (-p[0] / p[1] * (R::ONE - left)).exp()
+        }
+        // Of two media, one of which is chosen.
+        Which::Hyperexponential => {
+            let [q, l, m] = [p[0], p[1], p[2]];
+            q * l * (-l * x).exp() + (R::ONE - q) * m * (-m * x).exp()
+        }
+        Which::Kepler => (R::ONE - p[0] * x.cos()) / c(TAU),
         _ => return None,
     };
     Some(density)

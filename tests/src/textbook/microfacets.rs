@@ -31,7 +31,7 @@ fn normals<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
             let exponent = (p[0] * x[0] * x[0] + p[1] * x[1] * x[1]) / (one - z * z);
             ((p[0] + one) * (p[1] + one)).sqrt() / c(TAU) * z.powf(exponent)
         }
-        Which::VisibleNormals | Which::VisibleNormalsAsPrinted => {
+        Which::VisibleNormals | Which::VisibleNormalsAsPrinted | Which::HeitzNormals => {
             visible_ggx(vector(p, 1), h(), [p[0]; 2])
         }
         _ => return None,

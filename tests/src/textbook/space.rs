@@ -24,6 +24,12 @@ pub fn density<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         }
         Which::Quaternion => c(0.5 * FRAC_1_PI * FRAC_1_PI),
         Which::ChainedFrames => x[2] * vector(x, 0).dot(vector(x, 3)) * c(FRAC_1_PI) * c(FRAC_1_PI),
+        // Uniform on the lens, and on a rectangle at a distance.
+        Which::ThinLens => {
+            let cosine = x[4];
+            let focus = p[1] * p[1] / (c(4.0) * (p[2] * p[3]).abs() * cosine * cosine * cosine);
+            focus * c(FRAC_1_PI) / (p[0] * p[0])
+        }
         Which::Ordered => {
             let (y, z) = ((x[1] - x[0]).ln(), (x[2] - x[1]).ln());
             logistic(x[0]) * logistic(y) * logistic(z) * (-y - z).exp()

@@ -14,8 +14,10 @@ const POINTS: usize = 100;
 /// The largest relative error: some constants are printed with few digits.
 const TOLERANCE: f64 = 1e-6;
 
-/// Where a form has no value, with 31 digits either: it divides zero by zero, or infinity by infinity.
-const UNDEFINED: [(Which, &[f64]); 3] = [
+/// Where a form has no value, with 31 digits either: it divides zero by zero, or infinity by infinity,
+/// or by a probability below all numbers.
+const UNDEFINED: [(Which, &[f64]); 4] = [
+    (Which::LowerNormal, &[-40.0, -39.0]),
     (Which::TruncatedExponential, &[0.0, 2.0]),
     (Which::TruncatedExponential, &[1e-300, 1.0]),
     (Which::TruncatedExponential, &[-800.0, 1.0]),
