@@ -442,6 +442,10 @@ fn chi_square(coefficient: f64) -> f64 {
 fn chains_stay_distributed_as_the_light() {
     let z = chi_square(0.4);
     assert!(z < 5.0, "{z}");
+}
+
+#[test]
+fn an_error_of_ten_percent_in_a_coefficient_would_be_found() {
     let z = chi_square(0.44);
     assert!(z > 5.0, "an error of ten percent in the mirror's coefficient is not found: {z}");
 }

@@ -272,13 +272,19 @@ fn connecting_and_merging<'w>(
     seen
 }
 
+fn assert_merging_is_exact(with: [bool; 2]) {
+    for mirror in [0.0, 0.4] {
+        let z = z(mirror, |w| w.exact(4), |w, a, e, u| connecting_and_merging(w, a, e, 4, with, u));
+        assert!(z.abs() < LIMIT, "mirror {mirror}: {z}");
+    }
+}
+
 #[test]
 fn merging_finds_the_exact_value() {
-    for mirror in [0.0, 0.4] {
-        for with in [[false, true], [true, true]] {
-            let z =
-                z(mirror, |w| w.exact(4), |w, a, e, u| connecting_and_merging(w, a, e, 4, with, u));
-            assert!(z.abs() < LIMIT, "mirror {mirror}, connections {}: {z}", with[0]);
-        }
-    }
+    assert_merging_is_exact([false, true]);
+}
+
+#[test]
+fn merging_beside_connections_finds_the_exact_value() {
+    assert_merging_is_exact([true, true]);
 }

@@ -1206,6 +1206,27 @@ def through_lens(x, p):
     return norm(x[:2]) <= p["r"] and abs(focus[0]) <= p["a"] and abs(focus[1]) <= p["b"]
 
 
+def portal_segment(u, p):
+    """Row 101: where a line through a triangular opening meets the planes above and below."""
+    s = sqrt(u[0])
+    x = [p["a"] * (1 - s), p["a"] * s * u[1], mpf(0)]
+    w = on_circle(sqrt(u[2]), u[3]) + [sqrt(1 - u[2])]
+    return combine((1, x), (p["h"] / w[2], w)) + combine((1, x), (-p["k"] / w[2], w))
+
+
+def portal_segment_density(x, p):
+    """Row 101: uniform in the opening, cosines at both ends over the squared distance, and those of the opening cancel."""
+    edge = sub(x[:3], x[3:])
+    cosine = edge[2] / norm(edge)
+    return 2 * cosine**2 / (pi * p["a"] ** 2 * dot(edge, edge))
+
+
+def through_portal(x, p):
+    """Row 101: whether the line passes the opening."""
+    hole = [(p["k"] * s + p["h"] * t) / (p["h"] + p["k"]) for s, t in zip(x[:2], x[3:5])]
+    return min(hole) >= 0 and sum(hole) <= p["a"] and x[2] > x[5]
+
+
 def patch_edges(p):
     """Row 54 in space: the two edges from a, and what makes the patch no parallelogram."""
     a, b, c, d = [p[k] for k in "abcd"]
@@ -1243,6 +1264,8 @@ def bilinear_patch_inverse(x, p):
 
 SPACE = [
     Sampler(100, "thin_lens", thin_lens, thin_lens_density, through_lens, lambda x, p: x[:2] + unit(x[2:])),
+    Sampler(101, "portal_segment", portal_segment, portal_segment_density, through_portal,
+            lambda x, p: x[:2] + [p["h"]] + x[3:5] + [-p["k"]]),
     Sampler(54, "bilinear_patch", bilinear_patch, lambda x, p: 1 / norm(patch_normal(*bilinear_patch_inverse(x, p), p)),
             lambda x, p: all(0 <= t <= 1 for t in bilinear_patch_inverse(x, p)),
             lambda x, p: bilinear_patch(bilinear_patch_inverse(x, p), p)),
@@ -1320,6 +1343,8 @@ GRAZING = {"alpha": 0.1, "w": [1.0, 0.0, 1e-7]}
 UPRIGHT = {"alpha": 0.5, "w": [0.0, 0.0, 1.0]}
 STEEP = {"alpha": 0.3, "w": [0.36, 0.48, 0.8]}
 SMOOTH = {"alpha": 0.1, "eta": 1 + 2.0**-20, "w": [0.4, 0.1, 0.8]}
+PORTAL = {"a": 1.0, "h": 2.0, "k": 1.0}
+KEYHOLE = {"a": 1e-6, "h": 100.0, "k": 0.01}
 LENS = {"r": 0.5, "f": 2.0, "a": 0.8, "b": 0.6}
 PINHOLE = {"r": 1e-6, "f": 1e6, "a": 1.2, "b": 0.8}
 RING = {"r1": 0.125, "r2": 1.0}
@@ -1367,6 +1392,7 @@ POINTS = {
     "hyperexponential": over({"p": 0.3, "l": 2.0, "m": 0.1}, INNER + ENDS[:3]) + [({"p": 0.0, "l": 1.0, "m": 3.0}, [0.25]),
                                                                              ({"p": 1e-9, "l": 1e-3, "m": 1e3}, [0.9])],
     "thin_lens": [(PINHOLE, [0.3, 0.6, 0.2, 0.9])] + over(LENS, QUADRUPLES),
+    "portal_segment": over(PORTAL, QUADRUPLES) + over(KEYHOLE, QUADRUPLES[:2]),
     "equal_area_octahedral": over({}, [[0.5, 0.5 + 2.0**-50]] + PAIRS[:4] + [[0.2, 0.9], [0.9, 0.2], [0.6, 0.7], [0.1, 0.2], [0.45, 0.3], [0.999, 0.998]]),
     "visible_normals": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.5, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6])]
     + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])]
@@ -1505,6 +1531,9 @@ QUERIES = {
     "small_angles": outside(RING, NORTH, [0.0, 0.6, -0.8], [0.0, 1.0, 0.0], [NAN, 0.0, 1.0]) + inside(RING, [0.6, 0.0, 0.8], [0.0, -0.28, 0.96]),
     "thin_lens": outside(LENS, [0.6, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0, -1.0], [0.0, 0.0, 0.8, 0.0, 0.6], [0.0, 0.25, NAN, 0.0, 1.0])
     + inside(LENS, [0.0, 0.0, 0.0, 0.0, 1.0], [0.25, -0.25, 0.0, 0.28, 0.96]),
+    "portal_segment": outside(PORTAL, [0.0, 0.0, 2.0, 3.0, 3.0, -1.0], [0.0, 0.0, 2.0, -1.5, 0.0, -1.0], [0.25, 0.25, 1.5, 0.25, 0.25, -1.0],
+                              [NAN, 0.0, 2.0, 0.0, 0.0, -1.0])
+    + inside(PORTAL, [0.25, 0.25, 2.0, 0.25, 0.25, -1.0], [1.5, -0.75, 2.0, -0.5, 0.75, -1.0]),
     "equal_area_octahedral": outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside({}, [0.6, 0.48, 0.64], [-0.6, 0.48, -0.64], [0.6, -0.48, -0.64], [-0.48, -0.64, 0.6]),
     "visible_normals": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
     "reflected_ggx": inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, -0.64, 0.6], [-0.6, 0.0, -0.8]) + outside(VIEW, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),

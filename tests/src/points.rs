@@ -66,6 +66,12 @@ impl<R: Scalar> FromCoordinates<R> for (Direction<R>, Direction<R>) {
     }
 }
 
+impl<R: Scalar> FromCoordinates<R> for (Embedded<2, 3, R>, Embedded<2, 3, R>) {
+    fn from_coordinates(x: &[R]) -> Option<Self> {
+        Some((Embedded::from_coordinates(&x[..3])?, Embedded::from_coordinates(&x[3..])?))
+    }
+}
+
 impl<R: Scalar> FromCoordinates<R> for (Vec2<R>, Direction<R>) {
     fn from_coordinates(x: &[R]) -> Option<Self> {
         Some((Vec2::from_coordinates(&x[..2])?, Direction::from_coordinates(&x[2..])?))

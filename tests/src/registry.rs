@@ -313,6 +313,7 @@ registry! {
         37 "kepler" Kepler: Kepler<R>;
         38 "hyperexponential" Hyperexponential: Hyperexponential<R>;
         100 "thin_lens" ThinLens: ThinLens<R>;
+        101 "portal_segment" PortalSegment: PortalSegment<R>;
         108 "small_angles" SmallAngles: SmallAngles<R>;
     }
     composed {

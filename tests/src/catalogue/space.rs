@@ -192,3 +192,15 @@ pub fn thin_lens(u: [Uniform; 4], r: f64, f: f64, a: f64, b: f64) -> (Vec2, Dire
     let focus = Vec3::new(a * (2.0 * u[2] - 1.0), b * (2.0 * u[3] - 1.0), f);
     (Vec2::new(x, y), Direction::from_vec((focus - Vec3::new(x, y, 0.0)).normalize()))
 }
+
+/// Row 101: the two points at which a line through an opening meets planes parallel to that, at the heights h and -k.
+/// The opening is a triangle with two sides of length a along the axes.
+#[sampler(a in 1e-6..=1e6, h in 1e-3..=1e6, k in 1e-3..=1e6)]
+pub fn portal_segment(u: [Uniform; 4], a: f64, h: f64, k: f64) -> (Surface, Surface) {
+    let s = u[0].sqrt();
+    let x = a * Vec3::new(1.0 - s, s * u[1], 0.0);
+    let r = u[2].sqrt();
+    let phi = TAU * u[3];
+    let w = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - u[2]).sqrt());
+    (Surface::from_vec(x + h / w.z * w), Surface::from_vec(x - k / w.z * w))
+}

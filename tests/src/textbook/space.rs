@@ -30,6 +30,12 @@ pub fn density<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
             let focus = p[1] * p[1] / (c(4.0) * (p[2] * p[3]).abs() * cosine * cosine * cosine);
             focus * c(FRAC_1_PI) / (p[0] * p[0])
         }
+        // Uniform in the opening, and the geometry term of the two ends.
+        Which::PortalSegment => {
+            let edge = vector(x, 0) - vector(x, 3);
+            let cosine = edge.z / edge.length();
+            c(2.0 * FRAC_1_PI) * cosine * cosine / (p[0] * p[0] * edge.dot(edge))
+        }
         Which::Ordered => {
             let (y, z) = ((x[1] - x[0]).ln(), (x[2] - x[1]).ln());
             logistic(x[0]) * logistic(y) * logistic(z) * (-y - z).exp()
