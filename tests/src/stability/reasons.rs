@@ -68,6 +68,11 @@ const REASONS: &[(&str, &str)] = &[
     ),
     ("falling_extinction", TINY),
     (
+        "portal_segment",
+        "grazing lines, whose ends are so far away that they do not tell where the opening is, and the tip of the \
+         opening, to which a whole side of uniforms leads",
+    ),
+    (
         "seen_triangle",
         "next to the corner from which arcs start, which has no azimuth, and within which 1 - z is rounded; in f32, all of \
          a triangle as small as that",
