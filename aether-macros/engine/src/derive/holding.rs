@@ -168,6 +168,7 @@ fn never_zero(g: &mut Graph, id: Id, u: Leaf) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::Condition;
 
     #[test]
     fn a_squared_distance_between_points_of_two_spheres() {
@@ -186,6 +187,26 @@ mod tests {
         assert!(!never_negative(&mut g, failing));
         let negated = g.neg(held);
         assert!(!never_negative(&mut g, negated));
+    }
+
+    #[test]
+    fn opposite_preimages_exclude_each_other_by_a_plain_sign() {
+        let mut g = Graph::new();
+        let z = g.leaf(Leaf::Out(2), "z", Interval::ALL);
+        let r = g.leaf(Leaf::Out(0), "r", Interval::POSITIVE);
+        // r / z³ and its negative, and what both ask for.
+        let cube = g.powi(z, -3);
+        let ratio = g.mul(r, cube);
+        let opposite = g.neg(ratio);
+        let common = g.sum(Q::ONE, &[(Q::int(-1), z)]);
+        let of = |conditions: &[Id]| Solution {
+            conditions: conditions.iter().map(|c| Condition(*c)).collect(),
+            ..Solution::default()
+        };
+        let kept = opposed(&mut g, &[of(&[ratio, common]), of(&[opposite, common])]);
+        let minus = g.neg(z);
+        assert_eq!(kept, [vec![z], vec![minus]]);
+        assert_eq!(opposed(&mut g, &[of(&[ratio])]), [vec![]]);
     }
 
     #[test]

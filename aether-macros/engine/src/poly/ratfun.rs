@@ -101,12 +101,23 @@ impl<'a> Expander<'a> {
         function
     }
 
+    /// A sum as a number and a sum, the latter without a sign that all of its terms have: a + b for -a - b.
+    fn positive(&mut self, id: Id) -> (Q, Id) {
+        let negative = match self.graph.node(id) {
+            Node::Sum(c, terms) if terms.len() > 1 => {
+                !(Q::ZERO < *c) && terms.iter().all(|(q, _)| q.is_negative())
+            }
+            _ => false,
+        };
+        if negative { (Q::int(-1), self.graph.neg(id)) } else { self.graph.split(id) }
+    }
+
     fn expand_node(&mut self, id: Id) -> Option<RatFun> {
         if self.open != Deps::MAX
             && !self.graph.has(id, self.open)
             && matches!(self.graph.node(id), Node::Sum(..))
         {
-            let (q, t) = self.graph.split(id);
+            let (q, t) = self.positive(id);
             return Some(RatFun::from(Poly::atom(t).scale(q)?));
         }
         match self.graph.node(id).clone() {
