@@ -105,7 +105,7 @@ impl<'a> Expander<'a> {
     fn positive(&mut self, id: Id) -> (Q, Id) {
         let negative = match self.graph.node(id) {
             Node::Sum(c, terms) if terms.len() > 1 => {
-                !(Q::ZERO < *c) && terms.iter().all(|(q, _)| q.is_negative())
+                *c <= Q::ZERO && terms.iter().all(|(q, _)| q.is_negative())
             }
             _ => false,
         };
