@@ -83,17 +83,11 @@ fn special_value(g: &mut Graph, f: Fun, x: Id, args: &[Id]) -> Option<Id> {
     }
 }
 
-/// Whether the expression is printed with a leading minus sign.
-fn leads_negative(g: &Graph, x: Id) -> bool {
+/// Whether the expression is printed with a leading minus sign: a negative number, or a sum of negative terms.
+pub(crate) fn leads_negative(g: &Graph, x: Id) -> bool {
     match g.node(x) {
         Node::Number(q) => q.is_negative(),
-        Node::Sum(c, terms) => {
-            if terms.len() == 1 && c.is_zero() {
-                terms[0].0.is_negative()
-            } else {
-                terms.iter().all(|(q, _)| q.is_negative()) && *c <= Q::ZERO
-            }
-        }
+        Node::Sum(c, terms) => *c <= Q::ZERO && terms.iter().all(|(q, _)| q.is_negative()),
         _ => false,
     }
 }

@@ -6,6 +6,7 @@
 
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::functions::leads_negative;
 use crate::jacobian::{cost, simplify};
 use crate::poly::{Expander, parts_of_one};
 use crate::rational::Q;
@@ -97,11 +98,7 @@ impl Whole {
 fn positive(g: &mut Graph, base: Id, exponent: Id) -> Vec<(Id, Id)> {
     let whole = g.as_number(exponent).is_some_and(Q::is_int);
     match g.node(base) {
-        Node::Sum(c, terms)
-            if whole
-                && (c.is_zero() || c.is_negative())
-                && terms.iter().all(|t| t.0.is_negative()) =>
-        {
+        Node::Sum(..) if whole && leads_negative(g, base) => {
             vec![(g.neg(base), exponent), (g.int(-1), exponent)]
         }
         _ => vec![(base, exponent)],

@@ -3,6 +3,7 @@
 use super::factor::two_factors;
 use super::{Poly, metered, spend};
 use crate::expr::{Deps, Fun, Graph, Id, Node};
+use crate::functions::leads_negative;
 use crate::jacobian::cost;
 use crate::rational::Q;
 
@@ -103,13 +104,12 @@ impl<'a> Expander<'a> {
 
     /// A sum as a number and a sum, the latter without a sign that all of its terms have: a + b for -a - b.
     fn positive(&mut self, id: Id) -> (Q, Id) {
-        let negative = match self.graph.node(id) {
-            Node::Sum(c, terms) if terms.len() > 1 => {
-                *c <= Q::ZERO && terms.iter().all(|(q, _)| q.is_negative())
-            }
-            _ => false,
-        };
-        if negative { (Q::int(-1), self.graph.neg(id)) } else { self.graph.split(id) }
+        let several = matches!(self.graph.node(id), Node::Sum(_, terms) if terms.len() > 1);
+        if several && leads_negative(self.graph, id) {
+            (Q::int(-1), self.graph.neg(id))
+        } else {
+            self.graph.split(id)
+        }
     }
 
     fn expand_node(&mut self, id: Id) -> Option<RatFun> {
