@@ -10,8 +10,10 @@ use crate::sampler::{Sample, Sampler};
 use crate::sequence::{KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Reads, Strategy, Vertex};
 
+mod endings;
 mod value;
 
+pub use endings::{Ending, Endings};
 pub use value::Value;
 
 /// An integrand over paths as a product of factors, one a vertex, so that an estimator can divide

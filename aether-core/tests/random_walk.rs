@@ -5,16 +5,19 @@
 
 mod world;
 
-use aether_core::estimator::Factors;
+use std::ops::RangeInclusive;
+
+use aether_core::estimator::{Endings, Factors};
 use aether_core::{
     Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
-    UniformSource, combine, combine_with,
+    RandomSequence, UniformSource, combine, combine_with,
 };
-use world::{Camera, Light, Mean, Seen, Step, Walks, World};
+use world::{Camera, Light, Mean, Seen, Spot, Step, Walks, Ways, World};
 
 const SAMPLES: u64 = 100_000;
 const LIMIT: f64 = 5.0;
 
+type Walk<'a, 'w> = RandomSequence<'a, Spot, Ways<'w>>;
 type Seer<'w> = Estimator<Seen<'w>, Factors<f64>>;
 
 fn exact(world: &World, edges: std::ops::RangeInclusive<usize>) -> f64 {
@@ -63,6 +66,74 @@ fn z(
         mean.add(estimate(&world, &arena, &estimator, &mut Pcg32::new(1, 0, sample)));
     }
     mean.z(exact(&world))
+}
+
+/// A contribution: the length of the path, the number of its ending, weight × f / p, f / p.
+type Found = (usize, usize, f64, f64);
+
+/// What a walk's paths of some lengths contribute, in several ways to end them.
+fn ended<'w>(
+    world: &'w World,
+    seed: u64,
+    lengths: impl Fn(usize) -> RangeInclusive<usize>,
+    each: impl Fn(Walk<'_, 'w>, RangeInclusive<usize>, &Seer<'w>, &mut Pcg32) -> Vec<Found>,
+) -> Vec<Found> {
+    let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(world)));
+    let mut uniforms = Pcg32::new(1, 0, seed);
+    let mut walk = arena.sequence();
+    walk.append(Camera).sample(&mut uniforms);
+    while walk.is_complete() && walk.size() < 6 {
+        walk.append(Step(world)).sample(&mut uniforms);
+    }
+    each(walk, lengths(walk.size()), &estimator, &mut uniforms)
+}
+
+#[test]
+fn endings_contribute_what_their_paths_do() {
+    let world = World::with_mirror(0.4);
+    let [light, step] = [Ways::from(Light(&world)), Ways::from(Step(&world))];
+    let short: [&[_]; 3] = [&[], &[light], &[step]];
+    let long: [&[_]; 3] = [&[], &[light], &[step, light]];
+    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
+    let mut found = [0; 3];
+    for (seed, ways) in (0..2000).flat_map(|seed| [(seed, short), (seed, long)]) {
+        let lengths = |size: usize| 3..=size;
+        let at_once = ended(&world, seed, lengths, |walk, lengths, estimator, uniforms| {
+            let number = |steps: &[_]| ways.iter().position(|way| way.as_ptr() == steps.as_ptr());
+            let (endings, mut all) = (Endings { lengths, ways: &ways, is_used }, Vec::new());
+            estimator.endings(&walk, &endings, &PowerHeuristic, uniforms, |end| {
+                let way = number(end.steps).expect("one of them");
+                all.push((end.length, way, end.value, end.alone));
+            });
+            all
+        });
+        let by_paths = ended(&world, seed, lengths, |walk, lengths, estimator, uniforms| {
+            let mut all = Vec::new();
+            for length in lengths {
+                let used: Vec<_> = (0..3).filter(|way| is_used(length, ways[*way])).collect();
+                let of_way = |way: &usize| {
+                    let mut path = walk.slice(0..length - ways[*way].len());
+                    for step in ways[*way] {
+                        path.append(*step).sample(uniforms);
+                    }
+                    path
+                };
+                let paths: Vec<_> = used.iter().map(of_way).collect();
+                for found in estimator.each(combine::<PowerHeuristic, _>(&paths)) {
+                    all.push((length, used[found.technique], found.value, found.alone));
+                }
+            }
+            all
+        });
+        assert_eq!(at_once.len(), by_paths.len());
+        for (a, b) in at_once.iter().zip(&by_paths) {
+            let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-14 * y.abs();
+            assert!((a.0, a.1) == (b.0, b.1), "{a:?} {b:?}");
+            assert!(is_near(a.2, b.2) && is_near(a.3, b.3), "{a:?} {b:?}");
+            found[a.1] += 1;
+        }
+    }
+    assert!(found.iter().all(|count| *count > 1000), "{found:?}");
 }
 
 #[test]

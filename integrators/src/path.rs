@@ -1,6 +1,7 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource, combine};
+use aether_core::estimator::Endings;
+use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource};
 use glam::Vec3;
 
 use crate::integrator::{Integrator, Kernel, Received};
@@ -93,23 +94,21 @@ pub fn trace<'a, K, S>(
     }
 
     let response = estimator.integrand().response(pixel, &camera);
-    for length in 2 + usize::from(settings.hide_emitters)..=camera.size() {
-        // The path that scattering has found, and those that go to a light instead.
-        let by = |end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
-        let is_used = |end: &&[S]| by(end).camera >= 2 && settings.techniques.has(by(end));
-        let endings = endings.iter().copied().filter(is_used);
-        let techniques = arena.collect(endings.clone().map(|ending| {
-            let mut path = camera.slice(0..length - ending.len());
-            for step in ending {
-                path.append(step.clone()).sample(uniforms);
-            }
-            path
-        }));
-        for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-            let ending = endings.clone().nth(found.technique).unwrap_or_default();
-            received.add_found(by(ending), pixel, &found, response);
-        }
-    }
+    // The paths that scattering has found, and those that go to a light instead.
+    let by =
+        |length: usize, end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
+    let endings = Endings {
+        lengths: 2 + usize::from(settings.hide_emitters)..=camera.size(),
+        ways: endings,
+        is_used: |length: usize, end: &[S]| {
+            let technique = by(length, end);
+            technique.camera >= 2 && settings.techniques.has(technique)
+        },
+    };
+    estimator.endings(&camera, &endings, &PowerHeuristic, uniforms, |path| {
+        let [value, alone] = [path.value, path.alone].map(|v| v * response);
+        received.add_by(by(path.length, path.steps), pixel, value, alone);
+    });
 }
 
 impl Integrator for PathSettings {

@@ -147,6 +147,19 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.append_in(block, strategy)
     }
 
+    /// The block of sampling dimensions of what is appended to the slice of the first `len` steps.
+    #[inline]
+    pub(crate) fn block_after(&self, len: usize) -> u32 {
+        len as u32 * LANES + u32::from(self.handle.lane | 1)
+    }
+
+    /// Whether its vertices are known to be an unbroken run.
+    #[inline]
+    pub(crate) fn is_run(&self) -> bool {
+        let Handle { place, absent, .. } = self.handle;
+        !absent && !place.reversed && self.arena.tape.unfolded().is_run(place, self.len())
+    }
+
     /// [`RandomSequence::append`] with a block of sampling dimensions of the caller's choice.
     pub fn append_in(&mut self, block: u32, strategy: impl Into<S>) -> &mut Self {
         if !self.handle.absent {

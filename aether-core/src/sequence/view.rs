@@ -1,7 +1,7 @@
 //! What strategies and integrands see of a path.
 
 use crate::sequence::tape::{Place, Tape, Unfolded};
-use crate::strategy::{Dirac, Reads, Vertex};
+use crate::strategy::{Dirac, Drawn, Reads, Vertex};
 
 /// The vertices before the one in question, in the direction of travel: for a path that was sampled
 /// from a light and then reversed, a strategy still sees the light's vertex first.
@@ -19,6 +19,8 @@ enum Source<'p, V: Vertex> {
     Tape(&'p Tape<V>, Place),
     /// The same, with all of the tape at hand.
     Unfolded(&'p Unfolded<'p, V>, Place),
+    /// The same, and then a vertex that is on no tape.
+    Extended(&'p Unfolded<'p, V>, Place, &'p Drawn<V>),
 }
 
 impl<'p, V: Vertex> PathView<'p, V> {
@@ -36,6 +38,16 @@ impl<'p, V: Vertex> PathView<'p, V> {
     #[inline]
     pub(crate) fn of_unfolded(tape: &'p Unfolded<'p, V>, place: Place) -> Self {
         PathView { source: Source::Unfolded(tape, place), hidden: 0, dirac: None }
+    }
+
+    /// The same, then a vertex that has been drawn after it.
+    #[inline]
+    pub(crate) fn of_extended(
+        tape: &'p Unfolded<'p, V>,
+        place: Place,
+        drawn: &'p Drawn<V>,
+    ) -> Self {
+        PathView { source: Source::Extended(tape, place, drawn), hidden: 0, dirac: None }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
@@ -60,6 +72,9 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 Source::Unfolded(tape, place) => {
                     Source::Unfolded(tape, place.range(excess, place.len as usize))
                 }
+                Source::Extended(tape, place, drawn) => {
+                    Source::Extended(tape, place.range(excess, place.len as usize), drawn)
+                }
             };
             PathView { source, hidden: self.hidden.saturating_sub(excess), ..self }
         }
@@ -71,6 +86,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
         match self.source {
             Source::Slice(vertices) => vertices.len(),
             Source::Tape(_, place) | Source::Unfolded(_, place) => place.len as usize,
+            Source::Extended(_, place, _) => place.len as usize + 1,
         }
     }
 
@@ -88,6 +104,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
         }
         match self.source {
             Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
+            Source::Extended(_, place, drawn) if i == place.len as usize => Some(drawn.vertex),
+            Source::Extended(tape, place, _) => tape.vertex(place.at(i)),
             _ => self.vertex_elsewhere(i),
         }
     }
@@ -97,7 +115,9 @@ impl<'p, V: Vertex> PathView<'p, V> {
         match self.source {
             Source::Slice(vertices) => vertices.get(i).copied(),
             Source::Tape(tape, place) => tape.vertex(place.at(i)),
-            Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
+            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
+                tape.vertex(place.at(i))
+            }
         }
     }
 
@@ -129,6 +149,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 tape.unfolded().visible(place, i)
             }
             Source::Unfolded(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
+            Source::Extended(_, place, drawn) if i == place.len as usize => i > 0 && drawn.visible,
+            Source::Extended(tape, place, _) if i > 0 && i < self.len() => tape.visible(place, i),
             _ => false,
         }
     }
@@ -141,6 +163,17 @@ impl<'p, V: Vertex> PathView<'p, V> {
         match self.source {
             Source::Tape(tape, place) if i < self.len() => tape.unfolded().carries(place, i, dirac),
             Source::Unfolded(tape, place) if i < self.len() => tape.carries(place, i, dirac),
+            Source::Extended(tape, place, drawn) if i < self.len() => {
+                // A position is the new vertex's own, a direction belongs to the one that it was drawn from.
+                let bearer = match dirac {
+                    Dirac::Position => place.len as usize,
+                    Dirac::Direction => (place.len as usize).wrapping_sub(1),
+                };
+                if i == bearer && drawn.dirac == Some(dirac) {
+                    return true;
+                }
+                i < place.len as usize && tape.carries(place, i, dirac)
+            }
             _ => false,
         }
     }
