@@ -290,6 +290,7 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// How the surface at a vertex scatters light to or from another vertex: `None` if there is no
     /// surface or if that side is black.
+    #[inline(always)]
     pub fn scattering(
         &self,
         here: &SceneVertex<K>,

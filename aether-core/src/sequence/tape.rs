@@ -155,11 +155,16 @@ impl<V: Vertex> Tape<V> {
                 entry.way = entry.way.turned(true);
             }
         }
-        for (i, entry) in copied.iter_mut().enumerate() {
-            // What is known about a run holds only if this place sees all of it.
-            let seen = if entry.way.is_backward() { n - i } else { i + 1 };
-            if entry.run != seen as u32 {
-                entry.run = 0;
+        // What is known about a run holds only if this place sees all of it; mostly it is one run from its end on.
+        let is_run = |entry: &Entry, backward: bool| {
+            entry.run as usize == n && entry.way.is_backward() == backward
+        };
+        if !is_run(&copied[n - 1], false) && !is_run(&copied[0], true) {
+            for (i, entry) in copied.iter_mut().enumerate() {
+                let seen = if entry.way.is_backward() { n - i } else { i + 1 };
+                if entry.run != seen as u32 {
+                    entry.run = 0;
+                }
             }
         }
         for entry in &mut copied[taken.min(n)..] {
