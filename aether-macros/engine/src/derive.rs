@@ -1,7 +1,9 @@
 //! From a map's outputs to its inverse, Jacobian and density, each checked while compiling.
 
 mod back;
+mod borders;
 mod cases;
+mod continuity;
 mod density;
 mod factored;
 mod gaps;
@@ -29,6 +31,10 @@ use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
+pub use borders::Border;
+pub use continuity::Limit;
+
+use borders::find_borders;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish, pick_volume};
 use limits::parameters_with_limits;
@@ -135,6 +141,8 @@ pub struct Preimage {
     pub density: Id,
     /// The image of the unknowns, where that has to be compared with the point, if it is short.
     pub back: Option<Vec<Id>>,
+    /// For each unknown, where a coordinate by itself tells whether it lies in [0, 1].
+    pub borders: Vec<Option<Border>>,
 }
 
 /// Everything that was derived.
@@ -259,8 +267,11 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         }
         preimages.push(preimage);
     }
-    if let [preimage] = &preimages[..] {
+    if let ([preimage], [solution]) = (&mut preimages[..], &solutions[..]) {
         always_inside(problem, &forward, &preimage.tested);
+        if problem.argument.is_none() {
+            find_borders(problem, &forward, solution, &cases, preimage);
+        }
         let sample = (&forward[..], preimage.density, &gaps);
         own = at_the_sample(problem, own, sample, &mut unknown_points);
     }

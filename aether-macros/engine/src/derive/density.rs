@@ -316,7 +316,8 @@ pub(super) fn finish(
         }
     }
     let conditions = conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
-    Preimage { unknowns, tested, conditions, requirements, density, back: None }
+    let borders = vec![None; unknowns.len()];
+    Preimage { unknowns, tested, conditions, requirements, density, back: None, borders }
 }
 
 /// The short form of an unknown where it tells, in both precisions, whether that lies in [0, 1), and else the long one.

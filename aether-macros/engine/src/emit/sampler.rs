@@ -222,11 +222,10 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
         }
     });
     let mostly = if is_unguarded(place) {
-        let plainly = format_ident!("plainly_{k}");
+        let [plainly, possibly] = ["plainly", "possibly"].map(|name| format_ident!("{name}_{k}"));
         quote! {
-            let (#strict, ok) = #plainly::<R>(&p, &x);
-            let ok = ok.and(belongs) #wide;
-            let #strict = #strict.and(ok);
+            let #strict = #plainly::<R>(&p, &x).and(belongs) #wide;
+            let ok = if #strict.all() { #strict } else { #possibly::<R>(&p, &x).and(belongs) #wide };
             let unknowns = || { let (checked, ..) = #support::<R>(&p, &x); checked };
         }
     } else {

@@ -1,0 +1,70 @@
+//! By which tests emitted code tells whether a point lies in the support.
+
+use proc_macro2::TokenStream;
+
+/// What is emitted for a sampler, without spaces.
+fn emitted(attribute: &str, item: &str) -> String {
+    let parse = |text: &str| text.parse::<TokenStream>().expect("is Rust");
+    let text = aether_engine::sampler(parse(attribute), parse(item)).to_string();
+    assert!(!text.contains("compile_error"), "{text}");
+    text.split_whitespace().collect()
+}
+
+/// The body of an emitted function.
+fn function<'a>(text: &'a str, name: &str) -> &'a str {
+    let (_, rest) = text.split_once(&format!("fn{name}<")).expect("the function is emitted");
+    rest.split_once("#[").map_or(rest, |(body, _)| body)
+}
+
+#[test]
+fn a_coordinate_between_two_ends_needs_no_inverse() {
+    let text = emitted(
+        "a in 0.0.., b in 0.0..",
+        "fn linear(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+            u[0] * (a + b) / (a + ((1.0 - u[0]) * a * a + u[0] * b * b).sqrt())
+        }",
+    );
+    let tests = function(&text, "plainly_0");
+    assert!(tests.contains("x[0].ge(R::ZERO)).and(x[0].lt(R::ONE))"), "{tests}");
+    assert!(!tests.contains("p[0]"), "{tests}");
+}
+
+#[test]
+fn a_coordinate_that_takes_all_values_is_not_tested() {
+    let text = emitted(
+        "",
+        "fn student(u: [Uniform; 1]) -> f64 {
+            (2.0 * u[0] - 1.0) / (2.0 * u[0] * (1.0 - u[0])).sqrt()
+        }",
+    );
+    assert!(!function(&text, "plainly_0").contains("x[0]"), "{text}");
+}
+
+#[test]
+fn an_angle_is_asked_for_only_between_the_heights() {
+    let text = emitted(
+        "a in -1.0..=1.0, b in -1.0..=1.0, d in 0.1..=6.0, where a < b",
+        "fn window(u: [Uniform; 2], a: f64, b: f64, d: f64) -> Direction {
+            let z = (1.0 - u[0]) * a + u[0] * b;
+            let r = (1.0 - z * z).sqrt();
+            let phi = d * u[1];
+            Direction::new(r * phi.cos(), r * phi.sin(), z)
+        }",
+    );
+    let (first, then) = function(&text, "plainly_0").split_once("return").expect("two steps");
+    assert!(first.contains("x[2].ge(p[0])).and(x[2].lt(p[1]))"), "{first}");
+    assert!(!first.contains("atan2") && then.contains("atan2"), "{first}");
+}
+
+/// A circle has one preimage, but its coordinates have each value twice: none tells where the angle is.
+#[test]
+fn a_coordinate_that_has_values_twice_tells_nothing() {
+    let text = emitted(
+        "d in 0.1..=6.0",
+        "fn arc(u: [Uniform; 2], d: f64) -> Vec2 {
+            let (r, phi) = (1.0 + u[1], d * u[0]);
+            Vec2::new(r * phi.cos(), r * phi.sin())
+        }",
+    );
+    assert!(function(&text, "plainly_0").contains("atan2"), "{text}");
+}
