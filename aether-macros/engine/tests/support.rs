@@ -68,3 +68,26 @@ fn a_coordinate_that_has_values_twice_tells_nothing() {
     );
     assert!(function(&text, "plainly_0").contains("atan2"), "{text}");
 }
+
+#[test]
+fn what_takes_no_other_way_takes_the_last_one() {
+    let text = emitted(
+        "r in 0.1..",
+        "fn tent(u: [Uniform; 1], r: f64) -> f64 {
+            if u[0] < 0.5 { r * ((2.0 * u[0]).sqrt() - 1.0) } else { r * (1.0 - (2.0 * (1.0 - u[0])).sqrt()) }
+        }",
+    );
+    let whole = function(&text, "whole");
+    assert!(whole.contains("taken_0") && !whole.contains("taken_1"), "{whole}");
+}
+
+#[test]
+fn where_a_way_leads_nowhere_the_last_one_is_tested() {
+    let text = emitted(
+        "",
+        "fn half(u: [Uniform; 1]) -> Option<f64> {
+            if u[0] < 0.25 { None } else if u[0] < 0.5 { Some(u[0]) } else { Some(2.0 * u[0]) }
+        }",
+    );
+    assert!(function(&text, "whole").contains("taken_1"), "{text}");
+}

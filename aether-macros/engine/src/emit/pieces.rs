@@ -98,16 +98,28 @@ impl<'a> Emitter<'a> {
         functions
     }
 
-    /// What is done in each piece that uniforms `u` take, where `taken` says which of them do.
+    /// What is done in each piece that uniforms `u` take, where `taken` says which of them do. Where every way leads to
+    /// a point, the last one is that of those that take no other.
     pub(super) fn by_piece(&self, then: impl Fn(usize) -> TokenStream) -> TokenStream {
-        let pieces = (0..self.parsed.pieces.len()).map(|j| {
+        let count = self.parsed.pieces.len();
+        let pieces = (0..count).map(|j| {
             let (test, then) = (format_ident!("taken_{j}"), then(j));
+            if self.parsed.total && j + 1 == count {
+                return quote! {
+                    let taken = left;
+                    if taken.any() { #then }
+                };
+            }
             quote! {
-                let taken = #test::<R>(&p, &u);
+                let taken = left.and(#test::<R>(&p, &u));
                 if taken.any() { #then }
+                let left = left.and(taken.not());
             }
         });
-        quote!(#(#pieces)*)
+        quote! {
+            let left = <R::Mask as Mask>::TRUE;
+            #(#pieces)*
+        }
     }
 
     /// The map of uniforms as a whole.
