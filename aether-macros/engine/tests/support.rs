@@ -91,3 +91,31 @@ fn where_a_way_leads_nowhere_the_last_one_is_tested() {
     );
     assert!(function(&text, "whole").contains("taken_1"), "{text}");
 }
+
+#[test]
+fn a_share_of_what_is_positive_is_told_by_a_difference() {
+    let text = emitted(
+        "",
+        "fn corner(u: [Uniform; 3], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Vec3 {
+            let r = u[0].cbrt();
+            let s = u[1].sqrt();
+            a + r * (1.0 - s) * (b - a) + r * s * (1.0 - u[2]) * (c - a) + r * s * u[2] * (d - a)
+        }",
+    );
+    // Three barycentric coordinates are quotients, and their sum is below one.
+    assert_eq!(function(&text, "plainly_0").matches("/t").count(), 3, "{text}");
+}
+
+#[test]
+fn a_cosine_of_a_point_in_space_is_not_tested() {
+    let text = emitted(
+        "",
+        "fn ball(u: [Uniform; 3]) -> Vec3 {
+            let (r, z, phi) = (u[0].cbrt(), 1.0 - 2.0 * u[1], TAU * u[2]);
+            let s = r * (1.0 - z * z).sqrt();
+            Vec3::new(s * phi.cos(), s * phi.sin(), r * z)
+        }",
+    );
+    let tests = function(&text, "plainly_0");
+    assert!(!tests.contains("either"), "{tests}");
+}

@@ -11,7 +11,6 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
-use super::peeled::SURELY_ONE;
 use super::plainly::plainly;
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
@@ -40,7 +39,7 @@ impl Place<'_> {
         let g = &self.problem.graph;
         let settled = |id: Id| {
             let r = g.range(id);
-            r.lo >= 0.0 && r.hi <= SURELY_ONE
+            r.nonnegative() && r.at_most_one()
         };
         let guarded = !self.problem.guards.is_empty();
         let tested = &self.preimage.tested;

@@ -8,7 +8,8 @@ use super::code::Code;
 use super::item::Emitter;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
-use crate::expr::{Id, Leaf, OUTS};
+use crate::derive::Signs;
+use crate::expr::{Id, Leaf};
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
 pub(super) fn unit_tests(place: Place, code: &mut Code) -> Vec<UnitTest> {
@@ -24,21 +25,28 @@ fn units(place: Place) -> [Vec<usize>; 2] {
 }
 
 fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
-    match &place.preimage.borders[i] {
-        Some(border) => border_test(code, border),
-        None => unit_test(code, place.preimage.tested[i], false),
+    match (&place.preimage.borders[i], &place.preimage.signs[i]) {
+        (Some(border), _) => border_test(code, border),
+        (None, Some(signs)) => sign_test(code, signs),
+        (None, None) => unit_test(code, place.preimage.tested[i], false),
     }
 }
 
-/// What decides about the signs of the conditions that do not follow from where coordinates lie between their borders,
-/// and whether it stands below a line.
-fn signs(place: Place) -> Vec<(Id, bool)> {
+fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {
+    let at_least_zero: Vec<TokenStream> =
+        signs.at_least_zero.iter().map(|&id| code.value(id)).collect();
+    let positive: Vec<TokenStream> = signs.positive.iter().map(|&id| code.value(id)).collect();
+    UnitTest {
+        inside: quote!(#(.and(#at_least_zero.ge(R::ZERO)))* #(.and(#positive.gt(R::ZERO)))*),
+        near: None,
+        bounded: signs.bounded,
+    }
+}
+
+/// What decides about the signs of conditions, and whether it stands below a line.
+fn deciding(place: Place, conditions: &[Id]) -> Vec<(Id, bool)> {
     let g = &place.problem.graph;
-    let told = place.preimage.borders.iter().flatten();
-    let told = told.fold(0, |told, border| told | g.deps(border.coordinate));
-    let open = |c: &Id| told == 0 || g.deps(*c) & OUTS == 0 || g.has(*c, OUTS & !told);
-    let conditions = place.preimage.conditions.iter().copied().filter(open);
-    let mut signs: Vec<(Id, bool)> = conditions.map(|c| sign_of(g, c)).collect();
+    let mut signs: Vec<(Id, bool)> = conditions.iter().map(|&c| sign_of(g, c)).collect();
     signs.sort_unstable();
     signs.dedup();
     signs
@@ -66,9 +74,11 @@ fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
     let mut code = Code::new(&place.problem.graph, &at);
     let required: Vec<TokenStream> =
         place.preimage.requirements.iter().map(|&c| code.value(c)).collect();
-    let conditions = signs(place).into_iter().map(|(c, below)| match (code.value(c), below) {
-        (c, true) => quote!(.and(#c.gt(R::ZERO))),
-        (c, false) => quote!(.and(#c.ge(#least))),
+    let conditions = deciding(place, &place.preimage.asked).into_iter().map(|(c, below)| {
+        match (code.value(c), below) {
+            (c, true) => quote!(.and(#c.gt(R::ZERO))),
+            (c, false) => quote!(.and(#c.ge(#least))),
+        }
     });
     let conditions: Vec<TokenStream> = conditions.collect();
     let [borders, others] = units(place).map(|units| {
@@ -100,9 +110,11 @@ fn possible_tests(place: Place) -> TokenStream {
     let mut code = Code::new(&place.problem.graph, &at);
     let required: Vec<TokenStream> =
         place.preimage.requirements.iter().map(|&c| code.value(c)).collect();
-    let conditions = signs(place).into_iter().map(|(c, below)| match (code.value(c), below) {
-        (c, true) => quote!(.and(#c.gt(R::ZERO))),
-        (c, false) => quote!(.and(#c.lt(slack).not())),
+    let conditions = deciding(place, &place.preimage.open).into_iter().map(|(c, below)| {
+        match (code.value(c), below) {
+            (c, true) => quote!(.and(#c.gt(R::ZERO))),
+            (c, false) => quote!(.and(#c.lt(slack).not())),
+        }
     });
     let conditions: Vec<TokenStream> = conditions.collect();
     // Of several unknowns, one at an end leaves those undetermined that no border tells.
