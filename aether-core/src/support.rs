@@ -95,12 +95,6 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     u.iter().fold(R::Mask::TRUE, |m, u| m.and(u.ge(R::ZERO)).and(u.lt(R::ONE)))
 }
 
-/// Where `mask` is true and every number positive.
-#[inline(always)]
-pub fn all_positive<R: Real, const N: usize>(mask: R::Mask, x: &[R; N]) -> R::Mask {
-    x.iter().fold(mask, |m, x| m.and(x.gt(R::ZERO)))
-}
-
 /// Where `mask` is true and no number below `least`, nor undetermined.
 #[inline(always)]
 pub fn all_at_least<R: Real, const N: usize>(mask: R::Mask, x: &[R; N], least: R) -> R::Mask {

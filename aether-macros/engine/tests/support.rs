@@ -119,3 +119,31 @@ fn a_cosine_of_a_point_in_space_is_not_tested() {
     let tests = function(&text, "plainly_0");
     assert!(!tests.contains("either"), "{tests}");
 }
+
+#[test]
+fn a_density_that_does_not_depend_on_a_uniform_has_a_value_where_that_is_zero() {
+    let both = |body: &str| {
+        let item = format!("fn s(u: [Uniform; 1], a: f64, b: f64) -> f64 {{ {body} }}");
+        let text = emitted("a in 0.1.., b in 0.1..", &item);
+        let (_, rest) = text.split_once("fnforward_with_pdf").expect("the function is emitted");
+        rest.split_once("fnpreimages").expect("another follows").0.to_owned()
+    };
+    let line = both("a + (b - a) * u[0]");
+    assert!(!line.contains(".gt(R::ZERO)"), "{line}");
+    let power = both("a * u[0].powf(1.0 / b)");
+    assert!(power.contains(".gt(R::ZERO)"), "{power}");
+}
+
+#[test]
+fn no_point_of_a_disk_is_infinite() {
+    let text = emitted(
+        "",
+        "fn disk(u: [Uniform; 2]) -> Vec2 {
+            let (r, phi) = (u[0].sqrt(), TAU * u[1]);
+            Vec2::new(r * phi.cos(), r * phi.sin())
+        }",
+    );
+    let (_, rest) = text.split_once("fnpdf(").expect("the density is emitted");
+    let (density, _) = rest.split_once("fnpdf_of_uniforms").expect("another follows");
+    assert!(density.contains("x[0]*x[0]+x[1]*x[1]") && !density.contains("finite"), "{density}");
+}

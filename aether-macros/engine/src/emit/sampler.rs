@@ -384,10 +384,8 @@ fn density(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     if let Some(support) = e.support {
         let (test, value) = (support.test(), support.value());
-        return quote! {
-            let belongs: R::Mask = #belongs;
-            R::select(belongs #test, #value, R::ZERO)
-        };
+        let belongs = if support.is_bounded() { quote!(<R::Mask as Mask>::TRUE) } else { belongs };
+        return quote!(R::select((#belongs) #test, #value, R::ZERO));
     }
     quick::density(e).unwrap_or_else(|| {
         let density = general_density(e);
