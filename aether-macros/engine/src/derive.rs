@@ -329,12 +329,15 @@ fn shorten_tests(problem: &mut Problem, preimage: &mut Preimage) {
     (preimage.signs, preimage.asked) = find_signs(g, &sides, &preimage.open);
 }
 
-/// Makes known which ranges unknowns have in the form in which they were found, whatever they became.
+/// Makes known which ranges unknowns have because a coordinate is no longer than its point, whatever form they are
+/// emitted in.
 fn keep_ranges(problem: &mut Problem, s: &Solution, unknowns: &[Id]) {
     let g = &mut problem.graph;
     for (leaf, &value) in problem.unknowns.iter().zip(unknowns) {
-        if let Some(&found) = s.unknowns.get(leaf) {
-            g.assume(value, enclosed(g, found));
+        let Some(&found) = s.unknowns.get(leaf) else { continue };
+        let range = enclosed(g, found);
+        if range != g.range(found) {
+            g.assume(value, range);
         }
     }
 }
