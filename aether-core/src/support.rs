@@ -95,12 +95,6 @@ pub fn in_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     u.iter().fold(R::Mask::TRUE, |m, u| m.and(u.ge(R::ZERO)).and(u.lt(R::ONE)))
 }
 
-/// Where `mask` is true and every number positive.
-#[inline(always)]
-pub fn all_positive<R: Real, const N: usize>(mask: R::Mask, x: &[R; N]) -> R::Mask {
-    x.iter().fold(mask, |m, x| m.and(x.gt(R::ZERO)))
-}
-
 /// Where `mask` is true and no number below `least`, nor undetermined.
 #[inline(always)]
 pub fn all_at_least<R: Real, const N: usize>(mask: R::Mask, x: &[R; N], least: R) -> R::Mask {
@@ -115,11 +109,10 @@ pub fn none_below<R: Real, const N: usize>(mask: R::Mask, x: &[R; N], least: R) 
 
 /// Whether no number is so far outside [0, 1) that rounding cannot have put it there. An undetermined
 /// one may be anywhere, and so may one next to an end of another: at a pole, or a corner of a triangle,
-/// it is as good as undetermined. What passes is decided by error bounds, which cost more. An error of
-/// 2³⁷ roundings is no rounding any more, nor one of an eighth.
+/// it is as good as undetermined. What passes is decided by error bounds, which cost more.
 #[inline(always)]
 pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
-    let slack = (R::EPSILON * R::of((1_u64 << 37) as f64)).min(R::of(0.125));
+    let slack = rounding_slack::<R>();
     let outside = |u: &R| u.lt(-slack).or(u.gt(R::ONE + slack));
     let inside = u.iter().fold(R::Mask::TRUE, |m, u| m.and(outside(u).not()));
     if N == 1 || inside.all() {
@@ -128,6 +121,19 @@ pub fn about_unit<R: Real, const N: usize>(u: &[R; N]) -> R::Mask {
     let end = R::of(1.0 / 256.0);
     let at_end = |u: &R| u.abs().lt(end).or((*u - R::ONE).abs().lt(end));
     inside.or(u.iter().fold(R::Mask::FALSE, |m, u| m.or(at_end(u))))
+}
+
+/// Whether a number is so far outside of an interval that rounding cannot have put it there.
+#[inline(always)]
+pub fn far_from<R: Real>(x: R, low: R, high: R) -> R::Mask {
+    let slack = rounding_slack::<R>() * (low.abs() + high.abs());
+    x.lt(low - slack).or(x.gt(high + slack))
+}
+
+/// What is no rounding error any more, relative to one: 2³⁷ roundings, or an eighth.
+#[inline(always)]
+fn rounding_slack<R: Real>() -> R {
+    (R::EPSILON * R::of((1_u64 << 37) as f64)).min(R::of(0.125))
 }
 
 /// Whether some number is undetermined: 0/0 at a pole, an axis, a corner.
@@ -145,6 +151,19 @@ pub fn limit<R: Real, const M: usize>(
     let d = density(x);
     let undefined = wanted.and(d.ge(d).not());
     if undefined.any() { beside(d, x, density) } else { d }
+}
+
+/// The density at a point of the support: its limit where the formula is 0/0, and zero where it is no positive number.
+#[inline(always)]
+pub fn density_at<R: Real, const M: usize>(x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
+    let d = density(x);
+    if d.ge(R::ZERO).all() { d } else { rare_density(d, x, density) }
+}
+
+#[cold]
+fn rare_density<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
+    let d = if d.ge(d).all() { d } else { beside(d, x, density) };
+    R::select(d.gt(R::ZERO), d, R::ZERO)
 }
 
 #[cold]
@@ -466,4 +485,26 @@ pub fn add_logs<R: Real>(a: R, b: R) -> R {
     let (larger, smaller) = (a.max(b), a.min(b));
     let sum = larger + (smaller - larger).exp().ln_1p();
     R::select(larger.finite(), sum, larger)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rounding_explains_is_not_far_from_an_interval() {
+        let far = |x: f64| far_from(x, -2.0, 1.0);
+        assert!(!far(-2.0) && !far(0.3) && !far(1.0 + 1e-5) && !far(f64::NAN));
+        assert!(far(1.001) && far(-2.001) && far(f64::INFINITY));
+        // An end of zero is as uncertain as the other one is large.
+        assert!(!far_from(-1e-3_f32, 0.0, 1.0) && far_from(-1.0_f32, 0.0, 1.0));
+    }
+
+    #[test]
+    fn a_density_without_a_value_is_its_limit() {
+        let ratio = |x: &[f64; 1]| x[0].sin() / x[0];
+        assert_eq!(density_at(&[0.0], ratio), 1.0);
+        assert_eq!(density_at(&[3.5], ratio), 0.0);
+        assert_eq!(density_at(&[1.0], ratio), 1.0_f64.sin());
+    }
 }

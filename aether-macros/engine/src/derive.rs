@@ -1,8 +1,11 @@
 //! From a map's outputs to its inverse, Jacobian and density, each checked while compiling.
 
 mod back;
+mod borders;
 mod cases;
+mod continuity;
 mod density;
+mod enclosed;
 mod factored;
 mod gaps;
 mod holding;
@@ -11,6 +14,7 @@ mod limits;
 mod parts;
 mod regimes;
 mod sample;
+mod signs;
 mod staged;
 mod strays;
 mod through;
@@ -19,7 +23,7 @@ mod units;
 use std::collections::BTreeMap;
 
 use crate::display::show;
-use crate::expr::{Graph, Id, Leaf, leaf_bit};
+use crate::expr::{Graph, Id, Leaf, OUTS, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::{Source, cost_together, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
@@ -29,10 +33,17 @@ use crate::points::Kind;
 use crate::solve::{Condition, Solution, solve};
 use crate::stabilise::stabilise_point;
 
+pub use borders::Border;
+pub use continuity::Limit;
+pub use signs::Signs;
+
+use borders::find_borders;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish, pick_volume};
+use enclosed::enclosed;
 use limits::parameters_with_limits;
 use sample::{at_the_sample, shorter};
+use signs::find_signs;
 use units::units;
 
 /// What the type of the result guarantees.
@@ -135,6 +146,14 @@ pub struct Preimage {
     pub density: Id,
     /// The image of the unknowns, where that has to be compared with the point, if it is short.
     pub back: Option<Vec<Id>>,
+    /// For each unknown, where a coordinate by itself tells whether it lies in [0, 1].
+    pub borders: Vec<Option<Border>>,
+    /// For each unknown, the signs that tell whether it lies in [0, 1), if these are shorter.
+    pub signs: Vec<Option<Signs>>,
+    /// The conditions that do not follow from where coordinates lie between their borders.
+    pub open: Vec<Id>,
+    /// Those of them that do not follow from signs either.
+    pub asked: Vec<Id>,
 }
 
 /// Everything that was derived.
@@ -257,12 +276,19 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
             let made = (&forward[..], &preimage.unknowns[..]);
             preimage.back = back::back(problem, made, s, &cases, &mut out_points);
         }
+        keep_ranges(problem, s, &preimage.tested);
         preimages.push(preimage);
     }
-    if let [preimage] = &preimages[..] {
+    if let ([preimage], [solution]) = (&mut preimages[..], &solutions[..]) {
         always_inside(problem, &forward, &preimage.tested);
+        if problem.argument.is_none() {
+            find_borders(problem, &forward, solution, &cases, preimage);
+        }
         let sample = (&forward[..], preimage.density, &gaps);
         own = at_the_sample(problem, own, sample, &mut unknown_points);
+    }
+    for preimage in &mut preimages {
+        shorten_tests(problem, preimage);
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
@@ -282,6 +308,38 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
         worst_error: worst,
         steps,
     })
+}
+
+/// Finds out what need not be asked of a point, where nothing but the ends of unknowns limits a sampler's piece.
+fn shorten_tests(problem: &mut Problem, preimage: &mut Preimage) {
+    if problem.argument.is_some() || !problem.guards.is_empty() {
+        return;
+    }
+    let g = &mut problem.graph;
+    // What depends on coordinates between their borders alone holds there.
+    let told = preimage.borders.iter().flatten();
+    let told = told.fold(0, |told, border| told | g.deps(border.coordinate));
+    let open = |c: &Id| told == 0 || g.deps(*c) & OUTS == 0 || g.has(*c, OUTS & !told);
+    preimage.open.retain(open);
+    let sides = preimage.tested.iter().zip(&preimage.borders).map(|(&u, border)| {
+        let (range, open) = (g.range(u), border.is_none());
+        (u, [open && !range.nonnegative(), open && !range.at_most_one()])
+    });
+    let sides: Vec<(Id, [bool; 2])> = sides.collect();
+    (preimage.signs, preimage.asked) = find_signs(g, &sides, &preimage.open);
+}
+
+/// Makes known which ranges unknowns have because a coordinate is no longer than its point, whatever form they are
+/// emitted in.
+fn keep_ranges(problem: &mut Problem, s: &Solution, unknowns: &[Id]) {
+    let g = &mut problem.graph;
+    for (leaf, &value) in problem.unknowns.iter().zip(unknowns) {
+        let Some(&found) = s.unknowns.get(leaf) else { continue };
+        let range = enclosed(g, found);
+        if range != g.range(found) {
+            g.assume(value, range);
+        }
+    }
 }
 
 /// Makes known which unknowns lie in [0, 1] whatever the direction is.

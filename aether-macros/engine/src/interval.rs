@@ -41,6 +41,10 @@ impl Interval {
     pub fn nonpositive(self) -> bool {
         self.hi <= 0.0
     }
+    /// Whether no value is above one, but for the rounding of interval arithmetic.
+    pub fn at_most_one(self) -> bool {
+        self.hi <= 1.0 + 1e-14
+    }
     /// What is in both; this one if nothing is.
     pub fn intersection(self, o: Interval) -> Interval {
         let (lo, hi) = (self.lo.max(o.lo), self.hi.min(o.hi));

@@ -315,8 +315,21 @@ pub(super) fn finish(
             *value = telling(g, (*value, unknowns[i]), &truth, measure);
         }
     }
-    let conditions = conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
-    Preimage { unknowns, tested, conditions, requirements, density, back: None }
+    let conditions: Vec<Id> =
+        conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
+    let n = unknowns.len();
+    Preimage {
+        unknowns,
+        tested,
+        open: conditions.clone(),
+        asked: conditions.clone(),
+        conditions,
+        requirements,
+        density,
+        back: None,
+        borders: vec![None; n],
+        signs: vec![None; n],
+    }
 }
 
 /// The short form of an unknown where it tells, in both precisions, whether that lies in [0, 1), and else the long one.

@@ -5,12 +5,13 @@
 //! are lost, and an own sample has no density.
 
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
-use crate::interval::Interval;
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::Solution;
+
+use super::continuity::{at_ends, continuous};
 
 /// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
 /// in a coordinate between two ends, at which it is not.
@@ -116,58 +117,10 @@ pub(super) fn from_pole_to_pole(
         && [written[k], forms[k]].iter().any(|&x| continuous(g, x, unknown))
 }
 
-/// What an expression is where an unknown is 0, and where it is 1.
-fn at_ends(g: &mut Graph, id: Id, unknown: Leaf) -> [Id; 2] {
-    let u = g.get_leaf(unknown);
-    [0, 1].map(|end| {
-        let end = g.int(end);
-        let there = g.substitute(id, &[(u, end)].into());
-        simplify(g, there, None)
-    })
-}
-
-/// Whether an expression is continuous in an unknown on the closed interval.
-fn continuous(g: &mut Graph, id: Id, u: Leaf) -> bool {
-    match g.node(id).clone() {
-        Node::Leaf(_) | Node::Number(_) | Node::Float(_) | Node::Pi => true,
-        Node::Sum(_, terms) => terms.iter().all(|&(_, t)| continuous(g, t, u)),
-        Node::Product(factors) => factors.iter().all(|&(base, e)| {
-            let Some(e) = g.as_number(e) else { return false };
-            let exists = !e.is_negative() || never_zero(g, base, u);
-            let real = e.is_int() || g.range(base).nonnegative() || proven(g, base, 1);
-            exists && real && continuous(g, base, u)
-        }),
-        Node::Call(f, args) => {
-            let range = g.range(args[0]);
-            let within = match f {
-                Fun::Exp | Fun::ExpM1 | Fun::Sin | Fun::Cos | Fun::Tanh | Fun::Atan => true,
-                Fun::Abs | Fun::Cbrt | Fun::Asinh | Fun::SinPi | Fun::CosPi => true,
-                Fun::Ln => range.lo > 0.0,
-                Fun::Ln1p => range.lo > -1.0,
-                _ => false,
-            };
-            within && args.iter().all(|&a| continuous(g, a, u))
-        }
-        Node::If(..) | Node::Root(_) => false,
-    }
-}
-
-/// Whether an expression is proven to have one sign and no zero: by its range, or because it is linear in `u` and
-/// so at both ends.
-fn never_zero(g: &mut Graph, id: Id, u: Leaf) -> bool {
-    let signs = |range: Interval| (range.lo > 0.0, range.hi < 0.0);
-    if signs(g.range(id)) != (false, false) {
-        return true;
-    }
-    let slope = derivative(g, id, u);
-    let slope = simplify(g, slope, None);
-    let ends = at_ends(g, id, u).map(|there| signs(g.range(there)));
-    !g.has(slope, leaf_bit(u)) && ends[0] == ends[1] && ends[0] != (false, false)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interval::Interval;
     use crate::solve::Condition;
 
     #[test]

@@ -1,5 +1,6 @@
 //! From what was derived to Rust code.
 
+mod border;
 pub mod code;
 pub mod compose;
 mod documentation;
@@ -12,6 +13,7 @@ mod numeric;
 mod own;
 mod peeled;
 mod pieces;
+mod plainly;
 mod powers;
 mod quick;
 mod sampler;

@@ -7,7 +7,7 @@ use super::item::{Emitter, point_type};
 use super::pieces::Place;
 use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
-use crate::expr::{Id, Node, OUTS, UNKNOWNS};
+use crate::expr::{Id, Node, OUTS, UNKNOWNS, leaf_bit};
 use crate::rational::Q;
 
 /// The density at the uniforms, and the densities by way of the other preimages.
@@ -114,14 +114,14 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     let pieces = e.by_piece(|j| {
         let [enter, own, exists] =
             ["enter", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
-        let (image, here) = (image_in(e, j), has_own_density(e, j));
+        let (image, here) = (image_in(e, j), has_density(e, j, &quote!(t)));
         quote! {
             let t = #enter::<R>(&p, &u);
             let (y, known) = #image;
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
             exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
             let d = #own::<R>(&p, &t);
-            let here = #here;
+            let here = taken.and(#here);
             sum = R::select(here, d, sum);
             inner = inner.or(here);
         }
@@ -146,29 +146,29 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     }
 }
 
-/// Where the density `d` of the piece that `taken` says has a value at the unknowns `t`.
-fn has_own_density(e: &Emitter, j: usize) -> TokenStream {
-    if is_tame(e, j) {
-        quote!(taken.and(d.ge(R::ZERO)))
-    } else {
-        quote!(::aether_core::support::all_positive(taken.and(d.ge(R::ZERO)), &t))
-    }
+/// Where the density `d` of a piece has a value at the unknowns `t`. Where one that it depends on is zero, it may only have
+/// a limit.
+fn has_density(e: &Emitter, j: usize, t: &TokenStream) -> TokenStream {
+    let tame = is_tame(e, j);
+    let problem = &e.parsed.pieces[j].problem;
+    let matters = |i: &usize| {
+        let unknown = leaf_bit(problem.unknowns[*i]);
+        !tame && problem.graph.has(e.derived[j].own_density, unknown)
+    };
+    let matter = (0..problem.unknowns.len()).filter(matters);
+    let positive = matter.map(|i| quote!(.and(#t[#i].gt(R::ZERO))));
+    quote!(d.ge(R::ZERO) #(#positive)*)
 }
 
 /// The density `d` at the uniforms, or its limit.
 fn single(e: &Emitter) -> TokenStream {
-    let tame = is_tame(e, 0);
-    if tame && !has_parameters(e, 0) {
+    if is_tame(e, 0) && !has_parameters(e, 0) {
         return quote!(::aether_core::Density::new(d));
     }
     let (image, made) = (image(e), e.point(&quote!(c)));
     // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
     // Jacobian; the density at the point knows it. Parameters may overflow.
-    let inner = if tame {
-        quote!(d.ge(R::ZERO))
-    } else {
-        quote!(::aether_core::support::all_positive(d.ge(R::ZERO), &u))
-    };
+    let inner = has_density(e, 0, &quote!(u));
     quote! {
         let inner = #inner;
         if inner.all() {
@@ -210,12 +210,12 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         } else {
             quote!(<R::Mask as Mask>::TRUE)
         };
-        let here = has_own_density(e, j);
+        let here = has_density(e, j, &quote!(t));
         let taken = format_ident!("own_piece_{j}");
         quote! {
             let t = #enter::<R>(&p, &u);
             let d = #own::<R>(&p, &t);
-            let here = #here;
+            let here = taken.and(#here);
             sum = R::select(here, d, sum);
             inner = inner.or(here);
             at_border = at_border.or(here.and(#ends));
@@ -402,10 +402,11 @@ fn jacobians(e: &Emitter) -> TokenStream {
         } else {
             (quote!(#enter::<R>(&p, &u)), quote!(taken))
         };
+        let here = has_density(e, j, &quote!(t));
         quote! {
             let t = #entered;
             let d = #own::<R>(&p, &t);
-            let here = ::aether_core::support::all_positive(#taken.and(d.ge(R::ZERO)), &t);
+            let here = #taken.and(#here);
             sum = R::select(here, d, sum);
             inner = inner.or(here);
         }

@@ -12,9 +12,6 @@ use crate::eval::evaluate;
 use crate::expr::{Deps, Fun, Graph, Id, Node, leaf_bit};
 use crate::rational::Q;
 
-/// What an upper bound of at most one may be by the rounding of interval arithmetic.
-pub(super) const SURELY_ONE: f64 = 1.0 + 1e-14;
-
 /// How far outside of [0, 1) an unknown is surely no rounding error.
 const FAR: f64 = 0.125;
 
@@ -155,7 +152,7 @@ fn unknown_power(g: &Graph, id: Id) -> Option<(Id, Id)> {
 pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     let g = code.graph();
     let range = g.range(id);
-    let sides = [all || range.lo < 0.0, all || range.hi > SURELY_ONE];
+    let sides = [all || range.lo < 0.0, all || !range.at_most_one()];
     let mut peeled = peel(g, id);
     if peeled.bounds[1].is_none() || peeled.bounds[2].is_none() {
         peeled = peel_nothing(id);

@@ -11,7 +11,7 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
-use super::peeled::{SURELY_ONE, UnitTest, sign_of, unit_test};
+use super::plainly::plainly;
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
@@ -39,7 +39,7 @@ impl Place<'_> {
         let g = &self.problem.graph;
         let settled = |id: Id| {
             let r = g.range(id);
-            r.lo >= 0.0 && r.hi <= SURELY_ONE
+            r.nonnegative() && r.at_most_one()
         };
         let guarded = !self.problem.guards.is_empty();
         let tested = &self.preimage.tested;
@@ -97,16 +97,28 @@ impl<'a> Emitter<'a> {
         functions
     }
 
-    /// What is done in each piece that uniforms `u` take, where `taken` says which of them do.
+    /// What is done in each piece that uniforms `u` take, where `taken` says which of them do. Where every way leads to
+    /// a point, the last one is that of those that take no other.
     pub(super) fn by_piece(&self, then: impl Fn(usize) -> TokenStream) -> TokenStream {
-        let pieces = (0..self.parsed.pieces.len()).map(|j| {
+        let count = self.parsed.pieces.len();
+        let pieces = (0..count).map(|j| {
             let (test, then) = (format_ident!("taken_{j}"), then(j));
+            if self.parsed.total && j + 1 == count {
+                return quote! {
+                    let taken = left;
+                    if taken.any() { #then }
+                };
+            }
             quote! {
-                let taken = #test::<R>(&p, &u);
+                let taken = left.and(#test::<R>(&p, &u));
                 if taken.any() { #then }
+                let left = left.and(taken.not());
             }
         });
-        quote!(#(#pieces)*)
+        quote! {
+            let left = <R::Mask as Mask>::TRUE;
+            #(#pieces)*
+        }
     }
 
     /// The map of uniforms as a whole.
@@ -288,48 +300,7 @@ impl<'a> Emitter<'a> {
         } else {
             quote!(R::ZERO)
         };
-        let plainly = is_unguarded(place).then(|| {
-            let name = format_ident!("plainly_{}", place.number);
-            let mut code = Code::new(g, &at);
-            let mut signs: Vec<(Id, bool)> =
-                preimage.conditions.iter().map(|&c| sign_of(g, c)).collect();
-            signs.sort_unstable();
-            signs.dedup();
-            let signs = signs.into_iter().map(|(c, below)| (code.value(c), below));
-            let (strictly, possibly): (Vec<TokenStream>, Vec<TokenStream>) = signs
-                .map(|(c, below)| match below {
-                    true => (quote!(#c.gt(R::ZERO)), quote!(#c.gt(R::ZERO))),
-                    false => (quote!(#c.ge(#least)), quote!(#c.lt(slack).not())),
-                })
-                .unzip();
-            let requirements: Vec<TokenStream> =
-                preimage.requirements.iter().map(|&c| code.value(c)).collect();
-            let first_lets = code.take_statements();
-            let units: Vec<UnitTest> =
-                checked.iter().map(|&i| unit_test(&mut code, preimage.tested[i], false)).collect();
-            let unit_lets = code.take_statements();
-            let inside = units.iter().map(|unit| &unit.inside);
-            // Of several unknowns, one at an end leaves the others undetermined.
-            let near = match &units[..] {
-                [UnitTest { near: Some(near), .. }] => quote!(#near),
-                _ => quote!(),
-            };
-            quote! {
-                /// Whether the preimage plainly exists, and whether it may.
-                #[inline(always)]
-                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> (R::Mask, R::Mask) {
-                    #first_lets
-                    let exists = <R::Mask as Mask>::TRUE #(.and(#requirements.gt(R::ZERO)))*;
-                    let slack = R::of(-1.0 / 256.0);
-                    let possible = exists #(.and(#possibly))*;
-                    if !possible.any() {
-                        return (possible, possible);
-                    }
-                    #unit_lets
-                    (exists #(.and(#strictly))* #(#inside)*, possible #near)
-                }
-            }
-        });
+        let plainly = is_unguarded(place).then(|| plainly(self, place, &least));
         let back = preimage.back.as_ref().map(|images| {
             let name = format_ident!("back_{}", place.number);
             let mut code = Code::new(g, &at);
@@ -452,7 +423,7 @@ fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
     quote!(<R::Mask as Mask>::TRUE #(#tests)*)
 }
 
-fn input(l: Leaf, unknown: &str) -> TokenStream {
+pub(super) fn input(l: Leaf, unknown: &str) -> TokenStream {
     match l {
         Leaf::Unknown(i) | Leaf::Out(i) => {
             let name = Ident::new(unknown, Span::call_site());

@@ -9,9 +9,11 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::own::exclusive;
-use super::peeled::{passed_on, unit_test};
+use super::peeled::passed_on;
 use super::pieces::{Place, is_unguarded};
-use super::sampler::{about, general_density, value_at};
+use super::plainly::unit_tests;
+use super::sampler::{about, general_density};
+use super::tame::Tame;
 use crate::expr::{Leaf, leaf_bit};
 
 /// Whether nothing but the ends of unknowns limits the pieces, so that there is a quick way.
@@ -26,11 +28,14 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
         return None;
     }
     let (belongs, places) = (e.belongs(), e.places());
-    let each = places.iter().map(|&place| preimage(e, place, &places));
-    let found = places.iter().map(|place| format_ident!("found_{}", place.number));
+    let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
+    let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
+    let [told, found] = ["told", "found"].map(|name| {
+        places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
+    });
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
-    let told = !e.has_surfaces() && places.iter().all(|place| tells_finite(e, *place));
-    let elsewhere = (!told).then(|| {
+    let finite = !e.has_surfaces() && places.iter().all(|place| tells_finite(e, *place));
+    let elsewhere = (!finite).then(|| {
         quote! {
             if !belongs().all() {
                 break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs()) } else { R::ZERO };
@@ -42,8 +47,9 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
         'quick: {
             #elsewhere
             let mut sum = R::ZERO;
-            #(let mut #found = false;)*
-            #(#each)*
+            #(let (mut #told, mut #found) = (false, false);)*
+            #(#plain)*
+            #(#doubtful)*
             sum
         }
     })
@@ -54,10 +60,10 @@ fn tells_finite(e: &Emitter, place: Place) -> bool {
     let (_, m, _) = e.sizes();
     let g = &place.problem.graph;
     let mut code = Code::new(g, &|_| TokenStream::new());
-    let tests = place.checked().into_iter();
-    let tests = tests.map(|i| unit_test(&mut code, place.preimage.tested[i], false).bounded);
+    let tests = unit_tests(place, &mut code).into_iter();
     let mut known = HashMap::new();
-    let told = tests.flatten().fold(0, |all, id| all | passed_on(g, id, &mut known));
+    let told =
+        tests.filter_map(|test| test.bounded).fold(0, |all, id| all | passed_on(g, id, &mut known));
     (0..m).all(|i| told & leaf_bit(Leaf::Out(i as u8)) != 0)
 }
 
@@ -77,16 +83,14 @@ pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
     })
 }
 
-/// Adds the density by way of a preimage, if the point has it; leaves the block if that is not plain.
-fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
+/// Adds the density by way of a preimage, if the point plainly has it.
+fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let (k, j) = (place.number, place.piece);
     let (_, m, _) = e.sizes();
-    let [plainly, found, support, inverse, back] =
-        ["plainly", "found", "support", "inverse", "back"].map(|name| format_ident!("{name}_{k}"));
+    let [plainly, told, found, inverse, back] =
+        ["plainly", "told", "found", "inverse", "back"].map(|name| format_ident!("{name}_{k}"));
     let forward = format_ident!("forward_{j}");
-    let all = quote!(<R::Mask as Mask>::TRUE);
-    let value = value_at(e, place, &all);
-    let near = about(place);
+    let value = positive_density(place, m);
     let on_manifold = place.derived.check_forward.then(|| {
         let (_, _, s) = e.sizes();
         let lies = format_ident!("lies_{k}");
@@ -111,32 +115,58 @@ fn preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
         }
     });
-    let wide = format_ident!("wide_{j}");
-    let confined = place.problem.segments.iter().any(Option::is_some);
-    let wide = confined.then(|| quote!(let ok = ok.and(#wide::<R>(&p));));
-    let inside = if confined { quote!(plain.and(ok).all()) } else { quote!(plain.all()) };
+    let wide = wide(place);
     let accepted = quote! {
         #on_manifold
-        let d = #value;
-        sum += R::select(d.gt(R::ZERO), d, R::ZERO);
+        sum += #value;
         #found = true;
     };
     let leaves = place.derived.check_forward && place.preimage.back.is_some();
     let accepted = if leaves { quote!('inside: { #accepted }) } else { accepted };
     let tested = quote! {
-        let (plain, ok) = #plainly::<R>(&p, &x);
-        #wide
-        if #inside {
-            #accepted
-        } else if ok.any() {
+        #told = #plainly::<R>(&p, &x) #wide .all();
+        if #told { #accepted }
+    };
+    unless_excluded(e, place, &places[..k], tested)
+}
+
+/// The density of a point that plainly has a preimage; zero where the formula is no positive number.
+fn positive_density(place: Place, m: usize) -> TokenStream {
+    let density = format_ident!("density_{}", place.number);
+    if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
+        return quote!({ let d = #density::<R>(&p, &x); R::select(d.gt(R::ZERO), d, R::ZERO) });
+    }
+    quote!(::aether_core::support::density_at::<R, #m>(&x, |x| #density::<R>(&p, x)))
+}
+
+/// Leaves the block if only rounding may have put a point outside of a preimage.
+fn doubtful_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
+    let [possibly, told, support] =
+        ["possibly", "told", "support"].map(|name| format_ident!("{name}_{}", place.number));
+    let (near, wide) = (about(place), wide(place));
+    let tested = quote! {
+        let ok = #possibly::<R>(&p, &x) #wide;
+        if ok.any() {
             let (checked, ..) = #support::<R>(&p, &x);
             if ok.and(#near).any() {
                 break 'quick pdf_anywhere::<R>(p, x, belongs());
             }
         }
     };
-    // A point that has one of two preimages that exclude each other does not have the other.
-    let earlier = places[..place.number].iter().filter(|other| exclusive(e, other, &place));
-    let earlier: Vec<_> = earlier.map(|other| format_ident!("found_{}", other.number)).collect();
-    if earlier.is_empty() { tested } else { quote!(if !(#(#earlier)||*) { #tested }) }
+    unless_excluded(e, place, places, quote!(if !#told { #tested }))
+}
+
+/// That the parameters leave a piece any width, where it is confined.
+fn wide(place: Place) -> Option<TokenStream> {
+    let wide = format_ident!("wide_{}", place.piece);
+    let confined = place.problem.segments.iter().any(Option::is_some);
+    confined.then(|| quote!(.and(#wide::<R>(&p))))
+}
+
+/// What is done unless one of some other preimages has been found, which exclude this one.
+fn unless_excluded(e: &Emitter, place: Place, others: &[Place], then: TokenStream) -> TokenStream {
+    let others = others.iter().filter(|other| other.number != place.number);
+    let exclusive = others.filter(|other| exclusive(e, other, &place));
+    let found: Vec<_> = exclusive.map(|other| format_ident!("found_{}", other.number)).collect();
+    if found.is_empty() { then } else { quote!(if !(#(#found)||*) { #then }) }
 }

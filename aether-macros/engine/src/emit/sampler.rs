@@ -222,11 +222,10 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
         }
     });
     let mostly = if is_unguarded(place) {
-        let plainly = format_ident!("plainly_{k}");
+        let [plainly, possibly] = ["plainly", "possibly"].map(|name| format_ident!("{name}_{k}"));
         quote! {
-            let (#strict, ok) = #plainly::<R>(&p, &x);
-            let ok = ok.and(belongs) #wide;
-            let #strict = #strict.and(ok);
+            let #strict = #plainly::<R>(&p, &x).and(belongs) #wide;
+            let ok = if #strict.all() { #strict } else { #possibly::<R>(&p, &x).and(belongs) #wide };
             let unknowns = || { let (checked, ..) = #support::<R>(&p, &x); checked };
         }
     } else {
@@ -385,10 +384,8 @@ fn density(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     if let Some(support) = e.support {
         let (test, value) = (support.test(), support.value());
-        return quote! {
-            let belongs: R::Mask = #belongs;
-            R::select(belongs #test, #value, R::ZERO)
-        };
+        let belongs = if support.is_bounded() { quote!(<R::Mask as Mask>::TRUE) } else { belongs };
+        return quote!(R::select((#belongs) #test, #value, R::ZERO));
     }
     quick::density(e).unwrap_or_else(|| {
         let density = general_density(e);

@@ -95,6 +95,11 @@ impl Support {
         number(self.density())
     }
 
+    /// Whether no point with other than finite coordinates passes the test.
+    pub(super) fn is_bounded(self) -> bool {
+        self == Support::Disk
+    }
+
     /// Whether a point with finite coordinates `x` belongs to it, where rounding may have moved it.
     pub(super) fn test(self) -> TokenStream {
         match self {

@@ -40,6 +40,8 @@ pub struct Parsed {
     pub signature: Signature,
     /// The map, a piece for each way through its branches that leads to a point.
     pub pieces: Vec<Piece>,
+    /// Whether every way leads to a point.
+    pub total: bool,
     /// The identity expressions of the result's points on surfaces.
     pub identities: Vec<TokenStream>,
     /// Values computed once from the parameters by plain Rust code: `precomputed(…)`.
@@ -88,7 +90,7 @@ pub fn parse(
     errors: &mut Diagnostics,
 ) -> Option<Parsed> {
     let mut reader = Reader { item, signature: &signature, options, errors };
-    let mut pieces = Vec::new();
+    let (mut pieces, mut total) = (Vec::new(), true);
     let mut identities = Vec::new();
     let mut constants = Vec::new();
     let mut next = Some(branch::Way::default());
@@ -106,13 +108,15 @@ pub fn parse(
             identities.clone_from(surfaces);
             constants.clone_from(&first.constants);
             pieces.extend(reader.piece(first)?);
+        } else {
+            total = false;
         }
     }
     if pieces.is_empty() {
         errors.error(&item.sig.ident, "no way through this body leads to a point");
         return None;
     }
-    Some(Parsed { signature, pieces, identities, constants })
+    Some(Parsed { signature, pieces, total, identities, constants })
 }
 
 struct Reader<'a> {

@@ -1,0 +1,131 @@
+//! Tests by which a point plainly has a preimage, and by which it plainly has none.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::border::border_test;
+use super::code::Code;
+use super::item::Emitter;
+use super::peeled::{UnitTest, sign_of, unit_test};
+use super::pieces::{Place, input};
+use crate::derive::Signs;
+use crate::expr::{Id, Leaf};
+
+/// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
+pub(super) fn unit_tests(place: Place, code: &mut Code) -> Vec<UnitTest> {
+    let [borders, others] = units(place);
+    borders.into_iter().chain(others).map(|i| test(place, i, code)).collect()
+}
+
+/// The unknowns that have to be tested: those that are told by a coordinate, and the others.
+fn units(place: Place) -> [Vec<usize>; 2] {
+    let has_border = |i: &usize| place.preimage.borders[*i].is_some();
+    let (borders, others) = place.checked().into_iter().partition(has_border);
+    [borders, others]
+}
+
+fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
+    match (&place.preimage.borders[i], &place.preimage.signs[i]) {
+        (Some(border), _) => border_test(code, border),
+        (None, Some(signs)) => sign_test(code, signs),
+        (None, None) => unit_test(code, place.preimage.tested[i], false),
+    }
+}
+
+fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {
+    let at_least_zero: Vec<TokenStream> =
+        signs.at_least_zero.iter().map(|&id| code.value(id)).collect();
+    let positive: Vec<TokenStream> = signs.positive.iter().map(|&id| code.value(id)).collect();
+    UnitTest {
+        inside: quote!(#(.and(#at_least_zero.ge(R::ZERO)))* #(.and(#positive.gt(R::ZERO)))*),
+        near: None,
+        bounded: signs.bounded,
+    }
+}
+
+/// What decides about the signs of conditions, and whether it stands below a line.
+fn deciding(place: Place, conditions: &[Id]) -> Vec<(Id, bool)> {
+    let g = &place.problem.graph;
+    let mut signs: Vec<(Id, bool)> = conditions.iter().map(|&c| sign_of(g, c)).collect();
+    signs.sort_unstable();
+    signs.dedup();
+    signs
+}
+
+/// Two functions of a point: whether it plainly has the preimage, and whether it may have it. Conditions must be at
+/// `least` this.
+pub(super) fn plainly(e: &Emitter, place: Place, least: &TokenStream) -> TokenStream {
+    let (_, m, p) = e.sizes();
+    let [plainly, possibly] =
+        ["plainly", "possibly"].map(|name| format_ident!("{name}_{}", place.number));
+    let (strict, possible) = (strict_tests(place, least), possible_tests(place));
+    quote! {
+        /// Whether the preimage plainly exists.
+        #[inline(always)]
+        fn #plainly<R: Real>(p: &[R; #p], x: &[R; #m]) -> R::Mask { #strict }
+        /// Whether it may exist where it does not plainly.
+        #[inline(always)]
+        fn #possibly<R: Real>(p: &[R; #p], x: &[R; #m]) -> R::Mask { #possible }
+    }
+}
+
+fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
+    let at = |l: Leaf| input(l, "x");
+    let mut code = Code::new(&place.problem.graph, &at);
+    let required: Vec<TokenStream> =
+        place.preimage.requirements.iter().map(|&c| code.value(c)).collect();
+    let conditions = deciding(place, &place.preimage.asked).into_iter().map(|(c, below)| {
+        match (code.value(c), below) {
+            (c, true) => quote!(.and(#c.gt(R::ZERO))),
+            (c, false) => quote!(.and(#c.ge(#least))),
+        }
+    });
+    let conditions: Vec<TokenStream> = conditions.collect();
+    let [borders, others] = units(place).map(|units| {
+        let inside = units.into_iter().map(|i| test(place, i, &mut code).inside);
+        let inside: TokenStream = inside.collect();
+        (code.take_statements(), inside)
+    });
+    let ((first_lets, borders), (lets, others)) = (borders, others);
+    let others = (!others.is_empty()).then(|| {
+        quote! {
+            if !exists.any() {
+                return exists;
+            }
+            #lets
+            let exists = exists #others;
+        }
+    });
+    quote! {
+        #first_lets
+        let exists =
+            <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #borders;
+        #others
+        exists
+    }
+}
+
+fn possible_tests(place: Place) -> TokenStream {
+    let at = |l: Leaf| input(l, "x");
+    let mut code = Code::new(&place.problem.graph, &at);
+    let required: Vec<TokenStream> =
+        place.preimage.requirements.iter().map(|&c| code.value(c)).collect();
+    let conditions = deciding(place, &place.preimage.open).into_iter().map(|(c, below)| {
+        match (code.value(c), below) {
+            (c, true) => quote!(.and(#c.gt(R::ZERO))),
+            (c, false) => quote!(.and(#c.lt(slack).not())),
+        }
+    });
+    let conditions: Vec<TokenStream> = conditions.collect();
+    // Of several unknowns, one at an end leaves those undetermined that no border tells.
+    let [borders, others] = units(place);
+    let alone = if borders.is_empty() && others.len() == 1 { others } else { vec![] };
+    let near = borders.into_iter().chain(alone);
+    let near: Vec<TokenStream> = near.filter_map(|i| test(place, i, &mut code).near).collect();
+    let lets = code.statements();
+    quote! {
+        #lets
+        let slack = R::of(-1.0 / 256.0);
+        <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #(#near)*
+    }
+}
