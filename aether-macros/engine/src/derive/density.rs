@@ -289,18 +289,6 @@ pub(super) fn finish(
         })
         .collect();
     let mut tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
-    let map: BTreeMap<Id, Id> =
-        problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
-    let requirements = problem
-        .requirements
-        .iter()
-        .map(|&r| {
-            let known = g.substitute(r, &s.known);
-            let known = s.spell_out(g, known);
-            let known = g.substitute(known, &map);
-            if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
-        })
-        .collect();
     let mut unknowns = tested.clone();
     for (i, value) in unknowns.iter_mut().enumerate() {
         let best = best_coordinates(problem, (i, stable[i]), &sums.units, cases, measure);
@@ -315,6 +303,23 @@ pub(super) fn finish(
             *value = telling(g, (*value, unknowns[i]), &truth, measure);
         }
     }
+    let map: BTreeMap<Id, Id> =
+        problem.unknowns.iter().zip(&unknowns).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    // The unknowns themselves as accurate as they can be had: a short form may say nothing of how far they are from zero.
+    let composed: BTreeMap<Id, Id> = {
+        let is_composed = |id: Id| !matches!(g.node(id), Node::Leaf(_));
+        s.known.iter().filter(|(id, _)| is_composed(**id)).map(|(id, v)| (*id, *v)).collect()
+    };
+    let requirements = problem
+        .requirements
+        .iter()
+        .map(|&r| {
+            let known = g.substitute(r, &composed);
+            let known = s.spell_out(g, known);
+            let known = g.substitute(known, &map);
+            if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
+        })
+        .collect();
     let conditions = conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
     Preimage { unknowns, tested, conditions, requirements, density, back: None }
 }
@@ -332,3 +337,26 @@ fn telling(g: &Graph, (short, long): (Id, Id), truth: &[f64], measure: &mut Meas
 
 /// How far off an unknown may be by which a point is told to lie outside: less than the slack of such tests.
 const TELLING: f64 = 1.0 / 16.0;
+
+#[cfg(test)]
+mod tests {
+    use crate::interpret::Item;
+
+    #[test]
+    fn what_is_required_of_an_unknown_is_tested_by_what_tells_it() {
+        // Next to the pole 1 - z is zero, and x and y say how far it is.
+        let text = "fn cap(u: [Uniform; 2], depth: f64) -> Direction {
+            require(u[0] > 1e-18);
+            let h = depth * u[0];
+            let r = (h * (2.0 - h)).sqrt();
+            let phi = TAU * u[1];
+            Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+        }";
+        let domain = "depth in 1e-3..=2.0".parse().unwrap();
+        let item = Item::new(domain, text.parse().unwrap(), true).unwrap();
+        let x = item.forward(&[1e-3], &[1e-16, 0.3]).unwrap();
+        assert_eq!(x[2], 1.0);
+        assert!(item.pdf(&[1e-3], &x) > 0.0);
+        assert_eq!(item.pdf(&[1e-3], &[1e-12, 0.0, 1.0]), 0.0);
+    }
+}
