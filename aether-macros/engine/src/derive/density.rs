@@ -12,7 +12,7 @@ use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
 use crate::jacobian::{cost, simplify};
-use crate::measure::{Loss, Measure, Part};
+use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
 use crate::poly::Expander;
@@ -27,8 +27,13 @@ pub(super) fn pick(
     truth: &[f64],
     measure: &mut Measure,
 ) -> (Id, f64) {
+    let errors: Vec<Errors> = candidates.iter().map(|&c| measure.errors(g, c, truth)).collect();
+    // Points at which no form has a value say nothing of which is better.
+    let told: Vec<bool> =
+        (0..truth.len()).map(|k| errors.iter().any(|e| !e.is_unknown(k))).collect();
+    let losses = errors.iter().map(|e| e.loss_where(&told, true));
     let mut scored: Vec<(Id, Loss, usize)> =
-        candidates.iter().map(|&c| (c, measure.loss(g, c, truth), cost(g, c))).collect();
+        candidates.iter().zip(losses).map(|(&c, loss)| (c, loss, cost(g, c))).collect();
     // What counts first is double precision; single tells those apart that are as good in it.
     for part in 0..2 {
         let least = |f: &dyn Fn(Part) -> f64| {
@@ -340,7 +345,28 @@ const TELLING: f64 = 1.0 / 16.0;
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::interpret::Item;
+    use crate::interval::Interval;
+    use crate::measure::Inputs;
+
+    #[test]
+    fn points_that_no_form_tells_do_not_hide_which_is_accurate() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::new(0.0, 1.0));
+        let one = g.int(1);
+        let more = g.add(one, x);
+        // ln(1 + x) / x, and the same without cancellation: both are 0/0 at zero.
+        let [short, accurate] = [(Fun::Ln, more), (Fun::Ln1p, x)].map(|(f, argument)| {
+            let log = g.call(f, &[argument]);
+            g.div(log, x)
+        });
+        let points: Vec<Inputs> =
+            [0.0, 1e-12].map(|x| Inputs::from_iter([(Leaf::Out(0), x)])).to_vec();
+        let mut measure = Measure::new(points, vec![]);
+        let picked = pick(&mut g, &[short, accurate], &[1.0, 1.0 - 5e-13], &mut measure);
+        assert_eq!(picked.0, accurate);
+    }
 
     #[test]
     fn what_is_required_of_an_unknown_is_tested_by_what_tells_it() {
