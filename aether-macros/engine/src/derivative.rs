@@ -23,6 +23,10 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
             g.sum(Q::ZERO, &t)
         }
         Node::Product(factors) => {
+            if let Some(slope) = slope_of_quotient(g, id, &factors, x) {
+                memo.insert(id, slope);
+                return slope;
+            }
             let mut terms = Vec::new();
             for (b, e) in factors {
                 let db = derive(g, b, x, memo);
@@ -76,6 +80,36 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
     };
     memo.insert(id, d);
     d
+}
+
+/// The slope of a quotient of two expressions that are linear in x, times factors without x: N' D - N D' is that at
+/// zero, and what would cancel in it is not there.
+fn slope_of_quotient(g: &mut Graph, id: Id, factors: &[(Id, Id)], x: Leaf) -> Option<Id> {
+    let open = |g: &Graph, id: Id| g.has(id, leaf_bit(x));
+    let open_factors: Vec<(Id, Id)> =
+        factors.iter().filter(|(b, e)| open(g, *b) || open(g, *e)).copied().collect();
+    let with = |power| open_factors.iter().find(|(_, e)| g.as_number(*e) == Some(Q::int(power)));
+    let (&(top, _), &(bottom, _)) = (with(1)?, with(-1)?);
+    if open_factors.len() != 2 {
+        return None;
+    }
+    let [rise, fall] = [top, bottom].map(|part| derivative(g, part, x));
+    if open(g, rise) || open(g, fall) {
+        return None;
+    }
+    let (zero, leaf) = (g.int(0), g.get_leaf(x));
+    let [above, below] = [top, bottom].map(|part| g.substitute(part, &[(leaf, zero)].into()));
+    if above == zero || below == zero {
+        // Nothing cancels, and the rule for products makes shorter forms.
+        return None;
+    }
+    let (gain, loss) = (g.mul(rise, below), g.mul(above, fall));
+    let change = g.sub(gain, loss);
+    let quotient = g.div(top, bottom);
+    let rest = g.div(id, quotient);
+    let squared = g.powi(bottom, -2);
+    let scale = g.mul(rest, squared);
+    Some(g.mul(scale, change))
 }
 
 /// f'(a), given the node `y` = f(a).
@@ -248,5 +282,28 @@ mod tests {
             }
             assert!((at(d, t) / quotient - 1.0).abs() < 1e-8, "{f:?}");
         }
+    }
+
+    #[test]
+    fn in_the_slope_of_a_linear_fraction_nothing_cancels() {
+        let mut g = Graph::new();
+        let leaf = Leaf::Unknown(0);
+        let u = g.leaf(leaf, "u", Interval::new(0.0, 1.0));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|i| g.leaf(Leaf::Param(i), "abcd", Interval::ALL));
+        let linear = |g: &mut Graph, start: Id, slope: Id| {
+            let rest = g.mul(slope, u);
+            g.add(start, rest)
+        };
+        let (top, bottom) = (linear(&mut g, a, b), linear(&mut g, c, d));
+        let fraction = g.div(top, bottom);
+        let found = derivative(&mut g, fraction, leaf);
+        let (gain, loss) = (g.mul(b, c), g.mul(a, d));
+        let change = g.sub(gain, loss);
+        let squared = g.powi(bottom, 2);
+        assert_eq!(found, g.div(change, squared));
+        // Where nothing would cancel, the rule for products is as good.
+        let ratio = g.div(u, bottom);
+        let found = derivative(&mut g, ratio, leaf);
+        assert!(matches!(g.node(found), Node::Sum(..)));
     }
 }

@@ -18,6 +18,7 @@ mod signs;
 mod staged;
 mod strays;
 mod through;
+mod turned;
 mod units;
 
 use std::collections::BTreeMap;
@@ -179,6 +180,13 @@ pub struct Derived {
 
 /// Derives and verifies. The error is a text for the user.
 pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
+    match turned::turned(problem) {
+        Some(turned) => turned.derive(problem, derive_as_written),
+        None => derive_as_written(problem),
+    }
+}
+
+fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
     crate::poly::start_budget();
     let targets = declare_outputs(problem);
     all_used(problem)?;

@@ -158,7 +158,7 @@ impl Measure {
                 Some(0.0)
             } else {
                 let e = self.scaled(k, ((v - t) / t).abs());
-                Some(if e.is_finite() { e } else { 1e300 })
+                Some(if e.is_finite() { e } else { NO_VALUE })
             };
             if let Some(e) = error
                 && e > worst
@@ -176,6 +176,9 @@ impl Measure {
 fn held(t: f64) -> bool {
     t == 0.0 || (f64::from(f32::MIN_POSITIVE)..=f64::from(f32::MAX)).contains(&t.abs())
 }
+
+/// The relative error of what is no number.
+const NO_VALUE: f64 = 1e300;
 
 /// Relative errors of a form, one a point. Points whose truth is not finite are left out, and a value that is
 /// no number is infinitely wrong.
@@ -197,6 +200,11 @@ impl Errors {
     /// At a point; zero where there is no truth.
     pub fn at(&self, k: usize) -> f64 {
         self.errors[k].unwrap_or(0.0)
+    }
+
+    /// Whether the form has no value at a point.
+    pub fn is_unknown(&self, k: usize) -> bool {
+        self.errors[k] == Some(NO_VALUE)
     }
 
     /// Over all points.

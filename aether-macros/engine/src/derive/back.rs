@@ -12,13 +12,22 @@ use crate::measure::Measure;
 use crate::rational::Q;
 use crate::solve::Solution;
 
-/// 1 - x, where x has the form c / (1 + c): the inverse of 1 + c.
+/// 1 - x, where x is a part of a whole, a / (a + b): the rest of it, b / (a + b).
 fn complement(g: &mut Graph, x: Id) -> Option<Id> {
     let Node::Product(factors) = g.node(x).clone() else { return None };
-    factors.into_iter().find_map(|(base, _)| {
-        let c = g.mul(x, base);
-        (g.sum(Q::ONE, &[(Q::ONE, c)]) == base).then(|| g.powi(base, -1))
+    factors.into_iter().find_map(|(whole, _)| {
+        let part = g.mul(x, whole);
+        let rest = g.sub(whole, part);
+        (terms(g, part) + terms(g, rest) == terms(g, whole)).then(|| g.div(rest, whole))
     })
+}
+
+/// How many terms a sum has; anything else is one.
+fn terms(g: &Graph, id: Id) -> usize {
+    match g.node(id) {
+        Node::Sum(c, terms) => terms.len() + usize::from(!c.is_zero()),
+        _ => 1,
+    }
 }
 
 /// Each coordinate of the image of the unknowns that a point has; `None` where that costs as much as to compute
@@ -75,5 +84,11 @@ mod tests {
         let other = g.div(a, whole);
         assert_eq!(complement(&mut g, other), None);
         assert_eq!(complement(&mut g, a), None);
+        // A part of a whole of several terms.
+        let d = g.leaf(Leaf::Out(2), "z", Interval::new(0.0, 9.0));
+        let part = g.add(a, b);
+        let whole = g.add(part, d);
+        let (x, rest) = (g.div(part, whole), g.div(d, whole));
+        assert_eq!(complement(&mut g, x), Some(rest));
     }
 }

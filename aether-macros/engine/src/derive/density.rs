@@ -12,7 +12,7 @@ use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
 use crate::jacobian::{cost, simplify};
-use crate::measure::{Loss, Measure, Part};
+use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
 use crate::poly::Expander;
@@ -27,8 +27,13 @@ pub(super) fn pick(
     truth: &[f64],
     measure: &mut Measure,
 ) -> (Id, f64) {
+    let errors: Vec<Errors> = candidates.iter().map(|&c| measure.errors(g, c, truth)).collect();
+    // Points at which no form has a value say nothing of which is better.
+    let told: Vec<bool> =
+        (0..truth.len()).map(|k| errors.iter().any(|e| !e.is_unknown(k))).collect();
+    let losses = errors.iter().map(|e| e.loss_where(&told, true));
     let mut scored: Vec<(Id, Loss, usize)> =
-        candidates.iter().map(|&c| (c, measure.loss(g, c, truth), cost(g, c))).collect();
+        candidates.iter().zip(losses).map(|(&c, loss)| (c, loss, cost(g, c))).collect();
     // What counts first is double precision; single tells those apart that are as good in it.
     for part in 0..2 {
         let least = |f: &dyn Fn(Part) -> f64| {
@@ -289,18 +294,6 @@ pub(super) fn finish(
         })
         .collect();
     let mut tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
-    let map: BTreeMap<Id, Id> =
-        problem.unknowns.iter().zip(&tested).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
-    let requirements = problem
-        .requirements
-        .iter()
-        .map(|&r| {
-            let known = g.substitute(r, &s.known);
-            let known = s.spell_out(g, known);
-            let known = g.substitute(known, &map);
-            if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
-        })
-        .collect();
     let mut unknowns = tested.clone();
     for (i, value) in unknowns.iter_mut().enumerate() {
         let best = best_coordinates(problem, (i, stable[i]), &sums.units, cases, measure);
@@ -315,6 +308,23 @@ pub(super) fn finish(
             *value = telling(g, (*value, unknowns[i]), &truth, measure);
         }
     }
+    let map: BTreeMap<Id, Id> =
+        problem.unknowns.iter().zip(&unknowns).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    // The unknowns themselves as accurate as they can be had: a short form may say nothing of how far they are from zero.
+    let composed: BTreeMap<Id, Id> = {
+        let is_composed = |id: Id| !matches!(g.node(id), Node::Leaf(_));
+        s.known.iter().filter(|(id, _)| is_composed(**id)).map(|(id, v)| (*id, *v)).collect()
+    };
+    let requirements = problem
+        .requirements
+        .iter()
+        .map(|&r| {
+            let known = g.substitute(r, &composed);
+            let known = s.spell_out(g, known);
+            let known = g.substitute(known, &map);
+            if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
+        })
+        .collect();
     let conditions: Vec<Id> =
         conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();
     let n = unknowns.len();
@@ -345,3 +355,47 @@ fn telling(g: &Graph, (short, long): (Id, Id), truth: &[f64], measure: &mut Meas
 
 /// How far off an unknown may be by which a point is told to lie outside: less than the slack of such tests.
 const TELLING: f64 = 1.0 / 16.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpret::Item;
+    use crate::interval::Interval;
+    use crate::measure::Inputs;
+
+    #[test]
+    fn points_that_no_form_tells_do_not_hide_which_is_accurate() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::new(0.0, 1.0));
+        let one = g.int(1);
+        let more = g.add(one, x);
+        // ln(1 + x) / x, and the same without cancellation: both are 0/0 at zero.
+        let [short, accurate] = [(Fun::Ln, more), (Fun::Ln1p, x)].map(|(f, argument)| {
+            let log = g.call(f, &[argument]);
+            g.div(log, x)
+        });
+        let points: Vec<Inputs> =
+            [0.0, 1e-12].map(|x| Inputs::from_iter([(Leaf::Out(0), x)])).to_vec();
+        let mut measure = Measure::new(points, vec![]);
+        let picked = pick(&mut g, &[short, accurate], &[1.0, 1.0 - 5e-13], &mut measure);
+        assert_eq!(picked.0, accurate);
+    }
+
+    #[test]
+    fn what_is_required_of_an_unknown_is_tested_by_what_tells_it() {
+        // Next to the pole 1 - z is zero, and x and y say how far it is.
+        let text = "fn cap(u: [Uniform; 2], depth: f64) -> Direction {
+            require(u[0] > 1e-18);
+            let h = depth * u[0];
+            let r = (h * (2.0 - h)).sqrt();
+            let phi = TAU * u[1];
+            Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - h)
+        }";
+        let domain = "depth in 1e-3..=2.0".parse().unwrap();
+        let item = Item::new(domain, text.parse().unwrap(), true).unwrap();
+        let x = item.forward(&[1e-3], &[1e-16, 0.3]).unwrap();
+        assert_eq!(x[2], 1.0);
+        assert!(item.pdf(&[1e-3], &x) > 0.0);
+        assert_eq!(item.pdf(&[1e-3], &[1e-12, 0.0, 1.0]), 0.0);
+    }
+}

@@ -23,6 +23,9 @@ use crate::stabilise::{GOOD, stabilise_to};
 const GAIN: f64 = 0.5;
 /// The same for the worst error near the pole, as a factor.
 const LEAP: f64 = 16.0;
+/// By what factor the worst errors of two forms differ by chance: where the unknown itself is ill-conditioned, either is
+/// what the rounding of the point makes of it.
+const CHANCE: f64 = 1.0625;
 
 /// The depth below a pole, while forms are made.
 const DEPTH: Leaf = Leaf::Unknown(22);
@@ -55,10 +58,14 @@ pub(super) fn best_forms(
         for side in [Q::ONE, Q::int(-1)] {
             let form = near_pole(g, (value, best), (unit, k), side, measure);
             let Some(form) = form else { continue };
-            let near: Vec<bool> = measure.points().iter().map(|p| beyond(p, k, side)).collect();
             let (old, new) = (measure.errors(g, best, truth), measure.errors(g, form, truth));
+            // Where neither has a value, as for an angle right at the pole, they are alike.
+            let told: Vec<bool> =
+                (0..truth.len()).map(|i| !(old.is_unknown(i) && new.is_unknown(i))).collect();
+            let points = measure.points().iter().zip(&told);
+            let near: Vec<bool> = points.map(|(p, &told)| told && beyond(p, k, side)).collect();
             let (wholly, nearby) = (
-                (old.loss(), new.loss()),
+                (old.loss_where(&told, true), new.loss_where(&told, true)),
                 (old.loss_where(&near, true), new.loss_where(&near, true)),
             );
             let gains = |part: usize| {
@@ -72,7 +79,8 @@ pub(super) fn best_forms(
             };
             let loses = |part: usize| {
                 let (old, new) = (wholly.0.parts()[part], wholly.1.parts()[part]);
-                new.bits > old.bits + 0.1 || new.worst > old.worst.max(16.0 * f64::EPSILON)
+                let worst = CHANCE * old.worst;
+                new.bits > old.bits + 0.1 || new.worst > worst.max(16.0 * f64::EPSILON)
             };
             // A gain in single precision must not cost anything in double.
             if gains(0) || gains(1) && !loses(0) {
@@ -154,11 +162,22 @@ fn in_depth(g: &mut Graph, id: Id, coordinate: Id, height: Id, memo: &mut Map<Id
             let args: Vec<_> = args.into_iter().map(|a| part(g, a)).collect();
             g.call(f, &args)
         }
+        Node::If(test, yes, no) if !tells_a_side(g, test) => {
+            let [test, yes, no] = [test, yes, no].map(|id| part(g, id));
+            g.if_positive(test, yes, no)
+        }
         // What was decided for another side of the sphere stays.
         _ => id,
     };
     memo.insert(id, made);
     made
+}
+
+/// Whether a test is one of those that [`near_pole`] makes.
+fn tells_a_side(g: &Graph, test: Id) -> bool {
+    let Node::Sum(c, terms) = g.node(test) else { return false };
+    let is_out = |id: Id| matches!(g.node(id), Node::Leaf(Leaf::Out(_)));
+    *c == Q::HALF.neg() && matches!(terms[..], [(_, x)] if is_out(x))
 }
 
 /// A sum by powers of the depth, if it is a quotient of polynomials in it.
@@ -175,4 +194,30 @@ fn by_powers(g: &mut Graph, sum: Id) -> Option<Id> {
     let top = g.sum(Q::ZERO, &terms);
     let bottom = Expander::new(g).to_expr(&bottom);
     Some(g.mul(top, bottom))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_sides_of_a_choice_are_in_terms_of_the_depth() {
+        let mut g = Graph::new();
+        let signed = Interval::new(-1.0, 1.0);
+        let [x, z] = [0, 2].map(|i| g.leaf(Leaf::Out(i), ["x", "y", "z"][i as usize], signed));
+        let d = g.leaf(DEPTH, "depth", Interval::new(0.0, 0.5));
+        let height = g.sum(Q::ONE, &[(Q::int(-1), d)]);
+        let to_depth = |g: &mut Graph, id| in_depth(g, id, z, height, &mut Map::default());
+        let below = g.sum(Q::ONE, &[(Q::int(-1), z)]);
+        let roots = [g.sqrt(below), g.sqrt(d)];
+        let [written, expected] = roots.map(|root| {
+            let product = g.mul(x, root);
+            g.if_positive(x, product, root)
+        });
+        assert_eq!(to_depth(&mut g, written), expected);
+        // A side that was decided for another coordinate stays.
+        let test = g.sum(Q::HALF.neg(), &[(Q::ONE, x)]);
+        let decided = g.if_positive(test, below, x);
+        assert_eq!(to_depth(&mut g, decided), decided);
+    }
 }

@@ -338,7 +338,9 @@ impl<'a> Code<'a> {
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
         let shared = self.shared_powers(factors);
-        parts.top.extend(shared.iter().map(|&power| self.power_of_quotient(factors, power)));
+        parts.top.extend(shared.iter().map(|&power| {
+            self.power_of_quotient(factors, |q| Some(power) == power_below(q, &shared), power)
+        }));
         let sum = self.sum_over_sum(factors);
         for (b, e) in factors {
             if sum == Some(*b) {
@@ -351,7 +353,7 @@ impl<'a> Code<'a> {
                 base = quote!(::aether_core::support::not_negative(#base));
             }
             match exponent {
-                Some(q) if shared.contains(&q.abs()) => {}
+                Some(q) if power_below(q, &shared).is_some() => {}
                 Some(q) if q.abs() == Q::HALF && roots == 1 => {
                     let root = self.root(*b, &base);
                     parts.push_whole(root, q.is_negative());
@@ -396,12 +398,18 @@ impl<'a> Code<'a> {
     }
 
     /// The factors with this power, above and below the line, as a power of the quotient: it stays in range
-    /// where the powers do not.
-    fn power_of_quotient(&self, factors: &[(Id, Id)], power: Q) -> TokenStream {
+    /// where the powers do not. So do those with a multiple of it.
+    fn power_of_quotient(
+        &self,
+        factors: &[(Id, Id)],
+        is_in: impl Fn(Q) -> bool,
+        power: Q,
+    ) -> TokenStream {
         let mut quotient = Parts::default();
         for (b, e) in factors {
-            if let Some(q) = self.graph.as_number(*e).filter(|q| q.abs() == power) {
-                quotient.push_whole(self.reference(*b), q.is_negative());
+            if let Some(q) = self.graph.as_number(*e).filter(|&q| is_in(q)) {
+                let times = integer_power(&self.reference(*b), q.num().abs() / power.num());
+                quotient.push_whole(times, q.is_negative());
             }
         }
         let (quotient, power_of) = (quotient.finish(), integer_power(&quote!(q), power.num()));
@@ -510,6 +518,13 @@ fn joined(factors: &[TokenStream]) -> TokenStream {
     factors.fold(first.clone(), |product, f| quote!(#product * #f))
 }
 
+/// Which of some powers a whole exponent is a multiple of: of that itself, if it is among them.
+fn power_below(exponent: Q, powers: &[Q]) -> Option<Q> {
+    let divides = |power: &Q| exponent.is_int() && exponent.num() % power.num() == 0;
+    let same = powers.iter().find(|&&power| power == exponent.abs());
+    same.or_else(|| powers.iter().find(|power| divides(power))).copied()
+}
+
 fn integer_power(base: &TokenStream, n: i128) -> TokenStream {
     match n {
         1 => quote!(#base),
@@ -587,5 +602,37 @@ fn method(f: Fun) -> &'static str {
         Fun::Cbrt => "cbrt",
         // All others are written by `expression`.
         _ => "abs",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn higher_powers_are_divided_before_they_are_raised() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));
+        let powers = [(a, 2), (b, -2), (c, 6)].map(|(base, e)| g.powi(base, e));
+        let product = powers.into_iter().reduce(|product, power| g.mul(product, power)).unwrap();
+        let leaf = |leaf: Leaf| format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap();
+        let mut code = Code::new(&g, &leaf);
+        let value = code.value(product);
+        let text = format!("{} {value}", code.statements()).replace(' ', "");
+        assert!(
+            text.contains("letq=Param_0_*(Param_2_*Param_2_*Param_2_)/Param_1_;(q*q)"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn exponents_belong_to_one_power() {
+        let powers = [2, 4, 3].map(Q::int);
+        assert_eq!(power_below(Q::int(-4), &powers), Some(Q::int(4)));
+        assert_eq!(power_below(Q::int(6), &powers), Some(Q::int(2)));
+        assert_eq!(power_below(Q::int(9), &powers), Some(Q::int(3)));
+        assert_eq!(power_below(Q::int(-1), &powers), None);
+        assert_eq!(power_below(Q::HALF, &powers), None);
     }
 }
