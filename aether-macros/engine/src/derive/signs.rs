@@ -211,15 +211,15 @@ mod tests {
         let more = g.add(one, square);
         let share = g.div(square, more);
         let (found, _) = find_signs(&mut g, &[(share, [true, true])], &[]);
-        let signs = found[0].as_ref().expect("no test at all");
-        assert!(signs.positive.is_empty() && signs.at_least_zero.is_empty());
+        let none = found[0].as_ref().expect("no test at all");
+        assert!(none.positive.is_empty() && none.at_least_zero.is_empty());
         // Half of one and x / z, where z is positive.
         let half = Q::HALF;
         let place = g.sum(half, &[(half, ratio)]);
-        let signs = signs(&mut g, place, [true, true], &[z]);
+        let told = signs(&mut g, place, [true, true], &[z]);
         let [low, high] = [g.add(z, x), g.sub(z, x)];
-        assert_eq!((&signs.at_least_zero[..], &signs.positive[..]), (&[low][..], &[high][..]));
-        assert_eq!(signs.bounded, None);
+        assert_eq!((&told.at_least_zero[..], &told.positive[..]), (&[low][..], &[high][..]));
+        assert_eq!(told.bounded, None);
     }
 
     #[test]
