@@ -310,8 +310,8 @@ pub fn merged<R: Real, const N: usize>(
 }
 
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
-/// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map
-/// leads back to the point whatever its value.
+/// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner; or over a divisor of zero whose
+/// error is larger) is legal if the map leads back to the point whatever its value.
 #[cold]
 pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
@@ -324,7 +324,7 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
-        if v.is_nan() {
+        if v.is_nan() || v.is_infinite() && !e.is_finite() {
             undetermined = true;
             tracked[i] = R::Tracked::ZERO;
             continue;
@@ -490,6 +490,7 @@ pub fn add_logs<R: Real>(a: R, b: R) -> R {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounded::Bounded;
 
     #[test]
     fn what_rounding_explains_is_not_far_from_an_interval() {
@@ -506,5 +507,24 @@ mod tests {
         assert_eq!(density_at(&[0.0], ratio), 1.0);
         assert_eq!(density_at(&[3.5], ratio), 0.0);
         assert_eq!(density_at(&[1.0], ratio), 1.0_f64.sin());
+    }
+
+    /// The uniforms of a triangle with the sides (0, 1) and (1, 0) from its corner at (1, 0), and the map back.
+    fn recovered_in_triangle(x: [f64; 2]) -> Option<[f64; 2]> {
+        let [a, b] = track(&x);
+        let s = Bounded::ONE - a;
+        recover::<f64, 2, 2>([s, b / s], &x, |u| [Bounded::ONE - u[0], u[0] * u[1]])
+    }
+
+    #[test]
+    fn next_to_a_corner_a_quotient_over_zero_is_as_good_as_undetermined() {
+        assert!(recovered_in_triangle([0.5, 0.2]).is_some());
+        assert!(recovered_in_triangle([0.5, 0.6]).is_none());
+        // 1 - x is rounded to zero, and what is over it is no zero.
+        assert!(recovered_in_triangle([1.0, 1e-20]).is_some());
+        assert!(recovered_in_triangle([1.0, 1e-12]).is_none());
+        // An infinite number that is known to be one is outside.
+        let infinite = [Bounded::exact(f64::INFINITY)];
+        assert!(recover::<f64, 1, 1>(infinite, &[0.0], |_| [Bounded::ZERO]).is_none());
     }
 }
