@@ -1,7 +1,7 @@
 //! Tests of unknowns as signs of shorter expressions: a / b < 1 is b - a > 0 where b is known to be positive, and
 //! neither the quotient nor a power of it need be computed. What follows from the other tests is not asked.
 
-use crate::expr::{Graph, Id, Node, OUTS};
+use crate::expr::{Fun, Graph, Id, Node, OUTS, children};
 use crate::jacobian::cost_together;
 use crate::rational::Q;
 
@@ -159,7 +159,10 @@ fn without_some(
     let mut divisors = g.factors(term);
     divisors.retain(|&(base, e)| {
         let whole = g.as_number(e).filter(|e| e.is_int() && e.is_negative());
-        whole.is_some_and(|e| wanted(g, (base, e)) && (e.is_even() || follows(g, base, known)))
+        // What overflows divides to no number, which the quotient tells.
+        let tame = !overflows(g, base);
+        tame && whole
+            .is_some_and(|e| wanted(g, (base, e)) && (e.is_even() || follows(g, base, known)))
     });
     if divisors.is_empty() {
         return id;
@@ -174,6 +177,12 @@ fn without_some(
         (Some(c), Some(q)) => g.sum(Q::ZERO, &[(c, divisor), (q, top)]),
         _ => id,
     }
+}
+
+/// Whether there are exponentials in an expression.
+fn overflows(g: &Graph, id: Id) -> bool {
+    let grows = matches!(g.node(id), Node::Call(Fun::Exp | Fun::ExpM1 | Fun::Sinh | Fun::Cosh, _));
+    grows || children(g.node(id)).into_iter().any(|part| overflows(g, part))
 }
 
 #[cfg(test)]
@@ -220,6 +229,17 @@ mod tests {
         let [low, high] = [g.add(z, x), g.sub(z, x)];
         assert_eq!((&told.at_least_zero[..], &told.positive[..]), (&[low][..], &[high][..]));
         assert_eq!(told.bounded, None);
+    }
+
+    #[test]
+    fn an_exponential_that_may_overflow_stays_a_divisor() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::ALL);
+        let (one, e) = (g.int(1), g.call(Fun::Exp, &[x]));
+        let more = g.add(one, e);
+        let logistic = g.div(e, more);
+        let told = signs(&mut g, logistic, [true, true], &[]);
+        assert_eq!(told.positive, [g.sub(one, logistic)]);
     }
 
     #[test]
