@@ -501,3 +501,12 @@ fn maps_that_did_not_compile_have_their_density() {
     assert_eq!(square_and_itself().pdf(&2.5).value(), 0.0);
     assert_eq!(square_and_itself().pdf(&-0.1).value(), 0.0);
 }
+
+#[test]
+fn the_last_uniform_of_a_piece_is_not_rounded_to_its_end() {
+    // In f32, (u - 0.35) / 0.65 of the last uniform is one, and the direction had no height.
+    let sampler = mixture::<f32>(0.35, 8.0).unwrap();
+    let sample = sampler.sample([1.0 - f32::EPSILON / 2.0, 0.25]);
+    assert!(sample.value().z > 0.0);
+    assert!(sample.pdf().value() > 0.0 && sampler.pdf(&sample).value() > 0.0);
+}

@@ -258,9 +258,21 @@ impl<'a> Emitter<'a> {
             let i = Literal::usize_unsuffixed(i);
             quote!(#name[#i])
         };
+        // Differences of numbers with few binary digits are not rounded, nor is one from zero.
+        let exact = |i: usize| {
+            let few = |id: Id| problem.graph.as_number(id).filter(|q| q.den().count_ones() == 1);
+            let segment = problem.segments.get(i).copied().flatten();
+            segment.is_some_and(|s| {
+                few(s.low).is_some_and(|low| low.is_zero() || few(s.width).is_some())
+            })
+        };
         let into = ends.iter().enumerate().map(|(i, s)| {
             let u = place("u", i);
-            s.as_ref().map_or(u.clone(), |(low, width)| quote!((#u - #low) / (#width)))
+            s.as_ref().map_or(u.clone(), |(low, width)| {
+                let place = quote!((#u - #low) / (#width));
+                // Below its end a uniform may be so near to it that its place is rounded up to one.
+                if exact(i) { place } else { quote!(::aether_core::support::unit(#place)) }
+            })
         });
         let out = ends.iter().enumerate().map(|(i, s)| {
             let t = place("t", i);
