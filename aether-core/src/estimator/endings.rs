@@ -13,6 +13,9 @@ use crate::work::count_densities;
 /// The precision of an integrand.
 type RealOf<I> = <<I as PathIntegrand>::Vertex as Vertex>::Real;
 
+/// A last vertex that carries something, and what it carries.
+type Found<I> = (Drawn<<I as PathIntegrand>::Vertex>, Met<RealOf<I>, <I as PathIntegrand>::Value>);
+
 /// How the paths along a walk may end.
 #[derive(Clone, Debug)]
 pub struct Endings<'t, S, P> {
@@ -178,7 +181,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         &self,
         fork: &Fork<'_, I::Vertex>,
         Met { density, carried }: Met<RealOf<I>, I::Value>,
-    ) -> Option<(Drawn<I::Vertex>, Met<RealOf<I>, I::Value>)> {
+    ) -> Option<Found<I>> {
         let Fork { tape, place, .. } = *fork;
         let carried = carried.multiply(self.integrand.end(PathView::of_unfolded(tape, place)));
         if carried.is_zero() {
@@ -198,7 +201,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         strategy: &S,
         carried: I::Value,
         uniforms: &mut U,
-    ) -> Option<(Drawn<I::Vertex>, Met<RealOf<I>, I::Value>)>
+    ) -> Option<Found<I>>
     where
         S: Strategy<I::Vertex>,
         U: UniformSource<RealOf<I>> + ?Sized,
