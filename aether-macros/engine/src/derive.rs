@@ -157,6 +157,18 @@ pub struct Preimage {
     pub asked: Vec<Id>,
 }
 
+impl Preimage {
+    /// All that is computed of a point to see whether it has this preimage, and with which density.
+    fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
+        let lists = [&mut self.unknowns, &mut self.tested, &mut self.conditions];
+        let more = [&mut self.requirements, &mut self.open, &mut self.asked];
+        let borders = self.borders.iter_mut().flatten().flat_map(Border::expressions);
+        let signs = self.signs.iter_mut().flatten().flat_map(Signs::expressions);
+        let lists = lists.into_iter().chain(more).flatten();
+        lists.chain(borders).chain(signs).chain([&mut self.density])
+    }
+}
+
 /// Everything that was derived.
 pub struct Derived {
     /// The outputs in their most accurate form.

@@ -26,6 +26,17 @@ pub struct Border {
     pub rising: bool,
 }
 
+impl Border {
+    /// All that is computed to see on which side of it a point lies.
+    pub(super) fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
+        let ends = self.ends.iter_mut().filter_map(|end| match end {
+            Limit::At(id) => Some(id),
+            Limit::Below | Limit::Above => None,
+        });
+        ends.chain([&mut self.coordinate])
+    }
+}
+
 /// Finds the borders of the unknowns of a sampler's only preimage, which is that of the solution `s`; `forward` are the
 /// coordinates in another form. Where parameters decide which end is the lower one, the place between them is what is
 /// tested.

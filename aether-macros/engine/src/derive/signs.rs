@@ -16,6 +16,14 @@ pub struct Signs {
     pub bounded: Option<Id>,
 }
 
+impl Signs {
+    /// All that is computed to tell.
+    pub(super) fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
+        let Signs { at_least_zero, positive, bounded } = self;
+        at_least_zero.iter_mut().chain(positive).chain(bounded)
+    }
+}
+
 /// The signs that tell of each of some unknowns whether it lies in [0, 1), where they are shorter than it, and those of
 /// the conditions that do not follow from them; a side that is not asked for need not be tested.
 pub(super) fn find_signs(

@@ -79,10 +79,7 @@ impl Turned {
         derived.steps.insert(0, format!("in the frame: {}", names.join(", ")));
         let values: BTreeMap<Id, Id> = x.into_iter().zip(inside).collect();
         for preimage in &mut derived.preimages {
-            let lists = [&mut preimage.unknowns, &mut preimage.tested];
-            let tests = [&mut preimage.conditions, &mut preimage.requirements];
-            let numbers = lists.into_iter().chain(tests).flatten();
-            for id in numbers.chain([&mut preimage.density]) {
+            for id in preimage.expressions() {
                 let range = g.range(*id);
                 *id = g.substitute(*id, &values);
                 // What was known of it is known of no sum.
@@ -106,7 +103,7 @@ impl Turned {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Fun;
+    use crate::expr::{Fun, OUTS, leaf_bit};
     use crate::interpret::Item;
 
     #[test]
@@ -131,6 +128,25 @@ mod tests {
         assert!((item.pdf(&p, &x) / expected - 1.0).abs() < 1e-12);
         // The same height about another axis is outside.
         assert_eq!(item.pdf(&p, &[x[0], x[2], x[1]]), 0.0);
+    }
+
+    #[test]
+    fn what_tells_of_a_point_is_told_of_it_in_the_frame() {
+        let text = "fn lobe(u: [Uniform; 2], frame: Frame) -> Direction {
+            let r = u[0].sqrt();
+            let phi = TAU * u[1];
+            let local = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - u[0]).sqrt());
+            Direction::from_vec(frame.to_world(local))
+        }";
+        let domain = "".parse().unwrap();
+        let mut item = Item::new(domain, text.parse().unwrap(), true).unwrap();
+        let frame = (0..9).fold(0, |bits, k| bits | leaf_bit(Leaf::Param(k)));
+        let preimage = &mut item.derived[0].preimages[0];
+        let of_point: Vec<Id> = preimage.expressions().map(|id| *id).collect();
+        let g = &item.parsed.pieces[0].problem.graph;
+        for id in of_point.into_iter().filter(|id| g.has(*id, OUTS)) {
+            assert!(g.has(id, frame), "{}", show(g, id));
+        }
     }
 
     #[test]

@@ -361,9 +361,17 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             .then(|| quote!(.or(::aether_core::support::lanes_of::<R, #n>(&#recovered))));
         quote!(|| #strict #earlier.lane(i))
     });
-    let excluded = places[..k].iter().filter(|other| exclusive(e, other, &place)).map(|other| {
-        let recovered = format_ident!("recovered_{}", other.number);
-        quote!(.filter(|_| !::aether_core::support::lanes_of::<R, #n>(&#recovered).lane(i)))
+    // What plainly has an earlier preimage that excludes this one is not open here.
+    let excluding = places.iter().filter(|other| other.number != k && exclusive(e, other, &place));
+    let excluded = excluding.map(|other| {
+        let [strict, recovered] =
+            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
+        let is_there = if other.number < k {
+            quote!(::aether_core::support::lanes_of::<R, #n>(&#recovered))
+        } else {
+            quote!(#strict)
+        };
+        quote!(.filter(|_| !#is_there.lane(i)))
     });
     let alone = (places.len() > 1).then(|| {
         quote! {
