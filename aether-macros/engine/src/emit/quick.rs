@@ -123,8 +123,13 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     };
     let leaves = place.derived.check_forward && place.preimage.back.is_some();
     let accepted = if leaves { quote!('inside: { #accepted }) } else { accepted };
+    // Of several lanes some may lie on a border, where an earlier preimage has them.
+    let others = excluding(e, place, &places[..k]).map(|other| {
+        let plainly = format_ident!("plainly_{}", other.number);
+        quote!(.and(#plainly::<R>(&p, &x).not()))
+    });
     let tested = quote! {
-        #told = #plainly::<R>(&p, &x) #wide .all();
+        #told = #plainly::<R>(&p, &x) #wide #(#others)* .all();
         if #told { #accepted }
     };
     unless_excluded(e, place, &places[..k], tested)
@@ -165,8 +170,17 @@ fn wide(place: Place) -> Option<TokenStream> {
 
 /// What is done unless one of some other preimages has been found, which exclude this one.
 fn unless_excluded(e: &Emitter, place: Place, others: &[Place], then: TokenStream) -> TokenStream {
-    let others = others.iter().filter(|other| other.number != place.number);
-    let exclusive = others.filter(|other| exclusive(e, other, &place));
-    let found: Vec<_> = exclusive.map(|other| format_ident!("found_{}", other.number)).collect();
+    let found: Vec<_> =
+        excluding(e, place, others).map(|other| format_ident!("found_{}", other.number)).collect();
     if found.is_empty() { then } else { quote!(if !(#(#found)||*) { #then }) }
+}
+
+/// Those of some preimages that exclude one.
+fn excluding<'p, 'a: 'p>(
+    e: &Emitter,
+    place: Place<'a>,
+    others: &'p [Place<'a>],
+) -> impl Iterator<Item = &'p Place<'a>> {
+    let others = others.iter().filter(move |other| other.number != place.number);
+    others.filter(move |other| exclusive(e, other, &place))
 }
