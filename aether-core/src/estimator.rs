@@ -411,8 +411,14 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// The same, not remembered.
     #[inline]
     fn new_factor(&self, tape: &Unfolded<'_, I::Vertex>, path: Place, k: usize) -> I::Value {
+        self.extended(PathView::of_unfolded(tape, path.range(0, k + 1)))
+    }
+
+    /// The factor that the last vertex of a path brings.
+    #[inline]
+    fn extended(&self, path: PathView<'_, I::Vertex>) -> I::Value {
         let reads = Reads { vertices: self.reads(), length: false };
-        self.integrand.extend(PathView::of_unfolded(tape, path.range(0, k + 1)).limited(reads))
+        self.integrand.extend(path.limited(reads))
     }
 }
 

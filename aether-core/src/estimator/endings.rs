@@ -5,8 +5,8 @@ use core::ops::RangeInclusive;
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::{Estimator, Factors, PathIntegrand, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{PathView, Place, RandomSequence, Unfolded, Way};
-use crate::strategy::{Drawn, Reads, Strategy, Vertex};
+use crate::sequence::{PathView, Place, RandomSequence, Unfolded};
+use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
 
@@ -128,8 +128,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         // f / p of the vertices before the last one.
         let mut carried = I::Value::one();
         for length in 1..=walk.size().min(walk.len() + 1).min(*endings.lengths.end()) {
-            let fork = Fork::new(tape, walk.handle.place, length - 1);
-            let own = &strategies[fork.way.strategy() as usize];
+            let fork = Fork { tape, place: walk.handle.place.range(0, length) };
+            let own = &strategies[tape.way(fork.place, length - 1).strategy() as usize];
             let met = if length <= walk.len() { self.met(walk, &fork, carried) } else { None };
             if endings.lengths.contains(&length) {
                 for (index, steps) in endings.of_length(length).enumerate() {
@@ -167,9 +167,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         fork: &Fork<'_, I::Vertex>,
         carried: I::Value,
     ) -> Option<Met<RealOf<I>, I::Value>> {
-        let path = PathView::of_unfolded(fork.tape, fork.place);
-        let carried = carried.multiply(self.extended(path));
         let last = fork.place.len as usize - 1;
+        let carried = carried.multiply(self.new_factor(fork.tape, fork.place, last));
         let known = fork.tape.own(fork.place, last);
         let density = known.unwrap_or_else(|| walk.arena.factor(fork.place, last, fork.place));
         is_regular(density).then(|| Met { density, carried: carried.over(density) })
@@ -225,13 +224,6 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let carried = carried.over(density).multiply(self.integrand.end(path));
         (!carried.is_zero()).then_some((drawn, Met { density, carried }))
     }
-
-    /// The factor that the last vertex of a path brings.
-    #[inline]
-    fn extended(&self, path: PathView<'_, I::Vertex>) -> I::Value {
-        let reads = Reads { vertices: self.reads(), length: false };
-        self.integrand.extend(path.limited(reads))
-    }
 }
 
 /// What a last vertex carries.
@@ -248,16 +240,9 @@ struct Fork<'r, V: Vertex> {
     tape: &'r Unfolded<'r, V>,
     /// The path as the walk itself goes on.
     place: Place,
-    /// How it makes its last vertex.
-    way: Way,
 }
 
-impl<'r, V: Vertex> Fork<'r, V> {
-    /// Before step `last` of a walk.
-    fn new(tape: &'r Unfolded<'r, V>, walk: Place, last: usize) -> Self {
-        Fork { tape, place: walk.range(0, last + 1), way: tape.way(walk, last) }
-    }
-
+impl<V: Vertex> Fork<'_, V> {
     /// The vertices that all ways share.
     #[inline]
     fn shared(&self) -> Place {

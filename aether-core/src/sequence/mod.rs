@@ -26,7 +26,7 @@ pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
-pub(crate) use tape::{NONE, Part, Place, Tape, Unfolded, Way};
+pub(crate) use tape::{NONE, Part, Place, Tape, Unfolded};
 pub use view::PathView;
 
 use crate::mutation::Decided;

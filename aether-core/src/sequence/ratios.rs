@@ -4,7 +4,8 @@ use crate::combine::weighted_ratio;
 use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::evaluate::Densities;
-use crate::sequence::{Arena, Listed, Place, Way};
+use crate::sequence::tape::Way;
+use crate::sequence::{Arena, Listed, Place};
 use crate::strategy::{Strategy, Vertex};
 
 /// The conditional densities that were asked for last, of each vertex of one path: techniques that follow each
