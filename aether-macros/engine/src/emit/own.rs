@@ -294,7 +294,7 @@ pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
 
 /// Whether no point has both preimages, but on a border, where they are one: those of pieces that are apart, and of one
 /// piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
-pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
+fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     if one.piece != other.piece {
         return apart(e, one.piece, other.piece);
     }
@@ -305,6 +305,16 @@ pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     };
     let theirs = &other.preimage.conditions;
     one.preimage.conditions.iter().any(|&a| theirs.iter().any(|&b| negated(a, b) || negated(b, a)))
+}
+
+/// Those of some preimages that exclude one.
+pub(super) fn excluding<'p, 'a: 'p>(
+    e: &Emitter,
+    place: Place<'a>,
+    others: &'p [Place<'a>],
+) -> impl Iterator<Item = &'p Place<'a>> {
+    let others = others.iter().filter(move |other| other.number != place.number);
+    others.filter(move |other| exclusive(e, other, &place))
 }
 
 /// Of the preimages in the piece that `u` takes, the nearest is `u` itself: its density is that of

@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 
 use super::code::Code;
 use super::item::Emitter;
-use super::own::exclusive;
+use super::own::excluding;
 use super::peeled::passed_on;
 use super::pieces::{Place, is_unguarded};
 use super::plainly::unit_tests;
@@ -173,14 +173,4 @@ fn unless_excluded(e: &Emitter, place: Place, others: &[Place], then: TokenStrea
     let found: Vec<_> =
         excluding(e, place, others).map(|other| format_ident!("found_{}", other.number)).collect();
     if found.is_empty() { then } else { quote!(if !(#(#found)||*) { #then }) }
-}
-
-/// Those of some preimages that exclude one.
-fn excluding<'p, 'a: 'p>(
-    e: &Emitter,
-    place: Place<'a>,
-    others: &'p [Place<'a>],
-) -> impl Iterator<Item = &'p Place<'a>> {
-    let others = others.iter().filter(move |other| other.number != place.number);
-    others.filter(move |other| exclusive(e, other, &place))
 }

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{density_of, exclusive, forward_with_density, own_density};
+use super::own::{density_of, excluding, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
@@ -132,7 +132,7 @@ fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
     let places = e.places();
     // A point that has one of two preimages that exclude each other does not have the other.
     existence_where(e, &|place| {
-        let earlier = places[..place.number].iter().filter(|other| exclusive(e, other, &place));
+        let earlier = excluding(e, place, &places[..place.number]);
         let found: Vec<_> = earlier.map(|other| format_ident!("strict_{}", other.number)).collect();
         (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
     })
@@ -361,9 +361,8 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             .then(|| quote!(.or(::aether_core::support::lanes_of::<R, #n>(&#recovered))));
         quote!(|| #strict #earlier.lane(i))
     });
-    // What plainly has an earlier preimage that excludes this one is not open here.
-    let excluding = places.iter().filter(|other| other.number != k && exclusive(e, other, &place));
-    let excluded = excluding.map(|other| {
+    // What has a preimage that excludes this one; where an earlier one is plain, this one is not even open.
+    let excluded = excluding(e, place, places).map(|other| {
         let [strict, recovered] =
             ["strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
         let is_there = if other.number < k {
