@@ -6,7 +6,7 @@ mod loose;
 mod paths;
 mod shifted;
 
-pub use heuristic::{BalanceHeuristic, Heuristic, MaximumHeuristic, PowerHeuristic};
+pub use heuristic::{BalanceHeuristic, Heuristic, MaximumHeuristic, PowerHeuristic, Separable};
 pub(crate) use loose::weighted_ratio;
 pub use loose::{LooseTechnique, WeightedSample};
 pub use paths::{Combined, Paths, Weighted};

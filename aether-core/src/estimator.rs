@@ -7,13 +7,17 @@ use crate::combine::{Combined, Heuristic, WeightedSample};
 use crate::point::Point;
 use crate::real::{Real, Scalar};
 use crate::sampler::{Sample, Sampler};
-use crate::sequence::{KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
+use crate::sequence::{Arena, KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Reads, Strategy, Vertex};
 
+mod connections;
 mod endings;
+mod joints;
 mod value;
 
+pub use connections::{Connected, Connections};
 pub use endings::{Ending, Endings};
+pub(crate) use joints::Joints;
 pub use value::Value;
 
 /// An integrand over paths as a product of factors, one a vertex, so that an estimator can divide
@@ -38,7 +42,7 @@ pub trait PathIntegrand {
     fn extend(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
 
     /// The factor that closes the path: emission (or importance) of the last vertex towards the one
-    /// before.
+    /// before. The path shows as many vertices as for [`PathIntegrand::extend`].
     fn end(&self, path: PathView<'_, Self::Vertex>) -> Self::Value;
 
     /// How many vertices, the new one included, [`PathIntegrand::extend`] depends on; three for
@@ -207,12 +211,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if behind.is_some_and(|factor| factor.is_zero()) {
             return I::Value::zero();
         }
-        let mut value = self.ahead(path, tape, ahead);
+        let mut value = self.ahead(arena, tape, place, ahead);
         if value.is_zero() {
             return value;
         }
         let (mut extended, mut start) = (ahead, ahead);
-        if let Some(ending) = self.ending(path, tape, ahead) {
+        if let Some(ending) = self.ending(arena, tape, place, ahead) {
             let own = (n - ahead).min(self.reads() - 1);
             for k in ahead..ahead + own {
                 let known = behind.filter(|_| k == ahead + 1);
@@ -245,12 +249,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// f / p of the first `ahead` steps of a path, which are taken forwards.
     fn ahead<S: Strategy<I::Vertex>>(
         &self,
-        path: &RandomSequence<'_, I::Vertex, S>,
+        arena: &Arena<I::Vertex, S>,
         tape: &Unfolded<'_, I::Vertex>,
+        place: Place,
         ahead: usize,
     ) -> I::Value {
-        let (arena, place) = (path.arena, path.handle.place);
         let run = |k: usize| tape.run_name(place, k);
+        if let Some(value) = ahead.checked_sub(1).and_then(run).and_then(|name| self.run(name)) {
+            return value;
+        }
         let known = |k: usize| Some((k + 1, self.run(run(k)?)?));
         let (start, mut value) = (0..ahead).rev().find_map(known).unwrap_or((0, I::Value::one()));
         for k in start..ahead {
@@ -278,11 +285,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// where that leaves the range of numbers.
     fn ending<S: Strategy<I::Vertex>>(
         &self,
-        path: &RandomSequence<'_, I::Vertex, S>,
+        arena: &Arena<I::Vertex, S>,
         tape: &Unfolded<'_, I::Vertex>,
+        place: Place,
         ahead: usize,
     ) -> Option<I::Value> {
-        let (arena, place, n) = (path.arena, path.handle.place, path.len());
+        let n = place.len as usize;
         let back = place.range(ahead, n).reverse();
         let len = n - ahead;
         let name = |len: usize| tape.run_name(back, len - 1);
@@ -314,7 +322,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// What comes along a path, times the factor that closes it.
     #[inline]
     fn ended(&self, tape: &Unfolded<'_, I::Vertex>, place: Place, value: I::Value) -> I::Value {
-        value.multiply(self.integrand.end(PathView::of_unfolded(tape, place)))
+        value.multiply(self.closing(PathView::of_unfolded(tape, place)))
     }
 
     /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
@@ -334,7 +342,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return value;
             }
         }
-        value.multiply(self.integrand.end(path.view()))
+        value.multiply(self.closing(path.view()))
     }
 
     /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing
@@ -412,6 +420,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     #[inline]
     fn new_factor(&self, tape: &Unfolded<'_, I::Vertex>, path: Place, k: usize) -> I::Value {
         self.extended(PathView::of_unfolded(tape, path.range(0, k + 1)))
+    }
+
+    /// The factor that closes a path.
+    #[inline]
+    fn closing(&self, path: PathView<'_, I::Vertex>) -> I::Value {
+        self.integrand.end(path.limited(Reads { vertices: self.reads(), length: false }))
     }
 
     /// The factor that the last vertex of a path brings.

@@ -173,7 +173,18 @@ impl<R: Scalar> Div for PathDensity<R> {
 /// The density of a mixture.
 impl<R: Scalar> Add for PathDensity<R> {
     type Output = Self;
+    #[inline]
     fn add(self, other: Self) -> Self {
+        match self.exponent == other.exponent {
+            true => Self::normalised(self.mantissa + other.mantissa, self.exponent),
+            false => self.plus(other),
+        }
+    }
+}
+
+impl<R: Scalar> PathDensity<R> {
+    /// The sum of two numbers of different sizes.
+    fn plus(self, other: Self) -> Self {
         let (large, small) = if self < other { (other, self) } else { (self, other) };
         if small.is_zero() || large.is_infinite() {
             return large;

@@ -6,9 +6,9 @@
 //! connects light paths to the camera gets a sample from every light path of the image. A sample may have several
 //! light paths: then what needs one has so many samples.
 
-use aether_core::estimator::Value;
+use aether_core::estimator::Connections;
 use aether_core::uniform::Piece;
-use aether_core::{PowerHeuristic, UniformSource, combine};
+use aether_core::{PowerHeuristic, UniformSource};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -16,8 +16,8 @@ use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
-use crate::strategies::Pixel;
-use crate::subpaths::{Scratch, camera_path, connection, extend, light_path, splits, through};
+use crate::strategies::{Pixel, sample_light};
+use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -77,6 +77,7 @@ impl Bidirectional {
         let longest = self.path.most_vertices();
         let seen_by = camera_path(world, arena, uniforms, pixel, (longest, rr));
         let count = self.light_paths.max(1) as usize;
+        let look = sample_light(world).into();
         for number in 0..count {
             let uniforms = &mut Piece::new(uniforms, number as u32);
             let mut camera = seen_by;
@@ -88,36 +89,43 @@ impl Bidirectional {
 
             let eye = camera.slice(0..1);
             for length in 2 + usize::from(self.path.hide_emitters)..=total {
-                let seen = eye.concat(&light.slice(0..length - 1).reverse());
+                // What the eye would see of the light path.
+                let seen = eye.concat(&light.slice(length - 2..length - 1));
                 for receiver in world.receivers(pixel, [&seen]) {
-                    // Another pixel gets this sample alone: if it is black there is nothing to weigh.
-                    if receiver != pixel && estimator.of(&seen).is_zero() {
-                        continue;
-                    }
                     let view = match receiver == pixel {
                         true => camera,
-                        false => through(world, arena, receiver, &camera),
+                        false => through(world, receiver, &camera),
                     };
-                    let used = self.path.techniques.among(splits(length));
                     // Light that is seen directly from the eye, and all that the camera path sees.
-                    let responses =
+                    let [direct, response] =
                         [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
-                    let seen = if responses[0] == 0.0 { seen.technique() } else { seen };
-                    let techniques =
-                        arena.collect_counted(used.clone().map(|by| match (by.light, by.camera) {
-                            (_, 1) => (seen, count * world.pixels()),
-                            (0, t) if number == 0 => (view.slice(0..t), 1),
-                            (0, t) => (view.slice(0..t).technique(), 1),
-                            (1, t) => {
-                                (*connection(world, &view, &light, (1, t)).sample(uniforms), count)
-                            }
-                            (s, t) => (connection(world, &view, &light, (s, t)), count),
-                        }));
-                    for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                        let Some(by) = used.clone().nth(found.technique) else { continue };
-                        let response = responses[usize::from(by.camera > 1)];
-                        record(by, receiver, found.value * response, found.alone * response);
-                    }
+                    let by = |first: usize| Technique::edge(first, length - first);
+                    let connections = Connections {
+                        length,
+                        ending: (length > 2).then_some(&look),
+                        samples: |first| match first {
+                            _ if first == 0 || !self.path.techniques.has(by(first)) => 0,
+                            1 => count * world.pixels(),
+                            _ if first == length => 1,
+                            _ => count,
+                        },
+                        is_drawn: |first| match first {
+                            1 => direct != 0.0,
+                            _ => first < length || number == 0,
+                        },
+                    };
+                    let pieces = [&view, &light];
+                    estimator.connections(
+                        pieces,
+                        &connections,
+                        &PowerHeuristic,
+                        uniforms,
+                        |found| {
+                            let response = if found.first == 1 { direct } else { response };
+                            let [value, alone] = [found.value, found.alone].map(|v| v * response);
+                            record(by(found.first), receiver, value, alone);
+                        },
+                    );
                 }
             }
         }

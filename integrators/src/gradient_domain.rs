@@ -20,7 +20,7 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::poisson::{ALPHA, Reconstruction, reconstruct};
 use crate::render::{Layer, Rendered, Splats, Technique};
-use crate::shift::{Beginning, Path, PathArena, Shift, ShiftStrategies};
+use crate::shift::{Beginning, Path, Shift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, through};
 use crate::vertex::SceneVertex;
@@ -75,7 +75,7 @@ impl Integrator for GradientDomain {
         arena.clear();
         let limits = (self.path.most_vertices(), self.path.rr_depth);
         let camera = camera_path(world, arena, uniforms, pixel, limits);
-        let mut neighbours = self.neighbours(world, arena, pixel, &camera);
+        let mut neighbours = self.neighbours(world, pixel, &camera);
 
         let response = estimator.integrand().response(pixel, &camera);
         let mut seen = Vec3::ZERO;
@@ -165,7 +165,6 @@ impl GradientDomain {
     fn neighbours<'r, 'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
-        arena: &'r PathArena<'a, K>,
         pixel: Pixel,
         camera: &Path<'r, 'a, K>,
     ) -> [Option<Neighbour<'r, 'a, K>>; 4] {
@@ -184,7 +183,7 @@ impl GradientDomain {
                 pixel: other,
                 gradient: (layer, first, if forwards { 1.0 } else { -1.0 }),
                 shift,
-                camera: through(world, arena, other, camera),
+                camera: through(world, other, camera),
                 beginning: Some(shift.begin(camera)),
                 difference: Vec3::ZERO,
             })

@@ -169,15 +169,13 @@ pub fn extend<'a, K: SceneKind, S: FromCamera<'a, K>>(
     }
 }
 
-/// The strategies of a camera path as another pixel would use them: techniques without a sample.
+/// A camera path as another pixel would make it: from the same eye on only techniques, without a sample.
 pub fn through<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
     world: &'a World<'a, K>,
-    arena: &'r Arena<SceneVertex<K>, S>,
     pixel: Pixel,
     camera: &Path<'r, K, S>,
 ) -> Path<'r, K, S> {
-    let mut path = arena.sequence();
-    path.append(sample_camera(world));
+    let mut path = camera.slice(0..1);
     path.append(sample_camera_direction(world, pixel.into()));
     path.concat(&camera.slice(2..))
 }

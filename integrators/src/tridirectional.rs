@@ -71,7 +71,7 @@ impl Integrator for Tridirectional {
             for receiver in world.receivers(pixel, [&seen, &reached]) {
                 let view = match receiver == pixel {
                     true => camera,
-                    false => through(world, arena, receiver, &camera),
+                    false => through(world, receiver, &camera),
                 };
                 let through_portal =
                     (1..length.saturating_sub(1)).map(|t| Technique::portal(t, length - t - 2));

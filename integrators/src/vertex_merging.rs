@@ -166,7 +166,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
             for receiver in world.receivers(pixel, [&seen]) {
                 let view = match receiver == pixel {
                     true => camera,
-                    false => through(world, arena, receiver, &camera),
+                    false => through(world, receiver, &camera),
                 };
                 let list = self.techniques(n).map(|by| {
                     let (mut path, count) = self.made(by, [&view, &light], radius);

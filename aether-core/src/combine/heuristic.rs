@@ -1,5 +1,6 @@
 //! How weights follow from densities.
 
+use crate::path_density::PathDensity;
 use crate::real::Scalar;
 
 /// A rule for the weights of multiple importance sampling. The weights of one point over all
@@ -17,6 +18,13 @@ impl<R, F: Fn(&[R], usize) -> R> Heuristic<R> for F {
     }
 }
 
+/// A heuristic whose weights are term(n_j p_j) / Σ term(n_k p_k), where term(a b) = term(a) term(b): sums of terms
+/// over many techniques follow from each other.
+pub trait Separable<R: Scalar>: Heuristic<R> {
+    /// The term of a ratio of densities.
+    fn term(&self, ratio: PathDensity<R>) -> PathDensity<R>;
+}
+
 /// Weights proportional to n_j p_j (Veach and Guibas 1995, balance heuristic).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BalanceHeuristic;
@@ -27,6 +35,13 @@ impl<R: Scalar> Heuristic<R> for BalanceHeuristic {
     }
 }
 
+impl<R: Scalar> Separable<R> for BalanceHeuristic {
+    #[inline]
+    fn term(&self, ratio: PathDensity<R>) -> PathDensity<R> {
+        ratio
+    }
+}
+
 /// Weights proportional to (n_j p_j)² (Veach and Guibas 1995, power heuristic with β = 2).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PowerHeuristic;
@@ -34,6 +49,13 @@ pub struct PowerHeuristic;
 impl<R: Scalar> Heuristic<R> for PowerHeuristic {
     fn weight(&self, ratios: &[R], _own: usize) -> R {
         R::ONE / ratios.iter().map(|ratio| *ratio * *ratio).sum()
+    }
+}
+
+impl<R: Scalar> Separable<R> for PowerHeuristic {
+    #[inline]
+    fn term(&self, ratio: PathDensity<R>) -> PathDensity<R> {
+        ratio * ratio
     }
 }
 

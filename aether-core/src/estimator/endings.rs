@@ -182,7 +182,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         Met { density, carried }: Met<RealOf<I>, I::Value>,
     ) -> Option<Found<I>> {
         let Fork { tape, place, .. } = *fork;
-        let carried = carried.multiply(self.integrand.end(PathView::of_unfolded(tape, place)));
+        let carried = carried.multiply(self.closing(PathView::of_unfolded(tape, place)));
         if carried.is_zero() {
             return None;
         }
@@ -221,7 +221,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if !is_regular(density) {
             return None;
         }
-        let carried = carried.over(density).multiply(self.integrand.end(path));
+        let carried = carried.over(density).multiply(self.closing(path));
         (!carried.is_zero()).then_some((drawn, Met { density, carried }))
     }
 }

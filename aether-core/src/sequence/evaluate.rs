@@ -212,6 +212,10 @@ fn evaluate<V: Vertex, S: Strategy<V>>(
 
 /// The class of the length of a path before a vertex, as far as it matters to a strategy.
 #[inline]
-fn length_class<V: Vertex, S: Strategy<V>>(strategy: &S, reads: Reads, len: usize) -> u32 {
+pub(crate) fn length_class<V: Vertex, S: Strategy<V>>(
+    strategy: &S,
+    reads: Reads,
+    len: usize,
+) -> u32 {
     if reads.length { strategy.length_class(len) } else { 0 }
 }

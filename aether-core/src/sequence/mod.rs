@@ -21,14 +21,17 @@ use core::sync::atomic::{AtomicU64, Ordering};
 
 pub(crate) use erased::Borrowed;
 pub use erased::{DynStrategy, Erased};
+pub(crate) use evaluate::length_class;
 pub(crate) use memo::{KEY, Key, Memo};
 pub(crate) use random_sequence::Handle;
 pub use random_sequence::RandomSequence;
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
-pub(crate) use tape::{NONE, Part, Place, Tape, Unfolded};
+pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};
+pub(crate) use view::LAST;
 pub use view::PathView;
 
+use crate::estimator::Joints;
 use crate::mutation::Decided;
 use crate::strategy::{Strategy, Vertex};
 
@@ -44,6 +47,8 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     last: RefCell<LastFactors<V::Real>>,
+    /// What is known of how paths are joined.
+    pub(crate) joints: RefCell<Joints<V::Real>>,
     /// Which outcomes of a mutation's choices are being evaluated.
     pub(crate) decided: RefCell<Vec<Decided<V::Real>>>,
     sequences: Cell<u8>,
@@ -76,6 +81,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
             lists: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
             last: RefCell::new(LastFactors::new()),
+            joints: RefCell::new(Joints::new()),
             decided: RefCell::new(Vec::new()),
             sequences: Cell::new(0),
             contents: (ARENAS.fetch_add(1, Ordering::Relaxed), 0),
@@ -89,6 +95,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         self.strategies.get_mut().clear();
         self.memo.get_mut().clear();
         self.lists.get_mut().clear();
+        self.joints.get_mut().clear();
         self.sequences.set(0);
         self.contents.1 += 1;
     }
@@ -114,7 +121,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
 
     /// The id of a strategy; that of a known one if it is the same: mostly of the last one.
     #[inline]
-    fn intern(&self, strategy: S) -> u32 {
+    pub(crate) fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
         let last = strategies.len().wrapping_sub(1);
         if strategies.get(last).is_some_and(|known| known.same(&strategy)) {

@@ -4,9 +4,9 @@ use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
 use crate::path_density::PathDensity;
-use crate::sequence::tape::Merger;
+use crate::sequence::tape::{Merger, Question};
 use crate::sequence::{Arena, Part, PathView, Place};
-use crate::strategy::{Strategy, Vertex};
+use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
 /// Which steps of the arena make up a path, and what may still become of it.
@@ -173,6 +173,19 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
             self.handle.place.len += vertices as u32;
         }
         self
+    }
+
+    /// Adds a strategy whose vertex has been drawn already, if it drew one.
+    pub(crate) fn append_drawn(&mut self, strategy: impl Into<S>, drawn: Option<&Drawn<V>>) {
+        let is_next = self.is_complete();
+        self.append(strategy);
+        match drawn {
+            Some(drawn) if is_next && !self.handle.absent => {
+                self.arena.tape.take(self.handle.place, self.len(), drawn, Question::NOTHING);
+                self.handle.len += 1;
+            }
+            _ => self.handle.ended = true,
+        }
     }
 
     /// Makes sure that the first `size` steps are at the end of the tape, where this path alone can

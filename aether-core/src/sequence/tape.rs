@@ -5,7 +5,7 @@ mod unfolded;
 
 use core::cell::{Cell, Ref, RefCell};
 
-pub(crate) use entry::{Entry, Merger, NONE, Part, Place, Question, Way};
+pub(crate) use entry::{Entry, Merger, NONE, Part, Place, Question, Step, Way};
 pub(crate) use unfolded::Unfolded;
 
 use crate::path_density::PathDensity;
@@ -205,6 +205,14 @@ impl<V: Vertex> Tape<V> {
         *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
         let (at, before) = (place.at(i) as u32, i as u32);
         vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, question, at, before });
+    }
+
+    /// Keeps a vertex that was drawn for itself, as a path of its own.
+    pub fn keep(&self, drawn: &Drawn<V>) -> Place {
+        let place = Place::new(self.len(), 1);
+        self.push(0, 0, Part::new(0, 1));
+        self.take(place, 0, drawn, Question::NOTHING);
+        place
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.

@@ -1,6 +1,6 @@
 //! What strategies and integrands see of a path.
 
-use crate::sequence::tape::{Place, Tape, Unfolded};
+use crate::sequence::tape::{Place, Step, Tape, Unfolded};
 use crate::strategy::{Dirac, Drawn, Reads, Vertex};
 
 /// The vertices before the one in question, in the direction of travel: for a path that was sampled
@@ -13,6 +13,9 @@ pub struct PathView<'p, V: Vertex> {
     dirac: Option<Dirac>,
 }
 
+/// How many vertices a view knows at most of steps that lie anywhere on a tape.
+pub(crate) const LAST: usize = 3;
+
 #[derive(Clone, Copy, Debug)]
 enum Source<'p, V: Vertex> {
     Slice(&'p [V]),
@@ -21,6 +24,9 @@ enum Source<'p, V: Vertex> {
     Unfolded(&'p Unfolded<'p, V>, Place),
     /// The same, and then a vertex that is on no tape.
     Extended(&'p Unfolded<'p, V>, Place, &'p Drawn<V>),
+    /// So many steps, none of which leads in a single direction: of the last ones, the last one first, is known where
+    /// they are.
+    Last(&'p Unfolded<'p, V>, [Step; LAST], usize),
 }
 
 impl<'p, V: Vertex> PathView<'p, V> {
@@ -50,6 +56,14 @@ impl<'p, V: Vertex> PathView<'p, V> {
         PathView { source: Source::Extended(tape, place, drawn), hidden: 0, dirac: None }
     }
 
+    /// Of `len` steps, the last of which, the last one first, lie anywhere on a tape on which no step leads in a single
+    /// direction.
+    #[inline]
+    pub(crate) fn of_last(tape: &'p Unfolded<'p, V>, last: [Step; LAST], len: usize) -> Self {
+        let hidden = len.saturating_sub(LAST);
+        PathView { source: Source::Last(tape, last, len), hidden, dirac: None }
+    }
+
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
     #[inline]
     pub fn asking(self, dirac: Option<Dirac>) -> Self {
@@ -75,6 +89,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 Source::Extended(tape, place, drawn) => {
                     Source::Extended(tape, place.range(excess, place.len as usize), drawn)
                 }
+                Source::Last(tape, last, len) => Source::Last(tape, last, len - excess),
             };
             PathView { source, hidden: self.hidden.saturating_sub(excess), ..self }
         }
@@ -87,6 +102,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Slice(vertices) => vertices.len(),
             Source::Tape(_, place) | Source::Unfolded(_, place) => place.len as usize,
             Source::Extended(_, place, _) => place.len as usize + 1,
+            Source::Last(.., len) => len,
         }
     }
 
@@ -106,6 +122,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
             Source::Extended(_, place, drawn) if i == place.len as usize => Some(drawn.vertex),
             Source::Extended(tape, place, _) => tape.vertex(place.at(i)),
+            Source::Last(tape, last, len) => tape.vertex(last[len - 1 - i].at()),
             _ => self.vertex_elsewhere(i),
         }
     }
@@ -118,6 +135,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
                 tape.vertex(place.at(i))
             }
+            Source::Last(tape, last, len) => tape.vertex(last[len - 1 - i].at()),
         }
     }
 
@@ -151,6 +169,9 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Unfolded(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
             Source::Extended(_, place, drawn) if i == place.len as usize => i > 0 && drawn.visible,
             Source::Extended(tape, place, _) if i > 0 && i < self.len() => tape.visible(place, i),
+            Source::Last(tape, last, len) if i > 0 && i < len && len < i + LAST => {
+                tape.sees(last[len - 1 - i], last[len - i])
+            }
             _ => false,
         }
     }
@@ -173,6 +194,9 @@ impl<'p, V: Vertex> PathView<'p, V> {
                     return true;
                 }
                 i < place.len as usize && tape.carries(place, i, dirac)
+            }
+            Source::Last(tape, last, len) if i < len && len <= i + LAST => {
+                tape.is_drawn_with(last[len - 1 - i].at(), dirac)
             }
             _ => false,
         }

@@ -194,6 +194,33 @@ impl Place {
     }
 }
 
+/// A step of the tape, and whether it is read against the order of the tape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Step(u32);
+
+impl Step {
+    /// No step.
+    pub const NONE: Step = Step(u32::MAX);
+
+    /// The step at a position.
+    #[inline(always)]
+    pub fn new(at: usize, turned: bool) -> Self {
+        Step((at as u32) << 1 | u32::from(turned))
+    }
+
+    /// Its position on the tape.
+    #[inline(always)]
+    pub fn at(self) -> usize {
+        (self.0 >> 1) as usize
+    }
+
+    /// Whether it is read against the order of the tape.
+    #[inline(always)]
+    pub fn is_turned(self) -> bool {
+        self.0 & 1 == 1
+    }
+}
+
 /// What a conditional density is asked for, apart from vertices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Question {

@@ -2,7 +2,7 @@
 
 use core::cell::Ref;
 
-use super::{Entry, Kept, NONE, Place, Question, Tape, Way};
+use super::{Entry, Kept, NONE, Place, Question, Step, Tape, Way};
 use crate::sequence::Key;
 use crate::strategy::{Dirac, Vertex};
 
@@ -22,6 +22,12 @@ impl<V: Vertex> Unfolded<'_, V> {
         self.vertices.get(id as usize).map(|kept| kept.vertex)
     }
 
+    /// The id of the vertex of a step.
+    #[inline(always)]
+    pub fn vertex_id(&self, at: usize) -> u32 {
+        self.entries[at].vertex
+    }
+
     /// The id of vertex `i` of a place.
     #[inline(always)]
     pub fn id(&self, place: Place, i: usize) -> u32 {
@@ -37,11 +43,18 @@ impl<V: Vertex> Unfolded<'_, V> {
     /// Whether step `i` of a place is known to see step `i - 1`.
     #[inline]
     pub fn visible(&self, place: Place, i: usize) -> bool {
-        let (step, before) = (&self.entries[place.at(i)], &self.entries[place.at(i - 1)]);
+        let step = |i: usize| Step::new(place.at(i), place.reversed);
+        self.sees(step(i), step(i - 1))
+    }
+
+    /// Whether the vertex of a step is known to see that of the step before.
+    #[inline]
+    pub fn sees(&self, step: Step, before: Step) -> bool {
         // A vertex that has been merged was reached from the other side too.
-        let reached = |step: &Entry, backward: bool| {
-            let way = step.way.turned(place.reversed);
-            if way.is_backward() == backward { step.visible } else { way.merger().is_some() }
+        let reached = |step: Step, backward: bool| {
+            let entry = &self.entries[step.at()];
+            let way = entry.way.turned(step.is_turned());
+            if way.is_backward() == backward { entry.visible } else { way.merger().is_some() }
         };
         reached(step, false) || reached(before, true)
     }
@@ -50,9 +63,15 @@ impl<V: Vertex> Unfolded<'_, V> {
     #[inline]
     pub fn carries(&self, place: Place, i: usize, dirac: Dirac) -> bool {
         match dirac {
-            Dirac::Position => self.entries[place.at(i)].dirac == Some(Dirac::Position),
+            Dirac::Position => self.is_drawn_with(place.at(i), dirac),
             Dirac::Direction => !self.tape.is_undirected() && self.leads_on(place, i),
         }
+    }
+
+    /// Whether a vertex was drawn with a Dirac factor, which is its own if that is a position.
+    #[inline(always)]
+    pub fn is_drawn_with(&self, at: usize, dirac: Dirac) -> bool {
+        self.entries[at].dirac == Some(dirac)
     }
 
     /// Whether a neighbour of vertex `i` was made from it in a single direction.

@@ -1,0 +1,245 @@
+//! Paths of two walks that are weighed at once contribute what they do one by one.
+
+mod world;
+
+use aether_core::estimator::{Connected, Connections, Factors};
+use aether_core::sequence::PathView;
+use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
+use aether_core::{
+    Arena, BalanceHeuristic, Estimator, Pcg32, PowerHeuristic, RandomSequence, UniformSource,
+    combine::Separable, combine_with, strategies,
+};
+use world::{Camera, Light, Seen, Spot, Step, World};
+
+/// A point, under a mixture that the last two vertices decide.
+fn lobe(path: PathView<'_, Spot>) -> f64 {
+    let [last, before] = [0, 1].map(|k| path.back(k).map_or(0.5, |spot| spot.0));
+    0.7 * last + 0.2 * before
+}
+
+fn draw<U: UniformSource<f64> + ?Sized>(path: PathView<'_, Spot>, uniforms: &mut U) -> Spot {
+    let (choice, u) = (uniforms.next(), uniforms.next());
+    Spot(if choice < lobe(path) { u.sqrt() } else { u })
+}
+
+fn density(path: PathView<'_, Spot>, target: &Spot) -> f64 {
+    let lobe = lobe(path);
+    1.0 - lobe + lobe * 2.0 * target.0
+}
+
+/// A step that reads two vertices, and survives less often behind three.
+#[derive(Clone, Copy)]
+struct Fading;
+
+impl Fading {
+    fn survival(path: PathView<'_, Spot>) -> f64 {
+        if path.len() < 3 { 1.0 } else { 0.9 }
+    }
+}
+
+impl Strategy<Spot> for Fading {
+    fn sample<U: UniformSource<f64> + ?Sized>(
+        &self,
+        path: PathView<'_, Spot>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<Spot>> {
+        let goes_on = uniforms.next() < Fading::survival(path);
+        goes_on.then(|| Drawn::new(draw(path, uniforms)).visible())
+    }
+    fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
+        Conditional::density(Fading::survival(path) * density(path, target))
+    }
+    fn reads(&self) -> Reads {
+        Reads { vertices: 2, length: true }
+    }
+    fn length_class(&self, len: usize) -> u32 {
+        u32::from(len >= 3)
+    }
+    fn same(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// A last vertex that two before it decide.
+#[derive(Clone, Copy)]
+struct Glance;
+
+impl Strategy<Spot> for Glance {
+    fn sample<U: UniformSource<f64> + ?Sized>(
+        &self,
+        path: PathView<'_, Spot>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<Spot>> {
+        Some(Drawn::new(draw(path, uniforms)))
+    }
+    fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
+        Conditional::density(density(path, target))
+    }
+    fn reads(&self) -> Reads {
+        Reads::TWO
+    }
+    fn same(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+strategies! {
+    #[derive(Clone, Copy)]
+    enum Ways<'w> for Spot { Camera(Camera), Step(Step<'w>), Light(Light<'w>), Fading(Fading), Glance(Glance) }
+}
+
+type Walk<'a, 'w> = RandomSequence<'a, Spot, Ways<'w>>;
+
+/// A walk, and strategies behind its end up to `size`.
+fn walk<'a, 'w>(
+    arena: &'a Arena<Spot, Ways<'w>>,
+    (start, step): (Ways<'w>, Ways<'w>),
+    (len, size): (usize, usize),
+    uniforms: &mut Pcg32,
+) -> Walk<'a, 'w> {
+    let mut walk = arena.sequence();
+    walk.append(start).sample(uniforms);
+    while walk.is_complete() && walk.size() < len {
+        walk.append(step).sample(uniforms);
+    }
+    while walk.size() < size {
+        walk.append(step);
+    }
+    walk
+}
+
+/// What paths of one length contribute, made one by one.
+fn one_by_one<S: Strategy<Spot>, H: Separable<f64> + Clone>(
+    estimator: &Estimator<Seen<'_>, Factors<f64>>,
+    [first, second]: [&RandomSequence<'_, Spot, S>; 2],
+    connections: &Connections<'_, S, impl Fn(usize) -> usize, impl Fn(usize) -> bool>,
+    heuristic: &H,
+    uniforms: &mut Pcg32,
+) -> Vec<Connected<f64>> {
+    let n = connections.length;
+    let used: Vec<_> = (0..=n).filter(|by| (connections.samples)(*by) > 0).collect();
+    let paths: Vec<_> = used
+        .iter()
+        .map(|by| {
+            let mut path = first.slice(0..*by);
+            match connections.ending.filter(|_| *by == n - 1) {
+                Some(ending) => drop(path.append(ending.clone()).sample(uniforms)),
+                None => path = path.concat(&second.slice(0..n - by).reverse()),
+            }
+            let path = if (connections.is_drawn)(*by) { path } else { path.technique() };
+            (path, (connections.samples)(*by))
+        })
+        .collect();
+    let all = estimator.each(combine_with(heuristic.clone(), &paths));
+    let connected = all.map(|found| Connected {
+        first: used[found.technique],
+        value: found.value,
+        alone: found.alone,
+    });
+    connected.collect()
+}
+
+/// A way to find what connections contribute.
+#[derive(Clone, Copy, PartialEq)]
+enum By {
+    Connections,
+    Paths,
+}
+
+/// A contribution: the length of the path, whether it is seen by another eye, how many of its vertices are those of the
+/// first walk, weight × f / p, f / p.
+type Found = (usize, bool, usize, f64, f64);
+
+/// All that two walks contribute, for the eye that the first one begins with, and for one that takes its first vertex
+/// and weighs the techniques of the others without samples.
+fn found<H: Separable<f64> + Clone>(
+    world: &World,
+    (seed, longest): (u64, usize),
+    ending: Option<Ways<'_>>,
+    heuristic: &H,
+    by: By,
+) -> Vec<Found> {
+    let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(world)));
+    let uniforms = &mut Pcg32::new(1, 0, seed);
+    let step = if world.mirror > 0.0 { Ways::from(Step(world)) } else { Fading.into() };
+    let size = (longest, longest);
+    let first = walk(&arena, (Camera.into(), step), size, uniforms);
+    let second = walk(&arena, (Light(world).into(), step), size, uniforms);
+    let mut other = first.slice(0..1);
+    other.append(step);
+    let other = other.concat(&first.slice(2..));
+    let mut all = Vec::new();
+    for (length, is_other) in (2..=longest).flat_map(|length| [(length, false), (length, true)]) {
+        let connections = Connections {
+            length,
+            ending: ending.as_ref().filter(|_| length > 2),
+            samples: |first: usize| match first {
+                0 => 0,
+                // One technique is not used.
+                3 if length == 5 => 0,
+                1 => 7,
+                _ if first == length => 1,
+                _ => 2,
+            },
+            is_drawn: |first: usize| first != 2 || length != 4,
+        };
+        let pieces = [if is_other { &other } else { &first }, &second];
+        let mut keep = |found: Connected<f64>| {
+            all.push((length, is_other, found.first, found.value, found.alone));
+        };
+        match by {
+            By::Connections => {
+                estimator.connections(pieces, &connections, heuristic, uniforms, keep);
+            }
+            By::Paths => one_by_one(&estimator, pieces, &connections, heuristic, uniforms)
+                .into_iter()
+                .for_each(&mut keep),
+        }
+    }
+    all
+}
+
+/// Compares both ways for many walks, and returns how many paths with each number of vertices of the first walk
+/// contributed.
+fn compare<H: Separable<f64> + Clone>(
+    mirror: f64,
+    seeds: std::ops::Range<u64>,
+    longest: usize,
+    heuristic: &H,
+) -> Vec<usize> {
+    let world = World::with_mirror(mirror);
+    let mut count = vec![0; longest + 1];
+    for seed in seeds {
+        for ending in [None, Some(Ways::from(Light(&world))), Some(Glance.into())] {
+            let [at_once, one_by_one] = [By::Connections, By::Paths]
+                .map(|by| found(&world, (seed, longest), ending, heuristic, by));
+            assert_eq!(at_once.len(), one_by_one.len(), "seed {seed}");
+            for (a, b) in at_once.iter().zip(&one_by_one) {
+                let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();
+                assert!((a.0, a.1, a.2) == (b.0, b.1, b.2), "seed {seed}: {a:?} {b:?}");
+                assert!(is_near(a.3, b.3) && is_near(a.4, b.4), "seed {seed}: {a:?} {b:?}");
+                count[a.2] += 1;
+            }
+        }
+    }
+    count
+}
+
+#[test]
+fn connections_contribute_what_their_paths_do() {
+    for mirror in [0.0, 0.4] {
+        let counts = [
+            compare(mirror, 0..300, 7, &PowerHeuristic),
+            compare(mirror, 300..400, 7, &BalanceHeuristic),
+        ];
+        for count in counts {
+            assert!(count[1..].iter().all(|count| *count > 50), "mirror {mirror}: {count:?}");
+        }
+    }
+}
+
+#[test]
+fn walks_of_many_vertices_are_weighed_alike() {
+    let count = compare(0.0, 0..1, 60, &PowerHeuristic);
+    assert!(count[1..].iter().sum::<usize>() > 100, "{count:?}");
+}
