@@ -76,6 +76,8 @@ impl Bidirectional {
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
         let seen_by = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let radiance = estimator.integrand();
+        let response = radiance.response(pixel, &seen_by);
         let count = self.light_paths.max(1) as usize;
         let look = sample_light(world).into();
         for number in 0..count {
@@ -87,18 +89,16 @@ impl Bidirectional {
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
 
-            let eye = camera.slice(0..1);
             for length in 2 + usize::from(self.path.hide_emitters)..=total {
-                // What the eye would see of the light path.
-                let seen = eye.concat(&light.slice(length - 2..length - 1));
-                for receiver in world.receivers(pixel, [&seen]) {
+                // What the eye sees of the light path, and the pixels that receive it.
+                let seen = camera.vertex(0).zip(light.vertex(length - 2)).map(|(a, b)| [a, b]);
+                for receiver in world.receivers(pixel, [seen]) {
                     let view = match receiver == pixel {
                         true => camera,
                         false => through(world, receiver, &camera),
                     };
-                    // Light that is seen directly from the eye, and all that the camera path sees.
-                    let [direct, response] =
-                        [&seen, &camera].map(|p| estimator.integrand().response(receiver, p));
+                    let direct = seen
+                        .map_or(0.0, |[eye, seen]| radiance.response_to(receiver, [&eye, &seen]));
                     let by = |first: usize| Technique::edge(first, length - first);
                     let connections = Connections {
                         length,

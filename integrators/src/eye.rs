@@ -3,9 +3,7 @@
 
 use std::ops::Range;
 
-use aether_core::RandomSequence;
 use aether_core::prelude::*;
-use aether_core::strategy::Strategy;
 use glam::Vec3 as Vector;
 
 use crate::integrand::film_points;
@@ -143,14 +141,13 @@ impl<'s, K: SceneKind> World<'s, K> {
         self.scene.film.width as usize * self.scene.film.height as usize
     }
 
-    /// The pixels to which paths contribute whose second vertices are seen from their first, and `own`,
-    /// each once.
-    pub fn receivers<'p, S: Strategy<SceneVertex<K>> + 'p, const N: usize>(
+    /// The pixels to which paths contribute that begin with these eyes and what they see, and `own`, each once.
+    pub fn receivers<const N: usize>(
         &self,
         own: Pixel,
-        paths: [&RandomSequence<'p, SceneVertex<K>, S>; N],
-    ) -> impl Iterator<Item = Pixel> + use<'s, 'p, K, S, N> {
-        let squares = paths.map(|path| self.reached(path));
+        seen: [Option<[SceneVertex<K>; 2]>; N],
+    ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
+        let squares = seen.map(|seen| self.reached(seen));
         let others = (0..N).flat_map(move |i| {
             let (columns, rows) = squares[i].clone();
             let earlier = squares.clone();
@@ -163,15 +160,9 @@ impl<'s, K: SceneKind> World<'s, K> {
         std::iter::once(own).chain(others)
     }
 
-    /// The columns and rows whose pixels' filters reach the film point where a path is seen.
-    fn reached<S: Strategy<SceneVertex<K>>>(
-        &self,
-        path: &RandomSequence<'_, SceneVertex<K>, S>,
-    ) -> (Range<u32>, Range<u32>) {
-        let film = match (path.vertex(0), path.vertex(1)) {
-            (Some(eye), Some(seen)) if path.is_complete() => self.film_point(&eye, &seen),
-            _ => None,
-        };
+    /// The columns and rows whose pixels' filters reach the film point where an eye sees something.
+    fn reached(&self, seen: Option<[SceneVertex<K>; 2]>) -> (Range<u32>, Range<u32>) {
+        let film = seen.and_then(|[eye, seen]| self.film_point(&eye, &seen));
         let Some(film) = film else { return (0..0, 0..0) };
         let reach = self.scene.film.filter.radius();
         let along = |x: f32, size: u32| {

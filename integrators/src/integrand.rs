@@ -1,6 +1,6 @@
 //! What is integrated: the light transport along a path, apart from how it was sampled.
 
-use std::cell::Cell;
+use std::cell::RefCell;
 
 use aether_core::prelude::*;
 use aether_core::strategy::{Dirac, Strategy};
@@ -27,7 +27,7 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     /// Whether paths end with what their last vertex emits.
     emission: bool,
     /// What was seen last.
-    sights: [Cell<Option<Seen<K>>>; 2],
+    sights: RefCell<[Option<Seen<K>>; 2]>,
 }
 
 /// A vertex that was looked for from an eye, and where it is seen if it is.
@@ -45,7 +45,7 @@ struct Sight {
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
-        let sights = [const { Cell::new(None) }; 2];
+        let sights = RefCell::new([None; 2]);
         Radiance { world, most_geometry: f32::INFINITY, emission: true, sights }
     }
 
@@ -71,20 +71,18 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// Where an eye sees a vertex, visibility aside; the last two are remembered, as the response and the importance
     /// of a path both follow from it.
     fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
-        for known in &self.sights {
-            if let Some((from, to, sight)) = known.get()
-                && from == eye.position
-                && to == *seen
-            {
-                return sight;
+        let mut sights = self.sights.borrow_mut();
+        for (from, to, sight) in sights.iter().flatten() {
+            if *from == eye.position && to.position == seen.position && *to == *seen {
+                return *sight;
             }
         }
         let mut sight = None;
         film_points(self.world, eye, seen, |film, change| {
             sight = Some(Sight { film, change: change() });
         });
-        self.sights[1].swap(&self.sights[0]);
-        self.sights[0].set(Some((eye.position, *seen, sight)));
+        sights.swap(0, 1);
+        sights[0] = Some((eye.position, *seen, sight));
         sight
     }
 
@@ -95,8 +93,15 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         pixel: Pixel,
         path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> f32 {
-        let (Some(eye), Some(seen)) = (path.vertex(0), path.vertex(1)) else { return 0.0 };
-        let Some(Sight { film, .. }) = self.sight(&eye, &seen) else { return 0.0 };
+        match (path.vertex(0), path.vertex(1)) {
+            (Some(eye), Some(seen)) => self.response_to(pixel, [&eye, &seen]),
+            _ => 0.0,
+        }
+    }
+
+    /// The same for an eye and what it sees.
+    pub fn response_to(&self, pixel: Pixel, [eye, seen]: [&SceneVertex<K>; 2]) -> f32 {
+        let Some(Sight { film, .. }) = self.sight(eye, seen) else { return 0.0 };
         let filter = self.world.scene.film.filter;
         let centre = Vec2::new(pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = filter.radius();
@@ -105,12 +110,12 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             let inside = x.abs() <= reach || x.abs() <= reach + error();
             filter.profile(if inside { x.clamp(-reach, reach) } else { x })
         };
-        let across = profile(film.x - centre.x, &|| self.film_error(&eye, &seen, [film, centre]).x);
+        let across = profile(film.x - centre.x, &|| self.film_error(eye, seen, [film, centre]).x);
         if across == 0.0 {
             return 0.0;
         }
         let response =
-            across * profile(film.y - centre.y, &|| self.film_error(&eye, &seen, [film, centre]).y);
+            across * profile(film.y - centre.y, &|| self.film_error(eye, seen, [film, centre]).y);
         // What lies too far away for its direction to be known is not seen.
         if response.is_finite() { response } else { 0.0 }
     }

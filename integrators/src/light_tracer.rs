@@ -9,7 +9,7 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_camera};
-use crate::subpaths::{Scratch, light_path};
+use crate::subpaths::{Scratch, first_edge, light_path};
 use crate::world::World;
 
 /// The light tracer, with the settings of a path tracer. It does not find what is seen directly in a
@@ -51,7 +51,7 @@ impl Integrator for LightTracer {
             }
             let path = eye.concat(&light.slice(0..length).reverse());
             let value = estimator.of(&path) / world.pixels() as f32;
-            for receiver in world.receivers(pixel, [&path]) {
+            for receiver in world.receivers(pixel, [first_edge(&path)]) {
                 let share = value * estimator.integrand().response(receiver, &path);
                 received.add_by(by, receiver, share, share);
             }

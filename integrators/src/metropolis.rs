@@ -25,7 +25,8 @@ use crate::selection::Selection;
 use crate::stored::Stored;
 use crate::strategies::{Aim, sample_camera};
 use crate::subpaths::{
-    Scratch, camera_path, camera_step, connection, extend, light_path, light_step, splits,
+    Scratch, camera_path, camera_step, connection, extend, first_edge, light_path, light_step,
+    splits,
 };
 use crate::vertex::SceneVertex;
 use crate::world::World;
@@ -152,7 +153,7 @@ fn shares<K: SceneKind>(
 ) -> Contributions {
     let mut found = Contributions::default();
     // No pixel is the path's own.
-    for pixel in world.receivers((u32::MAX, u32::MAX), [path]) {
+    for pixel in world.receivers((u32::MAX, u32::MAX), [first_edge(path)]) {
         let share = value * estimator.integrand().response(pixel, path);
         found.push(Technique::mutations(path.len()), pixel, share, share);
     }

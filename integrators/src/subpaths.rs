@@ -175,7 +175,13 @@ pub fn through<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
     pixel: Pixel,
     camera: &Path<'r, K, S>,
 ) -> Path<'r, K, S> {
-    let mut path = camera.slice(0..1);
-    path.append(sample_camera_direction(world, pixel.into()));
-    path.concat(&camera.slice(2..))
+    camera.replaced(1, sample_camera_direction(world, pixel.into()))
+}
+
+/// The eye and what it sees of a path.
+pub fn first_edge<K: SceneKind, S: Strategy<SceneVertex<K>>>(
+    path: &Path<'_, K, S>,
+) -> Option<[SceneVertex<K>; 2]> {
+    let [eye, seen] = [0, 1].map(|i| path.vertex(i));
+    if path.is_complete() { Some([eye?, seen?]) } else { None }
 }

@@ -13,7 +13,7 @@ use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, extend, splits, through};
+use crate::subpaths::{Scratch, camera_path, extend, first_edge, splits, through};
 use crate::world::World;
 
 /// Settings of tridirectional path tracing.
@@ -68,7 +68,7 @@ impl Integrator for Tridirectional {
             let passed = eye.concat(&segment).concat(&lit(length.saturating_sub(3)));
             let has_passed = length >= 3;
             let reached = if has_passed { passed } else { seen };
-            for receiver in world.receivers(pixel, [&seen, &reached]) {
+            for receiver in world.receivers(pixel, [first_edge(&seen), first_edge(&reached)]) {
                 let view = match receiver == pixel {
                     true => camera,
                     false => through(world, receiver, &camera),

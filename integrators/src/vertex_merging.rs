@@ -19,7 +19,8 @@ use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::strategies::Pixel;
 use crate::subpaths::{
-    Path, Scratch, camera_path, connection, extend, light_path, light_step, splits, through,
+    Path, Scratch, camera_path, connection, extend, first_edge, light_path, light_step, splits,
+    through,
 };
 use crate::vertex::SceneVertex;
 use crate::work::in_parts;
@@ -163,7 +164,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         let eye = camera.slice(0..1);
         for n in 2 + usize::from(self.settings.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..n - 1).reverse());
-            for receiver in world.receivers(pixel, [&seen]) {
+            for receiver in world.receivers(pixel, [first_edge(&seen)]) {
                 let view = match receiver == pixel {
                     true => camera,
                     false => through(world, receiver, &camera),

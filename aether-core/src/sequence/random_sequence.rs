@@ -291,6 +291,21 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.with(Handle { len: 0, ended: true, ..self.handle })
     }
 
+    /// The technique that differs from this path in the strategy of step `i`: the vertices before it remain, and it is
+    /// no sample. Where the step is not there, or one of a joint draw, the result does not exist.
+    pub fn replaced(&self, i: usize, strategy: impl Into<S>) -> Self {
+        let (h, tape) = (self.handle, &self.arena.tape);
+        if h.absent || i >= self.size() || tape.step(h.place, i).way.part().is_joint() {
+            return self.absent();
+        }
+        let strategy = self.arena.intern(strategy.into());
+        let (start, len) = (tape.len(), self.len().min(i));
+        tape.copy(h.place, len);
+        tape.set_strategy(start + i, strategy);
+        let place = Place::new(start, self.size());
+        self.with(Handle { place, len: len as u32, ended: true, lane: h.lane | 1, ..h })
+    }
+
     /// This path, then `other` without its first vertex, which lies next to the last one of this path: two
     /// paths that have met (vertex merging, Georgiev et al. 2012; Hachisuka et al. 2012). What is known of
     /// `other` counts for the path as if it had ended at the vertex of this one, which it sees.

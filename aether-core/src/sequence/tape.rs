@@ -122,6 +122,12 @@ impl<V: Vertex> Tape<V> {
         self.note(dirac);
     }
 
+    /// Replaces the strategy of a step that is not taken.
+    pub fn set_strategy(&self, at: usize, strategy: u32) {
+        let entry = &mut self.entries.borrow_mut()[at];
+        *entry = Entry::pending(entry.way.by(strategy), entry.block);
+    }
+
     /// Makes a step lead to its vertex from both sides; returns whether there was room for that.
     pub fn merge(&self, at: usize, merger: Merger<V::Real>) -> bool {
         self.note(merger.dirac);
