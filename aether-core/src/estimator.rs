@@ -297,8 +297,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if len == 0 || name(len).is_none() {
             return None;
         }
-        let known = |len: usize| Some((len, known_at(&self.factors.borrow().endings, name(len)?)?));
-        let found = (1..=len).rev().find_map(known);
+        let known = |len: usize| known_at(&self.factors.borrow().endings, name(len)?);
+        let usable = |value: I::Value| {
+            let finite = value.times(<I::Vertex as Vertex>::Real::ZERO).is_zero();
+            (finite && !value.is_zero()).then_some(value)
+        };
+        if let Some(value) = known(len) {
+            return usable(value);
+        }
+        let found = (1..len).rev().find_map(|len| Some((len, known(len)?)));
         let (start, mut value) = found.unwrap_or((0, I::Value::one()));
         for len in start + 1..=len {
             // The edge that the new vertex completes: all that its factor reads is there.
@@ -309,8 +316,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
             remember_at(&mut self.factors.borrow_mut().endings, name(len)?, value);
         }
-        let finite = value.times(<I::Vertex as Vertex>::Real::ZERO).is_zero();
-        (finite && !value.is_zero()).then_some(value)
+        usable(value)
     }
 
     /// How many vertices a factor depends on.

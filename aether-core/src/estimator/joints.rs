@@ -136,13 +136,12 @@ where
         drawn: &Option<Drawn<I::Vertex>>,
     ) -> Option<Self> {
         let (arena, length) = (walks[0].arena, connections.length);
-        let reads_little = |strategy: &S| strategy.reads().vertices <= READS;
         let plain = S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
             && walks.iter().all(|walk| walk.is_run())
-            && connections.ending.is_none_or(reads_little)
-            && arena.strategies.borrow().iter().all(reads_little);
+            && connections.ending.is_none_or(|ending| ending.reads().vertices <= READS)
+            && arena.most_read.get() <= READS;
         if !plain {
             return None;
         }
@@ -290,9 +289,13 @@ where
     fn sum_up(&mut self) {
         let n = self.connections.length;
         self.joints.masses.clear();
+        let (mut count, mut mass) = (0, PathDensity::ZERO);
         for first in 0..=n {
-            let samples = RealOf::<I>::of((self.connections.samples)(first) as f64);
-            let mass = self.heuristic.term(PathDensity::new(samples));
+            let samples = (self.connections.samples)(first);
+            if samples != count {
+                let number = PathDensity::new(RealOf::<I>::of(samples as f64));
+                (count, mass) = (samples, self.heuristic.term(number));
+            }
             self.joints.masses.push(mass);
         }
         for end in [End::First, End::Second] {
@@ -372,7 +375,8 @@ where
         let Some(target) = self.tape.vertex(at) else { return PathDensity::ZERO };
         let strategy = &self.strategies[strategy as usize];
         let dirac = self.tape.is_drawn_with(at, Dirac::Position).then_some(Dirac::Position);
-        let view = self.before(joint, i, end).asking(dirac).limited(strategy.reads());
+        let reads = strategy.reads();
+        let view = self.before(joint, i, end).asking(dirac).limited(reads);
         count_densities(1);
         PathDensity::new(strategy.pdf(view, &target).of_kind(dirac))
     }

@@ -42,6 +42,8 @@ use crate::strategy::{Strategy, Vertex};
 pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
     pub(crate) strategies: RefCell<Vec<S>>,
+    /// The most vertices that one of them reads.
+    pub(crate) most_read: Cell<usize>,
     memo: RefCell<Memo<V::Real>>,
     /// Lists of paths.
     pub(crate) lists: RefCell<Vec<Listed<V::Real>>>,
@@ -77,6 +79,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         Arena {
             tape: Tape::new(),
             strategies: RefCell::new(Vec::new()),
+            most_read: Cell::new(0),
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
@@ -93,6 +96,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     pub fn clear(&mut self) {
         self.tape.clear();
         self.strategies.get_mut().clear();
+        self.most_read.set(0);
         self.memo.get_mut().clear();
         self.lists.get_mut().clear();
         self.joints.get_mut().clear();
@@ -131,6 +135,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         if let Some(id) = earlier.rev().find(|id| strategies[*id].same(&strategy)) {
             return id as u32;
         }
+        self.most_read.set(self.most_read.get().max(strategy.reads().vertices));
         strategies.push(strategy);
         strategies.len() as u32 - 1
     }
