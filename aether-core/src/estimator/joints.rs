@@ -385,10 +385,7 @@ where
     fn density_of_last(&self, joint: Joint) -> DensityOf<I> {
         let known = self.last.and_then(|at| self.tape.own(Place::new(at, 1), 0));
         let i = self.connections.length - 1;
-        known.map_or_else(
-            || self.evaluated(joint, End::First, i, self.ending),
-            |known| PathDensity::new(known),
-        )
+        known.map_or_else(|| self.evaluated(joint, End::First, i, self.ending), PathDensity::new)
     }
 
     /// The density of vertex `k` of a walk under its own strategy.
