@@ -233,12 +233,44 @@ pub fn track_some<R: Single, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R
     core::array::from_fn(|i| if unit[i] { unit_vector[i] } else { plain[i] })
 }
 
+/// Numbers that are off by `errors` more, if there are any.
+#[inline]
+pub fn widened<R: Single, const N: usize>(
+    x: [R::Tracked; N],
+    errors: Option<[R; N]>,
+) -> [R::Tracked; N] {
+    let Some(errors) = errors else { return x };
+    core::array::from_fn(|i| x[i] + R::ZERO.track_within(errors[i]))
+}
+
+/// What is known of the errors of numbers that `tracked` computes for each lane. They are handed on to somebody who
+/// allows for [`SLACK`] times the errors that he is told of.
+#[inline]
+pub fn errors_of<R: Real, const N: usize>(
+    tracked: impl Fn(usize) -> [<R::Lane as Single>::Tracked; N],
+) -> [R; N] {
+    let share = R::Lane::of(1.0 / SLACK);
+    (0..R::LANES).fold([R::ZERO; N], |errors, i| {
+        let lane = tracked(i);
+        core::array::from_fn(|k| {
+            let error = share * R::Lane::value_and_error(lane[k]).1;
+            // Without a bound nothing is known.
+            errors[k].with_lane(i, R::Lane::select(error.finite(), error, R::Lane::ZERO))
+        })
+    })
+}
+
+/// The numbers of an array whose length its type does not tell.
+#[inline]
+pub fn numbers<R: Real, const M: usize>(list: impl AsRef<[R]>) -> [R; M] {
+    let list = list.as_ref();
+    core::array::from_fn(|i| list[i])
+}
+
 /// The coordinates of several points, one after the other.
 #[inline(always)]
 pub fn flat<R: Real, P: crate::point::Point<R>, const M: usize>(point: &P) -> [R; M] {
-    let coordinates = point.coordinates();
-    let all = coordinates.as_ref();
-    core::array::from_fn(|i| all[i])
+    numbers(point.coordinates())
 }
 
 /// The numbers in lane `i`.

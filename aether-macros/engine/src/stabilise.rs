@@ -368,6 +368,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
         }
         Node::Product(factors) => {
+            out.extend(both_sides_of_one(g, &factors));
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };
                 if c == Q::ONE && g.as_number(e).is_none_or(|e| !e.is_int() && e.den() > 3) {
@@ -388,6 +389,30 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     }
     out.retain(|f| *f != id);
     out
+}
+
+/// (1 + a)^e (1 - a)^e in a product as (1 - a²)^e, where e is no whole number.
+fn both_sides_of_one(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
+    let beside_one = |g: &Graph, b: Id| match g.node(b) {
+        Node::Sum(c, terms) if *c == Q::ONE => Some(terms.clone()),
+        _ => None,
+    };
+    let power = |&(_, e): &&(Id, Id)| g.as_number(*e).is_none_or(|e| !e.is_int() && e.den() > 3);
+    let (first, second, rest, e) = factors.iter().filter(power).find_map(|&(b, e)| {
+        let rest = beside_one(g, b)?;
+        let negated: Vec<(Q, Id)> = rest.iter().map(|&(q, t)| (q.neg(), t)).collect();
+        let other = factors
+            .iter()
+            .position(|&(d, f)| f == e && beside_one(g, d).is_some_and(|terms| terms == negated))?;
+        Some((factors.iter().position(|&f| f == (b, e))?, other, rest, e))
+    })?;
+    let rest = g.sum(Q::ZERO, &rest);
+    let square = g.powi(rest, 2);
+    let minus = g.neg(square);
+    let mut factors = factors.to_vec();
+    factors[first] = (g.call(Fun::Pow1p, &[minus, e]), g.int(1));
+    factors.remove(second);
+    Some(g.product(&factors))
 }
 
 /// A sum that is linear in a uniform u by its values at both ends, A (1 - u) + B u, where these have one sign.
