@@ -279,14 +279,17 @@ pub fn lane<R: Real, const N: usize>(x: &[R; N], i: usize) -> [R::Lane; N] {
     x.map(|x| x.lane(i))
 }
 
-/// Uniforms that count although they came out beyond their interval, and in which lanes they do.
-pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, [R; N])>;
+/// Uniforms that count although they came out beyond their interval, and by how much they may be off.
+pub type Rounded<R, const N: usize> = ([R; N], [R; N]);
+
+/// The same, and in which lanes they do.
+pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, Rounded<R, N>)>;
 
 /// Where `wanted` is true: the uniforms that `recover` finds in that lane, if it finds any.
 #[inline(always)]
 pub fn recovered<R: Real, const N: usize>(
     wanted: R::Mask,
-    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+    recover: impl Fn(usize) -> Option<Rounded<R::Lane, N>>,
 ) -> Recovered<R, N> {
     if wanted.any() { recover_lanes::<R, N>(wanted, recover) } else { None }
 }
@@ -294,16 +297,17 @@ pub fn recovered<R: Real, const N: usize>(
 #[cold]
 fn recover_lanes<R: Real, const N: usize>(
     wanted: R::Mask,
-    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+    recover: impl Fn(usize) -> Option<Rounded<R::Lane, N>>,
 ) -> Recovered<R, N> {
     let mut found: Recovered<R, N> = None;
     for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
-        if let Some(u) = recover(i) {
-            let (mask, mut all) = found.unwrap_or((R::Mask::FALSE, [R::ZERO; N]));
-            for (all, u) in all.iter_mut().zip(u) {
-                *all = all.with_lane(i, u);
-            }
-            found = Some((mask.with_lane(i, true), all));
+        if let Some((u, errors)) = recover(i) {
+            let none = (R::Mask::FALSE, ([R::ZERO; N], [R::ZERO; N]));
+            let (mask, (all, bounds)) = found.unwrap_or(none);
+            let put = |all: [R; N], one: [R::Lane; N]| {
+                core::array::from_fn(|k| all[k].with_lane(i, one[k]))
+            };
+            found = Some((mask.with_lane(i, true), (put(all, u), put(bounds, errors))));
         }
     }
     found
@@ -319,9 +323,15 @@ pub fn lanes_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> R::Mask
 pub fn recovered_as<R: Real, const N: usize>(
     recovered: &Recovered<R, N>,
     i: usize,
-    u: &[R::Lane; N],
+    u: &Rounded<R::Lane, N>,
 ) -> bool {
-    recovered.is_some_and(|(mask, v)| mask.lane(i) && coincide(&lane(&v, i), u))
+    recovered.is_some_and(|(mask, (v, _))| mask.lane(i) && same(&lane(&v, i), u).any())
+}
+
+/// By how much recovered uniforms may be off; where there are none, by nothing.
+#[inline(always)]
+pub fn bounds_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> [R; N] {
+    recovered.map_or([R::ZERO; N], |(_, (_, errors))| errors)
 }
 
 /// The recovered uniforms in their lanes, others where they lie plainly inside.
@@ -333,13 +343,16 @@ pub fn merged<R: Real, const N: usize>(
 ) -> [R; N] {
     match recovered {
         None => plain(),
-        Some((_, u)) if !inside.any() => u,
-        Some((mask, u)) => {
+        Some((_, (u, _))) if !inside.any() => u,
+        Some((mask, (u, _))) => {
             let plain = plain();
             core::array::from_fn(|k| R::select(mask, u[k], plain[k]))
         }
     }
 }
+
+/// By how much the uniforms of two preimages may differ at most, to be taken as one.
+const MOST: f64 = 1.0 / 256.0;
 
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner; or over a divisor of zero whose
@@ -349,10 +362,10 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
-) -> Option<[R; N]> {
+) -> Option<Rounded<R, N>> {
     let mut undetermined = false;
     let mut tracked = u;
-    let mut clamped = [R::ZERO; N];
+    let (mut clamped, mut bounds) = ([R::ZERO; N], [R::ZERO; N]);
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
@@ -364,9 +377,11 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
         if !v.is_finite() || v < -SLACK * e || v > 1.0 + SLACK * e {
             return None;
         }
-        clamped[i] = value.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5));
+        clamped[i] = unit(value);
+        // Without a bound nothing is known.
+        bounds[i] = if e.is_finite() { R::of((SLACK * e).min(MOST)) } else { R::ZERO };
     }
-    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some(clamped)
+    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some((clamped, bounds))
 }
 
 /// Whether margins are positive, but for their error bounds.
@@ -426,8 +441,14 @@ fn rare_power<R: Real>(base: R, exponent: R) -> R {
 
 /// Two recovered preimages that are one: equal to within rounding in every uniform.
 pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R::Mask {
+    same(a, &(*b, [R::ZERO; N]))
+}
+
+/// The same where one of them is known to within bounds.
+pub fn same<R: Real, const N: usize>(a: &[R; N], (b, bounds): &Rounded<R, N>) -> R::Mask {
     let near = R::of(64.0) * R::EPSILON;
-    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(near)))
+    let gap = |i: usize| (a[i] - b[i]).abs();
+    (0..N).fold(R::Mask::TRUE, |m, i| m.and(gap(i).le(near + bounds[i])))
 }
 
 /// The largest difference between the numbers of two points.
@@ -546,6 +567,17 @@ mod tests {
         let [a, b] = track(&x);
         let s = Bounded::ONE - a;
         recover::<f64, 2, 2>([s, b / s], &x, |u| [Bounded::ONE - u[0], u[0] * u[1]])
+    }
+
+    #[test]
+    fn what_was_recovered_is_another_preimage_to_within_its_bounds() {
+        // A quarter, lost in a difference from a thousand.
+        let [x] = track(&[1000.25f64]);
+        let place = (x - Bounded::of(1000.0)) * Bounded::of(-4.0) + Bounded::of(1.0);
+        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], |u| *u).unwrap();
+        assert!(u[0] == 0.0 && bounds[0] > 1e-12 && bounds[0] < 1e-10, "{bounds:?}");
+        assert!(same(&[1e-12], &(u, bounds)) && !coincide(&[1e-12], &u));
+        assert!(!same(&[1e-9], &(u, bounds)));
     }
 
     #[test]

@@ -248,7 +248,8 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
                 let itself = other.and(at_border) #beside;
                 let other = if itself.any() {
                     let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
-                    other.and(itself.and(::aether_core::support::coincide(&u, &v)).not())
+                    let bounds = ::aether_core::support::bounds_of::<R, #n>(&#recovered);
+                    other.and(itself.and(::aether_core::support::same(&u, &(v, bounds))).not())
                 } else {
                     other
                 };
@@ -343,7 +344,8 @@ fn among_several(e: &Emitter) -> TokenStream {
         let [leave, taken] = ["leave", "taken"].map(|name| format_ident!("{name}_{}", place.piece));
         // On a border `u` itself may have been found in the other piece.
         let mine = (!e.is_whole()).then(|| {
-            quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::coincide(&u, &v))))
+            let bounds = quote!(::aether_core::support::bounds_of::<R, #n>(&#recovered));
+            quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::same(&u, &(v, #bounds)))))
         });
         quote! {
             let #distance = if #inside.any() {

@@ -318,16 +318,18 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     // Across a jump there is another point: what rounding carried over a border has to lead back.
     let landed = guarded.then(|| {
         quote! {
-            .filter(|u| #taken::<R>(p, u)
+            .filter(|(u, _)| #taken::<R>(p, u)
                 || ::aether_core::support::leads_back::<R, #n, #m>(
                     u.map(|u| u.track()), x,
                     |u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors)))
         }
     });
     quote! {
-        /// The uniforms of a preimage that lies outside by no more than rounding.
+        /// The uniforms of a preimage that lies outside by no more than rounding, and by how much they may be off.
         #[cold]
-        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m], errors: Option<[R; #m]>) -> Option<[R; #n]> {
+        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m], errors: Option<[R; #m]>)
+            -> Option<::aether_core::support::Rounded<R, #n>>
+        {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
             let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
@@ -337,7 +339,7 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
                 #tested
                 #admitted
                 #membership
-                .map(|t| #leave::<R>(p, &t))
+                .map(|(t, bounds)| (#leave::<R>(p, &t), bounds))
                 #landed
         }
     }
@@ -363,7 +365,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], near: bool) -> TokenSt
             .then(|| quote!(|| ::aether_core::support::recovered_as::<R, #n>(&#recovered, i, u)));
         quote! {
             .filter(|u| !((#strict.lane(i)
-                && ::aether_core::support::coincide(
+                && ::aether_core::support::same(
                     &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), u))
                 #earlier))
         }
