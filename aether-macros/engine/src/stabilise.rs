@@ -597,3 +597,26 @@ fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
 fn is_root(g: &mut Graph, id: Id) -> bool {
     g.factors(id).iter().any(|(_, e)| g.as_number(*e).is_some_and(|e| e.den() == 2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn powers_of_both_sides_of_one_are_one_power() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::new(-1.0, 1.0));
+        let k = g.leaf(Leaf::Param(0), "k", Interval::new(0.0, 1e3));
+        let [up, down] = [1, -1].map(|s| g.sum(Q::ONE, &[(Q::int(s), x)]));
+        let factors = [(up, k), (x, g.int(1)), (down, k)];
+        let square = g.powi(x, 2);
+        let minus = g.neg(square);
+        let power = g.call(Fun::Pow1p, &[minus, k]);
+        let expected = g.mul(x, power);
+        assert_eq!(both_sides_of_one(&mut g, &factors), Some(expected));
+        // Different powers stay apart.
+        let other = [(up, k), (down, x)];
+        assert_eq!(both_sides_of_one(&mut g, &other), None);
+    }
+}
