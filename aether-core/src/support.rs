@@ -563,7 +563,7 @@ mod tests {
     }
 
     /// The uniforms of a triangle with the sides (0, 1) and (1, 0) from its corner at (1, 0), and the map back.
-    fn recovered_in_triangle(x: [f64; 2]) -> Option<[f64; 2]> {
+    fn recovered_in_triangle(x: [f64; 2]) -> Option<Rounded<f64, 2>> {
         let [a, b] = track(&x);
         let s = Bounded::ONE - a;
         recover::<f64, 2, 2>([s, b / s], &x, |u| [Bounded::ONE - u[0], u[0] * u[1]])
