@@ -155,6 +155,10 @@ impl<R: Scalar> Single for Bounded<R> {
         self
     }
     #[inline]
+    fn track_within(self, error: Self) -> Self {
+        Bounded { value: self.value, error: self.error.max(error.value) }
+    }
+    #[inline]
     fn value_and_error(tracked: Self) -> (Self, Self) {
         (Self::exact(tracked.value), Self::exact(tracked.error))
     }

@@ -3,7 +3,7 @@
 use crate::density::Density;
 use crate::point::Point;
 use crate::real::{Mask, Real};
-use crate::sampler::{PdfOf, Sampler};
+use crate::sampler::{Errors, PdfOf, Sampler};
 use crate::support::add_logs;
 
 /// A differentiable map from one space to another, with its inverse and its change of measure
@@ -21,6 +21,19 @@ pub trait Map<R: Real>: Copy {
 
     /// Calls `visit` with every preimage of `y` (where the mask holds).
     fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask));
+
+    /// The preimages of a point whose coordinates are known to within `errors`, each with bounds for the errors that
+    /// its own coordinates have by that and by rounding; none, if the map does not know them.
+    #[inline]
+    fn preimages_near(
+        &self,
+        y: &Self::Target,
+        errors: Errors<'_, Self::Target, R>,
+        mut visit: impl FnMut(Self::Source, Errors<'_, Self::Source, R>, R::Mask),
+    ) {
+        let _ = errors;
+        self.preimages(y, |x, valid| visit(x, &|| no_errors(&x), valid));
+    }
 
     /// The change of measure at `x`: how much the map stretches the measure of the source space to
     /// that of the target (units of the target's measure over units of the source's), the
@@ -104,6 +117,13 @@ fn distance<R: Real, P: Point<R>>(x: &P, z: &P) -> R {
     largest
 }
 
+/// Zero for each coordinate of a point.
+pub(crate) fn no_errors<R: Real, P: Point<R>>(x: &P) -> P::Coordinates {
+    let mut errors = x.coordinates();
+    errors.as_mut().fill(R::ZERO);
+    errors
+}
+
 /// The density of the images of a sampler's points by way of one preimage, `x`; zero if it is not valid.
 #[inline(always)]
 pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
@@ -112,10 +132,21 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     x: &S::Point,
     valid: R::Mask,
 ) -> R {
+    shared(|| sampler.pdf_as_is(x).value(), map, x, valid)
+}
+
+/// The same for a sampler with this `density` at `x`.
+#[inline(always)]
+fn shared<R: Real, M: Map<R>>(
+    density: impl FnOnce() -> R,
+    map: &M,
+    x: &M::Source,
+    valid: R::Mask,
+) -> R {
     if !valid.any() {
         return R::ZERO;
     }
-    let p = sampler.pdf(x).value();
+    let p = density();
     let inside = valid.and(p.gt(R::ZERO));
     // Where the sampler has no density the map need not have a derivative.
     if !inside.any() {
@@ -124,6 +155,20 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     let q = p / map.jacobian(x);
     // Nor is a quotient of infinities a density.
     R::select(inside.and(q.ge(R::ZERO)), q, R::ZERO)
+}
+
+impl<S, M> Then<S, M> {
+    /// The density where it is positive, and where it is not that of a point which rounding may have put outside.
+    #[cold]
+    #[inline(never)]
+    fn or_beside<R: Real>(&self, density: R, y: &M::Target) -> R
+    where
+        S: Sampler<R>,
+        M: Map<R, Source = S::Point>,
+    {
+        let beside = self.pdf_near(y, &|| no_errors(y)).value();
+        R::select(density.gt(R::ZERO), density, beside)
+    }
 }
 
 impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S, M> {
@@ -139,9 +184,24 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
 
     #[inline(always)]
     fn pdf(&self, y: &M::Target) -> PdfOf<Self, R> {
+        let p = self.pdf_as_is(y).value();
+        Density::new(if p.gt(R::ZERO).all() { p } else { self.or_beside(p, y) })
+    }
+
+    #[inline(always)]
+    fn pdf_as_is(&self, y: &M::Target) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
         self.second.preimages(y, |x, valid| {
             sum += by_way_of(&self.first, &self.second, &x, valid);
+        });
+        Density::new(sum)
+    }
+
+    #[inline]
+    fn pdf_near(&self, y: &M::Target, errors: Errors<'_, M::Target, R>) -> PdfOf<Self, R> {
+        let mut sum = R::ZERO;
+        self.second.preimages_near(y, errors, |x, errors, valid| {
+            sum += shared(|| self.first.pdf_near(&x, errors).value(), &self.second, &x, valid);
         });
         Density::new(sum)
     }
@@ -157,7 +217,8 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
                 sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
             }
         });
-        sum
+        let found = sum.gt(-R::INFINITY);
+        if found.all() { sum } else { R::select(found, sum, self.pdf(y).value().ln()) }
     }
 
     #[inline(always)]
@@ -197,6 +258,20 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn preimages(&self, z: &B::Target, mut visit: impl FnMut(A::Source, R::Mask)) {
         self.second.preimages(z, |y, outer| {
             self.first.preimages(&y, |x, inner| visit(x, outer.and(inner)));
+        });
+    }
+
+    #[inline]
+    fn preimages_near(
+        &self,
+        z: &B::Target,
+        errors: Errors<'_, B::Target, R>,
+        mut visit: impl FnMut(A::Source, Errors<'_, A::Source, R>, R::Mask),
+    ) {
+        self.second.preimages_near(z, errors, |y, errors, outer| {
+            self.first.preimages_near(&y, errors, |x, errors, inner| {
+                visit(x, errors, outer.and(inner));
+            });
         });
     }
 

@@ -4,7 +4,7 @@ use crate::density::Density;
 use crate::discrete::{Inversion, WeightError};
 use crate::point::Point;
 use crate::real::Scalar;
-use crate::sampler::{PdfOf, Sampler, Uniforms};
+use crate::sampler::{Errors, PdfOf, Sampler, Uniforms};
 use crate::support::add_logs;
 
 /// Samplers of one space, numbered from zero: a tuple of different ones, an array or a slice of equal
@@ -25,6 +25,10 @@ pub trait Components<R: Scalar>: Copy {
     fn forward(&self, index: usize, u: Self::Uniforms) -> (Self::Point, bool);
     /// [`Sampler::pdf`] of one of them.
     fn pdf(&self, index: usize, x: &Self::Point) -> R;
+    /// [`Sampler::pdf_as_is`] of one of them.
+    fn pdf_as_is(&self, index: usize, x: &Self::Point) -> R;
+    /// [`Sampler::pdf_near`] of one of them.
+    fn pdf_near(&self, index: usize, x: &Self::Point, errors: Errors<'_, Self::Point, R>) -> R;
     /// [`Sampler::log_pdf`] of one of them.
     fn log_pdf(&self, index: usize, x: &Self::Point) -> R;
     /// [`Sampler::pdf_of_uniforms`] of one of them.
@@ -113,6 +117,16 @@ impl<C, D> Mixture<C, D> {
         let probability = |i: usize| self.choice.get(i).map_or(R::ZERO, |c| c.probability);
         (0..self.components.count()).map(move |i| (i, probability(i))).filter(|(_, p)| *p > R::ZERO)
     }
+
+    /// The largest density by one component. Of a point that has only by its rounding a density, it is not known that
+    /// several components have made it.
+    fn largest<R: Scalar, M>(&self, density: impl Fn(usize) -> R) -> Density<M, R>
+    where
+        C: Components<R>,
+        D: Inversion<R>,
+    {
+        Density::new(self.possible().fold(R::ZERO, |most, (i, p)| most.max(p * density(i))))
+    }
 }
 
 impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture<C, D> {
@@ -125,7 +139,16 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
     }
 
     fn pdf(&self, x: &C::Point) -> PdfOf<Self, R> {
-        Density::new(self.possible().map(|(i, p)| p * self.components.pdf(i, x)).sum())
+        let p = self.pdf_as_is(x);
+        if p.value() > R::ZERO { p } else { self.largest(|i| self.components.pdf(i, x)) }
+    }
+
+    fn pdf_as_is(&self, x: &C::Point) -> PdfOf<Self, R> {
+        Density::new(self.possible().map(|(i, p)| p * self.components.pdf_as_is(i, x)).sum())
+    }
+
+    fn pdf_near(&self, x: &C::Point, errors: Errors<'_, C::Point, R>) -> PdfOf<Self, R> {
+        self.largest(|i| self.components.pdf_near(i, x, errors))
     }
 
     fn log_pdf(&self, x: &C::Point) -> R {
@@ -140,7 +163,7 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
             return Density::ZERO;
         }
         let others = self.possible().filter(|(i, _)| *i != picked);
-        let others: R = others.map(|(i, p)| p * self.components.pdf(i, &x)).sum();
+        let others: R = others.map(|(i, p)| p * self.components.pdf_as_is(i, &x)).sum();
         Density::new(p * self.components.pdf_of_uniforms(picked, rest) + others)
     }
 
@@ -168,6 +191,12 @@ macro_rules! indexed {
             }
             fn pdf(&self, index: usize, x: &S::Point) -> R {
                 self[index].pdf(x).value()
+            }
+            fn pdf_as_is(&self, index: usize, x: &S::Point) -> R {
+                self[index].pdf_as_is(x).value()
+            }
+            fn pdf_near(&self, index: usize, x: &S::Point, errors: Errors<'_, S::Point, R>) -> R {
+                self[index].pdf_near(x, errors).value()
             }
             fn log_pdf(&self, index: usize, x: &S::Point) -> R {
                 self[index].log_pdf(x)
@@ -213,6 +242,25 @@ macro_rules! tuples {
                     0 => self.0.pdf(x).value(),
                     $($i => self.$i.pdf(x).value(),)*
                     _ => self.$l.pdf(x).value(),
+                }
+            }
+            fn pdf_as_is(&self, index: usize, x: &Self::Point) -> R {
+                match index {
+                    0 => self.0.pdf_as_is(x).value(),
+                    $($i => self.$i.pdf_as_is(x).value(),)*
+                    _ => self.$l.pdf_as_is(x).value(),
+                }
+            }
+            fn pdf_near(
+                &self,
+                index: usize,
+                x: &Self::Point,
+                errors: Errors<'_, Self::Point, R>,
+            ) -> R {
+                match index {
+                    0 => self.0.pdf_near(x, errors).value(),
+                    $($i => self.$i.pdf_near(x, errors).value(),)*
+                    _ => self.$l.pdf_near(x, errors).value(),
                 }
             }
             fn log_pdf(&self, index: usize, x: &Self::Point) -> R {

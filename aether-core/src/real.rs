@@ -208,6 +208,8 @@ pub trait Single: Real<Mask = bool, Lane = Self> {
     type Tracked: Real<Mask = bool>;
     /// The number with an error bound of one rounding.
     fn track(self) -> Self::Tracked;
+    /// The number with this error bound.
+    fn track_within(self, error: Self) -> Self::Tracked;
     /// Value and error bound of a tracked number.
     fn value_and_error(tracked: Self::Tracked) -> (Self, Self);
 }
@@ -244,6 +246,10 @@ macro_rules! impl_real {
             #[inline(always)]
             fn track(self) -> Bounded<$t> {
                 Bounded::rounded(self)
+            }
+            #[inline(always)]
+            fn track_within(self, error: $t) -> Bounded<$t> {
+                Bounded { value: self, error }
             }
             #[inline(always)]
             fn value_and_error(tracked: Bounded<$t>) -> ($t, $t) {

@@ -53,6 +53,9 @@ pub struct Derivation {
 /// The density of a sampler's points.
 pub type PdfOf<S, R> = Density<<<S as Sampler<R>>::Point as Point<R>>::Measure, R>;
 
+/// Bounds for the errors of a point's coordinates, which are computed where somebody asks.
+pub type Errors<'a, P, R> = &'a dyn Fn() -> <P as Point<R>>::Coordinates;
+
 /// A continuous random variable: a map from uniforms to points of a space, with its inverse and
 /// density derived by the compiler. Made by `#[sampler]`, or from others by [`Sampler::then`].
 ///
@@ -85,6 +88,24 @@ pub trait Sampler<R: Real>: Copy {
     /// 1 / √det(J(u)ᵀJ(u)), zero outside the support and for NaN or infinite coordinates (Aether
     /// 2017, Eq. 5, with the authors' erratum).
     fn pdf(&self, x: &Self::Point) -> PdfOf<Self, R>;
+
+    /// The density at exactly this point. [`Sampler::pdf`] of a composition takes one that lies outside of the
+    /// support by no more than the rounding of its maps as inside. Where several random variables may have made a
+    /// point, as in a mixture, that would count one on a border between them for each of them: who adds up
+    /// densities asks this, and, if they are all zero, `pdf`.
+    #[inline(always)]
+    fn pdf_as_is(&self, x: &Self::Point) -> PdfOf<Self, R> {
+        self.pdf(x)
+    }
+
+    /// The density at a point whose coordinates are known to within `errors`: one that lies outside of the support by
+    /// no more than that counts as inside. A map that comes after a sampler asks this about points that it has
+    /// computed. A sampler without an answer of its own takes the point as it is.
+    #[inline]
+    fn pdf_near(&self, x: &Self::Point, errors: Errors<'_, Self::Point, R>) -> PdfOf<Self, R> {
+        let _ = errors;
+        self.pdf(x)
+    }
 
     /// The density of the sample that `u` maps to. Needs no inversion if the map is injective.
     fn pdf_of_uniforms(&self, u: Self::Uniforms) -> PdfOf<Self, R>;

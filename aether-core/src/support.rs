@@ -233,12 +233,44 @@ pub fn track_some<R: Single, const N: usize>(x: &[R; N], unit: &[bool; N]) -> [R
     core::array::from_fn(|i| if unit[i] { unit_vector[i] } else { plain[i] })
 }
 
+/// Numbers that are off by `errors` more, if there are any.
+#[inline]
+pub fn widened<R: Single, const N: usize>(
+    x: [R::Tracked; N],
+    errors: Option<[R; N]>,
+) -> [R::Tracked; N] {
+    let Some(errors) = errors else { return x };
+    core::array::from_fn(|i| x[i] + R::ZERO.track_within(errors[i]))
+}
+
+/// What is known of the errors of numbers that `tracked` computes for each lane. They are handed on to somebody who
+/// allows for [`SLACK`] times the errors that he is told of.
+#[inline]
+pub fn errors_of<R: Real, const N: usize>(
+    tracked: impl Fn(usize) -> [<R::Lane as Single>::Tracked; N],
+) -> [R; N] {
+    let share = R::Lane::of(1.0 / SLACK);
+    (0..R::LANES).fold([R::ZERO; N], |errors, i| {
+        let lane = tracked(i);
+        core::array::from_fn(|k| {
+            let error = share * R::Lane::value_and_error(lane[k]).1;
+            // Without a bound nothing is known.
+            errors[k].with_lane(i, R::Lane::select(error.finite(), error, R::Lane::ZERO))
+        })
+    })
+}
+
+/// The numbers of an array whose length its type does not tell.
+#[inline]
+pub fn numbers<R: Real, const M: usize>(list: impl AsRef<[R]>) -> [R; M] {
+    let list = list.as_ref();
+    core::array::from_fn(|i| list[i])
+}
+
 /// The coordinates of several points, one after the other.
 #[inline(always)]
 pub fn flat<R: Real, P: crate::point::Point<R>, const M: usize>(point: &P) -> [R; M] {
-    let coordinates = point.coordinates();
-    let all = coordinates.as_ref();
-    core::array::from_fn(|i| all[i])
+    numbers(point.coordinates())
 }
 
 /// The numbers in lane `i`.
@@ -247,14 +279,17 @@ pub fn lane<R: Real, const N: usize>(x: &[R; N], i: usize) -> [R::Lane; N] {
     x.map(|x| x.lane(i))
 }
 
-/// Uniforms that count although they came out beyond their interval, and in which lanes they do.
-pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, [R; N])>;
+/// Uniforms that count although they came out beyond their interval, and by how much they may be off.
+pub type Rounded<R, const N: usize> = ([R; N], [R; N]);
+
+/// The same, and in which lanes they do.
+pub type Recovered<R, const N: usize> = Option<(<R as Real>::Mask, Rounded<R, N>)>;
 
 /// Where `wanted` is true: the uniforms that `recover` finds in that lane, if it finds any.
 #[inline(always)]
 pub fn recovered<R: Real, const N: usize>(
     wanted: R::Mask,
-    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+    recover: impl Fn(usize) -> Option<Rounded<R::Lane, N>>,
 ) -> Recovered<R, N> {
     if wanted.any() { recover_lanes::<R, N>(wanted, recover) } else { None }
 }
@@ -262,16 +297,17 @@ pub fn recovered<R: Real, const N: usize>(
 #[cold]
 fn recover_lanes<R: Real, const N: usize>(
     wanted: R::Mask,
-    recover: impl Fn(usize) -> Option<[R::Lane; N]>,
+    recover: impl Fn(usize) -> Option<Rounded<R::Lane, N>>,
 ) -> Recovered<R, N> {
     let mut found: Recovered<R, N> = None;
     for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
-        if let Some(u) = recover(i) {
-            let (mask, mut all) = found.unwrap_or((R::Mask::FALSE, [R::ZERO; N]));
-            for (all, u) in all.iter_mut().zip(u) {
-                *all = all.with_lane(i, u);
-            }
-            found = Some((mask.with_lane(i, true), all));
+        if let Some((u, errors)) = recover(i) {
+            let none = (R::Mask::FALSE, ([R::ZERO; N], [R::ZERO; N]));
+            let (mask, (all, bounds)) = found.unwrap_or(none);
+            let put = |all: [R; N], one: [R::Lane; N]| {
+                core::array::from_fn(|k| all[k].with_lane(i, one[k]))
+            };
+            found = Some((mask.with_lane(i, true), (put(all, u), put(bounds, errors))));
         }
     }
     found
@@ -287,9 +323,15 @@ pub fn lanes_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> R::Mask
 pub fn recovered_as<R: Real, const N: usize>(
     recovered: &Recovered<R, N>,
     i: usize,
-    u: &[R::Lane; N],
+    u: &Rounded<R::Lane, N>,
 ) -> bool {
-    recovered.is_some_and(|(mask, v)| mask.lane(i) && coincide(&lane(&v, i), u))
+    recovered.is_some_and(|(mask, (v, _))| mask.lane(i) && same(&lane(&v, i), u).any())
+}
+
+/// By how much recovered uniforms may be off; where there are none, by nothing.
+#[inline(always)]
+pub fn bounds_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> [R; N] {
+    recovered.map_or([R::ZERO; N], |(_, (_, errors))| errors)
 }
 
 /// The recovered uniforms in their lanes, others where they lie plainly inside.
@@ -301,13 +343,16 @@ pub fn merged<R: Real, const N: usize>(
 ) -> [R; N] {
     match recovered {
         None => plain(),
-        Some((_, u)) if !inside.any() => u,
-        Some((mask, u)) => {
+        Some((_, (u, _))) if !inside.any() => u,
+        Some((mask, (u, _))) => {
             let plain = plain();
             core::array::from_fn(|k| R::select(mask, u[k], plain[k]))
         }
     }
 }
+
+/// By how much the uniforms of two preimages may differ at most, to be taken as one.
+const MOST: f64 = 1.0 / 256.0;
 
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner; or over a divisor of zero whose
@@ -317,10 +362,10 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
     forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
-) -> Option<[R; N]> {
+) -> Option<Rounded<R, N>> {
     let mut undetermined = false;
     let mut tracked = u;
-    let mut clamped = [R::ZERO; N];
+    let (mut clamped, mut bounds) = ([R::ZERO; N], [R::ZERO; N]);
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
@@ -332,9 +377,11 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
         if !v.is_finite() || v < -SLACK * e || v > 1.0 + SLACK * e {
             return None;
         }
-        clamped[i] = value.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5));
+        clamped[i] = unit(value);
+        // Without a bound nothing is known.
+        bounds[i] = if e.is_finite() { R::of((SLACK * e).min(MOST)) } else { R::ZERO };
     }
-    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some(clamped)
+    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some((clamped, bounds))
 }
 
 /// Whether margins are positive, but for their error bounds.
@@ -394,8 +441,14 @@ fn rare_power<R: Real>(base: R, exponent: R) -> R {
 
 /// Two recovered preimages that are one: equal to within rounding in every uniform.
 pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R::Mask {
+    same(a, &(*b, [R::ZERO; N]))
+}
+
+/// The same where one of them is known to within bounds.
+pub fn same<R: Real, const N: usize>(a: &[R; N], (b, bounds): &Rounded<R, N>) -> R::Mask {
     let near = R::of(64.0) * R::EPSILON;
-    a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(near)))
+    let gap = |i: usize| (a[i] - b[i]).abs();
+    (0..N).fold(R::Mask::TRUE, |m, i| m.and(gap(i).le(near + bounds[i])))
 }
 
 /// The largest difference between the numbers of two points.
@@ -510,10 +563,21 @@ mod tests {
     }
 
     /// The uniforms of a triangle with the sides (0, 1) and (1, 0) from its corner at (1, 0), and the map back.
-    fn recovered_in_triangle(x: [f64; 2]) -> Option<[f64; 2]> {
+    fn recovered_in_triangle(x: [f64; 2]) -> Option<Rounded<f64, 2>> {
         let [a, b] = track(&x);
         let s = Bounded::ONE - a;
         recover::<f64, 2, 2>([s, b / s], &x, |u| [Bounded::ONE - u[0], u[0] * u[1]])
+    }
+
+    #[test]
+    fn what_was_recovered_is_another_preimage_to_within_its_bounds() {
+        // A quarter, lost in a difference from a thousand.
+        let [x] = track(&[1000.25f64]);
+        let place = (x - Bounded::of(1000.0)) * Bounded::of(-4.0) + Bounded::of(1.0);
+        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], |u| *u).unwrap();
+        assert!(u[0] == 0.0 && bounds[0] > 1e-12 && bounds[0] < 1e-10, "{bounds:?}");
+        assert!(same(&[1e-12], &(u, bounds)) && !coincide(&[1e-12], &u));
+        assert!(!same(&[1e-9], &(u, bounds)));
     }
 
     #[test]

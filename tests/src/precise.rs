@@ -174,6 +174,9 @@ macro_rules! number {
             fn track(self) -> Self {
                 self
             }
+            fn track_within(self, _: Self) -> Self {
+                self
+            }
             fn value_and_error(tracked: Self) -> (Self, Self) {
                 (tracked, tracked.abs() * Self::EPSILON * Self::of(1e3))
             }

@@ -251,7 +251,7 @@ pub trait Otherwise {
 
 impl<T> Otherwise for &Alike<'_, T> {}
 
-/// The density of `sampler` at the point of `target`.
+/// The density of `sampler` at the point of `target`, as it is: other outcomes of a choice may have made it.
 #[inline(always)]
 pub fn density<V, S>(sampler: &S, target: &V) -> V::Real
 where
@@ -259,7 +259,7 @@ where
     S: Sampler<V::Real>,
 {
     let part = Includes::<S::Point>::part(&target.point());
-    part.map_or(V::Real::ZERO, |x| sampler.pdf(&x).value())
+    part.map_or(V::Real::ZERO, |x| sampler.pdf_as_is(&x).value())
 }
 
 /// The density of `sampler` at the point of `target`, times a factor that depends on that point.
@@ -274,7 +274,7 @@ where
     S: Sampler<V::Real>,
 {
     let Some(x) = Includes::<S::Point>::part(&target.point()) else { return V::Real::ZERO };
-    let p = sampler.pdf(&x).value();
+    let p = sampler.pdf_as_is(&x).value();
     // The factor may be undefined outside the support.
     if p > V::Real::ZERO { product(p, factor(x)) } else { V::Real::ZERO }
 }

@@ -11,6 +11,7 @@ mod gaps;
 mod holding;
 mod joint;
 mod limits;
+mod opposed;
 mod parts;
 mod regimes;
 mod sample;
@@ -184,6 +185,8 @@ pub struct Derived {
     /// The scalar parameters that must not be exactly zero, because the formulas have only a limit
     /// there; in no order, and one may be named twice.
     pub limits: Vec<u8>,
+    /// Whether the map keeps the orientation of its unknowns, where it is the same at all points that are tried.
+    pub orientation: Option<bool>,
     /// Worst relative error of the density found on the test points, in `f64`.
     pub worst_error: f64,
     /// The derivation, a line a step.
@@ -232,6 +235,7 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         Err(NoInverse::Wrong(why)) => numerically(problem).map_err(|_| why)?,
     };
     verify_volume(problem, inner[0], &cases)?;
+    let orientation = cases::orientation(problem, &cases);
     let named = staged.as_ref().and_then(|stage| staged::volumes(problem, stage));
     let (volumes, named) = match (named, &staged) {
         (Some(named), Some(stage)) => {
@@ -249,6 +253,8 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
     let measured = |problem: &Problem, unknowns| {
         let points = |single: bool| -> Vec<Inputs> {
             let cases = cases.iter().filter(|c| c.single == single);
+            // Grazing directions are for the forms of inverses.
+            let cases = cases.filter(|c| !(unknowns && c.point.grazing));
             cases.map(|c| inputs(problem, c, unknowns)).collect()
         };
         Measure::new(points(false), points(true))
@@ -274,6 +280,7 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
     let sums = Sums {
         whole: whole.as_ref(),
         units: if injective { units(problem) } else { vec![] },
+        pairs: opposed::pairs(problem),
         is_direction: problem.is_direction(),
     };
     // Mapping forward again is a test that contains all others, but what tells opposite preimages apart may be smaller
@@ -325,6 +332,7 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         own_density,
         check_forward,
         limits,
+        orientation,
         worst_error: worst,
         steps,
     })

@@ -33,6 +33,41 @@ fn volume_by(problem: &Problem, point: &Point, step: f64) -> Option<f64> {
     v.is_finite().then_some(v)
 }
 
+/// Whether the map keeps the orientation of its unknowns at a point, or turns it round; for a direction as it is seen from
+/// outside of the sphere. `None` where dimensions differ, and where differences do not tell.
+pub fn orientation(problem: &Problem, point: &Point) -> Option<bool> {
+    let axes = 0..problem.unknowns.len();
+    let mut columns: Vec<Vec<Dd>> =
+        axes.map(|j| along_axis(problem, point, j, STEP)).collect::<Option<_>>()?;
+    if problem.is_direction() {
+        columns.push(evaluate(problem, point, &point.unknowns));
+    }
+    let square = columns.iter().all(|column| column.len() == columns.len());
+    let d = square.then(|| determinant(columns).to_f64())?;
+    (d.abs() > 0.0).then_some(d > 0.0)
+}
+
+/// The determinant, by elimination with the largest pivots.
+fn determinant(mut rows: Vec<Vec<Dd>>) -> Dd {
+    let mut product = Dd::from_f64(1.0);
+    for k in 0..rows.len() {
+        let size = |row: &Vec<Dd>| row[k].abs().to_f64();
+        let largest = (k..rows.len()).max_by(|&i, &j| size(&rows[i]).total_cmp(&size(&rows[j])));
+        if let Some(i) = largest.filter(|&i| i != k) {
+            rows.swap(i, k);
+            product = Dd::from_f64(0.0) - product;
+        }
+        let (done, rest) = rows.split_at_mut(k + 1);
+        let pivot = &done[k];
+        product = product * pivot[k];
+        for row in rest {
+            let factor = row[k] / pivot[k];
+            row.iter_mut().zip(pivot).for_each(|(x, p)| *x = *x - factor * *p);
+        }
+    }
+    product
+}
+
 /// The image of some unknowns, with the parameters of a point.
 pub fn evaluate(problem: &Problem, point: &Point, unknowns: &[Dd]) -> Vec<Dd> {
     let at = |l: Leaf| match l {
@@ -120,4 +155,42 @@ fn tangents(w: [Dd; 3]) -> [[Dd; 3]; 2] {
         w[j] * t[k] - w[k] * t[j]
     });
     [t, s]
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::interpret::Item;
+
+    /// How the pieces of a sampler are oriented.
+    fn orientations(space: &str, body: &str) -> Vec<Option<bool>> {
+        let text = format!(
+            "fn s(u: [Uniform; {}]) -> {space} {{ {body} }}",
+            1 + body.matches("u[1]").count().min(1)
+        );
+        let item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
+        item.derived.iter().map(|d| d.orientation).collect()
+    }
+
+    #[test]
+    fn a_fold_turns_the_orientation_round_and_a_border_does_not() {
+        let line = |body: &str| orientations("f64", body);
+        let mut fold = line("(2.0 * u[0] - 1.0).abs()");
+        fold.sort_unstable();
+        assert_eq!(fold, [Some(false), Some(true)]);
+        assert_eq!(line("if u[0] < 0.5 { u[0] } else { u[0] * u[0] + 0.25 }"), [Some(true); 2]);
+        // A preimage on either side of zero, in one piece of the domain.
+        assert_eq!(line("u[0] * (1.0 - u[0])"), [None]);
+        assert_eq!(orientations("Vec2", "Vec2::new(u[1], u[0])"), [Some(false)]);
+        assert_eq!(orientations("Vec2", "Vec2::new(u[0], u[1])"), [Some(true)]);
+        let cap = |z: &str| {
+            let body = format!(
+                "let z = {z}; let r = (1.0 - z * z).sqrt(); let p = TAU * u[1];
+                 Direction::new(r * p.cos(), r * p.sin(), z)"
+            );
+            orientations("Direction", &body)
+        };
+        assert!(
+            matches!([&cap("u[0]")[..], &cap("1.0 - u[0]")[..]], [[Some(a)], [Some(b)]] if a != b)
+        );
+    }
 }

@@ -44,6 +44,9 @@ pub struct Point {
     /// Whether parameters are larger or smaller than the map may be meant for, because nothing was
     /// declared of them: good for comparing forms, but no test of the map.
     pub stress: bool,
+    /// Whether directions graze, so that it is good for comparing forms of the inverse, in which half vectors are sums of
+    /// nearly opposite ones.
+    pub grazing: bool,
 }
 
 impl Point {
@@ -125,6 +128,11 @@ const LEAST: usize = 6;
 
 /// Enough points where a condition narrows the choice.
 const ENOUGH: usize = 80;
+/// Rounds with directions next to the horizon, where half vectors are sums of nearly opposite ones.
+const GRAZING: usize = 5;
+/// How far above it.
+const HEIGHTS: [f64; GRAZING] = [1e-2, 1e-3, 1e-4, 1e-6, 1e-5];
+
 /// Rounds that are tried for them; in the later ones, undeclared parameters are of any size and sign.
 const MOST_ROUNDS: usize = 400;
 const WILD: usize = 40;
@@ -154,7 +162,40 @@ pub fn sampler_points(
         let made = around(&mut rng, unknowns, round, &params, stress);
         points.extend(made.into_iter().filter(|p| !guarded || accept(p)));
     }
+    if kinds.contains(&Kind::Direction) {
+        for round in 0..2 * GRAZING {
+            let mut params = parameters(&mut rng, kinds, round);
+            lower(&mut params, kinds, [0.0, 0.0, 1.0].map(Dd::from_f64), round);
+            let made = around(&mut rng, unknowns, round, &params, true);
+            let made = made.into_iter().map(|point| Point { grazing: true, ..point });
+            points.extend(made.filter(|p| !guarded || accept(p)));
+        }
+    }
     points
+}
+
+/// Brings parameters that are directions next to the plane with this normal; each second one in a plane of two axes, as
+/// views of isotropic materials often are: there every coordinate of a small sum is exact.
+fn lower(params: &mut [Dd], kinds: &[Kind], normal: [Dd; 3], round: usize) {
+    let height = Dd::from_f64(HEIGHTS[round % GRAZING]);
+    let mut first = 0;
+    for kind in kinds {
+        let place = first..first + kind.scalars();
+        first = place.end;
+        if *kind == Kind::Direction {
+            let w: [Dd; 3] = std::array::from_fn(|i| params[place.start + i]);
+            let above = w[0] * normal[0] + w[1] * normal[1] + w[2] * normal[2];
+            let level = if round.is_multiple_of(2) {
+                cross([0.0, 1.0, 0.0].map(Dd::from_f64), normal)
+            } else {
+                std::array::from_fn(|i| w[i] - above * normal[i])
+            };
+            let height = if above.to_f64() < 0.0 { Dd::from_f64(0.0) - height } else { height };
+            let level = normalise(level);
+            let lowered = normalise(std::array::from_fn(|i| level[i] + height * normal[i]));
+            params[place].copy_from_slice(&lowered);
+        }
+    }
 }
 
 /// Random uniforms, and some with one at an extreme.
@@ -162,7 +203,13 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
     let mut points = Vec::new();
     for _ in 0..4 {
         let unknowns = (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
-        points.push(Point { unknowns, params: params.to_vec(), interior: true, stress });
+        points.push(Point {
+            unknowns,
+            params: params.to_vec(),
+            interior: true,
+            stress,
+            grazing: false,
+        });
     }
     for (k, e) in EXTREMES.iter().enumerate() {
         let position = k % unknowns.max(1);
@@ -175,7 +222,7 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
             u.rotate_right(1);
         }
         let unknowns = u.into_iter().map(Dd::from_f64).collect();
-        points.push(Point { unknowns, params: params.to_vec(), interior, stress });
+        points.push(Point { unknowns, params: params.to_vec(), interior, stress, grazing: false });
     }
     points
 }
@@ -195,9 +242,21 @@ pub fn map_points(
         }
         let params = parameters(&mut rng, kinds, round % 8);
         let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-        let point = Point { unknowns, params, interior: true, stress: false };
+        let point = Point { unknowns, params, interior: true, stress: false, grazing: false };
         if !guarded || accept(&point) {
             points.push(point);
+        }
+    }
+    if *argument == Kind::Direction && kinds.contains(argument) {
+        for round in 0..2 * GRAZING {
+            let mut params = parameters(&mut rng, kinds, round);
+            let argument = unit(&mut rng);
+            lower(&mut params, kinds, argument, round);
+            let unknowns = argument.to_vec();
+            let point = Point { unknowns, params, interior: true, stress: true, grazing: true };
+            if !guarded || accept(&point) {
+                points.push(point);
+            }
         }
     }
     points

@@ -368,6 +368,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(flipped(g, id).map(|f| g.sum(Q::ONE, &[(Q::int(-1), f)])));
         }
         Node::Product(factors) => {
+            out.extend(both_sides_of_one(g, &factors));
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };
                 if c == Q::ONE && g.as_number(e).is_none_or(|e| !e.is_int() && e.den() > 3) {
@@ -388,6 +389,30 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
     }
     out.retain(|f| *f != id);
     out
+}
+
+/// (1 + a)^e (1 - a)^e in a product as (1 - a²)^e, where e is no whole number.
+fn both_sides_of_one(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
+    let beside_one = |g: &Graph, b: Id| match g.node(b) {
+        Node::Sum(c, terms) if *c == Q::ONE => Some(terms.clone()),
+        _ => None,
+    };
+    let power = |&(_, e): &&(Id, Id)| g.as_number(*e).is_none_or(|e| !e.is_int() && e.den() > 3);
+    let (first, second, rest, e) = factors.iter().filter(power).find_map(|&(b, e)| {
+        let rest = beside_one(g, b)?;
+        let negated: Vec<(Q, Id)> = rest.iter().map(|&(q, t)| (q.neg(), t)).collect();
+        let other = factors
+            .iter()
+            .position(|&(d, f)| f == e && beside_one(g, d).is_some_and(|terms| terms == negated))?;
+        Some((factors.iter().position(|&f| f == (b, e))?, other, rest, e))
+    })?;
+    let rest = g.sum(Q::ZERO, &rest);
+    let square = g.powi(rest, 2);
+    let minus = g.neg(square);
+    let mut factors = factors.to_vec();
+    factors[first] = (g.call(Fun::Pow1p, &[minus, e]), g.int(1));
+    factors.remove(second);
+    Some(g.product(&factors))
 }
 
 /// A sum that is linear in a uniform u by its values at both ends, A (1 - u) + B u, where these have one sign.
@@ -571,4 +596,27 @@ fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
 
 fn is_root(g: &mut Graph, id: Id) -> bool {
     g.factors(id).iter().any(|(_, e)| g.as_number(*e).is_some_and(|e| e.den() == 2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn powers_of_both_sides_of_one_are_one_power() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::new(-1.0, 1.0));
+        let k = g.leaf(Leaf::Param(0), "k", Interval::new(0.0, 1e3));
+        let [up, down] = [1, -1].map(|s| g.sum(Q::ONE, &[(Q::int(s), x)]));
+        let factors = [(up, k), (x, g.int(1)), (down, k)];
+        let square = g.powi(x, 2);
+        let minus = g.neg(square);
+        let power = g.call(Fun::Pow1p, &[minus, k]);
+        let expected = g.mul(x, power);
+        assert_eq!(both_sides_of_one(&mut g, &factors), Some(expected));
+        // Different powers stay apart.
+        let other = [(up, k), (down, x)];
+        assert_eq!(both_sides_of_one(&mut g, &other), None);
+    }
 }

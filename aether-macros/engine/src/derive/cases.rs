@@ -2,9 +2,9 @@
 //! answers occur, and whether the derivatives are right.
 
 use super::{Problem, Target};
-use crate::differences::evaluate;
+use crate::differences::{self, evaluate};
 use crate::eval::Evaluator;
-use crate::expr::{Id, Leaf};
+use crate::expr::{Graph, Id, Leaf};
 use crate::measure::Inputs;
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, map_points, sampler_points};
@@ -72,6 +72,14 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
     Ok(out)
 }
 
+/// How the map is oriented, if it is oriented alike at all points within the domain.
+pub(super) fn orientation(problem: &Problem, cases: &[Case]) -> Option<bool> {
+    let points = cases.iter().map(|c| &c.point).filter(|p| p.interior && !p.stress);
+    let mut signs = points.map(|p| differences::orientation(problem, p));
+    let first = signs.next()??;
+    signs.all(|sign| sign == Some(first)).then_some(first)
+}
+
 /// What the map is at a point; `None` if it has no result there.
 fn case(problem: &Problem, volume: Id, point: Point) -> Option<Case> {
     let at = |l: Leaf| point.input(l, &[]);
@@ -82,6 +90,15 @@ fn case(problem: &Problem, volume: Id, point: Point) -> Option<Case> {
     let outs: Vec<f64> = exact_outs.iter().map(|x| x.to_f64()).collect();
     let finite = outs.iter().all(|x| x.is_finite()) && volume.is_finite();
     (required && finite).then_some(Case { point, outs, exact_outs, volume, single: false })
+}
+
+/// The values of an expression of the points themselves, before they are rounded.
+pub(super) fn exact_values(g: &Graph, id: Id, cases: &[Case]) -> Vec<f64> {
+    let value = |case: &Case| {
+        let at = |l: Leaf| case.point.input(l, &case.exact_outs);
+        Evaluator::<Dd>::new(g, &at).value(id).to_f64()
+    };
+    cases.iter().map(value).collect()
 }
 
 /// The same points with numbers of single precision, as far as they still are of the domain.
@@ -128,6 +145,12 @@ pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {
 /// The values of a solution at a case, if its tests pass.
 fn try_solution(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<f64>> {
     try_exactly(problem, s, case).map(|u| u.iter().map(|u| u.to_f64()).collect())
+}
+
+/// Whether a solution is the preimage that a case was made from.
+pub(super) fn recovers(problem: &Problem, s: &Solution, case: &Case) -> bool {
+    let near = |(a, b): (&f64, &Dd)| (a - b.to_f64()).abs() < 1e-9;
+    try_solution(problem, s, case).is_some_and(|u| u.iter().zip(&case.point.unknowns).all(near))
 }
 
 /// The same in double-double.

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::cases::Case;
+use super::cases::{Case, exact_values, recovers};
 use super::factored::factored;
 use super::holding::never_negative;
+use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
 use super::units::by_the_others;
@@ -15,6 +16,7 @@ use crate::jacobian::{cost, simplify};
 use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
+use crate::points::Kind;
 use crate::poly::Expander;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
@@ -70,11 +72,20 @@ pub(super) struct Sums<'a> {
     pub whole: Option<&'a Whole>,
     /// The places of coordinates that are together a unit vector.
     pub units: Vec<Vec<u8>>,
+    /// The point with each of the parameters that are unit vectors.
+    pub pairs: Vec<Pair>,
     /// Directions are simplified by their length wherever that pays, before forms are chosen.
     pub is_direction: bool,
 }
 
 impl Sums<'_> {
+    /// Adds to some forms those in which sums of two unit vectors are free of the errors of their lengths.
+    fn extend(&self, g: &mut Graph, forms: &mut Vec<Id>) {
+        let freed: Vec<Id> =
+            forms.iter().filter_map(|&form| without_length(g, form, &self.pairs)).collect();
+        forms.extend(freed);
+    }
+
     /// Forms of an expression of the point in which constants are what coordinates, or their squares, add up to.
     fn put_into(&self, g: &mut Graph, id: Id) -> Vec<Id> {
         let mut forms = vec![];
@@ -125,6 +136,11 @@ pub(super) fn density(
     measure: &mut Measure,
     injective: bool,
 ) -> (Id, f64) {
+    // Among several preimages this one's share is known only where it is the one that was sampled.
+    let known: Vec<bool> = match sums.pairs[..] {
+        [] => vec![injective; cases.len()],
+        _ => cases.iter().map(|case| injective || recovers(problem, s, case)).collect(),
+    };
     let g = &mut problem.graph;
     let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
     let mut candidates = Vec::new();
@@ -163,11 +179,14 @@ pub(super) fn density(
     candidates.extend(candidates.clone().into_iter().flat_map(|c| sums.put_into(g, c)));
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
-    // Among several preimages this one's share is known only where it is the one that was sampled.
-    let mut truth: Vec<f64> = measure.truths(g, candidates[0]);
-    if injective {
+    let mut truth: Vec<f64> = match sums.pairs[..] {
+        [] => measure.truths(g, candidates[0]),
+        // The length of a rounded direction is no news of it.
+        _ => exact_values(g, candidates[0], cases),
+    };
+    {
         let free = matches!(problem.parts[..], [part] if part.target == Target::Free);
-        for (t, c) in truth.iter_mut().zip(cases) {
+        for ((t, c), _) in truth.iter_mut().zip(cases).zip(&known).filter(|(_, known)| **known) {
             let own = if c.volume > 0.0 { 1.0 / c.volume } else { f64::NAN };
             // What rounding the point does to its density is no error of a form, if any point is legal.
             if !(free && (*t - own).abs() <= ROUNDED * own) {
@@ -189,10 +208,12 @@ pub(super) fn density(
             all.extend(forms.into_iter().filter(|&f| !divides_by_the_point(g, f)));
         }
     }
+    sums.extend(g, &mut all);
     let (mut best, mut error) = pick(g, &all, &truth, measure);
     if cost(g, best) > LONG || error > 64.0 * f64::EPSILON {
         crate::poly::refill_budget(8);
         all.extend(by_the_inverse(problem, s));
+        sums.extend(&mut problem.graph, &mut all);
         (best, error) = pick(&mut problem.graph, &all, &truth, measure);
     }
     let g = &mut problem.graph;
@@ -281,7 +302,7 @@ pub(super) fn finish(
     conditions: &[Id],
 ) -> Preimage {
     let g = &mut problem.graph;
-    let stable: Vec<Id> = problem
+    let picked: Vec<[Id; 2]> = problem
         .unknowns
         .iter()
         .enumerate()
@@ -290,9 +311,19 @@ pub(super) fn finish(
             let mut forms = sums.put_into(g, s.unknowns[l]);
             let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
             forms.push(best);
-            pick(g, &forms, &truth, measure).0
+            let without = pick(g, &forms, &truth, measure).0;
+            sums.extend(g, &mut forms);
+            [without, pick(g, &forms, &truth, measure).0]
         })
         .collect();
+    // The coordinates of a direction have its length in common: either all of them are free of its error, or none.
+    let together = problem.argument == Some(Kind::Direction)
+        && picked.iter().any(|[without, best]| without != best);
+    let mut stable: Vec<Id> = Vec::new();
+    for [without, best] in picked {
+        let freed = if together { without_length(g, without, &sums.pairs) } else { None };
+        stable.push(freed.unwrap_or(best));
+    }
     let mut tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
     let mut unknowns = tested.clone();
     for (i, value) in unknowns.iter_mut().enumerate() {

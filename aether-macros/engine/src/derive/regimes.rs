@@ -3,13 +3,14 @@
 //! The equations of a direction are one too many. Near a pole z is known to an ulp of one, and says
 //! next to nothing of how far the pole is away; x and y say it to full precision, and conversely at
 //! the horizon. So every coordinate of which an unknown is a function may be replaced, where it is
-//! large, by what the others say of it; whether it pays is measured. The same holds of coordinates of any
-//! manifold whose squares add up to one.
+//! large, by what the others say of it; whether it pays is measured. Where it is small, 1 - z² says what x² + y² lacks
+//! to one, which a high power of it asks for. The same holds of coordinates of any manifold whose squares add up to one.
 
 use std::collections::BTreeMap;
 
 use super::Problem;
 use super::cases::Case;
+use super::units::by_one;
 use crate::expr::{Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
@@ -42,6 +43,27 @@ pub(super) fn best_coordinates(
     best_forms(&mut problem.graph, value, units, &truth, measure)
 }
 
+/// Where on a sphere a coordinate is large, and where it is small.
+#[derive(Clone, Copy)]
+enum Region {
+    /// Above a half (side 1) or below minus a half (side -1).
+    Pole(Q),
+    /// Between.
+    Equator,
+}
+
+impl Region {
+    const ALL: [Region; 3] = [Region::Pole(Q::ONE), Region::Pole(Q::int(-1)), Region::Equator];
+
+    /// Whether coordinate `k` of a point is in it.
+    fn has(self, point: &Inputs, k: u8) -> bool {
+        point.get(&Leaf::Out(k)).is_some_and(|&x| match self {
+            Region::Pole(side) => side.to_f64() * x > 0.5,
+            Region::Equator => x.abs() < 0.5,
+        })
+    }
+}
+
 /// The value of an expression of the coordinates of unit vectors, in terms of those that are best conditioned.
 pub(super) fn best_forms(
     g: &mut Graph,
@@ -52,18 +74,18 @@ pub(super) fn best_forms(
 ) -> Id {
     let mut best = value;
     for (unit, k) in units.iter().flat_map(|unit| unit.iter().map(move |&k| (unit, k))) {
-        if !g.has(value, leaf_bit(Leaf::Out(k))) {
-            continue;
-        }
-        for side in [Q::ONE, Q::int(-1)] {
-            let form = near_pole(g, (value, best), (unit, k), side, measure);
+        for region in Region::ALL {
+            let form = match region {
+                Region::Pole(side) => near_pole(g, (value, best), (unit, k), side, measure),
+                Region::Equator => at_equator(g, (value, best), (unit, k), measure),
+            };
             let Some(form) = form else { continue };
             let (old, new) = (measure.errors(g, best, truth), measure.errors(g, form, truth));
             // Where neither has a value, as for an angle right at the pole, they are alike.
             let told: Vec<bool> =
                 (0..truth.len()).map(|i| !(old.is_unknown(i) && new.is_unknown(i))).collect();
             let points = measure.points().iter().zip(&told);
-            let near: Vec<bool> = points.map(|(p, &told)| told && beyond(p, k, side)).collect();
+            let near: Vec<bool> = points.map(|(p, &told)| told && region.has(p, k)).collect();
             let (wholly, nearby) = (
                 (old.loss_where(&told, true), new.loss_where(&told, true)),
                 (old.loss_where(&near, true), new.loss_where(&near, true)),
@@ -101,6 +123,9 @@ fn near_pole(
     side: Q,
     measure: &Measure,
 ) -> Option<Id> {
+    if !g.has(value, leaf_bit(Leaf::Out(k))) {
+        return None;
+    }
     let coordinate = g.get_leaf(Leaf::Out(k));
     let signed = g.sum(Q::ZERO, &[(side, coordinate)]);
     let minus_half = g.number(Q::HALF.neg());
@@ -116,7 +141,7 @@ fn near_pole(
     let top = g.sum(Q::ZERO, &others);
     let bottom = g.sum(Q::ONE, &[(Q::ONE, signed)]);
     let depth = g.div(top, bottom);
-    let mut here = measure.subset(|p| beyond(p, k, side));
+    let mut here = measure.subset(|p| Region::Pole(side).has(p, k));
     if here.points().is_empty() {
         return None;
     }
@@ -128,9 +153,25 @@ fn near_pole(
     Some(g.if_positive(test, replaced, rest))
 }
 
-/// Whether coordinate `k` is above a half, or below minus a half.
-fn beyond(point: &Inputs, k: u8, side: Q) -> bool {
-    point.get(&Leaf::Out(k)).is_some_and(|x| side.to_f64() * x > 0.5)
+/// The value where coordinate `k` is below a half in size, with one minus its square for the sum of those of the others.
+/// Elsewhere it is `rest`.
+fn at_equator(
+    g: &mut Graph,
+    (value, rest): (Id, Id),
+    (unit, k): (&[u8], u8),
+    measure: &Measure,
+) -> Option<Id> {
+    let replaced = by_one(g, value, unit, k)?;
+    let mut here = measure.subset(|p| Region::Equator.has(p, k));
+    if here.points().is_empty() {
+        return None;
+    }
+    let replaced = stabilise_to(g, replaced, &mut here, 4.0 * f64::EPSILON);
+    let coordinate = g.get_leaf(Leaf::Out(k));
+    let square = g.powi(coordinate, 2);
+    let quarter = Q::HALF.mul(Q::HALF)?;
+    let test = g.sum(quarter, &[(Q::int(-1), square)]);
+    Some(g.if_positive(test, replaced, rest))
 }
 
 /// An expression of the coordinate in terms of the depth: sums that it occurs in are sorted by powers

@@ -1,6 +1,7 @@
 //! Coordinates that are together a unit vector, and 1 - x² of one of them as the squares of the others.
 //!
-//! Next to one, x says little of how far it is from there; the others say it to full precision.
+//! Next to one, x says little of how far it is from there; the others say it to full precision. Next to zero the others
+//! say little of how far the sum of their squares is from one.
 
 use crate::expr::{Graph, Id, Leaf, Node};
 use crate::hash::Map;
@@ -62,25 +63,54 @@ pub(super) fn by_the_others(g: &mut Graph, written: Id, units: &[Vec<u8>]) -> Op
         let leaves: Vec<Id> = unit.iter().map(|&i| g.get_leaf(Leaf::Out(i))).collect();
         for &coordinate in &leaves {
             let others = leaves.iter().copied().filter(|&leaf| leaf != coordinate).collect();
-            let mut replacing = Others { coordinate, others, memo: Map::default() };
-            id = replacing.put_into(g, id);
+            let told = Told::Others(others);
+            id = Replacing { coordinate, told, memo: Map::default() }.put_into(g, id);
         }
     }
     (id != written).then_some(id)
 }
 
-struct Others {
+/// An expression of a point with 1 - x² for the sum of the squares of the other coordinates of a unit vector, where `x`
+/// is one of its places; `None` where it depends on no such sum.
+pub(super) fn by_one(g: &mut Graph, written: Id, unit: &[u8], x: u8) -> Option<Id> {
+    let mut others: Vec<Id> =
+        unit.iter().filter(|&&i| i != x).map(|&i| g.get_leaf(Leaf::Out(i))).collect();
+    let coordinate = others.pop()?;
+    let told = Told::One { one: g.get_leaf(Leaf::Out(x)), others };
+    let id = Replacing { coordinate, told, memo: Map::default() }.put_into(g, written);
+    (id != written).then_some(id)
+}
+
+/// What the square of a coordinate is told by.
+enum Told {
+    /// Those of all others, none of which is taken from one.
+    Others(Vec<Id>),
+    /// That of a single one, where it occurs in a sum with those of the others.
+    One { one: Id, others: Vec<Id> },
+}
+
+struct Replacing {
     coordinate: Id,
-    others: Vec<Id>,
+    told: Told,
     memo: Map<Id, Id>,
 }
 
-impl Others {
+impl Replacing {
     /// The expression without the coordinate, if it depends on nothing but one minus its square.
     fn without(&self, g: &mut Graph, id: Id) -> Option<Id> {
-        let normal = Expander::new(g).unit_with(self.coordinate, &self.others).normal_form(id)?;
-        let gone = !g.has(normal, g.deps(self.coordinate));
-        (gone && !cancels(g, normal)).then_some(normal)
+        match &self.told {
+            Told::Others(others) => {
+                let normal = Expander::new(g).unit_with(self.coordinate, others).normal_form(id)?;
+                let gone = !g.has(normal, g.deps(self.coordinate));
+                (gone && !cancels(g, normal)).then_some(normal)
+            }
+            Told::One { one, others } => {
+                let rest: Vec<Id> = others.iter().copied().chain([*one]).collect();
+                let normal = Expander::new(g).unit_with(self.coordinate, &rest).normal_form(id)?;
+                let mut gone = others.iter().chain([&self.coordinate]);
+                gone.all(|&leaf| !g.has(normal, g.deps(leaf))).then_some(normal)
+            }
+        }
     }
 
     fn put_into(&mut self, g: &mut Graph, id: Id) -> Id {
@@ -170,5 +200,25 @@ mod tests {
         assert_eq!(by_the_others(&mut g, expected, &units), None);
         // On its own, a factor stays.
         assert_eq!(by_the_others(&mut g, root, &units), None);
+    }
+
+    #[test]
+    fn a_sum_of_squares_is_had_from_the_coordinate_that_is_not_in_it() {
+        let mut g = Graph::new();
+        let signed = Interval::new(-1.0, 1.0);
+        let [x, y, z] =
+            [0, 1, 2].map(|i| g.leaf(Leaf::Out(i), ["x", "y", "z"][i as usize], signed));
+        let squares = [x, y].map(|c| (Q::ONE, g.powi(c, 2)));
+        let exponent = g.leaf(Leaf::Param(0), "k", Interval::new(0.0, 1e3));
+        let sum = g.sum(Q::ZERO, &squares);
+        let written = g.pow(sum, exponent);
+        let sides = [1, -1].map(|s| g.sum(Q::ONE, &[(Q::int(s), z)]));
+        let [up, down] = sides.map(|side| g.pow(side, exponent));
+        let expected = g.mul(up, down);
+        assert_eq!(by_one(&mut g, written, &[0, 1, 2], 2), Some(expected));
+        assert_eq!(by_one(&mut g, written, &[0, 1, 2], 0), None);
+        // One square alone says nothing of the height alone.
+        let alone = g.pow(x, exponent);
+        assert_eq!(by_one(&mut g, alone, &[0, 1, 2], 2), None);
     }
 }

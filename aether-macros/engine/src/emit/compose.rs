@@ -195,6 +195,9 @@ pub fn emit(
                 #[inline(always)]
                 fn pdf(&self, x: &Self::Point) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf(&s, x) }
                 #[inline(always)]
+                fn pdf_as_is(&self, x: &Self::Point) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_as_is(&s, x) }
+                fn pdf_near(&self, x: &Self::Point, errors: ::aether_core::sampler::Errors<'_, Self::Point, R>) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_near(&s, x, errors) }
+                #[inline(always)]
                 fn pdf_of_uniforms(&self, u: [R; #count]) -> ::aether_core::PdfOf<Self, R> { let s = { #unpack #result }; Sampler::<R>::pdf_of_uniforms(&s, u) }
                 fn preimages(&self, x: &Self::Point, visit: impl FnMut([R; #count], R::Mask)) { let s = { #unpack #result }; Sampler::<R>::preimages(&s, x, visit) }
             }
@@ -210,6 +213,7 @@ pub fn emit(
                     fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask) { let m = { #unpack #result }; Map::<R>::forward(&m, x) }
                     #[inline(always)]
                     fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask)) { let m = { #unpack #result }; Map::<R>::preimages(&m, y, visit) }
+                    fn preimages_near(&self, y: &Self::Target, errors: ::aether_core::sampler::Errors<'_, Self::Target, R>, visit: impl FnMut(Self::Source, ::aether_core::sampler::Errors<'_, Self::Source, R>, R::Mask)) { let m = { #unpack #result }; Map::<R>::preimages_near(&m, y, errors, visit) }
                     #[inline(always)]
                     fn jacobian(&self, x: &Self::Source) -> R { let m = { #unpack #result }; Map::<R>::jacobian(&m, x) }
                 }

@@ -13,7 +13,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let (source_ty, target_ty) = (point_type(source), point_type(&e.signature().space));
     let parameters = e.parameters();
     let made = e.point(&quote!(c));
-    let visits = visits(e, source);
+    let (_, m, _) = e.sizes();
+    let [visits, visits_near] = [false, true].map(|near| visits(e, source, near));
     let (forward, jacobian) = (forward(e), jacobian(e));
     let coordinates = e.coordinates();
     let injective = e.places().len() <= 1;
@@ -41,6 +42,18 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 #parameters
                 let x = #coordinates;
                 #visits
+            }
+
+            fn preimages_near(
+                &self,
+                point: &Self::Target,
+                errors: ::aether_core::sampler::Errors<'_, Self::Target, R>,
+                mut visit: impl FnMut(Self::Source, ::aether_core::sampler::Errors<'_, Self::Source, R>, R::Mask),
+            ) {
+                #parameters
+                let x = #coordinates;
+                let errors = || -> [R; #m] { ::aether_core::support::numbers(errors()) };
+                #visits_near
             }
 
             #[inline(always)]
@@ -89,9 +102,10 @@ fn jacobian(e: &Emitter) -> TokenStream {
     }
 }
 
-fn visits(e: &Emitter, source: &Space) -> TokenStream {
+/// Calls `visit` with each preimage; `near` with bounds for the errors that it has by those of the point.
+fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
     let belongs = e.belongs();
-    let (_, m, s) = e.sizes();
+    let (n, m, s) = e.sizes();
     let each = e.places().into_iter().map(|place| {
         let (k, j) = (place.number, place.piece);
         let (inverse, support) = (format_ident!("inverse_{k}"), format_ident!("support_{k}"));
@@ -99,6 +113,17 @@ fn visits(e: &Emitter, source: &Space) -> TokenStream {
         let guarded =
             (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
         let made = point(source, &quote!(u), None);
+        let bounds = near.then(|| {
+            let tracked = e.tracked();
+            quote! {
+                &|| ::aether_core::support::errors_of::<R, #n>(|i| {
+                    let (p, x) = (&::aether_core::support::lane(&p, i), &::aether_core::support::lane(&x, i));
+                    let errors = ::aether_core::support::lane(&errors(), i);
+                    let tx = ::aether_core::support::widened::<R::Lane, #m>(#tracked, Some(errors));
+                    #inverse::<<R::Lane as Single>::Tracked>(&::aether_core::support::track(p), &tx)
+                }),
+            }
+        });
         let member = format_ident!("member_{k}");
         let membership = place.derived.check_forward.then(|| {
             quote! {
@@ -112,7 +137,7 @@ fn visits(e: &Emitter, source: &Space) -> TokenStream {
                 #membership
                 if ok.any() {
                     let u = #inverse::<R>(&p, &x);
-                    visit(#made, ok.and(::aether_core::support::finite::<R>(&u)));
+                    visit(#made, #bounds ok.and(::aether_core::support::finite::<R>(&u)));
                 }
             }
         }

@@ -232,18 +232,24 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
     let others = if is_alone(e) {
         quote!()
     } else {
-        let existence = existence_where(e, &wanted);
+        let existence = existence_where(e, &wanted, false);
         let terms = e.places().into_iter().map(|place| {
             let [strict, recovered, inverse] = ["strict", "recovered", "inverse"]
                 .map(|name| format_ident!("{name}_{}", place.number));
             let leave = format_ident!("leave_{}", place.piece);
             let value = value_at(e, place, &quote!(other));
+            let turned = |j: usize| e.places().iter().any(|p| p.piece == j && folded(p, &place));
+            let turned: Vec<_> = (0..pieces).filter(|&j| turned(j)).map(|j| &masks[j]).collect();
+            let beside =
+                (!turned.is_empty()).then(|| quote!(#(.and(#turned.not()))*));
             quote! {
                 let other = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
                 // On a border `u` itself may have been found in the other piece.
-                let other = if other.and(at_border).any() {
+                let itself = other.and(at_border) #beside;
+                let other = if itself.any() {
                     let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
-                    other.and(at_border.and(::aether_core::support::coincide(&u, &v)).not())
+                    let bounds = ::aether_core::support::bounds_of::<R, #n>(&#recovered);
+                    other.and(itself.and(::aether_core::support::same(&u, &(v, bounds))).not())
                 } else {
                     other
                 };
@@ -307,6 +313,13 @@ fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     one.preimage.conditions.iter().any(|&a| theirs.iter().any(|&b| negated(a, b) || negated(b, a)))
 }
 
+/// Whether the images of two pieces lie on the same side of a border that they have in common, as the map turns its
+/// orientation round there: a point next to it has a preimage in both, and one on it has, in the limit, two.
+pub(super) fn folded(one: &Place, other: &Place) -> bool {
+    let sides = [one, other].map(|place| place.derived.orientation);
+    one.piece != other.piece && matches!(sides, [Some(a), Some(b)] if a != b)
+}
+
 /// Those of some preimages that exclude one.
 pub(super) fn excluding<'p, 'a: 'p>(
     e: &Emitter,
@@ -331,7 +344,8 @@ fn among_several(e: &Emitter) -> TokenStream {
         let [leave, taken] = ["leave", "taken"].map(|name| format_ident!("{name}_{}", place.piece));
         // On a border `u` itself may have been found in the other piece.
         let mine = (!e.is_whole()).then(|| {
-            quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::coincide(&u, &v))))
+            let bounds = quote!(::aether_core::support::bounds_of::<R, #n>(&#recovered));
+            quote!(.and(#taken::<R>(&p, &u).or(::aether_core::support::same(&u, &(v, #bounds)))))
         });
         quote! {
             let #distance = if #inside.any() {

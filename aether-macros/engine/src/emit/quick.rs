@@ -38,7 +38,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let elsewhere = (!finite).then(|| {
         quote! {
             if !belongs().all() {
-                break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs()) } else { R::ZERO };
+                break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs(), None) } else { R::ZERO };
             }
         }
     });
@@ -67,17 +67,23 @@ fn tells_finite(e: &Emitter, place: Place) -> bool {
     (0..m).all(|i| told & leaf_bit(Leaf::Out(i as u8)) != 0)
 }
 
-/// The function for points that are not plainly inside or outside.
+/// The function for points that are not plainly inside or outside; if there is no quick way, that for all.
 pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
-    if !is_quick(e) {
+    if e.support.is_some() {
         return None;
     }
+    let inline = if is_quick(e) { quote!(never) } else { quote!(always) };
     let (_, m, p) = e.sizes();
     let density = general_density(e);
     Some(quote! {
-        /// The density at any point.
-        #[inline(never)]
-        fn pdf_anywhere<R: Real>(p: [R; #p], x: [R; #m], belongs: R::Mask) -> R {
+        /// The density at any point, whose coordinates may be off by `errors` besides their rounding.
+        #[inline(#inline)]
+        fn pdf_anywhere<R: Real>(
+            p: [R; #p],
+            x: [R; #m],
+            belongs: R::Mask,
+            errors: Option<&dyn Fn() -> [R; #m]>,
+        ) -> R {
             #density
         }
     })
@@ -98,7 +104,7 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             Some(_) => quote!(#back::<R>(&p, &x)),
             None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
         };
-        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs()););
+        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs(), None););
         // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
         let otherwise = match place.preimage.back {
             Some(_) => quote! {
@@ -154,7 +160,7 @@ fn doubtful_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream
         if ok.any() {
             let (checked, ..) = #support::<R>(&p, &x);
             if ok.and(#near).any() {
-                break 'quick pdf_anywhere::<R>(p, x, belongs());
+                break 'quick pdf_anywhere::<R>(p, x, belongs(), None);
             }
         }
     };

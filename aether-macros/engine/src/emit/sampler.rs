@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{density_of, excluding, forward_with_density, own_density};
+use super::own::{density_of, excluding, folded, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
@@ -24,6 +24,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let visits = visits(e);
     let coordinates = e.coordinates();
     let exceptions = exceptions(e);
+    let near = density_near(e);
     let logarithm = e.has_logarithms().then(|| log_density(e));
     quote! {
         #exceptions
@@ -47,6 +48,8 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 let x = #coordinates;
                 ::aether_core::Density::new({ #density })
             }
+
+            #near
 
             #[inline(always)]
             fn pdf_of_uniforms(&self, u: [R; #n]) -> ::aether_core::PdfOf<Self, R> {
@@ -120,33 +123,35 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
 /// where it plainly exists, and `recovered_k`, its uniforms where only rounding speaks against it.
 pub(super) fn existence(e: &Emitter) -> TokenStream {
-    let (belongs, found) = (e.belongs(), existence_where_it_belongs(e));
+    let (belongs, found) = (e.belongs(), existence_where_it_belongs(e, false));
     quote! {
         let belongs: R::Mask = #belongs;
         #found
     }
 }
 
-/// The same where `belongs` is known.
-fn existence_where_it_belongs(e: &Emitter) -> TokenStream {
+/// The same where `belongs` is known; `near` says that coordinates may be off by `errors`.
+fn existence_where_it_belongs(e: &Emitter, near: bool) -> TokenStream {
     let places = e.places();
     // A point that has one of two preimages that exclude each other does not have the other.
-    existence_where(e, &|place| {
+    let wanted = |place: Place| {
         let earlier = excluding(e, place, &places[..place.number]);
         let found: Vec<_> = earlier.map(|other| format_ident!("strict_{}", other.number)).collect();
         (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
-    })
+    };
+    existence_where(e, &wanted, near)
 }
 
 /// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
 pub(super) fn existence_where(
     e: &Emitter,
     wanted: &dyn Fn(Place) -> Option<TokenStream>,
+    near: bool,
 ) -> TokenStream {
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place, wanted(place)));
     let once = places.iter().map(|&place| once(place, &places));
-    let recovered = places.iter().map(|&place| recovered(e, place, &places));
+    let recovered = places.iter().map(|&place| recovered(e, place, &places, near));
     quote! {
         #(#strict)*
         #(#once)*
@@ -155,12 +160,13 @@ pub(super) fn existence_where(
 }
 
 /// On a border between two pieces rounding can put a point into both, and in the middle of a piece
-/// two of its solutions can meet: the preimage counts once.
+/// two of its solutions can meet: the preimage counts once. Pieces that are folded there both have it.
 fn once(place: Place, places: &[Place]) -> TokenStream {
     let guarded = |p: &Place| !p.problem.guards.is_empty();
     let [strict, inverse] = ["strict", "inverse"].map(|n| format_ident!("{n}_{}", place.number));
     let leave = format_ident!("leave_{}", place.piece);
     let pairs = places[..place.number].iter().filter(|other| guarded(other) || guarded(&place));
+    let pairs = pairs.filter(|other| !folded(other, &place));
     let pairs = pairs.map(|other| {
         let [strict_other, inverse_other] =
             ["strict", "inverse"].map(|n| format_ident!("{n}_{}", other.number));
@@ -312,34 +318,46 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     // Across a jump there is another point: what rounding carried over a border has to lead back.
     let landed = guarded.then(|| {
         quote! {
-            .filter(|u| #taken::<R>(p, u)
+            .filter(|(u, _)| #taken::<R>(p, u)
                 || ::aether_core::support::leads_back::<R, #n, #m>(
-                    u.map(|u| u.track()), x, |u| whole::<R::Tracked>(&tp, u)))
+                    u.map(|u| u.track()), x,
+                    |u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors)))
         }
     });
     quote! {
-        /// The uniforms of a preimage that lies outside by no more than rounding.
+        /// The uniforms of a preimage that lies outside by no more than rounding, and by how much they may be off.
         #[cold]
-        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m]) -> Option<[R; #n]> {
+        fn #rounded<R: Single>(p: &[R; #s], x: &[R; #m], errors: Option<[R; #m]>)
+            -> Option<::aether_core::support::Rounded<R, #n>>
+        {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
+            let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
-            ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
+            ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| {
+                ::aether_core::support::widened::<R, #m>(#forward::<R::Tracked>(&tp, t), errors)
+            })
                 #tested
                 #admitted
                 #membership
-                .map(|t| #leave::<R>(p, &t))
+                .map(|(t, bounds)| (#leave::<R>(p, &t), bounds))
                 #landed
         }
     }
 }
 
-fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
+fn recovered(e: &Emitter, place: Place, places: &[Place], near: bool) -> TokenStream {
+    let bounds = if near {
+        quote!(errors.map(|errors| ::aether_core::support::lane(&errors(), i)))
+    } else {
+        quote!(None)
+    };
     let k = place.number;
     let (n, _, _) = e.sizes();
     let [open, recovered, rounded] =
         ["open", "recovered", "rounded"].map(|name| format_ident!("{name}_{k}"));
     // A preimage that was accepted by tolerance and equals one that counts already counts once.
-    let again = places.iter().filter(|other| other.number != k).map(|other| {
+    let again = places.iter().filter(|other| other.number != k && !folded(other, &place));
+    let again = again.map(|other| {
         let [inverse, strict, recovered] =
             ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
         let leave = format_ident!("leave_{}", other.piece);
@@ -347,7 +365,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             .then(|| quote!(|| ::aether_core::support::recovered_as::<R, #n>(&#recovered, i, u)));
         quote! {
             .filter(|u| !((#strict.lane(i)
-                && ::aether_core::support::coincide(
+                && ::aether_core::support::same(
                     &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), u))
                 #earlier))
         }
@@ -381,7 +399,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            #rounded::<R::Lane>(&p, &x) #(#again)* #(#excluded)* #alone
+            #rounded::<R::Lane>(&p, &x, #bounds) #(#again)* #(#excluded)* #alone
         });
     }
 }
@@ -391,18 +409,37 @@ fn density(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     if let Some(support) = e.support {
         let (test, value) = (support.test(), support.value());
-        let belongs = if support.is_bounded() { quote!(<R::Mask as Mask>::TRUE) } else { belongs };
+        let belongs = support.belongs(&belongs);
         return quote!(R::select((#belongs) #test, #value, R::ZERO));
     }
-    quick::density(e).unwrap_or_else(|| {
-        let density = general_density(e);
-        quote!(let belongs: R::Mask = #belongs; #density)
+    quick::density(e).unwrap_or_else(|| quote!(pdf_anywhere::<R>(p, x, #belongs, None)))
+}
+
+/// [`pdf_near`](::aether_core::Sampler::pdf_near), unless every point of the space has a density.
+fn density_near(e: &Emitter) -> Option<TokenStream> {
+    let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
+    let (_, m, _) = e.sizes();
+    let density = match e.support {
+        Some(support) => support.density_near(&support.belongs(&belongs))?,
+        None => quote!(pdf_anywhere::<R>(p, x, #belongs, Some(&errors))),
+    };
+    Some(quote! {
+        fn pdf_near(
+            &self,
+            point: &Self::Point,
+            errors: ::aether_core::sampler::Errors<'_, Self::Point, R>,
+        ) -> ::aether_core::PdfOf<Self, R> {
+            #parameters
+            let x = #coordinates;
+            let errors = || -> [R; #m] { ::aether_core::support::numbers(errors()) };
+            ::aether_core::Density::new(#density)
+        }
     })
 }
 
-/// The density at any point, where it is known which belong to the space.
+/// The density at any point, where it is known which belong to the space and by how much coordinates may be off.
 pub(super) fn general_density(e: &Emitter) -> TokenStream {
-    let existence = existence_where_it_belongs(e);
+    let existence = existence_where_it_belongs(e, true);
     let (n, _, _) = e.sizes();
     let places = e.places();
     let single = places.len() == 1;

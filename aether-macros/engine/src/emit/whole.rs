@@ -95,18 +95,38 @@ impl Support {
         number(self.density())
     }
 
-    /// Whether no point with other than finite coordinates passes the test.
-    pub(super) fn is_bounded(self) -> bool {
-        self == Support::Disk
+    /// What the test does not tell of a point that `belongs` to the space: of a disk no infinite point passes it.
+    pub(super) fn belongs(self, belongs: &TokenStream) -> TokenStream {
+        if self == Support::Disk { quote!(<R::Mask as Mask>::TRUE) } else { belongs.clone() }
     }
 
     /// Whether a point with finite coordinates `x` belongs to it, where rounding may have moved it.
     pub(super) fn test(self) -> TokenStream {
+        self.test_within(&quote!(R::of(16.0) * R::EPSILON))
+    }
+
+    /// The density at a point whose coordinates may be off by what `errors` tells; nothing, if no error leads outside.
+    pub(super) fn density_near(self, belongs: &TokenStream) -> Option<TokenStream> {
+        if self == Support::Sphere {
+            return None;
+        }
+        let (test, value) = (self.test_within(&quote!(slack)), self.value());
+        Some(quote! {
+            {
+                // The square of a radius of one is off by twice as much as the radius.
+                let most = errors().into_iter().fold(R::ZERO, |most, error| most + error);
+                let slack = R::of(16.0) * (R::EPSILON + most);
+                R::select((#belongs) #test, #value, R::ZERO)
+            }
+        })
+    }
+
+    fn test_within(self, slack: &TokenStream) -> TokenStream {
         match self {
             Support::Sphere => quote!(),
-            Support::Hemisphere => quote!(.and(x[2].ge(R::of(-16.0) * R::EPSILON))),
+            Support::Hemisphere => quote!(.and(x[2].ge(-(#slack)))),
             Support::Disk => {
-                quote!(.and((x[0] * x[0] + x[1] * x[1]).le(R::ONE + R::of(16.0) * R::EPSILON)))
+                quote!(.and((x[0] * x[0] + x[1] * x[1]).le(R::ONE + #slack)))
             }
         }
     }
