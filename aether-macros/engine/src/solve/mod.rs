@@ -14,6 +14,7 @@ pub(crate) mod linear;
 mod logarithm;
 mod normalise;
 mod numeric;
+mod pair;
 mod peel;
 pub(crate) mod polar;
 mod quadric;
@@ -231,7 +232,10 @@ fn step(
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
         match next {
             Ok(next) => return Some(next),
-            Err(reason) => *why = reason,
+            Err(reason) => match pair::system(g, state) {
+                Ok(next) => return Some(vec![next]),
+                Err(other) => *why = reason.or(other),
+            },
         }
         // Where there is a single root it is better found than computed by Cardano's formula.
         if let Some(next) = cubic::single_unknown(g, state) {
