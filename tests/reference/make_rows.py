@@ -12,7 +12,7 @@ the cosine of a rounded quarter turn, is an exact 0.
 import json
 import pathlib
 
-from mpmath import (acos, asin, asinh, atan2, betainc, cbrt, cos, cosh, cot, erfc, exp, expm1, floor, gamma, inf, lambertw, log, log1p, mp, mpf,
+from mpmath import (acos, asin, asinh, atan2, betainc, cbrt, cos, cosh, cot, erfc, exp, expm1, floor, inf, lambertw, log, log1p, loggamma, mp, mpf,
                     pi, sign, sin, sinh, sqrt, tan, tanh)
 
 from make_conditions import (BELOW_ONE, F64, TINY, Sampler, digits, dot, entry_for, from_height, linear, logistic_density, logit, norm,
@@ -69,13 +69,25 @@ def triangular_density(x, p):
 def student_tail(x, p):
     """Row 16: the probability of more than x > 0."""
     nu = p["nu"]
-    return betainc(nu / 2, mpf(1) / 2, 0, nu / (nu + x * x), regularized=True) / 2
+    if nu < 100:
+        return betainc(nu / 2, mpf(1) / 2, 0, nu / (nu + x * x), regularized=True) / 2
+    # That series has too many terms; this one, of the rest to one, takes more digits.
+    with mp.workdps(mp.dps + 40):
+        a, b, y = mpf(1) / 2, nu / 2, x * x / (nu + x * x)
+        term = total = mpf(1)
+        for n in range(10000):
+            term *= (a + b + n) / (a + 1 + n) * y
+            total += term
+            if term < total * mpf(10) ** -mp.dps:
+                break
+        size = loggamma(a + b) - loggamma(a + 1) - loggamma(b)
+        return (1 - exp(a * log(y) + b * log1p(-y) + size) * total) / 2
 
 
 def student_density(x, p):
     """Row 16."""
     nu = p["nu"]
-    return gamma((nu + 1) / 2) / (sqrt(nu * pi) * gamma(nu / 2)) * (1 + x[0] ** 2 / nu) ** (-(nu + 1) / 2)
+    return exp(loggamma((nu + 1) / 2) - loggamma(nu / 2) - (nu + 1) / 2 * log1p(x[0] ** 2 / nu)) / sqrt(nu * pi)
 
 
 def student(u, p):
@@ -87,7 +99,8 @@ def student(u, p):
     for _ in range(400):
         tail = student_tail(x, p)
         step = log(tail / q) * tail / (x * student_density([x], p))
-        x *= exp(step)
+        # Far out, the tail of many degrees of freedom is nothing.
+        x *= exp(step if p["nu"] < 100 else min(step, 1 / (1 + x)))
         if abs(step) < mpf(10) ** (-mp.dps // 2 - 20):
             return [x if u[0] > 0.5 else -x]
     raise ArithmeticError((u, p))
@@ -1227,6 +1240,38 @@ def through_portal(x, p):
     return min(hole) >= 0 and sum(hole) <= p["a"] and x[2] > x[5]
 
 
+def tilted_portal(u, p):
+    """Row 101: where a line through a triangular opening meets a plane above and one below."""
+    s = sqrt(u[0])
+    x = [p["a"] * (1 - s), p["a"] * s * u[1], mpf(0)]
+    w = on_circle(sqrt(1 - u[2] ** 2), u[3]) + [u[2]]
+    above = dot(p["n"], sub(p["p"], x)) / dot(p["n"], w)
+    below = dot(p["m"], sub(x, p["q"])) / dot(p["m"], w)
+    return combine((1, x), (above, w)) + combine((1, x), (-below, w)) if above > 0 and below > 0 else None
+
+
+def tilted_portal_density(x, p):
+    """Row 101: uniform in the opening and in direction, cosines at both ends over that of the opening and the squared distance."""
+    edge = sub(x[:3], x[3:])
+    cosines = [abs(dot(p[k], edge)) / norm(p[k]) / norm(edge) for k in "nm"]
+    return cosines[0] * cosines[1] / (pi * p["a"] ** 2 * norm(edge) * edge[2])
+
+
+def through_tilted_portal(x, p):
+    """Row 101: whether the ends are on their planes and the line passes the opening."""
+    if not x[2] > 0 > x[5]:
+        return False
+    off = [abs(dot(p[k], sub(end, p[o]))) for k, o, end in (("n", "p", x[:3]), ("m", "q", x[3:]))]
+    hole = [(t * x[2] - s * x[5]) / (x[2] - x[5]) for s, t in zip(x[:2], x[3:5])]
+    return max(off) < 1e-9 and min(hole) >= 0 and sum(hole) <= p["a"]
+
+
+def onto_planes(x, p):
+    """Row 101: the ends on their planes."""
+    foot = lambda y, o, n: combine((1, y), (dot(n, sub(o, y)) / dot(n, n), n))
+    return foot(x[:3], p["p"], p["n"]) + foot(x[3:], p["q"], p["m"])
+
+
 def patch_edges(p):
     """Row 54 in space: the two edges from a, and what makes the patch no parallelogram."""
     a, b, c, d = [p[k] for k in "abcd"]
@@ -1266,6 +1311,7 @@ SPACE = [
     Sampler(100, "thin_lens", thin_lens, thin_lens_density, through_lens, lambda x, p: x[:2] + unit(x[2:])),
     Sampler(101, "portal_segment", portal_segment, portal_segment_density, through_portal,
             lambda x, p: x[:2] + [p["h"]] + x[3:5] + [-p["k"]]),
+    Sampler(101, "tilted_portal", tilted_portal, tilted_portal_density, through_tilted_portal, onto_planes),
     Sampler(54, "bilinear_patch", bilinear_patch, lambda x, p: 1 / norm(patch_normal(*bilinear_patch_inverse(x, p), p)),
             lambda x, p: all(0 <= t <= 1 for t in bilinear_patch_inverse(x, p)),
             lambda x, p: bilinear_patch(bilinear_patch_inverse(x, p), p)),
@@ -1344,6 +1390,8 @@ UPRIGHT = {"alpha": 0.5, "w": [0.0, 0.0, 1.0]}
 STEEP = {"alpha": 0.3, "w": [0.36, 0.48, 0.8]}
 SMOOTH = {"alpha": 0.1, "eta": 1 + 2.0**-20, "w": [0.4, 0.1, 0.8]}
 PORTAL = {"a": 1.0, "h": 2.0, "k": 1.0}
+ATTIC = {"a": 1.0, "p": [0.5, 0.25, 2.0], "n": [0.48, -0.36, 0.8], "q": [1.0, -0.5, -1.0], "m": [0.0, 0.28, 0.96]}
+ASLANT = {"a": 1e-3, "p": [0.0, 0.0, 100.0], "n": [0.6, 0.0, 0.8], "q": [0.0, 0.0, -0.01], "m": [0.28, 0.0, 0.96]}
 KEYHOLE = {"a": 1e-6, "h": 100.0, "k": 0.01}
 LENS = {"r": 0.5, "f": 2.0, "a": 0.8, "b": 0.6}
 PINHOLE = {"r": 1e-6, "f": 1e6, "a": 1.2, "b": 0.8}
@@ -1393,6 +1441,8 @@ POINTS = {
                                                                              ({"p": 1e-9, "l": 1e-3, "m": 1e3}, [0.9])],
     "thin_lens": [(PINHOLE, [0.3, 0.6, 0.2, 0.9])] + over(LENS, QUADRUPLES),
     "portal_segment": over(PORTAL, QUADRUPLES) + over(KEYHOLE, QUADRUPLES[:2]),
+    "tilted_portal": over(ATTIC, QUADRUPLES[:3:2] + [[0.72, 0.16, 0.8, 0.3], [BELOW_ONE, 0.25, 0.3, 0.1], [0.3, 0.6, 1e-9, 0.1], [0.3, 0.6, 0.25, 0.0], [0.9, 0.05, 0.3, 0.6]])
+    + over(ASLANT, [[0.3, 0.6, 0.2, 0.9], [0.9, 0.1, 0.5, 0.25]]),
     "equal_area_octahedral": over({}, [[0.5, 0.5 + 2.0**-50]] + PAIRS[:4] + [[0.2, 0.9], [0.9, 0.2], [0.6, 0.7], [0.1, 0.2], [0.45, 0.3], [0.999, 0.998]]),
     "visible_normals": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.5, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6])]
     + [({"alpha": 0.1, "w": [0.9999999999999950, 0.0, 1e-7]}, [0.3, 0.6]), ({"alpha": 1e-3, "w": [0.6, 0.0, 0.8]}, [0.3, 0.6])]
@@ -1429,6 +1479,7 @@ POINTS = {
        ({"a": 0.0, "b": 0.0, "c": 1.0}, [0.0])],
     "student_2": over({}, [[1e-20]] + INNER + ENDS[1:]),
     "student": over({"nu": 3.5}, [[1e-12]] + INNER + ENDS[1:]) + over({"nu": 50.0}, [[0.99], [0.5000001], [1e-300]])
+    + over({"nu": 1e6}, [[1e-12], [0.2], [0.4], [0.501], [0.8], [BELOW_ONE]]) + over({"nu": 1e3}, [[0.2], [0.8]])
     + [({"nu": 0.5}, [0.3]), ({"nu": 1.0}, [TINY]), ({"nu": 3.5}, [0.75]), ({"nu": 100.0}, [0.2]), ({"nu": 100.0}, [0.9]), ({"nu": 100.0}, [1e-30])],
     "laplace": over({"b": 1.0}, [[BELOW_ONE]]) + over({"b": 1.5}, INNER + ENDS[1:]) + [({"b": 1e-6}, [0.3]), ({"b": 1e8}, [0.9])],
     "rational_quadratic": over(RQ, INNER + ENDS) + [({"s": 1.0, "d0": 1.0, "d1": 1.0}, [0.3]), ({"s": 2.0, "d0": 2.0, "d1": 0.5}, [0.7]),
@@ -1534,6 +1585,8 @@ QUERIES = {
     "portal_segment": outside(PORTAL, [0.0, 0.0, 2.0, 3.0, 3.0, -1.0], [0.0, 0.0, 2.0, -1.5, 0.0, -1.0], [0.25, 0.25, 1.5, 0.25, 0.25, -1.0],
                               [NAN, 0.0, 2.0, 0.0, 0.0, -1.0])
     + inside(PORTAL, [0.25, 0.25, 2.0, 0.25, 0.25, -1.0], [1.5, -0.75, 2.0, -0.5, 0.75, -1.0]),
+    "tilted_portal": outside(ATTIC, [0.5, 0.25, 2.0, 0.25, 0.25, -1.5], [0.5, 0.25, 2.0, 4.0, 0.25, -1.21875], [NAN, 0.25, 2.0, 0.25, 0.25, -1.21875])
+    + inside(ATTIC, [0.5, 0.25, 2.0, 0.25, 0.25, -1.21875], [0.5, 0.25, 2.0, 0.0, -0.02, -1.14], [1.0, 1.25, 2.15, 0.0, -0.26, -1.07]),
     "equal_area_octahedral": outside({}, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside({}, [0.6, 0.48, 0.64], [-0.6, 0.48, -0.64], [0.6, -0.48, -0.64], [-0.48, -0.64, 0.6]),
     "visible_normals": outside(VIEW, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, 0.64, 0.6]),
     "reflected_ggx": inside(VIEW, NORTH, [0.6, 0.0, 0.8], [-0.48, -0.64, 0.6], [-0.6, 0.0, -0.8]) + outside(VIEW, [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]),

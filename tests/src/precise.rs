@@ -272,7 +272,7 @@ impl Real for Precise {
 /// # Panics
 /// If there is none.
 fn special(name: &str, parameters: &[Precise], x: Precise) -> Precise {
-    let root2 = p(2.0).sqrt();
+    let (root2, rest) = (p(2.0).sqrt(), p(1.0) - x);
     Precise(match (name, parameters) {
         ("erf", []) => x.0.erf(),
         ("erfc", []) => x.0.erfc(),
@@ -283,8 +283,10 @@ fn special(name: &str, parameters: &[Precise], x: Precise) -> Precise {
         ("lambert_w", []) => x.0.lambert_w(),
         ("ln_gamma", []) => x.0.ln_gamma(),
         ("ln_beta", [a]) => a.0.ln_beta(x.0),
-        ("beta_inc", [a, b]) => x.0.beta_inc(a.0, b.0),
-        ("beta_inc_inv", [a, b]) => x.0.beta_inc_inv(a.0, b.0),
+        ("beta_inc", [a, b]) => x.0.beta_inc(rest.0, a.0, b.0),
+        ("beta_inc_inv", [a, b]) => x.0.beta_inc_inv(rest.0, a.0, b.0),
+        ("beta_inc_rest", [a, b]) => rest.0.beta_inc(x.0, a.0, b.0),
+        ("beta_inc_inv_rest", [a, b]) => rest.0.beta_inc_inv(x.0, a.0, b.0),
         _ => panic!("there is no function {name} of {} parameters", parameters.len()),
     })
 }
@@ -308,6 +310,8 @@ fn special_slope(name: &str, parameters: &[Precise], x: Precise, y: Precise) -> 
         "lambert_w" => (y.exp() * (Precise::ONE + y)).recip(),
         "beta_inc" => beta(x),
         "beta_inc_inv" => beta(y).recip(),
+        "beta_inc_rest" => -beta(p(1.0) - x),
+        "beta_inc_inv_rest" => -beta(y).recip(),
         // Of parameters alone.
         _ => p(f64::NAN),
     }

@@ -317,6 +317,9 @@ registry! {
         108 "small_angles" SmallAngles: SmallAngles<R>;
     }
     composed {
+        101 "tilted_portal" TiltedPortal: |p| tilted_portal(
+            p(0), vector(p, 1), Direction::from_vec(vector(p, 4)), vector(p, 7), Direction::from_vec(vector(p, 10)),
+        )?;
         85 "heitz_normals" HeitzNormals: |p| heitz_normals(p(0), Direction::from_vec(vector(p, 1)))?;
         70 "seen_triangle" SeenTriangle: |p| seen_triangle(vector(p, 0), vector(p, 3), vector(p, 6))?;
         71 "seen_rectangle" SeenRectangle: |p| seen_rectangle(p(0), p(1), p(2), p(3), p(4))?;

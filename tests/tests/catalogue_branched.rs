@@ -264,7 +264,7 @@ batteries! { [double single]
 mod only_double {
     use super::*;
     batteries! { [double]
-        row_16_student_ends: right(student(1.0)), right(student(100.0));
+        row_16_student_ends: right(student(1.0)), right(student(100.0)), right(student(1e6));
         row_33_cosine: cosine();
         row_34_folds: parabola(), square(), fold();
         row_36_cubic: cubic();

@@ -148,22 +148,31 @@ fn in_domain(a: f64, b: f64, x: f64) -> bool {
     a > 0.0 && b > 0.0 && a + b < f64::INFINITY && (0.0..=1.0).contains(&x)
 }
 
-fn incomplete(a: f64, b: f64, x: f64) -> f64 {
+/// I(x; a, b), and the rest to one.
+fn incomplete(a: f64, b: f64, x: f64) -> [f64; 2] {
     if !in_domain(a, b, x) {
-        return f64::NAN;
+        return [f64::NAN; 2];
     }
-    if x == 0.0 || x == 1.0 { x } else { tails(a, b, x, 1.0 - x)[0] }
+    if x == 0.0 || x == 1.0 {
+        return [x, 1.0 - x];
+    }
+    let [low, high, _] = tails(a, b, x, 1.0 - x);
+    [low, high]
 }
 
-fn quantile(a: f64, b: f64, p: f64) -> f64 {
+/// The x with I(x; a, b) = p, and the rest to one.
+fn quantile(a: f64, b: f64, p: f64) -> [f64; 2] {
     if !in_domain(a, b, p) {
-        return f64::NAN;
+        return [f64::NAN; 2];
     }
-    match p {
-        _ if p == 0.0 || p == 1.0 => p,
-        _ if p <= 0.5 => lower_quantile(a, b, p)[0],
-        _ => lower_quantile(b, a, 1.0 - p)[1],
+    if p == 0.0 || p == 1.0 {
+        return [p, 1.0 - p];
     }
+    if p <= 0.5 {
+        return lower_quantile(a, b, p);
+    }
+    let [rest, x] = lower_quantile(b, a, 1.0 - p);
+    [x, rest]
 }
 
 /// A function of doubles, one lane after the other.
@@ -172,11 +181,21 @@ fn by_lane<R: Real>(f: impl Fn([f64; 3]) -> f64, arguments: [R; 3]) -> R {
 }
 
 pub(super) fn beta_inc<R: Real>(a: R, b: R, x: R) -> R {
-    by_lane(|[a, b, x]| incomplete(a, b, x), [a, b, x])
+    by_lane(|[a, b, x]| incomplete(a, b, x)[0], [a, b, x])
+}
+
+/// I(1 - y; a, b) is what I(y; b, a) leaves of one.
+pub(super) fn beta_inc_rest<R: Real>(a: R, b: R, y: R) -> R {
+    by_lane(|[a, b, y]| incomplete(b, a, y)[1], [a, b, y])
 }
 
 pub(super) fn beta_inc_inv<R: Real>(a: R, b: R, p: R) -> R {
-    by_lane(|[a, b, p]| quantile(a, b, p), [a, b, p])
+    by_lane(|[a, b, p]| quantile(a, b, p)[0], [a, b, p])
+}
+
+/// The x with I(x; a, b) = 1 - q is what that with I(x; b, a) = q leaves of one.
+pub(super) fn beta_inc_inv_rest<R: Real>(a: R, b: R, q: R) -> R {
+    by_lane(|[a, b, q]| quantile(b, a, q)[1], [a, b, q])
 }
 
 pub(super) fn ln_beta<R: Real>(a: R, b: R) -> R {

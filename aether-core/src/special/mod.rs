@@ -49,6 +49,7 @@ mod gamma;
 mod lambert;
 
 use crate::real::Real;
+use crate::support::either;
 
 /// A function of one argument, with parameters: what [`Real::special`] applies.
 #[doc(hidden)]
@@ -157,4 +158,28 @@ function! {
     ///
     /// Error: mostly below 3 ulp in `f64`; at most 240 (for a p of 1e-30 and small a), 0.6 in `f32`.
     beta_inc_inv(a, b; p) BetaIncInv = beta::beta_inc_inv, 540.0
+}
+function! {
+    /// I(1 - y; a, b), where y tells more than 1 - y does.
+    #[doc(hidden)]
+    beta_inc_rest(a, b; y) BetaIncRest = beta::beta_inc_rest, 540.0
+}
+function! {
+    /// The x with I(x; a, b) = 1 - q, where q tells more than 1 - q does.
+    #[doc(hidden)]
+    beta_inc_inv_rest(a, b; q) BetaIncInvRest = beta::beta_inc_inv_rest, 540.0
+}
+
+/// [`beta_inc`] of numbers that add up to one, by the smaller of them.
+#[doc(hidden)]
+#[inline]
+pub fn beta_tail<R: Real>(a: R, b: R, [x, y]: [R; 2]) -> R {
+    either(x.le(y), || beta_inc(a, b, x), || beta_inc_rest(a, b, y))
+}
+
+/// [`beta_inc_inv`] of numbers that add up to one, by the smaller of them.
+#[doc(hidden)]
+#[inline]
+pub fn beta_quantile<R: Real>(a: R, b: R, [p, q]: [R; 2]) -> R {
+    either(p.le(q), || beta_inc_inv(a, b, p), || beta_inc_inv_rest(a, b, q))
 }

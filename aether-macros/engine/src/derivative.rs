@@ -61,7 +61,12 @@ fn derive(g: &mut Graph, id: Id, x: Leaf, memo: &mut Map<Id, Id>) -> Id {
         }
         Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) => {
             // Of the inverse 1 / the slope, at its value.
-            let at = if f == Fun::BetaInc { args[0] } else { id };
+            let at = if f == Fun::BetaInc {
+                [args[0], args[3]]
+            } else {
+                let one = g.int(1);
+                [id, g.sub(one, id)]
+            };
             let slope = beta_slope(g, at, [args[1], args[2]]);
             let inner = derive(g, args[0], x, memo);
             if f == Fun::BetaInc { g.mul(inner, slope) } else { g.div(inner, slope) }
@@ -206,10 +211,9 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
     }
 }
 
-/// x^(a - 1) (1 - x)^(b - 1) / B(a, b).
-fn beta_slope(g: &mut Graph, x: Id, [a, b]: [Id; 2]) -> Id {
+/// x^(a - 1) (1 - x)^(b - 1) / B(a, b), of x and 1 - x.
+fn beta_slope(g: &mut Graph, [x, rest]: [Id; 2], [a, b]: [Id; 2]) -> Id {
     let one = g.int(1);
-    let rest = g.sub(one, x);
     let (below, above) = (g.sub(a, one), g.sub(b, one));
     let (below, above) = (g.pow(x, below), g.pow(rest, above));
     let size = g.call(Fun::LnBeta, &[a, b]);

@@ -11,6 +11,7 @@ mod gaps;
 mod holding;
 mod joint;
 mod limits;
+mod line;
 mod opposed;
 mod parts;
 mod regimes;
@@ -32,7 +33,7 @@ use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Piece, Segment, Space, Stage, Test};
 use crate::points::Kind;
-use crate::solve::{Condition, Solution, solve};
+use crate::solve::{Condition, Solution, System, solve};
 use crate::stabilise::stabilise_point;
 
 pub use borders::Border;
@@ -44,6 +45,7 @@ use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish, pick_volume};
 use enclosed::enclosed;
 use limits::parameters_with_limits;
+use line::line;
 use sample::{at_the_sample, shorter};
 use signs::find_signs;
 use units::units;
@@ -388,6 +390,9 @@ fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
     if let Some(volume) = joint::volume(problem).or_else(|| spherical(problem)) {
         return volume;
     }
+    if let Some(line) = line(problem) {
+        return line.volume(&mut problem.graph);
+    }
     if let Some(volume) = through::volume(problem) {
         return Ok(volume);
     }
@@ -506,9 +511,22 @@ fn find_solutions(
         outputs.push(g.plain_sum(&length));
         known.push(g.int(1));
     }
-    let frames = problem.frames.clone();
-    let undeclared = undeclared(problem);
-    let mut solutions = solve(&mut problem.graph, &outputs, &known, &problem.unknowns, &frames, &problem.requirements, numerical).map_err(|s| {
+    let line = line(problem);
+    let (unknowns, frames) = (problem.unknowns.clone(), problem.frames.clone());
+    let (undeclared, positive) = (undeclared(problem), problem.requirements.clone());
+    let g = &mut problem.graph;
+    let solved =
+        |g: &mut Graph, system: &System| solve(g, system, &unknowns, &frames, &positive, numerical);
+    // What the surfaces tell of two points of a line is used where that is enough.
+    let written = System::new(&known, &outputs);
+    let mut solutions = solved(g, &written)
+        .or_else(|stuck| {
+            let line = line.ok_or_else(|| stuck.clone())?;
+            crate::poly::start_budget();
+            let system = line.system(g, &known, &positive);
+            solved(g, &system).map_err(|_| stuck)
+        })
+        .map_err(|s| {
         let words: Vec<&str> = s.equation.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
         let concerned = undeclared.iter().find(|name| words.contains(&name.as_str()));
         let declare = concerned.map_or(String::new(), |name| format!("If that depends on the values of `{name}`, declare its domain, as in `#[sampler({name} in 0.1..=10.0)]`. Else write"));

@@ -50,7 +50,8 @@ fn print(g: &Graph, id: Id, outer: u8) -> String {
             (product(g, Q::ONE, factors), if factors.len() == 1 { 2 } else { 1 })
         }
         Node::Call(f, args) => {
-            let args: Vec<String> = args.iter().map(|a| print(g, *a, 0)).collect();
+            // What the first argument of an incomplete beta function leaves of one goes without saying.
+            let args: Vec<String> = args.iter().take(3).map(|a| print(g, *a, 0)).collect();
             (format!("{}({})", name(*f), args.join(", ")), 3)
         }
         Node::If(test, yes, no) => {

@@ -87,8 +87,8 @@ pub fn node_value<T: Number>(
         Node::Call(f, args) => {
             let a = part(args[0]);
             let mut other = |i: usize| args.get(i).map_or(a, |b| part(*b));
-            let (b, c) = (other(1), other(2));
-            call(*f, a, b, c)
+            let others = [1, 2, 3].map(&mut other);
+            call(*f, a, others)
         }
         Node::If(test, yes, no) => {
             let positive = part(*test).to_f64() > 0.0;
@@ -103,8 +103,8 @@ pub fn evaluate<T: Number>(graph: &Graph, id: Id, inputs: &dyn Fn(Leaf) -> T) ->
     Evaluator::new(graph, inputs).value(id)
 }
 
-/// A function of one to three arguments; the others are not looked at.
-fn call<T: Number>(f: Fun, a: T, b: T, c: T) -> T {
+/// A function of one to four arguments; the others are not looked at.
+fn call<T: Number>(f: Fun, a: T, [b, c, d]: [T; 3]) -> T {
     match f {
         Fun::Exp => a.exp(),
         Fun::ExpM1 => a.exp_m1(),
@@ -130,8 +130,8 @@ fn call<T: Number>(f: Fun, a: T, b: T, c: T) -> T {
         Fun::LambertW => a.lambert_w(),
         Fun::LnGamma => a.ln_gamma(),
         Fun::LnBeta => a.ln_beta(b),
-        Fun::BetaInc => a.beta_inc(b, c),
-        Fun::BetaIncInv => a.beta_inc_inv(b, c),
+        Fun::BetaInc => a.beta_inc(d, b, c),
+        Fun::BetaIncInv => a.beta_inc_inv(d, b, c),
         Fun::SinPi => half_turns(a, 0),
         Fun::CosPi => half_turns(a, 1),
         Fun::Abs => a.abs(),

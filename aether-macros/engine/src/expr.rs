@@ -56,9 +56,9 @@ pub enum Fun {
     LnGamma,
     /// ln B(a, b), of parameters.
     LnBeta,
-    /// The regularised incomplete beta function of x, a, b.
+    /// The regularised incomplete beta function of x, a, b and 1 - x.
     BetaInc,
-    /// Its inverse, of p, a, b.
+    /// Its inverse, of p, a, b and 1 - p.
     BetaIncInv,
     Abs,
     /// One with the sign of the argument.
@@ -492,7 +492,15 @@ impl Graph {
         self.pow(a, half)
     }
     /// A function of its arguments, in canonical form.
+    ///
+    /// Those of the incomplete beta function have one more than it takes: what the first leaves of one, whose digits
+    /// may be known where they are lost in the first. Left out, it is that difference.
     pub fn call(&mut self, f: Fun, args: &[Id]) -> Id {
+        if let (Fun::BetaInc | Fun::BetaIncInv, &[x, a, b]) = (f, args) {
+            let one = self.int(1);
+            let rest = self.sub(one, x);
+            return self.call(f, &[x, a, b, rest]);
+        }
         crate::functions::simplify_call(self, f, args)
             .unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
     }

@@ -23,7 +23,7 @@ fn inverse_beta(g: &Graph, f: Fun, args: &[Id]) -> Option<Id> {
         _ => return None,
     };
     match g.node(args[0]) {
-        Node::Call(h, inner) if *h == undone && inner[1..] == args[1..] => Some(inner[0]),
+        Node::Call(h, inner) if *h == undone && inner[1..3] == args[1..3] => Some(inner[0]),
         _ => None,
     }
 }

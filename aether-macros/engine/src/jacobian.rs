@@ -227,7 +227,7 @@ pub fn simplify(g: &mut Graph, id: Id, unit: Option<[Id; 3]>) -> Id {
 }
 
 /// The same, where these vectors have unit length.
-fn simplify_with(g: &mut Graph, id: Id, units: &[[Id; 3]]) -> Id {
+pub fn simplify_with(g: &mut Graph, id: Id, units: &[[Id; 3]]) -> Id {
     let mut best = id;
     for open in [UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {
         let mut e = Expander::new(g).only(open);
@@ -299,7 +299,8 @@ fn far_from_zero(g: &Graph, id: Id) -> bool {
     least > 0.0 && most <= 4.0 * least
 }
 
-fn distinct(mut ids: Vec<Id>) -> Vec<Id> {
+/// Without repetitions.
+pub fn distinct(mut ids: Vec<Id>) -> Vec<Id> {
     let mut seen = Vec::new();
     ids.retain(|i| {
         let new = !seen.contains(i);

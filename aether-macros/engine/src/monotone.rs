@@ -30,6 +30,16 @@ pub struct Unproven {
 /// inputs are declared with.
 pub fn direction(g: &mut Graph, body: Id, variable: Leaf) -> Result<i64, Unproven> {
     let slope = derivative(g, body, variable);
+    shown(g, slope, variable, false)
+}
+
+/// Shows that an expression is positive (1) or negative (-1) everywhere.
+pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
+    shown(g, id, variable, true)
+}
+
+/// The sign of a slope that may vanish here and there, or nowhere where `strict`.
+fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, Unproven> {
     let leaves = leaves_of(g, slope, variable);
     let sign = sign_inside(g, slope, &leaves);
     let Some(sign) = sign else {
@@ -40,7 +50,7 @@ pub fn direction(g: &mut Graph, body: Id, variable: Leaf) -> Result<i64, Unprove
         ));
     };
     let upward = if sign < 0 { g.neg(slope) } else { slope };
-    Proof::new(g, upward, variable, leaves).run(g).map(|()| sign)
+    Proof { strict, ..Proof::new(g, upward, variable, leaves) }.run(g).map(|()| sign)
 }
 
 /// The inputs of an expression, the variable first.
@@ -118,6 +128,8 @@ struct Proof {
     orders: Vec<Vec<Id>>,
     leaves: Vec<Leaf>,
     enclosure: Enclosure,
+    /// Whether the slope must not be zero anywhere.
+    strict: bool,
 }
 
 impl Proof {
@@ -134,7 +146,7 @@ impl Proof {
         }
         let all: Vec<Id> = orders.iter().flatten().copied().collect();
         let enclosure = Enclosure::new(g, &all);
-        Proof { orders, leaves, enclosure }
+        Proof { orders, leaves, enclosure, strict: false }
     }
 
     fn run(&self, g: &Graph) -> Result<(), Unproven> {
@@ -185,7 +197,11 @@ impl Proof {
     /// Whether the slope is nowhere negative on a part.
     fn shown(&self, g: &Graph, part: &[Interval]) -> bool {
         let over = self.enclosure.over(g, &self.region(part));
-        if self.pick(&over, 0).nonnegative() {
+        let values = self.pick(&over, 0);
+        if self.strict {
+            return values.lo > 0.0;
+        }
+        if values.nonnegative() {
             return true;
         }
         let end = |x: f64| {

@@ -12,7 +12,7 @@ use std::rc::Rc;
 
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::hash::Map;
-use crate::jacobian::{cost, factor_out, simplify};
+use crate::jacobian::{cost, factor_out};
 use crate::measure::{Errors, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
@@ -463,10 +463,7 @@ fn flipped(g: &mut Graph, id: Id) -> Option<Id> {
     let Node::Call(f @ (Fun::BetaInc | Fun::BetaIncInv), args) = g.node(id).clone() else {
         return None;
     };
-    let one = g.int(1);
-    let rest = g.sub(one, args[0]);
-    let rest = simplify(g, rest, None);
-    Some(g.call(f, &[rest, args[2], args[1]]))
+    Some(g.call(f, &[args[3], args[2], args[1], args[0]]))
 }
 
 /// c - c·T: through expm1 for powers and exponentials, through the half angle for cosines.

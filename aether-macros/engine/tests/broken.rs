@@ -30,7 +30,7 @@ const WRONG: [(&str, &str); 12] = [
     ("a loop", "for i in 0..2 { u[i]; } Vec2::new(u[0], u[1])"),
     ("a uniform that is not used", "Vec2::new(u[0], k * u[0])"),
     ("a jump", "Vec2::new((k * u[0]).fract(), u[1])"),
-    ("no inverse", "Vec2::new(u[0] + u[1].exp() * u[0].sin(), u[1] + (u[0] * u[1]).cos())"),
+    ("no inverse", "Vec2::new(u[0] + u[1].exp() * (4.0 * u[0]).sin(), u[1] + (u[0] * u[1]).cos())"),
     ("a macro", "println!(\"{}\", k); Vec2::new(u[0], u[1])"),
     ("a composition that computes", "let x = unit(k).sample(u); x + x"),
     ("several mistakes", "let a = b; Vec2::new(c, u[7])"),

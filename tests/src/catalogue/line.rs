@@ -30,7 +30,7 @@ pub fn student_2(u: [Uniform; 1]) -> f64 {
 
 /// Row 16: Student's t with nu degrees of freedom, by the quantile of nu / (nu + x²) in the tails and of
 /// the rest to one in the middle.
-#[sampler(nu in 0.5..=100.0)]
+#[sampler(nu in 0.5..=1e6)]
 pub fn student(u: [Uniform; 1], nu: f64) -> f64 {
     if u[0] < 0.25 {
         let y = beta_inc_inv(0.5 * nu, 0.5, 2.0 * u[0]);

@@ -204,3 +204,25 @@ pub fn portal_segment(u: [Uniform; 4], a: f64, h: f64, k: f64) -> (Surface, Surf
     let w = Vec3::new(r * phi.cos(), r * phi.sin(), (1.0 - u[2]).sqrt());
     (Surface::from_vec(x + h / w.z * w), Surface::from_vec(x - k / w.z * w))
 }
+
+/// Row 101 between any planes, with uniform directions: that through p with the normal n above the opening, and that through
+/// q with the normal m below.
+#[sampler(a in 1e-6..=1e6)]
+pub fn tilted_portal(
+    u: [Uniform; 4],
+    a: f64,
+    p: Vec3,
+    n: Direction,
+    q: Vec3,
+    m: Direction,
+) -> (Surface, Surface) {
+    let s = u[0].sqrt();
+    let x = a * Vec3::new(1.0 - s, s * u[1], 0.0);
+    let r = (1.0 - u[2] * u[2]).sqrt();
+    let phi = TAU * u[3];
+    let w = Vec3::new(r * phi.cos(), r * phi.sin(), u[2]);
+    let above = n.dot(p - x) / n.dot(w);
+    let below = m.dot(x - q) / m.dot(w);
+    require(above > 0.0 && below > 0.0);
+    (Surface::from_vec(x + above * w), Surface::from_vec(x - below * w))
+}

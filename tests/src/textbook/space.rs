@@ -1,6 +1,6 @@
 //! Volumes, manifolds in more dimensions, and points sampled jointly.
 
-use aether_core::Real;
+use aether_core::{Real, Vec3};
 use core::f64::consts::{FRAC_1_PI, PI};
 
 use super::{henyey_greenstein, logistic, truncated_exponential, vector};
@@ -35,6 +35,13 @@ pub fn density<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
             let edge = vector(x, 0) - vector(x, 3);
             let cosine = edge.z / edge.length();
             c(2.0 * FRAC_1_PI) * cosine * cosine / (p[0] * p[0] * edge.dot(edge))
+        }
+        // The same with a cosine at each end, and one at the opening.
+        Which::TiltedPortal => {
+            let edge = vector(x, 0) - vector(x, 3);
+            let cosine = |n: Vec3<R>| (n.dot(edge) / (n.length() * edge.length())).abs();
+            let both = cosine(vector(p, 4)) * cosine(vector(p, 10));
+            c(FRAC_1_PI) * both / (p[0] * p[0] * edge.length() * edge.z)
         }
         Which::Ordered => {
             let (y, z) = ((x[1] - x[0]).ln(), (x[2] - x[1]).ln());

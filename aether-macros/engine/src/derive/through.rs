@@ -27,12 +27,9 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
         if h[..] == outputs[..] || !is_drawn || !sphere::is_unit(g, &h) {
             return None;
         }
-        let leaves = [0, 1, 2].map(|i| Leaf::Unknown(unknowns.len() as u8 + i));
-        let names = ["h.x", "h.y", "h.z"];
-        let inner: [Id; 3] =
-            std::array::from_fn(|i| g.leaf(leaves[i], names[i], Interval::new(-1.0, 1.0)));
         let own = unknowns.iter().fold(0, |bits, &u| bits | leaf_bit(u));
-        let mut named = Named { h, leaves: inner, own, known: Map::default() };
+        let mut named = Named::new(g, h, unknowns.len() as u8, own);
+        let (inner, leaves) = (named.leaves, named.inputs());
         let map: Vec<Id> = outputs.iter().map(|&x| named.of(g, x)).collect::<Option<_>>()?;
         let outer =
             jacobian::volume(g, &map, &leaves, (Source::Direction(inner), unit), &[]).ok()?;
@@ -64,17 +61,33 @@ fn left_of_point(g: &mut Graph, b: [Id; 3]) -> Id {
 }
 
 /// Expressions in which the coordinates of a vector have names.
-struct Named {
+pub(super) struct Named {
     h: [Id; 3],
-    leaves: [Id; 3],
+    /// The names.
+    pub(super) leaves: [Id; 3],
+    first: u8,
     /// The inputs that must not be left.
     own: Deps,
     known: Map<Id, Option<Id>>,
 }
 
 impl Named {
+    /// Names for the coordinates of `h`, the unknowns from number `first` on, in place of the inputs `own`.
+    pub(super) fn new(g: &mut Graph, h: [Id; 3], first: u8, own: Deps) -> Named {
+        let names = ["h.x", "h.y", "h.z"];
+        let range = Interval::new(-1.0, 1.0);
+        let leaves =
+            std::array::from_fn(|i| g.leaf(Leaf::Unknown(first + i as u8), names[i], range));
+        Named { h, leaves, first, own, known: Map::default() }
+    }
+
+    /// The names as inputs.
+    pub(super) fn inputs(&self) -> [Leaf; 3] {
+        [0, 1, 2].map(|i| Leaf::Unknown(self.first + i))
+    }
+
     /// An expression in terms of the vector; `None` if it depends on the inputs otherwise.
-    fn of(&mut self, g: &mut Graph, id: Id) -> Option<Id> {
+    pub(super) fn of(&mut self, g: &mut Graph, id: Id) -> Option<Id> {
         if !g.has(id, self.own) {
             return Some(id);
         }
@@ -118,16 +131,16 @@ impl Named {
         }
     }
 
-    /// A coordinate that a product contains, as what takes the place of some of its factors: that with the most of
-    /// them, as the others may be parts of it.
+    /// A coordinate, one over a coordinate or a ratio of two that a product contains, as what takes the place of some of its
+    /// factors: that with the most of them, as the others may be parts of it.
     fn contained(&self, g: &mut Graph, id: Id) -> Option<(Id, Id)> {
         let (_, body) = g.split(id);
         let all = g.factors(body);
-        let mut best = None;
-        for (coordinate, name) in self.h.into_iter().zip(self.leaves) {
+        let mut best: Option<(usize, (Id, Id))> = None;
+        for (name, coordinate) in self.monomials(g) {
             let (q, body) = g.split(coordinate);
-            let factors = g.factors(body);
-            let own: Vec<(Id, Id)> = factors
+            let own: Vec<(Id, Id)> = g
+                .factors(body)
                 .into_iter()
                 .filter(|&(b, e)| g.has(b, self.own) || g.has(e, self.own))
                 .collect();
@@ -136,11 +149,25 @@ impl Named {
             };
             let most = best.is_none_or(|(count, _)| own.len() > count);
             if most && !own.is_empty() && own.iter().all(is_part) {
-                best = Some((own.len(), (q, name, body)));
+                best = Some((own.len(), (g.sum(Q::ZERO, &[(q.recip()?, name)]), body)));
             }
         }
-        let (_, (q, name, body)) = best?;
-        Some((g.sum(Q::ZERO, &[(q.recip()?, name)]), body))
+        best.map(|(_, found)| found)
+    }
+
+    /// The coordinates, one over each, and the ratios of two: by names, and what they are.
+    fn monomials(&self, g: &mut Graph) -> Vec<(Id, Id)> {
+        let pairs: Vec<(Id, Id)> = self.leaves.into_iter().zip(self.h).collect();
+        let zero = g.int(0);
+        let divisors: Vec<(Id, Id)> = pairs.iter().copied().filter(|p| p.1 != zero).collect();
+        let mut all = pairs.clone();
+        all.extend(divisors.iter().map(|&(name, c)| (g.powi(name, -1), g.powi(c, -1))));
+        for &(over, below) in &divisors {
+            for &(name, c) in pairs.iter().filter(|p| p.0 != over) {
+                all.push((g.div(name, over), g.div(c, below)));
+            }
+        }
+        all
     }
 }
 

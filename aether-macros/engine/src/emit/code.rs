@@ -232,9 +232,9 @@ impl<'a> Code<'a> {
                     }
                     Fun::BetaInc | Fun::BetaIncInv => {
                         let inverse = *f == Fun::BetaIncInv;
-                        let name = if inverse { quote!(beta_inc_inv) } else { quote!(beta_inc) };
-                        let (b, c) = (self.reference(args[1]), self.reference(args[2]));
-                        quote!(::aether_core::special::#name(#b, #c, #a))
+                        let name = if inverse { quote!(beta_quantile) } else { quote!(beta_tail) };
+                        let [b, c, rest] = [1, 2, 3].map(|i| self.reference(args[i]));
+                        quote!(::aether_core::special::#name(#b, #c, [#a, #rest]))
                     }
                     Fun::Turn => quote!(::aether_core::support::turn(#a)),
                     Fun::TurnTo => {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use super::{factor_out, simplify_with};
 use crate::derivative::derivative;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::rational::Q;
 
 /// The area of an image x = a h + b on the unit sphere, of directions `h`, where b is known. The derivative is
@@ -42,16 +42,33 @@ pub(super) fn area(
 /// The a and b of a vector a h + b, with a known b.
 pub fn taken_apart(g: &mut Graph, vector: &[Id], h: [Id; 3]) -> Option<(Id, [Id; 3])> {
     let &[x, y, z] = vector else { return None };
-    let (a, b_x) = scaled(g, x, h[0])?;
-    let [(a_y, b_y), (a_z, b_z)] = [scaled(g, y, h[1])?, scaled(g, z, h[2])?];
+    let (a, b_x) = scaled(g, x, h[0], UNKNOWNS)?;
+    let [(a_y, b_y), (a_z, b_z)] = [scaled(g, y, h[1], UNKNOWNS)?, scaled(g, z, h[2], UNKNOWNS)?];
     ([a_y, a_z] == [a; 2]).then_some((a, [b_x, b_y, b_z]))
 }
 
-/// The a and b of `x` as a · `h` + b, with a known b.
-fn scaled(g: &mut Graph, x: Id, h: Id) -> Option<(Id, Id)> {
+/// The a and b of a vector a h + b, with a b in which the coordinates of h, which are these inputs, do not occur. In some
+/// coordinate a h may be free of h.
+pub fn along(g: &mut Graph, vector: &[Id], h: [Id; 3], inputs: [Leaf; 3]) -> Option<(Id, [Id; 3])> {
+    let bits = inputs.iter().fold(0, |bits, &l| bits | leaf_bit(l));
+    (0..3).find_map(|k| {
+        let (a, _) = scaled(g, vector[k], h[k], bits)?;
+        let b = [0, 1, 2].map(|i| match scaled(g, vector[i], h[i], bits) {
+            Some((same, b)) if same == a => b,
+            _ => {
+                let moved = g.mul(a, h[i]);
+                g.sub(vector[i], moved)
+            }
+        });
+        b.iter().all(|&c| !g.has(c, bits)).then_some((a, b))
+    })
+}
+
+/// The a and b of `x` as a · `h` + b, with a b without these inputs.
+fn scaled(g: &mut Graph, x: Id, h: Id, inputs: Deps) -> Option<(Id, Id)> {
     let (q, body) = g.split(x);
     let (open, known): (Vec<_>, Vec<_>) =
-        g.factors(body).into_iter().partition(|&(b, e)| g.has(b, UNKNOWNS) || g.has(e, UNKNOWNS));
+        g.factors(body).into_iter().partition(|&(b, e)| g.has(b, inputs) || g.has(e, inputs));
     if let [(base, exponent)] = open[..]
         && g.as_number(exponent) == Some(Q::ONE)
         && let Node::Sum(c, terms) = g.node(base).clone()
@@ -59,7 +76,7 @@ fn scaled(g: &mut Graph, x: Id, h: Id) -> Option<(Id, Id)> {
         let outside = g.product(&known);
         let outside = g.sum(Q::ZERO, &[(q, outside)]);
         let (open, known): (Vec<_>, Vec<_>) =
-            terms.into_iter().partition(|(_, t)| g.has(*t, UNKNOWNS));
+            terms.into_iter().partition(|(_, t)| g.has(*t, inputs));
         let a: Option<Vec<(Q, Id)>> =
             open.into_iter().map(|(q, term)| Some((q, over(g, term, h)?))).collect();
         let [a, b] = [(Q::ZERO, a?), (c, known)].map(|(c, terms)| {

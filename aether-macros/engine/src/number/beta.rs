@@ -132,28 +132,35 @@ fn in_domain(a: Dd, b: Dd, x: Dd) -> bool {
     inside && (a + b).is_finite()
 }
 
-/// I(x; a, b).
-pub(super) fn incomplete(x: Dd, a: Dd, b: Dd) -> Dd {
+/// Numbers that add up to one, the smaller as it is.
+fn both([x, rest]: [Dd; 2]) -> [Dd; 2] {
+    if x <= rest { [x, Dd::ONE - x] } else { [Dd::ONE - rest, rest] }
+}
+
+/// I(x; a, b) of x and 1 - x.
+pub(super) fn incomplete(x: [Dd; 2], a: Dd, b: Dd) -> Dd {
+    let [x, y] = both(x);
     if !in_domain(a, b, x) {
         return Dd::from_f64(f64::NAN);
     }
     if x == Dd::ZERO || x == Dd::ONE {
         return x;
     }
-    Beta::new(a, b).tails(Point { x, y: Dd::ONE - x })[0]
+    Beta::new(a, b).tails(Point { x, y })[0]
 }
 
-/// The x with I(x; a, b) = p.
-pub(super) fn quantile(p: Dd, a: Dd, b: Dd) -> Dd {
+/// The x with I(x; a, b) = p, of p and 1 - p.
+pub(super) fn quantile(p: [Dd; 2], a: Dd, b: Dd) -> Dd {
+    let [p, q] = both(p);
     if !in_domain(a, b, p) {
         return Dd::from_f64(f64::NAN);
     }
     if p == Dd::ZERO || p == Dd::ONE {
         return p;
     }
-    let lower = p <= Dd::from_f64(0.5);
+    let lower = p <= q;
     let beta = Beta::new(a, b);
-    let (beta, p) = if lower { (beta, p) } else { (beta.flipped(), Dd::ONE - p) };
+    let (beta, p) = if lower { (beta, p) } else { (beta.flipped(), q) };
     let rough = Beta { a: beta.a.to_f64(), b: beta.b.to_f64(), ln_beta: beta.ln_beta.to_f64() };
     let n = rough.a + rough.b;
     let mean = Point { x: rough.a / n, y: rough.b / n };

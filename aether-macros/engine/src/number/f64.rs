@@ -155,12 +155,14 @@ impl Number for f64 {
         Dd::from_f64(self).ln_beta(Dd::from_f64(b)).to_f64()
     }
 
-    fn beta_inc(self, a: Self, b: Self) -> Self {
-        Dd::from_f64(self).beta_inc(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
+    fn beta_inc(self, rest: Self, a: Self, b: Self) -> Self {
+        let [x, rest, a, b] = [self, rest, a, b].map(Dd::from_f64);
+        x.beta_inc(rest, a, b).to_f64()
     }
 
-    fn beta_inc_inv(self, a: Self, b: Self) -> Self {
-        Dd::from_f64(self).beta_inc_inv(Dd::from_f64(a), Dd::from_f64(b)).to_f64()
+    fn beta_inc_inv(self, rest: Self, a: Self, b: Self) -> Self {
+        let [x, rest, a, b] = [self, rest, a, b].map(Dd::from_f64);
+        x.beta_inc_inv(rest, a, b).to_f64()
     }
 
     fn min(self, other: Self) -> Self {

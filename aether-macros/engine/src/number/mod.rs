@@ -104,10 +104,10 @@ pub trait Number:
     fn ln_gamma(self) -> Self;
     /// The logarithm of the beta function of two positive numbers.
     fn ln_beta(self, b: Self) -> Self;
-    /// The regularised incomplete beta function I of `self` in [0, 1].
-    fn beta_inc(self, a: Self, b: Self) -> Self;
+    /// The regularised incomplete beta function I of `self` in [0, 1], where `rest` is 1 - `self`.
+    fn beta_inc(self, rest: Self, a: Self, b: Self) -> Self;
     /// The inverse of `beta_inc`.
-    fn beta_inc_inv(self, a: Self, b: Self) -> Self;
+    fn beta_inc_inv(self, rest: Self, a: Self, b: Self) -> Self;
     /// The smaller of two; the other one if one is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger of two; the other one if one is NaN.

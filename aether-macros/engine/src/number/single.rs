@@ -78,11 +78,11 @@ impl Number for Single {
     rounded!(abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf erfc erf_inv erfc_inv lambert_w ln_gamma;
         atan2 powf hypot ln_beta min max);
 
-    fn beta_inc(self, a: Self, b: Self) -> Self {
-        Self::from_f64(self.wide().beta_inc(a.wide(), b.wide()))
+    fn beta_inc(self, rest: Self, a: Self, b: Self) -> Self {
+        Self::from_f64(self.wide().beta_inc(rest.wide(), a.wide(), b.wide()))
     }
 
-    fn beta_inc_inv(self, a: Self, b: Self) -> Self {
-        Self::from_f64(self.wide().beta_inc_inv(a.wide(), b.wide()))
+    fn beta_inc_inv(self, rest: Self, a: Self, b: Self) -> Self {
+        Self::from_f64(self.wide().beta_inc_inv(rest.wide(), a.wide(), b.wide()))
     }
 }

@@ -301,7 +301,12 @@ fn matrix_method(
                 return body.error(a, format!("`{name}` needs a vector of space"));
             };
             let rows = if name == "to_world" { transposed } else { columns };
-            Some(Value::Vector(rows.iter().map(|r| dot(&mut body.graph, r, &v)).collect()))
+            let g = &mut body.graph;
+            let turned: Vec<Id> = rows.iter().map(|r| dot(g, r, &v)).collect();
+            if let [x, y, z] = turned[..] {
+                g.note_vector([x, y, z]);
+            }
+            Some(Value::Vector(turned))
         }
         _ => body.error(&m.method, format!("`{name}` is not a method of matrices in the language: there are transpose, and to_world and to_local of frames")),
     }

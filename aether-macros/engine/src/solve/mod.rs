@@ -14,6 +14,7 @@ pub(crate) mod linear;
 mod logarithm;
 mod normalise;
 mod numeric;
+mod pair;
 mod peel;
 pub(crate) mod polar;
 mod quadric;
@@ -103,25 +104,42 @@ pub(crate) struct State {
 const MAX_STEPS: usize = 400;
 const MAX_PREIMAGES: usize = 16;
 
-/// Solves `targets[i] = outputs[i]` for the unknowns: all preimages, in closed form if there is one.
+/// The number of the first unknown that is not one of the map.
+pub const FIRST_OWN: u8 = 16;
+
+/// What is to be solved.
+#[derive(Clone, Debug, Default)]
+pub struct System {
+    /// Known sides, and those with unknowns.
+    pub equations: Vec<(Id, Id)>,
+    /// Expressions in unknowns of the map, and what they are in terms of the equations.
+    pub told: Vec<(Id, Id)>,
+    /// How many unknowns from [`FIRST_OWN`] on the equations have beside those of the map.
+    pub own: u8,
+}
+
+impl System {
+    /// `outputs[i]` = `targets[i]`.
+    pub fn new(targets: &[Id], outputs: &[Id]) -> System {
+        let equations = targets.iter().copied().zip(outputs.iter().copied()).collect();
+        System { equations, ..System::default() }
+    }
+}
+
+/// Solves a system for the unknowns: all preimages, in closed form if there is one.
 pub fn solve(
     g: &mut Graph,
-    outputs: &[Id],
-    targets: &[Id],
+    system: &System,
     unknowns: &[Leaf],
     frames: &[[[Id; 3]; 3]],
     positive: &[Id],
     numerical: bool,
 ) -> Result<Vec<Solution>, Stuck> {
-    let equations: Vec<Equation> = targets
-        .iter()
-        .zip(outputs)
-        .map(|(&known, &rhs)| Equation { known, rhs, modulo_turn: false })
-        .collect();
+    let equation = |&(known, rhs)| Equation { known, rhs, modulo_turn: false };
     let first = State {
-        equations,
-        solution: Solution::default(),
-        next_unknown: 16,
+        equations: system.equations.iter().map(equation).collect(),
+        solution: Solution { known: system.told.iter().copied().collect(), ..Solution::default() },
+        next_unknown: FIRST_OWN + system.own,
         positive: positive.to_vec(),
         eliminated: vec![],
         numerical,
@@ -214,7 +232,10 @@ fn step(
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
         match next {
             Ok(next) => return Some(next),
-            Err(reason) => *why = reason,
+            Err(reason) => match pair::system(g, state) {
+                Ok(next) => return Some(vec![next]),
+                Err(other) => *why = reason.or(other),
+            },
         }
         // Where there is a single root it is better found than computed by Cardano's formula.
         if let Some(next) = cubic::single_unknown(g, state) {
@@ -371,7 +392,7 @@ fn finish(g: &mut Graph, state: &mut State) {
         state.solution.unused.push((e.known, e.rhs));
     }
     // Auxiliary unknowns are no unknowns of the caller.
-    state.solution.unknowns.retain(|l, _| matches!(l, Leaf::Unknown(i) if *i < 16));
+    state.solution.unknowns.retain(|l, _| matches!(l, Leaf::Unknown(i) if *i < FIRST_OWN));
     state.solution.conditions.retain(|c| !g.range(c.0).nonnegative());
 }
 

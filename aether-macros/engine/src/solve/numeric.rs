@@ -105,7 +105,7 @@ fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<State, Un
     Ok(s)
 }
 
-fn end(g: &mut Graph, x: f64) -> Id {
+pub(super) fn end(g: &mut Graph, x: f64) -> Id {
     if x == 0.0 || x == 1.0 { g.int(x as i64) } else { g.float(x) }
 }
 

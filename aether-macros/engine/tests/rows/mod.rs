@@ -175,8 +175,7 @@ column with the time of each expansion on your machine.
 Each sampler is also compiled in at least seven other spellings (`cargo test -p aether-engine --test spellings`).
 Rows 30, 31 and 55, densities that are constant or linear between the entries of tables, are no functions of the
 uniforms alone: `aether_core::tables` has them, with tests of its own. Row 101, two points that are seen through a
-portal, is here between planes parallel to the portal; between others it is a composition of samplers and maps
-(chapter 13 of the guide).
+portal, is here between planes parallel to the portal and between tilted ones.
 
 ";
 

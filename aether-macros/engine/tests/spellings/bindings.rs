@@ -182,6 +182,7 @@ impl Names {
     /// The function that is solved has names of its own, and its range is part of the call.
     fn call(&mut self, call: &mut ExprCall, out: &mut Vec<Stmt>) {
         let solved = matches!(call.args.first(), Some(Expr::Closure(_)));
+        let required = matches!(&*call.func, Expr::Path(p) if p.path.is_ident("require"));
         for (i, argument) in call.args.iter_mut().enumerate() {
             match argument {
                 Expr::Closure(closure) => {
@@ -190,6 +191,8 @@ impl Names {
                     *closure.body = parse_quote!(#block);
                 }
                 _ if solved && i == 1 => {}
+                // What is required are comparisons, as in the head of an `if`.
+                argument if required => *argument = self.operation(argument, out),
                 argument => *argument = self.name(argument, out),
             }
         }

@@ -372,12 +372,12 @@ impl Number for Dd {
         beta::ln_beta(self, b)
     }
 
-    fn beta_inc(self, a: Self, b: Self) -> Self {
-        beta::incomplete(self, a, b)
+    fn beta_inc(self, rest: Self, a: Self, b: Self) -> Self {
+        beta::incomplete([self, rest], a, b)
     }
 
-    fn beta_inc_inv(self, a: Self, b: Self) -> Self {
-        beta::quantile(self, a, b)
+    fn beta_inc_inv(self, rest: Self, a: Self, b: Self) -> Self {
+        beta::quantile([self, rest], a, b)
     }
 
     fn min(self, other: Self) -> Self {
