@@ -244,7 +244,7 @@ pub fn widened<R: Single, const N: usize>(
 }
 
 /// What is known of the errors of numbers that `tracked` computes for each lane. They are handed on to somebody who
-/// allows for [`SLACK`] times the errors that he is told of.
+/// allows for `SLACK` times the errors that he is told of.
 #[inline]
 pub fn errors_of<R: Real, const N: usize>(
     tracked: impl Fn(usize) -> [<R::Lane as Single>::Tracked; N],
