@@ -304,13 +304,18 @@ fn recover_lanes<R: Real, const N: usize>(
         if let Some((u, errors)) = recover(i) {
             let none = (R::Mask::FALSE, ([R::ZERO; N], [R::ZERO; N]));
             let (mask, (all, bounds)) = found.unwrap_or(none);
-            let put = |all: [R; N], one: [R::Lane; N]| {
-                core::array::from_fn(|k| all[k].with_lane(i, one[k]))
-            };
-            found = Some((mask.with_lane(i, true), (put(all, u), put(bounds, errors))));
+            found = Some((
+                mask.with_lane(i, true),
+                (with_lane(all, i, u), with_lane(bounds, i, errors)),
+            ));
         }
     }
     found
+}
+
+/// Numbers with others in lane `i`.
+fn with_lane<R: Real, const N: usize>(all: [R; N], i: usize, one: [R::Lane; N]) -> [R; N] {
+    core::array::from_fn(|k| all[k].with_lane(i, one[k]))
 }
 
 /// The lanes of recovered uniforms.

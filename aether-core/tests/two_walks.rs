@@ -117,6 +117,9 @@ fn one_by_one<S: Strategy<Spot>, H: Separable<f64> + Clone>(
     uniforms: &mut Pcg32,
 ) -> Vec<Connected<f64>> {
     let n = connections.length;
+    if n == 0 {
+        return Vec::new();
+    }
     let used: Vec<_> = (0..=n).filter(|by| (connections.samples)(*by) > 0).collect();
     let paths: Vec<_> = used
         .iter()
@@ -169,12 +172,13 @@ fn found<H: Separable<f64> + Clone>(
     other.append(step);
     let other = other.concat(&first.slice(2..));
     let mut all = Vec::new();
-    for (length, is_other) in (2..=longest).flat_map(|length| [(length, false), (length, true)]) {
+    for (length, is_other) in (0..=longest).flat_map(|length| [(length, false), (length, true)]) {
         let connections = Connections {
             length,
             ending: ending.as_ref().filter(|_| length > 2),
             samples: |first: usize| match first {
-                0 => 0,
+                // The eye is where it is: another walk does not find it.
+                0 => 3,
                 // One technique is not used.
                 3 if length == 5 => 0,
                 1 => 7,

@@ -83,7 +83,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Separable<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        if !core::ptr::eq(first.arena, second.arena) {
+        if connections.length == 0 || !core::ptr::eq(first.arena, second.arena) {
             return;
         }
         self.remember(first.arena.contents());
