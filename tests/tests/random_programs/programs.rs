@@ -1861,7 +1861,7 @@ pub mod wide_037 {
     }
 }
 
-// wide_038 is refused: cannot invert this map: stuck at `0 = sin(u₁ π) cos(2 u₂ π) c + sin(u₁ π) sin(2 u₂ π) d + cos(u₁ π) e`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_038 is refused: cannot invert this map: stuck at `0 = sin(u₁ π) cos(2 u₂ π) c + sin(u₁ π) sin(2 u₂ π) d + cos(u₁ π) e`, which should give u₁ and u₂. `sin(u₁ π) cos(2 u₂ π) c + sin(u₁ π) sin(2 u₂ π) d + cos(u₁ π) e` and `sin(u₁ π) cos(2 u₂ π) f + sin(u₁ π) sin(2 u₂ π) g + cos(u₁ π) h` have no closed inverse, and a numerical one needs a proof that each is monotone in one of u₁ and u₂, with a determinant of their derivatives of one sign: there is none for u₁ in [0.000000, 1.000000], u₂ in [0.000000, 1.000000], c in [447.867680, 948.450880], d in [15.512640, 87.943240], e in [-214.670400, -140.282400]. If it is so, narrow the domains of the parameters, or write the map as a composition of maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let theta = PI * u[0];
@@ -3080,7 +3080,7 @@ pub mod wide_103 {
     }
 }
 
-// wide_104 is refused: cannot invert this map: stuck at `0 = 113 √(1 - u₁²) sin(2 u₂ π) a + 360 u₁ b + 384 √(1 - u₁²) sin(2 u₂ π) b - 480 u₁ a - 384 √(1 - u₁²) cos(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) b`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
+// wide_104 is refused: cannot invert this map: stuck at `0 = 113 √(1 - u₁²) sin(2 u₂ π) a + 360 u₁ b + 384 √(1 - u₁²) sin(2 u₂ π) b - 480 u₁ a - 384 √(1 - u₁²) cos(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) b`, which should give u₁ and u₂. `113 √(1 - u₁²) sin(2 u₂ π) a + 360 u₁ b + 384 √(1 - u₁²) sin(2 u₂ π) b - 480 u₁ a - 384 √(1 - u₁²) cos(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) b` and `175 u₁ a + 360 u₁ c + 384 √(1 - u₁²) sin(2 u₂ π) c - 360 √(1 - u₁²) cos(2 u₂ π) a - 480 √(1 - u₁²) sin(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) c` have no closed inverse, and a numerical one needs a proof that each is monotone in one of u₁ and u₂, with a determinant of their derivatives of one sign: there is none for u₁ in [0.000000, 0.250000], u₂ in [0.500000, 1.000000], a in [-0.333333, 0.166667], b in [0.833333, 1.333333]. If it is so, narrow the domains of the parameters, or write the map as a composition of maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let r = (1.0 - u[0] * u[0]).sqrt();
