@@ -20,6 +20,9 @@ pub use endings::{Ending, Endings};
 pub(crate) use joints::Joints;
 pub use value::Value;
 
+/// The precision of an integrand.
+type RealOf<I> = <<I as PathIntegrand>::Vertex as Vertex>::Real;
+
 /// An integrand over paths as a product of factors, one a vertex, so that an estimator can divide
 /// factor by factor: the integrand and the density of a long path may each leave the range of a
 /// float, their quotients do not.
@@ -255,9 +258,6 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         ahead: usize,
     ) -> I::Value {
         let run = |k: usize| tape.run_name(place, k);
-        if let Some(value) = ahead.checked_sub(1).and_then(run).and_then(|name| self.run(name)) {
-            return value;
-        }
         let known = |k: usize| Some((k + 1, self.run(run(k)?)?));
         let (start, mut value) = (0..ahead).rev().find_map(known).unwrap_or((0, I::Value::one()));
         for k in start..ahead {
@@ -297,15 +297,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if len == 0 || name(len).is_none() {
             return None;
         }
-        let known = |len: usize| known_at(&self.factors.borrow().endings, name(len)?);
-        let usable = |value: I::Value| {
-            let finite = value.times(<I::Vertex as Vertex>::Real::ZERO).is_zero();
-            (finite && !value.is_zero()).then_some(value)
-        };
-        if let Some(value) = known(len) {
-            return usable(value);
-        }
-        let found = (1..len).rev().find_map(|len| Some((len, known(len)?)));
+        let known = |len: usize| Some((len, known_at(&self.factors.borrow().endings, name(len)?)?));
+        let found = (1..=len).rev().find_map(known);
         let (start, mut value) = found.unwrap_or((0, I::Value::one()));
         for len in start + 1..=len {
             // The edge that the new vertex completes: all that its factor reads is there.
@@ -316,7 +309,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
             remember_at(&mut self.factors.borrow_mut().endings, name(len)?, value);
         }
-        usable(value)
+        let finite = value.times(RealOf::<I>::ZERO).is_zero();
+        (finite && !value.is_zero()).then_some(value)
     }
 
     /// How many vertices a factor depends on.

@@ -73,7 +73,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
         let mut sights = self.sights.borrow_mut();
         for (from, to, sight) in sights.iter().flatten() {
-            if *from == eye.position && to.position == seen.position && *to == *seen {
+            if *from == eye.position && *to == *seen {
                 return *sight;
             }
         }

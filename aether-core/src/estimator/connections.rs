@@ -2,13 +2,10 @@
 
 use crate::combine::{Separable, combine_with};
 use crate::estimator::joints::Pieces;
-use crate::estimator::{Estimator, Factors, PathIntegrand};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf};
 use crate::sequence::{PathView, RandomSequence};
-use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
+use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
-
-/// The precision of an integrand.
-type RealOf<I> = <<I as PathIntegrand>::Vertex as Vertex>::Real;
 
 /// How paths of one length are made of a piece of each of two walks, from either end.
 #[derive(Clone, Debug)]
@@ -88,11 +85,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
         self.remember(first.arena.contents());
         let drawn = connections.draw(first, uniforms);
-        let leads = drawn.is_some_and(|drawn| drawn.dirac == Some(Dirac::Direction));
-        let pieces = match leads {
-            false => Pieces::new(self, [first, second], connections, heuristic, &drawn),
-            true => None,
-        };
+        let pieces = Pieces::new(self, [first, second], connections, heuristic, drawn.as_ref());
         if let Some(mut pieces) = pieces {
             return pieces.visit(&mut visit);
         }

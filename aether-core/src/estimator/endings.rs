@@ -3,15 +3,12 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
-use crate::estimator::{Estimator, Factors, PathIntegrand, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
 use crate::sequence::{PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
-
-/// The precision of an integrand.
-type RealOf<I> = <<I as PathIntegrand>::Vertex as Vertex>::Real;
 
 /// A last vertex that carries something, and what it carries.
 type Found<I> = (Drawn<<I as PathIntegrand>::Vertex>, Met<RealOf<I>, <I as PathIntegrand>::Value>);

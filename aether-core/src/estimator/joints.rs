@@ -11,18 +11,15 @@ use core::cell::{Ref, RefMut};
 
 use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
-use crate::estimator::{Estimator, Factors, PathIntegrand, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::path_density::PathDensity;
 use crate::real::{Real, Scalar};
 use crate::sequence::{Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, length_class};
-use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
+use crate::strategy::{Dirac, Drawn, Strategy};
 use crate::work::count_densities;
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
-
-/// The precision of an integrand.
-type RealOf<I> = <<I as PathIntegrand>::Vertex as Vertex>::Real;
 
 /// A density, or a sum of terms, of paths of an integrand.
 type DensityOf<I> = PathDensity<RealOf<I>>;
@@ -133,12 +130,13 @@ where
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
         connections: &'r Connections<'r, S, N, D>,
         heuristic: &'r H,
-        drawn: &Option<Drawn<I::Vertex>>,
+        drawn: Option<&Drawn<I::Vertex>>,
     ) -> Option<Self> {
         let (arena, length) = (walks[0].arena, connections.length);
         let plain = S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
+            && drawn.is_none_or(|drawn| drawn.dirac != Some(Dirac::Direction))
             && walks.iter().all(|walk| walk.is_run())
             && connections.ending.is_none_or(|ending| ending.reads().vertices <= READS)
             && arena.most_read.get() <= READS;
@@ -146,7 +144,7 @@ where
             return None;
         }
         let ending = connections.ending.map_or(u32::MAX, |ending| arena.intern(ending.clone()));
-        let last = drawn.as_ref().map(|drawn| arena.tape.keep(drawn).at(0));
+        let last = drawn.map(|drawn| arena.tape.keep(drawn).at(0));
         let mut pieces = Pieces {
             estimator,
             connections,

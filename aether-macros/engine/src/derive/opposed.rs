@@ -4,8 +4,9 @@
 //! perpendicular to v - w, and what it has along that is this error: (v + w) - (v - w) ((v + w) · (v - w)) / 4 is free of
 //! it, and exactly the same.
 
-use crate::expr::{Graph, Id, Leaf, Node};
-use crate::hash::Map;
+use std::collections::BTreeMap;
+
+use crate::expr::{Graph, Id, Leaf};
 use crate::points::Kind;
 use crate::rational::Q;
 
@@ -37,13 +38,13 @@ pub(super) fn pairs(problem: &mut Problem) -> Vec<Pair> {
 pub(super) fn without_length(g: &mut Graph, written: Id, pairs: &[Pair]) -> Option<Id> {
     let mut id = written;
     for pair in pairs {
-        let mut memo = Map::default();
+        let mut forms = BTreeMap::new();
         for (sum, form) in freed(g, pair) {
-            memo.insert(sum, form);
+            forms.insert(sum, form);
             let (minus, form) = (g.neg(sum), g.neg(form));
-            memo.insert(minus, form);
+            forms.insert(minus, form);
         }
-        id = rebuilt(g, id, &mut memo);
+        id = g.substitute(id, &forms);
     }
     (id != written).then_some(id)
 }
@@ -58,34 +59,6 @@ fn freed(g: &mut Graph, [v, w]: &Pair) -> [(Id, Id); 3] {
         let half = g.sum(Q::ZERO, &[(Q::HALF, excess)]);
         (sum, g.sum(Q::ZERO, &[(Q::ONE, sum), (Q::HALF.neg(), half)]))
     })
-}
-
-fn rebuilt(g: &mut Graph, id: Id, memo: &mut Map<Id, Id>) -> Id {
-    if let Some(&known) = memo.get(&id) {
-        return known;
-    }
-    let made = match g.node(id).clone() {
-        Node::Sum(c, terms) => {
-            let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuilt(g, t, memo))).collect();
-            g.sum(c, &terms)
-        }
-        Node::Product(factors) => {
-            let factors: Vec<_> =
-                factors.iter().map(|&(b, e)| (rebuilt(g, b, memo), rebuilt(g, e, memo))).collect();
-            g.product(&factors)
-        }
-        Node::Call(f, args) => {
-            let args: Vec<_> = args.iter().map(|&a| rebuilt(g, a, memo)).collect();
-            g.call(f, &args)
-        }
-        Node::If(test, yes, no) => {
-            let [test, yes, no] = [test, yes, no].map(|id| rebuilt(g, id, memo));
-            g.if_positive(test, yes, no)
-        }
-        _ => id,
-    };
-    memo.insert(id, made);
-    made
 }
 
 #[cfg(test)]
