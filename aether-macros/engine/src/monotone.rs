@@ -16,6 +16,8 @@ use crate::jacobian::simplify;
 const MAX_PARTS: usize = 3000;
 /// Derivatives of the slope that are tried.
 const ORDERS: usize = 3;
+/// Points at which the sign of a slope is looked at before a proof is tried.
+const POINTS: u32 = 32;
 
 /// Why monotonicity could not be shown.
 #[derive(Clone, Debug)]
@@ -50,7 +52,7 @@ fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, 
         ));
     };
     let upward = if sign < 0 { g.neg(slope) } else { slope };
-    Proof { strict, ..Proof::new(g, upward, variable, leaves) }.run(g).map(|()| sign)
+    Proof::new(g, upward, variable, leaves, strict).run(g).map(|()| sign)
 }
 
 /// The inputs of an expression, the variable first.
@@ -82,28 +84,39 @@ fn centre(i: Interval) -> f64 {
     }
 }
 
-/// The sign of the slope at some point inside.
-fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf]) -> Option<i64> {
-    for shift in [0.5, 0.31, 0.83, 0.12] {
-        let at = |l: Leaf| {
-            let i = g.leaf_range(l);
-            if !leaves.contains(&l) {
-                f64::NAN
-            } else if i.width().is_finite() {
-                i.lo + shift * i.width()
-            } else {
-                centre(i) + shift
-            }
-        };
-        let v = crate::eval::evaluate::<f64>(g, slope, &at);
-        if v > 0.0 {
-            return Some(1);
-        }
-        if v < 0.0 {
-            return Some(-1);
-        }
+/// The number that lies at a fraction t of an interval, which may be infinite.
+fn inside(i: Interval, t: f64) -> f64 {
+    let far = t / (1.0 - t);
+    match (i.lo.is_finite(), i.hi.is_finite()) {
+        (true, true) => i.lo + t * i.width(),
+        (true, false) => i.lo + far,
+        (false, true) => i.hi - 1.0 / far,
+        (false, false) => far - 1.0 / far,
     }
-    None
+}
+
+/// The sign of the slope at points inside; none if it has both, of which there is no proof to be tried, or neither.
+fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf]) -> Option<i64> {
+    let value = |n: u32| {
+        let at = |l: Leaf| {
+            let found = leaves.iter().position(|k| *k == l);
+            // A sequence of its own for each input, which does not repeat.
+            let step = |k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
+            found.map_or(f64::NAN, |k| inside(g.leaf_range(l), step(k)))
+        };
+        crate::eval::evaluate::<f64>(g, slope, &at)
+    };
+    let (mut least, mut most) = (0.0_f64, 0.0_f64);
+    for v in (0..POINTS).map(value).filter(|v| v.is_finite()) {
+        (least, most) = (least.min(v), most.max(v));
+    }
+    // What is smaller by so much may be rounding.
+    let negligible = 1e-6 * most.max(-least);
+    match (most > negligible, -least > negligible) {
+        (true, false) => Some(1),
+        (false, true) => Some(-1),
+        _ => None,
+    }
 }
 
 fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
@@ -133,10 +146,16 @@ struct Proof {
 }
 
 impl Proof {
-    fn new(g: &mut Graph, slope: Id, variable: Leaf, leaves: Vec<Leaf>) -> Proof {
+    fn new(
+        g: &mut Graph,
+        slope: Id,
+        variable: Leaf,
+        leaves: Vec<Leaf>,
+        strict: bool,
+    ) -> Proof {
         let mut orders = Vec::new();
         let mut current = slope;
-        for _ in 0..=ORDERS {
+        for _ in 0..=if strict { 0 } else { ORDERS } {
             let tidy = simplify(g, current, None);
             let factored = crate::jacobian::factor_out(g, tidy);
             let mut forms = vec![current, tidy, factored];
@@ -146,7 +165,7 @@ impl Proof {
         }
         let all: Vec<Id> = orders.iter().flatten().copied().collect();
         let enclosure = Enclosure::new(g, &all);
-        Proof { orders, leaves, enclosure, strict: false }
+        Proof { orders, leaves, enclosure, strict }
     }
 
     fn run(&self, g: &Graph) -> Result<(), Unproven> {
