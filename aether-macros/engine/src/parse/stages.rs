@@ -70,14 +70,16 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
     let uniforms = piece.problem.unknowns.iter().fold(0, |bits, leaf| bits | leaf_bit(*leaf));
     let mut found: Vec<Stage> = Vec::new();
     let Some(uses) = Uses::of(item) else { return vec![] };
-    let cuts = choices(&unique, count).into_iter().filter(|names| uses.are_all(names));
-    for names in cuts.take(MOST_READ) {
+    let numbers: Vec<usize> = unique.iter().filter_map(|name| uses.number(name)).collect();
+    let cuts = choices(&numbers, count).into_iter().filter(|cut| uses.are_all(cut));
+    for cut in cuts.take(MOST_READ) {
         if found.len() == MOST {
             break;
         }
         let first = FIRST + (found.len() * MOST_NAMES) as u8;
         let graph = std::mem::take(&mut piece.problem.graph);
-        let cut = Cut { numbers: names, first, frame: frame.clone() };
+        let numbers = cut.iter().map(|&name| uses.names[name].clone()).collect();
+        let cut = Cut { numbers, first, frame: frame.clone() };
         let Some(reading) = reader.read(graph, (Way::default(), &[]), cut) else { break };
         piece.problem.graph = reading.graph;
         let g = &mut piece.problem.graph;
@@ -183,13 +185,17 @@ impl Uses {
         Some(Uses { statements, names: mentioned.names })
     }
 
+    /// The number of a name.
+    fn number(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
     /// Whether all that the result has of the uniforms it has through these names.
-    fn are_all(&self, cut: &[String]) -> bool {
-        let is_cut: Vec<bool> = self.names.iter().map(|name| cut.contains(name)).collect();
+    fn are_all(&self, cut: &[usize]) -> bool {
         let mut needed = vec![false; self.names.len()];
         let last = self.statements.len().saturating_sub(1);
         for (i, (bound, used)) in self.statements.iter().enumerate().rev() {
-            if i == last || bound.iter().any(|&name| needed[name] && !is_cut[name]) {
+            if i == last || bound.iter().any(|name| needed[*name] && !cut.contains(name)) {
                 used.iter().for_each(|&name| needed[name] = true);
             }
         }
@@ -228,11 +234,11 @@ fn columns(coordinates: &[Id]) -> Vec<[Id; 3]> {
 }
 
 /// Sets of so many names, the last first.
-fn choices(names: &[&String], count: usize) -> Vec<Vec<String>> {
+fn choices(names: &[usize], count: usize) -> Vec<Vec<usize>> {
     let last = (names.len().saturating_sub(LAST_NAMES)..names.len()).rev();
     if count == 1 {
-        return last.map(|i| vec![names[i].clone()]).collect();
+        return last.map(|i| vec![names[i]]).collect();
     }
-    let pairs = last.flat_map(|i| (0..i).rev().map(move |j| (j, i)));
-    pairs.map(|(j, i)| vec![names[j].clone(), names[i].clone()]).collect()
+    let pairs = last.flat_map(|i| (0..i).rev().map(move |j| vec![names[j], names[i]]));
+    pairs.collect()
 }
