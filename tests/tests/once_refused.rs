@@ -113,6 +113,70 @@ fn every_comparison_can_be_written() {
     assert_eq!(by_logic().pdf(&1.0).value(), 0.0);
 }
 
+/// Half-open and closed ranges, one without an end, alternatives and a guard.
+#[sampler]
+fn by_ranges(u: [Uniform; 1]) -> f64 {
+    match u[0] {
+        0.0..0.25 | 0.75.. => u[0],
+        x if x > 0.5 => 2.0 * x,
+        0.25..=0.5 => 3.0 * u[0],
+        _ => 8.0,
+    }
+}
+
+#[test]
+fn arms_are_ranges() {
+    both(by_ranges(), [0.125], 1.0);
+    both(by_ranges(), [0.875], 1.0);
+    assert_eq!(by_ranges().sample([0.25]).value(), 0.75);
+    assert_eq!(by_ranges().sample([0.75]).value(), 0.75);
+    both(by_ranges(), [0.375], 1.0 / 3.0);
+    // 2 u for u in (1/2, 3/4), and 3 u for u in [1/4, 1/2].
+    both(by_ranges(), [0.625], 1.0 / 2.0 + 1.0 / 3.0);
+    assert_eq!(by_ranges().pdf(&0.5).value(), 0.0);
+}
+
+// Frames about directions.
+
+/// A direction of the sphere, and one about it with a density that is its cosine.
+#[sampler]
+fn about_a_sample(u: [Uniform; 4]) -> (Direction, Direction) {
+    let z = 1.0 - 2.0 * u[0];
+    let (r, phi) = ((1.0 - z * z).sqrt(), TAU * u[1]);
+    let first = Direction::new(r * phi.cos(), r * phi.sin(), z);
+    let (s, psi) = (u[2].sqrt(), TAU * u[3]);
+    let local = Vec3::new(s * psi.cos(), s * psi.sin(), (1.0 - u[2]).sqrt());
+    (first, Direction::from_vec(Frame::around(first).to_world(local)))
+}
+
+#[sampler]
+fn about_a_parameter(u: [Uniform; 2], axis: Direction) -> Direction {
+    let (s, psi) = (u[0].sqrt(), TAU * u[1]);
+    let local = Vec3::new(s * psi.cos(), s * psi.sin(), (1.0 - u[0]).sqrt());
+    Direction::from_vec(Frame::around(axis).to_world(local))
+}
+
+#[test]
+fn frames_are_about_directions() {
+    let chain = about_a_sample();
+    for u in [[0.3, 0.6, 0.2, 0.9], [0.8, 0.1, 0.5, 0.4], [0.95, 0.7, 0.9, 0.15]] {
+        let (a, b) = chain.sample(u).value();
+        // As plain code makes the frame.
+        let (s, psi) = (u[2].sqrt(), std::f64::consts::TAU * u[3]);
+        let local = Vec3::new(s * psi.cos(), s * psi.sin(), (1.0 - u[2]).sqrt());
+        let expected = Frame::around(a).to_world(local);
+        assert!((b.vec() - expected).length() < 1e-15, "{b:?} and {expected:?}");
+        both(about_a_sample(), u, a.dot(b) / (4.0 * std::f64::consts::PI.powi(2)));
+    }
+    for axis in [[0.48, 0.64, 0.6], [0.6, 0.0, -0.8], [0.0, 0.0, -1.0]] {
+        let axis = Direction::new(axis[0], axis[1], axis[2]);
+        for u in [[0.3, 0.6], [0.8, 0.1]] {
+            let w = about_a_parameter(axis).sample(u).value();
+            both(about_a_parameter(axis), u, axis.dot(w) * std::f64::consts::FRAC_1_PI);
+        }
+    }
+}
+
 // Uniforms are known by their index, not by where they occur first.
 
 #[sampler]

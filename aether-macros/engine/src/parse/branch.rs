@@ -150,12 +150,17 @@ impl Body<'_> {
 
     fn comparison(&mut self, b: &ExprBinary, strict: bool) -> Option<Value> {
         let (larger, smaller) = self.operands(b)?;
+        Some(Value::Bool(self.exceeds(larger, smaller, strict)))
+    }
+
+    /// Whether one number is larger than another on this way, or as large if not strict.
+    fn exceeds(&mut self, larger: Id, smaller: Id, strict: bool) -> bool {
         let difference = self.graph.sub(larger, smaller);
         let holds = self.decide(difference, strict);
         // The difference may no longer show what was compared.
         let (larger, smaller) = if holds { (larger, smaller) } else { (smaller, larger) };
         assume_order(&mut self.graph, larger, smaller);
-        Some(Value::Bool(holds))
+        holds
     }
 
     /// What is larger and what is smaller if the comparison holds.
@@ -216,7 +221,7 @@ impl Body<'_> {
         }
     }
 
-    /// `match` over truth values, or over anything with guarded arms.
+    /// `match` over truth values, over ranges of numbers, or over anything with guarded arms.
     pub(super) fn choice(&mut self, e: &syn::ExprMatch) -> Option<Value> {
         let value = self.expr(&e.expr)?;
         for arm in &e.arms {
@@ -241,6 +246,15 @@ impl Body<'_> {
             (syn::Pat::Lit(syn::ExprLit { lit: syn::Lit::Bool(l), .. }), Value::Bool(b)) => {
                 Some(l.value == *b)
             }
+            (syn::Pat::Range(p), Value::Scalar(x)) => self.lies_in(p, *x),
+            (syn::Pat::Or(p), _) => {
+                for case in &p.cases {
+                    if self.fits(case, value)? {
+                        return Some(true);
+                    }
+                }
+                Some(false)
+            }
             (syn::Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
                 let mut all = true;
                 for (p, v) in p.elems.iter().zip(values) {
@@ -249,8 +263,21 @@ impl Body<'_> {
                 Some(all)
             }
             (syn::Pat::Ident(_), _) => self.bind(pattern, value.clone()).map(|()| true),
-            _ => self.error(pattern, "an arm is `true`, `false`, a tuple of these, or a name with a guard, as in `x if x < 0.5 =>`"),
+            _ => self.error(pattern, "an arm is `true`, `false`, a range as in `0.0..0.5`, a tuple of these, or a name with a guard, as in `x if x < 0.5 =>`"),
         }
+    }
+
+    /// Whether a number lies in the range of a pattern, `low..high` or `low..=high`; either end may be left away.
+    fn lies_in(&mut self, range: &syn::PatRange, x: Id) -> Option<bool> {
+        if let Some(low) = &range.start {
+            let low = self.scalar(low)?;
+            if !self.exceeds(x, low, false) {
+                return Some(false);
+            }
+        }
+        let Some(high) = &range.end else { return Some(true) };
+        let high = self.scalar(high)?;
+        Some(self.exceeds(high, x, matches!(range.limits, syn::RangeLimits::HalfOpen(_))))
     }
 
     /// |x|, as x or -x.

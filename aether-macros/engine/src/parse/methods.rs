@@ -358,6 +358,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
         ("Mat3", "from_cols", [x, y, z]) => {
             Some(Value::Matrix([vector(body, x)?, vector(body, y)?, vector(body, z)?]))
         }
+        ("Frame", "around", [n]) => around(body, n),
         ("f64", f, [x]) if function_named(f).is_some() => {
             let x = body.scalar(x)?;
             let f = function_named(f)?;
@@ -372,6 +373,33 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
         }
         _ => unknown_function(body, c, &names.join("::")),
     }
+}
+
+/// The frame about a direction, as `Frame::around` makes it (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"):
+/// a piece above the horizon, and one below.
+fn around(body: &mut Body, e: &Expr) -> Option<Value> {
+    let value = body.expr(e)?;
+    let typed = matches!(value, Value::Point(Space::Direction, ..));
+    let n = value.vector().and_then(|n| <[Id; 3]>::try_from(n).ok());
+    let Some([x, y, z]) = n.filter(|n| typed || body.graph.units().contains(n)) else {
+        let what = value.describe();
+        return body.error(e, format!("a frame is about a direction, and this is {what}: write `Frame::around(Direction::from_vec(v))` for a vector of unit length"));
+    };
+    let sign = body.signum(z);
+    let g = &mut body.graph;
+    let one = g.int(1);
+    let below = g.add(sign, z);
+    let a = g.div(one, below);
+    let across = [[x, x], [x, y], [y, y]].map(|pair| {
+        let product = g.mul(pair[0], pair[1]);
+        g.mul(product, a)
+    });
+    let turned = [across[0], across[1], x].map(|c| g.mul(sign, c));
+    let right = [g.sub(one, turned[0]), g.neg(turned[1]), g.neg(turned[2])];
+    let up = [g.neg(across[1]), g.sub(sign, across[2]), g.neg(y)];
+    let columns = [right, up, [x, y, z]];
+    columns.iter().for_each(|column| g.note_vector(*column));
+    Some(Value::Matrix(columns.map(|column| column.to_vec())))
 }
 
 fn unknown_function(body: &mut Body, c: &ExprCall, name: &str) -> Option<Value> {

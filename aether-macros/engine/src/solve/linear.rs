@@ -4,6 +4,7 @@ use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Node, UNKNOWNS};
 use crate::poly::Expander;
+use crate::jacobian::simplify_with;
 use crate::rational::Q;
 
 /// A linear equation: Σ coefficient · atom, coefficients known.
@@ -218,7 +219,7 @@ pub(super) fn solve_matrix(
     }
 }
 
-/// A matrix that is a frame by its type has its transpose as its inverse.
+/// A matrix that is a frame, by its type or as seen from its columns, has its transpose as its inverse.
 fn orthonormal(
     g: &mut Graph,
     matrix: &[Vec<Id>],
@@ -234,7 +235,7 @@ fn orthonormal(
             (0..3).any(|c| (0..3).all(|i| matrix[i][j] == if columns { f[c][i] } else { f[i][c] }))
         })
     };
-    if !frames.iter().any(|f| is(f, true) || is(f, false)) {
+    if !frames.iter().any(|f| is(f, true) || is(f, false)) && !is_frame(g, matrix) {
         return None;
     }
     Some(
@@ -245,6 +246,22 @@ fn orthonormal(
             })
             .collect(),
     )
+}
+
+/// Whether the columns of a matrix are seen to be perpendicular and of unit length, as those of the frame about a direction.
+fn is_frame(g: &mut Graph, matrix: &[Vec<Id>]) -> bool {
+    let units = g.units().to_vec();
+    let columns: Vec<Vec<Id>> =
+        (0..3).map(|j| matrix.iter().map(|row| row[j]).collect()).collect();
+    let mut is = |i: usize, j: usize| {
+        let product = dot(g, &columns[i], &columns[j]);
+        let expected = g.int(i64::from(i == j));
+        let rest = g.sub(product, expected);
+        let rest = simplify_with(g, rest, &units);
+        g.as_number(rest).is_some_and(Q::is_zero)
+    };
+    let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+    !units.is_empty() && pairs.into_iter().all(|(i, j)| is(i, j))
 }
 
 /// Rows that determine all atoms, if the coefficients are plain numbers.
