@@ -510,3 +510,35 @@ fn the_last_uniform_of_a_piece_is_not_rounded_to_its_end() {
     assert!(sample.value().z > 0.0);
     assert!(sample.pdf().value() > 0.0 && sampler.pdf(&sample).value() > 0.0);
 }
+
+#[test]
+fn a_folded_triangle_has_a_density() {
+    let corner = |x, y, z| Vec3::new(x, y, z);
+    let triangle =
+        triangle_fold(corner(0.25, -0.5, 1.0), corner(2.25, -0.5, 1.0), corner(0.25, 0.5, 1.0));
+    // Of an area of one; either half of the square fills it.
+    for u in [[0.25, 0.5], [0.75, 0.625], [0.9, 0.2], [0.01, 0.02]] {
+        both(triangle, u, 1.0);
+    }
+}
+
+#[test]
+fn a_phase_function_knows_its_own_samples() {
+    let density = |g: f64, z: f64| {
+        let lobe = (1.0 - g * g) / (1.0 + g * g - 2.0 * g * z).powf(1.5);
+        lobe / (4.0 * std::f64::consts::PI)
+    };
+    for g in [-0.75, 0.25, 0.5, 0.875] {
+        for u in [[0.1, 0.3], [0.5, 0.9], [0.95, 0.6]] {
+            for sample in [
+                henyey_greenstein(g).map(|lobe| lobe.sample(u).value()),
+                henyey_greenstein_as_printed(g).map(|lobe| lobe.sample(u).value()),
+            ] {
+                let w = sample.expect("a legal mean cosine");
+                let found = henyey_greenstein(g).expect("a legal mean cosine").pdf(&w).value();
+                let expected = density(g, w.z);
+                assert!((found / expected - 1.0).abs() < 1e-13, "{g} {u:?}: {found} {expected}");
+            }
+        }
+    }
+}

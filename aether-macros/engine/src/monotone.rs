@@ -146,13 +146,7 @@ struct Proof {
 }
 
 impl Proof {
-    fn new(
-        g: &mut Graph,
-        slope: Id,
-        variable: Leaf,
-        leaves: Vec<Leaf>,
-        strict: bool,
-    ) -> Proof {
+    fn new(g: &mut Graph, slope: Id, variable: Leaf, leaves: Vec<Leaf>, strict: bool) -> Proof {
         let mut orders = Vec::new();
         let mut current = slope;
         for _ in 0..=if strict { 0 } else { ORDERS } {

@@ -3,8 +3,8 @@
 use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Node, UNKNOWNS};
-use crate::poly::Expander;
 use crate::jacobian::simplify_with;
+use crate::poly::Expander;
 use crate::rational::Q;
 
 /// A linear equation: Σ coefficient · atom, coefficients known.
@@ -251,8 +251,7 @@ fn orthonormal(
 /// Whether the columns of a matrix are seen to be perpendicular and of unit length, as those of the frame about a direction.
 fn is_frame(g: &mut Graph, matrix: &[Vec<Id>]) -> bool {
     let units = g.units().to_vec();
-    let columns: Vec<Vec<Id>> =
-        (0..3).map(|j| matrix.iter().map(|row| row[j]).collect()).collect();
+    let columns: Vec<Vec<Id>> = (0..3).map(|j| matrix.iter().map(|row| row[j]).collect()).collect();
     let mut is = |i: usize, j: usize| {
         let product = dot(g, &columns[i], &columns[j]);
         let expected = g.int(i64::from(i == j));
