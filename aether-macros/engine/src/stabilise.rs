@@ -8,6 +8,8 @@
 mod angles;
 mod exponential;
 
+pub(crate) use exponential::by_size;
+
 use std::rc::Rc;
 
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
@@ -416,7 +418,7 @@ fn both_sides_of_one(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
 }
 
 /// A sum that is linear in a uniform u by its values at both ends, A (1 - u) + B u, where these have one sign.
-fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
+pub(crate) fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
     let leaf = (0..8).map(Leaf::Unknown).find(|&l| g.deps(id) & UNKNOWNS == leaf_bit(l))?;
     let (u, zero, one) = (g.get_leaf(leaf), g.int(0), g.int(1));
     let [low, high] = [zero, one].map(|end| g.substitute(id, &[(u, end)].into()));
