@@ -353,6 +353,9 @@ pub(super) fn finish(
             let known = g.substitute(r, &composed);
             let known = s.spell_out(g, known);
             let known = g.substitute(known, &map);
+            // Of shares of a whole, one less than another is not told by their difference.
+            let tidy = simplify(g, known, None);
+            let known = if cost(g, tidy) < cost(g, known) { tidy } else { known };
             if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
         })
         .collect();
