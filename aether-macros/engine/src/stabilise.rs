@@ -578,7 +578,7 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
 }
 
 /// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.
-fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+pub(crate) fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let minus = g.int(-1);
     let bottom = terms.iter().find_map(|&(_, t)| {
         let factors = g.factors(t);
