@@ -18,6 +18,7 @@ use crate::number::Number;
 use crate::overflow::guard;
 use crate::points::Kind;
 use crate::poly::Expander;
+use crate::rational::Q;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
 use crate::stabilise::{over_sum, stabilise};

@@ -128,7 +128,7 @@ pub(super) fn erfc_inv_exp(l: Dd) -> Dd {
     if l.hi > -0.5 {
         return erf_inv(-l.exp_m1());
     }
-    if !(l.hi < -600.0) {
+    if l.hi >= -600.0 || l.is_nan() {
         return erfc_inv(l.exp());
     }
     let start = libm::sqrt(-l.hi - 0.5 * libm::log(-PI.hi * l.hi));
