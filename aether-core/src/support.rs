@@ -153,6 +153,14 @@ pub fn limit<R: Real, const M: usize>(
     if undefined.any() { beside(d, x, density) } else { d }
 }
 
+/// The density of a sample by its point, where that by its uniforms, `d`, is zero, infinite or undetermined; but if the
+/// point does not tell, an infinite one stays.
+#[inline(always)]
+pub fn known<R: Real>(d: R, at_point: R) -> R {
+    let untold = d.ge(R::INFINITY).and(at_point.gt(R::ZERO).not());
+    R::select(untold, d, at_point)
+}
+
 /// The density at a point of the support: its limit where the formula is 0/0, and zero where it is no positive number.
 #[inline(always)]
 pub fn density_at<R: Real, const M: usize>(x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {

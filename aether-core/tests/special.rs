@@ -4,18 +4,21 @@ use std::collections::BTreeMap;
 
 use aether_core::Scalar;
 use aether_core::prelude::*;
+use aether_core::special;
 
 /// Lines of `function bits parameters argument value.hi value.lo`, made by `reference/make_special.py`.
 const REFERENCE: &str = include_str!("reference/special.txt");
 
 /// Worst errors in units in the last place, in `f64` and `f32`: a little above what is found.
-const LIMITS: [(&str, f64, f64); 11] = [
+const LIMITS: [(&str, f64, f64); 13] = [
     ("erf", 1.8, 1.8),
     ("erfc", 4.2, 5.1),
     ("normal_cdf", 5.1, 5.0),
     ("erf_inv", 1.4, 1.4),
     ("erfc_inv", 2.6, 2.8),
     ("normal_quantile", 4.0, 2.5),
+    ("ln_erfc", 4.6, 4.0),
+    ("erfc_inv_exp", 2.6, 2.0),
     ("lambert_w", 2.4, 2.3),
     ("ln_gamma", 1.5, 0.6),
     ("ln_beta", 28.0, 0.6),
@@ -33,6 +36,8 @@ fn value<R: Scalar>(name: &str, arguments: &[f64]) -> R {
         "erf_inv" => erf_inv(x(0)),
         "erfc_inv" => erfc_inv(x(0)),
         "normal_quantile" => normal_quantile(x(0)),
+        "ln_erfc" => special::ln_erfc(x(0)),
+        "erfc_inv_exp" => special::erfc_inv_exp(x(0)),
         "lambert_w" => lambert_w(x(0)),
         "ln_gamma" => ln_gamma(x(0)),
         "ln_beta" => ln_beta(x(0), x(1)),

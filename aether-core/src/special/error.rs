@@ -2,6 +2,7 @@
 
 use super::coefficients::{ERF, ERF_INV, ERFC, ERFC_INV, ERFC_INV_VARIABLE, ERFC_VARIABLE};
 use crate::real::Real;
+use crate::support::either;
 
 /// c[0] + c[1] t + c[2] t² + …
 #[inline(always)]
@@ -41,13 +42,29 @@ fn erf_small<R: Real>(x: R) -> R {
     x * polynomial(&ERF, R::of(8.0) * x * x - R::ONE)
 }
 
+/// (a + 4) exp(a²) erfc(a) for 0.46 <= a <= 28.
+#[inline(always)]
+fn tail_polynomial<R: Real>(a: R) -> R {
+    polynomial(&ERFC, scaled(a, ERFC_VARIABLE))
+}
+
+/// exp(a²) erfc(a) for a >= 0.46; far out by its asymptotic series, in powers of -1 / (2 a²).
+#[inline(always)]
+fn scaled_tail<R: Real>(a: R) -> R {
+    const SERIES: [f64; 8] = [1.0, 1.0, 3.0, 15.0, 105.0, 945.0, 10_395.0, 135_135.0];
+    let root_pi = R::of(core::f64::consts::PI.sqrt());
+    let inverse = a.recip();
+    let far = polynomial(&SERIES, R::of(-0.5) * inverse * inverse) * inverse / root_pi;
+    R::select(a.lt(R::of(FAR)), tail_polynomial(a) / (a + R::of(4.0)), far)
+}
+
 /// erfc(a) for a >= 0.46, where exp(-a²) = exp(-(square + rest)): the rest is the rounding error of
 /// the square, which the exponential would magnify.
 #[inline(always)]
 fn erfc_tail<R: Real>(a: R, (square, rest): (R, R)) -> R {
     let e = (-square).exp();
     let e = e - e * rest;
-    e * polynomial(&ERFC, scaled(a, ERFC_VARIABLE)) / (a + R::of(4.0))
+    e * tail_polynomial(a) / (a + R::of(4.0))
 }
 
 /// Where erfc is zero at any precision; keeps squares finite.
@@ -64,6 +81,20 @@ pub(super) fn erfc<R: Real>(x: R) -> R {
     let tail = erfc_tail(a, square(a));
     let large = R::select(x.lt(R::ZERO), R::of(2.0) - tail, tail);
     pieces(x, 0.5, R::ONE - erf_small(x), large)
+}
+
+/// The largest number whose square is one.
+#[inline(always)]
+fn largest_squared<R: Real>() -> R {
+    R::MIN_POSITIVE.sqrt().recip()
+}
+
+pub(super) fn ln_erfc<R: Real>(x: R) -> R {
+    let half = R::of(0.5);
+    let a = x.max(half).min(largest_squared());
+    let (square, rest) = square(a);
+    let tail = (scaled_tail(a).ln() - rest) - square;
+    R::select(x.ge(half), tail, (-erf(x)).ln_1p())
 }
 
 pub(super) fn normal_cdf<R: Real>(x: R) -> R {
@@ -100,6 +131,27 @@ pub(super) fn erfc_inv<R: Real>(y: R) -> R {
     let upper = y.gt(R::ONE);
     let tail = erfc_inv_tail(R::select(upper, R::of(2.0) - y, y));
     pieces(x, 0.625, erf_inv_small(x), R::select(upper, -tail, tail))
+}
+
+/// The inverse of ln erfc below -600, where exp(l) is next to the smallest numbers: by Newton's method.
+#[inline(always)]
+fn erfc_inv_exp_far<R: Real>(l: R) -> R {
+    let half_root_pi = R::of(0.5 * core::f64::consts::PI.sqrt());
+    let start = -l - R::of(0.5) * (-l * R::of(core::f64::consts::PI)).ln();
+    let step = |w: R| w + (ln_erfc(w) - l) * scaled_tail(w) * half_root_pi;
+    step(step(start.sqrt()))
+}
+
+pub(super) fn erfc_inv_exp<R: Real>(l: R) -> R {
+    let far = R::of(-600.0);
+    let s = (-l.min(R::ZERO).max(far)).sqrt();
+    let tail = s * polynomial(&ERFC_INV, scaled(s, ERFC_INV_VARIABLE));
+    let tail = either(l.lt(far), || erfc_inv_exp_far(l.min(far)), || tail);
+    // What is left of two.
+    let rest = R::of(-2.0) * (l - R::of(core::f64::consts::LN_2)).exp_m1();
+    let tail = R::select(l.gt(R::ZERO), -erfc_inv_tail(rest), tail);
+    let x = -l.exp_m1();
+    pieces(x, 0.625, erf_inv_small(x), tail)
 }
 
 pub(super) fn normal_quantile<R: Real>(u: R) -> R {

@@ -126,6 +126,16 @@ function! {
     normal_quantile(; u) NormalQuantile = error::normal_quantile
 }
 function! {
+    /// ln erfc(x), also where erfc is smaller than any number.
+    #[doc(hidden)]
+    ln_erfc(; x) LnErfc = error::ln_erfc
+}
+function! {
+    /// The inverse of [`ln_erfc`]: erfc⁻¹ of exp(l), NaN beyond ln 2.
+    #[doc(hidden)]
+    erfc_inv_exp(; l) ErfcInvExp = error::erfc_inv_exp
+}
+function! {
     /// The principal branch of Lambert's W, the solution w >= -1 of w exp(w) = x; NaN below -1/e.
     ///
     /// Error: at most 2.4 ulp in `f64`, 2.3 in `f32`.

@@ -6,7 +6,7 @@ precisions can be tried on it, else a double. Parameters come before the argumen
 the sum of two doubles.
 """
 import struct
-from mpmath import mp, mpf, beta, betainc, erf, erfc, erfinv, exp, log, sqrt, pi, lambertw, loggamma
+from mpmath import mp, mpf, beta, betainc, erf, erfc, erfinv, exp, expm1, log, sqrt, pi, lambertw, loggamma
 
 mp.dps = 60
 
@@ -29,6 +29,32 @@ def erfc_inv(y):
         if abs(step) < mpf(10) ** -50:
             return w
     raise ArithmeticError(y)
+
+
+def scaled(x):
+    """1 / (sqrt(pi) exp(x^2) erfc(x)), by a continued fraction far out."""
+    if x < 20:
+        return exp(-x * x) / erfc(x) / sqrt(pi)
+    rest = mpf(0)
+    for n in range(600, 0, -1):
+        rest = mpf(n) / 2 / (x + rest)
+    return x + rest
+
+
+def ln_erfc(x):
+    return log(erfc(x)) if x < 20 else -x * x - log(scaled(x) * sqrt(pi))
+
+
+def erfc_inv_exp(l):
+    if l > -1:
+        return erf_inv(-expm1(l))
+    w = sqrt(-l)
+    for _ in range(80):
+        step = (ln_erfc(w) - l) / scaled(w) / 2
+        w += step
+        if abs(step) < mpf(10) ** -50 * w:
+            return w
+    raise ArithmeticError(l)
 
 
 def erf_inv(x):
@@ -74,6 +100,9 @@ near_one = [1 - x for x in sweep(1e-15, 0.5, 60)]
 show("erf_inv", both(sweep(1e-300, 1e-2, 20) + sweep(1e-2, 0.5, 60) + near_one), erf_inv)
 show("erfc_inv", [2 * x for x in small + near_one], erfc_inv)
 show("normal_quantile", small + near_one, lambda u: -sqrt(2) * erfc_inv(2 * u))
+show("ln_erfc", real + sweep(6.5, 1e3, 60) + sweep(1e3, 1e18, 20), ln_erfc)
+logs = [-x for x in sweep(1e-30, 1e-2, 20) + sweep(1e-2, 2e3, 140) + sweep(2e3, 1e37, 30)]
+show("erfc_inv_exp", logs + sweep(1e-30, 0.69, 30), erfc_inv_exp)
 above = [float(-exp(-1) + mpf(t)) for t in sweep(1e-15, 0.3, 80)]
 above = [x for x in above if x > -exp(-1)]
 show("lambert_w", both(sweep(1e-300, 1e-2, 20)) + above + sweep(1e-2, 100, 80) + sweep(100, 1e300, 40), lambda x: lambertw(x).real)

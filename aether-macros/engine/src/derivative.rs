@@ -196,6 +196,18 @@ fn slope(g: &mut Graph, f: Fun, a: Id, y: Id) -> Id {
             let d = error_slope(g, y, -1);
             g.neg(d)
         }
+        // (ln erfc)' = -2/√π exp(-a² - ln erfc a), and of the inverse one over that, where a is the value.
+        Fun::LnErfc => {
+            let slope = error_slope(g, a, 1);
+            let (slope, size) = (g.neg(slope), g.neg(y));
+            let size = g.call(Fun::Exp, &[size]);
+            g.mul(slope, size)
+        }
+        Fun::ErfcInvExp => {
+            let slope = error_slope(g, y, -1);
+            let (slope, size) = (g.neg(slope), g.call(Fun::Exp, &[a]));
+            g.mul(slope, size)
+        }
         // W' = exp(-W) / (1 + W), which has no 0/0 at zero.
         Fun::LambertW => {
             let minus = g.neg(y);
@@ -270,20 +282,20 @@ mod tests {
             Fun::Erfc,
             Fun::ErfInv,
             Fun::ErfcInv,
+            Fun::LnErfc,
+            Fun::ErfcInvExp,
             Fun::LambertW,
         ];
         for f in funs {
+            let (h, t) = (1e-6, 0.37);
             let y = g.call(f, &[x]);
+            let negative = evaluate::<f64>(&g, y, &|_| t) < 0.0;
+            let y = if negative { g.neg(y) } else { y };
             let y = g.mul(y, shifted);
             let y = g.pow(y, shifted);
             let d = derivative(&mut g, y, leaf);
             let at = |id, t: f64| evaluate::<f64>(&g, id, &|_| t);
-            let (h, t) = (1e-6, 0.37);
             let quotient = (at(y, t + h) - at(y, t - h)) / (2.0 * h);
-            if quotient.is_nan() {
-                assert_eq!(f, Fun::Ln, "{f:?}: only the logarithm is negative here");
-                continue;
-            }
             assert!((at(d, t) / quotient - 1.0).abs() < 1e-8, "{f:?}");
         }
     }

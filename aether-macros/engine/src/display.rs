@@ -174,6 +174,8 @@ fn name(f: Fun) -> &'static str {
         Fun::Erfc => "erfc",
         Fun::ErfInv => "erf⁻¹",
         Fun::ErfcInv => "erfc⁻¹",
+        Fun::LnErfc => "ln erfc",
+        Fun::ErfcInvExp => "erfc⁻¹ exp",
         Fun::LambertW => "W",
         Fun::LnGamma => "lnΓ",
         Fun::LnBeta => "lnB",

@@ -127,6 +127,8 @@ fn call<T: Number>(f: Fun, a: T, [b, c, d]: [T; 3]) -> T {
         Fun::Erfc => a.erfc(),
         Fun::ErfInv => a.erf_inv(),
         Fun::ErfcInv => a.erfc_inv(),
+        Fun::LnErfc => a.ln_erfc(),
+        Fun::ErfcInvExp => a.erfc_inv_exp(),
         Fun::LambertW => a.lambert_w(),
         Fun::LnGamma => a.ln_gamma(),
         Fun::LnBeta => a.ln_beta(b),

@@ -50,6 +50,10 @@ pub enum Fun {
     Erfc,
     ErfInv,
     ErfcInv,
+    /// ln erfc.
+    LnErfc,
+    /// The inverse of erfc, of the logarithm of its value.
+    ErfcInvExp,
     /// The principal branch of Lambert's W.
     LambertW,
     /// ln Γ, of parameters.

@@ -167,6 +167,7 @@ impl Interval {
             Fun::Erfc => falling(libm::erfc),
             Fun::ErfInv if within(-1.0, 1.0) => monotone(Number::erf_inv),
             Fun::ErfcInv if within(0.0, 2.0) => falling(Number::erfc_inv),
+            Fun::LnErfc => falling(Number::ln_erfc),
             Fun::LambertW if self.lo >= -INVERSE_E => monotone(Number::lambert_w),
             Fun::LambertW => Interval::new(-1.0, f64::INFINITY),
             Fun::Acos if within(-1.0, 1.0) => falling(libm::acos),

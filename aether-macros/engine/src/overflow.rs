@@ -6,10 +6,13 @@
 //! ln(1 + r (e^t - 1)) = t + ln(1 + (1 - r)(e^-t - 1)). Nothing can be measured here, because
 //! double-double has the exponents of a double: the choice follows from the sign.
 
+mod tails;
+
 use std::collections::HashMap;
 
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::rational::Q;
+use crate::stabilise::by_size;
 
 /// Exponents up to this one overflow neither in double nor in single precision.
 const SAFE: f64 = 80.0;
@@ -30,17 +33,26 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
         }
         Node::Product(factors) => {
             let whole = together(g, factors.clone());
-            quotient(g, id, &whole).unwrap_or_else(|| {
+            let plain = quotient(g, id, &whole).unwrap_or_else(|| {
                 let factors: Vec<_> =
                     factors.iter().map(|&(b, e)| (rebuild(g, b, memo), e)).collect();
                 g.product(&factors)
-            })
+            });
+            match tails::quotient(g, &factors) {
+                Some((small, other)) => {
+                    let factors = g.factors(other);
+                    let other = quotient(g, other, &factors).unwrap_or(other);
+                    tails::unless_vanishing(g, small, plain, other)
+                }
+                None => plain,
+            }
         }
         Node::If(test, yes, no) => {
             let [yes, no] = [yes, no].map(|side| rebuild(g, side, memo));
             g.if_positive(test, yes, no)
         }
         Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0]).unwrap_or(id),
+        Node::Call(Fun::ErfcInv, args) => tails::quantile(g, id, args[0]).unwrap_or(id),
         Node::Call(f, args) => {
             let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo)).collect();
             g.call(f, &args)
@@ -160,6 +172,7 @@ fn logarithm(g: &mut Graph, id: Id, argument: Id) -> Option<Id> {
     let small = g.call(Fun::ExpM1, &[negated]);
     let inner = g.mul(rest, small);
     let log = g.call(Fun::Ln1p, &[inner]);
+    let log = by_size(g, log, inner).unwrap_or(log);
     let other = g.add(t, log);
     // For small r the other form cancels: it is for where the power is infinite, and 1/∞ = 0.
     let size = g.call(Fun::Abs, &[power]);
@@ -189,6 +202,8 @@ mod tests {
         // ln(1 + u (e^s - 1)) is s + ln u for large s.
         assert_eq!(at(&g, guarded, 800.0, 0.5), 800.0 + 0.5f64.ln());
         assert_eq!(at(&g, guarded, -2.0, 0.5), at(&g, log, -2.0, 0.5));
+        // Also where 1 - u is one.
+        assert_eq!(at(&g, guarded, 800.0, 1e-32), 800.0 + 1e-32f64.ln());
         let part = g.mul(u, s);
         let small = g.call(Fun::ExpM1, &[part]);
         let ratio = g.div(small, top);

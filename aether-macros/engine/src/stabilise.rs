@@ -8,6 +8,8 @@
 mod angles;
 mod exponential;
 
+pub(crate) use exponential::by_size;
+
 use std::rc::Rc;
 
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
@@ -416,7 +418,7 @@ fn both_sides_of_one(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
 }
 
 /// A sum that is linear in a uniform u by its values at both ends, A (1 - u) + B u, where these have one sign.
-fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
+pub(crate) fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
     let leaf = (0..8).map(Leaf::Unknown).find(|&l| g.deps(id) & UNKNOWNS == leaf_bit(l))?;
     let (u, zero, one) = (g.get_leaf(leaf), g.int(0), g.int(1));
     let [low, high] = [zero, one].map(|end| g.substitute(id, &[(u, end)].into()));
@@ -576,7 +578,7 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
 }
 
 /// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.
-fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+pub(crate) fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let minus = g.int(-1);
     let bottom = terms.iter().find_map(|&(_, t)| {
         let factors = g.factors(t);

@@ -211,19 +211,26 @@ fn markdown(report: &Report) -> String {
         );
         for row in rows.iter().filter(of_precision).filter(|r| r.extremes.worst_over > KNOWN) {
             let (over, at) = (short(row.extremes.worst_over), &row.extremes.at);
-            text += &format!("- {}: {over}, {at}; {}\n", row.name, reason(&row.name));
+            text += &format!("- {}: {over}, {at}; {}\n", row.name, reason(&row.name, precision));
         }
         text += &format!(
             "\nNot known to be within {LIMIT} units over the condition number anywhere:\n\n"
         );
         for row in rows.iter().filter(of_precision).filter(|r| r.worst_over() > KNOWN) {
             let over = short(row.worst_over());
-            text += &format!("- {}: {over}, {}; {}\n", row.name, row.at(), reason(&row.name));
+            text += &format!(
+                "- {}: {over}, {}; {}\n",
+                row.name,
+                row.at(),
+                reason(&row.name, precision)
+            );
         }
         let with_examples = rows.iter().filter(|r| r.precision == precision);
         let examples: Vec<String> = with_examples
             .flat_map(|r| {
-                r.examples.iter().map(|e| format!("- {}: {e}; {}\n", r.name, reason(&r.name)))
+                r.examples
+                    .iter()
+                    .map(|e| format!("- {}: {e}; {}\n", r.name, reason(&r.name, precision)))
             })
             .collect();
         if !examples.is_empty() {

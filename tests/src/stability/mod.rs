@@ -30,6 +30,6 @@ pub use measure::{Row, Settings};
 pub use oracle::{Exact, Format, exact};
 pub use peers::{PeerPoint, peer_points};
 pub use places::{next_to_ends, swept};
-pub use reasons::reason;
+pub use reasons::{REASONS, reason};
 pub use run::{on_all_threads, run};
 pub use tally::Tally;

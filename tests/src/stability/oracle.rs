@@ -81,12 +81,21 @@ impl Format {
     }
 }
 
-/// The exact values at uniforms; `None` if there is no sample or the parameters are illegal.
+/// How far the image of another preimage may be from the point, relative to that. A uniform next to the border of a piece
+/// may have no digits left of how far it is from there.
+const KNOWN: f64 = 1e-20;
+
+/// How far two orders of the columns may be apart in a volume. Where columns are parallel to more digits than there are,
+/// neither is right.
+const AGREEMENT: f64 = 1e-12;
+
+/// The exact values at uniforms, with a density that is not a number where 31 digits do not tell it; `None` if there is no sample or the parameters are illegal.
 pub fn exact(item: &Item, numbers: &[f64], u: &[Precise]) -> Option<Exact> {
     let several = item.preimages > 1;
     let (x, others) = item.visit::<Precise, _>(numbers, Place { u, several }).ok()??;
     let own = share(item, numbers, u);
     let density = others.iter().fold(own, |sum, v| {
+        let Some(v) = v else { return Precise::f64(f64::NAN) };
         let share = share(item, numbers, v);
         // A uniform that is smaller than any number has a derivative larger than any.
         let vanishes = !share.finite() && v.contains(&Precise::ZERO);
@@ -107,7 +116,7 @@ struct Place<'a> {
 }
 
 impl Visitor<Precise> for Place<'_> {
-    type Output = Option<(Vec<Precise>, Vec<Vec<Precise>>)>;
+    type Output = Option<(Vec<Precise>, Vec<Option<Vec<Precise>>>)>;
 
     fn visit<S: Sampler<Precise>>(self, sampler: S) -> Self::Output
     where
@@ -127,10 +136,18 @@ impl Visitor<Precise> for Place<'_> {
                 }
             });
         }
+        let x = x.coordinates().as_ref().to_vec();
         // The nearest is the sample itself.
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let others = found.into_iter().skip(1).map(|(_, v)| v).collect();
-        Some((x.coordinates().as_ref().to_vec(), others))
+        let others = found.into_iter().skip(1).map(|(_, v)| {
+            let image = sampler.forward(S::Uniforms::from_fn(|i| v[i])).0;
+            let gap: Vec<Precise> =
+                image.coordinates().as_ref().iter().zip(&x).map(|(a, b)| *a - *b).collect();
+            let known = length(&gap).to_f64() <= KNOWN * length(&x).to_f64();
+            known.then_some(v)
+        });
+        let others = others.collect();
+        Some((x, others))
     }
 }
 
@@ -161,7 +178,13 @@ pub fn length<R: Scalar>(v: &[R]) -> R {
 
 /// The volume that vectors span: the product of their lengths after orthogonalisation.
 fn volume(mut columns: Vec<Vec<Precise>>) -> Precise {
-    orthogonalise(&mut columns).iter().fold(Precise::ONE, |product, r| product * r[r.len() - 1])
+    let mut reversed: Vec<Vec<Precise>> = columns.iter().rev().cloned().collect();
+    let [volume, other] = [&mut columns, &mut reversed].map(|columns| {
+        let triangle = orthogonalise(columns);
+        triangle.iter().fold(Precise::ONE, |product, r| product * r[r.len() - 1])
+    });
+    let gap = ((volume - other) / volume).abs().to_f64();
+    if gap > AGREEMENT { Precise::f64(f64::NAN) } else { volume }
 }
 
 /// Makes the columns orthonormal; the coefficients of each column as it was.

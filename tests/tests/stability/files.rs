@@ -1,8 +1,8 @@
 //! What is read from files comes as it was written.
 
 use tests::reference::{Reference, hexadecimal};
-use tests::stability::Row;
 use tests::stability::stored::{line, read};
+use tests::stability::{REASONS, Row};
 
 #[test]
 fn rows_come_back_as_they_were() {
@@ -23,6 +23,21 @@ fn rows_come_back_as_they_were() {
     assert_eq!(found.len(), 1);
     assert_eq!(line(&found[0], 7), line(&row, 7));
     assert_eq!(format!("{:?}", found[0]), format!("{row:?}"));
+}
+
+/// The stored report tells why whatever is in its lists falls short, and no reason is left over.
+#[test]
+fn every_shortfall_has_a_reason_and_every_reason_a_shortfall() {
+    let report = include_str!("../../reference/stability.md");
+    assert!(!report.contains("not explained"));
+    for precision in ["f64", "f32"] {
+        let section = report.split(&format!("\n## {precision}\n")).nth(1).expect("there is one");
+        let section = section.split("\n## ").next().unwrap_or_default();
+        for (name, _, reason) in REASONS.iter().filter(|r| r.1.has(precision)) {
+            let told = |l: &str| l.starts_with(&format!("- {name}: ")) && l.ends_with(reason);
+            assert!(section.lines().any(told), "{name} does not fall short in {precision}");
+        }
+    }
 }
 
 #[test]

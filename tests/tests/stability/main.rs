@@ -82,6 +82,32 @@ fn densities_below_every_number_have_a_logarithm() -> Result<(), DomainError> {
     Ok(())
 }
 
+/// The product that an own density is may leave the range of numbers on the way; the density of the point is another one.
+#[test]
+fn own_densities_that_leave_the_range_on_the_way() -> Result<(), DomainError> {
+    let near = |found: f64, expected: f64, tolerance: f64| {
+        assert!((found / expected - 1.0).abs() < tolerance, "{found:e} is not {expected:e}");
+    };
+    near(sinh_arcsinh(5.0, 9.505)?.sample([1e-300]).pdf().value(), 8.975747084632735e-308, 1e-11);
+    near(
+        kumaraswamy(0.1004995, 0.5)?.sample([1.232595164407831e-32]).pdf().value(),
+        4.01328298e281,
+        1e-8,
+    );
+    let small = f64::from(weibull(1f32, 0.5).sample([1e-20]).pdf().value());
+    near(small, 5e19, 1e-5);
+    Ok(())
+}
+
+/// The end of an exponential that grows by more than numbers can.
+#[test]
+fn exponentials_that_grow_beyond_every_number() {
+    let steep = truncated_exponential(-800.0, 1.0);
+    for (u, x) in [(1.232595164407831e-32, 0.9081579985758073), (1e-300, 0.13653059012723287)] {
+        assert!((steep.sample([u]).value() / x - 1.0).abs() < 1e-15);
+    }
+}
+
 /// Stretches a line.
 #[map(a in 1e-3..)]
 fn stretched(x: f64, a: f64) -> f64 {

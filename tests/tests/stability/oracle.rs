@@ -5,6 +5,8 @@ use core::f64::consts::{PI, TAU};
 use tests::catalogue::{hyperexponential, kepler};
 use tests::checks::right;
 use tests::precise::{Dual, Precise, exactly};
+use tests::registry::items;
+use tests::stability::exact;
 
 #[test]
 fn constants_are_what_is_meant_and_parameters_what_they_are() {
@@ -33,14 +35,15 @@ fn derivatives() {
 #[test]
 fn special_functions_have_all_digits() {
     use aether_core::special::{
-        beta_inc, beta_inc_inv, erf, erf_inv, erfc, erfc_inv, lambert_w, normal_cdf,
-        normal_quantile,
+        beta_inc, beta_inc_inv, erf, erf_inv, erfc, erfc_inv, erfc_inv_exp, lambert_w, ln_erfc,
+        normal_cdf, normal_quantile,
     };
     let x = Dual::variable(Precise::f64(0.3));
     let [a, b] = [0.5, 7.0].map(|x| Dual::constant(Precise::f64(x)));
     for (name, y) in [
         ("erf", erf(erf_inv(x))),
         ("erfc", erfc(erfc_inv(x))),
+        ("ln_erfc", -ln_erfc(erfc_inv_exp(-x))),
         ("normal_cdf", normal_cdf(normal_quantile(x))),
         ("lambert_w", lambert_w(x) * lambert_w(x).exp()),
         ("beta_inc", beta_inc(a, b, beta_inc_inv(a, b, x))),
@@ -52,6 +55,26 @@ fn special_functions_have_all_digits() {
     let root = beta_inc(a, Dual::ONE, x);
     let off = [root.value - x.value.sqrt(), root.slope - Precise::of(0.5) / x.value.sqrt()];
     assert!(off.iter().all(|e| e.to_f64().abs() < 1e-26), "{off:?}");
+}
+
+/// Next to the border of a piece the other preimage may have no digits left, and lines in the plane of an opening have
+/// columns that are parallel to three hundred digits.
+#[test]
+fn what_31_digits_do_not_tell_is_no_density() {
+    let items = items();
+    let density = |name: &str, numbers: &[f64], u: &[f64]| {
+        let item = items.iter().find(|item| item.name == name).expect("it is registered");
+        let u: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
+        exact(item, numbers, &u).expect("there is a sample").density.to_f64()
+    };
+    assert!(density("mixture", &[5e-7, 8.0], &[1e-300, 0.3]).is_nan());
+    assert!(density("mixture", &[5e-7, 8.0], &[1e-8, 0.3]) > 0.0);
+    let portal = [1e-3, 0.0, 0.0, 100.0, 0.6, 0.0, 0.8, 0.0, 0.0, -0.01, 0.28, 0.0, 0.96];
+    assert!(
+        density("tilted_portal", &portal, &[0.999999999, 0.999999999, 1e-300, 0.999999999])
+            .is_nan()
+    );
+    assert!(density("tilted_portal", &portal, &[0.3, 0.6, 0.5, 0.7]) > 0.0);
 }
 
 /// A step of a sampler that is solved for has them too, and so has its derivative, by the last step of Newton's method.

@@ -18,9 +18,10 @@ use crate::number::Number;
 use crate::overflow::guard;
 use crate::points::Kind;
 use crate::poly::Expander;
+use crate::rational::Q;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
-use crate::stabilise::stabilise;
+use crate::stabilise::{over_sum, stabilise};
 
 /// The cheapest among the most accurate expressions.
 pub(super) fn pick(
@@ -285,6 +286,20 @@ fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
     id
 }
 
+/// A product with the differences between one and shares of a whole, a / (a + b) - 1, as shares.
+fn shares(g: &mut Graph, id: Id) -> Id {
+    let (coefficient, body) = g.split(id);
+    let share = |g: &mut Graph, b: Id| {
+        let Node::Sum(c, terms) = g.node(b).clone() else { return b };
+        let form = over_sum(g, c, &terms).filter(|&form| cost(g, form) < cost(g, b));
+        form.unwrap_or(b)
+    };
+    let factors: Vec<(Id, Id)> =
+        g.factors(body).into_iter().map(|(b, e)| (share(g, b), e)).collect();
+    let body = g.product(&factors);
+    g.sum(Q::ZERO, &[(coefficient, body)])
+}
+
 /// √(p²), where the square is free of roots that the expression has: products of several roots
 /// simplify only together.
 fn through_its_square(g: &mut Graph, p: Id) -> Option<Id> {
@@ -353,6 +368,7 @@ pub(super) fn finish(
             let known = g.substitute(r, &composed);
             let known = s.spell_out(g, known);
             let known = g.substitute(known, &map);
+            let known = shares(g, known);
             if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
         })
         .collect();

@@ -126,7 +126,12 @@ impl Line {
         let less = g.add(rho, minus);
         let places = [rho, less].map(|part| g.mul(part, lambda));
         let mut system = System { own: 2, ..System::default() };
-        system.told.extend([(apart, lambda), (s, places[0]), (t, places[1])]);
+        for (known, value) in [(apart, lambda), (s, places[0]), (t, places[1])] {
+            // The distance of a point behind the start is -t.
+            let (coefficient, size) = g.split(known);
+            let coefficient = g.number(coefficient);
+            system.told.push((size, g.div(value, coefficient)));
+        }
         for i in 0..3 {
             let (first, h) = (points[i], self.direction[i]);
             let edge = g.sub(first, points[i + 3]);

@@ -575,6 +575,8 @@ fn special(f: Fun) -> Option<&'static str> {
         Fun::Erfc => "erfc",
         Fun::ErfInv => "erf_inv",
         Fun::ErfcInv => "erfc_inv",
+        Fun::LnErfc => "ln_erfc",
+        Fun::ErfcInvExp => "erfc_inv_exp",
         Fun::LambertW => "lambert_w",
         Fun::LnGamma => "ln_gamma",
         _ => return None,

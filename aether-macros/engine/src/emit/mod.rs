@@ -9,6 +9,7 @@ mod item;
 mod legal;
 mod logarithm;
 mod map;
+mod meeting;
 mod numeric;
 mod own;
 mod peeled;

@@ -4,6 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
+use super::meeting::meet;
 use super::pieces::Place;
 use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
@@ -147,7 +148,7 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
 }
 
 /// Where the density `d` of a piece has a value at the unknowns `t`. Where one that it depends on is zero, it may only have
-/// a limit.
+/// a limit; zero or infinite, it may have left the range of numbers on the way, which the density at the point need not.
 fn has_density(e: &Emitter, j: usize, t: &TokenStream) -> TokenStream {
     let tame = is_tame(e, j);
     let problem = &e.parsed.pieces[j].problem;
@@ -157,7 +158,7 @@ fn has_density(e: &Emitter, j: usize, t: &TokenStream) -> TokenStream {
     };
     let matter = (0..problem.unknowns.len()).filter(matters);
     let positive = matter.map(|i| quote!(.and(#t[#i].gt(R::ZERO))));
-    quote!(d.ge(R::ZERO) #(#positive)*)
+    quote!(d.gt(R::ZERO).and(d.lt(R::INFINITY)) #(#positive)*)
 }
 
 /// The density `d` at the uniforms, or its limit.
@@ -176,7 +177,7 @@ fn single(e: &Emitter) -> TokenStream {
         } else {
             let (c, _) = #image;
             let limit = ::aether_core::Sampler::pdf(self, &#made).value();
-            ::aether_core::Density::new(R::select(inner, d, limit))
+            ::aether_core::Density::new(R::select(inner, d, ::aether_core::support::known(d, limit)))
         }
     }
 }
@@ -298,11 +299,11 @@ pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
     })
 }
 
-/// Whether no point has both preimages, but on a border, where they are one: those of pieces that are apart, and of one
-/// piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
+/// Whether no point has both preimages, but on a border, where they are one: those of pieces that are apart or meet, and of
+/// one piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
 fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     if one.piece != other.piece {
-        return apart(e, one.piece, other.piece);
+        return apart(e, one.piece, other.piece) || meet(one, other);
     }
     let g = &one.problem.graph;
     let negated = |a: Id, b: Id| match g.node(a) {

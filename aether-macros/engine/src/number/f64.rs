@@ -143,6 +143,14 @@ impl Number for f64 {
         Dd::from_f64(self).erfc_inv().to_f64()
     }
 
+    fn ln_erfc(self) -> Self {
+        Dd::from_f64(self).ln_erfc().to_f64()
+    }
+
+    fn erfc_inv_exp(self) -> Self {
+        Dd::from_f64(self).erfc_inv_exp().to_f64()
+    }
+
     fn lambert_w(self) -> Self {
         Dd::from_f64(self).lambert_w().to_f64()
     }

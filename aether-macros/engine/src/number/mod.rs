@@ -98,6 +98,10 @@ pub trait Number:
     fn erf_inv(self) -> Self;
     /// The inverse of `erfc`; infinite at 0 and 2 and NaN outside.
     fn erfc_inv(self) -> Self;
+    /// The logarithm of `erfc`.
+    fn ln_erfc(self) -> Self;
+    /// The inverse of `ln_erfc`; NaN beyond ln 2.
+    fn erfc_inv_exp(self) -> Self;
     /// The principal branch of Lambert's W; NaN below -1/e.
     fn lambert_w(self) -> Self;
     /// The logarithm of the gamma function of a positive number.

@@ -75,7 +75,7 @@ impl Number for Single {
         self.0.is_nan()
     }
 
-    rounded!(abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf erfc erf_inv erfc_inv lambert_w ln_gamma;
+    rounded!(abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf erfc erf_inv erfc_inv ln_erfc erfc_inv_exp lambert_w ln_gamma;
         atan2 powf hypot ln_beta min max);
 
     fn beta_inc(self, rest: Self, a: Self, b: Self) -> Self {

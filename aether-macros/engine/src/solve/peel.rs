@@ -243,6 +243,8 @@ fn undo_call(g: &mut Graph, f: Fun, known: Id, argument: Id) -> Option<Vec<Inver
         Fun::ErfInv => plain(back(g, Fun::Erf)),
         Fun::Erfc => plain(back(g, Fun::ErfcInv)),
         Fun::ErfcInv => plain(back(g, Fun::Erfc)),
+        Fun::LnErfc => plain(back(g, Fun::ErfcInvExp)),
+        Fun::ErfcInvExp => plain(back(g, Fun::LnErfc)),
         Fun::LambertW => {
             let e = back(g, Fun::Exp);
             let x = g.mul(known, e);

@@ -33,7 +33,7 @@ pub(super) fn weighted_mean(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id
 }
 
 /// ln(1 + a) where a is close to -1: the logarithm of the mean of exponentials that 1 + a is.
-pub(super) fn by_size(g: &mut Graph, log: Id, a: Id) -> Option<Id> {
+pub(crate) fn by_size(g: &mut Graph, log: Id, a: Id) -> Option<Id> {
     let (q, body) = g.split(a);
     let mean = weighted_mean(g, Q::ONE, &[(q, body)])?;
     let other = g.call(Fun::Ln, &[mean]);

@@ -360,6 +360,14 @@ impl Number for Dd {
         special::erfc_inv(self)
     }
 
+    fn ln_erfc(self) -> Self {
+        special::ln_erfc(self)
+    }
+
+    fn erfc_inv_exp(self) -> Self {
+        special::erfc_inv_exp(self)
+    }
+
     fn lambert_w(self) -> Self {
         special::lambert_w(self)
     }

@@ -30,11 +30,16 @@ fn erf_series(x: Dd) -> Dd {
     TWO_OVER_ROOT_PI * (-square).exp() * x * sum
 }
 
-/// erfc(x) = exp(-x²)/√π / (x + (1/2)/(x + 1/(x + (3/2)/(x + …)))), for x >= 2.
-fn erfc_fraction(x: Dd) -> Dd {
+/// exp(x²) erfc(x) = 1/√π / (x + (1/2)/(x + 1/(x + (3/2)/(x + …)))), for x >= 2.
+fn scaled_erfc(x: Dd) -> Dd {
     let terms = 30 + (720.0 / (x.hi * x.hi)) as u32;
     let rest = (1..=terms).rev().fold(Dd::ZERO, |rest, n| Dd::of(0.5 * f64::from(n)) / (x + rest));
-    TWO_OVER_ROOT_PI.times_power(0.5) * (-(x * x)).exp() / (x + rest)
+    TWO_OVER_ROOT_PI.times_power(0.5) / (x + rest)
+}
+
+/// erfc(x), for x >= 2.
+fn erfc_fraction(x: Dd) -> Dd {
+    (-(x * x)).exp() * scaled_erfc(x)
 }
 
 pub(super) fn erf(x: Dd) -> Dd {
@@ -108,6 +113,29 @@ pub(super) fn erfc_inv(y: Dd) -> Dd {
         return -erfc_inv(Dd::of(2.0) - y);
     }
     if y.hi > 0.5 { erf_inv_small(Dd::ONE - y) } else { erfc_inv_small(y) }
+}
+
+pub(super) fn ln_erfc(x: Dd) -> Dd {
+    match x.hi {
+        ..0.5 => (-erf(x)).ln_1p(),
+        ..BORDER => erfc(x).ln(),
+        _ => scaled_erfc(x).ln() - x * x,
+    }
+}
+
+/// The inverse of erfc of exp(l), which may be smaller than any number: there by Newton's method on ln erfc.
+pub(super) fn erfc_inv_exp(l: Dd) -> Dd {
+    if l.hi > -0.5 {
+        return erf_inv(-l.exp_m1());
+    }
+    if l.hi >= -600.0 || l.is_nan() {
+        return erfc_inv(l.exp());
+    }
+    let start = libm::sqrt(-l.hi - 0.5 * libm::log(-PI.hi * l.hi));
+    (0..4).fold(Dd::of(start), |w, _| {
+        let step = (ln_erfc(w) - l) * scaled_erfc(w) / TWO_OVER_ROOT_PI;
+        if step.is_finite() { w + step } else { w }
+    })
 }
 
 pub(super) fn lambert_w(x: Dd) -> Dd {

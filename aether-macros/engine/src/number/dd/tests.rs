@@ -46,11 +46,13 @@ const BINARY: [(&str, Binary); 6] = [
 ];
 
 /// The functions of `special.rs`, which lose a few digits more than the elementary ones.
-const SPECIAL: [(&str, Unary); 6] = [
+const SPECIAL: [(&str, Unary); 8] = [
     ("erf", Dd::erf),
     ("erfc", Dd::erfc),
     ("erf_inv", Dd::erf_inv),
     ("erfc_inv", Dd::erfc_inv),
+    ("ln_erfc", Dd::ln_erfc),
+    ("erfc_inv_exp", Dd::erfc_inv_exp),
     ("lambert_w", Dd::lambert_w),
     ("ln_gamma", Dd::ln_gamma),
 ];
