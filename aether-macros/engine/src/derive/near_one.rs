@@ -6,13 +6,18 @@
 use std::collections::BTreeMap;
 
 use crate::expr::{Fun, Graph, Id, Node, children};
+use crate::hash::Set;
 use crate::rational::Q;
 
 /// An expression with such powers by what is left of the length; `None` where it has none.
 pub(super) fn by_the_rest(g: &mut Graph, written: Id) -> Option<Id> {
     let mut open = vec![written];
     let mut others = BTreeMap::new();
+    let mut seen = Set::default();
     while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
         open.extend(children(g.node(id)));
         if let Node::Product(factors) = g.node(id).clone()
             && let Some(other) = power_by_the_rest(g, &factors)
