@@ -138,17 +138,6 @@ fn row_68_zonal_window() {
     check(&right(zonal_window(-0.25f32, 0.75, 2.5, 1.5)));
 }
 
-/// In double precision, the corner from which arcs start has no preimage, because it has no azimuth.
-#[test]
-fn row_70_seen_triangle() {
-    let [a, b, c, _] = corners::<f32>();
-    Battery::new(&right(seen_triangle(a, b, c))).run().assert_ok();
-    let [a, b, c, _] = corners::<f64>();
-    let triangle = right(seen_triangle(a, b, c));
-    assert!(triangle.pdf(&triangle.sample([0.5, 1e-9])).value() > 0.0);
-    assert!(right(seen_triangle(a, b, c)).sample([0.5, 0.0]).is_valid());
-}
-
 #[test]
 fn row_69_double_lune() {
     fn check<R: Scalar>(lunes: &impl Sampler<R, Point = Direction<R>>, t: f64) {
@@ -160,10 +149,34 @@ fn row_69_double_lune() {
     check(&right(double_lune(0.25f32)), 0.25);
 }
 
+/// A triangle whose sides are seen under a tenth of a degree.
+fn small_triangle<R: Scalar>() -> [Vec3<R>; 3] {
+    let v = |x, y| Vec3::new(R::of(x), R::of(y), R::ONE);
+    [v(0.3, 0.2), v(0.301, 0.2), v(0.3, 0.2015)]
+}
+
 /// A quadrilateral that is no parallelogram.
 fn quad<R: Scalar>() -> BilinearQuad<R> {
     let v = |x, y| Vec2::new(R::of(x), R::of(y));
     bilinear_quad(v(0.0, 0.0), v(2.0, 0.25), v(2.5, 1.75), v(-0.25, 1.0))
+}
+
+/// Two tilted planes on both sides of the opening.
+fn portal<R: Scalar>() -> TiltedPortal<R> {
+    let v = |x, y, z| Vec3::new(R::of(x), R::of(y), R::of(z));
+    let [n, m] = [v(0.48, -0.64, 0.6), v(0.0, 0.6, 0.8)].map(Direction::from_vec);
+    right(tilted_portal(R::of(2.0), v(0.5, 0.25, 3.0), n, v(1.0, -0.5, -2.0), m))
+}
+
+/// A line in the plane of the opening has no density, not even one that is no number.
+#[test]
+fn row_101_lines_in_the_plane_of_the_opening() {
+    let portal = portal::<f64>();
+    assert!(!portal.sample([0.5, 0.5, 0.0, 0.25]).is_valid());
+    let [a, b] = [Vec3::new(4.0, 0.5, 0.0), Vec3::new(-3.0, 0.25, 0.0)].map(Surface::from_vec);
+    assert_eq!(portal.pdf(&(a, b)).value(), 0.0);
+    assert_eq!(portal.pdf(&(a, a)).value(), 0.0);
+    assert!(portal.pdf(&portal.sample([0.5, 0.5, 1e-3, 0.25])).value() > 0.0);
 }
 
 /// A corner far from the origin: uniforms below 1e-30 move its point by less than rounding.
@@ -215,6 +228,7 @@ batteries! { [double single]
     row_65_cone: right(cone(0.125)), right(cone(2.0));
     row_66_concentric_hemisphere: concentric_hemisphere();
     row_67_equal_area_octahedral: equal_area_octahedral();
+    row_70_seen_triangle: right(seen_triangle(corners()[0], corners()[1], corners()[2]));
     row_71_seen_rectangle: right(seen_rectangle(0.25, -0.375, 1.25, 0.75, -1.0));
     row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
     row_76_rayleigh: rayleigh();
@@ -241,6 +255,7 @@ batteries! { [double single]
     row_52_pentagon: pentagon();
     row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
     row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
+    row_101_tilted_portal: portal();
     row_102_chained_frames: chained_frames();
     row_103_shell: right(shell(0.5, 2.0));
     row_111_stick_breaking: stick_breaking();
@@ -295,6 +310,8 @@ mod only_double {
         row_36_cubic: cubic();
         row_46_elliptical_grid: elliptical_grid();
         row_44_annular_sector: right(annular_sector(1.0, 2.0, 2.5, 3.0));
+        row_70_small: { let [a, b, c] = small_triangle(); right(seen_triangle(a, b, c)) };
+        row_71_small: right(seen_rectangle(0.25, -0.375, 0.2500001, -0.374999, -1.0));
         row_74_von_mises_fisher: right(von_mises_fisher(10.0)), right(von_mises_fisher(0.01));
         row_74_as_printed: right(von_mises_fisher_as_printed(10.0));
         row_75_as_printed: right(henyey_greenstein_as_printed(0.75));

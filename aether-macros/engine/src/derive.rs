@@ -12,6 +12,7 @@ mod holding;
 mod joint;
 mod limits;
 mod line;
+mod near_one;
 mod opposed;
 mod parts;
 mod regimes;

@@ -5,103 +5,145 @@
 //! often ends at a zero that is attained), and other results are widened: by one unit in the last place
 //! where IEEE rounds correctly, by several after a function of `libm`.
 
-use std::collections::HashMap;
-
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
+use crate::hash::Map;
 use crate::interval::Interval;
+use crate::rational::Q;
 
 /// Expressions in an order in which every part comes before the whole.
 pub struct Enclosure {
-    order: Vec<Id>,
-    place: HashMap<Id, usize>,
+    steps: Vec<Step>,
+    place: Map<Id, usize>,
+}
+
+/// How the interval of an expression follows from those of its parts, which are told by their places.
+enum Step {
+    Known(Interval),
+    /// An input, by its place in the box.
+    Input(usize),
+    Sum(Interval, Vec<(Interval, usize)>),
+    Product(Vec<(usize, Exponent)>),
+    Call(Fun, usize),
+    If(usize, [usize; 2]),
+    /// A root, which lies between two others.
+    Between([usize; 2]),
+}
+
+enum Exponent {
+    Number(f64),
+    Part(usize),
 }
 
 impl Enclosure {
-    /// For these expressions.
-    pub fn new(g: &Graph, ids: &[Id]) -> Enclosure {
-        let mut order = Vec::new();
-        let mut place = HashMap::new();
+    /// For these expressions over boxes of these inputs.
+    pub fn new(g: &Graph, ids: &[Id], inputs: &[Leaf]) -> Enclosure {
+        let mut found = Enclosure { steps: Vec::new(), place: Map::default() };
         let mut open: Vec<(Id, bool)> = ids.iter().rev().map(|i| (*i, false)).collect();
         while let Some((id, ready)) = open.pop() {
-            if place.contains_key(&id) {
+            if found.place.contains_key(&id) {
                 continue;
             }
             if ready {
-                place.insert(id, order.len());
-                order.push(id);
+                let step = found.step(g, id, inputs);
+                found.place.insert(id, found.steps.len());
+                found.steps.push(step);
             } else {
                 open.push((id, true));
                 open.extend(children(g.node(id)).into_iter().map(|c| (c, false)));
             }
         }
-        Enclosure { order, place }
+        found
     }
 
-    /// The intervals of all parts over a box; [`get`](Self::get) picks one of them.
-    pub fn over(&self, g: &Graph, region: &dyn Fn(Leaf) -> Interval) -> Vec<Interval> {
-        let mut values: Vec<Interval> = Vec::with_capacity(self.order.len());
-        for &id in &self.order {
-            let value = node(g, id, region, &|part| values[self.place[&part]]);
-            values.push(value);
+    fn step(&self, g: &Graph, id: Id, inputs: &[Leaf]) -> Step {
+        let at = |part: &Id| self.place[part];
+        match g.node(id) {
+            Node::Number(q) => {
+                // Integers of this size and halves of them are exact.
+                let exact = q.num().unsigned_abs() < 1 << 53 && q.den().count_ones() == 1;
+                let x = Interval::point(q.to_f64());
+                Step::Known(if exact { x } else { widen(x, 1) })
+            }
+            Node::Float(bits) => Step::Known(Interval::point(f64::from_bits(*bits))),
+            Node::Pi => Step::Known(widen(Interval::point(std::f64::consts::PI), 1)),
+            Node::Leaf(l) => match inputs.iter().position(|input| input == l) {
+                Some(k) => Step::Input(k),
+                None => Step::Known(Interval::ALL),
+            },
+            Node::Sum(c, terms) => {
+                let number = |q: Q| {
+                    let x = Interval::point(q.to_f64());
+                    if q.is_int() { x } else { widen(x, 1) }
+                };
+                Step::Sum(number(*c), terms.iter().map(|(q, t)| (number(*q), at(t))).collect())
+            }
+            Node::Product(factors) => {
+                let exponent = |e: &Id| match g.as_number(*e) {
+                    Some(q) => Exponent::Number(q.to_f64()),
+                    None => Exponent::Part(at(e)),
+                };
+                Step::Product(factors.iter().map(|(b, e)| (at(b), exponent(e))).collect())
+            }
+            Node::Call(f, args) => match &args[..] {
+                [a] => Step::Call(*f, at(a)),
+                _ => Step::Known(widen(g.range(id), 8)),
+            },
+            Node::If(test, yes, no) => Step::If(at(test), [yes, no].map(at)),
+            Node::Root(r) if r.inside => Step::Between([&r.lo, &r.hi].map(at)),
+            Node::Root(_) => Step::Known(Interval::ALL),
         }
-        values
     }
 
-    /// The interval of one of the expressions.
-    pub fn get(&self, values: &[Interval], id: Id) -> Interval {
-        values[self.place[&id]]
+    /// The intervals over a box.
+    pub fn over<'a>(&'a self, region: &'a [Interval]) -> Over<'a> {
+        Over { enclosure: self, region, values: Vec::new() }
     }
 }
 
-fn node(
-    g: &Graph,
-    id: Id,
-    region: &dyn Fn(Leaf) -> Interval,
-    part: &dyn Fn(Id) -> Interval,
-) -> Interval {
-    match g.node(id) {
-        Node::Number(q) => {
-            let x = q.to_f64();
-            // Integers of this size and halves of them are exact.
-            let exact = q.num().unsigned_abs() < 1 << 53 && q.den().count_ones() == 1;
-            if exact { Interval::point(x) } else { widen(Interval::point(x), 1) }
+/// The intervals of expressions over a box, computed as far as they are asked for.
+pub struct Over<'a> {
+    enclosure: &'a Enclosure,
+    region: &'a [Interval],
+    values: Vec<Interval>,
+}
+
+impl Over<'_> {
+    /// The interval of one of the expressions.
+    pub fn get(&mut self, id: Id) -> Interval {
+        let place = self.enclosure.place[&id];
+        while self.values.len() <= place {
+            let value = self.value(&self.enclosure.steps[self.values.len()]);
+            self.values.push(value);
         }
-        Node::Float(bits) => Interval::point(f64::from_bits(*bits)),
-        Node::Pi => widen(Interval::point(std::f64::consts::PI), 1),
-        Node::Leaf(l) => region(*l),
-        Node::Sum(c, terms) => {
-            let constant = Interval::point(c.to_f64());
-            let constant = if c.is_int() { constant } else { widen(constant, 1) };
-            terms.iter().fold(constant, |s, (q, t)| {
-                let k = Interval::point(q.to_f64());
-                let k = if q.is_int() { k } else { widen(k, 1) };
-                add(s, mul(k, part(*t)))
-            })
-        }
-        Node::Product(factors) => {
-            let powers = factors.iter().map(|(b, e)| match g.as_number(*e) {
-                Some(q) if q == crate::rational::Q::ONE => part(*b),
-                Some(q) => power(part(*b), q.to_f64()),
-                None => symbolic_power(part(*b), part(*e)),
-            });
-            powers.fold(Interval::point(1.0), mul)
-        }
-        Node::Call(f, args) => match args[..] {
-            [a] => call(*f, part(a)),
-            _ => widen(g.range(id), 8),
-        },
-        Node::If(test, yes, no) => {
-            let test = part(*test);
-            if test.lo > 0.0 {
-                part(*yes)
-            } else if test.hi <= 0.0 {
-                part(*no)
-            } else {
-                part(*yes).hull(part(*no))
+        self.values[place]
+    }
+
+    fn value(&self, step: &Step) -> Interval {
+        let values = &self.values;
+        match step {
+            Step::Known(value) => *value,
+            Step::Input(k) => self.region[*k],
+            Step::Sum(c, terms) => {
+                terms.iter().fold(*c, |sum, (k, t)| add(sum, mul(*k, values[*t])))
             }
+            Step::Product(factors) => {
+                factors.iter().fold(Interval::point(1.0), |product, (base, exponent)| {
+                    let base = values[*base];
+                    let power = match exponent {
+                        Exponent::Number(e) => power(base, *e),
+                        Exponent::Part(e) => symbolic_power(base, values[*e]),
+                    };
+                    mul(product, power)
+                })
+            }
+            Step::Call(f, a) => call(*f, values[*a]),
+            Step::If(test, [yes, no]) => match values[*test] {
+                test if test.lo > 0.0 => values[*yes],
+                test if test.hi <= 0.0 => values[*no],
+                _ => values[*yes].hull(values[*no]),
+            },
+            Step::Between([lo, hi]) => Interval::new(values[*lo].lo, values[*hi].hi),
         }
-        Node::Root(r) if r.inside => Interval::new(part(r.lo).lo, part(r.hi).hi),
-        Node::Root(_) => Interval::ALL,
     }
 }
 
@@ -174,30 +216,92 @@ fn mul_end(x: f64, y: f64, upward: bool) -> f64 {
 }
 
 fn mul(a: Interval, b: Interval) -> Interval {
-    let ends = [(a.lo, b.lo), (a.lo, b.hi), (a.hi, b.lo), (a.hi, b.hi)];
-    let lo = ends.iter().map(|(x, y)| mul_end(*x, *y, false)).fold(f64::INFINITY, f64::min);
-    let hi = ends.iter().map(|(x, y)| mul_end(*x, *y, true)).fold(f64::NEG_INFINITY, f64::max);
-    Interval::new(lo, hi)
+    let one = Interval::point(1.0);
+    if a == one || b == one {
+        return if a == one { b } else { a };
+    }
+    let (up, down) = (|x, y| mul_end(x, y, true), |x, y| mul_end(x, y, false));
+    // By the signs of the factors two ends of each make the product's.
+    match [a, b].map(|i| (i.lo >= 0.0, i.hi <= 0.0)) {
+        [(true, _), (true, _)] => Interval::new(down(a.lo, b.lo), up(a.hi, b.hi)),
+        [(_, true), (_, true)] => Interval::new(down(a.hi, b.hi), up(a.lo, b.lo)),
+        [(true, _), (_, true)] => Interval::new(down(a.hi, b.lo), up(a.lo, b.hi)),
+        [(_, true), (true, _)] => Interval::new(down(a.lo, b.hi), up(a.hi, b.lo)),
+        [(true, _), _] => Interval::new(down(a.hi, b.lo), up(a.hi, b.hi)),
+        [(_, true), _] => Interval::new(down(a.lo, b.hi), up(a.lo, b.lo)),
+        [_, (true, _)] => Interval::new(down(a.lo, b.hi), up(a.hi, b.hi)),
+        [_, (_, true)] => Interval::new(down(a.hi, b.lo), up(a.lo, b.lo)),
+        _ => Interval::new(
+            down(a.lo, b.hi).min(down(a.hi, b.lo)),
+            up(a.lo, b.lo).max(up(a.hi, b.hi)),
+        ),
+    }
 }
 
 /// base^e, where a base with a fractional exponent is not negative.
 fn power(base: Interval, e: f64) -> Interval {
-    let small = e.fract() == 0.0 && (2.0..=8.0).contains(&e);
-    if small {
-        let even = e % 2.0 == 0.0;
-        let times = |x: f64, upward: bool| (1..e as u32).fold(x, |p, _| mul_end(p, x, upward));
-        // Of the sizes of the ends: both rounded the same way.
-        let low = |x: f64| times(x.abs(), false);
-        let high = |x: f64| times(x.abs(), true);
-        return match (even, base.lo >= 0.0, base.hi <= 0.0) {
-            (_, true, _) => Interval::new(low(base.lo), high(base.hi)),
-            (true, _, true) => Interval::new(low(base.hi), high(base.lo)),
-            (true, ..) => Interval::new(0.0, high(base.lo).max(high(base.hi))),
-            (false, _, true) => Interval::new(-high(base.lo), -low(base.hi)),
-            (false, ..) => Interval::new(-high(base.lo), high(base.hi)),
-        };
+    let halves = (2.0 * e).abs();
+    match e {
+        1.0 => base,
+        _ if halves.fract() != 0.0 || halves > 16.0 => {
+            let plain = base.pow(e);
+            keep_sign(plain, widen(plain, 4))
+        }
+        _ if e < 0.0 => reciprocal(power(base, -e)),
+        _ if e.fract() != 0.0 => whole_power(root(base), halves as u32),
+        _ => whole_power(base, e as u32),
     }
-    keep_sign(base.pow(e), widen(base.pow(e), 4))
+}
+
+fn whole_power(base: Interval, e: u32) -> Interval {
+    let times = |x: f64, upward: bool| (1..e).fold(x, |p, _| mul_end(p, x, upward));
+    // Of the sizes of the ends: both rounded the same way.
+    let low = |x: f64| times(x.abs(), false);
+    let high = |x: f64| times(x.abs(), true);
+    match (e.is_multiple_of(2), base.lo >= 0.0, base.hi <= 0.0) {
+        (_, true, _) => Interval::new(low(base.lo), high(base.hi)),
+        (true, _, true) => Interval::new(low(base.hi), high(base.lo)),
+        (true, ..) => Interval::new(0.0, high(base.lo).max(high(base.hi))),
+        (false, _, true) => Interval::new(-high(base.lo), -low(base.hi)),
+        (false, ..) => Interval::new(-high(base.lo), high(base.hi)),
+    }
+}
+
+/// The root of what is not negative, exact if it is.
+fn root(base: Interval) -> Interval {
+    let end = |x: f64, upward: bool| {
+        let r = libm::sqrt(x.max(0.0));
+        let exact = r.is_infinite() || r == 0.0 || x > 1e-290 && libm::fma(r, r, -x) == 0.0;
+        match (exact, upward) {
+            (true, _) => r,
+            (false, true) => r.next_up(),
+            (false, false) => r.next_down(),
+        }
+    };
+    Interval::new(end(base.lo, false), end(base.hi, true))
+}
+
+/// One over an interval; one over an end that is zero is infinite.
+fn reciprocal(a: Interval) -> Interval {
+    if a.lo < 0.0 && a.hi > 0.0 {
+        return Interval::ALL;
+    }
+    let end = |x: f64, at_zero: f64, upward: bool| {
+        if x == 0.0 || x.is_infinite() {
+            return if x == 0.0 { at_zero } else { 0.0 };
+        }
+        let r = 1.0 / x;
+        if r.is_infinite() {
+            return overflow(r, upward);
+        }
+        let exact = r.is_normal() && libm::fma(r, x, -1.0) == 0.0;
+        match (exact, upward) {
+            (true, _) => r,
+            (false, true) => r.next_up(),
+            (false, false) => r.next_down(),
+        }
+    };
+    Interval::new(end(a.hi, f64::NEG_INFINITY, false), end(a.lo, f64::INFINITY, true))
 }
 
 fn symbolic_power(base: Interval, e: Interval) -> Interval {
@@ -287,13 +391,17 @@ mod tests {
     use crate::eval::evaluate;
     use crate::number::{Dd, Number};
     use crate::points::Rng;
-    use crate::rational::Q;
 
     #[test]
     fn exact_results_stay_exact() {
         let unit = Interval::new(0.0, 1.0);
         assert_eq!(add(Interval::point(1.0), mul(Interval::point(-1.0), unit)), unit);
         assert_eq!(power(Interval::new(-2.0, 1.0), 3.0), Interval::new(-8.0, 1.0));
+        assert_eq!(power(Interval::new(0.25, 4.0), -1.5), Interval::new(0.125, 8.0));
+        assert_eq!(power(Interval::new(-2.0, 4.0), -2.0), Interval::new(0.0625, f64::INFINITY));
+        assert_eq!(power(Interval::new(-2.0, 4.0), -1.0), Interval::ALL);
+        let (third, root) = (power(Interval::point(3.0), -1.0), power(Interval::point(2.0), 0.5));
+        assert!(third.lo < 1.0 / 3.0 && third.hi > third.lo.next_up() && root.width() > 0.0);
         assert!(add(Interval::point(0.1), Interval::point(0.2)).hi > 0.3);
         assert!(sine(Interval::new(0.0, 1.0)).nonnegative());
         assert!(!sine(Interval::new(0.0, 3.2)).nonnegative());
@@ -321,18 +429,20 @@ mod tests {
         ];
         for round in 0..600 {
             let f = functions[round % functions.len()];
-            let (px, py) = (g.powi(x, 2 + round as i64 % 4), g.call(f, &[y]));
+            let powers = [2, 3, 4, 5, -1, -2, -3];
+            let (px, py) = (g.powi(x, powers[round % 7]), g.call(f, &[y]));
             let third = Q::new(1, 3).unwrap();
             let inner = g.sum(third, &[(Q::ONE, px), (Q::int(-2), py)]);
             let product = g.mul(inner, py);
-            let e = Enclosure::new(&g, &[product]);
+            let inputs = [Leaf::Unknown(0), Leaf::Unknown(1)];
+            let e = Enclosure::new(&g, &[product], &inputs);
             let mut boxed = || {
                 let (lo, width) = (6.0 * rng.uniform() - 3.0, rng.uniform() * rng.uniform());
                 Interval::new(lo, lo + width)
             };
             let (bx, by) = (boxed(), boxed());
             let region = |l: Leaf| if l == Leaf::Unknown(0) { bx } else { by };
-            let enclosed = e.get(&e.over(&g, &region), product);
+            let enclosed = e.over(&[bx, by]).get(product);
             for corner in 0..9 {
                 let inside = |b: Interval, k: usize| b.lo + b.width() * [0.0, 0.37, 1.0][k];
                 let at = |l: Leaf| {

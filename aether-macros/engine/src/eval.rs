@@ -57,32 +57,29 @@ pub fn node_value<T: Number>(
             rest.fold(difference + c_value, |s, (_, t)| s + term(*t))
         }
         Node::Product(factors) => {
+            let together = graph.powers_together(factors);
             // As in emitted code: what is divided by is multiplied first, and may underflow.
-            let (mut top, mut bottom) = (T::from_f64(1.0), None);
+            let mut quotient = Quotient::default();
             for (b, e) in factors {
-                let b = part(*b);
-                let Some(q) = graph.as_number(*e) else {
-                    let e = part(*e);
-                    top = top * b.powf(e);
+                if together.as_ref().is_some_and(|t| t.contains(&(*b, *e))) {
                     continue;
-                };
-                let power = match q.den() {
-                    1 => b.powi(q.to_i32().map_or(i32::MAX, i32::abs)),
-                    2 if q.num().abs() < 64 => b.sqrt().powi(q.num().abs() as i32),
-                    3 if q.num().abs() < 64 => b.cbrt().powi(q.num().abs() as i32),
-                    _ => {
+                }
+                let b = part(*b);
+                match graph.as_number(*e) {
+                    Some(q) => quotient.push(b, q),
+                    None => {
                         let e = part(*e);
-                        top = top * b.powf(e);
-                        continue;
+                        quotient.top = quotient.top * b.powf(e);
                     }
-                };
-                if q.is_negative() {
-                    bottom = Some(bottom.map_or(power, |bottom: T| bottom * power));
-                } else {
-                    top = top * power;
                 }
             }
-            bottom.map_or(top, |bottom| top / bottom)
+            if let Some(together) = together {
+                let mut inside = Quotient::default();
+                together.inside.iter().for_each(|(b, q)| inside.push(part(*b), *q));
+                quotient.top = quotient.top * inside.value().powf(part(together.exponent));
+                together.outside.iter().for_each(|(b, q)| quotient.push(part(*b), *q));
+            }
+            quotient.value()
         }
         Node::Call(f, args) => {
             let a = part(args[0]);
@@ -95,6 +92,41 @@ pub fn node_value<T: Number>(
             part(if positive { *yes } else { *no })
         }
         Node::Root(r) => crate::root::root_value(graph, r, inputs, part),
+    }
+}
+
+/// What is multiplied, and what that is divided by.
+struct Quotient<T> {
+    top: T,
+    bottom: Option<T>,
+}
+
+impl<T: Number> Default for Quotient<T> {
+    fn default() -> Self {
+        Quotient { top: T::from_f64(1.0), bottom: None }
+    }
+}
+
+impl<T: Number> Quotient<T> {
+    fn push(&mut self, b: T, q: Q) {
+        let power = match q.den() {
+            1 => b.powi(q.to_i32().map_or(i32::MAX, i32::abs)),
+            2 if q.num().abs() < 64 => b.sqrt().powi(q.num().abs() as i32),
+            3 if q.num().abs() < 64 => b.cbrt().powi(q.num().abs() as i32),
+            _ => {
+                self.top = self.top * b.powf(T::from_ratio(q.num(), q.den()));
+                return;
+            }
+        };
+        if q.is_negative() {
+            self.bottom = Some(self.bottom.map_or(power, |bottom: T| bottom * power));
+        } else {
+            self.top = self.top * power;
+        }
+    }
+
+    fn value(self) -> T {
+        self.bottom.map_or(self.top, |bottom| self.top / bottom)
     }
 }
 

@@ -6,11 +6,13 @@
 //! shape of a sampler is what its author meant to be evaluated ([`crate::poly`] expands on demand).
 
 mod index;
+mod power;
 mod product;
 mod root;
 mod substitute;
 mod sum;
 
+pub use power::Together;
 pub use root::{BOUNDS, Root};
 
 use std::cell::RefCell;

@@ -7,7 +7,7 @@
 //! a point where the slope vanishes. That the slope is not zero throughout is seen from its values.
 
 use crate::derivative::derivative;
-use crate::enclosure::Enclosure;
+use crate::enclosure::{Enclosure, Over};
 use crate::expr::{Graph, Id, Leaf, Node, children};
 use crate::interval::Interval;
 use crate::jacobian::simplify;
@@ -158,7 +158,7 @@ impl Proof {
             current = derivative(g, tidy, variable);
         }
         let all: Vec<Id> = orders.iter().flatten().copied().collect();
-        let enclosure = Enclosure::new(g, &all);
+        let enclosure = Enclosure::new(g, &all, &leaves);
         Proof { orders, leaves, enclosure, strict }
     }
 
@@ -169,13 +169,13 @@ impl Proof {
         let mut parts = 0;
         while let Some(part) = open.pop_front() {
             parts += 1;
-            if self.shown(g, &part) {
+            if self.shown(&part) {
                 if !self.positive_somewhere(g, &part) {
                     return Err(unproven(g, &self.leaves, &part));
                 }
                 continue;
             }
-            let negative = self.order(g, &part, 0).hi < 0.0;
+            let negative = self.pick(&mut self.enclosure.over(&part), 0).hi < 0.0;
             let Some((left, right)) =
                 halves(&part, parts).filter(|_| parts < MAX_PARTS && !negative)
             else {
@@ -186,51 +186,33 @@ impl Proof {
         Ok(())
     }
 
-    /// The interval of a derivative of the slope over a part.
-    fn order(&self, g: &Graph, part: &[Interval], order: usize) -> Interval {
-        let values = self.enclosure.over(g, &self.region(part));
-        self.pick(&values, order)
-    }
-
-    fn region<'a>(&'a self, part: &'a [Interval]) -> impl Fn(Leaf) -> Interval + 'a {
-        |l| {
-            let found = self.leaves.iter().position(|k| *k == l);
-            found.map_or(Interval::ALL, |k| part[k])
-        }
-    }
-
     /// What all forms of a derivative say together.
-    fn pick(&self, values: &[Interval], order: usize) -> Interval {
+    fn pick(&self, values: &mut Over, order: usize) -> Interval {
         self.orders[order].iter().fold(Interval::ALL, |i, form| {
-            let j = self.enclosure.get(values, *form);
+            let j = values.get(*form);
             Interval { lo: i.lo.max(j.lo), hi: i.hi.min(j.hi) }
         })
     }
 
     /// Whether the slope is nowhere negative on a part.
-    fn shown(&self, g: &Graph, part: &[Interval]) -> bool {
-        let over = self.enclosure.over(g, &self.region(part));
-        let values = self.pick(&over, 0);
+    fn shown(&self, part: &[Interval]) -> bool {
+        let mut over = self.enclosure.over(part);
+        let values = self.pick(&mut over, 0);
         if self.strict {
             return values.lo > 0.0;
         }
-        if values.nonnegative() {
-            return true;
-        }
-        let end = |x: f64| {
+        let mut settled_from = |x: f64, side: f64| {
             let mut face = part.to_vec();
             face[0] = Interval::point(x);
-            self.enclosure.over(g, &self.region(&face))
+            x.is_finite() && self.settled_from(&mut over, &mut self.enclosure.over(&face), side)
         };
-        let (lo, hi) = (part[0].lo, part[0].hi);
-        (lo.is_finite() && self.settled_from(&over, &end(lo), 1.0))
-            || (hi.is_finite() && self.settled_from(&over, &end(hi), -1.0))
+        values.nonnegative() || settled_from(part[0].lo, 1.0) || settled_from(part[0].hi, -1.0)
     }
 
     /// Not negative at one end, and not falling from there: the derivatives at the end up to some order
     /// and the next one over the whole part have the sign that makes it so. `side` is 1 for the lower
     /// end, and -1 for the upper one, from where odd derivatives count with the other sign.
-    fn settled_from(&self, over: &[Interval], end: &[Interval], side: f64) -> bool {
+    fn settled_from(&self, over: &mut Over, end: &mut Over, side: f64) -> bool {
         let mut sign = 1.0;
         for order in 0..=ORDERS {
             if order > 0 && self.pick(over, order).scale(sign).nonnegative() {

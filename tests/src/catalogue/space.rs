@@ -206,7 +206,7 @@ pub fn portal_segment(u: [Uniform; 4], a: f64, h: f64, k: f64) -> (Surface, Surf
 }
 
 /// Row 101 between any planes, with uniform directions: that through p with the normal n above the opening, and that through
-/// q with the normal m below.
+/// q with the normal m below. A line in the plane of the opening does not pass through it: there is no sample.
 #[sampler(a in 1e-6..=1e6)]
 pub fn tilted_portal(
     u: [Uniform; 4],
@@ -223,6 +223,6 @@ pub fn tilted_portal(
     let w = Vec3::new(r * phi.cos(), r * phi.sin(), u[2]);
     let above = n.dot(p - x) / n.dot(w);
     let below = m.dot(x - q) / m.dot(w);
-    require(above > 0.0 && below > 0.0);
+    require(w.z > 0.0 && above > 0.0 && below > 0.0);
     (Surface::from_vec(x + above * w), Surface::from_vec(x - below * w))
 }

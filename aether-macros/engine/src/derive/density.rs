@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::cases::{Case, exact_values, recovers};
 use super::factored::factored;
 use super::holding::never_negative;
+use super::near_one::by_the_rest;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
@@ -87,7 +88,8 @@ impl Sums<'_> {
         forms.extend(freed);
     }
 
-    /// Forms of an expression of the point in which constants are what coordinates, or their squares, add up to.
+    /// Forms of an expression of the point in which constants are what coordinates, or their squares, add up to, or parts of
+    /// lengths are told by the rest.
     fn put_into(&self, g: &mut Graph, id: Id) -> Vec<Id> {
         let mut forms = vec![];
         if let Some(whole) = self.whole {
@@ -98,6 +100,7 @@ impl Sums<'_> {
         if !self.is_direction {
             forms.extend(by_the_others(g, id, &self.units));
         }
+        forms.extend(by_the_rest(g, id));
         forms
     }
 }

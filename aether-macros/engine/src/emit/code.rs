@@ -115,7 +115,11 @@ impl<'a> Code<'a> {
                 None => return,
             },
         };
+        let together = self.graph.powers_together(factors);
         for &(b, e) in factors {
+            if together.as_ref().is_some_and(|t| t.contains(&(b, e))) {
+                continue;
+            }
             let number = self.graph.as_number(e);
             if number.is_some_and(|q| q.abs() == Q::HALF) && !self.rescued.contains_key(&b) {
                 self.write_rescued(b);
@@ -328,7 +332,11 @@ impl<'a> Code<'a> {
     fn product(&self, q: Q, all: &[(Id, Id)]) -> TokenStream {
         let mut parts = Parts::default();
         let constant = self.constant(all);
-        let is_folded = |factor: &&(Id, Id)| constant.is_some() && self.is_number(factor);
+        let together = self.graph.powers_together(all);
+        let is_folded = |factor: &&(Id, Id)| {
+            let taken = together.as_ref().is_some_and(|t| t.contains(factor));
+            taken || constant.is_some() && self.is_number(factor)
+        };
         let factors: Vec<(Id, Id)> = all.iter().filter(|f| !is_folded(f)).copied().collect();
         let factors = &factors[..];
         if let Some(constant) = constant {
@@ -368,7 +376,23 @@ impl<'a> Code<'a> {
                 },
             }
         }
+        if let Some(together) = together {
+            let mut inside = Parts::default();
+            together.inside.iter().for_each(|&(b, q)| self.push_power(&mut inside, b, q));
+            let (inside, e) = (inside.finish(), self.reference(together.exponent));
+            parts.top.push(quote!((#inside).powf(#e)));
+            together.outside.iter().for_each(|&(b, q)| self.push_power(&mut parts, b, q));
+        }
         parts.finish()
+    }
+
+    /// One more power, a root by itself.
+    fn push_power(&self, parts: &mut Parts, b: Id, q: Q) {
+        let base = self.reference(b);
+        match q.abs() == Q::HALF {
+            true => parts.push_whole(self.root(b, &base), q.is_negative()),
+            false => parts.push(&base, q),
+        }
     }
 
     /// A sum above the line, if there is another below it, and the uniforms among the factors would make it
