@@ -48,6 +48,16 @@ impl<A: Measure, B: Measure> Measure for Product<A, B> {
     const NAME: &'static str = "product";
 }
 
+/// Every measure is the same as itself, and as no other.
+#[diagnostic::on_unimplemented(
+    message = "a density with respect to `{M}` and one with respect to `{Self}` cannot be added",
+    label = "these are densities with respect to different measures",
+    note = "bring both samples into one space first: a `#[map]` from one to the other, by `sampler.then(map)`, \
+            converts the density with its Jacobian"
+)]
+pub trait SameMeasure<M> {}
+impl<M> SameMeasure<M> for M {}
+
 /// A probability density with respect to the measure `M`: never negative, never NaN, infinite only
 /// at a true pole.
 ///
@@ -112,10 +122,10 @@ impl<M, R: Real> Default for Density<M, R> {
         Self::ZERO
     }
 }
-impl<M, R: Real> Add for Density<M, R> {
+impl<M, N: SameMeasure<M>, R: Real> Add<Density<N, R>> for Density<M, R> {
     type Output = Self;
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
+    fn add(self, other: Density<N, R>) -> Self {
         Density::new(self.value + other.value)
     }
 }

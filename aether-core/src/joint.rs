@@ -5,7 +5,7 @@ use crate::point::Point;
 use crate::real::Real;
 
 /// The most coordinates that the points of a joint sample have together.
-const CAPACITY: usize = 16;
+const CAPACITY: usize = 24;
 
 /// Coordinates of several points, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -53,31 +53,27 @@ impl<R: Real, A: Point<R>, B: Point<R>> Point<R> for (A, B) {
     }
 }
 
-/// Three points; densities are per product of their measures.
-impl<R: Real, A: Point<R>, B: Point<R>, C: Point<R>> Point<R> for (A, B, C) {
-    type Measure = Product<Product<A::Measure, B::Measure>, C::Measure>;
-    type Coordinates = JointCoordinates<R>;
-    const DIMENSION: usize = A::DIMENSION + B::DIMENSION + C::DIMENSION;
-    #[inline(always)]
-    fn coordinates(&self) -> JointCoordinates<R> {
-        JointCoordinates::new()
-            .with(self.0.coordinates().as_ref())
-            .with(self.1.coordinates().as_ref())
-            .with(self.2.coordinates().as_ref())
-    }
+macro_rules! more_points {
+    ($($($part:ident $i:tt),+; $last:ident $k:tt;)*) => {
+        $(/// Several points; densities are per product of their measures.
+        impl<R: Real, $($part: Point<R>,)+ $last: Point<R>> Point<R> for ($($part,)+ $last) {
+            type Measure = Product<<($($part,)+) as Point<R>>::Measure, $last::Measure>;
+            type Coordinates = JointCoordinates<R>;
+            const DIMENSION: usize = $($part::DIMENSION +)+ $last::DIMENSION;
+            #[inline(always)]
+            fn coordinates(&self) -> JointCoordinates<R> {
+                JointCoordinates::new()
+                    $(.with(self.$i.coordinates().as_ref()))+
+                    .with(self.$k.coordinates().as_ref())
+            }
+        })*
+    };
 }
-
-/// Four points; densities are per product of their measures.
-impl<R: Real, A: Point<R>, B: Point<R>, C: Point<R>, D: Point<R>> Point<R> for (A, B, C, D) {
-    type Measure = Product<Product<Product<A::Measure, B::Measure>, C::Measure>, D::Measure>;
-    type Coordinates = JointCoordinates<R>;
-    const DIMENSION: usize = A::DIMENSION + B::DIMENSION + C::DIMENSION + D::DIMENSION;
-    #[inline(always)]
-    fn coordinates(&self) -> JointCoordinates<R> {
-        JointCoordinates::new()
-            .with(self.0.coordinates().as_ref())
-            .with(self.1.coordinates().as_ref())
-            .with(self.2.coordinates().as_ref())
-            .with(self.3.coordinates().as_ref())
-    }
+more_points! {
+    A 0, B 1; C 2;
+    A 0, B 1, C 2; D 3;
+    A 0, B 1, C 2, D 3; E 4;
+    A 0, B 1, C 2, D 3, E 4; F 5;
+    A 0, B 1, C 2, D 3, E 4, F 5; G 6;
+    A 0, B 1, C 2, D 3, E 4, F 5, G 6; H 7;
 }

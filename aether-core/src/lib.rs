@@ -82,7 +82,7 @@ pub use combine::{
     BalanceHeuristic, Combine, Heuristic, MaximumHeuristic, PowerHeuristic, combine, combine_with,
 };
 pub use density::{
-    Area, Counting, Density, Hausdorff, Length, Measure, Product, SolidAngle, Volume,
+    Area, Counting, Density, Hausdorff, Length, Measure, Product, SameMeasure, SolidAngle, Volume,
 };
 pub use discrete::{
     Bernoulli, Cdf, Choice, Choices, Discrete, Shares, WeightError, coin, discrete,

@@ -2,6 +2,7 @@
 
 use aether_core::battery;
 use aether_core::prelude::*;
+use aether_core::{Pcg32, UniformSource};
 use tests::catalogue::thin_lens;
 use tests::checks::right;
 use tests::mutation::OnePercentOff;
@@ -38,6 +39,54 @@ pub fn ordered(u: [Uniform; 3]) -> (f64, f64, f64) {
     let b = a - (-u[1]).ln_1p();
     let c = b - 2.0 * (-u[2]).ln_1p();
     (a, b, c)
+}
+
+/// Points of a walk of five steps of any direction, each of a length that is exponentially distributed.
+#[sampler]
+pub fn five_steps(u: [Uniform; 15], s: f64) -> (Vec3, Vec3, Vec3, Vec3, Vec3) {
+    let (z0, phi0) = (1.0 - 2.0 * u[0], TAU * u[1]);
+    let r0 = (1.0 - z0 * z0).sqrt();
+    let step0 = -s * (1.0 - u[2]).ln() * Vec3::new(r0 * phi0.cos(), r0 * phi0.sin(), z0);
+    let x0 = step0;
+    let (z1, phi1) = (1.0 - 2.0 * u[3], TAU * u[4]);
+    let r1 = (1.0 - z1 * z1).sqrt();
+    let step1 = -s * (1.0 - u[5]).ln() * Vec3::new(r1 * phi1.cos(), r1 * phi1.sin(), z1);
+    let x1 = x0 + step1;
+    let (z2, phi2) = (1.0 - 2.0 * u[6], TAU * u[7]);
+    let r2 = (1.0 - z2 * z2).sqrt();
+    let step2 = -s * (1.0 - u[8]).ln() * Vec3::new(r2 * phi2.cos(), r2 * phi2.sin(), z2);
+    let x2 = x1 + step2;
+    let (z3, phi3) = (1.0 - 2.0 * u[9], TAU * u[10]);
+    let r3 = (1.0 - z3 * z3).sqrt();
+    let step3 = -s * (1.0 - u[11]).ln() * Vec3::new(r3 * phi3.cos(), r3 * phi3.sin(), z3);
+    let x3 = x2 + step3;
+    let (z4, phi4) = (1.0 - 2.0 * u[12], TAU * u[13]);
+    let r4 = (1.0 - z4 * z4).sqrt();
+    let step4 = -s * (1.0 - u[14]).ln() * Vec3::new(r4 * phi4.cos(), r4 * phi4.sin(), z4);
+    let x4 = x3 + step4;
+    (x0, x1, x2, x3, x4)
+}
+
+#[test]
+fn five_points_of_a_walk_have_the_product_of_the_densities_of_its_steps() {
+    let s = 0.7;
+    let mut pcg = Pcg32::new(5, 1, 0);
+    for _ in 0..100 {
+        let u: [f64; 15] = core::array::from_fn(|_| pcg.next());
+        let sample = five_steps(s).sample(u);
+        let (a, b, c, d, e) = sample.value();
+        let step = |x: Vec3, y: Vec3| {
+            let l = (y - x).length();
+            (-l / s).exp() / (s * 4.0 * PI * l * l)
+        };
+        let origin = Vec3::new(0.0, 0.0, 0.0);
+        let expected = step(origin, a) * step(a, b) * step(b, c) * step(c, d) * step(d, e);
+        for found in [sample.pdf(), five_steps(s).pdf(&sample)] {
+            let off = found.value() / expected - 1.0;
+            // A short step is the difference of two points: an error of some 1e-16 over its length, and over 1 - |z|.
+            assert!(off.abs() < 1e-10, "{u:?}: {found:?}, expected {expected:e}");
+        }
+    }
 }
 
 fn panels<R: Scalar>() -> TwoPanels<R> {

@@ -2,8 +2,12 @@
 //!
 //! Each test states the true value in closed form.
 
+use aether_core::discrete::Choices;
 use aether_core::prelude::*;
-use aether_core::{WeightError, discrete, discrete_weighted};
+use aether_core::sequence::Erased;
+use aether_core::strategy::Vertex;
+use aether_core::tables::PiecewiseConstant2D;
+use aether_core::{Arena, PathView, WeightError, discrete, discrete_weighted};
 use tests::catalogue::*;
 
 /// Asserts that two densities agree to rounding.
@@ -250,6 +254,52 @@ fn equal_items_share_their_probability_once() {
 fn weights_that_are_all_zero_are_an_error() {
     let made = discrete_weighted(["a", "b"], [0.0, 0.0]);
     assert_eq!(made.err(), Some(WeightError::AllZero));
+}
+
+/// A vertex on a line.
+#[derive(Clone, Copy, Debug)]
+struct Spot(f64);
+
+impl Vertex for Spot {
+    type Real = f64;
+    type Point = f64;
+    fn point(&self) -> f64 {
+        self.0
+    }
+}
+
+#[sampler]
+fn up_to_three(u: [Uniform; 1]) -> f64 {
+    3.0 * u[0]
+}
+
+#[strategy]
+fn one_of_twins(path: &PathView<Spot>, twins: &Choices<Vec<f64>, f64>) -> Spot {
+    let _twin = choose(twins);
+    let x = draw(up_to_three());
+    Spot(x)
+}
+
+#[test]
+fn equal_items_count_once_in_a_path_whose_density_is_in_double_precision() {
+    let twins = discrete(vec![1.0, 1.0]).expect("two items");
+    let strategy = one_of_twins(&twins);
+    let arena = Arena::<Spot, Erased<'_, Spot>>::new();
+    let mut path = arena.sequence();
+    for _ in 0..3 {
+        path.append(Erased(&strategy));
+    }
+    path.sample(&mut || 0.4);
+    let found: f64 = path.pdf().value();
+    assert!((27.0 * found - 1.0).abs() < 1e-15, "{found:e}");
+}
+
+#[test]
+fn tables_in_two_dimensions_have_a_density() {
+    let table = PiecewiseConstant2D::new(&[1.0, 2.0, 3.0, 4.0], 2).expect("four values");
+    for (x, expected) in [([0.25, 0.25], 0.4), ([0.75, 0.25], 0.8), ([0.1, 0.9], 1.2)] {
+        close(table.sampler().pdf(&Vec2::new(x[0], x[1])).value(), expected);
+    }
 }
 
 // Points off the manifold or outside the support.

@@ -62,6 +62,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             texts: &texts,
             options: &options,
             support,
+            meeting: Default::default(),
         };
         if options.explain || explained(&parsed.signature.name.to_string()) {
             emitter.explain();

@@ -43,13 +43,14 @@ pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
 /// The sign of a slope that may vanish here and there, or nowhere where `strict`.
 fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, Unproven> {
     let leaves = leaves_of(g, slope, variable);
-    let sign = sign_inside(g, slope, &leaves);
-    let Some(sign) = sign else {
-        return Err(unproven(
-            g,
-            &leaves,
-            &leaves.iter().map(|l| g.leaf_range(*l)).collect::<Vec<_>>(),
-        ));
+    let sign = match sign_inside(g, slope, &leaves, strict) {
+        Ok(sign) => sign,
+        Err(seen) => {
+            let whole: Vec<Interval> = leaves.iter().map(|l| g.leaf_range(*l)).collect();
+            let mut why = unproven(g, &leaves, &whole);
+            why.place += &seen;
+            return Err(why);
+        }
     };
     let upward = if sign < 0 { g.neg(slope) } else { slope };
     Proof::new(g, upward, variable, leaves, strict).run(g).map(|()| sign)
@@ -95,27 +96,37 @@ fn inside(i: Interval, t: f64) -> f64 {
     }
 }
 
-/// The sign of the slope at points inside; none if it has both, of which there is no proof to be tried, or neither.
-fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf]) -> Option<i64> {
+/// The sign of the slope at points inside; if it has both, of which there is no proof to be tried, or neither, what
+/// is seen.
+fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf], strict: bool) -> Result<i64, String> {
+    // A sequence of its own for each input, which does not repeat.
+    let step = |n: u32, k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
+    let at = |n: u32, k: usize| inside(g.leaf_range(leaves[k]), step(n, k));
     let value = |n: u32| {
-        let at = |l: Leaf| {
-            let found = leaves.iter().position(|k| *k == l);
-            // A sequence of its own for each input, which does not repeat.
-            let step = |k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
-            found.map_or(f64::NAN, |k| inside(g.leaf_range(l), step(k)))
-        };
-        crate::eval::evaluate::<f64>(g, slope, &at)
+        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at(n, k));
+        crate::eval::evaluate::<f64>(g, slope, &input)
     };
-    let (mut least, mut most) = (0.0_f64, 0.0_f64);
-    for v in (0..POINTS).map(value).filter(|v| v.is_finite()) {
-        (least, most) = (least.min(v), most.max(v));
+    let (mut least, mut most) = ((0.0_f64, 0), (0.0_f64, 0));
+    for (v, n) in (0..POINTS).map(|n| (value(n), n)).filter(|v| v.0.is_finite()) {
+        least = if v < least.0 { (v, n) } else { least };
+        most = if v > most.0 { (v, n) } else { most };
     }
     // What is smaller by so much may be rounding.
-    let negligible = 1e-6 * most.max(-least);
-    match (most > negligible, -least > negligible) {
-        (true, false) => Some(1),
-        (false, true) => Some(-1),
-        _ => None,
+    let negligible = 1e-6 * most.0.max(-least.0);
+    let point = |n: u32| {
+        let inputs = leaves.iter().enumerate();
+        let shown = inputs.map(|(k, l)| format!("{} = {:.4}", g.name(*l), at(n, k)));
+        shown.collect::<Vec<_>>().join(", ")
+    };
+    match (most.0 > negligible, -least.0 > negligible) {
+        (true, false) => Ok(1),
+        (false, true) => Ok(-1),
+        (true, true) => {
+            let (up, down) =
+                if strict { ("is positive", "is negative") } else { ("increases", "decreases") };
+            Err(format!(", as it {up} at {} and {down} at {}", point(most.1), point(least.1)))
+        }
+        (false, false) => Err(String::new()),
     }
 }
 

@@ -54,8 +54,20 @@ impl Texts {
         lines.push("```".to_owned());
         lines.extend(self.numerical.clone());
         lines.push(checked(derived, sampler));
-        lines.push(preimages(derived, self.numerical.is_none(), sampler));
+        lines.push(self.preimages(derived, sampler));
         lines.iter().map(|l| quote!(#[doc = #l])).collect()
+    }
+
+    /// How many preimages there are, and of what kind.
+    pub fn preimages(&self, derived: &[Derived], sampler: bool) -> String {
+        let form = if self.numerical.is_none() { " in closed form" } else { "" };
+        match derived.iter().map(|d| d.preimages.len()).sum::<usize>() {
+            1 => format!("Every point has one preimage{form}."),
+            n if sampler => {
+                format!("A point has up to {n} preimages{form}, whose densities add up.")
+            }
+            n => format!("A point has up to {n} preimages{form}."),
+        }
     }
 }
 
@@ -70,23 +82,11 @@ pub(super) fn measures(signature: &Signature) -> String {
 
 /// What was checked, and the worst error that was seen.
 fn checked(derived: &[Derived], sampler: bool) -> String {
-    if !sampler {
-        return "Checked while compiling against differences of the map itself.".to_owned();
-    }
     let worst = derived.iter().map(|d| d.worst_error).fold(0.0, f64::max);
+    let what = if sampler { "density" } else { "Jacobian" };
     format!(
-        "Checked while compiling against differences of the map itself; worst relative error of the density in `f64` on the points tried: {worst:.1e}."
+        "Checked while compiling against differences of the map itself; worst relative error of the {what} in `f64` on the points tried: {worst:.1e}."
     )
-}
-
-/// How many preimages there are, and of what kind.
-fn preimages(derived: &[Derived], closed: bool, sampler: bool) -> String {
-    let form = if closed { " in closed form" } else { "" };
-    match derived.iter().map(|d| d.preimages.len()).sum::<usize>() {
-        1 => format!("Every point has one preimage{form}."),
-        n if sampler => format!("A point has up to {n} preimages{form}, whose densities add up."),
-        n => format!("A point has up to {n} preimages{form}."),
-    }
 }
 
 /// Says so if the map or its inverse is found by solving an equation numerically.

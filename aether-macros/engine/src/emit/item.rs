@@ -4,11 +4,11 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 use syn::ItemFn;
 
-use super::documentation::Texts;
+use super::documentation::{Texts, measures};
 use super::interface::{bound, hidden_body, interface, type_name};
 use super::whole::Support;
 use crate::derive::Derived;
-use crate::parse::{Options, ParamKind, Parsed, Signature, Space};
+use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
 
 /// Writes the code of one item.
 pub struct Emitter<'a> {
@@ -24,6 +24,8 @@ pub struct Emitter<'a> {
     pub options: &'a Options,
     /// The support of a uniform density, if it is one of a few.
     pub support: Option<Support>,
+    /// Which pieces meet, as far as it was asked.
+    pub meeting: super::meeting::Known,
 }
 
 impl Emitter<'_> {
@@ -168,11 +170,17 @@ impl Emitter<'_> {
         for line in jacobian.lines() {
             eprintln!("  √det JᵀJ {line}");
         }
-        eprintln!("  pdf      {pdf}");
+        let sampler = matches!(self.signature().source, Source::Uniforms { .. });
+        if sampler {
+            eprintln!("  pdf      {pdf}");
+        }
+        eprintln!("  measure  {}", measures(self.signature()));
+        eprintln!("  {}", self.texts.preimages(self.derived, sampler));
         if let Some(text) = numerical {
             eprintln!("  {}", text.trim_end());
         }
-        eprintln!("  worst relative error in f64: {:.1e}", self.worst_error());
+        let what = if sampler { "density" } else { "Jacobian" };
+        eprintln!("  worst relative error of the {what} in f64: {:.1e}", self.worst_error());
     }
 
     /// The worst error of the density that was seen.

@@ -4,14 +4,28 @@ use super::pieces::Place;
 use crate::eval::evaluate;
 use crate::expr::Leaf;
 use crate::number::{Dd, Number};
-use crate::points::sampler_points;
+use crate::points::{Point, sampler_points};
 
 /// How far the ends of two pieces may be apart in double-double, relative to them.
 const CLOSE: f64 = 1e-20;
 
+/// Which pieces meet, by their numbers.
+pub type Known = core::cell::RefCell<crate::hash::Map<(usize, usize), bool>>;
+
+/// Whether two pieces [meet](meet), found out once.
+pub(super) fn known(known: &Known, one: &Place, other: &Place) -> bool {
+    let pair = (one.piece, other.piece);
+    let found = known.borrow().get(&pair).copied();
+    found.unwrap_or_else(|| {
+        let found = meet(one, other);
+        known.borrow_mut().extend([(pair, found), ((pair.1, pair.0), found)]);
+        found
+    })
+}
+
 /// Whether two pieces of a map of one uniform to the line both rise or both fall, and one starts where the other ends: then
 /// no point has both preimages, but the one where they meet.
-pub(super) fn meet(one: &Place, other: &Place) -> bool {
+fn meet(one: &Place, other: &Place) -> bool {
     let simple = |place: &&Place| {
         let p = place.problem;
         let line = (p.unknowns.len(), p.outputs.len()) == (1, 1) && p.argument.is_none();
@@ -24,23 +38,19 @@ pub(super) fn meet(one: &Place, other: &Place) -> bool {
     }
     let kinds = &one.problem.kinds;
     let points = sampler_points(1, kinds, false, &|_| true);
-    let ends = |end: f64, place: &Place| -> Vec<Dd> {
+    let image = |end: f64, place: &Place, point: &Point| {
         let g = &place.problem.graph;
-        let at = |point: &crate::points::Point| {
-            evaluate::<Dd>(g, place.problem.outputs[0], &|leaf| match leaf {
-                Leaf::Unknown(_) => Dd::from_f64(end),
-                leaf => point.input(leaf, &[]),
-            })
-        };
-        points.iter().filter(|p| !p.stress).map(at).collect()
+        evaluate::<Dd>(g, place.problem.outputs[0], &|leaf| match leaf {
+            Leaf::Unknown(_) => Dd::from_f64(end),
+            leaf => point.input(leaf, &[]),
+        })
     };
     let joined = |first: &Place, second: &Place| {
-        let (ends, starts) = (ends(1.0, first), ends(0.0, second));
-        let close = |(a, b): (&Dd, &Dd)| {
-            let gap = (*a - *b).abs().to_f64();
-            gap <= CLOSE * b.abs().to_f64()
-        };
-        ends.iter().zip(&starts).all(close)
+        points.iter().filter(|p| !p.stress).all(|p| {
+            let (end, start) = (image(1.0, first, p), image(0.0, second, p));
+            let gap = (end - start).abs().to_f64();
+            gap <= CLOSE * start.abs().to_f64()
+        })
     };
     joined(one, other) || joined(other, one)
 }

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::meeting::meet;
+use super::meeting;
 use super::pieces::Place;
 use super::sampler::{existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
@@ -303,7 +303,7 @@ pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
 /// one piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
 fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     if one.piece != other.piece {
-        return apart(e, one.piece, other.piece) || meet(one, other);
+        return apart(e, one.piece, other.piece) || meeting::known(&e.meeting, one, other);
     }
     let g = &one.problem.graph;
     let negated = |a: Id, b: Id| match g.node(a) {

@@ -253,9 +253,9 @@ fn first_input(
         return Some(Source::Point { name, space });
     }
     match uniforms(&p.ty) {
-        Some(count @ 1..=8) => Some(Source::Uniforms { name, count }),
+        Some(count @ 1..=MAX_UNIFORMS) => Some(Source::Uniforms { name, count }),
         Some(_) => {
-            errors.error(&p.ty, "a sampler takes one to eight uniforms");
+            errors.error(&p.ty, "a sampler takes one to sixteen uniforms");
             None
         }
         None => {
@@ -334,12 +334,26 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
     Some(Param { name: name.ident.clone(), kind })
 }
 
+/// The most points of a tuple: as many as tuples are implemented for.
+const MAX_POINTS: usize = 8;
+
+/// The most coordinates of a result, for which there are bits in [`crate::expr::Deps`].
+const MAX_COORDINATES: usize = 24;
+
+/// The most uniforms: those of eight points on surfaces.
+const MAX_UNIFORMS: usize = 16;
+
 fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
     if let Type::Tuple(tuple) = ty
-        && (2..=4).contains(&tuple.elems.len())
+        && (2..=MAX_POINTS).contains(&tuple.elems.len())
     {
         let parts: Vec<Option<Space>> = tuple.elems.iter().map(|t| space(t, errors)).collect();
-        return parts.into_iter().collect::<Option<Vec<Space>>>().map(Space::Joint);
+        let joint = parts.into_iter().collect::<Option<Vec<Space>>>().map(Space::Joint)?;
+        if joint.dimensions().1 > MAX_COORDINATES {
+            errors.error(ty, format!("these points have more than {MAX_COORDINATES} coordinates together: sample fewer at once, each run given the one before, in a `#[strategy]`"));
+            return None;
+        }
+        return Some(joint);
     }
     let found = match last_segment(ty).as_deref() {
         Some("f64") => Some(Space::Line),
