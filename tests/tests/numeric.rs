@@ -40,6 +40,18 @@ fn chain(u: [Uniform; 2], k: f64) -> Vec2 {
     Vec2::new(x, y)
 }
 
+/// Neither coordinate tells one of the unknowns without the other.
+#[sampler(k in 0.0..=0.3)]
+fn bent(u: [Uniform; 2], k: f64) -> Vec2 {
+    Vec2::new(u[0] + k * u[1].powi(3), u[1] + k * u[0].powi(3))
+}
+
+/// The same, where each coordinate increases with the unknown of the other one.
+#[sampler(k in 0.0..=0.3)]
+fn crossed(u: [Uniform; 2], k: f64) -> Vec2 {
+    Vec2::new(u[1].exp() - k * u[0].cos(), u[0] + k * (TAU * u[1]).sin() / TAU)
+}
+
 /// A sum of logarithms has a closed inverse.
 #[sampler]
 fn logistic(u: [Uniform; 1], s: f64) -> f64 {
@@ -81,6 +93,24 @@ fn implicit_steps_pass_the_battery() {
 fn coupled_coordinates_pass_the_battery() {
     battery::check(&flow()).assert_ok();
     battery::check(&logistic(2.0)).assert_ok();
+}
+
+#[test]
+fn coupled_unknowns_pass_the_battery() {
+    for k in [0.0, 0.1, 0.3] {
+        battery::check(&bent(k).unwrap()).assert_ok();
+        battery::check(&crossed(k).unwrap()).assert_ok();
+        for u in [[0.3, 0.6], [0.999, 0.99], [1e-9, 0.5], [0.5, 1e-12]] {
+            let sample = bent(k).unwrap().sample(u);
+            let expected = 1.0 / (1.0 - (3.0 * k * u[0] * u[1]).powi(2));
+            for found in [sample.pdf(), bent(k).unwrap().pdf(&sample)] {
+                let off = found.value() / expected - 1.0;
+                assert!(off.abs() < 1e-13, "{k} {u:?}: {found:?}, expected {expected:e}");
+            }
+        }
+    }
+    battery::check_f32(&bent(0.3f32).unwrap()).assert_ok();
+    battery::check_f32(&crossed(0.3f32).unwrap()).assert_ok();
 }
 
 #[test]
@@ -225,5 +255,6 @@ fn only_what_must_be_is_numerical() {
         assert!(derivation.forward.contains("root(") && !inverse(derivation.inverse));
         assert!(!inverse(derivation.pdf), "{}", derivation.pdf);
     }
+    assert!(inverse(Bent::<f64>::DERIVATION.inverse));
     assert!(!inverse(Logistic::<f64>::DERIVATION.inverse));
 }

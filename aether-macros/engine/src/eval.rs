@@ -1,6 +1,6 @@
 //! Numerical evaluation of expressions at any precision.
 
-use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, Together};
 use crate::hash::Map;
 use crate::number::Number;
 use crate::rational::Q;
@@ -24,74 +24,106 @@ impl<'a, T: Number> Evaluator<'a, T> {
             return v;
         }
         let (graph, inputs) = (self.graph, self.inputs);
-        let v = node_value(graph, id, inputs, &mut |part| self.value(part));
+        let v = Prepared::new(graph, id).value(inputs, &mut |part| self.value(part));
         self.memo.insert(id, v);
         v
     }
 }
 
-/// The value of one node, from those of its parts.
-pub fn node_value<T: Number>(
-    graph: &Graph,
-    id: Id,
-    inputs: &dyn Fn(Leaf) -> T,
-    part: &mut dyn FnMut(Id) -> T,
-) -> T {
-    match graph.node(id) {
-        Node::Number(q) => T::from_ratio(q.num(), q.den()),
-        Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
-        Node::Pi => T::pi(),
-        Node::Leaf(l) => inputs(*l),
-        Node::Sum(c, terms) => {
-            let mut term = |(q, t): (Q, Id)| {
-                let v = part(t);
-                if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v }
-            };
-            let c_value = T::from_ratio(c.num(), c.den());
-            let Some((j, k)) = graph.anchored(*c, terms) else {
-                return terms.iter().fold(c_value, |s, t| s + term(*t));
-            };
-            // As in emitted code.
-            let difference = term(terms[j]) + term(terms[k]);
-            let rest = terms.iter().enumerate().filter(|(i, _)| *i != j && *i != k);
-            rest.fold(difference + c_value, |s, (_, t)| s + term(*t))
-        }
-        Node::Product(factors) => {
-            let together = graph.powers_together(factors);
-            // As in emitted code: what is divided by is multiplied first, and may underflow.
-            let mut quotient = Quotient::default();
-            for (b, e) in factors {
-                if together.as_ref().is_some_and(|t| t.contains(&(*b, *e))) {
-                    continue;
-                }
-                let b = part(*b);
-                match graph.as_number(*e) {
-                    Some(q) => quotient.push(b, q),
-                    None => {
-                        let e = part(*e);
-                        quotient.top = quotient.top * b.powf(e);
-                    }
-                }
+/// A node, and what is found out once for all points at which it is evaluated.
+pub struct Prepared<'g> {
+    graph: &'g Graph,
+    node: &'g Node,
+    /// Of a sum, the coordinates whose difference is taken first.
+    anchored: Option<(usize, usize)>,
+    /// Of a product, the powers that are taken together, and whether a factor is among them.
+    together: Option<(Together, Vec<bool>)>,
+}
+
+impl<'g> Prepared<'g> {
+    /// A node that is to be evaluated.
+    pub fn new(graph: &'g Graph, id: Id) -> Self {
+        let node = graph.node(id);
+        let (mut anchored, mut together) = (None, None);
+        match node {
+            Node::Sum(c, terms) => anchored = graph.anchored(*c, terms),
+            Node::Product(factors) => {
+                together = graph.powers_together(factors).map(|t| {
+                    let among = factors.iter().map(|f| t.contains(f)).collect();
+                    (t, among)
+                });
             }
-            if let Some(together) = together {
-                let mut inside = Quotient::default();
-                together.inside.iter().for_each(|(b, q)| inside.push(part(*b), *q));
-                quotient.top = quotient.top * inside.value().powf(part(together.exponent));
-                together.outside.iter().for_each(|(b, q)| quotient.push(part(*b), *q));
+            _ => {}
+        }
+        Prepared { graph, node, anchored, together }
+    }
+
+    /// The value at a point, from those of the node's parts.
+    pub fn value<T: Number>(&self, inputs: &dyn Fn(Leaf) -> T, part: &mut dyn FnMut(Id) -> T) -> T {
+        match self.node {
+            Node::Number(q) => T::from_ratio(q.num(), q.den()),
+            Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
+            Node::Pi => T::pi(),
+            Node::Leaf(l) => inputs(*l),
+            Node::Sum(c, terms) => self.sum(*c, terms, part),
+            Node::Product(factors) => self.product(factors, part),
+            Node::Call(f, args) => {
+                let a = part(args[0]);
+                let mut other = |i: usize| args.get(i).map_or(a, |b| part(*b));
+                let others = [1, 2, 3].map(&mut other);
+                call(*f, a, others)
             }
-            quotient.value()
+            Node::If(test, yes, no) => {
+                let positive = part(*test).to_f64() > 0.0;
+                part(if positive { *yes } else { *no })
+            }
+            Node::Root(r) => crate::root::root_value(self.graph, r, inputs, part),
         }
-        Node::Call(f, args) => {
-            let a = part(args[0]);
-            let mut other = |i: usize| args.get(i).map_or(a, |b| part(*b));
-            let others = [1, 2, 3].map(&mut other);
-            call(*f, a, others)
+    }
+
+    // In both, loops by index: this is where most of the compiler's time goes, and it runs unoptimised.
+    #[allow(clippy::needless_range_loop)]
+    fn sum<T: Number>(&self, c: Q, terms: &[(Q, Id)], part: &mut dyn FnMut(Id) -> T) -> T {
+        let mut term = |(q, t): (Q, Id)| {
+            let v = part(t);
+            if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v }
+        };
+        let mut sum = T::from_ratio(c.num(), c.den());
+        // As in emitted code.
+        let (first, second) = self.anchored.unwrap_or((usize::MAX, usize::MAX));
+        if self.anchored.is_some() {
+            sum = term(terms[first]) + term(terms[second]) + sum;
         }
-        Node::If(test, yes, no) => {
-            let positive = part(*test).to_f64() > 0.0;
-            part(if positive { *yes } else { *no })
+        for i in 0..terms.len() {
+            if i != first && i != second {
+                sum = sum + term(terms[i]);
+            }
         }
-        Node::Root(r) => crate::root::root_value(graph, r, inputs, part),
+        sum
+    }
+
+    #[allow(clippy::needless_range_loop)]
+    fn product<T: Number>(&self, factors: &[(Id, Id)], part: &mut dyn FnMut(Id) -> T) -> T {
+        // As in emitted code: what is divided by is multiplied first, and may underflow.
+        let mut quotient = Quotient::default();
+        for i in 0..factors.len() {
+            if self.together.as_ref().is_some_and(|(_, among)| among[i]) {
+                continue;
+            }
+            let (b, e) = factors[i];
+            let b = part(b);
+            match self.graph.as_number(e) {
+                Some(q) => quotient.push(b, q),
+                None => quotient.top = quotient.top * b.powf(part(e)),
+            }
+        }
+        if let Some((together, _)) = &self.together {
+            let mut inside = Quotient::default();
+            together.inside.iter().for_each(|(b, q)| inside.push(part(*b), *q));
+            quotient.top = quotient.top * inside.value().powf(part(together.exponent));
+            together.outside.iter().for_each(|(b, q)| quotient.push(part(*b), *q));
+        }
+        quotient.value()
     }
 }
 

@@ -4,7 +4,7 @@
 use std::cell::OnceCell;
 use std::rc::Rc;
 
-use crate::eval::node_value;
+use crate::eval::Prepared;
 use crate::expr::{Graph, Id, Leaf, children};
 use crate::hash::Map;
 use crate::number::{Dd, Number, Single};
@@ -252,7 +252,9 @@ impl<T: Number> Table<T> {
         }
         let parts: Vec<(Id, Rc<[T]>)> =
             children(g.node(id)).into_iter().map(|c| (c, self.values(g, c, points))).collect();
-        let at = |k: usize| {
+        let node = Prepared::new(g, id);
+        let mut values = Vec::with_capacity(points.len());
+        for k in 0..points.len() {
             let input = |l: Leaf| T::from_f64(points[k].get(&l).copied().unwrap_or(f64::NAN));
             // Parts are asked for in their order, with some left out.
             let mut next = 0;
@@ -266,9 +268,9 @@ impl<T: Number> Table<T> {
                 }
                 T::from_f64(f64::NAN)
             };
-            node_value(g, id, &input, &mut part)
-        };
-        let values: Rc<[T]> = (0..points.len()).map(at).collect();
+            values.push(node.value(&input, &mut part));
+        }
+        let values: Rc<[T]> = values.into();
         self.known.insert(id, values.clone());
         values
     }

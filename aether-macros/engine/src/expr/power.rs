@@ -26,11 +26,11 @@ impl Graph {
     /// The factors whose exponents are multiples of one another, but for numbers, where some are above and others below
     /// the line.
     pub fn powers_together(&self, factors: &[(Id, Id)]) -> Option<Together> {
-        let general: Vec<(Id, Id)> =
-            factors.iter().filter(|(_, e)| self.as_number(*e).is_none()).copied().collect();
-        if general.len() < 2 {
+        let is_general = |(_, e): &&(Id, Id)| self.as_number(*e).is_none();
+        if factors.iter().filter(is_general).count() < 2 {
             return None;
         }
+        let general: Vec<(Id, Id)> = factors.iter().filter(is_general).copied().collect();
         general.iter().find_map(|&(_, exponent)| {
             let (constant, _) = self.linear(exponent);
             let (mut inside, mut outside, mut taken) = (vec![], vec![], vec![]);
