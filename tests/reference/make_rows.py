@@ -126,6 +126,11 @@ def rational_quadratic_density(x, p):
     return (s + k * t * (1 - t)) ** 2 / (s**2 * (d1 * t**2 + 2 * s * t * (1 - t) + d0 * (1 - t) ** 2))
 
 
+def teeth(x, p):
+    """Row 35: the preimages."""
+    return [[(x[0] + j) / p["k"]] for j in range(int(floor(p["k"])) + 1) if x[0] + j < p["k"]]
+
+
 def cosine_preimages(x, p):
     """Row 33."""
     return [[acos(x[0]) / (2 * pi)], [1 - acos(x[0]) / (2 * pi)]]
@@ -363,8 +368,8 @@ LINE = [
             preimages=lambda x, p: [[(1 - sqrt(x[0])) / 2], [(1 + sqrt(x[0])) / 2]]),
     Sampler(34, "fold", lambda u, p: [abs(2 * u[0] - 1)], lambda x, p: mpf(1), within(0, 1), smooth=lambda u, p: u[0] != 0.5,
             preimages=lambda x, p: [[(1 - x[0]) / 2], [(1 + x[0]) / 2]]),
-    Sampler(35, "sawtooth", lambda u, p: [3 * u[0] - floor(3 * u[0])], lambda x, p: mpf(1), within(0, 1),
-            preimages=lambda x, p: [[(x[0] + k) / 3] for k in range(3)], smooth=lambda u, p: u[0] > 1e-20),
+    Sampler(35, "sawtooth", lambda u, p: [p["k"] * u[0] - floor(p["k"] * u[0])], lambda x, p: len(teeth(x, p)) / p["k"], within(0, 1),
+            preimages=teeth, smooth=lambda u, p: u[0] > 1e-20),
     Sampler(36, "cubic", lambda u, p: [u[0] * (u[0] * (u[0] - mpf(3) / 2) + mpf(9) / 16)], cubic_density, within(0, mpf(1) / 16),
             preimages=cubic_preimages, smooth=lambda u, p: u[0] > 1e-20 and u[0] not in (0.25, 0.75)),
     Sampler(8, "smoothstep", smoothstep, smoothstep_density, between),
@@ -1169,6 +1174,27 @@ def chained_frames(u, p):
     return n + [w[0] + (w[2] - along) * n[0], w[1] + (w[2] - along) * n[1], w[2] * n[2] - w[0] * n[0] - w[1] * n[1]]
 
 
+def frame_around(n):
+    """The frame of Duff et al. about a direction."""
+    side = mpf(1) if n[2] >= 0 else mpf(-1)
+    a = -1 / (side + n[2])
+    b = n[0] * n[1] * a
+    return [1 + side * n[0] ** 2 * a, side * b, -side * n[0]], [b, side + n[1] ** 2 * a, -n[1]], n
+
+
+def scattered_twice(u, p):
+    """Row 102: the second direction in the frame about the first."""
+    n = henyey_greenstein(u[:2], p)
+    c = real_power(u[2], 1 / (p["n"] + 1))
+    w = on_circle(sqrt(1 - c * c), u[3]) + [c]
+    return n + combine(*zip(w, frame_around(n)))
+
+
+def scattered_twice_density(x, p):
+    """Row 102: the phase function times the lobe."""
+    return henyey_greenstein_density(x[:3], p) * (p["n"] + 1) / (2 * pi) * real_power(dot(x[:3], x[3:]), p["n"])
+
+
 def scattering_vertex(u, p):
     """Row 106."""
     t = -log1p(u[0] * expm1(-p["s"] * p["d"])) / p["s"]
@@ -1318,6 +1344,8 @@ SPACE = [
     Sampler(98, "sphere_light", sphere_light, sphere_light_density, on_near_side, to_light),
     Sampler(102, "chained_frames", chained_frames, lambda x, p: x[2] * dot(x[:3], x[3:]) / pi**2,
             lambda x, p: x[2] >= 0 and dot(x[:3], x[3:]) >= 0, lambda x, p: unit(x[:3]) + unit(x[3:])),
+    Sampler(102, "scattered_twice", scattered_twice, scattered_twice_density,
+            lambda x, p: dot(x[:3], x[3:]) >= 0, lambda x, p: unit(x[:3]) + unit(x[3:])),
     Sampler(106, "scattering_vertex", scattering_vertex, scattering_vertex_density,
             lambda x, p: norm(sub(x, p["o"])) <= p["d"]),
     Sampler(111, "stick_breaking", stick_breaking, stick_breaking_density, lambda x, p: min(x) >= 0,
@@ -1465,6 +1493,10 @@ POINTS = {
     + [({"m": 0.05, "d": 2.0, "r": 1.0}, [0.3, 0.6])],
     "chained_frames": over({}, [[0.3, 0.6, 0.2, 0.9], [0.7183098861837907, 0.15915494309189535, 0.4, 0.3], [TINY, 0.3, 0.9, 0.6], [0.9, 0.6, TINY, 0.1],
                                 [BELOW_ONE, 0.25, 0.6, 0.1], [0.3, 0.6, BELOW_ONE, 0.7], [0.5, 0.0, 0.5, 0.0], [0.0, 0.3, 0.2, 0.4], [0.2, 0.4, 0.0, 0.3]]),
+    "scattered_twice": over({"g": 0.75, "n": 20.0}, [[0.3, 0.6, 0.2, 0.9], [0.05, 0.15915494309189535, 0.4, 0.3], [TINY, 0.3, 0.9, 0.6], [0.9, 0.6, TINY, 0.1],
+                                                     [BELOW_ONE, 0.25, 0.6, 0.1], [0.3, 0.6, BELOW_ONE, 0.7], [0.5, 0.0, 0.5, 0.0], [0.0, 0.3, 0.2, 0.4]])
+    + over({"g": -0.5, "n": 1.0}, [[0.3, 0.6, 0.2, 0.9], [0.8, 0.1, 0.7, 0.4]]) + over({"g": 0.99, "n": 1e4}, [[0.3, 0.6, 0.2, 0.9], [1e-9, 0.1, 0.5, 0.7]])
+    + over({"g": 1e-10, "n": 0.0}, [[0.3, 0.1, 0.2, 0.9], [0.9, 0.6, 0.7, 0.3]]) + [({"g": 0.0, "n": 3.0}, [0.3, 0.1, 0.2, 0.9])],
     "scattering_vertex": [({"o": [1e6, 0.0, 0.0], "s": 0.8, "d": 1e-3, "g": 0.9}, [0.5, 0.3, 0.6])] + over(HAZE, TRIPLES)
     + over(FOG, TRIPLES[:2] + TRIPLES[3:]),
     "stick_breaking": over({}, [[1e-12, 0.5, BELOW_ONE]] + TRIPLES + [[0.0, 0.3, 0.6], [0.5, 0.0, 0.5]]),
@@ -1488,7 +1520,7 @@ POINTS = {
     "parabola": over({}, [[0.5 - 2.0**-30]] + INNER[::2] + ENDS + [[0.9]]),
     "square": over({}, INNER[::2] + ENDS + [[0.5 - 2.0**-30], [0.9]]),
     "fold": over({}, INNER + ENDS + [[0.5 - 2.0**-30], [0.9]]),
-    "sawtooth": over({}, INNER + ENDS + [[0.9]]),
+    "sawtooth": over({"k": 3.0}, INNER + ENDS + [[0.9]]),
     "concentric_disk": over({}, [[0.5 + 2.0**-40, 0.5], [0.0, 0.5], [0.5, 0.5]] + PAIRS + [[0.2, 0.9], [0.75, 0.75], [0.25, 0.25], [0.2, 0.4]]),
     "annular_sector": [({"a": 1.0, "b": 1 + 2.0**-30, "p": 0.0, "d": 1.0}, [0.5, 0.5])] + over(SECTOR, PAIRS)
     + [({"a": 0.0, "b": 1.0, "p": -1.0, "d": 6.0}, [0.3, 0.9]), ({"a": 3.0, "b": 4.0, "p": 7.0, "d": 1.0}, [0.3, 0.9])],
@@ -1602,6 +1634,9 @@ QUERIES = {
     "chained_frames": outside({}, [0.0, 0.6, -0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.8, 0.0, 0.0, -1.0], [0.0, 0.6, 0.1, 0.0, 0.0, 1.0], [0.0, 0.6, 0.8, 0.0, 0.6, 0.1],
                               [NAN, 0.0, 1.0, 0.0, 0.0, 1.0])
     + inside({}, [0.0, 0.6, 0.8, 0.0, 0.0, 1.0], [0.6, 0.0, 0.8, 0.8, 0.0, 0.6], [0.6, 0.0, 0.8, 0.96, 0.0, -0.28]),
+    "scattered_twice": outside({"g": 0.75, "n": 20.0}, [0.0, 0.6, 0.8, 0.0, 0.0, -1.0], [0.0, 0.6, -0.8, 0.0, 0.6, 0.8], [0.0, 0.6, 0.1, 0.0, 0.0, 1.0],
+                               [0.0, 0.6, 0.8, 0.0, 0.6, 0.1], [NAN, 0.0, 1.0, 0.0, 0.0, 1.0])
+    + inside({"g": 0.75, "n": 20.0}, [0.0, 0.6, 0.8, 0.0, 0.0, 1.0], [0.6, 0.0, -0.8, 0.8, 0.0, -0.6], [0.0, 0.0, 1.0, 0.48, 0.64, 0.6], [0.0, 0.0, -1.0, 0.6, 0.0, -0.8]),
     "scattering_vertex": outside(HAZE, [2.5, 0.0, 0.0], [0.0, 0.0, -2.25], [NAN, 0.0, 0.0]) + inside(HAZE, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.5, -0.25, 0.25]),
     "stick_breaking": outside({}, [0.5, 0.5, 0.5, 0.5], [0.5, 0.75, -0.25, 0.0], [0.25, 0.25, 0.25, 0.3])
     + inside({}, [0.25, 0.25, 0.25, 0.25], [0.5, 0.125, 0.125, 0.25], [0.0, 0.5, 0.25, 0.25]),
@@ -1620,7 +1655,7 @@ QUERIES = {
     "parabola": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.0], [0.75]),
     "square": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.01]),
     "fold": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.5]),
-    "sawtooth": outside({}, [-0.5], [1.5], [NAN]) + inside({}, [0.25], [0.5]),
+    "sawtooth": outside({"k": 3.0}, [-0.5], [1.5], [NAN]) + inside({"k": 3.0}, [0.25], [0.5]) + inside({"k": 2.5}, [0.25], [0.75]),
     "concentric_disk": outside({}, [0.8, 0.8], [-2.0, 0.0], [NAN, 0.0]) + inside({}, [0.0, 0.0], [0.5, 0.5], [-0.5, 0.5], [0.0, -0.9]),
     "annular_sector": outside(SECTOR, [0.0, 0.0], [1.5, 0.0], [-3.0, 0.0], [0.0, 1.5]) + inside(SECTOR, [-1.5, 0.0], [0.0, -1.5]),
     "bivariate_normal": inside(CHOLESKY, [0.0, 0.0], [10.0, 1.0]) + outside(CHOLESKY, [NAN, 0.0], [INF, 0.0]),

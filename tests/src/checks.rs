@@ -1,6 +1,9 @@
 //! What tests say of samplers in one line.
 
-use aether_core::DomainError;
+use aether_core::battery::{Battery, Report, Space, Verdict};
+use aether_core::{DomainError, Sampler};
+
+use crate::mutation::OnePercentOff;
 
 /// The sampler, whose parameters are in their domain.
 ///
@@ -8,6 +11,49 @@ use aether_core::DomainError;
 /// If they are not.
 pub fn right<T>(made: Result<T, DomainError>) -> T {
     made.expect("the parameters are in their domain")
+}
+
+/// The battery with all its checks, for points that lie on a manifold or are several at once: over a parametrisation by the
+/// unit cube, and by its inverse. A density that is off by one percent must not have the mass of the samples.
+///
+/// The test of samples against the density fails for one seed in a million, and its seed is fixed.
+///
+/// # Panics
+/// If a check fails or is left out.
+pub fn covered<S: Sampler<f64>>(
+    sampler: S,
+    cover: impl Fn(&[f64]) -> S::Point,
+    place: impl Fn(&[f64]) -> Vec<f64>,
+) where
+    S::Point: Space<f64>,
+{
+    covered_by(sampler, [40_000, 200_000], cover, place);
+}
+
+/// The same with so many samples and evaluations of the density.
+///
+/// # Panics
+/// If a check fails or is left out.
+pub fn covered_by<S: Sampler<f64>>(
+    sampler: S,
+    [samples, evaluations]: [usize; 2],
+    cover: impl Fn(&[f64]) -> S::Point,
+    place: impl Fn(&[f64]) -> Vec<f64>,
+) where
+    S::Point: Space<f64>,
+{
+    let report = Battery::new(&sampler)
+        .samples(samples)
+        .evaluations(evaluations)
+        .parametrised(&cover)
+        .located(place)
+        .run();
+    let passed = report.findings().iter().all(|f| f.verdict == Verdict::Passed);
+    assert!(passed, "{report}");
+    let off = OnePercentOff(sampler);
+    let off: Report =
+        Battery::new(&off).samples(samples).evaluations(evaluations).parametrised(cover).run();
+    assert!(off.failures().any(|f| f.check == "mass"), "{off}");
 }
 
 /// A module of tests for each line, `name: sampler, sampler, ...;`. The list before says which tests:

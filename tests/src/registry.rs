@@ -240,7 +240,7 @@ registry! {
         34 "parabola" Parabola: Parabola;
         34 "square" Square: Square;
         34 "fold" Fold: Fold;
-        35 "sawtooth" Sawtooth: Sawtooth;
+        35 "sawtooth" Sawtooth: Sawtooth<R>;
         36 "cubic" Cubic: Cubic;
         46 "elliptical_grid" EllipticalGrid: EllipticalGrid;
         53 "bilinear_density" BilinearDensity: BilinearDensity<R>;
@@ -278,6 +278,7 @@ registry! {
         54 "bilinear_patch" BilinearPatch: BilinearPatch<R>;
         98 "sphere_light" SphereLight: SphereLight<R>;
         102 "chained_frames" ChainedFrames: ChainedFrames;
+        102 "scattered_twice" ScatteredTwice: ScatteredTwice<R>;
         106 "scattering_vertex" ScatteringVertex: ScatteringVertex<R>;
         111 "stick_breaking" StickBreaking: StickBreaking;
         40 "helix" Helix: Helix<R>;

@@ -1,13 +1,15 @@
 //! The rows of the catalogue with branches, roots and several preimages, against reference values
 //! and through the check battery.
 
+#[path = "catalogue_branched/manifolds.rs"]
+mod manifolds;
+
 use aether_core::battery::Battery;
 use aether_core::prelude::*;
 use tests::batteries;
 use tests::catalogue::*;
 use tests::checks::right;
 use tests::compare::{IllConditioned, failures, unnoticed, wrong_densities};
-use tests::mutation::OnePercentOff;
 use tests::reference::{Inputs, Reference};
 
 /// Where the loss is real, and the full condition number is the limit.
@@ -63,11 +65,6 @@ const SHORTFALLS: &[Shortfall] = &[
         |p, u| p.scalar("r") == 0.75 && u[..1] == LAST,
         "the rim, where the density needs differences of squares",
     ),
-    (
-        "chained_frames",
-        |_, u| u[2..3] == LAST,
-        "the second direction grazes, and its height above the plane is a difference",
-    ),
 ];
 
 /// The last uniform before one.
@@ -87,6 +84,17 @@ fn reference() -> Reference {
 fn samples_and_densities_agree_with_the_reference() {
     let failed = failures(&reference(), &ILL_CONDITIONED);
     assert!(failed.is_empty(), "{} failures:\n{}", failed.len(), failed.join("\n"));
+}
+
+/// What is left out falls short indeed.
+#[test]
+fn every_shortfall_is_one() {
+    let all = Reference::load_branched();
+    for (name, test, _) in SHORTFALLS {
+        let mut left_out = all.clone();
+        left_out.points.retain(|p| p.inputs.name == *name && test(&p.inputs, &p.u));
+        assert!(!failures(&left_out, &ILL_CONDITIONED).is_empty(), "{name}: {left_out:?}");
+    }
 }
 
 #[test]
@@ -172,7 +180,7 @@ fn portal<R: Scalar>() -> TiltedPortal<R> {
 #[test]
 fn row_101_lines_in_the_plane_of_the_opening() {
     let portal = portal::<f64>();
-    assert!(!portal.sample([0.5, 0.5, 0.0, 0.25]).is_valid());
+    assert!(!portal.sample([0.5, 0.5, 0.0, 0.0]).is_valid());
     let [a, b] = [Vec3::new(4.0, 0.5, 0.0), Vec3::new(-3.0, 0.25, 0.0)].map(Surface::from_vec);
     assert_eq!(portal.pdf(&(a, b)).value(), 0.0);
     assert_eq!(portal.pdf(&(a, a)).value(), 0.0);
@@ -187,29 +195,6 @@ fn row_104_tetrahedron() {
     Battery::new(&tetrahedron(a, b, c, d)).least(1e-30).run().assert_ok();
 }
 
-/// The density of heavy tails is integrated over numbers in order that are spread as widely.
-#[test]
-fn row_113_ordered() {
-    let cover = |v: &[f64]| {
-        let gap = |v: f64| (v / (1.0 - v)).powi(2);
-        let low = 2.0 * (v[0] / (1.0 - v[0])).ln();
-        Vec3::new(low, low + gap(v[1]), low + gap(v[1]) + gap(v[2]))
-    };
-    Battery::<_, f64>::new(&ordered()).parametrised(cover).run().assert_ok();
-    assert!(!Battery::<_, f64>::new(&OnePercentOff(ordered())).parametrised(cover).run().is_ok());
-}
-
-#[test]
-fn row_114_correlation_factor() {
-    let cover = |v: &[f64]| {
-        let [a, b, c] = [0, 1, 2].map(|i| (PI * v[i]).sin_cos());
-        Embedded([a.1, a.0, b.1, c.1 * b.0, c.0 * b.0])
-    };
-    Battery::<_, f64>::new(&correlation_factor()).parametrised(cover).run().assert_ok();
-    let off = OnePercentOff(correlation_factor());
-    assert!(!Battery::<_, f64>::new(&off).parametrised(cover).run().is_ok());
-}
-
 batteries! { [double single]
     row_6_tent: right(tent(2.0)), right(tent(0.125));
     row_7_triangular: triangular(-1.0, 0.5, 3.0), triangular(0.0, 0.0, 1.0), triangular(0.0, 1.0, 1.0);
@@ -217,12 +202,11 @@ batteries! { [double single]
     row_16_student: right(student(3.5));
     row_17_laplace: right(laplace(1.5));
     row_32_rational_quadratic: right(rational_quadratic(1.5, 2.5, 0.5));
-    row_35_sawtooth: sawtooth();
+    row_35_sawtooth: right(sawtooth(3.0)), right(sawtooth(2.5));
     row_43_concentric_disk: concentric_disk();
     row_50_bivariate_normal: right(bivariate_normal(1.5, -0.75, 0.5));
     row_51_ggx_slopes: right(ggx_slopes(0.25));
     row_53_bilinear_density: right(bilinear_density(1.0, 3.0, 5.0, 7.0));
-    row_54_bilinear_patch: patch();
     row_54_bilinear_quad: quad();
     row_56_complex_square: complex_square();
     row_56_complex_square_xy: complex_square_xy();
@@ -244,6 +228,16 @@ batteries! { [double single]
     row_91_mixture: right(mixture(0.25, 8.0));
     row_92_sheen: right(sheen(0.5));
     row_99_perspective: right(perspective(0.75, 0.5));
+    row_116_radial_flow: right(radial_flow(0.75, 1.25));
+    row_52_pentagon: pentagon();
+    row_103_shell: right(shell(0.5, 2.0));
+    row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
+    row_117_affine_coupling: affine_coupling(0.875, 0.5);
+}
+
+// In double precision these are in `manifolds.rs`, where more is checked.
+batteries! { [single]
+    row_54_bilinear_patch: patch();
     row_47_triangle: triangle(corners()[0], corners()[1], corners()[2]);
     row_48_triangle_heitz: triangle_heitz(corners()[0], corners()[1], corners()[2]);
     row_49_triangle_fold: triangle_fold(corners()[0], corners()[1], corners()[2]);
@@ -251,17 +245,14 @@ batteries! { [double single]
     row_94_ellipsoid: right(ellipsoid(2.0, 1.0, 0.5));
     row_96_torus: right(torus(2.0, 0.5));
     row_105_simplex: simplex();
-    row_116_radial_flow: right(radial_flow(0.75, 1.25));
     row_40_helix: right(helix(1.5, 0.25, 20.0));
-    row_52_pentagon: pentagon();
     row_95_truncated_cone: right(truncated_cone(1.0, 0.25, 2.0));
     row_97_onto_plane: onto_plane(corners()[0], corners()[3], corners()[1]);
     row_101_tilted_portal: portal();
+    row_101_portal_segment: right(portal_segment(1.5, 2.0, 1.0));
     row_102_chained_frames: chained_frames();
-    row_103_shell: right(shell(0.5, 2.0));
+    row_102_scattered_twice: right(scattered_twice(0.5, 3.0));
     row_111_stick_breaking: stick_breaking();
-    row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
-    row_117_affine_coupling: affine_coupling(0.875, 0.5);
 }
 
 /// One end is half a million units away, and rounded by more than the opening's size and the other end's distance.
@@ -318,6 +309,5 @@ mod only_double {
         row_75_as_printed: right(henyey_greenstein_as_printed(0.75));
         row_85_heitz_normals: right(heitz_normals(0.25, view())), right(heitz_normals(0.5, Direction::from_vec(corners()[0])));
         row_90_into_air: right(refracted_ggx(0.25, 0.75, view()));
-        row_98_sphere_light: right(sphere_light(0.1875, 1.25, 0.75));
     }
 }

@@ -5,8 +5,14 @@ use std::collections::BinaryHeap;
 
 use crate::uniform::{Pcg32, UniformSource};
 
-/// A box in up to three dimensions.
-pub(super) type Bounds = [(f64, f64); 3];
+/// The most dimensions of a box.
+pub(super) const MOST: usize = 4;
+
+/// A place in a box.
+pub(super) type Place = [f64; MOST];
+
+/// A box in up to four dimensions.
+pub(super) type Bounds = [(f64, f64); MOST];
 
 /// A box, and the number of the bin that it is a part of.
 pub(super) type Part = (usize, Bounds);
@@ -79,7 +85,7 @@ pub(super) fn integrate(
     dimension: usize,
     tolerance: f64,
     evaluations: usize,
-    mut f: impl FnMut(&[f64; 3]) -> f64,
+    mut f: impl FnMut(&Place) -> f64,
 ) -> Integral {
     let cells = refine(parts, dimension, tolerance, evaluations / 2, &mut f);
     let bins = parts.iter().map(|(owner, _)| owner + 1).max().unwrap_or(0);
@@ -112,7 +118,7 @@ fn refine(
     dimension: usize,
     tolerance: f64,
     evaluations: usize,
-    f: &mut impl FnMut(&[f64; 3]) -> f64,
+    f: &mut impl FnMut(&Place) -> f64,
 ) -> Vec<Cell> {
     let rule = if dimension < 3 { FOUR } else { TWO };
     let cost = (2 * rule.len()).pow(dimension as u32) << dimension;
@@ -147,9 +153,9 @@ fn antithetic(
     bounds: &Bounds,
     dimension: usize,
     source: &mut Pcg32,
-    f: &mut impl FnMut(&[f64; 3]) -> f64,
+    f: &mut impl FnMut(&Place) -> f64,
 ) -> f64 {
-    let (mut x, mut mirrored, mut volume) = ([0.0; 3], [0.0; 3], 1.0);
+    let (mut x, mut mirrored, mut volume) = ([0.0; MOST], [0.0; MOST], 1.0);
     for axis in 0..dimension {
         let (low, high) = bounds[axis];
         let u: f64 = source.next();
@@ -166,7 +172,7 @@ fn split(
     parent: &Cell,
     rule: &[(f64, f64)],
     dimension: usize,
-    f: &mut impl FnMut(&[f64; 3]) -> f64,
+    f: &mut impl FnMut(&Place) -> f64,
 ) -> Vec<Cell> {
     let (owner, depth) = (parent.owner, parent.depth + 1);
     let mut children: Vec<Cell> = (0..1 << dimension)
@@ -199,12 +205,12 @@ fn gauss(
     rule: &[(f64, f64)],
     bounds: &Bounds,
     dimension: usize,
-    f: &mut impl FnMut(&[f64; 3]) -> f64,
+    f: &mut impl FnMut(&Place) -> f64,
 ) -> f64 {
     let points = 2 * rule.len();
     let mut sum = 0.0;
     for k in 0..points.pow(dimension as u32) {
-        let (mut x, mut weight, mut rest) = ([0.0; 3], 1.0, k);
+        let (mut x, mut weight, mut rest) = ([0.0; MOST], 1.0, k);
         for axis in 0..dimension {
             let (low, high) = bounds[axis];
             let (node, share) = rule[rest % points / 2];
@@ -225,7 +231,7 @@ fn gauss(
 mod tests {
     use super::*;
 
-    const CUBE: Bounds = [(-1.0, 1.0); 3];
+    const CUBE: Bounds = [(-1.0, 1.0); MOST];
 
     #[test]
     fn smooth_and_singular_and_discontinuous_integrals() {
@@ -241,9 +247,13 @@ mod tests {
         assert!((disk.total() - core::f64::consts::PI).abs() < 4.0 * disk.error(), "{disk:?}");
         assert!(disk.error() < 5e-4, "{}", disk.error());
         let ball = integrate(&[(0, CUBE)], 3, 1e-8, 1_000_000, |x| {
-            f64::from(u8::from(x.iter().map(|x| x * x).sum::<f64>() < 1.0))
+            f64::from(u8::from(x[..3].iter().map(|x| x * x).sum::<f64>() < 1.0))
         });
         assert!((ball.total() - core::f64::consts::PI * 4.0 / 3.0).abs() < 4.0 * ball.error());
+        let four = |x: &Place| x.iter().map(|x| 1.0 + 0.25 * x.powi(4)).product::<f64>();
+        let smooth = integrate(&[(0, CUBE)], 4, 1e-8, 100_000, four);
+        assert!((smooth.total() - 2.1_f64.powi(4)).abs() < 4.0 * smooth.error(), "{smooth:?}");
+        assert!(smooth.error() < 5e-3, "{}", smooth.error());
         assert!(integrate(&[(0, CUBE)], 1, 1e-8, 1000, |_| f64::NAN).total().is_nan());
     }
 }

@@ -1,18 +1,18 @@
 //! Mass of the density over the whole space, and samples against it.
 
-use super::cubature::{Bounds, Integral, integrate};
+use super::cubature::{Bounds, Integral, MOST, integrate};
 use super::derivative::Derivative;
 use super::gamma::chi_square_tail;
-use super::partition::{Tree, cut};
+use super::partition::{Grid, Tree, cut};
 use super::probe::Probe;
 use super::report::{Report, Verdict};
 use super::space::Chart;
-use super::{Cover, Settings};
+use super::{Manifold, Settings};
 use crate::uniform::Pcg32;
 
 /// Levels of the partition: 2^8 bins.
 const LEVELS: usize = 8;
-const CUBE: Bounds = [(-1.0, 1.0); 3];
+const CUBE: Bounds = [(-1.0, 1.0); MOST];
 /// Cells are refined down to this error.
 const PRECISE: f64 = 1e-6;
 /// Cells where the density fills a small corner may hide this much from the standard error.
@@ -76,33 +76,50 @@ pub(super) fn check(probe: &Probe, draws: &Draws, settings: &Settings, report: &
     chi_square(draws, &counts, &integral, settings.false_alarm_rate, report);
 }
 
-/// Checks the mass of the density over a manifold that the user has parametrised.
+/// Checks the density over a manifold that the user has parametrised.
 pub(super) fn check_over(
     probe: &Probe,
     draws: &Draws,
-    evaluations: usize,
-    cover: Cover<'_, '_>,
+    settings: &Settings,
+    manifold: &Manifold<'_, '_>,
     report: &mut Report,
 ) {
     let dimension = probe.sampler.dimension();
-    if dimension > 3 {
-        let detail = "cubature goes up to three dimensions".to_owned();
+    if dimension > MOST {
+        let detail = "cubature goes up to four dimensions".to_owned();
         return report.add("mass", Verdict::NotApplicable, detail);
     }
+    let cover = manifold.cover;
     let map = |t: &[f64]| Some(cover(t).coordinates());
+    let grid = Grid::new(dimension);
     // Each evaluation differentiates the parametrisation too.
-    let integral = integrate(&[(0, CUBE)], dimension, PRECISE, evaluations / 10, |t| {
-        let t: Vec<f64> = t[..dimension].iter().map(|t| 0.5 + 0.5 * t).collect();
-        let density = cover(&t).pdf();
+    let evaluations = settings.evaluations / 10;
+    let integral = integrate(&grid.parts(), dimension, PRECISE, evaluations, |t| {
+        let density = cover(&t[..dimension]).pdf();
         if density == 0.0 {
             return 0.0;
         }
-        let stretch = Derivative::of(&map, &t).map_or(0.0, |d| d.volume());
-        density * stretch * 0.5_f64.powi(dimension as i32)
+        density * Derivative::roughly(&map, &t[..dimension]).map_or(0.0, |d| d.volume())
     });
     report_mass(draws, &integral, report);
-    let detail = "only the sampler knows where on the manifold a sample lies".to_owned();
-    report.add("chi-square", Verdict::NotApplicable, detail);
+
+    let Some(place) = manifold.place else {
+        let detail = "where on the manifold a sample lies is not known: give `.located(…)`";
+        return report.add("chi-square", Verdict::NotApplicable, detail.to_owned());
+    };
+    let mut counts = vec![0.0; integral.bins.len()];
+    let mut outside = 0;
+    for x in &draws.points {
+        match grid.cell(&place(x)) {
+            Some(cell) => counts[cell] += 1.0,
+            None => outside += 1,
+        }
+    }
+    if outside > 0 {
+        let detail = format!("{outside} samples are where the parametrisation does not reach");
+        return report.add("chi-square", Verdict::Failed, detail);
+    }
+    chi_square(draws, &counts, &integral, settings.false_alarm_rate, report);
 }
 
 fn report_mass(draws: &Draws, integral: &Integral, report: &mut Report) {

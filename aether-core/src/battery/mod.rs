@@ -25,8 +25,8 @@
 //! - *outside*: a point that has a density has a preimage that maps forward to it.
 //!
 //! On a manifold that only the sampler knows ([`Embedded`](crate::Embedded) points and
-//! [`SurfacePoint`](crate::SurfacePoint)s) there is nothing to integrate over: *mass* needs
-//! [`Battery::parametrised`] there, and *chi-square* is left out; *jacobian* then vouches for the
+//! [`SurfacePoint`](crate::SurfacePoint)s), and for several points at once, there is nothing to integrate over: *mass* needs
+//! [`Battery::parametrised`] there, and *chi-square* [`Battery::located`] too; without them *jacobian* vouches for the
 //! density on the manifold.
 
 mod cubature;
@@ -79,14 +79,18 @@ where
 
 type Parametrisation<'a, P> = Box<dyn Fn(&[f64]) -> P + 'a>;
 
-/// A parametrisation of points whose type is forgotten.
-type Cover<'c, 'a> = &'c dyn Fn(&[f64]) -> AnySpot<'a>;
+/// A parametrised manifold, with points whose type is forgotten.
+struct Manifold<'c, 'a> {
+    cover: &'c dyn Fn(&[f64]) -> AnySpot<'a>,
+    place: Option<&'c dyn Fn(&[f64]) -> Vec<f64>>,
+}
 
 /// The battery for one sampler, with its settings.
 pub struct Battery<'a, S: Sampler<R>, R: Scalar> {
     sampler: &'a S,
     settings: Settings,
     parametrisation: Option<Parametrisation<'a, S::Point>>,
+    place: Option<Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>>,
 }
 
 /// Settings of the checks.
@@ -119,7 +123,7 @@ where
             least: 1e-300,
             jumps: Vec::new(),
         };
-        Battery { sampler, settings, parametrisation: None }
+        Battery { sampler, settings, parametrisation: None, place: None }
     }
 
     /// Seed of all random choices; a battery with the same seed makes the same report.
@@ -162,6 +166,13 @@ where
         self
     }
 
+    /// Where in the unit cube of [`Battery::parametrised`] the point with these coordinates lies: its inverse, with which
+    /// samples can be counted in cells of the cube. All samples must lie in it.
+    pub fn located(mut self, place: impl Fn(&[f64]) -> Vec<f64> + 'a) -> Self {
+        self.place = Some(Box::new(place));
+        self
+    }
+
     /// Where the density jumps: at these values of coordinate `axis`, so that the cubature cuts its
     /// cells there. On the sphere the coordinates are z and the azimuth in (-π, π].
     pub fn jumps(mut self, axis: usize, values: impl IntoIterator<Item = f64>) -> Self {
@@ -177,7 +188,8 @@ where
             None => run(&typed, &self.settings, None, &mut report),
             Some(cover) => {
                 let cover = |t: &[f64]| typed.spot(cover(t));
-                run(&typed, &self.settings, Some(&cover), &mut report);
+                let manifold = Manifold { cover: &cover, place: self.place.as_deref() };
+                run(&typed, &self.settings, Some(&manifold), &mut report);
             }
         }
         report
@@ -188,7 +200,7 @@ where
 fn run(
     sampler: &dyn Subject,
     settings: &Settings,
-    cover: Option<Cover<'_, '_>>,
+    manifold: Option<&Manifold<'_, '_>>,
     report: &mut Report,
 ) {
     let Some(probe) = Probe::new(sampler, settings.seed) else {
@@ -197,9 +209,9 @@ fn run(
     };
     pointwise::check(&probe, settings.seed, settings.least, report);
     let draws = mass::Draws::new(&probe, settings.seed, settings.samples);
-    match cover {
+    match manifold {
         None => mass::check(&probe, &draws, settings, report),
-        Some(cover) => mass::check_over(&probe, &draws, settings.evaluations, cover, report),
+        Some(manifold) => mass::check_over(&probe, &draws, settings, manifold, report),
     }
     outside::check(&probe, settings.seed, report);
 }

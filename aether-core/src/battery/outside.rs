@@ -33,7 +33,7 @@ pub(super) fn check(probe: &Probe, seed: u64, report: &mut Report) {
     {
         let mut anywhere = || -1.0 + 2.0 * UniformSource::<f64>::next(&mut source);
         candidates.extend((0..SPREAD).map(|_| {
-            let (y, _) = chart.point(&[anywhere(), anywhere(), anywhere()]);
+            let (y, _) = chart.point(&core::array::from_fn(|_| anywhere()));
             x.moved_to(&y)
         }));
     }

@@ -1,6 +1,6 @@
 //! A partition of a cube that follows a cloud of points.
 
-use super::cubature::{Bounds, Part};
+use super::cubature::{Bounds, MOST, Part, Place};
 
 /// A partition of the cube [-1, 1]^dimension into boxes that hold about as many of the given points
 /// each: a k-d tree with its leaves numbered.
@@ -15,7 +15,7 @@ impl Tree {
     /// Cuts the box at the median of the points along its widest spread, `levels` times over;
     /// appends the leaves to `leaves`, cut into parts as [`surround`] does.
     pub(super) fn grow(
-        points: &mut [[f64; 3]],
+        points: &mut [Place],
         bounds: Bounds,
         dimension: usize,
         levels: usize,
@@ -41,13 +41,53 @@ impl Tree {
     }
 
     /// The number of the leaf that a point lies in.
-    pub(super) fn leaf(&self, point: &[f64; 3]) -> usize {
+    pub(super) fn leaf(&self, point: &Place) -> usize {
         match self {
             Tree::Leaf(number) => *number,
             Tree::Cut(axis, at, parts) => parts[usize::from(point[*axis] >= *at)].leaf(point),
         }
     }
 }
+
+/// A partition of the unit cube into equal cells.
+pub(super) struct Grid {
+    dimension: usize,
+    /// How many cells there are along an axis.
+    cells: usize,
+}
+
+impl Grid {
+    /// About 64 cells.
+    pub(super) fn new(dimension: usize) -> Grid {
+        Grid { dimension, cells: 64_f64.powf(1.0 / dimension as f64).round() as usize }
+    }
+
+    /// Each cell with its number.
+    pub(super) fn parts(&self) -> Vec<Part> {
+        let width = 1.0 / self.cells as f64;
+        let part = |number: usize| {
+            let mut bounds = [(0.0, 1.0); MOST];
+            for (axis, bounds) in bounds.iter_mut().enumerate().take(self.dimension) {
+                let along = number / self.cells.pow(axis as u32) % self.cells;
+                *bounds = (along as f64 * width, (along + 1) as f64 * width);
+            }
+            (number, bounds)
+        };
+        (0..self.cells.pow(self.dimension as u32)).map(part).collect()
+    }
+
+    /// The number of the cell that a place lies in; `None` outside of the cube.
+    pub(super) fn cell(&self, place: &[f64]) -> Option<usize> {
+        let along = |t: &f64| {
+            let inside = (-ROUNDING..=1.0 + ROUNDING).contains(t);
+            inside.then(|| ((t * self.cells as f64).max(0.0) as usize).min(self.cells - 1))
+        };
+        place.iter().rev().try_fold(0, |number, t| Some(number * self.cells + along(t)?))
+    }
+}
+
+/// What the place of a sample may be off by.
+const ROUNDING: f64 = 1e-6;
 
 /// Cuts all parts that reach beyond both sides of a plane across `axis` in two.
 pub(super) fn cut(parts: &mut Vec<Part>, axis: usize, at: f64) {
@@ -63,7 +103,7 @@ pub(super) fn cut(parts: &mut Vec<Part>, axis: usize, at: f64) {
 }
 
 /// The smallest box around the points.
-fn hull(points: &[[f64; 3]]) -> Bounds {
+fn hull(points: &[Place]) -> Bounds {
     core::array::from_fn(|axis| {
         let all = points.iter().map(|p| p[axis]);
         (all.clone().fold(1.0, f64::min), all.fold(-1.0, f64::max))
@@ -98,12 +138,28 @@ fn surround(hull: &Bounds, mut bounds: Bounds, dimension: usize, mut visit: impl
 mod tests {
     use super::*;
 
-    const CUBE: Bounds = [(-1.0, 1.0); 3];
+    const CUBE: Bounds = [(-1.0, 1.0); MOST];
+
+    #[test]
+    fn the_cells_of_a_grid_are_where_their_numbers_say() {
+        for dimension in 1..=MOST {
+            let grid = Grid::new(dimension);
+            let parts = grid.parts();
+            assert!((64..=81).contains(&parts.len()), "{} cells", parts.len());
+            for (number, bounds) in parts {
+                let middle = bounds.map(|(low, high)| 0.5 * (low + high));
+                assert_eq!(grid.cell(&middle[..dimension]), Some(number));
+            }
+            assert_eq!(grid.cell(&[1.0, 0.5, 0.5, -0.1][MOST - dimension..]), None);
+        }
+    }
 
     #[test]
     fn leaves_hold_equally_many_points_and_tile_the_cube() {
-        let mut points: Vec<[f64; 3]> = (0..1024)
-            .map(|k| [(f64::from(k) * 0.618_034).fract(), (f64::from(k) * 0.414_214).fract(), 0.0])
+        let mut points: Vec<Place> = (0..1024)
+            .map(|k| {
+                [(f64::from(k) * 0.618_034).fract(), (f64::from(k) * 0.414_214).fract(), 0.0, 0.0]
+            })
             .collect();
         let mut leaves = Vec::new();
         let tree = Tree::grow(&mut points, CUBE, 2, 5, &mut leaves);

@@ -1,5 +1,6 @@
 //! What the battery knows about a space: how to make points of it, and how to cover it.
 
+use super::cubature::{MOST, Place};
 use crate::point::{
     Direction, Embedded, EmbeddedMeasure, MeasureTable, Point, SurfaceId, SurfacePoint,
 };
@@ -140,8 +141,8 @@ impl Chart {
     }
 
     /// Where in the cube a point lies.
-    pub(super) fn cube(&self, x: &[f64]) -> [f64; 3] {
-        let mut t = [0.0; 3];
+    pub(super) fn cube(&self, x: &[f64]) -> Place {
+        let mut t = [0.0; MOST];
         match self {
             Chart::Flat(axes) => {
                 for (axis, (t, x)) in t.iter_mut().zip(x).enumerate().take(axes.len()) {
@@ -171,7 +172,7 @@ impl Chart {
 
     /// The point of the space at a place in the cube, and the measure of the space per volume of
     /// the cube there.
-    pub(super) fn point(&self, t: &[f64; 3]) -> ([f64; 3], f64) {
+    pub(super) fn point(&self, t: &Place) -> ([f64; 3], f64) {
         match self {
             Chart::Flat(axes) => {
                 let (mut x, mut factor) = ([0.0; 3], 1.0);

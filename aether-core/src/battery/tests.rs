@@ -145,21 +145,39 @@ fn a_density_that_misses_part_of_the_support_fails() {
     assert!(checks.contains(&"mass") && checks.contains(&"chi-square"), "{checks:?}");
 }
 
+/// A sphere by two angles.
+fn cover(t: &[f64]) -> Embedded<2, 3> {
+    let (theta, phi) = (PI * t[0], TAU * t[1]);
+    let w = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
+    Embedded(core::array::from_fn(|i| CENTRE[i] + 3.0 * w[i]))
+}
+
+/// The angles of a point of the sphere.
+fn place(x: &[f64]) -> Vec<f64> {
+    let d: Vec<f64> = x.iter().zip(CENTRE).map(|(x, c)| x - c).collect();
+    vec![d[0].hypot(d[1]).atan2(d[2]) / PI, d[1].atan2(d[0]).rem_euclid(TAU) / TAU]
+}
+
 #[test]
 fn a_parametrised_surface_integrates() {
-    let cover = |t: &[f64]| {
-        let (theta, phi) = (PI * t[0], TAU * t[1]);
-        let w = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
-        Embedded(core::array::from_fn(|i| CENTRE[i] + 3.0 * w[i]))
+    let verdicts = |sampler| {
+        let battery = Battery::<_, f64>::new(&sampler).samples(20_000).evaluations(200_000);
+        let report = battery.parametrised(cover).located(place).run();
+        let of = |check| report.findings().iter().find(|f| f.check == check).map(|f| f.verdict);
+        ["jacobian", "mass", "chi-square"].map(of)
     };
-    let mass_of = |sampler| {
-        let report = Battery::<_, f64>::new(&sampler).samples(1000).parametrised(cover).run();
-        report.findings().iter().find(|f| f.check == "mass").map(|f| f.verdict)
-    };
-    assert_eq!(mass_of(sphere()), Some(Verdict::Passed));
+    let (passed, failed) = (Some(Verdict::Passed), Some(Verdict::Failed));
+    assert_eq!(verdicts(sphere()), [passed; 3]);
     let mut wrong = sphere();
     wrong.pdf = |p| (sphere().pdf)(p) * 1.01;
-    assert_eq!(mass_of(wrong), Some(Verdict::Failed));
+    assert_eq!(verdicts(wrong), [failed, failed, passed]);
+    // As much mass, in other places.
+    wrong.pdf = |p| (sphere().pdf)(p) * (1.0 + 0.1 * (p.0[2] - CENTRE[2]));
+    assert_eq!(verdicts(wrong), [failed, passed, failed]);
+    let half = |x: &[f64]| place(x).into_iter().map(|t| 2.0 * t).collect();
+    let right = sphere();
+    let battery = Battery::<_, f64>::new(&right).samples(1000).parametrised(cover);
+    assert!(battery.located(half).run().failures().any(|f| f.check == "chi-square"));
 }
 
 #[test]

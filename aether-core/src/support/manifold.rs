@@ -29,11 +29,16 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
     if near_or_far::<R, M>(forward(&tried), x).0 {
         return true;
     }
-    // So may one without a bound, as next to a corner: the one that it has, then.
-    for t in &mut tried {
-        *t = unit(R::value_and_error(*t).0).track();
-    }
-    unbounded && near_or_far::<R, M>(forward(&tried), x).0
+    // So may one without a bound, as next to a corner: the one that it has, then. And next to the end of a uniform that
+    // leads to infinity its bounds tell nothing of the image, but the number that it is may lead there.
+    let leads = |rounding: R| {
+        let numbers = tried.map(|t| {
+            let number = unit(R::value_and_error(t).0);
+            number.track_within(number * rounding)
+        });
+        near_or_far::<R, M>(forward(&numbers), x).0
+    };
+    unbounded && leads(R::EPSILON) || leads(R::ZERO)
 }
 
 /// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.
@@ -109,6 +114,22 @@ mod tests {
         assert_eq!(lies([on[0], on[1] + 4e-14]), (false, false));
         assert_eq!(lies([f64::NAN, 1.0]), (false, false));
         assert_eq!(lies([0.0, 0.0]), (false, false));
+    }
+
+    #[test]
+    fn uniforms_whose_bounds_tell_nothing_are_tried_as_they_are() {
+        // The last uniform before one, which leads far away, and one that is undetermined.
+        let last = 1.0 - 0.5 * f64::EPSILON;
+        let far = |u: &[<f64 as Single>::Tracked; 2]| {
+            let one = <f64 as Single>::Tracked::ONE;
+            [one / (one - u[0]), u[1]]
+        };
+        let x = [1.0 / (1.0 - last), 0.0];
+        let [near, zero] = [last, 0.0].map(f64::track);
+        let rounded = near + f64::track(0.5) * f64::track(f64::EPSILON);
+        let unknown = zero / zero;
+        assert!(leads_back::<f64, 2, 2>([rounded, unknown], &x, far));
+        assert!(!leads_back::<f64, 2, 2>([rounded, unknown], &[0.5 * x[0], 0.0], far));
     }
 
     #[test]

@@ -150,6 +150,7 @@ pub struct Graph {
     names: Map<Leaf, String>,
     units: Vec<[Id; 3]>,
     vectors: Vec<[Id; 3]>,
+    made_frames: Vec<[[Id; 3]; 3]>,
     /// Known ranges of quotients: numerator, denominator.
     quotients: Vec<(Id, Id, Interval)>,
     /// What [`crate::poly`] made of expressions, as long as ranges stay what they are.
@@ -296,6 +297,17 @@ impl Graph {
     /// The vectors that were noted, in the order in which they were made.
     pub fn vectors(&self) -> &[[Id; 3]] {
         &self.vectors
+    }
+    /// Notes three vectors, perpendicular to each other and of unit length, that the body makes a frame of.
+    pub fn note_frame(&mut self, columns: [[Id; 3]; 3]) {
+        columns.iter().for_each(|column| self.note_vector(*column));
+        if !self.made_frames.contains(&columns) {
+            self.made_frames.push(columns);
+        }
+    }
+    /// The frames that were noted.
+    pub fn made_frames(&self) -> &[[[Id; 3]; 3]] {
+        &self.made_frames
     }
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {

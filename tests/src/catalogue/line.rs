@@ -83,10 +83,10 @@ pub fn fold(u: [Uniform; 1]) -> f64 {
     (2.0 * u[0] - 1.0).abs()
 }
 
-/// Row 35: a sawtooth; three preimages.
-#[sampler]
-pub fn sawtooth(u: [Uniform; 1]) -> f64 {
-    (3.0 * u[0]).fract()
+/// Row 35: a sawtooth with k teeth, of which the last may be cut short; a preimage on each.
+#[sampler(k in 0.5..=4.0)]
+pub fn sawtooth(u: [Uniform; 1], k: f64) -> f64 {
+    k * u[0] - (k * u[0]).floor()
 }
 
 /// Row 36: a cubic that turns twice; three preimages.

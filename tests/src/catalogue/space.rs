@@ -176,6 +176,21 @@ pub fn chained_frames(u: [Uniform; 4]) -> (Direction, Direction) {
     (Direction::from_vec(first), Direction::from_vec(a * right + b * up + c * first))
 }
 
+/// Row 102 as it is printed: a Henyey-Greenstein direction about +z, and a power cosine about that one.
+#[sampler(g in -0.999..=0.999, n in 0.0..=1e4)]
+pub fn scattered_twice(u: [Uniform; 4], g: f64, n: f64) -> (Direction, Direction) {
+    let f = 1.0 - g + 2.0 * g * u[0];
+    let m = 2.0 * (1.0 - g).powi(2) * (1.0 - u[0]) * (1.0 + g * u[0]) / f.powi(2);
+    let r = (m * (2.0 - m)).sqrt();
+    let phi = TAU * u[1];
+    let first = Direction::new(r * phi.cos(), r * phi.sin(), 1.0 - m);
+    let c = u[2].powf(1.0 / (n + 1.0));
+    let s = (1.0 - c * c).sqrt();
+    let psi = TAU * u[3];
+    let local = Vec3::new(s * psi.cos(), s * psi.sin(), c);
+    (first, Direction::from_vec(Frame::around(first).to_world(local)))
+}
+
 /// Row 54 in space: a bilinear patch, which need not be flat.
 #[sampler]
 pub fn bilinear_patch(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Surface {

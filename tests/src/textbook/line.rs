@@ -12,7 +12,7 @@ pub fn density<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
     distribution(which, p, x)
         .or_else(|| heavy_tailed(which, p, x))
         .or_else(|| flight(which, p, x))
-        .or_else(|| several_to_one(which, x))
+        .or_else(|| several_to_one(which, p, x))
 }
 
 /// Distributions of statistics.
@@ -156,14 +156,16 @@ fn flight<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
 }
 
 /// Folded maps: sums over the preimages.
-fn several_to_one<R: Real>(which: Which, x: R) -> Option<R> {
+fn several_to_one<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
     let c = R::of;
     let one = R::ONE;
     let density = match which {
         Which::Cosine | Which::Arcsine => (c(PI) * (one - x * x).sqrt()).recip(),
         Which::Parabola => (c(2.0) * (one - x).sqrt()).recip(),
         Which::Square => (c(2.0) * x.sqrt()).recip(),
-        Which::Fold | Which::Sawtooth => one,
+        Which::Fold => one,
+        // As many teeth as are higher.
+        Which::Sawtooth => -(x - p[0]).floor() / p[0],
         // Three real roots by Viète's cosines.
         Which::Cubic => {
             let angle = (c(32.0) * x - one).acos();

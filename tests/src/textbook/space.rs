@@ -24,6 +24,11 @@ pub fn density<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         }
         Which::Quaternion => c(0.5 * FRAC_1_PI * FRAC_1_PI),
         Which::ChainedFrames => x[2] * vector(x, 0).dot(vector(x, 3)) * c(FRAC_1_PI) * c(FRAC_1_PI),
+        Which::ScatteredTwice => {
+            let cosine = vector(x, 0).dot(vector(x, 3));
+            let lobe = (p[1] + one) * c(0.5 * FRAC_1_PI) * cosine.powf(p[1]);
+            henyey_greenstein(p[0], x[2]) * lobe
+        }
         // Uniform on the lens, and on a rectangle at a distance.
         Which::ThinLens => {
             let cosine = x[4];

@@ -9,7 +9,7 @@ use super::near_one::by_the_rest;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
-use super::units::by_the_others;
+use super::units::{by_the_other_side, by_the_others};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -99,6 +99,7 @@ impl Sums<'_> {
         }
         if !self.is_direction {
             forms.extend(by_the_others(g, id, &self.units));
+            forms.extend(by_the_other_side(g, id, &self.units));
         }
         forms.extend(by_the_rest(g, id));
         forms

@@ -1,15 +1,17 @@
-//! Powers of a part of a length, as of the cosine of a half vector, next to one.
+//! Powers of a cosine next to one: of a part of a length, as of a half vector, or of the product of two unit vectors.
 //!
 //! (a / √s)ⁿ with s = a² + r loses n times the rounding of a / √s, although r says to full precision how far that is from
-//! one: it is (1 - r / (√s (√s + a)))ⁿ.
+//! one: it is (1 - r / (√s (√s + a)))ⁿ. And (v · w)ⁿ is (1 - |v - w|² / 2)ⁿ.
 
 use std::collections::BTreeMap;
 
 use crate::expr::{Fun, Graph, Id, Node, children};
 use crate::hash::Set;
 use crate::rational::Q;
+use crate::solve::linear::dot;
 
-/// An expression with such powers by what is left of the length; `None` where it has none.
+/// An expression with such powers by what is left of the length, or by the difference of the vectors; `None` where it has
+/// none.
 pub(super) fn by_the_rest(g: &mut Graph, written: Id) -> Option<Id> {
     let mut open = vec![written];
     let mut others = BTreeMap::new();
@@ -20,7 +22,8 @@ pub(super) fn by_the_rest(g: &mut Graph, written: Id) -> Option<Id> {
         }
         open.extend(children(g.node(id)));
         if let Node::Product(factors) = g.node(id).clone()
-            && let Some(other) = power_by_the_rest(g, &factors)
+            && let Some(other) =
+                power_by_the_rest(g, &factors).or_else(|| power_by_the_difference(g, &factors))
         {
             others.insert(id, other);
         }
@@ -61,6 +64,41 @@ fn power_by_the_rest(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
     Some(g.product(&all))
 }
 
+/// Whether a test is one of those of which [`by_the_rest`] makes powers of products of unit vectors.
+pub(super) fn tells_an_angle(g: &mut Graph, test: Id) -> bool {
+    let Node::Sum(c, terms) = g.node(test).clone() else { return false };
+    let product = g.sum(Q::ZERO, &terms);
+    c == Q::HALF.neg() && product_of_units(g, product).is_some()
+}
+
+/// The two unit vectors whose product this is.
+fn product_of_units(g: &mut Graph, product: Id) -> Option<[[Id; 3]; 2]> {
+    let units = g.units().to_vec();
+    units.iter().enumerate().find_map(|(i, v)| {
+        let w = units[..i].iter().find(|w| dot(g, v, *w) == product)?;
+        Some([*v, *w])
+    })
+}
+
+fn power_by_the_difference(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
+    let of_two = |g: &mut Graph, &(base, n): &(Id, Id)| {
+        let open = g.as_number(n).is_none() && matches!(g.node(base), Node::Sum(..));
+        let [v, w] = open.then(|| product_of_units(g, base)).flatten()?;
+        Some((base, n, [0, 1, 2].map(|k| g.sub(v[k], w[k]))))
+    };
+    let (base, n, difference) = factors.iter().find_map(|factor| of_two(g, factor))?;
+    let squared = dot(g, &difference, &difference);
+    let lacking = g.sum(Q::ZERO, &[(Q::HALF.neg(), squared)]);
+    let near = g.call(Fun::Pow1p, &[lacking, n]);
+    let far = g.pow(base, n);
+    let most = g.sum(Q::HALF.neg(), &[(Q::ONE, base)]);
+    let power = g.if_positive(most, near, far);
+    let one = g.int(1);
+    let others = factors.iter().filter(|factor| **factor != (base, n)).copied();
+    let all: Vec<(Id, Id)> = others.chain([(power, one)]).collect();
+    Some(g.product(&all))
+}
+
 #[cfg(test)]
 mod tests {
     use crate::interpret::Item;
@@ -84,6 +122,28 @@ mod tests {
             let power = f64::exp(0.5 * n * (-half.sin() * half.sin()).ln_1p());
             let expected = (n + 1.0) / std::f64::consts::TAU * power / (4.0 * half.cos());
             let found = item.pdf(&[n, 0.0, 0.0, 1.0], &v);
+            assert!((found / expected - 1.0).abs() < 1e-13, "{u:?}: {found:e}, not {expected:e}");
+        }
+    }
+    #[test]
+    fn a_narrow_lobe_about_a_sampled_direction_keeps_its_digits() {
+        let text = "fn chain(u: [Uniform; 4], n: f64) -> (Direction, Direction) {
+            let (s, phi, psi) = (u[0].sqrt(), TAU * u[1], TAU * u[3]);
+            let first = Direction::new(s * phi.cos(), s * phi.sin(), (1.0 - u[0]).sqrt());
+            let c = u[2].powf(1.0 / (n + 1.0));
+            let r = (1.0 - c * c).sqrt();
+            let local = Vec3::new(r * psi.cos(), r * psi.sin(), c);
+            (first, Direction::from_vec(Frame::around(first) * local))
+        }";
+        let item =
+            Item::new("n in 0.0..=1e6".parse().unwrap(), text.parse().unwrap(), true).unwrap();
+        let n = 1e6;
+        for u in [[0.3, 0.6, 0.4, 0.1], [0.9, 0.1, 0.01, 0.7], [0.01, 0.95, 0.9, 0.45]] {
+            let x = item.forward(&[n], &u).unwrap();
+            let squared: f64 = (0..3).map(|k| (x[k] - x[k + 3]).powi(2)).sum();
+            let power = f64::exp(n * (-0.5 * squared).ln_1p());
+            let expected = x[2] * 2.0 * (n + 1.0) / std::f64::consts::TAU.powi(2) * power;
+            let found = item.pdf(&[n], &x);
             assert!((found / expected - 1.0).abs() < 1e-13, "{u:?}: {found:e}, not {expected:e}");
         }
     }

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::cases::Case;
+use super::near_one::tells_an_angle;
 use super::units::by_one;
 use crate::expr::{Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
@@ -203,11 +204,11 @@ fn in_depth(g: &mut Graph, id: Id, coordinate: Id, height: Id, memo: &mut Map<Id
             let args: Vec<_> = args.into_iter().map(|a| part(g, a)).collect();
             g.call(f, &args)
         }
-        Node::If(test, yes, no) if !tells_a_side(g, test) => {
+        Node::If(test, yes, no) if !tells_a_side(g, test) && !tells_an_angle(g, test) => {
             let [test, yes, no] = [test, yes, no].map(|id| part(g, id));
             g.if_positive(test, yes, no)
         }
-        // What was decided for another side of the sphere stays.
+        // What was decided for another side of the sphere stays, and what is told by a difference of vectors.
         _ => id,
     };
     memo.insert(id, made);

@@ -3,8 +3,10 @@
 //! Next to one, x says little of how far it is from there; the others say it to full precision. Next to zero the others
 //! say little of how far the sum of their squares is from one.
 
-use crate::expr::{Graph, Id, Leaf, Node};
-use crate::hash::Map;
+use std::collections::BTreeMap;
+
+use crate::expr::{Graph, Id, Leaf, Node, children};
+use crate::hash::{Map, Set};
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
@@ -12,8 +14,8 @@ use crate::rational::Q;
 use super::parts::one_sign;
 use super::{Problem, Target};
 
-/// The places of coordinates that are together a unit vector: those of a direction, and the smallest sets of
-/// coordinates of a manifold whose squares add up to one.
+/// The places of coordinates that are together a unit vector: those of a direction, also of one among several points,
+/// and the smallest sets of coordinates of a manifold whose squares add up to one.
 pub(super) fn units(problem: &mut Problem) -> Vec<Vec<u8>> {
     if problem.argument.is_some() {
         return vec![];
@@ -21,8 +23,14 @@ pub(super) fn units(problem: &mut Problem) -> Vec<Vec<u8>> {
     if problem.is_direction() {
         return vec![vec![0, 1, 2]];
     }
-    let embedded = matches!(problem.parts[..], [part] if part.target == Target::Embedded);
     let n = problem.outputs.len();
+    if problem.parts.len() > 1 {
+        let mut placed = problem.placed();
+        placed.retain(|(part, _)| part.target == Target::Direction);
+        let places = placed.into_iter().map(|(_, place)| place.map(|i| i as u8).collect());
+        return places.collect();
+    }
+    let embedded = problem.parts.iter().all(|part| part.target == Target::Embedded);
     if !embedded || n > MOST {
         return vec![];
     }
@@ -79,6 +87,54 @@ pub(super) fn by_one(g: &mut Graph, written: Id, unit: &[u8], x: u8) -> Option<I
     let told = Told::One { one: g.get_leaf(Leaf::Out(x)), others };
     let id = Replacing { coordinate, told, memo: Map::default() }.put_into(g, written);
     (id != written).then_some(id)
+}
+
+/// An expression of a point with 1 / (1 + z) for (1 - z) / (x² + y²), which says nothing at the pole, and the same on the
+/// other side; `None` where it has no such quotient.
+pub(super) fn by_the_other_side(g: &mut Graph, written: Id, units: &[Vec<u8>]) -> Option<Id> {
+    let mut open = vec![written];
+    let mut others = BTreeMap::new();
+    let mut seen = Set::default();
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        open.extend(children(g.node(id)));
+        if let Node::Product(factors) = g.node(id).clone() {
+            let mut sides = units.iter().flat_map(|unit| unit.iter().map(move |&z| (unit, z)));
+            let other = sides.find_map(|(unit, z)| quotient_of_sides(g, &factors, unit, z));
+            others.extend(other.map(|other| (id, other)));
+        }
+    }
+    (!others.is_empty()).then(|| g.substitute(written, &others))
+}
+
+/// A product with (c - c z)ⁿ (x² + y²)⁻ⁿ as cⁿ (1 + z)⁻ⁿ, where it has these factors.
+fn quotient_of_sides(g: &mut Graph, factors: &[(Id, Id)], unit: &[u8], z: u8) -> Option<Id> {
+    let rest: Vec<(Q, Id)> = unit
+        .iter()
+        .filter(|&&i| i != z)
+        .map(|&i| {
+            let x = g.get_leaf(Leaf::Out(i));
+            (Q::ONE, g.powi(x, 2))
+        })
+        .collect();
+    let squares = g.sum(Q::ZERO, &rest);
+    let z = g.get_leaf(Leaf::Out(z));
+    let &bottom = factors.iter().find(|(base, _)| *base == squares)?;
+    let (top, c, k) = factors.iter().find_map(|&(base, e)| {
+        let Node::Sum(c, terms) = g.node(base).clone() else { return None };
+        let sum = g.add(e, bottom.1);
+        let is_side = matches!(terms[..], [(k, x)] if x == z && k.abs() == c.abs());
+        let same = g.as_number(sum).is_some_and(Q::is_zero);
+        (is_side && same).then(|| ((base, e), c, terms[0].0))
+    })?;
+    let side = g.sum(Q::ONE, &[(k.neg().mul(c.recip()?)?, z)]);
+    let scale = g.number(c);
+    let mut all: Vec<(Id, Id)> =
+        factors.iter().copied().filter(|factor| ![top, bottom].contains(factor)).collect();
+    all.extend([(scale, top.1), (side, bottom.1)]);
+    Some(g.product(&all))
 }
 
 /// What the square of a coordinate is told by.
@@ -200,6 +256,28 @@ mod tests {
         assert_eq!(by_the_others(&mut g, expected, &units), None);
         // On its own, a factor stays.
         assert_eq!(by_the_others(&mut g, root, &units), None);
+    }
+
+    #[test]
+    fn a_quotient_that_says_nothing_at_a_pole_is_had_from_the_other_side() {
+        let mut g = Graph::new();
+        let signed = Interval::new(-1.0, 1.0);
+        let [x, y, z] =
+            [0, 1, 2].map(|i| g.leaf(Leaf::Out(i), ["x", "y", "z"][i as usize], signed));
+        let squares = [x, y].map(|c| (Q::ONE, g.powi(c, 2)));
+        let squares = g.sum(Q::ZERO, &squares);
+        for side in [1, -1].map(Q::int) {
+            let below = g.sum(Q::HALF, &[(Q::HALF.mul(side.neg()).unwrap(), z)]);
+            let quotient = g.div(below, squares);
+            let written = g.mul(x, quotient);
+            let written = g.add(y, written);
+            let above = g.sum(Q::ONE, &[(side, z)]);
+            let expected = g.div(x, above);
+            let expected = g.sum(Q::ZERO, &[(Q::ONE, y), (Q::HALF, expected)]);
+            assert_eq!(by_the_other_side(&mut g, written, &[vec![0, 1, 2]]), Some(expected));
+        }
+        let alone = g.div(x, squares);
+        assert_eq!(by_the_other_side(&mut g, alone, &[vec![0, 1, 2]]), None);
     }
 
     #[test]

@@ -398,7 +398,7 @@ fn around(body: &mut Body, e: &Expr) -> Option<Value> {
     let right = [g.sub(one, turned[0]), g.neg(turned[1]), g.neg(turned[2])];
     let up = [g.neg(across[1]), g.sub(sign, across[2]), g.neg(y)];
     let columns = [right, up, [x, y, z]];
-    columns.iter().for_each(|column| g.note_vector(*column));
+    g.note_frame(columns);
     Some(Value::Matrix(columns.map(|column| column.to_vec())))
 }
 

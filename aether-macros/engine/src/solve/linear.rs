@@ -235,7 +235,8 @@ fn orthonormal(
             (0..3).any(|c| (0..3).all(|i| matrix[i][j] == if columns { f[c][i] } else { f[i][c] }))
         })
     };
-    if !frames.iter().any(|f| is(f, true) || is(f, false)) && !is_frame(g, matrix) {
+    let typed = frames.iter().any(|f| is(f, true) || is(f, false));
+    if !typed && (g.units().is_empty() || !is_frame(g, matrix)) {
         return None;
     }
     Some(
@@ -249,7 +250,7 @@ fn orthonormal(
 }
 
 /// Whether the columns of a matrix are seen to be perpendicular and of unit length, as those of the frame about a direction.
-fn is_frame(g: &mut Graph, matrix: &[Vec<Id>]) -> bool {
+pub fn is_frame(g: &mut Graph, matrix: &[Vec<Id>]) -> bool {
     let units = g.units().to_vec();
     let columns: Vec<Vec<Id>> = (0..3).map(|j| matrix.iter().map(|row| row[j]).collect()).collect();
     let mut is = |i: usize, j: usize| {
@@ -260,7 +261,7 @@ fn is_frame(g: &mut Graph, matrix: &[Vec<Id>]) -> bool {
         g.as_number(rest).is_some_and(Q::is_zero)
     };
     let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-    !units.is_empty() && pairs.into_iter().all(|(i, j)| is(i, j))
+    pairs.into_iter().all(|(i, j)| is(i, j))
 }
 
 /// Rows that determine all atoms, if the coefficients are plain numbers.

@@ -23,7 +23,10 @@ fn sides(g: &mut Graph, arc: Id, forwards: bool) -> Option<(Id, Id)> {
 pub(super) fn of_sum(g: &mut Graph, f: Fun, sum: Id) -> Option<Id> {
     let Node::Sum(c, terms) = g.node(sum).clone() else { return None };
     let is_arc = |g: &mut Graph, q: Q, t: Id| q.abs() == Q::ONE && sides(g, t, false).is_some();
-    let place = (0..terms.len()).find(|&i| is_arc(g, terms[i].0, terms[i].1))?;
+    let Some(place) = (0..terms.len()).find(|&i| is_arc(g, terms[i].0, terms[i].1)) else {
+        let started = mean(g, c, &terms)?;
+        return of_sum(g, f, started);
+    };
     let (sign, arc) = terms[place];
     let (y, x) = sides(g, arc, false)?;
     let y = g.sum(Q::ZERO, &[(sign, y)]);
@@ -54,6 +57,27 @@ pub(super) fn of_sum(g: &mut Graph, f: Fun, sum: Id) -> Option<Id> {
     Some(g.div(top, length))
 }
 
+/// A mean (1 - w) α + w β of two arc tangents, as α and a part of what is between them.
+fn mean(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [first, second] = *terms else { return None };
+    let weighted = |g: &mut Graph, (q, term): (Q, Id)| {
+        let is_arc = |g: &mut Graph, (b, e): (Id, Id)| {
+            g.as_number(e) == Some(Q::ONE) && sides(g, b, true).is_some()
+        };
+        let arc = g.factors(term).into_iter().find(|&factor| is_arc(g, factor))?.0;
+        let weight = g.div(term, arc);
+        Some((arc, g.sum(Q::ZERO, &[(q, weight)])))
+    };
+    let ((a, v), (b, w)) = (weighted(g, first)?, weighted(g, second)?);
+    let whole = g.add(v, w);
+    if !c.is_zero() || g.as_number(whole) != Some(Q::ONE) {
+        return None;
+    }
+    let between = difference(g, Q::ZERO, &[(Q::ONE, b), (Q::int(-1), a)])?;
+    let part = g.mul(w, between);
+    Some(g.add(a, part))
+}
+
 /// The difference of two arc tangents within a quarter turn of zero as one.
 pub(super) fn difference(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let [(p, a), (q, b)] = *terms else { return None };
@@ -67,4 +91,33 @@ pub(super) fn difference(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let (sine, cosine) = (g.sub(yw, xv), g.add(xw, yv));
     let arc = g.call(Fun::Atan2, &[sine, cosine]);
     Some(g.sum(Q::ZERO, &[(p, arc)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn the_tangent_of_a_mean_of_two_angles_starts_from_one_of_them() {
+        let mut g = Graph::new();
+        let positive = Interval::new(1e-9, f64::INFINITY);
+        let d = g.leaf(Leaf::Param(0), "d", positive);
+        let [a, b] = [1, 2].map(|k| g.leaf(Leaf::Param(k), "a", Interval::ALL));
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let rest = g.sum(Q::ONE, &[(Q::int(-1), u)]);
+        let [first, second] = [a, b].map(|x| g.call(Fun::Atan2, &[x, d]));
+        let (one, other) = (g.mul(first, rest), g.mul(second, u));
+        let mean = g.add(one, other);
+        let between = difference(&mut g, Q::ZERO, &[(Q::ONE, second), (Q::int(-1), first)]);
+        let part = g.mul(u, between.unwrap());
+        let written = g.add(first, part);
+        let expected = of_sum(&mut g, Fun::Tan, written);
+        assert!(expected.is_some());
+        assert_eq!(of_sum(&mut g, Fun::Tan, mean), expected);
+        // Weights that do not add up to one make no mean.
+        let twice = g.add(other, mean);
+        assert_eq!(of_sum(&mut g, Fun::Tan, twice), None);
+    }
 }

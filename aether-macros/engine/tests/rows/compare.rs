@@ -106,7 +106,15 @@ fn parameters(item: &Item, given: &Value) -> Vec<f64> {
             .map(|n| &given[n])
             .find(|v| !v.is_null());
         match value {
-            Some(Value::Array(v)) => list.extend(v.iter().map(|v| v.as_f64().unwrap_or(f64::NAN))),
+            Some(Value::Array(v)) => {
+                let v: Vec<f64> = v.iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect();
+                // A direction is made a unit vector, as it is when an item is made.
+                let length = match param.kind {
+                    ParamKind::Direction => v.iter().map(|c| c * c).sum::<f64>().sqrt(),
+                    _ => 1.0,
+                };
+                list.extend(v.iter().map(|c| c / length));
+            }
             Some(v) => list.push(v.as_f64().unwrap_or(f64::NAN)),
             None if count == 2 => list.extend(
                 ["x", "y"].map(|c| given[format!("{name}{c}")].as_f64().unwrap_or(f64::NAN)),

@@ -181,6 +181,7 @@ column with the processor's time for each expansion on your machine.
 - `characters`, `tokens`: size of the emitted code.
 
 Each sampler is also compiled in at least seven other spellings (`cargo test -p aether-engine --test spellings`).
+Rows that are composed (70, 71 and 85 in frames that plain code makes) are here by the items that they are composed of.
 Rows 30, 31 and 55, densities that are constant or linear between the entries of tables, are no functions of the
 uniforms alone: `aether_core::tables` has them, with tests of its own. Row 101, two points that are seen through a
 portal, is here between planes parallel to the portal and between tilted ones.
