@@ -79,10 +79,13 @@ where
 
 type Parametrisation<'a, P> = Box<dyn Fn(&[f64]) -> P + 'a>;
 
+/// Where in the unit cube of a parametrisation the point with these coordinates lies.
+type Place<'a> = dyn Fn(&[f64]) -> Vec<f64> + 'a;
+
 /// A parametrised manifold, with points whose type is forgotten.
 struct Manifold<'c, 'a> {
     cover: &'c dyn Fn(&[f64]) -> AnySpot<'a>,
-    place: Option<&'c dyn Fn(&[f64]) -> Vec<f64>>,
+    place: Option<&'c Place<'c>>,
 }
 
 /// The battery for one sampler, with its settings.
@@ -90,7 +93,7 @@ pub struct Battery<'a, S: Sampler<R>, R: Scalar> {
     sampler: &'a S,
     settings: Settings,
     parametrisation: Option<Parametrisation<'a, S::Point>>,
-    place: Option<Box<dyn Fn(&[f64]) -> Vec<f64> + 'a>>,
+    place: Option<Box<Place<'a>>>,
 }
 
 /// Settings of the checks.

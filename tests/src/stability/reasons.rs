@@ -56,6 +56,7 @@ pub const REASONS: &[(&str, Where, &str)] = &[
         Single,
         "corners of zero: the own density takes 1 - y of a rounded y, and the last uniform is rounded onto a corner, where the density is zero",
     ),
+    ("sawtooth", Single, BORDER),
     ("pentagon", Single, BORDER),
     (
         "radial_flow",
