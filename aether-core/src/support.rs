@@ -429,11 +429,15 @@ pub fn unit<R: Real>(u: R) -> R {
     u.max(R::ZERO).min(R::ONE - R::EPSILON * R::of(0.5))
 }
 
-/// A number that is not negative, unless rounding made it so. One that is plainly negative stays: its
-/// root is no number.
+/// A number that is not negative, unless rounding made it so: `scale` is how large what was added up to it is together. One
+/// that is plainly negative stays: its root is no number.
 #[inline(always)]
-pub fn not_negative<R: Real>(x: R) -> R {
-    let rounded = x.lt(R::ZERO).and(x.gt(R::of(-256.0) * R::EPSILON));
+pub fn not_negative<R: Real>(x: R, scale: impl FnOnce() -> R) -> R {
+    let negative = x.lt(R::ZERO);
+    if !negative.any() {
+        return x;
+    }
+    let rounded = negative.and(x.gt(R::of(-256.0) * R::EPSILON * scale()));
     R::select(rounded, R::ZERO, x)
 }
 
@@ -565,6 +569,15 @@ mod tests {
         assert!(far(1.001) && far(-2.001) && far(f64::INFINITY));
         // An end of zero is as uncertain as the other one is large.
         assert!(!far_from(-1e-3_f32, 0.0, 1.0) && far_from(-1.0_f32, 0.0, 1.0));
+    }
+
+    #[test]
+    fn what_rounding_made_negative_is_so_by_what_was_added_up() {
+        // 3² + 4² - 5² a million times as large, where the last root is rounded.
+        assert_eq!(not_negative(-1e-4_f64, || 5e13), 0.0);
+        assert_eq!(not_negative(-1e-14_f64, || 1e-8), -1e-14);
+        assert_eq!(not_negative(0.25_f64, || f64::NAN), 0.25);
+        assert!(not_negative(f64::NAN, || 1.0).is_nan());
     }
 
     #[test]

@@ -1,14 +1,17 @@
 //! Any bit pattern as uniforms, parameters and query points: no density is NaN or negative, no preimage
-//! leaves the unit cube, nothing panics.
+//! leaves the unit cube, nothing panics; and no sample is NaN where parameters are those of the reference data, or
+//! anywhere in their declared domains.
 
 use core::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::uniform::clamped;
 use aether_core::{Pcg32, Point, Sampler, Scalar, Uniforms};
 
 use crate::points::FromCoordinates;
 use crate::registry::{Item, Visitor};
+use crate::stability::over;
 
 /// A number from any bit pattern.
 pub trait Bits: Scalar {
@@ -102,9 +105,17 @@ const ROUNDS: u64 = 16;
 pub fn fuzz<R: Bits + fmt::Display>(items: &[Item], evaluations: u64, seed: u64) -> Outcome {
     let mut outcome = Outcome::default();
     let mut wild = Wild(Pcg32::new(seed, 0, 0));
+    let declared: Vec<Vec<Vec<f64>>> = items.iter().map(domains).collect();
     while outcome.evaluations < evaluations {
-        for item in items {
-            let set = &item.sets[wild.below(item.sets.len())];
+        for (item, declared) in items.iter().zip(&declared) {
+            let mut set = item.sets[wild.below(item.sets.len())].clone();
+            if wild.below(2) == 0 {
+                for (number, values) in set.iter_mut().zip(declared) {
+                    if !values.is_empty() && wild.below(2) == 0 {
+                        *number = values[wild.below(values.len())];
+                    }
+                }
+            }
             let mut numbers = set.clone();
             match wild.below(4) {
                 0 => numbers.iter_mut().for_each(|n| *n = wild.number::<R>().to_f64()),
@@ -116,7 +127,7 @@ pub fn fuzz<R: Bits + fmt::Display>(items: &[Item], evaluations: u64, seed: u64)
             }
             // In `f32` some of them overflow or vanish.
             let held = |n: &f64| R::of(*n).finite() && (*n == 0.0 || R::of(*n) != R::ZERO);
-            let ordinary = numbers == *set && numbers.iter().all(held);
+            let ordinary = numbers == set && numbers.iter().all(held);
             let one =
                 Try { outcome: &mut outcome, wild: &mut wild, item, numbers: &numbers, ordinary };
             // Parameters outside their domain are refused, which is right.
@@ -131,12 +142,21 @@ pub fn fuzz<R: Bits + fmt::Display>(items: &[Item], evaluations: u64, seed: u64)
     outcome
 }
 
+/// For each number among the parameters, values all over its declared domain, if there is one.
+fn domains(item: &Item) -> Vec<Vec<f64>> {
+    let values = |p: &Parameter| match (p.kind, &p.domain) {
+        (ParameterKind::Number, Some(domain)) => vec![over(domain)],
+        _ => vec![vec![]; p.kind.numbers()],
+    };
+    item.parameters.iter().flat_map(values).collect()
+}
+
 struct Try<'a> {
     outcome: &'a mut Outcome,
     wild: &'a mut Wild,
     item: &'a Item,
     numbers: &'a [f64],
-    /// Parameters as the reference data has them, for which there is a sample.
+    /// Parameters of the reference data, or of their declared domains, for which there is a sample.
     ordinary: bool,
 }
 

@@ -592,3 +592,21 @@ fn a_phase_function_knows_its_own_samples() {
         }
     }
 }
+
+/// The third side is rounded, and with it the root may be that of less than zero, by as much as its squares are large.
+#[sampler]
+fn beyond_a_right_angle(u: [Uniform; 1], a: f64, b: f64, c: f64) -> f64 {
+    (a * a + b * b - c * c + u[0] * u[0]).sqrt()
+}
+
+#[test]
+fn what_may_be_less_than_zero_is_as_large_as_what_it_is_the_difference_of() {
+    let (a, b) = (1e6_f64 / 3.0, 2e6_f64 / 3.0);
+    let c = a.hypot(b);
+    for c in [c.next_down(), c, c.next_up()] {
+        let x = beyond_a_right_angle(a, b, c).sample([0.0]).value();
+        assert!((0.0..0.05).contains(&x), "{x}");
+    }
+    // Not that of what is plainly too long.
+    assert!(!beyond_a_right_angle(3e-9, 4e-9, 6e-9).sample([0.0]).is_valid());
+}

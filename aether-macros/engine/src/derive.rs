@@ -23,6 +23,7 @@ mod strays;
 mod through;
 mod turned;
 mod units;
+mod volume;
 
 use std::collections::BTreeMap;
 
@@ -43,13 +44,14 @@ pub use signs::Signs;
 
 use borders::find_borders;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
-use density::{Sums, accurate, density, finish, pick_volume};
+use density::{Sums, accurate, density, finish};
 use enclosed::enclosed;
 use limits::parameters_with_limits;
 use line::line;
 use sample::{at_the_sample, shorter};
 use signs::find_signs;
 use units::units;
+use volume::pick_volume;
 
 /// What the type of the result guarantees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -214,7 +216,8 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         None => (problem.outputs.clone(), any_volume(problem)?),
     };
     let volumes = per_uniform(problem, &inner);
-    let cases = cases(problem, volumes[0])?;
+    let (corners, cases): (Vec<Case>, Vec<Case>) =
+        cases(problem, volumes[0])?.into_iter().partition(|c| c.point.corner);
     // Without a short Jacobian there is a long one; without an inverse there is nothing.
     crate::poly::refill_budget(2);
     let inverse = |problem: &mut Problem, numerical| {
@@ -253,9 +256,14 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         let single = in_single(problem, volumes[0], &cases);
         cases.into_iter().chain(single).collect::<Vec<Case>>()
     };
+    let corners = {
+        let single = in_single(problem, volumes[0], &corners);
+        corners.into_iter().chain(single).collect::<Vec<Case>>()
+    };
     let measured = |problem: &Problem, unknowns| {
         let points = |single: bool| -> Vec<Inputs> {
-            let cases = cases.iter().filter(|c| c.single == single);
+            let corners = if unknowns { &corners[..] } else { &[] };
+            let cases = cases.iter().chain(corners).filter(|c| c.single == single);
             // Grazing directions are for the forms of inverses.
             let cases = cases.filter(|c| !(unknowns && c.point.grazing));
             cases.map(|c| inputs(problem, c, unknowns)).collect()
@@ -280,9 +288,17 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
     let mut steps = Vec::new();
     let injective = solutions.len() == 1;
     crate::poly::refill_budget(8);
+    let (mut unit, mut stretched) = (vec![], vec![]);
+    for together in if injective { units(problem) } else { vec![] } {
+        match together.unit(&mut problem.graph) {
+            Some(places) => unit.push(places),
+            None => stretched.push(together),
+        }
+    }
     let sums = Sums {
         whole: whole.as_ref(),
-        units: if injective { units(problem) } else { vec![] },
+        units: unit,
+        stretched,
         pairs: opposed::pairs(problem),
         is_direction: problem.is_direction(),
     };

@@ -125,7 +125,7 @@ fn dot(a: &[Dd], b: &[Dd]) -> Dd {
 }
 
 /// The volume that the columns span, by Gram–Schmidt: never through the normal equations.
-fn span(columns: Vec<Vec<Dd>>) -> Dd {
+pub fn span(columns: Vec<Vec<Dd>>) -> Dd {
     let mut volume = Dd::from_f64(1.0);
     let mut basis: Vec<Vec<Dd>> = Vec::new();
     for mut c in columns {
@@ -143,7 +143,8 @@ fn span(columns: Vec<Vec<Dd>>) -> Dd {
     volume
 }
 
-fn tangents(w: [Dd; 3]) -> [[Dd; 3]; 2] {
+/// Two unit vectors that span the plane with this unit normal.
+pub fn tangents(w: [Dd; 3]) -> [[Dd; 3]; 2] {
     let axis =
         if w[0].to_f64().abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }.map(Dd::from_f64);
     let k = dot(&axis, &w);

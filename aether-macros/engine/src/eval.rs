@@ -1,6 +1,6 @@
 //! Numerical evaluation of expressions at any precision.
 
-use crate::expr::{Fun, Graph, Id, Leaf, Node, Together};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, Together, power_below};
 use crate::hash::Map;
 use crate::number::Number;
 use crate::rational::Q;
@@ -38,13 +38,15 @@ pub struct Prepared<'g> {
     anchored: Option<(usize, usize)>,
     /// Of a product, the powers that are taken together, and whether a factor is among them.
     together: Option<(Together, Vec<bool>)>,
+    /// Of a product, powers that occur above and below the line.
+    shared: Vec<Q>,
 }
 
 impl<'g> Prepared<'g> {
     /// A node that is to be evaluated.
     pub fn new(graph: &'g Graph, id: Id) -> Self {
         let node = graph.node(id);
-        let (mut anchored, mut together) = (None, None);
+        let (mut anchored, mut together, mut shared) = (None, None, vec![]);
         match node {
             Node::Sum(c, terms) => anchored = graph.anchored(*c, terms),
             Node::Product(factors) => {
@@ -52,10 +54,11 @@ impl<'g> Prepared<'g> {
                     let among = factors.iter().map(|f| t.contains(f)).collect();
                     (t, among)
                 });
+                shared = graph.shared_powers(factors);
             }
             _ => {}
         }
-        Prepared { graph, node, anchored, together }
+        Prepared { graph, node, anchored, together, shared }
     }
 
     /// The value at a point, from those of the node's parts.
@@ -106,6 +109,8 @@ impl<'g> Prepared<'g> {
     fn product<T: Number>(&self, factors: &[(Id, Id)], part: &mut dyn FnMut(Id) -> T) -> T {
         // As in emitted code: what is divided by is multiplied first, and may underflow.
         let mut quotient = Quotient::default();
+        let mut quotients: Vec<Quotient<T>> =
+            self.shared.iter().map(|_| Quotient::default()).collect();
         for i in 0..factors.len() {
             if self.together.as_ref().is_some_and(|(_, among)| among[i]) {
                 continue;
@@ -113,9 +118,19 @@ impl<'g> Prepared<'g> {
             let (b, e) = factors[i];
             let b = part(b);
             match self.graph.as_number(e) {
-                Some(q) => quotient.push(b, q),
+                Some(q) => match power_below(q, &self.shared) {
+                    Some(power) => {
+                        let place = self.shared.iter().position(|p| *p == power).unwrap_or(0);
+                        let times = Q::new(q.num(), power.num()).unwrap_or(q);
+                        quotients[place].push(b, times);
+                    }
+                    None => quotient.push(b, q),
+                },
                 None => quotient.top = quotient.top * b.powf(part(e)),
             }
+        }
+        for (inside, power) in quotients.into_iter().zip(&self.shared) {
+            quotient.push(inside.value(), *power);
         }
         if let Some((together, _)) = &self.together {
             let mut inside = Quotient::default();

@@ -89,7 +89,7 @@ pub fn volume(
                 let units = g.units().to_vec();
                 candidates.extend(along(g, outputs, &normal, &units));
             }
-            candidates.extend(embedded(g, &columns)?);
+            candidates.extend(embedded(g, &columns));
             Ok(distinct(candidates))
         }
         Source::Free => Err(format!(
@@ -166,31 +166,51 @@ fn along(g: &mut Graph, point: &[Id], normal: &[Id], units: &[[Id; 3]]) -> Vec<I
     distinct([tidy, product].map(|d| g.call(Fun::Abs, &[d])).to_vec())
 }
 
-/// Fewer unknowns than outputs: Gram's determinant where it simplifies, the vector product else.
-fn embedded(g: &mut Graph, columns: &[Vec<Id>]) -> Result<Vec<Id>, String> {
-    let n = columns.len();
-    let gram: Vec<Vec<Id>> = (0..n)
-        .map(|i| {
-            (0..n)
-                .map(|j| {
-                    let d = dot(g, &columns[i], &columns[j]);
-                    simplify(g, d, None)
-                })
-                .collect()
-        })
-        .collect();
-    let det = determinant(g, &gram);
-    let tidy = simplify(g, det, None);
-    let mut candidates: Vec<Id> = [tidy, det].map(|d| g.sqrt(d)).to_vec();
-    if n == 2 && columns[0].len() == 3 {
-        let c = cross(g, &columns[0], &columns[1]);
-        let direct = norm(g, &c);
-        let tidy: Vec<Id> = c.iter().map(|&c| simplify(g, c, None)).collect();
-        let tidy = norm(g, &tidy);
-        let tidier = simplify(g, tidy, None);
-        candidates.extend([tidier, tidy, direct]);
+/// Fewer unknowns than outputs: the length of the vector of all maximal minors (Cauchy and Binet), which is the vector
+/// product for a surface in space, or where the columns are orthogonal the product of their lengths. Gram's determinant
+/// is the same, but a difference that loses twice as many digits where columns are nearly parallel.
+fn embedded(g: &mut Graph, columns: &[Vec<Id>]) -> Vec<Id> {
+    let direct = minors(g, columns);
+    let tidied: Vec<Id> = direct.iter().map(|&minor| simplify(g, minor, None)).collect();
+    let [direct, tidy] = [direct, tidied].map(|minors| norm(g, &minors));
+    let tidier = simplify(g, tidy, None);
+    let mut candidates: Vec<Id> = orthogonal(g, columns).into_iter().collect();
+    candidates.extend([tidier, tidy, direct]);
+    candidates
+}
+
+/// The determinants of as many rows as there are columns, for all choices of rows.
+fn minors(g: &mut Graph, columns: &[Vec<Id>]) -> Vec<Id> {
+    let (n, m) = (columns.len(), columns[0].len());
+    if let ([a, b], 3) = (columns, m) {
+        return cross(g, a, b);
     }
-    Ok(distinct(candidates))
+    let choices = (0u32..1 << m).filter(|rows| rows.count_ones() as usize == n);
+    let minor = |rows: u32| {
+        let kept =
+            |column: &Vec<Id>| (0..m).filter(|i| rows >> i & 1 == 1).map(|i| column[i]).collect();
+        let square: Vec<Vec<Id>> = columns.iter().map(kept).collect();
+        determinant(g, &square)
+    };
+    choices.map(minor).collect()
+}
+
+/// The product of the lengths of columns that are seen to be orthogonal.
+fn orthogonal(g: &mut Graph, columns: &[Vec<Id>]) -> Option<Id> {
+    let zero = g.int(0);
+    for (i, a) in columns.iter().enumerate() {
+        for b in &columns[..i] {
+            let product = dot(g, a, b);
+            if simplify(g, product, None) != zero {
+                return None;
+            }
+        }
+    }
+    let squares: Vec<Id> = columns.iter().map(|c| dot(g, c, c)).collect();
+    let factors: Vec<(Id, Id)> =
+        squares.into_iter().map(|s| (simplify(g, s, None), g.number(Q::HALF))).collect();
+    let volume = g.product(&factors);
+    Some(simplify(g, volume, None))
 }
 
 fn norm(g: &mut Graph, v: &[Id]) -> Id {

@@ -97,7 +97,12 @@ impl Measure {
 
     /// The values of an expression, through double-double.
     pub fn truths(&mut self, g: &Graph, id: Id) -> Vec<f64> {
-        self.exact.values(g, id, &self.points).iter().map(|x| x.to_f64()).collect()
+        self.precisely(g, id).iter().map(|x| x.to_f64()).collect()
+    }
+
+    /// The values of an expression in double-double.
+    pub fn precisely(&mut self, g: &Graph, id: Id) -> Rc<[Dd]> {
+        self.exact.values(g, id, &self.points)
     }
 
     /// The true values of the first of equal forms, where a sum loses even the digits of double-double in it: by
@@ -218,7 +223,11 @@ impl Errors {
     }
 
     fn over(&self, keep: impl Fn(usize) -> bool) -> Loss {
-        let lost = |e: f64| if e == 0.0 { 0.0 } else { libm::log2(1.0 + e / f64::EPSILON) };
+        // What has no value is a finite loss, too: a form with fewer such points is better.
+        let lost = |e: f64| match e {
+            0.0 => 0.0,
+            _ => libm::log2(1.0 + e.min(f64::EPSILON * NO_VALUE) / f64::EPSILON),
+        };
         let lost = |e: &Option<f64>| e.map_or(0.0, lost);
         let all = self.bits.get_or_init(|| self.errors.iter().map(lost).collect());
         let part = |points: std::ops::Range<usize>| {

@@ -47,6 +47,9 @@ pub struct Point {
     /// Whether directions graze, so that it is good for comparing forms of the inverse, in which half vectors are sums of
     /// nearly opposite ones.
     pub grazing: bool,
+    /// Whether a uniform is zero or several are next to their ends: good for comparing forms of the sample and of its own
+    /// density, but rounding the sample may leave nothing of the other uniforms, as it does of an azimuth at a pole.
+    pub corner: bool,
 }
 
 impl Point {
@@ -126,6 +129,12 @@ const ROUNDS: usize = 8;
 /// The one of them whose parameters are close to zero, if zero lies inside of their domain.
 const LEAST: usize = 6;
 
+/// Uniforms of corners, where several are next to an end.
+const ENDS: [f64; 5] = [0.0, 1.0 - 1.1102230246251565e-16, 8.673617379884035e-19, 1e-9, 1.0 - 1e-9];
+
+/// Rounds in which parameters that are vectors are larger or smaller than others, after those with stress for numbers.
+const SIZES: [f64; 3] = [1e3, 1e6, 1e-6];
+
 /// Enough points where a condition narrows the choice.
 const ENOUGH: usize = 80;
 /// Rounds with directions next to the horizon, where half vectors are sums of nearly opposite ones.
@@ -146,6 +155,7 @@ pub fn sampler_points(
     accept: &dyn Fn(&Point) -> bool,
 ) -> Vec<Point> {
     let mut rng = Rng::new(0xae7e);
+    let mut ends = Rng::new(0xe4d5);
     let mut points = Vec::new();
     let open = |kind: &Kind| match kind {
         Kind::Scalar(domain) => domain.is_none_or(|d| d.hi == f64::INFINITY),
@@ -159,8 +169,18 @@ pub fn sampler_points(
         }
         let stress = (ROUNDS..few).contains(&round);
         let params = parameters(&mut rng, kinds, round);
-        let made = around(&mut rng, unknowns, round, &params, stress);
+        let mut made = around(&mut rng, unknowns, round, &params, stress);
+        if round < few {
+            made.extend(corners(&mut ends, unknowns, round, &params));
+        }
         points.extend(made.into_iter().filter(|p| !guarded || accept(p)));
+    }
+    for (round, size) in SIZES.into_iter().enumerate() {
+        let mut params = parameters(&mut ends, kinds, 2 + round);
+        if scale_vectors(&mut params, kinds, size) {
+            let made = around(&mut ends, unknowns, round, &params, true).into_iter();
+            points.extend(made.step_by(2).filter(|p| !guarded || accept(p)));
+        }
     }
     if kinds.contains(&Kind::Direction) {
         for round in 0..2 * GRAZING {
@@ -209,6 +229,7 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
             interior: true,
             stress,
             grazing: false,
+            corner: false,
         });
     }
     for (k, e) in EXTREMES.iter().enumerate() {
@@ -222,9 +243,50 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
             u.rotate_right(1);
         }
         let unknowns = u.into_iter().map(Dd::from_f64).collect();
-        points.push(Point { unknowns, params: params.to_vec(), interior, stress, grazing: false });
+        points.push(Point {
+            unknowns,
+            params: params.to_vec(),
+            interior,
+            stress,
+            grazing: false,
+            corner: false,
+        });
     }
     points
+}
+
+/// A point with one uniform of zero, and one with all of them next to ends.
+fn corners(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd]) -> Vec<Point> {
+    let mut all = Vec::new();
+    for several in [false, true] {
+        let mut u: Vec<f64> = (0..unknowns).map(|_| 0.05 + 0.9 * rng.uniform()).collect();
+        for (i, u) in u.iter_mut().enumerate() {
+            let pick = (rng.uniform() * ENDS.len() as f64) as usize;
+            match several {
+                true => *u = ENDS[pick],
+                false if i == round % unknowns => *u = 0.0,
+                false => {}
+            }
+        }
+        let unknowns = u.into_iter().map(Dd::from_f64).collect();
+        let (interior, stress, grazing) = (false, true, false);
+        let params = params.to_vec();
+        all.push(Point { unknowns, params, interior, stress, grazing, corner: true });
+    }
+    all
+}
+
+/// Makes parameters that are vectors larger by a factor; whether there are any.
+fn scale_vectors(params: &mut [Dd], kinds: &[Kind], factor: f64) -> bool {
+    let mut first = 0;
+    for kind in kinds {
+        let place = first..first + kind.scalars();
+        first = place.end;
+        if matches!(kind, Kind::Vector(_)) {
+            params[place].iter_mut().for_each(|x| *x = *x * Dd::from_f64(factor));
+        }
+    }
+    kinds.iter().any(|kind| matches!(kind, Kind::Vector(_)))
 }
 
 /// The points for a map whose argument has these coordinates.
@@ -242,7 +304,14 @@ pub fn map_points(
         }
         let params = parameters(&mut rng, kinds, round % 8);
         let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-        let point = Point { unknowns, params, interior: true, stress: false, grazing: false };
+        let point = Point {
+            unknowns,
+            params,
+            interior: true,
+            stress: false,
+            grazing: false,
+            corner: false,
+        };
         if !guarded || accept(&point) {
             points.push(point);
         }
@@ -253,7 +322,14 @@ pub fn map_points(
             let argument = unit(&mut rng);
             lower(&mut params, kinds, argument, round);
             let unknowns = argument.to_vec();
-            let point = Point { unknowns, params, interior: true, stress: true, grazing: true };
+            let point = Point {
+                unknowns,
+                params,
+                interior: true,
+                stress: true,
+                grazing: true,
+                corner: false,
+            };
             if !guarded || accept(&point) {
                 points.push(point);
             }

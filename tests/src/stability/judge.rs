@@ -61,11 +61,15 @@ impl Judge<'_> {
             row.nan += 1;
             row.example("NaN", &at);
         }
-        let Some(exact) = self.exact else { return };
+        let Some(exact) = self.exact else {
+            row.unjudged += 1;
+            return;
+        };
         let density = exact.density.to_f64();
         // Where the map is 0/0, at a uniform of zero, there is only a limit, which the oracle does not know.
         let known = density.is_finite() && density > 0.0 && exists;
         if !known {
+            row.unjudged += 1;
             return;
         }
         let spot = Spot { item, numbers, u, exact: &exact, format: *format };
@@ -77,6 +81,8 @@ impl Judge<'_> {
             // What has no value is called no sample: it must not be a sample that was lost.
             row.nan += 1;
             row.example("lost sample", &at);
+        } else {
+            row.excused += 1;
         }
         row.order = lazy.order();
     }
@@ -95,19 +101,25 @@ impl Judge<'_> {
         let densities = [Some(found.own), found.at_own, found.pdf].into_iter().flatten();
         let density = exact.density.to_f64();
         let normal = density > format.floor && density < format.ceiling;
-        if normal && (found.own == 0.0 || found.at_own == Some(0.0)) {
-            // A point next to the border of the support may be rounded onto it, where the density is zero.
-            if found.own == 0.0 || lazy.all().density * format.spacing < 0.25 {
-                row.false_zeros += 1;
-                row.example("false zero", &at);
-            }
+        // A point next to the border of the support may be rounded onto it, where the density is zero; and one next to a pole
+        // of the density onto that.
+        let mut explained = || lazy.all().density * format.spacing >= 0.25;
+        let zero = normal && (found.own == 0.0 || found.at_own == Some(0.0));
+        if zero && (found.own == 0.0 || !explained()) {
+            row.false_zeros += 1;
+            row.example("false zero", &at);
+        } else if zero {
+            row.excused += 1;
         }
-        let infinite = densities.into_iter().any(|d| d == f64::INFINITY);
-        if normal && infinite && lazy.all().density * format.spacing < 0.25 {
+        let infinite = normal && densities.into_iter().any(|d| d == f64::INFINITY);
+        if infinite && !explained() {
             row.infinite += 1;
             row.example("infinity", &at);
+        } else if infinite {
+            row.excused += 1;
         }
         if exact.x.iter().any(|x| x.abs().to_f64() > format.ceiling) {
+            row.unjudged += 1;
             return;
         }
         let sample = format.vector(&found.sample, &exact.x);

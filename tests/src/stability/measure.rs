@@ -59,6 +59,12 @@ pub struct Row {
     pub nan: u64,
     /// Densities that came out infinite though they are not.
     pub infinite: u64,
+    /// Own samples that were lost, or whose density came out as zero or infinity, where rounding a point that is so
+    /// ill-conditioned explains it.
+    pub excused: u64,
+    /// Points at which errors are not known: the oracle has no sample there, or its digits do not tell the density, or the
+    /// sample leaves the range of numbers.
+    pub unjudged: u64,
     /// Points tried.
     pub samples: u64,
     /// Points left out, because the parameters rounded to the precision leave their domain.
@@ -116,6 +122,8 @@ impl Row {
         self.false_zeros += other.false_zeros;
         self.nan += other.nan;
         self.infinite += other.infinite;
+        self.excused += other.excused;
+        self.unjudged += other.unjudged;
         self.samples += other.samples;
         for example in &other.examples {
             let what = example.split(" at ").next().unwrap_or_default();

@@ -10,6 +10,7 @@ use crate::registry::Item;
 fn along<R: Scalar>(few: usize) -> Vec<f64> {
     let bit = 0.5 * R::EPSILON.to_f64();
     let tiny = if bit < 1e-10 { 1e-300 } else { 1e-37 };
+    let least = (R::MIN_POSITIVE * R::EPSILON).to_f64();
     let small = if bit < 1e-10 { 1e-9 } else { 1e-5 };
     let all = [
         0.3,
@@ -18,14 +19,14 @@ fn along<R: Scalar>(few: usize) -> Vec<f64> {
         1.0 - small,
         small,
         0.0,
-        0.5,
+        least,
         bit,
+        0.5,
         0.75,
         1.0 - 2.0 * bit,
         1e-3,
         0.97,
         bit * bit,
-        0.1,
         0.6,
     ];
     let all = all.iter().map(|u| R::of(*u).to_f64());
@@ -37,8 +38,8 @@ pub fn next_to_ends<R: Scalar>(dimensions: usize, dense: bool) -> Vec<Vec<f64>> 
     let few = match (dimensions, dense) {
         (1, _) => 15,
         (2, true) => 15,
-        (2, false) => 6,
-        (3, true) => 7,
+        (2, false) => 7,
+        (3, true) => 8,
         (4, true) => 5,
         _ => 4,
     };
@@ -57,7 +58,7 @@ pub fn next_to_ends<R: Scalar>(dimensions: usize, dense: bool) -> Vec<Vec<f64>> 
 const DECADES: i32 = 6;
 
 /// Values of a parameter over its domain: powers of ten, and the ends approached by powers of ten.
-fn over(domain: &Domain) -> Vec<f64> {
+pub fn over(domain: &Domain) -> Vec<f64> {
     let width = domain.high - domain.low;
     let mut values = vec![domain.low, domain.high, 0.0];
     for k in 0..=DECADES {

@@ -10,7 +10,8 @@ use super::tally::Tally;
 /// A row, and of how many random points it is, on one line.
 pub fn line(row: &Row, points: u64) -> String {
     let tallies: Vec<Value> = row.tallies().into_iter().map(Tally::as_json).collect();
-    let counts = [row.false_zeros, row.nan, row.infinite, row.samples];
+    let Row { false_zeros, nan, infinite, excused, unjudged, samples, .. } = row;
+    let counts = [false_zeros, nan, infinite, excused, unjudged, samples];
     json!({
         "name": row.name, "precision": row.precision, "points": points, "tallies": tallies,
         "counts": counts, "dropped": row.dropped, "examples": row.examples,
@@ -36,7 +37,7 @@ fn row(value: &Value, points: [u64; 2]) -> Option<Row> {
     };
     let counts = value["counts"].as_array()?.iter().map(Value::as_u64);
     let counts: Vec<u64> = counts.collect::<Option<_>>()?;
-    let [false_zeros, nan, infinite, samples] = counts[..] else { return None };
+    let [false_zeros, nan, infinite, excused, unjudged, samples] = counts[..] else { return None };
     let mut row = Row {
         name: value["name"].as_str()?.to_owned(),
         precision: ["f64", "f32"][precision],
@@ -45,6 +46,8 @@ fn row(value: &Value, points: [u64; 2]) -> Option<Row> {
         false_zeros,
         nan,
         infinite,
+        excused,
+        unjudged,
         samples,
         ..Row::default()
     };

@@ -13,7 +13,7 @@ fn rows_come_back_as_they_were() {
     row.pdf.add(0.0, |_| 1.0, || "there".into());
     row.own.add(f64::MAX, |_| f64::INFINITY, || "nowhere".into());
     row.examples.push("NaN at 0".into());
-    row.samples = 3;
+    (row.samples, row.excused, row.unjudged) = (3, 2, 1);
     let text = line(&row, 7) + "{\"name\": \"cut sh";
     let path = std::env::temp_dir().join(format!("aether-rows-{}", std::process::id()));
     std::fs::write(&path, text).expect("a temporary file");

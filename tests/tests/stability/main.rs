@@ -3,6 +3,7 @@
 
 mod files;
 mod oracle;
+mod report;
 mod textbook;
 
 use aether_core::prelude::*;

@@ -48,7 +48,7 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
     }
     let out: Vec<Case> =
         points.into_iter().filter_map(|point| case(problem, volume, point)).collect();
-    if out.len() < 8 {
+    if out.iter().filter(|c| !c.point.corner).count() < 8 {
         return Err("the map has a finite value at too few points of its domain to be checked; declare the domain of its parameters, as in `#[sampler(alpha in 1e-4..=1.0)]`".into());
     }
     if out.iter().filter(|c| c.point.interior).all(|c| c.volume == 0.0) {

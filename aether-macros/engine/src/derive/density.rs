@@ -9,7 +9,7 @@ use super::near_one::by_the_rest;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
-use super::units::{by_the_other_side, by_the_others};
+use super::units::{Stretched, by_the_other_side, by_the_others};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -74,6 +74,8 @@ pub(super) struct Sums<'a> {
     pub whole: Option<&'a Whole>,
     /// The places of coordinates that are together a unit vector.
     pub units: Vec<Vec<u8>>,
+    /// Coordinates that are together a unit vector over known lengths.
+    pub stretched: Vec<Stretched>,
     /// The point with each of the parameters that are unit vectors.
     pub pairs: Vec<Pair>,
     /// Directions are simplified by their length wherever that pays, before forms are chosen.
@@ -100,20 +102,11 @@ impl Sums<'_> {
         if !self.is_direction {
             forms.extend(by_the_others(g, id, &self.units));
             forms.extend(by_the_other_side(g, id, &self.units));
+            forms.extend(self.stretched.iter().filter_map(|s| s.by_the_others(g, id)));
         }
         forms.extend(by_the_rest(g, id));
         forms
     }
-}
-
-pub(super) fn pick_volume(problem: &mut Problem, volumes: &[Id], measure: &mut Measure) -> Id {
-    let g = &mut problem.graph;
-    let truth = measure.truths(g, volumes[0]);
-    let stable: Vec<Id> = volumes.iter().map(|&v| stabilise(g, v, measure)).collect();
-    let mut all = stable;
-    all.extend(volumes);
-    let best = pick(g, &all, &truth, measure).0;
-    guard(g, best)
 }
 
 /// Whether the coordinate itself is a divisor: x^k / x is 0/0 at zero, where x^(k - 1) has a value.

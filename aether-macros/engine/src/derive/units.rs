@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::expr::{Graph, Id, Leaf, Node, children};
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
 use crate::hash::{Map, Set};
 use crate::jacobian::simplify;
 use crate::poly::Expander;
@@ -14,21 +14,51 @@ use crate::rational::Q;
 use super::parts::one_sign;
 use super::{Problem, Target};
 
-/// The places of coordinates that are together a unit vector: those of a direction, also of one among several points,
-/// and the smallest sets of coordinates of a manifold whose squares add up to one.
-pub(super) fn units(problem: &mut Problem) -> Vec<Vec<u8>> {
+/// Coordinates that are together a unit vector, where each is measured along a length of its own.
+pub(super) struct Stretched {
+    places: Vec<u8>,
+    /// The length for each of them, which depends on parameters alone.
+    lengths: Vec<Id>,
+}
+
+impl Stretched {
+    /// The places, if the coordinates are a unit vector as they are.
+    pub fn unit(&self, g: &mut Graph) -> Option<Vec<u8>> {
+        let one = g.int(1);
+        self.lengths.iter().all(|length| *length == one).then(|| self.places.clone())
+    }
+
+    /// [`by_the_others`] of the coordinates over their lengths.
+    pub fn by_the_others(&self, g: &mut Graph, written: Id) -> Option<Id> {
+        let leaves: Vec<Id> = self.places.iter().map(|&i| g.get_leaf(Leaf::Out(i))).collect();
+        let places = leaves.iter().zip(&self.lengths);
+        let longer: BTreeMap<Id, Id> =
+            places.clone().map(|(&leaf, &length)| (leaf, g.mul(leaf, length))).collect();
+        let shorter: BTreeMap<Id, Id> =
+            places.map(|(&leaf, &length)| (leaf, g.div(leaf, length))).collect();
+        let of_unit = g.substitute(written, &longer);
+        let short = by_the_others(g, of_unit, std::slice::from_ref(&self.places))?;
+        Some(g.substitute(short, &shorter))
+    }
+}
+
+/// Coordinates that are together a unit vector: those of a direction, also of one among several points, and the
+/// smallest sets of coordinates of a manifold whose squares, over those of known lengths, add up to one.
+pub(super) fn units(problem: &mut Problem) -> Vec<Stretched> {
     if problem.argument.is_some() {
         return vec![];
     }
     if problem.is_direction() {
-        return vec![vec![0, 1, 2]];
+        let one = problem.graph.int(1);
+        return vec![Stretched { places: vec![0, 1, 2], lengths: vec![one; 3] }];
     }
     let n = problem.outputs.len();
     if problem.parts.len() > 1 {
         let mut placed = problem.placed();
         placed.retain(|(part, _)| part.target == Target::Direction);
+        let one = problem.graph.int(1);
         let places = placed.into_iter().map(|(_, place)| place.map(|i| i as u8).collect());
-        return places.collect();
+        return places.map(|places| Stretched { places, lengths: vec![one; 3] }).collect();
     }
     let embedded = problem.parts.iter().all(|part| part.target == Target::Embedded);
     if !embedded || n > MOST {
@@ -36,13 +66,18 @@ pub(super) fn units(problem: &mut Problem) -> Vec<Vec<u8>> {
     }
     let mut sets: Vec<u32> = (0..1 << n).filter(|set: &u32| set.count_ones() > 1).collect();
     sets.sort_by_key(|set| set.count_ones());
-    let mut found: Vec<u32> = vec![];
+    let mut taken: Vec<u32> = vec![];
+    let mut found = vec![];
     for set in sets {
-        if !found.iter().any(|smaller| set & smaller == *smaller) && is_unit(problem, set) {
-            found.push(set);
+        if taken.iter().any(|smaller| set & smaller == *smaller) {
+            continue;
+        }
+        if let Some(stretched) = stretched(problem, set) {
+            taken.push(set);
+            found.push(stretched);
         }
     }
-    found.iter().map(|&set| members(set)).collect()
+    found
 }
 
 /// Of more coordinates there are too many sets.
@@ -52,15 +87,25 @@ fn members(set: u32) -> Vec<u8> {
     (0..MOST as u8).filter(|i| set >> i & 1 == 1).collect()
 }
 
-/// Whether the squares of these coordinates add up to one.
-fn is_unit(problem: &mut Problem, set: u32) -> bool {
+/// These coordinates, if the squares of what is not known of them add up to one.
+fn stretched(problem: &mut Problem, set: u32) -> Option<Stretched> {
     let g = &mut problem.graph;
-    let outputs = &problem.outputs;
-    let squares: Vec<(Q, Id)> =
-        members(set).iter().map(|&i| (Q::ONE, g.powi(outputs[usize::from(i)], 2))).collect();
+    let places = members(set);
+    let (mut lengths, mut squares) = (vec![], vec![]);
+    for &i in &places {
+        let (q, body) = g.split(problem.outputs[usize::from(i)]);
+        let (open, known): (Vec<_>, Vec<_>) = g
+            .factors(body)
+            .into_iter()
+            .partition(|&(b, e)| g.has(b, UNKNOWNS) || g.has(e, UNKNOWNS));
+        let known = g.product(&known);
+        lengths.push(g.sum(Q::ZERO, &[(q.abs(), known)]));
+        let open = g.product(&open);
+        squares.push((Q::ONE, g.powi(open, 2)));
+    }
     let sum = g.sum(Q::ZERO, &squares);
     let sum = simplify(g, sum, None);
-    g.as_number(sum) == Some(Q::ONE)
+    (g.as_number(sum) == Some(Q::ONE)).then_some(Stretched { places, lengths })
 }
 
 /// An expression of a point with the squares of the others for one minus the square of a coordinate of a unit
@@ -235,6 +280,7 @@ fn cancels(g: &Graph, id: Id) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpret::Item;
     use crate::interval::Interval;
 
     #[test]
@@ -278,6 +324,31 @@ mod tests {
         }
         let alone = g.div(x, squares);
         assert_eq!(by_the_other_side(&mut g, alone, &[vec![0, 1, 2]]), None);
+    }
+
+    #[test]
+    fn next_to_the_tip_of_a_needle_the_short_axes_tell() {
+        let text = "fn ellipsoid(u: [Uniform; 2], a: f64, b: f64, c: f64) -> Surface {
+            let z = 1.0 - 2.0 * u[0];
+            let r = (1.0 - z * z).sqrt();
+            let phi = TAU * u[1];
+            Surface::new(a * r * phi.cos(), b * r * phi.sin(), c * z)
+        }";
+        let item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
+        // The area is stretched by the root of (b c x / a)² + (a c y / b)² + (a b z / c)², and z is rounded to c.
+        let pdf = item.pdf(&[1.0, 1.0, 1e9], &[1e-9, 0.0, 1e9]);
+        let truth = 1.0 / (4.0 * std::f64::consts::PI * 2f64.sqrt());
+        assert!((pdf / truth - 1.0).abs() < 1e-14, "{pdf} is not {truth}");
+    }
+
+    #[test]
+    fn lengths_that_are_not_known_stretch_nothing() {
+        let text = "fn spiral(u: [Uniform; 2], a: f64) -> Surface {
+            let phi = TAU * u[1];
+            Surface::new(a * u[0] * phi.cos(), a * u[0] * phi.sin(), u[1])
+        }";
+        let mut item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
+        assert!(units(&mut item.parsed.pieces[0].problem).is_empty());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use quote::{format_ident, quote};
 
 use super::powers::{Related, related};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, children, power_below};
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 
@@ -345,7 +345,7 @@ impl<'a> Code<'a> {
         }
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
-        let shared = self.shared_powers(factors);
+        let shared = self.graph.shared_powers(factors);
         parts.top.extend(shared.iter().map(|&power| {
             self.power_of_quotient(factors, |q| Some(power) == power_below(q, &shared), power)
         }));
@@ -358,7 +358,8 @@ impl<'a> Code<'a> {
             let mut base = self.reference(*b);
             let exponent = self.graph.as_number(*e);
             if self.lenient && exponent == Some(Q::HALF) && !self.graph.range(*b).nonnegative() {
-                base = quote!(::aether_core::support::not_negative(#base));
+                let scale = self.scale(*b);
+                base = quote!(::aether_core::support::not_negative(#base, || #scale));
             }
             match exponent {
                 Some(q) if power_below(q, &shared).is_some() => {}
@@ -386,6 +387,50 @@ impl<'a> Code<'a> {
         parts.finish()
     }
 
+    /// How large the terms of a sum are together: what its rounding is relative to; of a product, that of its factors.
+    fn scale(&self, id: Id) -> TokenStream {
+        let size = |q: Q, scale: TokenStream| {
+            let scaled = times(q.abs(), &scale);
+            if q.abs() == Q::ONE { scale } else { quote!((#scaled)) }
+        };
+        match self.graph.node(id) {
+            Node::Sum(c, terms) => match terms[..] {
+                [(q, term)] if c.is_zero() => size(q, self.scale(term)),
+                _ => {
+                    let constant = (!c.is_zero()).then(|| rational(c.abs()));
+                    let written = |&(q, t): &(Q, Id)| {
+                        let t = self.reference(t);
+                        size(q, quote!(#t.abs()))
+                    };
+                    let sizes = constant.into_iter().chain(terms.iter().map(written));
+                    quote!((#(#sizes)+*))
+                }
+            },
+            Node::Product(factors) => {
+                let mut parts = Parts::default();
+                for &(b, e) in factors {
+                    match self.graph.as_number(e) {
+                        Some(q) if !q.is_negative() => parts.push(&self.scale(b), q),
+                        Some(q) => {
+                            let b = self.reference(b);
+                            parts.push(&quote!(#b.abs()), q);
+                        }
+                        None => {
+                            let power = self.power(b, e);
+                            parts.top.extend(power.map(|power| quote!(#power.abs())));
+                        }
+                    }
+                }
+                let product = parts.finish();
+                quote!((#product))
+            }
+            _ => {
+                let value = self.reference(id);
+                quote!(#value.abs())
+            }
+        }
+    }
+
     /// One more power, a root by itself.
     fn push_power(&self, parts: &mut Parts, b: Id, q: Q) {
         let base = self.reference(b);
@@ -405,20 +450,6 @@ impl<'a> Code<'a> {
         let small = factors.iter().any(|&(b, e)| uniform(b) && exponent(e) == Some(Q::ONE));
         let above = factors.iter().find(|&&(b, e)| is_sum(b) && exponent(e) == Some(Q::ONE));
         above.filter(|_| below && small).map(|(b, _)| *b)
-    }
-
-    /// Integer powers, from squares on, that occur both above and below the line.
-    fn shared_powers(&self, factors: &[(Id, Id)]) -> Vec<Q> {
-        let exponents: Vec<Q> =
-            factors.iter().filter_map(|(_, e)| self.graph.as_number(*e)).collect();
-        let mut shared = Vec::new();
-        for power in exponents.iter().map(|q| q.abs()).filter(|q| q.is_int() && *q > Q::ONE) {
-            let both = exponents.contains(&power) && exponents.contains(&power.neg());
-            if both && !shared.contains(&power) {
-                shared.push(power);
-            }
-        }
-        shared
     }
 
     /// The factors with this power, above and below the line, as a power of the quotient: it stays in range
@@ -540,13 +571,6 @@ fn joined(factors: &[TokenStream]) -> TokenStream {
     let mut factors = factors.iter();
     let Some(first) = factors.next() else { return quote!(R::ONE) };
     factors.fold(first.clone(), |product, f| quote!(#product * #f))
-}
-
-/// Which of some powers a whole exponent is a multiple of: of that itself, if it is among them.
-fn power_below(exponent: Q, powers: &[Q]) -> Option<Q> {
-    let divides = |power: &Q| exponent.is_int() && exponent.num() % power.num() == 0;
-    let same = powers.iter().find(|&&power| power == exponent.abs());
-    same.or_else(|| powers.iter().find(|power| divides(power))).copied()
 }
 
 fn integer_power(base: &TokenStream, n: i128) -> TokenStream {

@@ -23,6 +23,23 @@ impl Together {
 }
 
 impl Graph {
+    /// Integer powers, from squares on, that occur both above and below the line.
+    pub fn shared_powers(&self, factors: &[(Id, Id)]) -> Vec<Q> {
+        let below = |(_, e): &(Id, Id)| self.as_number(*e).is_some_and(|q| q.num() < -1);
+        if !factors.iter().any(below) {
+            return vec![];
+        }
+        let exponents: Vec<Q> = factors.iter().filter_map(|(_, e)| self.as_number(*e)).collect();
+        let mut shared = Vec::new();
+        for power in exponents.iter().map(|q| q.abs()).filter(|q| q.is_int() && *q > Q::ONE) {
+            let both = exponents.contains(&power) && exponents.contains(&power.neg());
+            if both && !shared.contains(&power) {
+                shared.push(power);
+            }
+        }
+        shared
+    }
+
     /// The factors whose exponents are multiples of one another, but for numbers, where some are above and others below
     /// the line.
     pub fn powers_together(&self, factors: &[(Id, Id)]) -> Option<Together> {
@@ -70,6 +87,13 @@ impl Graph {
 /// Whether a power is made of few products and a root.
 fn is_short(q: Q) -> bool {
     q.den() <= 2 && q.num().abs() <= 8
+}
+
+/// Which of some powers a whole exponent is a multiple of: of that itself, if it is among them.
+pub fn power_below(exponent: Q, powers: &[Q]) -> Option<Q> {
+    let divides = |power: &Q| exponent.is_int() && exponent.num() % power.num() == 0;
+    let same = powers.iter().find(|&&power| power == exponent.abs());
+    same.or_else(|| powers.iter().find(|power| divides(power))).copied()
 }
 
 #[cfg(test)]
