@@ -22,6 +22,14 @@ impl Where {
 
 /// The reasons that are known, by the name of the sampler.
 pub const REASONS: &[(&str, Where, &str)] = &[
+    ("linear", Single, LEAST),
+    ("planar_flow", Single, LEAST),
+    ("bilinear_patch", Both, LEAST),
+    ("renderer: rough conductor, visible Beckmann", Single, LEAST),
+    ("renderer: triangle light", Single, LEAST),
+    ("student", Single, FAR),
+    ("sheen", Single, EXPONENT),
+    ("scattered_twice", Single, "the own density is a power of ten thousand of a rounded cosine"),
     (
         "power",
         Single,
@@ -54,7 +62,7 @@ pub const REASONS: &[(&str, Where, &str)] = &[
     (
         "bilinear_density",
         Single,
-        "corners of zero: the own density takes 1 - y of a rounded y, and the last uniform is rounded onto a corner, where the density is zero",
+        "corners of zero: the own density takes 1 - y of a rounded y, the least uniforms vanish beside them, and the last uniform is rounded onto a corner, where the density is zero",
     ),
     ("sawtooth", Single, BORDER),
     ("pentagon", Single, BORDER),
@@ -126,7 +134,7 @@ pub const REASONS: &[(&str, Where, &str)] = &[
         "the product of two of the least uniforms under one root is smaller than any number",
     ),
     ("cubic", Single, "two roots meet, and a rounded sample does not tell them apart"),
-    ("elliptical_grid", Double, "the corners, where the map folds"),
+    ("elliptical_grid", Both, "the corners, where the map folds"),
     (
         "truncated_logistic",
         Double,
@@ -217,6 +225,8 @@ pub const REASONS: &[(&str, Where, &str)] = &[
 ];
 
 const TINY: &str = "the least parameter times the least uniform is a subnormal number, which has few digits, or none";
+
+const LEAST: &str = "the least uniform is a subnormal number, and what it is multiplied with leaves none of its digits";
 
 const FAR: &str = "far out, squares overflow, or the density is smaller than any number";
 

@@ -287,10 +287,11 @@ pub const FULL: Settings = Settings { single: 10_000_000, double: 100_000, sweep
 /// How the report is made, and what its figures mean.
 fn introduction(settings: Settings) -> String {
     let Settings { single, double, .. } = settings;
-    let full = if settings == FULL { " --full" } else { "" };
+    let (full, file) =
+        if settings == FULL { (" --full", "stability") } else { ("", "stability-quick") };
     format!(
         "# Stability\n\nMade by `cargo run --release -p tests --bin stability --{full} --markdown \
-         tests/reference/stability.md --csv tests/reference/stability.csv`: {single} random samples of each sampler in \
+         tests/reference/{file}.md --csv tests/reference/{file}.csv`: {single} random samples of each sampler in \
          f32 and {double} in f64.\n\n{MEANING}"
     )
 }
