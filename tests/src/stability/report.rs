@@ -242,7 +242,7 @@ fn summary(rows: &[Row]) -> String {
         line("samplers with a false infinity, of these points", &counted(|r| r.infinite)),
         line("samplers with points where rounding explains a zero, an infinity or a lost sample, of these points", &counted(|r| r.excused)),
         line("samplers with points that are not judged, of these points", &counted(|r| r.unjudged)),
-        line(&format!("inverses {}", &limit["samplers ".len()..]) , &within(|r| r.inverse.worst_over, |r| r.inverse.count() > 0)),
+        line(&format!("inverses {} all points", &limit["samplers ".len()..]) , &within(|r| r.inverse.worst_over, |r| r.inverse.count() > 0)),
         line("median error of samples, pdf(x) and sample.pdf() (median over samplers)", &medians),
     ]
     .concat()
