@@ -142,8 +142,15 @@ pub fn fuzz<R: Bits + fmt::Display>(items: &[Item], evaluations: u64, seed: u64)
     outcome
 }
 
-/// For each number among the parameters, values all over its declared domain, if there is one.
+/// Samplers for which more has to hold of the parameters than can be declared, and nothing is sampled where it does not:
+/// the cone that a sphere light is seen in must not be wider than the sphere.
+const NARROWER: [&str; 1] = ["sphere_light"];
+
+/// For each number among the parameters, values all over its declared domain, if there is one that tells all.
 fn domains(item: &Item) -> Vec<Vec<f64>> {
+    if NARROWER.contains(&item.name) {
+        return vec![];
+    }
     let values = |p: &Parameter| match (p.kind, &p.domain) {
         (ParameterKind::Number, Some(domain)) => vec![over(domain)],
         _ => vec![vec![]; p.kind.numbers()],

@@ -250,3 +250,21 @@ fn half_turns<T: Number>(x: T, quarter: i64) -> T {
         _ => -r.cos(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+    use crate::number::Single;
+
+    #[test]
+    fn powers_above_and_below_the_line_are_those_of_a_quotient() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), ["a", "b"][i as usize], Interval::ALL));
+        let (top, bottom) = (g.powi(a, 2), g.powi(b, -2));
+        let product = g.mul(top, bottom);
+        let input = |leaf: Leaf| Single::from_f64(if leaf == Leaf::Param(0) { 1e25 } else { 1e30 });
+        let value = evaluate(&g, product, &input).to_f64();
+        assert!((value - 1e-10).abs() < 1e-16, "{value:e}");
+    }
+}

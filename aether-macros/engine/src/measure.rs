@@ -284,3 +284,24 @@ impl<T: Number> Table<T> {
         values
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn of_two_forms_the_one_with_fewer_points_without_a_value_is_better() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Param(0), "x", Interval::new(0.0, 1e300));
+        let points = [1.0, 1e15, 1e30].map(|x| [(Leaf::Param(0), x)].into_iter().collect());
+        let mut measure = Measure::new(vec![], points.to_vec());
+        // In single precision the square is out of range at the last point, and the cube at the last two.
+        let [square, cube] = [2, 3].map(|n| {
+            let power = g.powi(x, n);
+            measure.loss(&g, power, &[1.0, 1e30, 1e30]).single
+        });
+        assert!(square.worst == NO_VALUE && cube.worst == NO_VALUE);
+        assert!(square.bits.is_finite() && square.bits + 100.0 < cube.bits, "{square:?} {cube:?}");
+    }
+}
