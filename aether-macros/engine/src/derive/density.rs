@@ -13,7 +13,7 @@ use super::units::{Stretched, by_the_other_side, by_the_others};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
-use crate::jacobian::{cost, simplify};
+use crate::jacobian::{cost, cost_together, simplify};
 use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
 use crate::overflow::guard;
@@ -336,6 +336,8 @@ pub(super) fn finish(
         let freed = if together { without_length(g, without, &sums.pairs) } else { None };
         stable.push(freed.unwrap_or(best));
     }
+    let found: Vec<Id> = problem.unknowns.iter().map(|l| s.unknowns[l]).collect();
+    keep_what_is_shared(g, (&found, conditions), &mut stable, (cases, measure));
     let mut tested: Vec<Id> = stable.iter().map(|&value| guard(g, value)).collect();
     let mut unknowns = tested.clone();
     for (i, value) in unknowns.iter_mut().enumerate() {
@@ -385,6 +387,38 @@ pub(super) fn finish(
         signs: vec![None; n],
     }
 }
+
+/// Unknowns as they were found, where they are as accurate as in another form, and share more with each other and with
+/// the conditions.
+fn keep_what_is_shared(
+    g: &mut Graph,
+    (found, conditions): (&[Id], &[Id]),
+    stable: &mut [Id],
+    (cases, measure): (&[Case], &mut Measure),
+) {
+    let together = |g: &Graph, unknowns: &[Id]| cost_together(g, &[unknowns, conditions].concat());
+    for (i, &found) in found.iter().enumerate() {
+        let form = stable[i];
+        if found == form {
+            continue;
+        }
+        let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
+        let [as_found, other] = [found, form].map(|f| measure.loss(g, f, &truth));
+        let alike = (0..2).all(|part| {
+            let [a, b] = [as_found, other].map(|loss| loss.parts()[part]);
+            a.bits <= b.bits + ALIKE && a.worst <= (1.0 + ALIKE) * b.worst
+        });
+        let before = together(g, stable);
+        stable[i] = found;
+        if !alike || together(g, stable) >= before {
+            stable[i] = form;
+        }
+    }
+}
+
+/// How many bits more a form may lose on average, and by which part of it its worst error may be larger, that is as good as
+/// another one.
+const ALIKE: f64 = 0.05;
 
 /// The short form of an unknown where it tells, in both precisions, whether that lies in [0, 1), and else the long one.
 fn telling(g: &Graph, (short, long): (Id, Id), truth: &[f64], measure: &mut Measure) -> Id {
