@@ -9,7 +9,7 @@ use tests::stability::report::{Report, csv, json, markdown};
 use tests::stability::{Settings, run};
 
 fn report() -> Report {
-    let names = ["exponential", "cosine_hemisphere"];
+    let names = ["exponential", "cosine hemisphere"];
     let items: Vec<Item> = items().into_iter().filter(|item| names.contains(&item.name)).collect();
     assert_eq!(items.len(), names.len());
     let settings = Settings { single: 100, double: 10, sweep: false };
