@@ -5,7 +5,6 @@
 
 use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::prelude::*;
-use aether_core::tables::{PiecewiseConstant1D, PiecewiseConstant2D, PiecewiseLinear1D};
 use aether_core::{DomainError, Legal, Real, Sampler, Scalar};
 use integrators::daylight;
 use integrators::samplers as renderer;
@@ -191,16 +190,14 @@ fn view<R: Scalar>(z: R) -> Direction<R> {
     Direction::new((R::ONE - z * z).sqrt(), R::ZERO, z)
 }
 
-/// A film sample as the direction that a camera looking along (0.48, 0.64, 0.6) sees there, from a point of its lens
-/// that is so many pixels to the right of the middle.
+/// A film sample as the direction that a camera looking along (0.48, 0.64, 0.6) sees there.
 fn camera<R: Scalar, S: Sampler<R, Point = Vec2<R>>>(
     film: S,
     scale: R,
-    aside: R,
 ) -> impl Sampler<R, Point = Direction<R>> {
     let half = R::of(0.5);
     let axis = Direction::new(R::of(0.48), R::of(0.64), R::of(0.6));
-    let centre = Vec2::new(R::of(320.0) + half + aside, R::of(240.0) + half);
+    let centre = Vec2::new(R::of(320.0) + half, R::of(240.0) + half);
     film.then(renderer::pinhole(centre, Vec2::new(scale, scale)))
         .then(renderer::rotate(Frame::around(axis)))
 }
@@ -213,16 +210,6 @@ const TRIANGLES: [[f64; 9]; 5] = [
     [0.0, 0.0, 0.0, 1e-6, 0.0, 0.0, 0.0, 1e-6, 1e-6],
     [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0, 1e6, 1e6],
 ];
-
-// Tables whose probabilities are multiples of a small power of two: in every precision the same distribution. Rows 30,
-// 31 and 55 of the catalogue.
-
-/// Of pieces, one of which is empty.
-const WEIGHTS: [f64; 4] = [1.0, 0.0, 3.0, 4.0];
-/// Of knots between pieces, one of which is flat and one zero.
-const HEIGHTS: [f64; 6] = [1.0, 1.0, 0.0, 0.0, 5.0, 3.0];
-/// Of texels, some of them black.
-const TEXELS: [f64; 12] = [1.0, 0.0, 0.0, 3.0, 4.0, 4.0, 0.0, 0.0, 0.0, 2.0, 1.0, 1.0];
 
 registry! {
     catalogue {
@@ -468,24 +455,13 @@ registry! {
             |p| renderer::film_gaussian(p(0), p(1), p(2), p(3)),
             [[0.5, 0.5, 0.5, 0.9999998874648253], [8191.5, 8191.5, 0.5, 0.9999998874648253]];
         "camera, box filter" CameraBox:
-            |p| camera(renderer::film_box(p(0), p(1)), p(2), R::ZERO),
+            |p| camera(renderer::film_box(p(0), p(1)), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002], [320.5, 240.5, 1e-6], [639.5, 479.5, 0.1]];
         "camera, tent filter" CameraTent:
-            |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2), R::ZERO),
+            |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];
         "camera, Gaussian filter" CameraGaussian:
-            |p| camera(renderer::film_gaussian(p(0), p(1), R::of(0.5), R::of(0.9999998874648253)), p(2), R::ZERO),
+            |p| camera(renderer::film_gaussian(p(0), p(1), R::of(0.5), R::of(0.9999998874648253)), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];
-        "camera with a thin lens, tent filter" CameraLens:
-            |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2), p(3)),
-            [[320.5, 240.5, 0.002, 24.25], [639.5, 0.5, 0.002, -350.0], [320.5, 240.5, 1e-6, 1e4]];
-        "steps on a line" StepsOnLine:
-            |p| PiecewiseConstant1D::<R>::new(&WEIGHTS.map(R::of)).expect("a table").sampler(), [[]];
-        "polygon on a line" PolygonOnLine:
-            |p| PiecewiseLinear1D::<R>::new(&HEIGHTS.map(R::of)).expect("a table").sampler(), [[]];
-        "steps in the plane" StepsInPlane:
-            |p| PiecewiseConstant2D::<R>::new(&TEXELS.map(R::of), 4).expect("a table").sampler(), [[]];
-        "environment map" EnvironmentMap:
-            |p| PiecewiseConstant2D::<R>::latitude_longitude(&TEXELS.map(R::of), 4).expect("a table").directions(), [[]];
     }
 }
