@@ -53,6 +53,11 @@ pub struct Point {
 }
 
 impl Point {
+    /// A point inside of the domain, with parameters that the map is meant for.
+    fn inside(unknowns: Vec<Dd>, params: Vec<Dd>) -> Point {
+        Point { unknowns, params, interior: true, stress: false, grazing: false, corner: false }
+    }
+
     /// The value of an input; outputs come from `outs`.
     pub fn input(&self, leaf: Leaf, outs: &[Dd]) -> Dd {
         let (list, i) = match leaf {
@@ -223,14 +228,7 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
     let mut points = Vec::new();
     for _ in 0..4 {
         let unknowns = (0..unknowns).map(|_| Dd::from_f64(0.02 + 0.96 * rng.uniform())).collect();
-        points.push(Point {
-            unknowns,
-            params: params.to_vec(),
-            interior: true,
-            stress,
-            grazing: false,
-            corner: false,
-        });
+        points.push(Point { stress, ..Point::inside(unknowns, params.to_vec()) });
     }
     for (k, e) in EXTREMES.iter().enumerate() {
         let position = k % unknowns.max(1);
@@ -243,14 +241,7 @@ fn around(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd], stress: b
             u.rotate_right(1);
         }
         let unknowns = u.into_iter().map(Dd::from_f64).collect();
-        points.push(Point {
-            unknowns,
-            params: params.to_vec(),
-            interior,
-            stress,
-            grazing: false,
-            corner: false,
-        });
+        points.push(Point { interior, stress, ..Point::inside(unknowns, params.to_vec()) });
     }
     points
 }
@@ -269,9 +260,8 @@ fn corners(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd]) -> Vec<P
             }
         }
         let unknowns = u.into_iter().map(Dd::from_f64).collect();
-        let (interior, stress, grazing) = (false, true, false);
-        let params = params.to_vec();
-        all.push(Point { unknowns, params, interior, stress, grazing, corner: true });
+        let inside = Point::inside(unknowns, params.to_vec());
+        all.push(Point { interior: false, stress: true, corner: true, ..inside });
     }
     all
 }
@@ -304,14 +294,7 @@ pub fn map_points(
         }
         let params = parameters(&mut rng, kinds, round % 8);
         let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-        let point = Point {
-            unknowns,
-            params,
-            interior: true,
-            stress: false,
-            grazing: false,
-            corner: false,
-        };
+        let point = Point::inside(unknowns, params);
         if !guarded || accept(&point) {
             points.push(point);
         }
@@ -321,15 +304,8 @@ pub fn map_points(
             let mut params = parameters(&mut rng, kinds, round);
             let argument = unit(&mut rng);
             lower(&mut params, kinds, argument, round);
-            let unknowns = argument.to_vec();
-            let point = Point {
-                unknowns,
-                params,
-                interior: true,
-                stress: true,
-                grazing: true,
-                corner: false,
-            };
+            let inside = Point::inside(argument.to_vec(), params);
+            let point = Point { stress: true, grazing: true, ..inside };
             if !guarded || accept(&point) {
                 points.push(point);
             }
