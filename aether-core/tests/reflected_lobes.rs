@@ -38,6 +38,7 @@ fn a_power_of_the_cosine_of_half_vectors() {
         }
     }
 }
+
 #[test]
 fn narrow_and_wide_lobes_pass_the_battery() {
     for n in [1.0, 50.0, 5000.0] {

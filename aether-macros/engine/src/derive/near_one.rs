@@ -3,32 +3,16 @@
 //! (a / √s)ⁿ with s = a² + r loses n times the rounding of a / √s, although r says to full precision how far that is from
 //! one: it is (1 - r / (√s (√s + a)))ⁿ. And (v · w)ⁿ is (1 - |v - w|² / 2)ⁿ.
 
-use std::collections::BTreeMap;
-
-use crate::expr::{Fun, Graph, Id, Node, children};
-use crate::hash::Set;
+use crate::expr::{Fun, Graph, Id, Node};
 use crate::rational::Q;
 use crate::solve::linear::dot;
 
 /// An expression with such powers by what is left of the length, or by the difference of the vectors; `None` where it has
 /// none.
 pub(super) fn by_the_rest(g: &mut Graph, written: Id) -> Option<Id> {
-    let mut open = vec![written];
-    let mut others = BTreeMap::new();
-    let mut seen = Set::default();
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        open.extend(children(g.node(id)));
-        if let Node::Product(factors) = g.node(id).clone()
-            && let Some(other) =
-                power_by_the_rest(g, &factors).or_else(|| power_by_the_difference(g, &factors))
-        {
-            others.insert(id, other);
-        }
-    }
-    (!others.is_empty()).then(|| g.substitute(written, &others))
+    g.with_products(written, |g, factors| {
+        power_by_the_rest(g, factors).or_else(|| power_by_the_difference(g, factors))
+    })
 }
 
 fn power_by_the_rest(g: &mut Graph, factors: &[(Id, Id)]) -> Option<Id> {
@@ -125,6 +109,7 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 1e-13, "{u:?}: {found:e}, not {expected:e}");
         }
     }
+
     #[test]
     fn a_narrow_lobe_about_a_sampled_direction_keeps_its_digits() {
         let text = "fn chain(u: [Uniform; 4], n: f64) -> (Direction, Direction) {

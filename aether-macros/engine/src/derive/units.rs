@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, children};
-use crate::hash::{Map, Set};
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::hash::Map;
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
@@ -137,21 +137,10 @@ pub(super) fn by_one(g: &mut Graph, written: Id, unit: &[u8], x: u8) -> Option<I
 /// An expression of a point with 1 / (1 + z) for (1 - z) / (x² + y²), which says nothing at the pole, and the same on the
 /// other side; `None` where it has no such quotient.
 pub(super) fn by_the_other_side(g: &mut Graph, written: Id, units: &[Vec<u8>]) -> Option<Id> {
-    let mut open = vec![written];
-    let mut others = BTreeMap::new();
-    let mut seen = Set::default();
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        open.extend(children(g.node(id)));
-        if let Node::Product(factors) = g.node(id).clone() {
-            let mut sides = units.iter().flat_map(|unit| unit.iter().map(move |&z| (unit, z)));
-            let other = sides.find_map(|(unit, z)| quotient_of_sides(g, &factors, unit, z));
-            others.extend(other.map(|other| (id, other)));
-        }
-    }
-    (!others.is_empty()).then(|| g.substitute(written, &others))
+    g.with_products(written, |g, factors| {
+        let mut sides = units.iter().flat_map(|unit| unit.iter().map(move |&z| (unit, z)));
+        sides.find_map(|(unit, z)| quotient_of_sides(g, factors, unit, z))
+    })
 }
 
 /// A product with (c - c z)ⁿ (x² + y²)⁻ⁿ as cⁿ (1 + z)⁻ⁿ, where it has these factors.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::{Graph, Id, Node, Root};
-use crate::hash::Map;
+use super::{Graph, Id, Node, Root, children};
+use crate::hash::{Map, Set};
 use crate::rational::Q;
 
 impl Graph {
@@ -11,6 +11,27 @@ impl Graph {
     pub fn substitute(&mut self, id: Id, map: &BTreeMap<Id, Id>) -> Id {
         let mut memo = Map::default();
         self.substitute_memo(id, map, &mut memo)
+    }
+
+    /// An expression with other forms of its products, as far as one is found from a product's factors; `None` where none is.
+    pub fn with_products(
+        &mut self,
+        written: Id,
+        mut other: impl FnMut(&mut Graph, &[(Id, Id)]) -> Option<Id>,
+    ) -> Option<Id> {
+        let mut open = vec![written];
+        let mut others = BTreeMap::new();
+        let mut seen = Set::default();
+        while let Some(id) = open.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            open.extend(children(self.node(id)));
+            if let Node::Product(factors) = self.node(id).clone() {
+                others.extend(other(self, &factors).map(|other| (id, other)));
+            }
+        }
+        (!others.is_empty()).then(|| self.substitute(written, &others))
     }
 
     fn substitute_memo(&mut self, id: Id, map: &BTreeMap<Id, Id>, memo: &mut Map<Id, Id>) -> Id {
