@@ -4,7 +4,7 @@ use crate::density::Density;
 use crate::point::Point;
 use crate::real::{Mask, Real};
 use crate::sampler::{Errors, PdfOf, Sampler};
-use crate::support::add_logs;
+use crate::support::{add_logs, log_density};
 
 /// A differentiable map from one space to another, with its inverse and its change of measure
 /// derived by the compiler. Made by `#[map]`.
@@ -39,6 +39,14 @@ pub trait Map<R: Real>: Copy {
     /// that of the target (units of the target's measure over units of the source's), the
     /// derivative restricted to the tangent space of the source.
     fn jacobian(&self, x: &Self::Source) -> R;
+
+    /// The change of measure at `x`, a preimage of `y` that was found by rounding. A map that tells it better from `y`
+    /// than from `x` does so.
+    #[inline(always)]
+    fn jacobian_between(&self, x: &Self::Source, y: &Self::Target) -> R {
+        let _ = y;
+        self.jacobian(x)
+    }
 
     /// The natural logarithm of [`Map::jacobian`].
     #[inline]
@@ -124,15 +132,15 @@ pub(crate) fn no_errors<R: Real, P: Point<R>>(x: &P) -> P::Coordinates {
     errors
 }
 
-/// The density of the images of a sampler's points by way of one preimage, `x`; zero if it is not valid.
+/// The density of the images of a sampler's points at `y` by way of one preimage, `x`; zero if it is not valid.
 #[inline(always)]
 pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     sampler: &S,
     map: &M,
-    x: &S::Point,
+    (x, y): (&S::Point, &M::Target),
     valid: R::Mask,
 ) -> R {
-    shared(|| sampler.pdf_as_is(x).value(), map, x, valid)
+    shared(|| sampler.pdf_as_is(x).value(), map, (x, y), valid)
 }
 
 /// The same for a sampler with this `density` at `x`.
@@ -140,7 +148,7 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
 fn shared<R: Real, M: Map<R>>(
     density: impl FnOnce() -> R,
     map: &M,
-    x: &M::Source,
+    (x, y): (&M::Source, &M::Target),
     valid: R::Mask,
 ) -> R {
     if !valid.any() {
@@ -152,7 +160,7 @@ fn shared<R: Real, M: Map<R>>(
     if !inside.any() {
         return R::ZERO;
     }
-    let q = p / map.jacobian(x);
+    let q = p / map.jacobian_between(x, y);
     // Nor is a quotient of infinities a density.
     R::select(inside.and(q.ge(R::ZERO)), q, R::ZERO)
 }
@@ -192,7 +200,7 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     fn pdf_as_is(&self, y: &M::Target) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
         self.second.preimages(y, |x, valid| {
-            sum += by_way_of(&self.first, &self.second, &x, valid);
+            sum += by_way_of(&self.first, &self.second, (&x, y), valid);
         });
         Density::new(sum)
     }
@@ -201,24 +209,27 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     fn pdf_near(&self, y: &M::Target, errors: Errors<'_, M::Target, R>) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
         self.second.preimages_near(y, errors, |x, errors, valid| {
-            sum += shared(|| self.first.pdf_near(&x, errors).value(), &self.second, &x, valid);
+            let density = || self.first.pdf_near(&x, errors).value();
+            sum += shared(density, &self.second, (&x, y), valid);
         });
         Density::new(sum)
     }
 
     #[inline]
     fn log_pdf(&self, y: &M::Target) -> R {
-        let mut sum = -R::INFINITY;
-        self.second.preimages(y, |x, valid| {
-            if valid.any() {
-                let p = self.first.log_pdf(&x);
-                let inside = valid.and(p.gt(-R::INFINITY));
-                let q = R::select(inside, p - self.second.log_jacobian(&x), p);
-                sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
-            }
-        });
-        let found = sum.gt(-R::INFINITY);
-        if found.all() { sum } else { R::select(found, sum, self.pdf(y).value().ln()) }
+        let density = self.pdf(y).value();
+        log_density(density, || {
+            let mut sum = -R::INFINITY;
+            self.second.preimages(y, |x, valid| {
+                if valid.any() {
+                    let p = self.first.log_pdf(&x);
+                    let inside = valid.and(p.gt(-R::INFINITY));
+                    let q = R::select(inside, p - self.second.log_jacobian(&x), p);
+                    sum = add_logs(sum, R::select(inside, q, -R::INFINITY));
+                }
+            });
+            R::select(sum.gt(-R::INFINITY), sum, density.ln())
+        })
     }
 
     #[inline(always)]
@@ -229,7 +240,7 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
         let mut sum = R::select(p.ge(R::ZERO), p, R::ZERO);
         // Other points that have the same image only inversion finds.
         other_preimages(&self.second, &x, &y, |z, valid| {
-            sum += by_way_of(&self.first, &self.second, &z, valid);
+            sum += by_way_of(&self.first, &self.second, (&z, &y), valid);
         });
         Density::new(sum)
     }
@@ -279,6 +290,12 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn jacobian(&self, x: &A::Source) -> R {
         let y = self.first.forward(x).0;
         self.first.jacobian(x) * self.second.jacobian(&y)
+    }
+
+    #[inline(always)]
+    fn jacobian_between(&self, x: &A::Source, z: &B::Target) -> R {
+        let y = self.first.forward(x).0;
+        self.first.jacobian_between(x, &y) * self.second.jacobian_between(&y, z)
     }
 
     #[inline]

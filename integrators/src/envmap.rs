@@ -44,6 +44,11 @@ impl EnvironmentTable {
         Some(EnvironmentTable { table, frame })
     }
 
+    /// The table, on the unit square, of directions before they are turned.
+    pub fn table(&self) -> &PiecewiseLinear2D<f32> {
+        &self.table
+    }
+
     /// The random variable.
     pub fn directions(&self) -> Then<BilinearDirections<'_, f32>, Rotate<f32>> {
         self.table.directions().then(rotate(self.frame))

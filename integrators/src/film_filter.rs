@@ -35,6 +35,11 @@ impl FilterTable {
         Some(FilterTable { table, radius })
     }
 
+    /// The table, on the unit square.
+    pub fn table(&self) -> &PiecewiseLinear2D<f32> {
+        &self.table
+    }
+
     /// The random variable, about a point of the film in pixels.
     pub fn about(&self, x: f32, y: f32) -> FilmPoints<'_> {
         let r = self.radius;

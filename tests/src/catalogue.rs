@@ -11,6 +11,7 @@ mod numeric;
 mod plane;
 mod polygons;
 mod space;
+pub mod tables;
 
 pub use algebra::*;
 pub use direction::*;

@@ -5,6 +5,7 @@
 
 use aether_core::legal::{Parameter, ParameterKind};
 use aether_core::prelude::*;
+use aether_core::tables::cells;
 use aether_core::{DomainError, Legal, Real, Sampler, Scalar};
 use integrators::daylight;
 use integrators::samplers as renderer;
@@ -82,12 +83,13 @@ macro_rules! registry {
         catalogue { $($row:literal $name:literal $which:ident: $item:ty;)* }
         composed { $($line:literal $made:literal $made_of:ident: |$q:ident| $composition:expr;)* }
         more { $($number:literal $other:literal $more:ident: $type:ty, $parameters:expr;)* }
+        tables { $($place:literal $table:literal $tabulated:ident: $variable:expr;)* }
         renderer { $($part:literal $here:ident: |$p:ident| $sampler:expr, $sets:expr;)* }
     ) => {
         /// Which sampler.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[allow(missing_docs)]
-        pub enum Which { $($which,)* $($made_of,)* $($more,)* $($here,)* }
+        pub enum Which { $($which,)* $($made_of,)* $($more,)* $($tabulated,)* $($here,)* }
 
         /// All items.
         pub fn items() -> Vec<Item> {
@@ -117,6 +119,14 @@ macro_rules! registry {
                     parameters: <$type>::PARAMETERS,
                     sets: $parameters.iter().map(|s| s.to_vec()).collect(),
                     preimages: <$type>::DERIVATION.preimages,
+                },)*
+                $(Item {
+                    which: Which::$tabulated,
+                    name: $table,
+                    row: $place,
+                    parameters: &[],
+                    sets: vec![vec![]],
+                    preimages: 16,
                 },)*
                 $(Item {
                     which: Which::$here,
@@ -157,6 +167,7 @@ macro_rules! registry {
                     let $q = |i: usize| exactly::<R>(numbers[i]);
                     visitor.visit($composition)
                 })*
+                $(Which::$tabulated => visitor.visit($variable),)*
                 $(Which::$here => {
                     #[allow(unused_variables)]
                     let $p = |i: usize| exactly::<R>(numbers[i]);
@@ -195,11 +206,26 @@ fn camera<R: Scalar, S: Sampler<R, Point = Vec2<R>>>(
     film: S,
     scale: R,
 ) -> impl Sampler<R, Point = Direction<R>> {
+    behind_lens(film, scale, Vec2::new(R::ZERO, R::ZERO))
+}
+
+/// The same from a point of a lens, at `point` over the distance of the plane in focus.
+fn behind_lens<R: Scalar, S: Sampler<R, Point = Vec2<R>>>(
+    film: S,
+    scale: R,
+    point: Vec2<R>,
+) -> impl Sampler<R, Point = Direction<R>> {
     let half = R::of(0.5);
     let axis = Direction::new(R::of(0.48), R::of(0.64), R::of(0.6));
-    let centre = Vec2::new(R::of(320.0) + half, R::of(240.0) + half);
+    let centre =
+        Vec2::new(R::of(320.0) + half + point.x / scale, R::of(240.0) + half + point.y / scale);
     film.then(renderer::pinhole(centre, Vec2::new(scale, scale)))
         .then(renderer::rotate(Frame::around(axis)))
+}
+
+/// The unit square as one of film points about a pixel.
+fn square<R: Scalar>(x: R, y: R, radius: R) -> cells::StretchedSquare<R> {
+    cells::stretched_square(Vec2::new(x - radius, y - radius), Vec2::new(x + radius, y + radius))
 }
 
 /// Corners, from an ordinary triangle to a sliver and one far away.
@@ -334,6 +360,12 @@ registry! {
             [[0.25, 0.48, 0.64, 0.6], [0.05, 0.6, 0.0, 0.8]];
         115 "planar_flow" PlanarFlow: PlanarFlow<R>, [[0.75, 0.5, -2.0, 0.25], [0.0, 1.0, 1.0, 0.0]];
     }
+    tables {
+        30 "piecewise_constant" Steps: tables::steps::<R>().sampler();
+        31 "piecewise_linear" Polygon: tables::polygon::<R>().sampler();
+        55 "piecewise_constant_cells" Cells: tables::cells::<R>().sampler();
+        55 "environment" CellsOfTheSky: tables::cells::<R>().directions();
+    }
     renderer {
         "diffuse lobe" DiffuseLobe: |p| renderer::cosine_hemisphere(), [[]];
         "diffuse, hit at a distance" DiffuseHit:
@@ -454,9 +486,21 @@ registry! {
         "film, Gaussian filter" FilmGaussian:
             |p| renderer::film_gaussian(p(0), p(1), p(2), p(3)),
             [[0.5, 0.5, 0.5, 0.9999998874648253], [8191.5, 8191.5, 0.5, 0.9999998874648253]];
+        "film, Mitchell's filter" FilmMitchell:
+            |p| tables::mitchell::<R>().sampler().then(square(p(0), p(1), R::of(2.0))),
+            [[0.5, 0.5], [320.5, 240.5]];
+        "film, Lanczos' filter" FilmLanczos:
+            |p| tables::lanczos::<R>().sampler().then(square(p(0), p(1), R::of(3.0))),
+            [[0.5, 0.5], [320.5, 240.5]];
+        "environment map" EnvironmentMap:
+            |p| tables::sky::<R>().directions().then(renderer::rotate(Frame::around(Direction::from_vec(vector(p, 0))))),
+            [[0.0, 0.0, 1.0], [0.48, 0.64, 0.6]];
         "camera, box filter" CameraBox:
             |p| camera(renderer::film_box(p(0), p(1)), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002], [320.5, 240.5, 1e-6], [639.5, 479.5, 0.1]];
+        "camera with a lens, box filter" CameraLens:
+            |p| behind_lens(renderer::film_box(p(0), p(1)), p(2), Vec2::new(p(3), p(4))),
+            [[320.5, 240.5, 0.002, 0.03, -0.04], [639.5, 0.5, 0.002, 1e-6, 2.0], [320.5, 240.5, 1e-6, 0.1, 0.1]];
         "camera, tent filter" CameraTent:
             |p| camera(renderer::film_tent(p(0), p(1), R::ONE, -R::ONE), p(2)),
             [[320.5, 240.5, 0.002], [639.5, 0.5, 0.002]];

@@ -11,7 +11,7 @@ use crate::real::Scalar;
 ///
 /// The probability of an index is the length of its interval as it is stored, exactly, so that
 /// sampling and density cannot disagree. Borders of intervals are whole multiples of `R::EPSILON` / 2,
-/// the spacing of uniforms below one. A positive weight has an interval of at least this length,
+/// the spacing of uniforms below one (of 2^-53, if `R` has more digits than `f64`). A positive weight has an interval of at least this length,
 /// however small it is (in `f64` 2^-53); so nothing that has weight goes without samples. A zero
 /// weight has no interval.
 ///
@@ -45,9 +45,16 @@ impl<R: Scalar> Cdf<R> {
 
     /// The same from weights in `f64` that are checked, and whose sum does not overflow.
     pub(crate) fn from_relative(weights: &[f64]) -> Result<Self, WeightError> {
-        let spacing = 0.5 * R::EPSILON.to_f64();
+        // Weights have the digits of `f64`, whatever `R` has.
+        let spacing = 0.5 * R::EPSILON.to_f64().max(f64::EPSILON);
         let knots = round(weights, (1.0 / spacing) as u64)?;
         Ok(Cdf { knots: knots.iter().map(|k| R::of(*k as f64 * spacing)).collect() })
+    }
+
+    /// The same choice in another precision, with the probabilities that are stored here: exactly, if `S` has the
+    /// digits of `R`. Otherwise borders are rounded, and what has no interval left is not chosen.
+    pub fn cast<S: Scalar>(&self) -> Cdf<S> {
+        Cdf { knots: self.knots.iter().map(|k| S::of(k.to_f64())).collect() }
     }
 
     /// Probability of an index; zero if there is no such index.

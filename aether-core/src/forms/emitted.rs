@@ -37,7 +37,7 @@ pub fn mapped_with_density<R: Scalar, S: Sampler<R>, M: Map<R, Source = S::Point
     let mut others = false;
     other_preimages(map, x, &y, |z, valid| {
         others = true;
-        density = density.map(|sum| sum + by_way_of(sampler, map, &z, valid));
+        density = density.map(|sum| sum + by_way_of(sampler, map, (&z, &y), valid));
     });
     valid.then_some((y, density.filter(|_| !(weighed && others))))
 }
@@ -296,7 +296,7 @@ where
     let mut sum = V::Real::ZERO;
     let Some(y) = Includes::<M::Target>::part(&target.point()) else { return sum };
     map.preimages(&y, |w, valid| {
-        let p = by_way_of(sampler, map, &w, valid);
+        let p = by_way_of(sampler, map, (&w, &y), valid);
         if p > V::Real::ZERO {
             sum += product(p, factor(w));
         }

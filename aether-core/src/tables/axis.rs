@@ -56,6 +56,14 @@ impl<R: Scalar> Axis<R> {
         Self::new(&knots)
     }
 
+    /// The same bins in another precision: exactly, if `S` has the digits of `R`.
+    ///
+    /// # Errors
+    /// Knots that are the same number in `S`.
+    pub fn cast<S: Scalar>(&self) -> Result<Axis<S>, TableError> {
+        Axis::new(&self.knots.iter().map(|k| S::of(k.to_f64())).collect::<Vec<S>>())
+    }
+
     /// How many bins there are.
     pub fn bins(&self) -> usize {
         self.knots.len() - 1

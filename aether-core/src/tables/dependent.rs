@@ -27,6 +27,11 @@ impl<S, F> Dependent<S, F> {
     pub fn new(y: S, x: F) -> Self {
         Dependent { y, x }
     }
+
+    /// The family that x is from.
+    pub fn family(&self) -> &F {
+        &self.x
+    }
 }
 
 impl<R, S, F> Sampler<R> for Dependent<S, F>

@@ -31,6 +31,15 @@ impl<R: Scalar> Grid<R> {
         Ok(Grid { rows: Cdf::from_relative(&rows)?, columns, x, y })
     }
 
+    /// The same cells in another precision, with the probabilities that are stored here.
+    ///
+    /// # Errors
+    /// As [`Axis::cast`].
+    pub fn cast<S: Scalar>(&self) -> Result<Grid<S>, TableError> {
+        let columns = self.columns.iter().map(Cdf::cast).collect();
+        Ok(Grid { x: self.x.cast()?, y: self.y.cast()?, rows: self.rows.cast(), columns })
+    }
+
     /// The columns.
     pub fn x(&self) -> &Axis<R> {
         &self.x

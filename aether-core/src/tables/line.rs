@@ -37,6 +37,15 @@ impl<R: Scalar> PiecewiseConstant1D<R> {
         Ok(PiecewiseConstant1D { cdf: Cdf::from_relative(&masses)?, axis })
     }
 
+    /// The same table in another precision, with the probabilities that are stored here: exactly, if `S` has
+    /// the digits of `R`.
+    ///
+    /// # Errors
+    /// As [`Axis::cast`].
+    pub fn cast<S: Scalar>(&self) -> Result<PiecewiseConstant1D<S>, TableError> {
+        Ok(PiecewiseConstant1D { axis: self.axis.cast()?, cdf: self.cdf.cast() })
+    }
+
     /// The random variable.
     pub fn sampler(&self) -> Piecewise<&Self> {
         Piecewise(self)
@@ -100,7 +109,9 @@ impl<R: Scalar> PiecewiseLinear1D<R> {
         let masses: Vec<f64> =
             values.windows(2).enumerate().map(|(k, v)| (v[0] + v[1]) * axis.share(k)).collect();
         let segment = |(piece, v): (usize, &[f64])| {
-            line(v[0], v[1]).map_err(|error| TableError::Domain { piece, error })
+            // Relative to the larger one before they are rounded, so that neither vanishes for no reason.
+            let [a, b] = [v[0], v[1]].map(|x| R::of(x / v[0].max(v[1]).max(f64::MIN_POSITIVE)));
+            line(a, b).map_err(|error| TableError::Domain { piece, error })
         };
         let segments = values.windows(2).enumerate().map(segment).collect::<Result<_, _>>()?;
         Ok(PiecewiseLinear1D { cdf: Cdf::from_relative(&masses)?, segments, axis })
@@ -114,9 +125,9 @@ impl<R: Scalar> PiecewiseLinear1D<R> {
 
 /// The density on [0, 1) that is proportional to the line from `a` to `b`, scaled so that the squares
 /// of neither overflow nor vanish beside the other for no reason.
-pub(super) fn line<R: Scalar>(a: f64, b: f64) -> Result<Linear<R>, crate::DomainError> {
-    let scale = if a.max(b) > 0.0 { a.max(b) } else { 1.0 };
-    linear(R::of(a / scale), R::of(b / scale))
+pub(super) fn line<R: Scalar>(a: R, b: R) -> Result<Linear<R>, crate::DomainError> {
+    let scale = if a.max(b) > R::ZERO { a.max(b) } else { R::ONE };
+    linear(a / scale, b / scale)
 }
 
 impl<R: Scalar> Pieces<R> for &PiecewiseLinear1D<R> {

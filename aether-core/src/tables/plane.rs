@@ -71,6 +71,15 @@ impl<R: Scalar> PiecewiseConstant2D<R> {
         Ok(PiecewiseConstant2D { grid: Grid::new(x, y, &masses)? })
     }
 
+    /// The same table in another precision, with the probabilities that are stored here: exactly, if `S` has
+    /// the digits of `R`.
+    ///
+    /// # Errors
+    /// As [`Axis::cast`].
+    pub fn cast<S: Scalar>(&self) -> Result<PiecewiseConstant2D<S>, TableError> {
+        Ok(PiecewiseConstant2D { grid: self.grid.cast()? })
+    }
+
     /// The random variable.
     pub fn sampler(&self) -> Piecewise<Rows<'_, Self>> {
         Piecewise(Rows(self))
@@ -145,6 +154,19 @@ impl<R: Scalar> PiecewiseLinear2D<R> {
         Ok(PiecewiseLinear2D { grid: Grid::new(x, y, &masses)?, cells: cells.into() })
     }
 
+    /// The same table in another precision, with the corners and the probabilities that are stored here: exactly,
+    /// if `S` has the digits of `R`.
+    ///
+    /// # Errors
+    /// As [`Axis::cast`].
+    pub fn cast<S: Scalar>(&self) -> Result<PiecewiseLinear2D<S>, TableError> {
+        let corners = self.cells.iter().map(|cell| cell.family().corners.map(R::to_f64));
+        let cells = corners.enumerate().map(|(piece, corners)| {
+            bilinear(corners).map_err(|error| TableError::Domain { piece, error })
+        });
+        Ok(PiecewiseLinear2D { grid: self.grid.cast()?, cells: cells.collect::<Result<_, _>>()? })
+    }
+
     /// The random variable.
     pub fn sampler(&self) -> Piecewise<Rows<'_, Self>> {
         Piecewise(Rows(self))
@@ -178,11 +200,11 @@ impl<R: Scalar> CellTable<R> for PiecewiseLinear2D<R> {
 
 /// The density on the unit square with these values at (0, 0), (1, 0), (0, 1), (1, 1).
 fn bilinear<R: Scalar>(corners: [f64; 4]) -> Result<Bilinear<R>, crate::DomainError> {
-    let [a, b, c, d] = corners;
     let largest = corners.iter().copied().fold(0.0, f64::max);
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    let columns = BilinearColumns { corners: corners.map(|w| R::of(w / scale)) };
-    Ok(Dependent::new(line(a + b, c + d)?, columns))
+    let corners = corners.map(|w| R::of(w / scale));
+    let [a, b, c, d] = corners;
+    Ok(Dependent::new(line(a + b, c + d)?, BilinearColumns { corners }))
 }
 
 /// The densities of x given y in a bilinear cell: lines whose ends are interpolated in y.
@@ -202,7 +224,7 @@ impl<R: Scalar> Family<R> for BilinearColumns<R> {
         // On a side of the cell where the density is zero, the shape of the lines next to it.
         let zero = left == R::ZERO && right == R::ZERO;
         let (left, right) = if zero { (a + c, b + d) } else { (left, right) };
-        line(left.to_f64(), right.to_f64()).ok()
+        line(left, right).ok()
     }
 }
 

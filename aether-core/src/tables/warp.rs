@@ -34,4 +34,16 @@ impl<R: Real, S: Sampler<R, Uniforms = [R; 2]>> Map<R> for Warp<S> {
     fn jacobian(&self, x: &Vec2<R>) -> R {
         self.0.pdf_of_uniforms([x.x, x.y]).value().recip()
     }
+
+    /// Next to the far end of a uniform a point may have digits that the uniform has no room for.
+    #[inline]
+    fn jacobian_between(&self, x: &Vec2<R>, y: &S::Point) -> R {
+        let density = self.0.pdf(y).value();
+        let known = density.gt(R::ZERO);
+        if known.all() {
+            density.recip()
+        } else {
+            R::select(known, density.recip(), self.jacobian(x))
+        }
+    }
 }

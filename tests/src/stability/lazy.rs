@@ -16,6 +16,9 @@ pub struct Lazy<'a> {
 /// How far estimates of a condition number may be apart, relative to them, to be believed within twice as much.
 const AGREEMENT: f64 = 0.01;
 
+/// How far they may be apart to be believed up to a factor of two: mostly much less is asked.
+const ROUGHLY: f64 = 0.5;
+
 impl<'a> Lazy<'a> {
     /// At a point; `estimated` if it is far enough from the ends of uniforms for differences in `f64`. `order` is
     /// what [`Lazy::order`] said last.
@@ -47,9 +50,14 @@ impl<'a> Lazy<'a> {
             let least = |conditions: &[Conditions; 3]| {
                 let [a, b, c] = conditions.each_ref().map(&which);
                 // Where moved uniforms have no sample there is no estimate.
-                let agree = |x: f64, y: f64| x.is_finite() && (x - y).abs() <= AGREEMENT * x;
-                let known = if agree(a, b) { Some(a) } else { Some(b).filter(|_| agree(b, c)) };
-                known.map(|x| x * (1.0 - 2.0 * AGREEMENT)).filter(|least| *least > limit)
+                let near = |x: f64, y: f64, by: f64| x.is_finite() && (x - y).abs() <= by * x;
+                let least = |x: f64, y: f64| match () {
+                    () if near(x, y, AGREEMENT) => Some(x * (1.0 - 2.0 * AGREEMENT)),
+                    () if near(x, y, ROUGHLY) && near(y, x, ROUGHLY) => Some(0.5 * x.min(y)),
+                    () => None,
+                };
+                let beyond = |least: Option<f64>| least.filter(|least| *least > limit);
+                beyond(least(a, b)).or_else(|| beyond(least(b, c)))
             };
             let grown = self
                 .estimates

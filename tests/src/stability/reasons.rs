@@ -27,6 +27,11 @@ pub const REASONS: &[(&str, Where, &str)] = &[
     ("bilinear_patch", Both, LEAST),
     ("renderer: rough conductor, visible Beckmann", Single, LEAST),
     ("renderer: triangle light", Single, LEAST),
+    (
+        "renderer: environment map",
+        Single,
+        "an azimuth next to half a turn is found from a coordinate next to zero, and has fewer digits than that; and next to it the density vanishes",
+    ),
     ("student", Single, FAR),
     ("sheen", Single, EXPONENT),
     ("scattered_twice", Single, "the own density is a power of ten thousand of a rounded cosine"),

@@ -37,14 +37,16 @@ fn gaussian<R: Real>(dx: R, dy: R, deviation: R, mass: R) -> R {
 /// The density of directions of the registry's camera: that of the film point, per area of the film at distance one, over
 /// the cube of the cosine.
 pub fn camera<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
-    if !matches!(which, Which::CameraBox | Which::CameraTent | Which::CameraGaussian) {
-        return None;
-    }
     let c = R::of;
+    let shift = match which {
+        Which::CameraBox | Which::CameraTent | Which::CameraGaussian => [R::ZERO; 2],
+        Which::CameraLens => [p[3] / p[2], p[4] / p[2]],
+        _ => return None,
+    };
     let axis = Direction::new(c(0.48), c(0.64), c(0.6));
     let w = Frame::around(axis).to_local(vector(x, 0));
-    let dx = c(320.5) + w.x / w.z / p[2] - p[0];
-    let dy = c(240.5) + w.y / w.z / p[2] - p[1];
+    let dx = c(320.5) + shift[0] + w.x / w.z / p[2] - p[0];
+    let dy = c(240.5) + shift[1] + w.y / w.z / p[2] - p[1];
     let film = match which {
         Which::CameraTent => tent(dx, dy, R::ONE, -R::ONE),
         Which::CameraGaussian => gaussian(dx, dy, c(0.5), c(0.9999998874648253)),

@@ -3,7 +3,8 @@
 //!
 //! Where several uniforms lead to one point, the form is that of the whole density. Two samplers have no usual
 //! form, because no formula undoes them: `quintic`, whose inverse is a root of fifth degree with a logarithm, and
-//! `planar_flow`, whose density is printed at the variable before the flow.
+//! `planar_flow`, whose density is printed at the variable before the flow. The renderer's tables have none either: what
+//! they hold is not a formula, and is rounded.
 
 mod direction;
 mod film;
@@ -12,6 +13,7 @@ mod microfacets;
 mod plane;
 mod space;
 mod surface;
+mod tables;
 
 use aether_core::{Real, Vec3};
 
@@ -21,11 +23,13 @@ use crate::registry::Which;
 /// among the parameters have length one.
 pub fn textbook<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
     match x.len() {
-        1 => line::density(which, p, x[0]),
+        1 => line::density(which, p, x[0]).or_else(|| tables::on_line(which, x[0])),
         2 => plane::density(which, p, x)
+            .or_else(|| tables::on_square(which, x[0], x[1]))
             .or_else(|| film::density(which, p, x))
             .or_else(|| microfacets::slopes(which, p, x)),
         _ => direction::density(which, p, x)
+            .or_else(|| tables::on_sphere(which, x))
             .or_else(|| film::camera(which, p, x))
             .or_else(|| microfacets::density(which, p, x))
             .or_else(|| surface::density(which, p, x))
