@@ -117,7 +117,7 @@ impl<V: Vertex> Drawn<V> {
 }
 
 /// The most vertices that one draw of a joint strategy yields.
-pub const MOST_VERTICES: usize = 4;
+pub const MOST_VERTICES: usize = 8;
 
 /// Vertices drawn together are an element of the product of their spaces.
 impl<V: Vertex, const N: usize> Vertex for [V; N] {
@@ -129,7 +129,7 @@ impl<V: Vertex, const N: usize> Vertex for [V; N] {
 }
 
 /// The vertices that one draw of a joint strategy yielded, in order of travel. Made from a
-/// [`Drawn`] array of two to four vertices.
+/// [`Drawn`] array of two to eight vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawnRun<V: Vertex> {
     /// Only the first `len` count.
@@ -150,7 +150,7 @@ impl<V: Vertex> DrawnRun<V> {
 
 impl<V: Vertex, const N: usize> From<Drawn<[V; N]>> for DrawnRun<V> {
     fn from(drawn: Drawn<[V; N]>) -> Self {
-        const { assert!(2 <= N && N <= MOST_VERTICES, "a run has two to four vertices") };
+        const { assert!(2 <= N && N <= MOST_VERTICES, "a run has two to eight vertices") };
         let vertices = core::array::from_fn(|i| drawn.vertex[i.min(N - 1)]);
         DrawnRun { vertices, len: N, visible: drawn.visible, value: drawn.value }
     }

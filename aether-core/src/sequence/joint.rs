@@ -51,7 +51,7 @@ fn run_key<V: Vertex>(
 ) -> Option<Key> {
     let (n, len) = (run.len as usize, before.len as usize);
     let mut key = [NONE; 6];
-    let room = key.len() - 1 - n - usize::from(reads.length);
+    let room = (key.len() - 1).checked_sub(n + usize::from(reads.length))?;
     if reads.vertices > room {
         return None;
     }

@@ -7,4 +7,5 @@ mod world;
 
 mod algebra;
 mod chain;
+mod eight;
 mod portal;

@@ -15,7 +15,7 @@ use super::names::{FORMS, each_ident};
 use crate::diagnostics::Diagnostics;
 
 /// The most vertices that one draw yields.
-const MOST_VERTICES: usize = 4;
+const MOST_VERTICES: usize = 8;
 
 /// What the signature says.
 pub struct Signature {
@@ -114,7 +114,7 @@ fn yields(ty: &Type, diagnostics: &mut Diagnostics) -> Option<(Type, Type, usize
             }
             _ => {
                 "how many vertices one draw yields is written as a number: `[Vertex; 2]` to \
-                  `[Vertex; 4]`, or `Vertex` for one"
+                  `[Vertex; 8]`, or `Vertex` for one"
             }
         },
         Type::Tuple(tuple) if !tuple.elems.is_empty() => {
