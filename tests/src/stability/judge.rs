@@ -11,6 +11,9 @@ use super::probe::Answer;
 use crate::registry::{Item, rounded};
 use crate::textbook::textbook;
 
+/// A condition number that loses all digits but two bits, times the spacing of numbers.
+const ALL_LOST: f64 = 0.25;
+
 /// Where a point comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
@@ -77,7 +80,9 @@ impl Judge<'_> {
         let mut lazy = Lazy::new(spot, self.origin == Origin::Random, order);
         if found.valid {
             self.errors::<R>(row, found, x, &exact, &mut lazy);
-        } else if unknown && lazy.all().sample * format.spacing < 0.25 {
+        } else if unknown
+            && lazy.beyond(ALL_LOST / format.spacing, |c| c.sample) * format.spacing < ALL_LOST
+        {
             // What has no value is called no sample: it must not be a sample that was lost.
             row.nan += 1;
             row.example("lost sample", &at);
@@ -103,7 +108,8 @@ impl Judge<'_> {
         let normal = density > format.floor && density < format.ceiling;
         // A point next to the border of the support may be rounded onto it, where the density is zero; and one next to a pole
         // of the density onto that.
-        let mut explained = || lazy.all().density * format.spacing >= 0.25;
+        let mut explained =
+            || lazy.beyond(ALL_LOST / format.spacing, |c| c.density) * format.spacing >= ALL_LOST;
         let zero = normal && (found.own == 0.0 || found.at_own == Some(0.0));
         if zero && (found.own == 0.0 || !explained()) {
             row.false_zeros += 1;
