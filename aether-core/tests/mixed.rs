@@ -4,8 +4,10 @@
 use aether_core::discrete::shares;
 use aether_core::mixed::{Parts, WithAtoms};
 use aether_core::prelude::*;
+use aether_core::strategy::Vertex;
 use aether_core::{
-    BalanceHeuristic, Combine, Heuristic, Pcg32, PowerHeuristic, combine, draw_uniforms, mixture,
+    Arena, BalanceHeuristic, Combine, Estimator, Heuristic, PathIntegrand, PathView, Pcg32,
+    PowerHeuristic, combine, draw_uniforms, mixture,
 };
 
 /// Free flight that ends at a wall, if it gets there.
@@ -414,5 +416,52 @@ fn a_mixture_of_samplers_with_atoms_has_their_atoms() {
         let x = both.sample(uniforms::<Flight>(5, k));
         close(x.pdf().value(), both.pdf(&x).value(), 64.0);
         integrand(&x) / x.pdf().value()
+    });
+}
+
+/// A vertex that lives where flights end.
+#[derive(Clone, Copy, Debug)]
+struct Stop(Mixed);
+
+impl Vertex for Stop {
+    type Real = f64;
+    type Point = Mixed;
+    fn point(&self) -> Mixed {
+        self.0
+    }
+}
+
+/// Draws such a vertex.
+#[strategy]
+fn fly(path: &PathView<Stop>, extinction: f64, wall: f64) -> Stop {
+    let x = draw(flight_of(extinction, wall));
+    Stop(x)
+}
+
+struct AtTheEnd;
+
+impl PathIntegrand for AtTheEnd {
+    type Vertex = Stop;
+    type Value = f64;
+    fn extend(&self, _: PathView<'_, Stop>) -> f64 {
+        1.0
+    }
+    fn end(&self, path: PathView<'_, Stop>) -> f64 {
+        path.last().map_or(0.0, |stop| integrand(&stop.0))
+    }
+}
+
+#[test]
+fn a_strategy_draws_vertices_with_atoms() {
+    let estimator = Estimator::paths(AtTheEnd);
+    unbiased(expected(2.0), |k| {
+        let arena: Arena<Stop, Fly> = Arena::new();
+        let mut random = Pcg32::new(6, 0, k);
+        let techniques = [0.5, 2.5].map(|extinction| {
+            let mut path = arena.sequence();
+            path.append(fly(extinction, 2.0)).sample(&mut random);
+            path
+        });
+        estimator.sum(combine::<PowerHeuristic, _>(&techniques))
     });
 }

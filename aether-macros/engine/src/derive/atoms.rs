@@ -229,3 +229,52 @@ fn compare(way: &AtomWay, g: &Graph, probability: Id, points: &[Point]) -> Resul
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interpret::Item;
+
+    /// What is wrong with a probability of the wall of free flight, by an expression of extinction and wall.
+    fn judged(probability: impl Fn(&mut Graph, [Id; 2]) -> Id) -> Result<(), String> {
+        let flight = quote::quote!(
+            fn flight(u: [Uniform; 1], extinction: f64, wall: f64) -> Mixed {
+                let t = -(-u[0]).ln_1p() / extinction;
+                if t < wall { Mixed::Continuous(t) } else { Mixed::Atom(0, wall) }
+            }
+        );
+        let domains = quote::quote!(extinction in 0.0..=3.0, wall in 0.0..=3.0);
+        let item = Item::new(domains, flight, true).expect("can be derived");
+        let way = item.atoms.into_iter().next().expect("one way").way;
+        let mut g = afresh(&way, &[]);
+        let parameters = [0, 1].map(|i| g.get_leaf(Leaf::Param(i)));
+        let probability = probability(&mut g, parameters);
+        compare(&way, &g, probability, &points(&way, &[]))
+    }
+
+    #[test]
+    fn a_wrong_probability_is_noticed() {
+        use crate::expr::Fun;
+        use crate::rational::Q;
+        let depth = |g: &mut Graph, [s, d]: [Id; 2]| g.mul(s, d);
+        let tail = |g: &mut Graph, parameters| {
+            let depth = depth(g, parameters);
+            let minus = g.neg(depth);
+            g.call(Fun::Exp, &[minus])
+        };
+        assert!(judged(tail).is_ok());
+        let other_side = judged(|g, parameters| {
+            let tail = tail(g, parameters);
+            g.sum(Q::ONE, &[(Q::int(-1), tail)])
+        });
+        assert!(other_side.is_err_and(|why| why.contains("of the uniforms lead here")));
+        let nearly = Q::new(100_000_001, 100_000_000).expect("a fraction");
+        assert!(
+            judged(|g, parameters| {
+                let tail = tail(g, parameters);
+                g.sum(Q::ZERO, &[(nearly, tail)])
+            })
+            .is_err()
+        );
+    }
+}
