@@ -21,7 +21,10 @@ use crate::points::{Kind, Point, sampler_points};
 use crate::stabilise::stabilise;
 
 /// Sets of parameters that a probability is compared with a count at.
-pub(super) const COUNTED: usize = 24;
+pub(super) const COUNTED: usize = 40;
+/// Of some of them, those with parameters so much closer to their least values are added.
+const SCALED: usize = 4;
+const SCALES: [f64; 5] = [1e-1, 3e-2, 1e-2, 1e-3, 1e-4];
 /// How far from a count, relative to it, a probability may be; the count itself leaves out what is nearer to an end than this.
 const TOLERANCE: f64 = 1e-9;
 const UNCOUNTED: f64 = 1e-17;
@@ -117,7 +120,31 @@ fn points(way: &AtomWay, open: &[Test]) -> Vec<Point> {
     let mut points = sampler_points(way.unknowns.len(), &way.kinds, guarded, &accept);
     let shown = |p: &Point| p.params.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     points.dedup_by(|a, b| shown(a) == shown(b));
-    points
+    // In a wide domain most parameters leave an atom next to nothing, or all.
+    let some = points.iter().filter(|p| !p.stress).take(SCALED).cloned().collect::<Vec<_>>();
+    let scaled = SCALES.iter().flat_map(|&scale| some.iter().map(move |p| (p, scale)));
+    let mut all: Vec<Point> =
+        scaled.map(|(p, scale)| closer(p, &way.kinds, scale)).filter(accept).collect();
+    all.extend(points);
+    all
+}
+
+/// The point with parameters closer to the least that they may be, or to zero.
+fn closer(point: &Point, kinds: &[Kind], scale: f64) -> Point {
+    let mut point = point.clone();
+    let mut first = 0;
+    for kind in kinds {
+        if let Kind::Scalar(domain) = kind {
+            let x = point.params[first].to_f64();
+            let least = domain.map_or(0.0, |d| d.lo);
+            let from = if least.is_finite() { least } else { 0.0 };
+            let near = from + (x - from) * scale;
+            let legal = domain.is_none_or(|d| d.lo <= near && near <= d.hi);
+            point.params[first] = Dd::from_f64(if legal { near } else { x });
+        }
+        first += kind.scalars();
+    }
+    point
 }
 
 fn holds<'t>(g: &Graph, tests: impl IntoIterator<Item = &'t Test>, point: &Point) -> bool {
@@ -234,16 +261,19 @@ fn compare(way: &AtomWay, g: &Graph, probability: Id, points: &[Point]) -> Resul
 mod tests {
     use super::*;
     use crate::interpret::Item;
+    use proc_macro2::TokenStream;
 
     /// What is wrong with a probability of the wall of free flight, by an expression of extinction and wall.
-    fn judged(probability: impl Fn(&mut Graph, [Id; 2]) -> Id) -> Result<(), String> {
+    fn judged(
+        domains: TokenStream,
+        probability: impl Fn(&mut Graph, [Id; 2]) -> Id,
+    ) -> Result<(), String> {
         let flight = quote::quote!(
             fn flight(u: [Uniform; 1], extinction: f64, wall: f64) -> Mixed {
                 let t = -(-u[0]).ln_1p() / extinction;
                 if t < wall { Mixed::Continuous(t) } else { Mixed::Atom(0, wall) }
             }
         );
-        let domains = quote::quote!(extinction in 0.0..=3.0, wall in 0.0..=3.0);
         let item = Item::new(domains, flight, true).expect("can be derived");
         let way = item.atoms.into_iter().next().expect("one way").way;
         let mut g = afresh(&way, &[]);
@@ -262,19 +292,27 @@ mod tests {
             let minus = g.neg(depth);
             g.call(Fun::Exp, &[minus])
         };
-        assert!(judged(tail).is_ok());
-        let other_side = judged(|g, parameters| {
+        let twice = |g: &mut Graph, parameters| {
+            let tail = tail(g, parameters);
+            g.powi(tail, 2)
+        };
+        let other_side = |g: &mut Graph, parameters| {
             let tail = tail(g, parameters);
             g.sum(Q::ONE, &[(Q::int(-1), tail)])
-        });
-        assert!(other_side.is_err_and(|why| why.contains("of the uniforms lead here")));
-        let nearly = Q::new(100_000_001, 100_000_000).expect("a fraction");
-        assert!(
-            judged(|g, parameters| {
-                let tail = tail(g, parameters);
-                g.sum(Q::ZERO, &[(nearly, tail)])
-            })
-            .is_err()
-        );
+        };
+        let nearly = |g: &mut Graph, parameters| {
+            let tail = tail(g, parameters);
+            g.sum(Q::ZERO, &[(Q::new(100_000_001, 100_000_000).expect("a fraction"), tail)])
+        };
+        let narrow = quote::quote!(extinction in 0.0..=3.0, wall in 0.0..=3.0);
+        let wide = quote::quote!(extinction in 0.0..=1e4, wall in 0.0..=1e4);
+        let open = quote::quote!(extinction in 0.0.., wall in 1e-9..);
+        for domains in [narrow, wide, open] {
+            assert_eq!(judged(domains.clone(), tail), Ok(()));
+            let why = "of the uniforms lead here";
+            assert!(judged(domains.clone(), other_side).is_err_and(|e| e.contains(why)));
+            assert!(judged(domains.clone(), twice).is_err_and(|e| e.contains(why)));
+            assert!(judged(domains, nearly).is_err_and(|e| e.contains(why)));
+        }
     }
 }
