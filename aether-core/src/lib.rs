@@ -20,7 +20,7 @@
 //! The [`guide`] explains the language in chapters. Where things are:
 //!
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`pairs`], [`mixture`](mod@mixture),
-//!   [`discrete`](mod@discrete), [`tables`];
+//!   [`mixed`] (distributions with atoms), [`discrete`](mod@discrete), [`tables`];
 //! - steps without a closed form: [`root`];
 //! - the spaces that they live in: [`point`], [`density`], [`vec`](mod@vec), [`real`];
 //! - eight samples at once: `lanes`, with the feature `wide`;
@@ -56,6 +56,7 @@ mod kernels;
 pub mod lanes;
 pub mod legal;
 pub mod map;
+pub mod mixed;
 pub mod mixture;
 pub mod mutation;
 pub mod pairs;
@@ -93,6 +94,7 @@ pub use estimator::{Estimator, PathIntegrand, Value};
 pub use lanes::{LaneMask, Lanes};
 pub use legal::Legal;
 pub use map::{Map, Then};
+pub use mixed::{Mixed, WithAtoms};
 pub use mixture::{Mixture, mixture};
 pub use mutation::{MarkovChainState, Mutation, accept_probability, conditional_pdf, mutation};
 pub use path_density::PathDensity;
@@ -114,9 +116,9 @@ pub mod prelude {
         normal_cdf, normal_quantile,
     };
     pub use crate::{
-        Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Point,
-        Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint, Uniform, Vec2,
-        Vec3, Volume, solve,
+        Area, Curve, Density, Derivation, Direction, Embedded, Frame, Length, Map, Mat3, Mixed,
+        Point, Real, Sample, Sampler, Scalar, SolidAngle, Surface, SurfaceId, SurfacePoint,
+        Uniform, Vec2, Vec3, Volume, solve,
     };
     pub use aether_macros::{map, sampler, strategy};
     pub use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2, TAU};

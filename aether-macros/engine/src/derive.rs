@@ -1,5 +1,7 @@
 //! From a map's outputs to its inverse, Jacobian and density, each checked while compiling.
 
+mod atom_bounds;
+mod atoms;
 mod back;
 mod borders;
 mod cases;
@@ -17,6 +19,7 @@ mod opposed;
 mod parts;
 mod regimes;
 mod sample;
+mod shares;
 mod signs;
 mod staged;
 mod strays;
@@ -38,6 +41,7 @@ use crate::points::Kind;
 use crate::solve::{Condition, Solution, System, solve};
 use crate::stabilise::stabilise_point;
 
+pub use atoms::{Atom, atoms};
 pub use borders::Border;
 pub use continuity::Limit;
 pub use signs::Signs;
@@ -629,9 +633,14 @@ pub fn texts(pieces: &mut [Piece], derived: &[Derived]) -> [String; 4] {
 
 /// The conditions of a piece in words: `  where u < 1/2`.
 fn condition(piece: &Piece) -> String {
-    let tests = piece.tests.iter().map(|t| {
+    in_words(&piece.graph, &piece.tests)
+}
+
+/// Tests in words.
+pub fn in_words(g: &Graph, tests: &[Test]) -> String {
+    let tests = tests.iter().map(|t| {
         let sign = if t.strict { ">" } else { "≥" };
-        format!("{} {sign} 0", show(&piece.graph, t.difference))
+        format!("{} {sign} 0", show(g, t.difference))
     });
     let tests: Vec<String> = tests.collect();
     if tests.is_empty() { String::new() } else { format!("  where {}", tests.join(", ")) }

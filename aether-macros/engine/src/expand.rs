@@ -49,16 +49,21 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             }
         }
         if compose::is_composition(&function) {
+            if signature.mixed {
+                errors.error(&function.sig.output, "a composition has no atoms of its own: write the body that leads to them as one `#[sampler]`, without `sample` and `apply`");
+                return None;
+            }
             return compose::emit(&function, &signature, &options, &mut errors);
         }
         let item = Item::compile(&function, signature, &options, &mut errors)?;
         let support = Support::of(&item);
-        let Item { mut parsed, derived } = item;
-        let texts = Texts::new(&mut parsed.pieces, &derived);
+        let Item { mut parsed, derived, atoms } = item;
+        let texts = Texts::new(&mut parsed.pieces, &derived, &atoms);
         let emitter = Emitter {
             item: &function,
             parsed: &parsed,
             derived: &derived,
+            atoms: &atoms,
             texts: &texts,
             options: &options,
             support,

@@ -6,7 +6,7 @@
 use proc_macro2::TokenStream;
 use syn::ItemFn;
 
-use crate::derive::{Derived, Preimage, derive};
+use crate::derive::{Atom, Derived, Preimage, atoms, derive};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
@@ -22,6 +22,8 @@ pub struct Item {
     pub parsed: Parsed,
     /// What was derived, a piece each.
     pub derived: Vec<Derived>,
+    /// The atoms, a way to one each.
+    pub atoms: Vec<Atom>,
 }
 
 /// What is derived of a piece by names of the body.
@@ -47,7 +49,7 @@ fn by_its_parts(function: &ItemFn, parsed: &Parsed, options: &Options) -> Option
     let mut errors = Diagnostics::new();
     let mut parsed = parse(&named, parsed.signature.clone(), options, &mut errors)?;
     let derived = in_two_steps(&named, &mut parsed, 0, options)?;
-    errors.is_empty().then(|| Item { parsed, derived: vec![derived] })
+    errors.is_empty().then(|| Item { parsed, derived: vec![derived], atoms: vec![] })
 }
 
 impl Item {
@@ -70,6 +72,8 @@ impl Item {
         errors: &mut Diagnostics,
     ) -> Option<Item> {
         let mut parsed = parse(function, signature, options, errors)?;
+        let ways = std::mem::take(&mut parsed.atoms);
+        let atoms = atoms(ways).map_err(|(tokens, why)| errors.error(tokens, why)).ok()?;
         let mut derived = Vec::new();
         for k in 0..parsed.pieces.len() {
             let found = derive(&mut parsed.pieces[k].problem)
@@ -78,15 +82,15 @@ impl Item {
                 Ok(d) => derived.push(d),
                 Err(message) => {
                     let item = by_its_parts(function, &parsed, options);
-                    if item.is_some() {
-                        return item;
+                    if let Some(item) = item {
+                        return Some(Item { atoms, ..item });
                     }
                     errors.error(&function.sig.ident, message);
                     return None;
                 }
             }
         }
-        Some(Item { parsed, derived })
+        Some(Item { parsed, derived, atoms })
     }
 
     fn pieces(&self) -> impl Iterator<Item = (&Piece, &Derived)> {
@@ -117,6 +121,13 @@ impl Item {
     /// The sum over the preimages of `x` of the density by way of each.
     pub fn pdf(&self, p: &[f64], x: &[f64]) -> f64 {
         self.found(p, x).into_iter().map(|(_, density)| density).sum()
+    }
+
+    /// The probability of an atom; zero if there is none of this number.
+    pub fn probability(&self, p: &[f64], number: usize) -> f64 {
+        let ways = self.atoms.iter().filter(|atom| atom.way.number == number);
+        let open = ways.filter(|atom| passed(&atom.way.graph, &atom.open, p, &[]));
+        open.map(|atom| values(&atom.graph, &[atom.probability], p, &[])[0]).sum()
     }
 
     /// The preimages of `x`.

@@ -340,7 +340,7 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
 }
 
 fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
-    let Some(d) = domain else {
+    let Some(d) = domain.filter(|d| *d != Interval::ALL) else {
         // Hundreds or hundredths under stress, then the same of billions.
         let moderate = 0.3 + 3.0 * rng.uniform();
         let size = if round < ROUNDS + 2 { 1e2 } else { 1e9 };

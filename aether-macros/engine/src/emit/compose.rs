@@ -255,6 +255,7 @@ pub fn fallback_with(item: &ItemFn, block: &TokenStream, sampler: bool) -> Token
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
     let args = if generic { quote!(<R>) } else { quote!() };
     let point = point_type(&signature.space);
+    let point = if signature.mixed { quote!(::aether_core::Mixed<#point>) } else { point };
     let implementation = match &signature.source {
         Source::Uniforms { count, .. } => quote! {
             impl<R: ::aether_core::Real> ::aether_core::Sampler<R> for #ty #args {

@@ -3,7 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::derive::{Derived, Problem, texts};
+use crate::derive::{Atom, Derived, Problem, in_words, texts};
+use crate::display::show;
 use crate::expr::Id;
 use crate::parse::{Piece, Signature, Source};
 
@@ -19,14 +20,17 @@ pub struct Texts {
     pub pdf: String,
     /// Which direction has no closed form, if one has none.
     pub numerical: Option<String>,
+    /// Each way to an atom: where it lies, and with which probability it leads there.
+    pub atoms: Vec<String>,
 }
 
 impl Texts {
     /// The texts of a derivation.
-    pub fn new(pieces: &mut [Piece], derived: &[Derived]) -> Texts {
+    pub fn new(pieces: &mut [Piece], derived: &[Derived], atoms: &[Atom]) -> Texts {
         let [forward, inverse, jacobian, pdf] = texts(pieces, derived);
         let numerical = pieces.iter().zip(derived).find_map(|(p, d)| numerical(&p.problem, d));
-        Texts { forward, inverse, jacobian, pdf, numerical }
+        let atoms = atoms.iter().map(atom).collect();
+        Texts { forward, inverse, jacobian, pdf, numerical, atoms }
     }
 
     /// `#[doc]` attributes with the derivation, its measure, what was checked, and whether the inverse
@@ -49,6 +53,7 @@ impl Texts {
         listed("√det JᵀJ", &self.jacobian);
         if sampler {
             lines.push(format!("pdf      {}", self.pdf));
+            lines.extend(self.atoms.iter().cloned());
         }
         lines.push(format!("measure  {}", measures(signature)));
         lines.push("```".to_owned());
@@ -71,9 +76,25 @@ impl Texts {
     }
 }
 
+/// `atom 0   (wall) with probability exp(-wall)`.
+fn atom(atom: &Atom) -> String {
+    let coordinates: Vec<String> =
+        atom.way.place.iter().map(|&c| show(&atom.way.graph, c)).collect();
+    format!(
+        "atom {:<3} ({}) with probability {}{}",
+        atom.way.number,
+        coordinates.join(", "),
+        show(&atom.graph, atom.probability),
+        in_words(&atom.way.graph, &atom.open)
+    )
+}
+
 /// The measure of a sampler's density, or of both sides of a map.
 pub(super) fn measures(signature: &Signature) -> String {
     let target = signature.space.measure();
+    if signature.mixed {
+        return format!("{target}, and counting measure on the atoms");
+    }
     match &signature.source {
         Source::Uniforms { .. } => target.to_owned(),
         Source::Point { space, .. } => format!("{} to {target}", space.measure()),

@@ -1,13 +1,13 @@
 //! The parts that samplers and maps share: the struct, its constructor, the hidden body.
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
-use quote::quote;
+use quote::{format_ident, quote};
 use syn::ItemFn;
 
 use super::documentation::{Texts, measures};
 use super::interface::{bound, hidden_body, interface, type_name};
 use super::whole::Support;
-use crate::derive::Derived;
+use crate::derive::{Atom, Derived};
 use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
 
 /// Writes the code of one item.
@@ -18,6 +18,8 @@ pub struct Emitter<'a> {
     pub parsed: &'a Parsed,
     /// What was derived, for each piece.
     pub derived: &'a [Derived],
+    /// The atoms, a way to one each.
+    pub atoms: &'a [Atom],
     /// The same as text.
     pub texts: &'a Texts,
     /// The attribute's arguments.
@@ -39,7 +41,10 @@ impl Emitter<'_> {
     }
     /// The point with coordinates `c`.
     pub(super) fn point(&self, c: &TokenStream) -> TokenStream {
-        let identities = &self.parsed.identities;
+        self.point_with(c, &self.parsed.identities)
+    }
+    /// The same on these surfaces.
+    pub(super) fn point_with(&self, c: &TokenStream, identities: &[TokenStream]) -> TokenStream {
         let Space::Joint(parts) = &self.signature().space else {
             return point(&self.signature().space, c, identities.first());
         };
@@ -116,6 +121,12 @@ impl Emitter<'_> {
         type_name(&self.signature().name)
     }
 
+    /// Name of the struct that has a density: of a distribution with atoms it is another one.
+    pub(super) fn density_type(&self) -> Ident {
+        let whole = self.type_name();
+        if self.signature().mixed { format_ident!("{whole}Continuous") } else { whole }
+    }
+
     /// How many scalar parameters there are.
     pub(super) fn scalars(&self) -> usize {
         self.parsed.pieces[0].problem.kinds.iter().map(crate::points::Kind::scalars).sum()
@@ -127,7 +138,12 @@ impl Emitter<'_> {
         let interface =
             interface(self.item, self.signature(), self.options, &self.parsed.constants, &docs);
         let implementation = if sampler {
-            super::sampler::implementation(self)
+            let density = super::sampler::implementation(self);
+            if self.signature().mixed {
+                super::atoms::implementation(self, &density)
+            } else {
+                density
+            }
         } else {
             super::map::implementation(self)
         };
@@ -150,7 +166,7 @@ impl Emitter<'_> {
 
     /// Prints the derivation to the build's output.
     pub fn explain(&self) {
-        let Texts { forward, inverse, jacobian, pdf, numerical } = self.texts;
+        let Texts { forward, inverse, jacobian, pdf, numerical, .. } = self.texts;
         eprintln!("{}:", self.signature().name);
         for line in forward.lines() {
             eprintln!("  map      {line}");
@@ -173,6 +189,7 @@ impl Emitter<'_> {
         let sampler = matches!(self.signature().source, Source::Uniforms { .. });
         if sampler {
             eprintln!("  pdf      {pdf}");
+            self.texts.atoms.iter().for_each(|line| eprintln!("  {line}"));
         }
         eprintln!("  measure  {}", measures(self.signature()));
         eprintln!("  {}", self.texts.preimages(self.derived, sampler));
@@ -189,7 +206,8 @@ impl Emitter<'_> {
     }
 
     fn derivation(&self) -> TokenStream {
-        let Texts { forward, inverse, jacobian, pdf, .. } = self.texts;
+        let Texts { forward, inverse, jacobian, pdf, atoms, .. } = self.texts;
+        let pdf = std::iter::once(pdf).chain(atoms).cloned().collect::<Vec<_>>().join("; ");
         let name = self.signature().name.to_string();
         let measure = self.signature().space.measure();
         let preimages = Literal::usize_unsuffixed(self.places().len());
@@ -244,6 +262,7 @@ impl Emitter<'_> {
         }
         let p = self.scalars();
         let mut limits: Vec<u8> = self.derived.iter().flat_map(|d| d.limits.clone()).collect();
+        limits.extend(self.atoms.iter().flat_map(|atom| &atom.limits));
         limits.sort_unstable();
         limits.dedup();
         for i in limits {

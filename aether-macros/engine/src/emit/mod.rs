@@ -1,5 +1,6 @@
 //! From what was derived to Rust code.
 
+mod atoms;
 mod border;
 pub mod code;
 pub mod compose;

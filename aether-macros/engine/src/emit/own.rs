@@ -33,7 +33,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     if e.support.is_some() || e.is_single() {
         return None;
     }
-    let (ty, args, point) = (e.type_name(), e.generics(), point_type(&e.signature().space));
+    let (ty, args, point) = (e.density_type(), e.generics(), point_type(&e.signature().space));
     let (n, _, _) = e.sizes();
     let (parameters, density) = (e.parameters(), at_the_point(e));
     // Without parameters the type says nothing of the precision.

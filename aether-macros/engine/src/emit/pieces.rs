@@ -420,7 +420,7 @@ pub(super) fn is_unguarded(place: Place) -> bool {
 }
 
 /// The conjunction of some tests.
-fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
+pub(super) fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
     let tests: Vec<TokenStream> = tests
         .iter()
         .map(|t| {

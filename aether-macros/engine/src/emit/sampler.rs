@@ -11,7 +11,7 @@ use super::tame::Tame;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
-    let (ty, args) = (e.type_name(), e.generics());
+    let (ty, args) = (e.density_type(), e.generics());
     let (n, _, _) = e.sizes();
     let parameters = e.parameters();
     let point_ty = point_type(&e.signature().space);

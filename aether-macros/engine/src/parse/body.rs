@@ -434,7 +434,22 @@ impl<'a> Body<'a> {
 
     /// The coordinates of the result, for the space that the signature promises, and the identities of
     /// its points on surfaces.
-    pub fn outputs(
+    pub(super) fn outputs(
+        &mut self,
+        value: &Value,
+        space: &Space,
+        block: &Block,
+    ) -> Option<(Vec<Id>, Vec<TokenStream>)> {
+        let found = self.coordinates(value, space, block)?;
+        if found.0.iter().all(|o| !self.graph.has(*o, UNKNOWNS)) {
+            let at = block.stmts.last().map(ToTokens::to_token_stream).unwrap_or_default();
+            return self.error(at, "on one way through the body the result does not depend on the first parameter: it is a single point (an atom), with a probability and no density. Of a sampler return `Mixed`, with `Mixed::Atom(0, point)` there and `Mixed::Continuous(x)` elsewhere. Or return `None` there, from a function that returns an `Option`, and let a `#[strategy]` choose between the point and the rest");
+        }
+        Some(found)
+    }
+
+    /// The same of a point that may be a single one.
+    pub(super) fn coordinates(
         &mut self,
         value: &Value,
         space: &Space,
@@ -447,7 +462,7 @@ impl<'a> Body<'a> {
                 Some(parts.iter().zip(values).map(|(s, v)| part(s, v)).collect())
             }
             (Space::Joint(_), _) => None,
-            _ => Some(vec![part(space, value)]),
+            _ => Some(vec![part(space, value).or_else(|| self.direction(space, value))]),
         };
         let found: Option<Vec<_>> = joint.and_then(|parts: Vec<_>| parts.into_iter().collect());
         let Some(found) = found else {
@@ -469,10 +484,16 @@ impl<'a> Body<'a> {
             outputs.extend(coordinates);
             identities.extend(identity);
         }
-        if outputs.iter().all(|o| !self.graph.has(*o, UNKNOWNS)) {
-            return self.error(at, "on one way through the body the result does not depend on the first parameter: it is a single point (an atom), with a probability and no density. Return `None` there, from a function that returns an `Option`, and let a `#[strategy]` choose between the point and the rest");
-        }
         Some((outputs, identities))
+    }
+}
+
+impl Body<'_> {
+    /// The coordinates of a parameter that is a direction.
+    fn direction(&self, space: &Space, value: &Value) -> Option<(Vec<Id>, Option<TokenStream>)> {
+        let v = <[Id; 3]>::try_from(value.vector()?).ok()?;
+        let is_one = *space == Space::Direction && self.graph.units().contains(&v);
+        is_one.then(|| (v.to_vec(), None))
     }
 }
 

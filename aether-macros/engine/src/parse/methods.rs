@@ -4,6 +4,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
+use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
 use crate::expr::{Fun, Graph, Id};
@@ -325,6 +326,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
         (_, "solve", [f, range, target]) => super::solve::solve(body, c, [f, range, target]),
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
         (_, "Some", [a]) => body.expr(a),
+        ("Mixed", "Continuous", [_]) | ("Mixed", "Atom", [_, _]) => marked(body, c, &args),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
         ("Vec3", "new", [x, y, z]) => {
             let v = [body.scalar(x)?, body.scalar(y)?, body.scalar(z)?];

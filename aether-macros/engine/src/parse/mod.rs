@@ -5,6 +5,7 @@ mod body;
 mod branch;
 mod expression;
 mod methods;
+mod mixed;
 mod order;
 mod pieces;
 mod shared;
@@ -16,6 +17,8 @@ mod value;
 
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
+pub use mixed::{AtomWay, Mark};
+pub(crate) use order::assume_nonnegative;
 pub use pieces::{Segment, Test};
 pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
@@ -40,7 +43,9 @@ pub struct Parsed {
     pub signature: Signature,
     /// The map, a piece for each way through its branches that leads to a point.
     pub pieces: Vec<Piece>,
-    /// Whether every way leads to a point.
+    /// The ways that end in atoms.
+    pub atoms: Vec<AtomWay>,
+    /// Whether every way leads to a point that has a density.
     pub total: bool,
     /// The identity expressions of the result's points on surfaces.
     pub identities: Vec<TokenStream>,
@@ -70,6 +75,8 @@ struct Reading {
     constants: Vec<(String, TokenStream)>,
     /// Coordinates and identities; `None` where the body yields no sample.
     point: Option<(Vec<Id>, Vec<TokenStream>)>,
+    /// The number of the atom that the point is, and this as written.
+    atom: Option<(usize, TokenStream)>,
     segments: Vec<Option<Segment>>,
     relations: Vec<Test>,
     /// Numbers with a name that depend on the first parameter.
@@ -90,12 +97,12 @@ pub fn parse(
     errors: &mut Diagnostics,
 ) -> Option<Parsed> {
     let mut reader = Reader { item, signature: &signature, options, errors };
-    let (mut pieces, mut total) = (Vec::new(), true);
+    let (mut pieces, mut atoms, mut total) = (Vec::new(), Vec::new(), true);
     let mut identities = Vec::new();
     let mut constants = Vec::new();
     let mut next = Some(branch::Way::default());
     while let Some(way) = next {
-        if pieces.len() == branch::MAX_PIECES {
+        if pieces.len() + atoms.len() == branch::MAX_PIECES {
             errors.error(
                 &item.sig.ident,
                 format!("the branches of this body multiply to more than {} cases: split it, and choose between the parts in a `#[strategy]`", branch::MAX_PIECES),
@@ -104,7 +111,11 @@ pub fn parse(
         }
         let first = reader.read(Graph::new(), (way, &[]), Cut::default())?;
         next = first.way.clone().next();
-        if let Some((_, surfaces)) = &first.point {
+        if let Some((number, tokens)) = first.atom.clone() {
+            total = false;
+            let parts = signature.space.parts().iter().map(Part::of).collect();
+            atoms.push(first.into_atom(number, tokens, parts));
+        } else if let Some((_, surfaces)) = &first.point {
             identities.clone_from(surfaces);
             constants.clone_from(&first.constants);
             pieces.extend(reader.piece(first)?);
@@ -113,10 +124,16 @@ pub fn parse(
         }
     }
     if pieces.is_empty() {
-        errors.error(&item.sig.ident, "no way through this body leads to a point");
+        let message = match atoms[..] {
+            [] => "no way through this body leads to a point",
+            _ => {
+                "every way through this body ends in an atom, so that there is no density to derive: for a choice among points use `discrete`, or a `#[strategy]`"
+            }
+        };
+        errors.error(&item.sig.ident, message);
         return None;
     }
-    Some(Parsed { signature, pieces, total, identities, constants })
+    Some(Parsed { signature, pieces, atoms, total, identities, constants })
 }
 
 struct Reader<'a> {
@@ -199,10 +216,7 @@ impl Reader<'_> {
         let relations = relations?;
         let segments = body.confine(&self.signature.source, &unknowns, segments);
         let result = body.result(&self.item.block)?;
-        let point = match result {
-            Value::Nothing => None,
-            value => Some(body.outputs(&value, &self.signature.space, &self.item.block)?),
-        };
+        let (point, atom) = body.ending(result, self.signature, &self.item.block)?;
         let Body { graph, requirements, constants, way, .. } = body;
         let (scalars, vectors) = (body.scalars, body.vectors);
         let (cuts, constants_cut) = (body.cuts, body.constants_cut);
@@ -219,6 +233,7 @@ impl Reader<'_> {
             requirements,
             constants,
             point,
+            atom,
             segments,
             relations,
             scalars,

@@ -5,7 +5,7 @@ use crate::interval::Interval;
 use crate::rational::Q;
 
 /// Makes it known that an expression is not negative, and what follows for its parts.
-pub(super) fn assume_nonnegative(g: &mut Graph, difference: Id) {
+pub(crate) fn assume_nonnegative(g: &mut Graph, difference: Id) {
     let negated = g.neg(difference);
     g.assume(difference, Interval::POSITIVE);
     g.assume(negated, Interval::new(f64::NEG_INFINITY, 0.0));

@@ -132,6 +132,8 @@ pub struct Signature {
     pub params: Vec<Param>,
     /// Where the result lives.
     pub space: Space,
+    /// Whether its distribution has atoms.
+    pub mixed: bool,
 }
 
 /// Reads the signature; `sampler` tells which attribute it is. `None` if there were errors.
@@ -158,8 +160,21 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
     for input in inputs {
         params.extend(param(input, errors));
     }
+    let mut mixed = false;
     let space = match &sig.output {
-        ReturnType::Type(_, ty) => space(optional(ty).unwrap_or(ty), errors),
+        ReturnType::Type(_, ty) => {
+            let ty = optional(ty).unwrap_or(ty);
+            mixed = last_segment(ty).is_some_and(|name| name == "Mixed");
+            if mixed && !sampler {
+                errors.error(ty, "a map takes points to points, and only a sampler draws atoms: return the space itself");
+            }
+            match argument_of(ty, "Mixed") {
+                Some(inner) => space(inner, errors),
+                // The line, as `Mixed` has it for a default.
+                None if mixed => Some(Space::Line),
+                None => space(ty, errors),
+            }
+        }
         ReturnType::Default => {
             errors.error(&sig.ident, "the return type names the space of the result: add one of `-> f64`, `-> Vec2`, `-> Vec3`, `-> Direction`, `-> Surface`, `-> Curve`, `-> SurfacePoint`");
             None
@@ -169,7 +184,13 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
     if let Source::Uniforms { count, .. } = &source {
         check_dimensions(item, *count, &space, errors);
     }
-    (errors.len() == before).then(|| Signature { name: sig.ident.clone(), source, params, space })
+    (errors.len() == before).then(|| Signature {
+        name: sig.ident.clone(),
+        source,
+        params,
+        space,
+        mixed,
+    })
 }
 
 /// Only a plain `fn` can be evaluated in all the ways that the compiler derives.
@@ -374,8 +395,13 @@ fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
 
 /// `T` of `Option<T>`: a body that may yield no sample.
 fn optional(ty: &Type) -> Option<&Type> {
+    argument_of(ty, "Option")
+}
+
+/// `T` of `Name<T>`.
+fn argument_of<'t>(ty: &'t Type, name: &str) -> Option<&'t Type> {
     let Type::Path(p) = ty else { return None };
-    let last = p.path.segments.last().filter(|s| s.ident == "Option")?;
+    let last = p.path.segments.last().filter(|s| s.ident == name)?;
     let PathArguments::AngleBracketed(arguments) = &last.arguments else { return None };
     match arguments.args.first() {
         Some(GenericArgument::Type(inner)) => Some(inner),

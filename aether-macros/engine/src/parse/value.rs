@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 
 use crate::expr::Id;
-use crate::parse::Space;
+use crate::parse::{Mark, Space};
 
 /// The value of an expression while a body is read.
 #[derive(Clone, Debug)]
@@ -20,6 +20,8 @@ pub enum Value {
     Tuple(Vec<Value>),
     /// A point of a space, by its constructor.
     Point(Space, Vec<Id>, Option<TokenStream>),
+    /// A point of a distribution with atoms, and whether it lies on one.
+    Mixed(Mark, Box<Value>),
     /// A truth value, on the way through the body that is being read.
     Bool(bool),
     /// No value: a branch without `else`.
@@ -42,6 +44,7 @@ impl Value {
             Value::Uniforms(_) => "the array of uniforms",
             Value::Tuple(_) => "a tuple",
             Value::Point(..) => "a point",
+            Value::Mixed(..) => "a `Mixed` point",
             Value::Bool(_) => "a truth value",
             Value::Unit => "no value at all",
             Value::Nothing => "`None`",
