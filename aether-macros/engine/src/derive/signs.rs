@@ -2,6 +2,7 @@
 //! neither the quotient nor a power of it need be computed. What follows from the other tests is not asked.
 
 use crate::expr::{Fun, Graph, Id, Node, OUTS, children};
+use crate::hash::Set;
 use crate::jacobian::cost_together;
 use crate::rational::Q;
 
@@ -189,8 +190,16 @@ fn without_some(
 
 /// Whether there are exponentials in an expression.
 fn overflows(g: &Graph, id: Id) -> bool {
-    let grows = matches!(g.node(id), Node::Call(Fun::Exp | Fun::ExpM1 | Fun::Sinh | Fun::Cosh, _));
-    grows || children(g.node(id)).into_iter().any(|part| overflows(g, part))
+    let (mut open, mut seen) = (vec![id], Set::default());
+    while let Some(id) = open.pop() {
+        if matches!(g.node(id), Node::Call(Fun::Exp | Fun::ExpM1 | Fun::Sinh | Fun::Cosh, _)) {
+            return true;
+        }
+        if seen.insert(id) {
+            open.extend(children(g.node(id)));
+        }
+    }
+    false
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::{Condition, Equation, State, linear};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, Root, UNKNOWNS, children};
+use crate::hash::Set;
 use crate::interval::Interval;
 use crate::monotone::{Unproven, direction};
 use crate::rational::Q;
@@ -193,8 +194,11 @@ pub(super) fn coupled(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> 
 
 /// The linear combination of `z` that a nonlinear atom is a function of, with the weights of the `z`.
 fn argument(g: &mut Graph, atom: Id, z: &[Id]) -> Option<(Id, Vec<Id>)> {
-    let mut open = vec![atom];
+    let (mut open, mut seen) = (vec![atom], Set::default());
     while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
         if let Node::Sum(_, terms) = g.node(id).clone() {
             let linear = g.sum(Q::ZERO, &terms);
             let row = linear::row(g, linear, false)?;
