@@ -1,6 +1,6 @@
 //! Bounds of a uniform on the way to an atom, and what is left between them.
 
-use super::atoms::{COUNTED, value};
+use super::atoms::value;
 use super::shares::Tried;
 use crate::derivative::derivative;
 use crate::display::show;
@@ -14,6 +14,9 @@ use crate::points::Point;
 use crate::rational::Q;
 use crate::solve::{System, solve};
 use crate::stabilise::{GOOD, stabilise_knowing};
+
+/// Sets of parameters at which solutions of an equation are told apart; all count in the end.
+const TRIED: usize = 10;
 
 /// What a test says of a uniform.
 pub(super) struct Bound {
@@ -68,7 +71,7 @@ fn bound(
         )));
     }
     let is_low = increases(g, difference, u).map_err(|place| why(format!("between bounds that follow from comparisons which are monotone in a uniform; `{shown}` is not known to be so in {name}{place}")))?;
-    let points: Vec<&Point> = points.iter().filter(|p| !p.stress).take(COUNTED).collect();
+    let points: Vec<&Point> = points.iter().filter(|p| !p.stress).take(TRIED).collect();
     let is_it = |g: &Graph, end: Id| {
         points.iter().all(|point| {
             let tried = Tried { graph: &way.graph, tests: &[written], uniform: u, point };

@@ -21,7 +21,7 @@ use crate::points::{Kind, Point, sampler_points};
 use crate::stabilise::stabilise;
 
 /// Sets of parameters that a probability is compared with a count at.
-pub(super) const COUNTED: usize = 40;
+const COUNTED: usize = 40;
 /// Of some of them, those with parameters so much closer to their least values are added.
 const SCALED: usize = 4;
 const SCALES: [f64; 5] = [1e-1, 3e-2, 1e-2, 1e-3, 1e-4];

@@ -5,8 +5,8 @@ use crate::expr::{Graph, Id, Leaf};
 use crate::number::{Dd, Number};
 use crate::points::Point;
 
-/// Borders are looked for between whole multiples of this inverse, and between powers of two next to both ends.
-const CELLS: i32 = 64;
+/// Borders are looked for between whole multiples of this inverse, and next to both ends between powers of its square.
+const CELLS: i32 = 32;
 /// The smallest of these powers. What is nearer to an end belongs to the last cell.
 const LAST: i32 = 60;
 /// Halvings of a cell, after which nothing is left of it in double-double.
@@ -48,9 +48,11 @@ impl Tried<'_> {
     /// The borders of a test, in order.
     pub(super) fn borders(&self, test: Id) -> Vec<Dd> {
         let one = Dd::from_f64(1.0);
-        let small = (6..=LAST).rev().map(|k| Dd::from_f64(libm::exp2(f64::from(-k))));
-        let middle = (2..CELLS - 1).map(|k| Dd::from_ratio(i128::from(k), i128::from(CELLS)));
-        let large = (6..=LAST).map(|k| one - Dd::from_f64(libm::exp2(f64::from(-k))));
+        let small =
+            (1..=LAST / 10).rev().map(|k| 10 * k).map(|k| Dd::from_f64(libm::exp2(f64::from(-k))));
+        let middle = (1..CELLS).map(|k| Dd::from_ratio(i128::from(k), i128::from(CELLS)));
+        let large =
+            (1..=LAST / 10).map(|k| 10 * k).map(|k| one - Dd::from_f64(libm::exp2(f64::from(-k))));
         let tried: Vec<(Dd, bool)> =
             small.chain(middle).chain(large).map(|u| (u, self.passes(&[test], u))).collect();
         let pairs = tried.windows(2).filter(|pair| pair[0].1 != pair[1].1);
