@@ -49,12 +49,16 @@ pub fn solve(body: impl Fn(f64) -> f64, range: impl RangeBounds<f64>, target: f6
 /// `target`; the nearer end if rounding has moved the target beyond them.
 #[doc(hidden)]
 pub fn root_inside<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
-    let (below, above) = (f(lo).0.ge(target), f(hi).0.le(target));
-    if !below.or(above).not().any() {
-        return R::select(below, lo, hi);
+    let ((at_lo, up_lo), (at_hi, up_hi)) = (f(lo), f(hi));
+    let (below, above) = (at_lo.ge(target), at_hi.le(target));
+    let ended = below.or(above);
+    let root = if ended.not().any() { bracketed(f, target, lo, hi) } else { lo };
+    if !ended.any() {
+        return root;
     }
-    let root = bracketed(f, target, lo, hi);
-    R::select(below, lo, R::select(above, hi, root))
+    let first = uncertain(lo, at_lo - target, up_lo);
+    let last = uncertain(hi, at_hi - target, up_hi);
+    R::select(below, first, R::select(above, last, root))
 }
 
 /// On which side of the ends the root of an increasing function lies: beyond them what [`root_or_beyond`]
@@ -115,6 +119,8 @@ fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
         let usable = within.and(steady.or(settled));
         let next = R::select(usable, newton, middle(a, b)).exact();
         let moved = (next - t).abs();
+        // A step beyond the bracket tells that the root is near its end, but not that it is here.
+        let settled = settled.and(within.or(size.le(t.abs() * R::EPSILON * R::of(4.0))));
         t = R::select(done.or(settled.and(within.not())), t, next);
         done = done.or(settled);
         done = done.or((b - a).le(a.abs().max(b.abs()) * R::EPSILON * R::of(0.5)));
@@ -127,7 +133,13 @@ fn bracketed<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
     let (y, slope) = f(t);
     let polished = t - (y - target) / slope;
     let usable = slope.gt(R::ZERO).and(polished.ge(a)).and(polished.le(b));
-    R::select(goal.le(goal), R::select(usable, polished, t), goal)
+    R::select(goal.le(goal), R::select(usable, polished, uncertain(t, y - target, slope)), goal)
+}
+
+/// A number at which the equation is off by `excess`, as uncertain as that is.
+fn uncertain<R: Real>(t: R, excess: R, slope: R) -> R {
+    let error = (excess - excess.exact()) / slope.exact();
+    R::select(slope.gt(R::ZERO).and(error.finite()), t + error, t)
 }
 
 /// A step of Newton's method; where the value is far off and has the sign of the target, one on

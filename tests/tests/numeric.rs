@@ -115,6 +115,35 @@ fn coupled_unknowns_have_the_density_of_both_together() {
     }
 }
 
+/// Next to the ends of both unknowns rounding puts samples out of the support, and one unknown stays at its end while
+/// the other one is looked for.
+#[test]
+fn samples_next_to_the_ends_of_coupled_unknowns_have_their_density() {
+    fn check<R: Scalar>(ends: &[R], k: R) {
+        for (a, b) in ends.iter().flat_map(|a| ends.iter().map(move |b| (*a, *b))) {
+            let (bent, crossed) = (bent(k).unwrap(), crossed(k).unwrap());
+            let (one, other) = (bent.sample([a, b]), crossed.sample([a, b]));
+            let pairs = [(bent.pdf(&one), one.pdf()), (crossed.pdf(&other), other.pdf())];
+            for (found, own) in pairs.map(|(x, y)| (x.value().to_f64(), y.value().to_f64())) {
+                let off = (found / own - 1.0).abs();
+                assert!(off < 32.0 * R::EPSILON.to_f64(), "{k:?} {a:?} {b:?}: {found}, {own}");
+            }
+        }
+        let large = R::of(1.0 + 1e-3) + k;
+        let out = [R::of(-1e-3), large].map(|x| [Vec2::new(x, R::of(0.5)), Vec2::new(large, x)]);
+        for point in out.into_iter().flatten().filter(|x| x.x > R::ONE || x.x < R::ZERO) {
+            assert_eq!(bent(k).unwrap().pdf(&point).value(), R::ZERO, "{k:?} {point:?}");
+        }
+    }
+    let (last, small) = (LAST, 1.0 - f32::EPSILON / 2.0);
+    for i in 0..=60 {
+        let double = [0.0, 1e-300, 1e-17, 1e-9, 0.3, 1.0 - 1e-9, last.next_down(), last];
+        check::<f64>(&double, 0.005 * f64::from(i));
+        let single = [0.0, 1e-30, 1e-9, 1e-4, 0.3, 0.9999, small.next_down(), small];
+        check::<f32>(&single, (0.005 * f64::from(i)).min(0.299) as f32);
+    }
+}
+
 #[test]
 fn single_precision() {
     battery::check_f32(&quintic(3.0f32).unwrap()).assert_ok();
