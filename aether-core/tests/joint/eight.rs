@@ -57,7 +57,7 @@ type Walk<'a> = RandomSequence<'a, Spot, Ways>;
 
 /// The density of the last eight vertices by hand.
 fn by_hand(x: &[f64]) -> f64 {
-    let reach = |x: f64| if x < 1.0 && x >= 0.0 { 1.0 + x * x } else { f64::NAN };
+    let reach = |x: f64| if (0.0..1.0).contains(&x) { 1.0 + x * x } else { f64::NAN };
     let rest: f64 = x[1..8].iter().map(|x| 1.0 / (1.0 + x * x).sqrt()).product();
     rest / reach(x[0])
 }
@@ -99,7 +99,7 @@ fn a_run_of_eight_is_weighed_against_eight_steps() {
         let x = spots(&joint);
         let steps: f64 = x[..8].iter().map(|x| 0.25 / (1.0 + x * x)).product();
         let expected = by_hand(&x) / (by_hand(&x) + steps);
-        let mut paths = combine::<BalanceHeuristic, _>(&[joint, single]).into_iter();
+        let mut paths = combine::<BalanceHeuristic, _>(&[joint, single]);
         let weight = paths.next().expect("the run").weight;
         assert!((weight / expected - 1.0).abs() < 1e-12, "{weight} is not {expected}");
     }
