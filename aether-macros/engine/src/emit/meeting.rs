@@ -8,6 +8,8 @@ use crate::points::{Point, sampler_points};
 
 /// How far the ends of two pieces may be apart in double-double, relative to them.
 const CLOSE: f64 = 1e-20;
+/// How far rounding may put the end of a range.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 /// Which pieces meet, by their numbers.
 pub type Known = core::cell::RefCell<crate::hash::Map<(usize, usize), bool>>;
@@ -56,7 +58,8 @@ pub(super) fn around(one: &Place, other: &Place) -> bool {
             place.problem.segments[i].map(|s| (g.range(s.low), g.range(s.width)))
         });
         let [Some((low, _)), Some((start, width))] = ends else { return false };
-        low.hi <= 0.0 && start.add(width).hi >= 1.0
+        // Ranges are rounded: five sixths and a sixth are less than one.
+        low.hi <= 0.0 && start.add(width).hi >= 1.0 - ROUNDED
     };
     let both = one.problem.segments.len().min(other.problem.segments.len());
     one.piece != other.piece
