@@ -10,6 +10,8 @@ use crate::vec::{Frame, Mat3, Vec2, Vec3};
 pub enum ParameterKind {
     /// A number.
     Number,
+    /// A whole number.
+    Whole,
     /// A vector of the plane.
     Vec2,
     /// A vector of space.
@@ -28,7 +30,7 @@ impl ParameterKind {
     /// How many numbers it takes to write one down.
     pub const fn numbers(self) -> usize {
         match self {
-            ParameterKind::Number | ParameterKind::SurfaceId => 1,
+            ParameterKind::Number | ParameterKind::Whole | ParameterKind::SurfaceId => 1,
             ParameterKind::Vec2 => 2,
             ParameterKind::Vec3 | ParameterKind::Direction => 3,
             ParameterKind::Mat3 | ParameterKind::Frame => 9,

@@ -341,6 +341,15 @@ pub fn recovered_as<R: Real, const N: usize>(
     recovered.is_some_and(|(mask, (v, _))| mask.lane(i) && same(&lane(&v, i), u).any())
 }
 
+/// The same where a uniform of zero is also the end of what another piece has.
+pub fn recovered_around<R: Real, const N: usize>(
+    recovered: &Recovered<R, N>,
+    i: usize,
+    u: &Rounded<R::Lane, N>,
+) -> bool {
+    recovered.is_some_and(|(mask, (v, _))| mask.lane(i) && same_around(&lane(&v, i), u).any())
+}
+
 /// By how much recovered uniforms may be off; where there are none, by nothing.
 #[inline(always)]
 pub fn bounds_of<R: Real, const N: usize>(recovered: &Recovered<R, N>) -> [R; N] {
@@ -382,7 +391,9 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
-        if v.is_nan() || v.is_infinite() && !e.is_finite() {
+        // A bound that is wider than the interval says nothing: next to a divisor of zero it is none.
+        let beyond = !(0.0..1.0).contains(&v) && SLACK * e > 1.0;
+        if v.is_nan() || v.is_infinite() && !e.is_finite() || beyond {
             undetermined = true;
             tracked[i] = R::Tracked::ZERO;
             continue;
@@ -465,6 +476,21 @@ pub fn coincide<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R::Mask {
 pub fn same<R: Real, const N: usize>(a: &[R; N], (b, bounds): &Rounded<R, N>) -> R::Mask {
     let near = R::of(64.0) * R::EPSILON;
     let gap = |i: usize| (a[i] - b[i]).abs();
+    (0..N).fold(R::Mask::TRUE, |m, i| m.and(gap(i).le(near + bounds[i])))
+}
+
+/// The same where a uniform of zero is also the end of what another piece has.
+pub fn coincide_around<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R::Mask {
+    same_around(a, &(*b, [R::ZERO; N]))
+}
+
+/// The same where one of them is known to within bounds.
+pub fn same_around<R: Real, const N: usize>(a: &[R; N], (b, bounds): &Rounded<R, N>) -> R::Mask {
+    let near = R::of(64.0) * R::EPSILON;
+    let gap = |i: usize| {
+        let gap = (a[i] - b[i]).abs();
+        gap.min((R::ONE - gap).abs())
+    };
     (0..N).fold(R::Mask::TRUE, |m, i| m.and(gap(i).le(near + bounds[i])))
 }
 
@@ -613,6 +639,8 @@ mod tests {
         // 1 - x is rounded to zero, and what is over it is no zero.
         assert!(recovered_in_triangle([1.0, 1e-20]).is_some());
         assert!(recovered_in_triangle([1.0, 1e-12]).is_none());
+        // An error as large as the divisor allows for any quotient, but the point is far off.
+        assert!(recovered_in_triangle([1.0 - f64::EPSILON, 1e-3]).is_none());
         // An infinite number that is known to be one is outside.
         let infinite = [Bounded::exact(f64::INFINITY)];
         assert!(recover::<f64, 1, 1>(infinite, &[0.0], |_| [Bounded::ZERO]).is_none());

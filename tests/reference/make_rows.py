@@ -376,6 +376,7 @@ LINE = [
     Sampler(9, "epanechnikov", lambda u, p: [2 * sin(asin(2 * u[0] - 1) / 3)], lambda x, p: 3 * (1 - x[0]) * (1 + x[0]) / 4, within(-1, 1)),
     Sampler(10, "logistic", logistic, lambda x, p: logistic_density(x[0] / p["s"]) / p["s"]),
     Sampler(11, "truncated_logistic", truncated_logistic, truncated_logistic_density, between),
+    Sampler(11, "truncated_logistic_as_printed", truncated_logistic, truncated_logistic_density, between),
     Sampler(12, "normal", normal, lambda x, p: normal_point((x[0] - p["m"]) / p["s"]) / p["s"]),
     Sampler(13, "lower_normal", lower_normal, lower_normal_density, between),
     Sampler(13, "upper_normal", upper_normal, upper_normal_density, between),
@@ -517,12 +518,18 @@ def complex_square_preimages(x, p):
     return [[norm(x), v], [norm(x), v + mpf(1) / 2]]
 
 
+def regular_polygon(u, p):
+    """Row 52."""
+    n = p["n"]
+    k = floor(n * u[1])
+    t = n * u[1] - k
+    a, b = on_circle(mpf(1), k / n), on_circle(mpf(1), (k + 1) / n)
+    return combine((sqrt(u[0]) * (1 - t), a), (sqrt(u[0]) * t, b))
+
+
 def pentagon(u, p):
     """Row 52."""
-    k = floor(5 * u[1])
-    t = 5 * u[1] - k
-    a, b = on_circle(mpf(1), k / 5), on_circle(mpf(1), (k + 1) / 5)
-    return combine((sqrt(u[0]) * (1 - t), a), (sqrt(u[0]) * t, b))
+    return regular_polygon(u, {"n": mpf(5)})
 
 
 def elliptical_grid(u, p):
@@ -565,6 +572,7 @@ PLANE = [
     Sampler(56, "complex_square_xy", complex_square_xy, lambda x, p: 1 / (2 * pi * norm(x)), lambda x, p: norm(x) <= 1,
             preimages=complex_square_preimages),
     Sampler(52, "pentagon", pentagon, lambda x, p: 2 / (5 * sin(2 * pi / 5))),
+    Sampler(52, "regular_polygon", regular_polygon, lambda x, p: 2 / (p["n"] * sin(2 * pi / p["n"]))),
     Sampler(43, "concentric_disk", concentric, lambda x, p: 1 / pi, lambda x, p: norm(x) <= 1,
             smooth=off_diagonals),
     Sampler(44, "annular_sector", annular_sector, lambda x, p: 2 / (p["d"] * (p["b"] - p["a"]) * (p["b"] + p["a"])), in_sector),
@@ -731,10 +739,21 @@ def view(p):
     return w if abs(dot(w, w) - 1) < mpf(2) ** -48 else unit(w)
 
 
+def roughness(p):
+    """Along both axes."""
+    return p.get("alpha_x", p.get("alpha")), p.get("alpha_y", p.get("alpha"))
+
+
 def stretched(p):
     """Rows 85 and 86: the direction in which facets of roughness one are seen alike."""
-    x, y, z = view(p)
-    return unit([p["alpha"] * x, p["alpha"] * y, z])
+    (x, y, z), (ax, ay) = view(p), roughness(p)
+    return unit([ax * x, ay * y, z])
+
+
+def flattened(n, p):
+    """Rows 85 and 86: a normal of facets of roughness one as that of these."""
+    ax, ay = roughness(p)
+    return unit([ax * n[0], ay * n[1], n[2]])
 
 
 def heitz_normals(u, p):
@@ -745,21 +764,21 @@ def heitz_normals(u, p):
     s = (1 + v[2]) / 2
     b = (1 - s) * sqrt(1 - a * a) + s * b
     n = combine((a, t1), (b, cross(v, t1)), (sqrt(1 - a * a - b * b), v))
-    return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
+    return flattened(n, p)
 
 
 def visible_normals(u, p):
     """Row 86: a point of the spherical cap, added to the stretched direction."""
     v = stretched(p)
     n = unit(combine((1, from_height(1 - u[1] * (1 + v[2]), u[0])), (1, v)))
-    return unit([p["alpha"] * n[0], p["alpha"] * n[1], n[2]])
+    return flattened(n, p)
 
 
 def visible_normals_density(x, p):
     """Rows 85 and 86: 2 max(0, w . h) D(h) / (w.z + the length of the stretched w)."""
-    a, w = p["alpha"], view(p)
-    d = 1 / (pi * a**2 * ((x[0] ** 2 + x[1] ** 2) / a**2 + x[2] ** 2) ** 2)
-    return 2 * dot(w, x) * d / (w[2] + norm([a * w[0], a * w[1], w[2]]))
+    (ax, ay), w = roughness(p), view(p)
+    d = 1 / (pi * ax * ay * ((x[0] / ax) ** 2 + (x[1] / ay) ** 2 + x[2] ** 2) ** 2)
+    return 2 * dot(w, x) * d / (w[2] + norm([ax * w[0], ay * w[1], w[2]]))
 
 
 def is_visible(x, p):
@@ -915,6 +934,8 @@ DIRECTIONS = [
             smooth=lambda u, p: 0.5 not in u and abs(2 * u[0] - 1) + abs(2 * u[1] - 1) != 1),
     Sampler(85, "heitz_normals", heitz_normals, visible_normals_density, is_visible, to_unit_sphere),
     Sampler(86, "visible_normals", visible_normals, visible_normals_density, is_visible, to_unit_sphere),
+    Sampler(85, "anisotropic_normals_as_printed", heitz_normals, visible_normals_density, is_visible, to_unit_sphere),
+    Sampler(86, "anisotropic_normals", visible_normals, visible_normals_density, is_visible, to_unit_sphere),
     Sampler(70, "seen_triangle", seen_triangle, lambda x, p: 1 / solid_angle_of_triangle(p), in_seen_triangle, to_unit_sphere),
     Sampler(71, "seen_rectangle", seen_rectangle, lambda x, p: 1 / (sum(seen_corners(p)[0]) - 2 * pi), in_seen_rectangle, to_unit_sphere),
     Sampler(108, "small_angles", small_angles, small_angles_density, lambda x, p: p["r1"] <= angle(x) <= p["r2"], to_unit_sphere),
@@ -1437,6 +1458,8 @@ FLAT_RECTANGLE = {"x0": -1.0, "y0": -1.0, "x1": 1.0, "y1": 1.0, "z0": -1e-6}
 SEEN_RECTANGLE = {"x0": 0.25, "y0": -0.375, "x1": 1.25, "y1": 0.75, "z0": -1.0}
 LOW_RECTANGLE = {"x0": -2.0, "y0": -3.0, "x1": -0.25, "y1": -0.5, "z0": -2.0}
 VIEW = {"alpha": 0.3, "w": [0.48, 0.64, 0.6]}
+BRUSHED = {"alpha_x": 0.1, "alpha_y": 0.6, "w": [0.48, 0.64, 0.6]}
+ACROSS = {"alpha_x": 0.5, "alpha_y": 0.02, "w": [0.6, 0.0, 0.8]}
 GLASS = {"alpha": 0.3, "eta": 1.5, "w": [0.48, 0.0, 0.8772684879784525]}
 OUT_OF_GLASS = {"alpha": 0.1, "eta": 0.75, "w": [0.28, 0.0, 0.96]}
 
@@ -1446,6 +1469,8 @@ POINTS = {
     "logistic": over({"s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"s": 0.25}, INNER + ENDS[1:]),
     "truncated_logistic": [({"s": 0.1, "a": 5.0, "b": 6.0}, [0.5]), ({"s": 1e-3, "a": -3.0, "b": 3.0}, [1e-20])]
     + over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS) + over({"s": 0.5, "a": -1.0, "b": 20.0}, INNER),
+    "truncated_logistic_as_printed": over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS) + over({"s": 0.5, "a": -1.0, "b": 20.0}, INNER)
+    + over({"s": 0.5, "a": 15.0, "b": 20.0}, [[0.3], [0.5], [0.9]]) + over({"s": 0.5, "a": -20.0, "b": -15.0}, [[0.3], [0.5]]),
     "normal": over({"m": 0.0, "s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"m": 3.0, "s": 0.25}, INNER + ENDS[1:]),
     "lower_normal": [({"a": -40.0, "b": -39.0}, [0.5])] + over({"a": -9.0, "b": -8.0}, INNER + ENDS) + over({"a": -1.0, "b": 2.0}, INNER),
     "upper_normal": [({"a": 8.0, "b": 9.0}, [0.5])] + over({"a": 0.5, "b": 2.0}, INNER + ENDS) + over({"a": 8.0, "b": 9.0}, [[0.3], [BELOW_ONE]]),
@@ -1479,6 +1504,8 @@ POINTS = {
     "seen_triangle": [(TINY_TRIANGLE, [0.3, 0.6]), (SEEN_SLIVER, [0.3, 0.6])] + over(SEEN_TRIANGLE, PAIRS[:4] + PAIRS[5:]) + over(TURNED_TRIANGLE, PAIRS[:2]) + over(OCTANT, PAIRS[:2]),
     "seen_rectangle": [(TINY_RECTANGLE, [0.3, 0.6]), (FLAT_RECTANGLE, [0.3, 0.6])] + over(SEEN_RECTANGLE, PAIRS) + over(LOW_RECTANGLE, PAIRS[:2]),
     "small_angles": [(NARROW, [0.01, 0.6])] + over(RING, PAIRS) + [(NARROW, [0.99, 0.2])],
+    "anisotropic_normals": over(BRUSHED, PAIRS[:3] + PAIRS[4:5]) + over(ACROSS, PAIRS[:2]) + [({"alpha_x": 0.1, "alpha_y": 0.1, "w": [1.0, 0.0, 1e-7]}, [0.3, 0.6])],
+    "anisotropic_normals_as_printed": over(BRUSHED, PAIRS[:3] + PAIRS[4:5]) + over(ACROSS, PAIRS[:2]),
     "reflected_ggx": over(VIEW, PAIRS[:3] + PAIRS[4:5]) + [({"alpha": 0.1, "w": [0.0, 0.0, 1.0]}, [0.3, 0.6]), ({"alpha": 1.0, "w": [0.8, 0.0, 0.6]}, [0.9, 0.4]),
                                                         ({"alpha": 1e-3, "w": [1.0, 0.0, 1e-4]}, [0.3, 0.6])],
     "refracted_ggx": over(GLASS, PAIRS[:3] + PAIRS[4:5]) + over(OUT_OF_GLASS, PAIRS[:2]) + [(SMOOTH, [0.3, 0.6])],
@@ -1501,6 +1528,8 @@ POINTS = {
     + over(FOG, TRIPLES[:2] + TRIPLES[3:]),
     "stick_breaking": over({}, [[1e-12, 0.5, BELOW_ONE]] + TRIPLES + [[0.0, 0.3, 0.6], [0.5, 0.0, 0.5]]),
     "pentagon": over({}, PAIRS[:3] + [[0.7, 0.25], [0.7, 0.5], [0.3, BELOW_ONE]]),
+    "regular_polygon": over({"n": 3.0}, PAIRS[:3] + [[0.7, 0.4], [0.3, BELOW_ONE]]) + over({"n": 6.0}, PAIRS[:3] + [[0.7, 0.25], [0.3, BELOW_ONE]])
+    + over({"n": 8.0}, PAIRS[:3] + [[0.3, 0.45], [0.3, BELOW_ONE]]),
     "zonal_window": [({"z0": 1 - 2.0**-40, "z1": 1.0, "p": 0.0, "d": 1.0}, [0.5, 0.5])] + over(WINDOW, PAIRS[:5]),
     "helix": [({"r": 1e6, "c": 1e-3, "T": 20.0}, [0.5])] + over(COIL, INNER + ENDS),
     "truncated_cone": over(FRUSTUM, PAIRS) + [({"r0": 1.0, "r1": 1.0, "h": 2.0}, [0.3, 0.6]), ({"r0": 1.0, "r1": 0.0, "h": 2.0}, [0.9, 0.6])],
@@ -1600,6 +1629,9 @@ QUERIES = {
     "power_law": outside({"a": 1.0, "b": 2.0, "p": 2.0}, [0.5], [2.5], [NAN]) + inside({"a": 1.0, "b": 2.0, "p": 2.0}, [1.0], [1.5]),
     "sinh_arcsinh": inside({"e": 0.5, "d": 1.5}, [0.0], [-3.0], [100.0]) + outside({"e": 0.5, "d": 1.5}, [NAN]),
     "heavy_tails": inside({"h": 0.25}, [-1e9], [1e-9], [3.0]) + outside({"h": 0.25}, [NAN]),
+    "truncated_logistic_as_printed": outside({"s": 1.0, "a": -2.0, "b": 3.0}, [-2.5], [3.5], [NAN]) + inside({"s": 1.0, "a": -2.0, "b": 3.0}, [0.0], [2.5]),
+    "anisotropic_normals": outside(BRUSHED, [0.6, 0.0, -0.8], [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(BRUSHED, NORTH, [0.6, 0.0, 0.8]),
+    "anisotropic_normals_as_printed": outside(BRUSHED, [-0.8, -0.6, 0.0], [0.0, 0.6, 0.1], [NAN, 0.0, 1.0]) + inside(BRUSHED, NORTH, [0.6, 0.0, 0.8]),
     "equiangular": outside({"d": 1.0, "a": -1.0, "b": 3.0}, [-1.5], [3.5], [NAN]) + inside({"d": 1.0, "a": -1.0, "b": 3.0}, [0.0], [2.0]),
     "linear_extinction": outside({"a": 1.0, "b": 2.0}, [-0.1], [NAN], [INF]) + inside({"a": 1.0, "b": 2.0}, [0.0], [0.75]),
     "falling_extinction": outside({"k": 1.0, "h": 0.5}, [-0.1], [NAN]) + inside({"k": 1.0, "h": 0.5}, [0.0], [0.75], [20.0]),
@@ -1640,6 +1672,8 @@ QUERIES = {
     "scattering_vertex": outside(HAZE, [2.5, 0.0, 0.0], [0.0, 0.0, -2.25], [NAN, 0.0, 0.0]) + inside(HAZE, [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.5, -0.25, 0.25]),
     "stick_breaking": outside({}, [0.5, 0.5, 0.5, 0.5], [0.5, 0.75, -0.25, 0.0], [0.25, 0.25, 0.25, 0.3])
     + inside({}, [0.25, 0.25, 0.25, 0.25], [0.5, 0.125, 0.125, 0.25], [0.0, 0.5, 0.25, 0.25]),
+    "regular_polygon": outside({"n": 6.0}, [1.0, 0.1], [0.0, 0.9], [-0.9, 0.5]) + inside({"n": 6.0}, [0.1, 0.2], [-0.8, 0.0], [0.0, 0.0])
+    + outside({"n": 4.0}, [0.6, 0.5]) + inside({"n": 4.0}, [0.001, 0.001], [-0.3, -0.6]),
     "pentagon": outside({}, [1.0, 0.1], [-0.9, 0.0], [0.0, 1.0]) + inside({}, [0.1, 0.2], [-0.8, 0.0], [0.0, 0.0]),
     "zonal_window": outside(WINDOW, [0.6, 0.0, 0.8], [0.6, 0.8, 0.0], [0.0, -1.0, 0.0]) + inside(WINDOW, [-1.0, 0.0, 0.0], [-0.8, 0.0, 0.6]),
     "helix": outside(COIL, [1.5, 0.0, 0.1], [0.0, 0.0, 1.0], [1.5, 0.0, 5.0]) + inside(COIL, [1.5, 0.0, 0.0]),
@@ -1692,7 +1726,7 @@ QUERIES = {
 
 
 # Samplers that are in the catalogue in a second spelling too, as they are usually printed.
-AS_PRINTED = ["von_mises_fisher", "henyey_greenstein"]
+AS_PRINTED = ["equiangular", "von_mises_fisher", "henyey_greenstein"]
 
 
 def spellings(s):
@@ -1719,7 +1753,7 @@ def main():
     """Computes all entries and writes the file, one entry per line."""
     entries = []
     for s in (cleaned(t) for s in LINE + PLANE + DIRECTIONS + SPACE for t in spellings(s)):
-        name = s.name.removesuffix("_as_printed")
+        name = s.name if s.name in POINTS else s.name.removesuffix("_as_printed")
         for params, u in POINTS[name]:
             found = entry_for(s, params, u, F64)
             if found is None:

@@ -152,7 +152,8 @@ fn domains(item: &Item) -> Vec<Vec<f64>> {
         return vec![];
     }
     let values = |p: &Parameter| match (p.kind, &p.domain) {
-        (ParameterKind::Number, Some(domain)) => vec![over(domain)],
+        // A fraction is refused where whole numbers are meant.
+        (ParameterKind::Number | ParameterKind::Whole, Some(domain)) => vec![over(domain)],
         _ => vec![vec![]; p.kind.numbers()],
     };
     item.parameters.iter().flat_map(values).collect()

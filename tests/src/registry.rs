@@ -272,6 +272,7 @@ registry! {
         53 "bilinear_density" BilinearDensity: BilinearDensity<R>;
         56 "complex_square_xy" ComplexSquareXy: ComplexSquareXy;
         52 "pentagon" Pentagon: Pentagon;
+        52 "regular_polygon" RegularPolygon: RegularPolygon<R>;
         43 "concentric_disk" ConcentricDisk: ConcentricDisk;
         44 "annular_sector" AnnularSector: AnnularSector<R>;
         50 "bivariate_normal" BivariateNormal: BivariateNormal<R>;
@@ -282,6 +283,8 @@ registry! {
         117 "affine_coupling" AffineCoupling: AffineCoupling<R>;
         67 "equal_area_octahedral" EqualAreaOctahedral: EqualAreaOctahedral;
         86 "visible_normals" VisibleNormals: VisibleNormals<R>;
+        86 "anisotropic_normals" BrushedNormals: AnisotropicNormals<R>;
+        85 "anisotropic_normals_as_printed" BrushedNormalsAsPrinted: AnisotropicNormalsAsPrinted<R>;
         89 "reflected_ggx" ReflectedGgx: ReflectedGgx<R>;
         90 "refracted_ggx" RefractedGgx: RefractedGgx<R>;
         76 "rayleigh" Rayleigh: Rayleigh;
@@ -325,6 +328,7 @@ registry! {
         9 "epanechnikov" Epanechnikov: Epanechnikov;
         10 "logistic" Logistic: Logistic<R>;
         11 "truncated_logistic" TruncatedLogistic: TruncatedLogistic<R>;
+        11 "truncated_logistic_as_printed" TruncatedLogisticAsPrinted: TruncatedLogisticAsPrinted<R>;
         12 "normal" Normal: Normal<R>;
         13 "lower_normal" LowerNormal: LowerNormal<R>;
         13 "upper_normal" UpperNormal: UpperNormal<R>;
@@ -335,6 +339,7 @@ registry! {
         24 "sinh_arcsinh" SinhArcsinh: SinhArcsinh<R>;
         25 "heavy_tails" HeavyTails: HeavyTails<R>;
         26 "equiangular" Equiangular: Equiangular<R>;
+        26 "equiangular_as_printed" EquiangularAsPrinted: EquiangularAsPrinted<R>;
         28 "linear_extinction" LinearExtinction: LinearExtinction<R>;
         29 "falling_extinction" FallingExtinction: FallingExtinction<R>;
         37 "kepler" Kepler: Kepler<R>;

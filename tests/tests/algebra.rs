@@ -191,6 +191,7 @@ batteries! { [double single]
     row_9_epanechnikov: epanechnikov();
     row_10_logistic: right(logistic(1.0)), right(logistic(0.25));
     row_11_truncated_logistic: right(truncated_logistic(1.0, -2.0, 3.0));
+    row_11_truncated_logistic_as_printed: right(truncated_logistic_as_printed(1.0, -2.0, 3.0));
     row_12_normal: right(normal(0.0, 1.0)), right(normal(-3.0, 0.25));
     row_14_cauchy: right(cauchy(1.0)), right(cauchy(20.0));
     row_20_pareto: right(pareto(0.0, 1.0, 0.25)), right(pareto(1.0, 2.0, -0.5));
@@ -198,6 +199,7 @@ batteries! { [double single]
     row_24_sinh_arcsinh: right(sinh_arcsinh(0.5, 1.5));
     row_25_heavy_tails: right(heavy_tails(0.25));
     row_26_equiangular: right(equiangular(1.0, -1.0, 3.0)), right(equiangular(0.5, 1.0, 2.0));
+    row_26_equiangular_as_printed: right(equiangular_as_printed(1.0, -1.0, 3.0)), right(equiangular_as_printed(0.5, 1.0, 2.0));
     row_27_wavelength: wavelength();
     row_28_linear_extinction: right(linear_extinction(1.0, 2.0));
     row_29_falling_extinction: right(falling_extinction(1.0, 0.5)), right(falling_extinction(2.0, 0.125));

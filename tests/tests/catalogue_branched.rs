@@ -223,6 +223,7 @@ batteries! { [double single]
     row_83_anisotropic_ggx: right(anisotropic_ggx(0.125, 0.5));
     row_84_ashikhmin_shirley: right(ashikhmin_shirley(10.0, 40.0));
     row_86_visible_normals: right(visible_normals(0.25, view()));
+    row_86_anisotropic_normals: right(anisotropic_normals(0.25, 0.5, view()));
     row_89_reflected_ggx: right(reflected_ggx(0.25, view()));
     row_90_refracted_ggx: right(refracted_ggx(0.25, 1.5, view()));
     row_91_mixture: right(mixture(0.25, 8.0));
@@ -230,6 +231,7 @@ batteries! { [double single]
     row_99_perspective: right(perspective(0.75, 0.5));
     row_116_radial_flow: right(radial_flow(0.75, 1.25));
     row_52_pentagon: pentagon();
+    row_52_regular_polygon: right(regular_polygon(3.0)), right(regular_polygon(4.0)), right(regular_polygon(7.0)), right(regular_polygon(8.0));
     row_103_shell: right(shell(0.5, 2.0));
     row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
     row_117_affine_coupling: affine_coupling(0.875, 0.5);
@@ -272,6 +274,43 @@ fn a_far_end_does_not_hide_on_which_side_of_an_opening_the_near_one_is() {
     }
 }
 
+/// Every slice of a polygon has the centre, and two have each border between them, the first and the last one too.
+#[test]
+fn centre_and_borders_of_a_polygon_count_once() {
+    for n in 3..=8 {
+        let n = f64::from(n);
+        let sampler = right(regular_polygon(n));
+        let density = 2.0 / (n * (TAU / n).sin());
+        let near = |u: [f64; 2]| {
+            let sample = sampler.sample(u);
+            for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+                assert!((p / density - 1.0).abs() < 1e-12, "{n} at {u:?}: {p}, not {density}");
+            }
+        };
+        for k in 0..n as u32 {
+            let border = f64::from(k) / n;
+            for v in [border, border.next_up(), border.next_down().max(0.0), border + 0.3 / n] {
+                [0.0, 1e-20, 1e-9, 0.3, LAST[0]].map(|u| near([u, v]));
+            }
+        }
+        // On the line through the centre along an opposite side, other slices divide by zero.
+        [0.125, 0.375, 0.625, 0.875].map(|v| near([4e-6, v]));
+        assert!((sampler.pdf(&Vec2::new(0.0, 0.0)).value() / density - 1.0).abs() < 1e-12);
+    }
+    for v in [0.0, 0.1, 0.2, 0.5, 0.8, 0.9999] {
+        let sample = pentagon().sample([0.0, v]);
+        assert!((sample.pdf() / pentagon().pdf(&sample) - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_polygon_has_a_whole_number_of_sides() {
+    for n in [2.0, 3.5, 5.000_000_000_000_001, 9.0, f64::NAN] {
+        let error = regular_polygon(n).unwrap_err().to_string();
+        assert!(error.contains("`n in 3..=8`"), "{error}");
+    }
+}
+
 #[test]
 fn where_two_pieces_of_a_line_meet_a_point_counts_once() {
     fn check<R: Scalar>(nu: f64) {
@@ -307,6 +346,7 @@ mod only_double {
         row_74_von_mises_fisher: right(von_mises_fisher(10.0)), right(von_mises_fisher(0.01));
         row_74_as_printed: right(von_mises_fisher_as_printed(10.0));
         row_75_as_printed: right(henyey_greenstein_as_printed(0.75));
+        row_85_anisotropic_normals_as_printed: right(anisotropic_normals_as_printed(0.25, 0.5, view()));
         row_85_heitz_normals: right(heitz_normals(0.25, view())), right(heitz_normals(0.5, Direction::from_vec(corners()[0])));
         row_90_into_air: right(refracted_ggx(0.25, 0.75, view()));
     }

@@ -16,6 +16,7 @@ const LARGE: f64 = 1e6;
 pub fn parameter<R: Scalar>(p: &Parameter, rng: &mut TestRng) -> Vec<R> {
     match (p.kind, &p.domain) {
         (ParameterKind::Number, Some(domain)) => vec![within(domain, rng)],
+        (ParameterKind::Whole, Some(domain)) => vec![whole(domain, rng)],
         (ParameterKind::Direction, _) => direction(rng).to_vec(),
         (ParameterKind::Frame, _) => frame(rng).concat(),
         (ParameterKind::SurfaceId, _) => vec![R::of(f64::from(rng.random_range(0..16u32)))],
@@ -41,6 +42,11 @@ fn within<R: Scalar>(domain: &Domain, rng: &mut TestRng) -> R {
         return extremes[rng.random_range(0..extremes.len())];
     }
     inside(domain, R::of(ordinary(domain, rng)))
+}
+
+/// A whole number of a domain.
+fn whole<R: Scalar>(domain: &Domain, rng: &mut TestRng) -> R {
+    R::of(ordinary(domain, rng).round())
 }
 
 /// A number between the ends, on the scale that suits them.

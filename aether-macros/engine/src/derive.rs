@@ -133,6 +133,8 @@ pub struct Problem {
     pub requirements: Vec<Id>,
     /// What holds on this way through the branches of the body.
     pub guards: Vec<Test>,
+    /// What has to hold of the parameters for this piece to have any points.
+    pub existence: Vec<Test>,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
     /// Expressions of the unknowns whose sizes are lengths in terms of the point.

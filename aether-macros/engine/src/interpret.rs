@@ -178,7 +178,8 @@ fn recovered(
     let ends = segment_ends(piece, p);
     let leave = |(t, end): (f64, Option<(f64, f64)>)| end.map_or(t, |(low, width)| low + width * t);
     let narrow = ends.iter().flatten().any(|(_, width)| *width <= 0.0);
-    (!narrow).then(|| t.into_iter().zip(ends).map(leave).collect())
+    let none = narrow || !passed(g, &problem.existence, p, &[]);
+    (!none).then(|| t.into_iter().zip(ends).map(leave).collect())
 }
 
 /// The unknowns of a piece from the uniforms.

@@ -10,6 +10,8 @@ use crate::number::{Dd, Number};
 pub enum Kind {
     /// A number with the interval that it is declared (or taken) to lie in.
     Scalar(Option<Interval>),
+    /// A whole number of this interval.
+    Whole(Interval),
     /// A vector with this many coordinates.
     Vector(usize),
     /// A unit vector.
@@ -24,7 +26,7 @@ impl Kind {
     /// How many scalars it takes.
     pub fn scalars(&self) -> usize {
         match self {
-            Kind::Scalar(_) => 1,
+            Kind::Scalar(_) | Kind::Whole(_) => 1,
             Kind::Vector(n) => *n,
             Kind::Direction => 3,
             Kind::Matrix | Kind::Frame => 9,
@@ -90,7 +92,7 @@ impl Point {
             for x in place {
                 *x = round(*x);
                 let legal = |x: f64| match kind {
-                    Kind::Scalar(Some(d)) => d.lo <= x && x <= d.hi,
+                    Kind::Scalar(Some(d)) | Kind::Whole(d) => d.lo <= x && x <= d.hi,
                     _ => true,
                 };
                 if !x.is_finite() || !legal(x.to_f64()) {
@@ -164,6 +166,7 @@ pub fn sampler_points(
     let mut points = Vec::new();
     let open = |kind: &Kind| match kind {
         Kind::Scalar(domain) => domain.is_none_or(|d| d.hi == f64::INFINITY),
+        Kind::Whole(domain) => domain.hi == f64::INFINITY,
         _ => false,
     };
     let few = if kinds.iter().any(open) { ROUNDS + 4 } else { ROUNDS };
@@ -319,6 +322,9 @@ fn parameters(rng: &mut Rng, kinds: &[Kind], round: usize) -> Vec<Dd> {
     for kind in kinds {
         match kind {
             Kind::Scalar(domain) => out.push(Dd::from_f64(scalar(rng, *domain, round))),
+            Kind::Whole(domain) => {
+                out.push(Dd::from_f64(libm::rint(scalar(rng, Some(*domain), round))));
+            }
             Kind::Vector(n) => out.extend((0..*n).map(|_| Dd::from_f64(4.0 * rng.uniform() - 2.0))),
             Kind::Matrix => {
                 // Well conditioned: a random matrix with a strong diagonal.

@@ -342,7 +342,9 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
         Node::Sum(c, terms) => {
             out.extend(one_minus(g, c, &terms));
             out.extend(other_tail(g, c, &terms));
-            out.extend(between_ends(g, id));
+            let between = between_ends(g, id);
+            out.extend(between);
+            out.extend(between.and_then(|form| over_ends(g, form)));
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
@@ -432,6 +434,22 @@ pub(crate) fn between_ends(g: &mut Graph, id: Id) -> Option<Id> {
     let gap = g.sub(id, form);
     let gap = Expander::new(g).normal_form(gap)?;
     (form != id && g.as_number(gap).is_some_and(Q::is_zero)).then_some(form)
+}
+
+/// A sum whose factors are sums that others divide, each over what divides it: in (1 - 1 / (1 + a)) (1 - u) + …, a / (1 + a).
+fn over_ends(g: &mut Graph, form: Id) -> Option<Id> {
+    let Node::Sum(c, terms) = g.node(form).clone() else { return None };
+    let mut over = |(q, term): (Q, Id)| {
+        let factors = g.factors(term).into_iter().map(|(b, e)| match g.node(b).clone() {
+            Node::Sum(c, inner) => (over_sum(g, c, &inner).unwrap_or(b), e),
+            _ => (b, e),
+        });
+        let factors: Vec<(Id, Id)> = factors.collect();
+        (q, g.product(&factors))
+    };
+    let terms: Vec<(Q, Id)> = terms.into_iter().map(&mut over).collect();
+    let found = g.sum(c, &terms);
+    (found != form).then_some(found)
 }
 
 /// 1 - I(x; a, b) as I(1 - x; b, a), for the incomplete beta function or its inverse.

@@ -29,6 +29,16 @@ pub fn truncated_logistic(u: [Uniform; 1], s: f64, a: f64, b: f64) -> f64 {
     s * (below / above).ln()
 }
 
+/// Row 11 as printed. Above 40 s, one less a probability has too few digits left even in double-double arithmetic, in which the
+/// compiler checks what it derives.
+#[sampler(s in 0.5..=10.0, a in -20.0..=20.0, b in -20.0..=20.0)]
+pub fn truncated_logistic_as_printed(u: [Uniform; 1], s: f64, a: f64, b: f64) -> f64 {
+    let below_a = 1.0 / (1.0 + (-a / s).exp());
+    let below_b = 1.0 / (1.0 + (-b / s).exp());
+    let p = (1.0 - u[0]) * below_a + u[0] * below_b;
+    s * (p / (1.0 - p)).ln()
+}
+
 /// Row 14: Cauchy by the cotangent.
 #[sampler(g in 1e-3..)]
 pub fn cauchy(u: [Uniform; 1], g: f64) -> f64 {
@@ -81,6 +91,14 @@ pub fn equiangular(u: [Uniform; 1], d: f64, a: f64, b: f64) -> f64 {
     d * (a.atan2(d) + u[0] * width).tan()
 }
 
+/// Row 26 as printed: Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media" (2012).
+#[sampler(d in 1e-9..)]
+pub fn equiangular_as_printed(u: [Uniform; 1], d: f64, a: f64, b: f64) -> f64 {
+    let theta_a = (a / d).atan();
+    let theta_b = (b / d).atan();
+    d * ((1.0 - u[0]) * theta_a + u[0] * theta_b).tan()
+}
+
 /// Row 27: wavelengths as the eye sees them.
 #[sampler]
 pub fn wavelength(u: [Uniform; 1]) -> f64 {
@@ -128,6 +146,26 @@ pub fn visible_normals_as_printed(u: [Uniform; 2], alpha: f64, w: Direction) -> 
     let b = (1.0 - s) * (1.0 - a * a).sqrt() + s * r * phi.sin();
     let n = a * t1 + b * t2 + (1.0 - a * a - b * b).sqrt() * v;
     Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
+}
+
+/// Row 85 with two roughnesses, as they were first printed.
+#[sampler(alpha_x in 1e-3..=1.0, alpha_y in 1e-3..=1.0)]
+pub fn anisotropic_normals_as_printed(
+    u: [Uniform; 2],
+    alpha_x: f64,
+    alpha_y: f64,
+    w: Direction,
+) -> Direction {
+    let v = Vec3::new(alpha_x * w.x, alpha_y * w.y, w.z).normalize();
+    let t1 = Vec3::new(-v.y, v.x, 0.0).normalize();
+    let t2 = v.cross(t1);
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let a = r * phi.cos();
+    let s = 0.5 * (1.0 + v.z);
+    let b = (1.0 - s) * (1.0 - a * a).sqrt() + s * r * phi.sin();
+    let n = a * t1 + b * t2 + (1.0 - a * a - b * b).sqrt() * v;
+    Direction::from_vec(Vec3::new(alpha_x * n.x, alpha_y * n.y, n.z).normalize())
 }
 
 /// Row 39: a sum of three increasing functions; only the inverse is numerical.

@@ -193,6 +193,17 @@ pub fn visible_normals(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
     Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
 }
 
+/// Row 86 with two roughnesses.
+#[sampler(alpha_x in 1e-4..=1.0, alpha_y in 1e-4..=1.0, where w.z > 0.0)]
+pub fn anisotropic_normals(u: [Uniform; 2], alpha_x: f64, alpha_y: f64, w: Direction) -> Direction {
+    let v = Vec3::new(alpha_x * w.x, alpha_y * w.y, w.z).normalize();
+    let z = 1.0 - u[1] * (1.0 + v.z);
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[0];
+    let n = (Vec3::new(r * phi.cos(), r * phi.sin(), z) + v).normalize();
+    Direction::from_vec(Vec3::new(alpha_x * n.x, alpha_y * n.y, n.z).normalize())
+}
+
 /// Row 89: w reflected about a normal of GGX.
 #[sampler(alpha in 1e-4..=1.0)]
 pub fn reflected_ggx(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {

@@ -81,6 +81,16 @@ pub fn pentagon(u: [Uniform; 2]) -> Vec2 {
     Vec2::new(r * ((1.0 - t) * a.cos() + t * b.cos()), r * ((1.0 - t) * a.sin() + t * b.sin()))
 }
 
+/// Row 52: uniform on a regular polygon, by a wedge and a triangle.
+#[sampler(n in 3..=8)]
+pub fn regular_polygon(u: [Uniform; 2], n: f64) -> Vec2 {
+    let k = (n * u[1]).floor();
+    let t = n * u[1] - k;
+    let (a, b) = (TAU * k / n, TAU * (k + 1.0) / n);
+    let r = u[0].sqrt();
+    Vec2::new(r * ((1.0 - t) * a.cos() + t * b.cos()), r * ((1.0 - t) * a.sin() + t * b.sin()))
+}
+
 /// Row 46: a disk, by the elliptical grid.
 #[sampler]
 pub fn elliptical_grid(u: [Uniform; 2]) -> Vec2 {

@@ -83,8 +83,10 @@ pub fn swept(item: &Item) -> Vec<Vec<f64>> {
     for set in item.sets.iter().take(3) {
         let mut first = 0;
         for parameter in item.parameters {
-            if let (ParameterKind::Number, Some(domain)) = (parameter.kind, &parameter.domain) {
-                for value in over(domain) {
+            let whole = parameter.kind == ParameterKind::Whole;
+            let number = whole || parameter.kind == ParameterKind::Number;
+            if let (true, Some(domain)) = (number, &parameter.domain) {
+                for value in over(domain).into_iter().filter(|v| !whole || v.fract() == 0.0) {
                     let mut numbers = set.clone();
                     numbers[first] = value;
                     if !all.contains(&numbers) {

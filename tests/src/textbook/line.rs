@@ -32,7 +32,7 @@ fn distribution<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
         }
         Which::Epanechnikov => c(0.75) * (one - x * x),
         Which::Logistic => logistic(x / p[0]) / p[0],
-        Which::TruncatedLogistic => {
+        Which::TruncatedLogistic | Which::TruncatedLogisticAsPrinted => {
             let below = |x: R| (one + (-x / p[0]).exp()).recip();
             logistic(x / p[0]) / (p[0] * (below(p[2]) - below(p[1])))
         }
@@ -129,7 +129,7 @@ fn flight<R: Real>(which: Which, p: &[R], x: R) -> Option<R> {
         Which::TruncatedExponential => truncated_exponential(p[0], p[1], x),
         Which::SoftplusLogistic => (-x).exp(),
         // Kulla and Fajardo, "Importance Sampling Techniques for Path Tracing in Participating Media" (2012).
-        Which::Equiangular => {
+        Which::Equiangular | Which::EquiangularAsPrinted => {
             let d = p[0];
             let angle = (p[2] / d).atan() - (p[1] / d).atan();
             d / (angle * (d * d + x * x))

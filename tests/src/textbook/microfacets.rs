@@ -34,6 +34,9 @@ fn normals<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         Which::VisibleNormals | Which::VisibleNormalsAsPrinted | Which::HeitzNormals => {
             visible_ggx(vector(p, 1), h(), [p[0]; 2])
         }
+        Which::BrushedNormals | Which::BrushedNormalsAsPrinted => {
+            visible_ggx(vector(p, 2), h(), [p[0], p[1]])
+        }
         _ => return None,
     };
     Some(density)

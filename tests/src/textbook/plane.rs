@@ -19,6 +19,7 @@ fn uniform<R: Real>(which: Which, p: &[R], x: &[R]) -> Option<R> {
         Which::ConcentricDisk => c(FRAC_1_PI),
         Which::AnnularSector => c(2.0) / (p[3] * (p[1] * p[1] - p[0] * p[0])),
         Which::Pentagon => c(2.0) / (c(5.0) * c(TAU / 5.0).sin()),
+        Which::RegularPolygon => c(2.0) / (p[0] * (c(TAU) / p[0]).sin()),
         Which::BilinearQuad => bilinear_quad(p, x),
         _ => return None,
     };

@@ -119,10 +119,12 @@ fn on_this_way(problem: &Problem, point: &Point) -> bool {
     let at = |l: Leaf| point.input(l, &[]);
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     let wide = problem.segments.iter().flatten().all(|s| e.value(s.width).to_f64() > 0.0);
-    wide && problem.relations.iter().chain(&problem.guards).all(|t| {
-        let difference = e.value(t.difference).to_f64();
-        difference > 0.0 || (!t.strict && difference >= 0.0)
-    })
+    wide && [&problem.relations, &problem.existence, &problem.guards].into_iter().flatten().all(
+        |t| {
+            let difference = e.value(t.difference).to_f64();
+            difference > 0.0 || (!t.strict && difference >= 0.0)
+        },
+    )
 }
 
 pub(super) fn inputs(problem: &Problem, case: &Case, unknowns: bool) -> Inputs {

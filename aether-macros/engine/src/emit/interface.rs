@@ -67,10 +67,11 @@ pub fn interface(
             let (field, text, item_name) = (&d.name, &d.text, name.to_string());
             let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
             let upper = if d.closed { quote!(<=) } else { quote!(<) };
+            let whole = d.whole.then(|| quote!(&& value % 1.0 == 0.0));
             quote! {
                 for lane in 0..<R as ::aether_core::Real>::LANES {
                     let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
-                    if !(value >= #lo && value #upper #hi) {
+                    if !(value >= #lo && value #upper #hi #whole) {
                         return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
                     }
                 }

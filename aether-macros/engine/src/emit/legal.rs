@@ -48,6 +48,7 @@ pub fn legal(
 fn parameter(p: &Param, options: &Options) -> TokenStream {
     let name = p.name.to_string();
     let kind = match p.kind {
+        ParamKind::Scalar if options.domain(&name).is_some_and(|d| d.whole) => quote!(Whole),
         ParamKind::Scalar => quote!(Number),
         ParamKind::Vec2 => quote!(Vec2),
         ParamKind::Vec3 => quote!(Vec3),

@@ -1,4 +1,4 @@
-//! Pieces of the real line that meet: one goes on where the other ends.
+//! Pieces that meet: one goes on where the other ends.
 
 use super::pieces::Place;
 use crate::eval::evaluate;
@@ -8,6 +8,8 @@ use crate::points::{Point, sampler_points};
 
 /// How far the ends of two pieces may be apart in double-double, relative to them.
 const CLOSE: f64 = 1e-20;
+/// How far rounding may put the end of a range.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 /// Which pieces meet, by their numbers.
 pub type Known = core::cell::RefCell<crate::hash::Map<(usize, usize), bool>>;
@@ -21,6 +23,48 @@ pub(super) fn known(known: &Known, one: &Place, other: &Place) -> bool {
         known.borrow_mut().extend([(pair, found), ((pair.1, pair.0), found)]);
         found
     })
+}
+
+/// Whether two pieces have a border in common, as one of them takes a uniform from where the other one leaves it.
+pub(super) fn adjacent(one: &Place, other: &Place) -> bool {
+    let points = sampler_points(1, &one.problem.kinds, false, &|_| true);
+    let points: Vec<&Point> = points.iter().filter(|p| !p.stress).collect();
+    let end = |place: &Place, i: usize, share: f64, point: &Point| {
+        let segment = place.problem.segments[i]?;
+        let at = |id| evaluate::<Dd>(&place.problem.graph, id, &|leaf| point.input(leaf, &[]));
+        Some(at(segment.low) + at(segment.width) * Dd::from_f64(share))
+    };
+    let joined = |first: &Place, second: &Place, i: usize| {
+        points.iter().all(|p| match (end(first, i, 1.0, p), end(second, i, 0.0, p)) {
+            (Some(end), Some(start)) => {
+                let gap = (end - start).abs().to_f64();
+                gap <= CLOSE * start.abs().to_f64()
+            }
+            _ => false,
+        })
+    };
+    let both = one.problem.segments.len().min(other.problem.segments.len());
+    one.piece != other.piece && (0..both).any(|i| joined(one, other, i) || joined(other, one, i))
+}
+
+/// Whether one of two pieces takes a uniform from zero and the other one may take it to one, where both are turned alike: if
+/// their images have that border in common, as the first and the last slice of a cake have, they lie on two sides of it.
+pub(super) fn around(one: &Place, other: &Place) -> bool {
+    let alike =
+        one.derived.orientation.is_some() && one.derived.orientation == other.derived.orientation;
+    let closes = |first: &Place, last: &Place, i: usize| {
+        let ends = [first, last].map(|place| {
+            let g = &place.problem.graph;
+            place.problem.segments[i].map(|s| (g.range(s.low), g.range(s.width)))
+        });
+        let [Some((low, _)), Some((start, width))] = ends else { return false };
+        // Ranges are rounded: five sixths and a sixth are less than one.
+        low.hi <= 0.0 && start.add(width).hi >= 1.0 - ROUNDED
+    };
+    let both = one.problem.segments.len().min(other.problem.segments.len());
+    one.piece != other.piece
+        && alike
+        && (0..both).any(|i| closes(one, other, i) || closes(other, one, i))
 }
 
 /// Whether two pieces of a map of one uniform to the line both rise or both fall, and one starts where the other ends: then

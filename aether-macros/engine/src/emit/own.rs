@@ -4,9 +4,9 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::meeting;
+use super::meeting::{self, around};
 use super::pieces::Place;
-use super::sampler::{existence, existence_where, image, image_in, value_at};
+use super::sampler::{Asked, existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
 use crate::expr::{Id, Node, OUTS, UNKNOWNS, leaf_bit};
 use crate::rational::Q;
@@ -233,13 +233,15 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
     let others = if is_alone(e) {
         quote!()
     } else {
-        let existence = existence_where(e, &wanted, false);
+        let existence = existence_where(e, &wanted, Asked { near: false, own: true });
         let terms = e.places().into_iter().map(|place| {
             let [strict, recovered, inverse] = ["strict", "recovered", "inverse"]
                 .map(|name| format_ident!("{name}_{}", place.number));
             let leave = format_ident!("leave_{}", place.piece);
             let value = value_at(e, place, &quote!(other));
             let turned = |j: usize| e.places().iter().any(|p| p.piece == j && folded(p, &place));
+            let round = e.places().iter().any(|p| around(p, &place) && !exclusive(e, p, &place));
+            let same = if round { quote!(same_around) } else { quote!(same) };
             let turned: Vec<_> = (0..pieces).filter(|&j| turned(j)).map(|j| &masks[j]).collect();
             let beside =
                 (!turned.is_empty()).then(|| quote!(#(.and(#turned.not()))*));
@@ -250,7 +252,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
                 let other = if itself.any() {
                     let v = ::aether_core::support::merged::<R, #n>(#recovered, #strict, || #leave::<R>(&p, &#inverse::<R>(&p, &x)));
                     let bounds = ::aether_core::support::bounds_of::<R, #n>(&#recovered);
-                    other.and(itself.and(::aether_core::support::same(&u, &(v, bounds))).not())
+                    other.and(itself.and(::aether_core::support::#same(&u, &(v, bounds))).not())
                 } else {
                     other
                 };
@@ -301,7 +303,7 @@ pub(super) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
 
 /// Whether no point has both preimages, but on a border, where they are one: those of pieces that are apart or meet, and of
 /// one piece if one asks a number to be negative that the other asks to be positive, as two signs of an amplitude do.
-fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
+pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     if one.piece != other.piece {
         return apart(e, one.piece, other.piece) || meeting::known(&e.meeting, one, other);
     }

@@ -252,7 +252,13 @@ impl<'a> Emitter<'a> {
             .collect();
         let lets = code.statements();
         let widths: Vec<&TokenStream> = ends.iter().flatten().map(|(_, width)| width).collect();
-        let open = quote!(#lets <R::Mask as Mask>::TRUE #(.and(#widths.gt(R::ZERO)))*);
+        let exists = (!problem.existence.is_empty()).then(|| {
+            let mut code = Code::new(&problem.graph, &at);
+            let passed = passed(&mut code, &problem.existence);
+            let lets = code.statements();
+            quote!(.and({ #lets #passed }))
+        });
+        let open = quote!(#lets <R::Mask as Mask>::TRUE #(.and(#widths.gt(R::ZERO)))* #exists);
         let place = |name: &str, i: usize| {
             let name = Ident::new(name, Span::call_site());
             let i = Literal::usize_unsuffixed(i);

@@ -12,7 +12,7 @@ use super::own::excluding;
 use super::peeled::passed_on;
 use super::pieces::{Place, is_unguarded};
 use super::plainly::unit_tests;
-use super::sampler::{about, general_density};
+use super::sampler::{about, beside, general_density};
 use super::tame::Tame;
 use crate::expr::{Leaf, leaf_bit};
 
@@ -122,7 +122,14 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         }
     });
     let wide = wide(place);
+    // On a border it may seem to lie on both sides.
+    let beside = places[..k].iter().filter(|other| beside(e, other, &place));
+    let beside: Vec<_> = beside.map(|other| format_ident!("found_{}", other.number)).collect();
+    let twice = (!beside.is_empty()).then(
+        || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
+    );
     let accepted = quote! {
+        #twice
         #on_manifold
         sum += #value;
         #found = true;

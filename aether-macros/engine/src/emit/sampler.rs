@@ -4,7 +4,8 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::own::{density_of, excluding, folded, forward_with_density, own_density};
+use super::meeting::{adjacent, around};
+use super::own::{density_of, excluding, exclusive, folded, forward_with_density, own_density};
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
@@ -139,19 +140,28 @@ fn existence_where_it_belongs(e: &Emitter, near: bool) -> TokenStream {
         let found: Vec<_> = earlier.map(|other| format_ident!("strict_{}", other.number)).collect();
         (!found.is_empty()).then(|| quote!((<R::Mask as Mask>::FALSE #(.or(#found))*).not()))
     };
-    existence_where(e, &wanted, near)
+    existence_where(e, &wanted, Asked { near, own: false })
+}
+
+/// For whom preimages are looked for.
+#[derive(Clone, Copy)]
+pub(super) struct Asked {
+    /// Whether coordinates may be off by `errors`.
+    pub(super) near: bool,
+    /// Whether the point is a sample, whose own preimage is known to be in another piece.
+    pub(super) own: bool,
 }
 
 /// The same for the preimages of each piece only where a mask holds, if there is one; `belongs` is known.
 pub(super) fn existence_where(
     e: &Emitter,
     wanted: &dyn Fn(Place) -> Option<TokenStream>,
-    near: bool,
+    asked: Asked,
 ) -> TokenStream {
     let places = e.places();
     let strict = places.iter().map(|&place| strictly(e, place, wanted(place)));
-    let once = places.iter().map(|&place| once(place, &places));
-    let recovered = places.iter().map(|&place| recovered(e, place, &places, near));
+    let once = places.iter().map(|&place| once(e, place, &places));
+    let recovered = places.iter().map(|&place| recovered(e, place, &places, asked));
     quote! {
         #(#strict)*
         #(#once)*
@@ -161,20 +171,23 @@ pub(super) fn existence_where(
 
 /// On a border between two pieces rounding can put a point into both, and in the middle of a piece
 /// two of its solutions can meet: the preimage counts once. Pieces that are folded there both have it.
-fn once(place: Place, places: &[Place]) -> TokenStream {
+fn once(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let guarded = |p: &Place| !p.problem.guards.is_empty();
     let [strict, inverse] = ["strict", "inverse"].map(|n| format_ident!("{n}_{}", place.number));
     let leave = format_ident!("leave_{}", place.piece);
-    let pairs = places[..place.number].iter().filter(|other| guarded(other) || guarded(&place));
+    let tested = |other: &&Place| guarded(other) || guarded(&place) || beside(e, other, &place);
+    let pairs = places[..place.number].iter().filter(tested);
     let pairs = pairs.filter(|other| !folded(other, &place));
     let pairs = pairs.map(|other| {
         let [strict_other, inverse_other] =
             ["strict", "inverse"].map(|n| format_ident!("{n}_{}", other.number));
         let leave_other = format_ident!("leave_{}", other.piece);
+        let closed = around(other, &place) && !exclusive(e, other, &place);
+        let coincide = if closed { quote!(coincide_around) } else { quote!(coincide) };
         quote! {
             let both = #strict.and(#strict_other);
             let #strict = if both.any() {
-                let same = ::aether_core::support::coincide(
+                let same = ::aether_core::support::#coincide(
                     &#leave::<R>(&p, &#inverse::<R>(&p, &x)),
                     &#leave_other::<R>(&p, &#inverse_other::<R>(&p, &x)),
                 );
@@ -185,6 +198,12 @@ fn once(place: Place, places: &[Place]) -> TokenStream {
         }
     });
     quote!(#(#pairs)*)
+}
+
+/// Whether rounding alone can give a point two preimages on a border between two pieces, which no other test excludes.
+pub(super) fn beside(e: &Emitter, one: &Place, other: &Place) -> bool {
+    let joined = adjacent(one, other) || around(one, other);
+    joined && !folded(one, other) && !exclusive(e, one, other)
 }
 
 /// Whether the unknowns that are `checked` lie so near to their range that error bounds have to decide.
@@ -212,7 +231,8 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
     let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
     let guarded =
         (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
-    let confined = place.problem.segments.iter().any(Option::is_some);
+    let problem = place.problem;
+    let confined = !problem.existence.is_empty() || problem.segments.iter().any(Option::is_some);
     let wide = format_ident!("wide_{j}");
     let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
     let member = format_ident!("member_{k}");
@@ -345,8 +365,8 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     }
 }
 
-fn recovered(e: &Emitter, place: Place, places: &[Place], near: bool) -> TokenStream {
-    let bounds = if near {
+fn recovered(e: &Emitter, place: Place, places: &[Place], asked: Asked) -> TokenStream {
+    let bounds = if asked.near {
         quote!(errors.map(|errors| ::aether_core::support::lane(&errors(), i)))
     } else {
         quote!(None)
@@ -361,11 +381,17 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], near: bool) -> TokenSt
         let [inverse, strict, recovered] =
             ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
         let leave = format_ident!("leave_{}", other.piece);
+        let around = around(other, &place) && !exclusive(e, other, &place);
+        let [same, as_recovered] = if around {
+            [quote!(same_around), quote!(recovered_around)]
+        } else {
+            [quote!(same), quote!(recovered_as)]
+        };
         let earlier = (other.number < k)
-            .then(|| quote!(|| ::aether_core::support::recovered_as::<R, #n>(&#recovered, i, u)));
+            .then(|| quote!(|| ::aether_core::support::#as_recovered::<R, #n>(&#recovered, i, u)));
         quote! {
             .filter(|u| !((#strict.lane(i)
-                && ::aether_core::support::same(
+                && ::aether_core::support::#same(
                     &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), u))
                 #earlier))
         }
@@ -391,6 +417,11 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], near: bool) -> TokenSt
         quote!(.filter(|_| !#is_there.lane(i)))
     });
     let alone = (places.len() > 1).then(|| {
+        if asked.own {
+            return quote! {
+                .filter(|_| !::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x)))
+            };
+        }
         quote! {
             .filter(|_| !(::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x))
                 && (false #(#others)*)))

@@ -15,6 +15,8 @@ pub struct Domain {
     pub interval: Interval,
     /// Whether the upper end belongs to the domain.
     pub closed: bool,
+    /// Whether only whole numbers do: the ends are written as such, `3..=16`.
+    pub whole: bool,
     /// The declaration as written, for error texts.
     pub text: String,
 }
@@ -132,10 +134,27 @@ fn domain(name: Ident, range: &Expr) -> syn::Result<Domain> {
         ));
     }
     let closed = matches!(limits, RangeLimits::Closed(_));
+    let ends = [start, end].into_iter().flatten();
+    let whole = (start.is_some() || end.is_some()) && ends.into_iter().all(|e| is_whole(e));
     let mark = if closed { "..=" } else { ".." };
-    let show = |x: f64| if x.is_finite() { format!("{x:?}") } else { String::new() };
+    let show = |x: f64| match x {
+        _ if !x.is_finite() => String::new(),
+        _ if whole => format!("{x:.0}"),
+        _ => format!("{x:?}"),
+    };
     let text = format!("{name} in {}{mark}{}", show(lo), show(hi));
-    Ok(Domain { name, interval: Interval::new(lo, hi), closed, text })
+    // The last whole number below an end that does not belong to them.
+    let hi = if whole && !closed { hi - 1.0 } else { hi };
+    Ok(Domain { name, interval: Interval::new(lo, hi), closed: closed || whole, whole, text })
+}
+
+/// Whether a number is written without a fraction.
+fn is_whole(e: &Expr) -> bool {
+    match e {
+        Expr::Lit(l) => matches!(l.lit, syn::Lit::Int(_)),
+        Expr::Unary(u) => is_whole(&u.expr),
+        _ => false,
+    }
 }
 
 fn number(e: &Expr) -> syn::Result<f64> {
@@ -150,5 +169,24 @@ fn number(e: &Expr) -> syn::Result<f64> {
             other,
             "an end of a domain is a literal number, because the compiler of samplers sees names and not their values: write the number here, and a relation, `where alpha < b`, between parameters",
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_without_a_fraction_are_those_of_whole_numbers() {
+        let domain = |text: &str| {
+            let options: Options = syn::parse_str(text).unwrap();
+            let [d] = &options.domains[..] else { panic!("one domain") };
+            (d.whole, d.interval, d.closed, d.text.clone())
+        };
+        let to = Interval::new;
+        assert_eq!(domain("n in 3..=16"), (true, to(3.0, 16.0), true, "n in 3..=16".into()));
+        assert_eq!(domain("n in -2..5"), (true, to(-2.0, 4.0), true, "n in -2..5".into()));
+        assert_eq!(domain("n in 1.."), (true, to(1.0, f64::INFINITY), true, "n in 1..".into()));
+        assert_eq!(domain("n in 3.0..5.0"), (false, to(3.0, 5.0), false, "n in 3.0..5.0".into()));
     }
 }

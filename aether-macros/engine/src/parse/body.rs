@@ -34,6 +34,8 @@ pub struct Body<'a> {
     pub(super) scalars: Vec<String>,
     /// Vectors with a name that depend on parameters alone.
     pub(super) vectors: Vec<(String, [Id; 3])>,
+    /// Parameters that are whole numbers.
+    pub(super) whole: Vec<Id>,
     /// What is read as inputs of their own.
     pub(super) cut: Cut,
     /// Such an unknown and what it stands for.
@@ -65,6 +67,7 @@ impl<'a> Body<'a> {
             returned: None,
             scalars: vec![],
             vectors: vec![],
+            whole: vec![],
             cut: Cut::default(),
             cuts: vec![],
             constants_cut: vec![],
@@ -149,9 +152,17 @@ impl<'a> Body<'a> {
         };
         let value = match p.kind {
             ParamKind::Scalar => {
-                let domain = options.domain(&name).map(|d| d.interval);
-                kinds.push(Kind::Scalar(domain));
-                Value::Scalar(self.scalar_param(&name, domain.unwrap_or(Interval::ALL)))
+                let declared = options.domain(&name);
+                let domain = declared.map(|d| d.interval);
+                let id = self.scalar_param(&name, domain.unwrap_or(Interval::ALL));
+                kinds.push(match declared {
+                    Some(d) if d.whole => {
+                        self.whole.push(id);
+                        Kind::Whole(d.interval)
+                    }
+                    _ => Kind::Scalar(domain),
+                });
+                Value::Scalar(id)
             }
             ParamKind::Vec2 | ParamKind::Vec3 => {
                 let n = if p.kind == ParamKind::Vec2 { 2 } else { 3 };

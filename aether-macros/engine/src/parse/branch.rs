@@ -13,8 +13,9 @@ use syn::{BinOp, Expr, ExprBinary, Ident};
 use super::body::Body;
 use super::order::{assume_nonnegative, assume_order};
 use super::{Test, Value};
-use crate::expr::{Fun, Id, UNKNOWNS};
+use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
+use crate::rational::Q;
 
 /// A body may fall into this many pieces.
 pub(super) const MAX_PIECES: usize = 32;
@@ -28,6 +29,15 @@ struct Outcome {
     open: bool,
 }
 
+/// The integers that the argument of a `floor` passes.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    first: i64,
+    last: i64,
+    /// The parameter whose value is one more than the last of them, if it is a whole number.
+    count: Option<Id>,
+}
+
 /// One way through the comparisons of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Way {
@@ -39,9 +49,11 @@ pub struct Way {
     pub(super) tests: Vec<(usize, Test)>,
     /// Comparisons made on this reading: difference, whether strict, and the outcome.
     made: Vec<(Id, bool, bool)>,
-    /// First and last integer of each `floor`, by the place of its first comparison: later readings
-    /// know more of its argument, and have to make the same comparisons.
-    spans: BTreeMap<usize, (i64, i64)>,
+    /// What each `floor` passes, by the place of its first comparison: later readings know more of its argument,
+    /// and have to make the same comparisons.
+    spans: BTreeMap<usize, Span>,
+    /// What follows for the parameters if any point takes this way.
+    pub(super) existence: Vec<Test>,
     /// Whether a comparison was found to have the other outcome wherever this way leads.
     pub(super) impossible: bool,
 }
@@ -88,6 +100,11 @@ impl Body<'_> {
 
     /// Whether `difference > 0` (`>= 0` if not strict) on this way.
     pub(super) fn decide(&mut self, difference: Id, strict: bool) -> bool {
+        self.compare(difference, strict, true)
+    }
+
+    /// The same, where it is known to hold for all points if it is not `open`.
+    fn compare(&mut self, difference: Id, strict: bool, open: bool) -> bool {
         let repeated = self.repeated(difference, strict);
         let settled = repeated.or_else(|| settled(self.graph.range(difference), strict));
         let place = self.way.position;
@@ -95,7 +112,8 @@ impl Body<'_> {
         let outcome = match self.way.outcomes.get(place) {
             Some(outcome) => *outcome,
             None => {
-                let outcome = Outcome { holds: settled.unwrap_or(true), open: settled.is_none() };
+                let open = open && settled.is_none();
+                let outcome = Outcome { holds: settled.unwrap_or(true), open };
                 self.way.outcomes.push(outcome);
                 outcome
             }
@@ -302,20 +320,54 @@ impl Body<'_> {
 
     /// The largest integer not above x, as a number: a piece for each integer that x passes.
     pub(super) fn floor(&mut self, at: &impl ToTokens, x: Id) -> Option<Id> {
-        let range = self.graph.range(x);
-        if !range.width().is_finite() || range.width() > MAX_STEPS {
-            return self.error(at, "this jumps at every integer, and how many its argument passes is not known (or too many): declare the domains of the parameters, as in `#[sampler(k in 1.0..=8.0)]`");
-        }
-        let span = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
-        let (first, last) = *self.way.spans.entry(self.way.position).or_insert(span);
-        for k in first..last {
+        let Span { first, last, count } = match self.way.spans.get(&self.way.position) {
+            Some(span) => *span,
+            None => {
+                let range = self.graph.range(x);
+                if !range.width().is_finite() || range.width() > MAX_STEPS {
+                    return self.error(at, "this jumps at every integer, and how many its argument passes is not known (or too many): declare the domains of the parameters, as in `#[sampler(k in 1.0..=8.0)]`");
+                }
+                let (first, last) = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
+                let span = Span { first, last, count: self.steps(x) };
+                self.way.spans.insert(self.way.position, span);
+                span
+            }
+        };
+        let last = last.max(first);
+        // A whole number of steps ends the last one, too.
+        let end = if count.is_some() { last + 1 } else { last };
+        let found = (first..end).find(|&k| {
             let above = self.graph.int(k + 1);
             let difference = self.graph.sub(above, x);
-            if self.decide(difference, true) {
-                return Some(self.graph.int(k));
-            }
+            self.compare(difference, true, k < last)
+        });
+        let found = found.unwrap_or(last);
+        if let Some(count) = count {
+            self.exceed(count, found);
         }
-        Some(self.graph.int(last.max(first)))
+        Some(self.graph.int(found))
+    }
+
+    /// The parameter n if x is n u for a uniform u: below one, it leads to integers below n.
+    fn steps(&mut self, x: Id) -> Option<Id> {
+        let whole = self.whole.clone();
+        whole.into_iter().find(|&n| {
+            let u = self.graph.div(x, n);
+            matches!(self.graph.node(u), Node::Leaf(Leaf::Unknown(_)))
+                && self.graph.range(u) == Interval::new(0.0, 1.0)
+        })
+    }
+
+    /// Makes it known that a whole number exceeds another one wherever this way leads.
+    fn exceed(&mut self, count: Id, found: i64) {
+        let least = (found + 1) as f64;
+        let g = &mut self.graph;
+        if g.range(count).lo >= least {
+            return;
+        }
+        let difference = g.sum(Q::int(-found - 1), &[(Q::ONE, count)]);
+        self.way.existence.push(Test { difference, strict: false });
+        g.assume(count, Interval::new(least, f64::INFINITY));
     }
 }
 
@@ -351,4 +403,38 @@ fn settled(range: Interval, strict: bool) -> Option<bool> {
     let (holds, fails) =
         if strict { (range.lo > 0.0, range.hi <= 0.0) } else { (range.lo >= 0.0, range.hi < 0.0) };
     (holds || fails).then_some(holds)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::interpret::Item;
+
+    fn steps(domain: &str) -> Result<Item, String> {
+        let body = "{ let k = (n * u[0]).floor(); k + (n * u[0] - k) * (n * u[0] - k) }";
+        let text = format!("fn steps(u: [Uniform; 1], n: f64) -> f64 {body}");
+        Item::new(domain.parse().unwrap(), text.parse().unwrap(), true)
+    }
+
+    #[test]
+    fn a_whole_number_of_steps_has_as_many_pieces() {
+        let item = steps("n in 2..=4").unwrap();
+        for n in [2.0, 3.0, 4.0] {
+            for u in [0.1_f64, 0.3, 0.6, 0.9] {
+                let k = (n * u).floor();
+                let x = k + (n * u - k).powi(2);
+                assert!((item.forward(&[n], &[u]).unwrap()[0] - x).abs() < 1e-15);
+                let expected = 1.0 / (2.0 * (n * u - k) * n);
+                let found = item.pdf(&[n], &[x]);
+                assert!((found / expected - 1.0).abs() < 1e-12, "{n} {u}: {found} {expected}");
+            }
+            // There is no step beyond the last.
+            assert_eq!(item.pdf(&[n], &[n + 0.25]), 0.0);
+        }
+    }
+
+    #[test]
+    fn too_many_steps_are_refused() {
+        assert!(steps("n in 2..=17").is_err_and(|e| e.contains("jumps at every integer")));
+        assert!(steps("n in 2..").is_err_and(|e| e.contains("jumps at every integer")));
+    }
 }

@@ -171,6 +171,7 @@ impl Reader<'_> {
         let open = |place: &usize| {
             ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
         };
+        let existence = second.way.existence;
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
@@ -185,6 +186,7 @@ impl Reader<'_> {
             requirements: second.requirements,
             guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
             segments: second.segments,
+            existence,
             lengths: Vec::new(),
             stages: Vec::new(),
             relations: second.relations,

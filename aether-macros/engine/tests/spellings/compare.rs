@@ -145,6 +145,9 @@ fn parameters(rng: &mut Rng, problem: &Problem) -> Vec<f64> {
     let mut drawn: Vec<Vec<f64>> = kinds
         .iter()
         .map(|kind| match kind {
+            Kind::Whole(domain) => {
+                vec![domain.lo + (rng.uniform() * (1.0 + domain.width().min(9.0))).floor()]
+            }
             Kind::Scalar(domain) => {
                 let (lo, hi) = domain.map_or((0.3, 3.3), |d| (d.lo.max(-3.0), d.hi.min(3.0)));
                 vec![lo + (hi - lo) * (0.1 + 0.8 * rng.uniform())]
