@@ -290,11 +290,11 @@ fn centre_and_borders_of_a_polygon_count_once() {
         for k in 0..n as u32 {
             let border = f64::from(k) / n;
             for v in [border, border.next_up(), border.next_down().max(0.0), border + 0.3 / n] {
-                [0.0, 1e-20, 1e-9, 0.3, LAST[0]].map(|u| near([u, v]));
+                [0.0, 1e-20, 1e-9, 0.3, LAST[0]].into_iter().for_each(|u| near([u, v]));
             }
         }
         // On the line through the centre along an opposite side, other slices divide by zero.
-        [0.125, 0.375, 0.625, 0.875].map(|v| near([4e-6, v]));
+        [0.125, 0.375, 0.625, 0.875].into_iter().for_each(|v| near([4e-6, v]));
         assert!((sampler.pdf(&Vec2::new(0.0, 0.0)).value() / density - 1.0).abs() < 1e-12);
     }
     for v in [0.0, 0.1, 0.2, 0.5, 0.8, 0.9999] {

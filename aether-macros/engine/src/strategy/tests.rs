@@ -117,7 +117,7 @@ fn signatures() {
     );
     refuses(
         &expand(quote!(
-            fn f(path: &PathView<Hit>) -> [Hit; 5] {
+            fn f(path: &PathView<Hit>) -> [Hit; 9] {
                 stop()
             }
         )),
