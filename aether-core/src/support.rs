@@ -377,8 +377,8 @@ pub fn merged<R: Real, const N: usize>(
 const MOST: f64 = 1.0 / 256.0;
 
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
-/// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner; or over a divisor of zero whose
-/// error is larger) is legal if the map leads back to the point whatever its value.
+/// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map leads back to the point
+/// whatever its value; one that lies outside and may be anything, if the map leads back from the nearest end.
 #[cold]
 pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
@@ -391,9 +391,7 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
-        // A bound that is wider than the interval says nothing: next to a divisor of zero it is none.
-        let beyond = !(0.0..1.0).contains(&v) && SLACK * e > 1.0;
-        if v.is_nan() || v.is_infinite() && !e.is_finite() || beyond {
+        if v.is_nan() || v.is_infinite() && !e.is_finite() {
             undetermined = true;
             tracked[i] = R::Tracked::ZERO;
             continue;
@@ -402,6 +400,11 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
             return None;
         }
         clamped[i] = unit(value);
+        // A bound that is wider than the interval says nothing: next to a divisor of zero it is none.
+        if !(0.0..1.0).contains(&v) && SLACK * e > 1.0 {
+            undetermined = true;
+            tracked[i] = clamped[i].track();
+        }
         // Without a bound nothing is known.
         bounds[i] = if e.is_finite() { R::of((SLACK * e).min(MOST)) } else { R::ZERO };
     }

@@ -1469,8 +1469,7 @@ POINTS = {
     "logistic": over({"s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"s": 0.25}, INNER + ENDS[1:]),
     "truncated_logistic": [({"s": 0.1, "a": 5.0, "b": 6.0}, [0.5]), ({"s": 1e-3, "a": -3.0, "b": 3.0}, [1e-20])]
     + over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS) + over({"s": 0.5, "a": -1.0, "b": 20.0}, INNER),
-    "truncated_logistic_as_printed": over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS) + over({"s": 0.5, "a": -1.0, "b": 20.0}, INNER)
-    + over({"s": 0.5, "a": 15.0, "b": 20.0}, [[0.3], [0.5], [0.9]]) + over({"s": 0.5, "a": -20.0, "b": -15.0}, [[0.3], [0.5]]),
+    "truncated_logistic_as_printed": over({"s": 1.0, "a": -2.0, "b": 3.0}, INNER + ENDS),
     "normal": over({"m": 0.0, "s": 1.0}, [[1e-300], [BELOW_ONE]]) + over({"m": 3.0, "s": 0.25}, INNER + ENDS[1:]),
     "lower_normal": [({"a": -40.0, "b": -39.0}, [0.5])] + over({"a": -9.0, "b": -8.0}, INNER + ENDS) + over({"a": -1.0, "b": 2.0}, INNER),
     "upper_normal": [({"a": 8.0, "b": 9.0}, [0.5])] + over({"a": 0.5, "b": 2.0}, INNER + ENDS) + over({"a": 8.0, "b": 9.0}, [[0.3], [BELOW_ONE]]),
