@@ -400,8 +400,8 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
             return None;
         }
         clamped[i] = unit(value);
-        // A bound that is wider than the interval says nothing: next to a divisor of zero it is none.
-        if !(0.0..1.0).contains(&v) && SLACK * e > 1.0 {
+        // A bound that allows for a uniform far outside says nothing: next to a divisor of zero it is none.
+        if !(-1.0..=2.0).contains(&v) {
             undetermined = true;
             tracked[i] = clamped[i].track();
         }
