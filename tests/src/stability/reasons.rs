@@ -81,13 +81,32 @@ pub const REASONS: &[(&str, Where, &str)] = &[
         Both,
         "the middle of the second variable, where its density has no slope, and so no condition number, while rounding moves the point by a thousandth of its width in f64 and by far more than that in f32",
     ),
+    (
+        "anisotropic_normals",
+        Both,
+        "the last normals lie on the horizon: their height is what the view and a nearly opposite direction leave of each other",
+    ),
+    (
+        "anisotropic_normals_as_printed",
+        Both,
+        "as printed, 1 - a² - b² at the rim of the disk is a difference",
+    ),
+    (
+        "truncated_logistic_as_printed",
+        Both,
+        "as printed: a sample next to zero is the logarithm of odds next to one, of a rounded probability",
+    ),
+    (
+        "equiangular_as_printed",
+        Single,
+        "the last uniform, for a light that is seen under next to no angle: the angle of the upper end is rounded beyond it",
+    ),
     ("visible_normals", Both, OPPOSITE),
     (
         "refracted_ggx",
         Single,
         "next to total reflection, and half vectors on the horizon, which rounding crosses",
     ),
-    ("double_lune", Both, "the pole, which both lunes share, counts for both"),
     (
         "mixture",
         Both,
