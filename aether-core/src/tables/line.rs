@@ -110,8 +110,9 @@ impl<R: Scalar> PiecewiseLinear1D<R> {
             values.windows(2).enumerate().map(|(k, v)| (v[0] + v[1]) * axis.share(k)).collect();
         let segment = |(piece, v): (usize, &[f64])| {
             // Relative to the larger one before they are rounded, so that neither vanishes for no reason.
-            let [a, b] = [v[0], v[1]].map(|x| R::of(x / v[0].max(v[1]).max(f64::MIN_POSITIVE)));
-            line(a, b).map_err(|error| TableError::Domain { piece, error })
+            let scale = v[0].max(v[1]).max(f64::MIN_POSITIVE);
+            linear(R::of(v[0] / scale), R::of(v[1] / scale))
+                .map_err(|error| TableError::Domain { piece, error })
         };
         let segments = values.windows(2).enumerate().map(segment).collect::<Result<_, _>>()?;
         Ok(PiecewiseLinear1D { cdf: Cdf::from_relative(&masses)?, segments, axis })

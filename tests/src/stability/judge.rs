@@ -80,9 +80,7 @@ impl Judge<'_> {
         let mut lazy = Lazy::new(spot, self.origin == Origin::Random, order);
         if found.valid {
             self.errors::<R>(row, found, x, &exact, &mut lazy);
-        } else if unknown
-            && lazy.beyond(ALL_LOST / format.spacing, |c| c.sample) * format.spacing < ALL_LOST
-        {
+        } else if unknown && !lazy.exceeds(ALL_LOST / format.spacing, |c| c.sample) {
             // What has no value is called no sample: it must not be a sample that was lost.
             row.nan += 1;
             row.example("lost sample", &at);
@@ -108,8 +106,7 @@ impl Judge<'_> {
         let normal = density > format.floor && density < format.ceiling;
         // A point next to the border of the support may be rounded onto it, where the density is zero; and one next to a pole
         // of the density onto that.
-        let mut explained =
-            || lazy.beyond(ALL_LOST / format.spacing, |c| c.density) * format.spacing >= ALL_LOST;
+        let mut explained = || lazy.exceeds(ALL_LOST / format.spacing, |c| c.density);
         let zero = normal && (found.own == 0.0 || found.at_own == Some(0.0));
         if zero && (found.own == 0.0 || !explained()) {
             row.false_zeros += 1;

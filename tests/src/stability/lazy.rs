@@ -43,6 +43,11 @@ impl<'a> Lazy<'a> {
         &grown.conditions[0]
     }
 
+    /// Whether one of the condition numbers is no less than `limit`.
+    pub fn exceeds(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> bool {
+        self.beyond(limit, which) >= limit
+    }
+
     /// One of the condition numbers; where it is plainly larger than `limit`, some number above that.
     pub fn beyond(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> f64 {
         let spot = self.spot;
@@ -51,13 +56,16 @@ impl<'a> Lazy<'a> {
                 let [a, b, c] = conditions.each_ref().map(&which);
                 // Where moved uniforms have no sample there is no estimate.
                 let near = |x: f64, y: f64, by: f64| x.is_finite() && (x - y).abs() <= by * x;
-                let least = |x: f64, y: f64| match () {
-                    () if near(x, y, AGREEMENT) => Some(x * (1.0 - 2.0 * AGREEMENT)),
-                    () if near(x, y, ROUGHLY) && near(y, x, ROUGHLY) => Some(0.5 * x.min(y)),
-                    () => None,
+                let beyond = |x: f64, y: f64| {
+                    let roughly = near(x, y, ROUGHLY) && near(y, x, ROUGHLY);
+                    let least = if near(x, y, AGREEMENT) {
+                        Some(x * (1.0 - 2.0 * AGREEMENT))
+                    } else {
+                        roughly.then(|| 0.5 * x.min(y))
+                    };
+                    least.filter(|least| *least > limit)
                 };
-                let beyond = |least: Option<f64>| least.filter(|least| *least > limit);
-                beyond(least(a, b)).or_else(|| beyond(least(b, c)))
+                beyond(a, b).or_else(|| beyond(b, c))
             };
             let grown = self
                 .estimates

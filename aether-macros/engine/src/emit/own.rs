@@ -4,9 +4,9 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
-use super::meeting::{self, around};
+use super::meeting;
 use super::pieces::Place;
-use super::sampler::{Asked, existence, existence_where, image, image_in, value_at};
+use super::sampler::{Asked, encircled, existence, existence_where, image, image_in, value_at};
 use super::tame::Tame;
 use crate::expr::{Id, Node, OUTS, UNKNOWNS, leaf_bit};
 use crate::rational::Q;
@@ -240,7 +240,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
             let leave = format_ident!("leave_{}", place.piece);
             let value = value_at(e, place, &quote!(other));
             let turned = |j: usize| e.places().iter().any(|p| p.piece == j && folded(p, &place));
-            let round = e.places().iter().any(|p| around(p, &place) && !exclusive(e, p, &place));
+            let round = e.places().iter().any(|p| encircled(e, p, &place));
             let same = if round { quote!(same_around) } else { quote!(same) };
             let turned: Vec<_> = (0..pieces).filter(|&j| turned(j)).map(|j| &masks[j]).collect();
             let beside =

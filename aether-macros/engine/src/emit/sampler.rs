@@ -182,8 +182,8 @@ fn once(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         let [strict_other, inverse_other] =
             ["strict", "inverse"].map(|n| format_ident!("{n}_{}", other.number));
         let leave_other = format_ident!("leave_{}", other.piece);
-        let closed = around(other, &place) && !exclusive(e, other, &place);
-        let coincide = if closed { quote!(coincide_around) } else { quote!(coincide) };
+        let coincide =
+            if encircled(e, other, &place) { quote!(coincide_around) } else { quote!(coincide) };
         quote! {
             let both = #strict.and(#strict_other);
             let #strict = if both.any() {
@@ -202,8 +202,14 @@ fn once(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 
 /// Whether rounding alone can give a point two preimages on a border between two pieces, which no other test excludes.
 pub(super) fn beside(e: &Emitter, one: &Place, other: &Place) -> bool {
-    let joined = adjacent(one, other) || around(one, other);
-    joined && !folded(one, other) && !exclusive(e, one, other)
+    // What costs most is asked last.
+    let open = !folded(one, other) && !exclusive(e, one, other);
+    open && (around(one, other) || adjacent(one, other))
+}
+
+/// Whether the first and the last of the pieces have a border in common which no other test excludes.
+pub(super) fn encircled(e: &Emitter, one: &Place, other: &Place) -> bool {
+    around(one, other) && !exclusive(e, one, other)
 }
 
 /// Whether the unknowns that are `checked` lie so near to their range that error bounds have to decide.
@@ -381,8 +387,7 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], asked: Asked) -> Token
         let [inverse, strict, recovered] =
             ["inverse", "strict", "recovered"].map(|name| format_ident!("{name}_{}", other.number));
         let leave = format_ident!("leave_{}", other.piece);
-        let around = around(other, &place) && !exclusive(e, other, &place);
-        let [same, as_recovered] = if around {
+        let [same, as_recovered] = if encircled(e, other, &place) {
             [quote!(same_around), quote!(recovered_around)]
         } else {
             [quote!(same), quote!(recovered_as)]
