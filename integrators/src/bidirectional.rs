@@ -28,12 +28,14 @@ pub struct Bidirectional {
     /// How many light paths a sample takes beside its camera path: at least one, and at most
     /// [`MOST_PIECES`](aether_core::uniform::MOST_PIECES).
     pub light_paths: u32,
+    /// Paths with fewer vertices are left out; all have two at least.
+    pub fewest_vertices: usize,
 }
 
 impl Bidirectional {
-    /// One light path for each camera path.
+    /// One light path for each camera path, and paths of all lengths.
     pub fn new(path: PathSettings) -> Self {
-        Bidirectional { path, light_paths: 1 }
+        Bidirectional { path, light_paths: 1, fewest_vertices: 2 }
     }
 }
 
@@ -79,6 +81,7 @@ impl Bidirectional {
         let radiance = estimator.integrand();
         let response = radiance.response(pixel, &seen_by);
         let count = self.light_paths.max(1) as usize;
+        let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let look = sample_light(world).into();
         for number in 0..count {
             let uniforms = &mut Piece::new(uniforms, number as u32);
@@ -89,7 +92,7 @@ impl Bidirectional {
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
 
-            for length in 2 + usize::from(self.path.hide_emitters)..=total {
+            for length in fewest..=total {
                 // What the eye sees of the light path, and the pixels that receive it.
                 let seen = camera.vertex(0).zip(light.vertex(length - 2)).map(|(a, b)| [a, b]);
                 for receiver in world.receivers(pixel, [seen]) {

@@ -4,6 +4,9 @@
 //! contributes counts over its brightness, times the mean brightness of all: that is estimated beforehand, from
 //! independent candidates. Chains start at candidates that are drawn in proportion to their brightness, so that
 //! they have no start-up bias (Veach 1997, section 11.3.1).
+//!
+//! Direct light is most of an image, and path tracing finds it with far less noise than chains, whose samples depend on
+//! each other: it is left to that, a sample beside each step, and chains carry the rest.
 
 use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,9 +16,11 @@ use aether_core::discrete::{Cdf, Discrete};
 use aether_core::{Pcg32, UniformSource};
 use glam::Vec3;
 
+use crate::integrator::worker;
 use crate::kind::{NotCovered, SceneKind};
+use crate::path::PathSettings;
 use crate::render::{AnyKernel, Chain, MarkovChain, Preparation, Splats, Technique, Worker};
-use crate::scene::Scene;
+use crate::scene::{SamplerKind, Scene};
 use crate::stored::Stored;
 use crate::strategies::Pixel;
 use crate::work::{Work, in_parts};
@@ -25,6 +30,9 @@ use crate::world::World;
 pub trait ChainIntegrator: Send + Sync {
     /// The kinds of steps, for statistics.
     const STEPS: &'static [&'static str];
+
+    /// What is path traced, because chains leave it out.
+    fn direct(&self) -> Option<PathSettings>;
 
     /// How many candidates there are for the start of a chain; `None` for [`usual_candidates`].
     fn candidates(&self) -> Option<usize>;
@@ -126,6 +134,8 @@ pub struct Start {
 pub struct ChainKernel<'s, K: SceneKind, I> {
     world: World<'s, K>,
     integrator: I,
+    /// What is path traced.
+    direct: Option<PathSettings>,
     seed: u64,
     /// The candidates by their brightness, and its mean; none if all are black.
     start: Option<(Cdf<f32>, f32)>,
@@ -143,8 +153,9 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
         let (begin, before) = (Instant::now(), Work::here());
         let preparation = Preparation::default();
         let statistics = Statistics::new(I::STEPS);
+        let direct = integrator.direct();
         let mut kernel =
-            ChainKernel { world, integrator, seed, start: None, statistics, preparation };
+            ChainKernel { world, integrator, direct, seed, start: None, statistics, preparation };
         let brightness = kernel.brightness();
         let mean = brightness.iter().map(|b| f64::from(*b)).sum::<f64>() / brightness.len() as f64;
         kernel.start = Cdf::new(&brightness).ok().map(|choice| (choice, mean as f32));
@@ -171,7 +182,11 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
 
 impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     fn worker(&self) -> Worker<'_> {
-        Box::new(|_, _, _| [0.0; 3])
+        match &self.direct {
+            // With another seed than chains, which number their streams otherwise.
+            Some(direct) => worker(&self.world, direct, !self.seed, SamplerKind::LowDiscrepancy),
+            None => Box::new(|_, _, _| [0.0; 3]),
+        }
     }
 
     fn splats(&self) -> bool {
@@ -201,7 +216,10 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
     fn statistics(&self) -> Option<String> {
         if self.start.is_none() {
             let candidates = self.candidates();
-            return Some(format!("no chain has begun: none of {candidates} candidates has light"));
+            let beyond = if self.direct.is_some() { " that is not direct" } else { "" };
+            return Some(format!(
+                "no chain has begun: none of {candidates} candidates has light{beyond}"
+            ));
         }
         let line = |(name, [steps, proposed, accepted]): (&str, [u64; 3])| {
             let percent = |a: u64, b: u64| 100.0 * a as f64 / b.max(1) as f64;

@@ -109,28 +109,38 @@ impl<'s, K: SceneKind, I: Integrator> Kernel<'s, K, I> {
     }
 }
 
+/// What samples pixels by an integrator, with uniforms that the seed, the pixel, the number of the sample and the kind
+/// of sampler determine.
+pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
+    world: &'a World<'_, K>,
+    integrator: &'a I,
+    seed: u64,
+    sampler: SamplerKind,
+) -> Worker<'a> {
+    let mut scratch = integrator.scratch(world);
+    let width = u64::from(world.scene.film.width);
+    let independent = sampler == SamplerKind::Independent;
+    let mut begun = None;
+    Box::new(move |pixel, sample, splats| {
+        if begun != Some(sample) {
+            integrator.begin(world, &mut scratch, seed, sample);
+            begun = Some(sample);
+        }
+        let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
+        let value = if independent {
+            let mut uniforms = Pcg32::new(seed, stream, u64::from(sample));
+            integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
+        } else {
+            let mut uniforms = Sobol::new(seed, stream, sample);
+            integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
+        };
+        value.to_array()
+    })
+}
+
 impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
     fn worker(&self) -> Worker<'_> {
-        let world = &self.world;
-        let mut scratch = self.integrator.scratch(world);
-        let width = u64::from(world.scene.film.width);
-        let independent = world.scene.sampler.kind == SamplerKind::Independent;
-        let mut begun = None;
-        Box::new(move |pixel, sample, splats| {
-            if begun != Some(sample) {
-                self.integrator.begin(world, &mut scratch, self.seed, sample);
-                begun = Some(sample);
-            }
-            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let value = if independent {
-                let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
-                self.integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
-            } else {
-                let mut uniforms = Sobol::new(self.seed, stream, sample);
-                self.integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
-            };
-            value.to_array()
-        })
+        worker(&self.world, &self.integrator, self.seed, self.world.scene.sampler.kind)
     }
 
     fn splats(&self) -> bool {

@@ -3,6 +3,7 @@
 
 use std::cell::Cell;
 use std::io::{self, Read, Write};
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use aether_core::estimator::{Contribution, Estimator, Factors};
@@ -19,7 +20,7 @@ use crate::kind::SceneKind;
 use crate::mutations::{
     BidirectionalMutation, CausticPerturbation, LensPerturbation, MutationStrategies,
 };
-use crate::path::PathSettings;
+use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats, Technique};
 use crate::selection::Selection;
 use crate::stored::Stored;
@@ -44,12 +45,24 @@ pub struct Metropolis {
     /// of them fits. No chain leaves these, for from others there is no way back; and as chains start at paths that
     /// are distributed as they should be, the image is right even where they do not reach all of these.
     pub mutations: MutationSet,
+    /// Whether direct light and lights that the camera sees are left to path tracing, where there is longer light and
+    /// all techniques and mutations are used.
+    pub direct: bool,
 }
 
 impl Metropolis {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
-        Metropolis { path, candidates: None, mutations: MutationSet::default() }
+        Metropolis { path, candidates: None, mutations: MutationSet::default(), direct: true }
+    }
+
+    /// The numbers of vertices that paths of chains have.
+    fn lengths(&self) -> RangeInclusive<usize> {
+        let shortest = match self.direct() {
+            Some(_) => DIRECT + 1,
+            None => 2 + usize::from(self.path.hide_emitters),
+        };
+        shortest..=self.path.most_vertices()
     }
 
     /// What a path contributes to the image, and how bright that is.
@@ -59,9 +72,7 @@ impl Metropolis {
         estimator: &PathEstimator<'a, K>,
         path: &Path<'_, 'a, K>,
     ) -> (f32, Contributions) {
-        let shortest = 2 + usize::from(self.path.hide_emitters);
-        let lengths = shortest..=self.path.most_vertices();
-        let found = if lengths.contains(&path.len()) && self.covers(world, path) {
+        let found = if self.lengths().contains(&path.len()) && self.covers(world, path) {
             shares(world, estimator, path, estimator.integrand_at(path))
         } else {
             Contributions::default()
@@ -84,7 +95,7 @@ impl Metropolis {
         let total = (camera.len() + light.len()).min(longest);
         extend(&mut camera, world, (total, rr));
         extend(&mut light, world, (total, rr));
-        for length in 2 + usize::from(self.path.hide_emitters)..=total {
+        for length in *self.lengths().start()..=total {
             let used = self.path.techniques.among(splits(length));
             let techniques = arena.collect(used.map(|by| match (by.light, by.camera) {
                 (1, t) if t > 1 => *connection(world, &camera, &light, (1, t)).sample(uniforms),
@@ -134,9 +145,9 @@ impl Metropolis {
         selected: &Cell<Option<usize>>,
         act: impl FnOnce(&[&Proposes<'_, 'a, K>]) -> T,
     ) -> T {
-        let (used, longest) = (self.mutations, self.path.most_vertices());
+        let (used, lengths) = (self.mutations, self.lengths());
         act(&[
-            &noted(0, used, selected, BidirectionalMutation { world, longest }),
+            &noted(0, used, selected, BidirectionalMutation { world, lengths }),
             &noted(1, used, selected, LensPerturbation { world, chains: false }),
             &noted(2, used, selected, LensPerturbation { world, chains: true }),
             &noted(3, used, selected, CausticPerturbation { world }),
@@ -233,6 +244,13 @@ where
 
 impl ChainIntegrator for Metropolis {
     const STEPS: &'static [&'static str] = &MUTATIONS;
+
+    fn direct(&self) -> Option<PathSettings> {
+        let all =
+            self.path.techniques == Selection::ALL && self.mutations == MutationSet::default();
+        let separate = self.direct && all && self.path.most_vertices() > DIRECT;
+        separate.then(|| self.path.direct())
+    }
 
     fn candidates(&self) -> Option<usize> {
         self.candidates
@@ -402,7 +420,7 @@ mod tests {
         let world = &world;
         let target = brightness(&metropolis, world, &estimator);
         let mutations: [&dyn Mutation<_, _>; 4] = [
-            &BidirectionalMutation { world, longest: 7 },
+            &BidirectionalMutation { world, lengths: 2..=7 },
             &LensPerturbation { world, chains: false },
             &LensPerturbation { world, chains: true },
             &CausticPerturbation { world },

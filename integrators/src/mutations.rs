@@ -5,6 +5,8 @@
 //! which the old one did, at rough ones of small roughness by nearly the same half vector, reflected or refracted
 //! as it was.
 
+use std::ops::RangeInclusive;
+
 use aether_core::mutation::{Decisions, Draft, Mutation};
 use aether_core::prelude::*;
 use aether_core::{PathView, RandomSequence, strategies};
@@ -70,8 +72,8 @@ type Proposal<'r, 'a, K> = Draft<'r, SceneVertex<K>, MutationStrategies<'a, K>>;
 pub struct BidirectionalMutation<'a, K: SceneKind> {
     /// The scene.
     pub world: &'a World<'a, K>,
-    /// The most vertices of a path.
-    pub longest: usize,
+    /// The fewest and the most vertices of a path.
+    pub lengths: RangeInclusive<usize>,
 }
 
 impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
@@ -84,13 +86,13 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
     ) -> Option<Proposal<'r, 'a, K>> {
         let (n, world) = (path.len(), self.world);
         // Few are replaced, or all of them.
-        let replaced = |i: usize| if i + 1 == n { 0.25 } else { 0.5f32.powi(i as i32) };
+        let replaced = |i: usize| if i + 1 == n { 0.25 } else { halved(i) };
         let old = decide.weighted(n, replaced)? + 1;
         let first = decide.index(n - old + 1)?;
         decide.replaces(first..first + old).then_some(())?;
         let new = decide.weighted(old + 3, |new| {
-            let fits = (2..=self.longest).contains(&(n - old + new));
-            if fits { 0.5f32.powi(new.abs_diff(old) as i32) } else { 0.0 }
+            let fits = self.lengths.contains(&(n - old + new));
+            if fits { halved(new.abs_diff(old)) } else { 0.0 }
         })?;
         decide.wants(n - old + new).then_some(())?;
         let from_camera = decide.index(new + 1)?;
@@ -113,6 +115,11 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
         }
         Some(camera.concat(&light.reverse()))
     }
+}
+
+/// One half, so often multiplied with itself, and hardly less than 1e-19.
+fn halved(times: usize) -> f32 {
+    1.0 / (1_u64 << times.min(63)) as f32
 }
 
 /// Moves the film point a little, follows smooth surfaces to the first vertex that is rough, and goes on where the

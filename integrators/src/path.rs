@@ -30,6 +30,9 @@ pub struct PathSettings {
     pub techniques: Selection,
 }
 
+/// The most vertices of paths of direct light: the eye, a surface, a light.
+pub const DIRECT: usize = 3;
+
 impl PathSettings {
     /// What a scene asks for, with all techniques.
     pub fn new(scene: &Scene) -> Self {
@@ -40,6 +43,12 @@ impl PathSettings {
             hide_emitters: wanted.hide_emitters,
             techniques: Selection::ALL,
         }
+    }
+
+    /// The same for direct light and for lights that the camera sees: for paths of [`DIRECT`] vertices at most.
+    pub fn direct(&self) -> Self {
+        let max_depth = self.max_depth.map_or(DIRECT as u32 - 1, |d| d.min(DIRECT as u32 - 1));
+        PathSettings { max_depth: Some(max_depth), ..*self }
     }
 
     /// The most vertices of a path.

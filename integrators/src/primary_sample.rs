@@ -10,7 +10,9 @@ use crate::bidirectional::Bidirectional;
 use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
+use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats};
+use crate::selection::Selection;
 use crate::stored::Stored;
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -25,12 +27,15 @@ pub struct PrimarySample {
     /// How many independent samples the brightness of the image is estimated from; `None` for a number that
     /// grows with the image ([`usual_candidates`](crate::chains::usual_candidates)).
     pub candidates: Option<usize>,
+    /// Whether direct light and lights that the camera sees are left to path tracing, where there is longer light and
+    /// all techniques are used.
+    pub direct: bool,
 }
 
 impl PrimarySample {
     /// With the usual settings.
     pub fn new(inner: Bidirectional) -> Self {
-        PrimarySample { inner, large_step: 0.3, candidates: None }
+        PrimarySample { inner, large_step: 0.3, candidates: None, direct: true }
     }
 }
 
@@ -174,6 +179,12 @@ impl UniformSource<f32> for Primary {
 impl ChainIntegrator for PrimarySample {
     const STEPS: &'static [&'static str] = &["small", "large"];
 
+    fn direct(&self) -> Option<PathSettings> {
+        let path = &self.inner.path;
+        let all = path.techniques == Selection::ALL;
+        (self.direct && all && path.most_vertices() > DIRECT).then(|| path.direct())
+    }
+
     fn candidates(&self) -> Option<usize> {
         self.candidates
     }
@@ -264,13 +275,15 @@ impl PrimarySample {
         world: &'a World<'a, K>,
     ) -> impl FnMut(&mut Primary, &mut Contributions) + Send + 'a {
         let mut scratch = self.inner.scratch(world);
+        let fewest = if self.direct().is_some() { DIRECT + 1 } else { 2 };
+        let inner = Bidirectional { fewest_vertices: fewest, ..self.inner };
         let size = (world.scene.film.width, world.scene.film.height);
         move |uniforms, found| {
             found.clear();
             let pixel = uniforms.pixel(size);
             let record =
                 |technique, pixel, value, alone| found.push(technique, pixel, value, alone);
-            self.inner.paths(world, &mut scratch, uniforms, pixel, record);
+            inner.paths(world, &mut scratch, uniforms, pixel, record);
         }
     }
 }

@@ -120,6 +120,10 @@ pub(super) struct RenderArguments {
     #[arg(long, value_name = "NAME,..")]
     pub mutations: Option<MutationSet>,
 
+    /// Have the chains of mlt and pssmlt carry direct light too, which is path traced otherwise
+    #[arg(long)]
+    pub chained_direct: bool,
+
     /// How gdpt makes an image of its gradients: l1 (least noise, the default), l2 (unbiased) or none
     #[arg(long, value_name = "NORM")]
     pub reconstruction: Option<Reconstruction>,

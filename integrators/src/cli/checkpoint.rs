@@ -31,7 +31,7 @@ fn settings(
     arguments: &RenderArguments,
 ) -> Result<Vec<(String, String)>, Failure> {
     let Plan { integrator, size, crop, seed, max_depth, rr_depth, kind, .. } = plan;
-    let Plan { techniques, light_paths, clamp, mutations, .. } = plan;
+    let Plan { techniques, light_paths, clamp, mutations, separate_direct, .. } = plan;
     // Windows that are good enough for one target may not be for another.
     let adaptive = arguments.target_error.filter(|_| arguments.adaptive);
     let mut settings = vec![
@@ -48,6 +48,7 @@ fn settings(
         ("light paths", format!("{light_paths:?}")),
         ("clamp", format!("{clamp:?}")),
         ("mutations", format!("{mutations:?}")),
+        ("separate direct light", separate_direct.to_string()),
         ("technique images", format!("{:?}", arguments.technique_images)),
         ("adaptive target error", format!("{adaptive:?}")),
         ("parameters", format!("{:?}", arguments.defines)),

@@ -49,6 +49,8 @@ pub(super) struct Plan {
     pub clamp: Option<f32>,
     /// Which mutations are used, for Metropolis light transport.
     pub mutations: MutationSet,
+    /// Whether Markov chains leave direct light to path tracing.
+    pub separate_direct: bool,
     /// How an image is made of its gradients, for integrators that have them.
     pub reconstruction: Reconstruction,
 }
@@ -72,6 +74,7 @@ impl Plan {
             light_paths: arguments.light_paths,
             clamp: arguments.clamp,
             mutations: arguments.mutations.unwrap_or_default(),
+            separate_direct: !arguments.chained_direct,
             reconstruction: arguments.reconstruction.unwrap_or_default(),
         }
     }
@@ -147,10 +150,13 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
         }
         "vcm" => Algorithm::VertexMerging(VertexMerging::new(path)),
         "mlt" => {
-            let mutations = plan.mutations;
-            Algorithm::Metropolis(Metropolis { mutations, ..Metropolis::new(path) })
+            let (mutations, direct) = (plan.mutations, plan.separate_direct);
+            Algorithm::Metropolis(Metropolis { mutations, direct, ..Metropolis::new(path) })
         }
-        "pssmlt" => Algorithm::PrimarySample(PrimarySample::new(bidirectional)),
+        "pssmlt" => {
+            let direct = plan.separate_direct;
+            Algorithm::PrimarySample(PrimarySample { direct, ..PrimarySample::new(bidirectional) })
+        }
         "gdpt" => Algorithm::GradientDomain(GradientDomain::new(path)),
         "tridir" => {
             let portals = Portals::new(scene).map_err(Failure::new)?;

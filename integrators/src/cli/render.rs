@@ -360,6 +360,7 @@ mod tests {
             light_paths: None,
             clamp: None,
             mutations: Default::default(),
+            separate_direct: true,
             reconstruction: Default::default(),
         };
         let settings = RenderSettings::new(plan.size, Budget::Samples(4));

@@ -239,16 +239,18 @@ impl<'a> Job<'a> {
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
             let begin = pixel.count();
             moved |= begin < target;
-            if let Some(chain) = &mut tile.chain {
-                (begin..target).for_each(|_| chain.step(&mut splats));
-                pixel.count_chained(target.saturating_sub(begin));
-            }
-            // None is left where the chain has taken them.
-            for number in pixel.count()..target {
+            for number in begin..target {
                 let value = worker(position, number, &mut splats);
                 let valid = value.iter().all(|v| v.is_finite());
-                pixel.add(if valid { value } else { [0.0; 3] });
+                let value = if valid { value } else { [0.0; 3] };
                 invalid += u64::from(!valid);
+                match &mut tile.chain {
+                    None => pixel.add(value),
+                    Some(chain) => {
+                        chain.step(&mut splats);
+                        pixel.add_chained(value);
+                    }
+                }
             }
             if splats.len() > COLLECTED {
                 self.hand_over(&mut splats);

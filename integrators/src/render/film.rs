@@ -14,7 +14,7 @@ pub struct PixelEstimate {
     spread: [f64; 3],
     /// What samples of other pixels add to the mean, and to the variance of the mean.
     splats: [[f64; 3]; 2],
-    /// Whether samples depend on each other, so that their spread says little.
+    /// Whether steps of a Markov chain contribute too, which depend on each other.
     chained: bool,
 }
 
@@ -30,9 +30,10 @@ impl PixelEstimate {
         }
     }
 
-    /// Counts steps of a Markov chain, which splats what it contributes: nothing is known of the variance.
-    pub fn count_chained(&mut self, steps: u32) {
-        self.count += steps;
+    /// Adds a sample beside which a Markov chain took a step, which splats what it contributes: nothing is known of
+    /// the variance.
+    pub fn add_chained(&mut self, sample: [f32; 3]) {
+        self.add(sample);
         self.chained = true;
     }
 

@@ -85,7 +85,7 @@ pub trait AnyKernel: Sync {
     fn worker(&self) -> Worker<'_>;
 
     /// The Markov chain with this number, if the image is made of them: one for each tile of the image, which
-    /// takes a step for each sample of each of its pixels.
+    /// takes a step beside each sample of each of its pixels. What they find adds up.
     fn chain(&self, number: usize) -> Option<Chain<'_>> {
         let _ = number;
         None

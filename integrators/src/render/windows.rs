@@ -152,7 +152,7 @@ mod tests {
         // Samples 0.5 and 1.5: the variance of their mean is a quarter.
         approx::assert_relative_eq!(errors[0], (0.25f64 / 1.01).sqrt(), max_relative = 1e-12);
         assert_eq!((errors[1], errors.len()), (0.0, 2));
-        film.pixel_mut(0, 0).count_chained(1);
+        film.pixel_mut(0, 0).add_chained([1.0; 3]);
         assert_eq!(window_errors(&film, |_, pixel| pixel.variance_of_mean()), None);
     }
 

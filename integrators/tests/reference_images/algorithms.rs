@@ -91,7 +91,8 @@ fn samples_may_have_more_light_paths_than_camera_paths() {
     assert_alike(selections.map(|(name, techniques, samples)| {
         let scene = scene(name);
         let path = only(&scene, techniques);
-        let algorithm = Algorithm::Bidirectional(Bidirectional { path, light_paths: 3 });
+        let algorithm =
+            Algorithm::Bidirectional(Bidirectional { light_paths: 3, ..Bidirectional::new(path) });
         let film = rendered(algorithm, &scene, samples, 3);
         (format!("3 light paths, techniques {techniques:?}, {name}"), film, Reference::stored(name))
     }));
@@ -346,11 +347,12 @@ fn chains_of_paths_are_distributed_as_they_should_be() {
 }
 
 #[test]
-fn chains_of_primary_samples_are_distributed_as_they_should_be() {
+fn chains_of_primary_samples_are_distributed_as_they_should_be_with_direct_light() {
     assert_unbiased("cornell-box", 4, |scene| {
         let inner = Bidirectional::new(settings(scene));
         Algorithm::PrimarySample(PrimarySample {
             candidates: Some(20_000),
+            direct: false,
             ..PrimarySample::new(inner)
         })
     });
