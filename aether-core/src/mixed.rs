@@ -24,9 +24,15 @@
 //! # Ok::<(), aether_core::DomainError>(())
 //! ```
 //!
+//! Maps of the space follow as they follow any sampler, by [`Sampler::then`]: see [`Then`].
+//!
 //! The probability is derived: the measure of the uniforms that lead to the atom. Two such random variables that share
 //! atoms are weighted against each other like any others, since what their `pdf` says of a point is either a density of both
 //! or a probability of both.
+
+mod then;
+
+pub use then::{Followed, Then};
 
 use core::fmt;
 use core::marker::PhantomData;

@@ -4,7 +4,8 @@ use core::fmt;
 use core::ops::Deref;
 
 use crate::density::Density;
-use crate::map::{Map, Then};
+use crate::map::Map;
+use crate::mixed::Followed;
 use crate::point::Point;
 use crate::preimages::Preimages;
 use crate::real::Real;
@@ -169,10 +170,17 @@ pub trait Sampler<R: Real>: Copy {
         found
     }
 
-    /// The random variable `map(self)`.
+    /// The random variable `map(self)`: a [`Then`](crate::Then). The map takes the points of this sampler, or, if this one
+    /// has atoms, points of the space in which they lie: a [`mixed::Then`](crate::mixed::Then).
     #[inline(always)]
-    fn then<M: Map<R, Source = Self::Point>>(self, map: M) -> Then<Self, M> {
-        Then::new(self, map)
+    fn then<M: Map<R>>(
+        self,
+        map: M,
+    ) -> <Self as Followed<R, <Self as Sampler<R>>::Point, M::Source>>::Then<M>
+    where
+        Self: Followed<R, <Self as Sampler<R>>::Point, M::Source>,
+    {
+        self.followed_by(map)
     }
 }
 
