@@ -24,17 +24,19 @@ const COARSE: f64 = 1.5e-3;
 pub(super) struct Draws {
     points: Vec<Vec<f64>>,
     missing: usize,
+    /// The share of uniforms that give a sample, if it is known.
+    share: Option<f64>,
 }
 
 impl Draws {
-    /// Draws `count` times.
-    pub(super) fn new(probe: &Probe, seed: u64, count: usize) -> Self {
+    /// Draws `count` times from a sampler of which this share of the uniforms gives a sample, if that is known.
+    pub(super) fn new(probe: &Probe, seed: u64, count: usize, share: Option<f64>) -> Self {
         let mut source = Pcg32::new(seed, 3, 0);
         let points: Vec<_> = (0..count)
             .filter_map(|_| probe.forward(&probe.sampler.draw(&mut source)))
             .map(|(_, x)| x)
             .collect();
-        Draws { missing: count - points.len(), points }
+        Draws { missing: count - points.len(), points, share }
     }
 
     fn count(&self) -> f64 {
@@ -43,6 +45,9 @@ impl Draws {
 
     /// The share of uniforms that give a sample, and five standard errors of it.
     fn mass(&self) -> (f64, f64) {
+        if let Some(mass) = self.share {
+            return (mass, 0.0);
+        }
         let mass = self.points.len() as f64 / self.count();
         (mass, 5.0 * (mass * (1.0 - mass) / self.count()).sqrt())
     }

@@ -24,11 +24,21 @@
 //! - *chi-square*: samples follow the density, whose mass in each bin comes from that cubature;
 //! - *outside*: a point that has a density has a preimage that maps forward to it.
 //!
+//! A sampler with atoms ([`Mixed`](crate::Mixed)) has its continuous part checked so, and its atoms by three more:
+//!
+//! - *atoms*: a sample on an atom has the probability that `pdf` tells of it, wherever its place is said to be, and no
+//!   preimages; an atom that is none has probability zero;
+//! - *atom shares*: as many samples are on each atom as it is probable, by a chi-square test;
+//! - *atom mass*: the probability of each is the measure of the uniforms that lead there, to nine digits, where those are
+//!   boxes (each border belongs to one uniform). The continuous part then has to have the mass that atoms and uniforms
+//!   without a sample leave of one.
+//!
 //! On a manifold that only the sampler knows ([`Embedded`](crate::Embedded) points and
 //! [`SurfacePoint`](crate::SurfacePoint)s), and for several points at once, there is nothing to integrate over: *mass* needs
 //! [`Battery::parametrised`] there, and *chi-square* [`Battery::located`] too; without them *jacobian* vouches for the
 //! density on the manifold.
 
+mod atoms;
 mod cubature;
 mod derivative;
 mod gamma;
@@ -37,6 +47,7 @@ mod outside;
 mod partition;
 mod pointwise;
 mod probe;
+mod regions;
 mod report;
 mod space;
 mod subject;
@@ -103,7 +114,7 @@ struct Settings {
     samples: usize,
     /// How often the cubature may evaluate the density.
     evaluations: usize,
-    /// Of the chi-square test.
+    /// Of each chi-square test.
     false_alarm_rate: f64,
     /// The smallest uniform that is tried, besides zero.
     least: f64,
@@ -135,7 +146,7 @@ where
         self
     }
 
-    /// How many samples the chi-square test draws (at least 1000).
+    /// How many samples each chi-square test draws (at least 1000).
     pub fn samples(mut self, samples: usize) -> Self {
         self.settings.samples = samples.max(1000);
         self
@@ -156,7 +167,8 @@ where
         self
     }
 
-    /// Probability that the chi-square test of a right sampler fails, over the choice of seed.
+    /// Probability that a chi-square test of a right sampler fails, over the choice of seed: there is one, and another one
+    /// of atoms.
     pub fn false_alarm_rate(mut self, rate: f64) -> Self {
         self.settings.false_alarm_rate = rate;
         self
@@ -206,12 +218,17 @@ fn run(
     manifold: Option<&Manifold<'_, '_>>,
     report: &mut Report,
 ) {
+    let continuous = atoms::check(sampler, settings, report);
     let Some(probe) = Probe::new(sampler, settings.seed) else {
+        if continuous == Some(0.0) {
+            let detail = "all samples are on atoms".to_owned();
+            return report.add("density", Verdict::NotApplicable, detail);
+        }
         let detail = "no uniforms of 16384 give a finite sample".to_owned();
         return report.add("samples", Verdict::Failed, detail);
     };
     pointwise::check(&probe, settings.seed, settings.least, report);
-    let draws = mass::Draws::new(&probe, settings.seed, settings.samples);
+    let draws = mass::Draws::new(&probe, settings.seed, settings.samples, continuous);
     match manifold {
         None => mass::check(&probe, &draws, settings, report),
         Some(manifold) => mass::check_over(&probe, &draws, settings, manifold, report),

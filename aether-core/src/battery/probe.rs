@@ -4,7 +4,8 @@ use super::derivative::{Derivative, distance, norm};
 use super::subject::{AnySpot, Subject};
 use crate::uniform::Pcg32;
 
-/// A sampler with what the checks need to know about it.
+/// A sampler with what the checks need to know about it. Of one with atoms, the continuous part: to the checks, the uniforms
+/// that lead to an atom have no sample.
 pub(super) struct Probe<'a> {
     pub(super) sampler: &'a dyn Subject,
     /// Rounding unit of the sampler's numbers.
@@ -106,9 +107,9 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// The sample and its coordinates, if there is one and it is finite.
+/// The sample and its coordinates, if there is one and it is finite and on no atom.
 fn finite<'a>(sampler: &'a dyn Subject, u: &[f64]) -> Option<(AnySpot<'a>, Vec<f64>)> {
-    let x = sampler.forward(u)?;
+    let x = sampler.forward(u).filter(|x| x.atom().is_none())?;
     let at = x.coordinates();
     at.iter().all(|c| c.is_finite()).then_some((x, at))
 }

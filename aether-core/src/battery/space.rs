@@ -1,6 +1,7 @@
 //! What the battery knows about a space: how to make points of it, and how to cover it.
 
 use super::cubature::{MOST, Place};
+use crate::mixed::Mixed;
 use crate::point::{
     Direction, Embedded, EmbeddedMeasure, MeasureTable, Point, SurfaceId, SurfacePoint,
 };
@@ -33,6 +34,20 @@ pub trait Space<R: Scalar>: Point<R> {
 
     /// A point at the same place that belongs to another manifold, if points have an identity.
     fn elsewhere(&self) -> Option<Self> {
+        None
+    }
+
+    /// Whether points may be on atoms, as those of [`Mixed`] are.
+    const ATOMS: bool = false;
+
+    /// The number of the atom that the point is on.
+    fn atom(&self) -> Option<usize> {
+        None
+    }
+
+    /// The atom with this number, at the place of this point; `None` in a space without atoms.
+    fn on_atom(&self, number: usize) -> Option<Self> {
+        let _ = number;
         None
     }
 }
@@ -88,6 +103,24 @@ impl<R: Scalar> Space<R> for SurfacePoint<R> {
     fn elsewhere(&self) -> Option<Self> {
         let other = SurfaceId(self.surface.0.wrapping_add(1));
         Some(SurfacePoint::new(self.position, other))
+    }
+}
+
+/// What is no atom is a point of the continuous part.
+impl<R: Scalar, P: Space<R>> Space<R> for Mixed<P> {
+    const KIND: Kind = P::KIND;
+    fn moved_to(&self, c: &[f64]) -> Self {
+        Mixed::Continuous(self.point().moved_to(c))
+    }
+    fn elsewhere(&self) -> Option<Self> {
+        self.point().elsewhere().map(Mixed::Continuous)
+    }
+    const ATOMS: bool = true;
+    fn atom(&self) -> Option<usize> {
+        Mixed::atom(self)
+    }
+    fn on_atom(&self, number: usize) -> Option<Self> {
+        Some(Mixed::Atom(number, self.point()))
     }
 }
 

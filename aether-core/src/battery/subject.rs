@@ -17,6 +17,8 @@ pub(super) trait Subject {
     fn dimension(&self) -> usize;
     /// How that space lies in its coordinates.
     fn kind(&self) -> Kind;
+    /// Whether samples may be on atoms.
+    fn has_atoms(&self) -> bool;
     /// Rounding unit of the sampler's numbers.
     fn epsilon(&self) -> f64;
     /// Uniforms rounded to the sampler's numbers and kept below one.
@@ -39,6 +41,10 @@ pub(super) trait Spot<'a>: fmt::Debug {
     fn moved_to(&self, coordinates: &[f64]) -> AnySpot<'a>;
     /// A point at the same place of another manifold, if points have an identity.
     fn elsewhere(&self) -> Option<AnySpot<'a>>;
+    /// The number of the atom that it is on.
+    fn atom(&self) -> Option<usize>;
+    /// The atom with this number at the same place, if points may be on atoms.
+    fn on_atom(&self, number: usize) -> Option<AnySpot<'a>>;
     /// The sampler's density there.
     fn pdf(&self) -> f64;
     /// All its preimages.
@@ -90,6 +96,9 @@ where
     fn kind(&self) -> Kind {
         <S::Point as Space<R>>::KIND
     }
+    fn has_atoms(&self) -> bool {
+        <S::Point as Space<R>>::ATOMS
+    }
     fn epsilon(&self) -> f64 {
         R::EPSILON.to_f64()
     }
@@ -129,6 +138,13 @@ where
     }
     fn elsewhere(&self) -> Option<AnySpot<'a>> {
         let point = self.1.elsewhere()?;
+        Some(Box::new(At::<S, R>(self.0, point)))
+    }
+    fn atom(&self) -> Option<usize> {
+        Space::atom(&self.1)
+    }
+    fn on_atom(&self, number: usize) -> Option<AnySpot<'a>> {
+        let point = self.1.on_atom(number)?;
         Some(Box::new(At::<S, R>(self.0, point)))
     }
     fn pdf(&self) -> f64 {

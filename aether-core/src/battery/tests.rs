@@ -1,5 +1,6 @@
 //! The battery passes samplers written right by hand, and fails the same with one mistake in each.
 
+mod atoms;
 mod hand;
 
 use core::f64::consts::{PI, TAU};
