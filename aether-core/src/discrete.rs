@@ -8,11 +8,13 @@
 //! | [`Tree`], weights that depend on a query | O(log N) | O(log N) |
 //! | [`shares`] of a few weights, no table, `Copy` | O(N) | O(1) |
 //!
-//! [`ProbabilityOf`] finds a probability by the item in place of the index.
+//! [`ProbabilityOf`] finds a probability by the item in place of the index. Which uniforms choose an index tell
+//! [`Inversion`], where that is one interval, and [`Inverse`] of an alias table, where there are several.
 
 mod alias;
 mod cdf;
 mod few;
+mod inverse;
 mod lookup;
 #[cfg(test)]
 mod tests;
@@ -21,6 +23,7 @@ pub(crate) mod weights;
 
 pub use cdf::Cdf;
 pub use few::{Shares, shares};
+pub use inverse::Inverse;
 pub use lookup::ProbabilityOf;
 pub use tree::{ByWeight, Importance, NodeId, Tree, TreeBuilder, TreeError, TreeView};
 

@@ -72,6 +72,11 @@ impl<R: Scalar> AliasTable<R> {
         self.slots[index].probability
     }
 
+    /// Up to where in a cell its own outcome is selected, and which one from there.
+    pub(super) fn cell(&self, index: usize) -> (f64, usize) {
+        (self.slots[index].threshold, self.slots[index].alias)
+    }
+
     /// The outcome that `u` selects, and what is left of `u`.
     #[inline]
     pub(super) fn sample(&self, u: R) -> (usize, f64) {

@@ -104,3 +104,90 @@ fn a_coin_clamps_its_probability() {
     });
     assert_eq!(outcomes, 1);
 }
+
+/// The intervals of all indices in ascending order, each with its index.
+fn intervals<C: AsRef<[T]>, T, R: Scalar>(choices: &Choices<C, T, R>) -> Vec<(R, R, usize)> {
+    let inverse = choices.inverse();
+    let of = |index: usize| inverse.intervals(index).map(move |(low, high)| (low, high, index));
+    let mut all: Vec<_> = (0..choices.len() + 2).flat_map(of).collect();
+    all.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap());
+    all
+}
+
+/// Weights of all sizes, with zeros and equal ones among them.
+fn many_weights(count: usize) -> Vec<f64> {
+    let weight = |k: usize| match k % 5 {
+        0 => 0.0,
+        1 => 1.0,
+        2 => 1e-9 * k as f64,
+        3 => (k as f64).sqrt(),
+        _ => 40.0 / (1.0 + k as f64),
+    };
+    (0..count).map(weight).collect()
+}
+
+/// That intervals tile [0, 1), choose their index up to the last number, and have the length of its probability.
+fn tiles<C: AsRef<[T]>, T, R: Scalar>(choices: &Choices<C, T, R>) {
+    let all = intervals(choices);
+    let mut end = R::ZERO;
+    let mut lengths = vec![weights::Sum::default(); choices.len()];
+    for (low, high, index) in &all {
+        assert!(*low == end && low < high, "{low:?}..{high:?} after {end:?}");
+        let middle = R::of(0.5) * (*low + *high);
+        for u in [*low, middle.min(high.next_below()), high.next_below()] {
+            assert_eq!(choices.sample(u).index, *index, "{u:?} in {low:?}..{high:?}");
+        }
+        end = *high;
+        lengths[*index] += (*high - *low).to_f64();
+    }
+    assert!(end == R::ONE, "{end:?}");
+    for (index, length) in lengths.iter().enumerate() {
+        let p = choices.probability(index).to_f64();
+        let parts = all.iter().filter(|part| part.2 == index).count();
+        let bound = R::EPSILON.to_f64() * (1.0 + parts as f64);
+        assert!((length.value() - p).abs() <= bound, "{index}: {} of {p}", length.value());
+        assert!(p > 0.0 || parts == 0, "{index} has no probability");
+    }
+}
+
+#[test]
+fn the_intervals_of_an_alias_table_tile_the_uniforms() {
+    for count in [1, 2, 3, 7, 64, 1000] {
+        let mut weights = many_weights(count);
+        weights[count - 1] += 3.0;
+        let single: Vec<f32> = weights.iter().map(|w| *w as f32).collect();
+        let items: Vec<usize> = (0..count).collect();
+        tiles(&discrete_weighted(&items, &weights).unwrap());
+        tiles(&discrete_weighted(&items, &single).unwrap());
+        tiles::<_, _, f64>(&discrete(&items).unwrap());
+        tiles::<_, _, f32>(&discrete(&items).unwrap());
+    }
+    // One part of an index in its own cell, and others in those of less likely ones.
+    let choices = discrete_weighted([0, 1, 2], [0.5, 0.25, 2.25]).unwrap();
+    assert_eq!(choices.inverse().intervals(2).len(), 3);
+    assert_eq!(choices.inverse().intervals(3).len(), 0);
+}
+
+#[test]
+fn what_is_left_of_a_uniform_leads_back_to_it() {
+    let weights = many_weights(50);
+    let choices = discrete_weighted((0..50).collect::<Vec<usize>>(), &weights).unwrap();
+    let inverse = choices.inverse();
+    for k in 0..10_000 {
+        let u = (f64::from(k) + 0.5) / 1e4;
+        let (choice, rest) = choices.sample_reuse(u);
+        let candidates = inverse.uniforms(choice.index, rest);
+        assert_eq!(candidates.clone().filter(|v| (u - v).abs() < 1e-14).count(), 1, "{u}");
+        assert!(candidates.clone().all(|v| choices.sample(v).index == choice.index));
+    }
+}
+
+#[test]
+fn equal_items_have_intervals_of_their_own() {
+    let choices = discrete_weighted(vec!['x', 'y', 'x', 'z'], [0.125, 0.5, 0.375, 0.0]).unwrap();
+    let inverse = choices.inverse();
+    let length = |index| inverse.intervals(index).map(|(low, high)| high - low).sum::<f64>();
+    assert_eq!((length(0), length(2), length(3)), (0.125, 0.375, 0.0));
+    assert_eq!(length(0) + length(2), choices.pdf(&'x').value());
+    tiles(&choices);
+}
