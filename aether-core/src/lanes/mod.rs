@@ -33,6 +33,7 @@
 //! of the exact value for every argument, `powf` and `atan2` included. (The arguments of sines are
 //! reduced exactly, however large.) `f32` has the functions of the host, so results may differ by their
 //! errors; with the feature `portable`, `f32` has these kernels too, and all results have the same bits.
+//! [`Portable`] is one number that has them without the feature.
 //! The functions of [`special`](crate::special) and numerical roots are one algorithm over any number.
 //!
 //! What happens rarely (a point that only
@@ -61,8 +62,11 @@
 //! ```
 
 mod double;
+mod portable;
 #[cfg(test)]
 mod tests;
+
+pub use portable::Portable;
 
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};

@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use aether_core::lanes::Portable;
 use aether_core::{
     Direction, Embedded, Lanes, Map, Mask, Point, Real, Sampler, SurfaceId, SurfacePoint, Vec2,
     Vec3,
@@ -116,10 +117,12 @@ fn uniforms<const N: usize>() -> Vec<[f32; N]> {
 }
 
 /// The samples, points a few roundings away, and points that are no sample: outside, infinite, NaN.
-fn points<const N: usize, S: Sampler<f32, Uniforms = [f32; N]>>(sampler: &S) -> Vec<Vec<f32>> {
+fn points<const N: usize, R: Real, S: Sampler<R, Uniforms = [R; N]>>(sampler: &S) -> Vec<Vec<f32>> {
+    let number = |x: &R| x.to_f64() as f32;
     let mut all = Vec::new();
     for (k, u) in uniforms::<N>().into_iter().enumerate() {
-        let x = sampler.sample(u).value().coordinates().as_ref().to_vec();
+        let x = sampler.sample(u.map(|u| R::of(u.into()))).value().coordinates();
+        let x: Vec<f32> = x.as_ref().iter().map(number).collect();
         let i = k % x.len();
         let mut y = x.clone();
         y[i] = match k / x.len() % 11 {
@@ -202,6 +205,52 @@ pub fn compare<const N: usize, S, W, D>(
     }
     assert!(counts[1] > 100, "{name}: only {counts:?} groups of lanes are mixed");
     println!("{name}: {:.2} of {UNITS} units times the condition number", checker.worst);
+}
+
+/// Samples, densities and preimages on lanes, each lane against one number with the functions of lanes, to the bit.
+pub fn compare_bits<const N: usize, S, W>(name: &'static str, (single, wide): (&S, &W))
+where
+    S: Sampler<Portable, Uniforms = [Portable; N], Point: Raw<Portable>>,
+    W: Sampler<Lanes, Uniforms = [Lanes; N], Point: Raw<Lanes>>,
+{
+    let same = |what: &str, at: &dyn Debug, lane: f32, alone: Portable| {
+        let same = lane.to_bits() == alone.0.to_bits()
+            || lane == alone.0
+            || lane.is_nan() && alone.0.is_nan();
+        assert!(same, "{name}: {what} at {at:?} is {lane:e} in a lane, {:e} alone", alone.0);
+    };
+    for u in uniforms::<N>().as_chunks::<8>().0 {
+        let sample = wide.sample(lanes(u));
+        let (x, own) = (sample.value().coordinates(), sample.pdf().value());
+        for (i, u) in u.iter().enumerate() {
+            let alone = single.sample(u.map(Portable));
+            assert_eq!(sample.is_valid().lane(i), alone.is_valid(), "{name}: {u:?}");
+            same("sample.pdf()", u, own.lane(i), alone.pdf().value());
+            if alone.is_valid() {
+                let c = alone.value().coordinates();
+                let both = x.as_ref().iter().zip(c.as_ref());
+                both.for_each(|(lane, alone)| same("the sample", u, lane.lane(i), *alone));
+            }
+        }
+    }
+    for x in points(single).as_chunks::<8>().0 {
+        let p = wide.pdf(&point(x)).value();
+        let mut found: [Vec<[f32; N]>; 8] = Default::default();
+        wide.preimages(&point(x), |u, mask| {
+            for i in (0..8).filter(|i| mask.lane(*i)) {
+                found[i].push(u.map(|u| u.lane(i)));
+            }
+        });
+        for (i, x) in x.iter().enumerate() {
+            let at: Vec<Portable> = x.iter().map(|x| Portable(*x)).collect();
+            same("pdf(x)", x, p.lane(i), single.pdf(&Raw::raw(&at)).value());
+            let alone = single.invert(&Raw::raw(&at));
+            assert_eq!(found[i].len(), alone.iter().count(), "{name}: preimages of {x:?}");
+            for (found, alone) in found[i].iter().zip(alone.iter()) {
+                found.iter().zip(alone).for_each(|(f, a)| same("a preimage", x, *f, a));
+            }
+        }
+    }
 }
 
 fn samples<const N: usize, S, W, D>(

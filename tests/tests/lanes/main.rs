@@ -6,13 +6,16 @@
 //! number, which is what one unit in the last place of each input changes, in units of the output, found
 //! in double precision (for a composition, the sum over its stages). With the feature `portable`, both
 //! have the same functions, and bits are compared everywhere.
+//!
+//! Without that feature, bits are compared with `Portable`, one number with the functions of lanes.
 
 mod compare;
 mod samplers;
 
+use aether_core::lanes::Portable;
 use aether_core::prelude::*;
 use aether_core::{LaneMask, Lanes, Mask};
-use compare::{Exact, compare, condition_after};
+use compare::{Exact, compare, compare_bits, condition_after};
 use samplers::*;
 use tests::catalogue::easy::*;
 use tests::catalogue::{hyperexponential, kepler, normal, smoothstep, upper_normal};
@@ -31,6 +34,7 @@ macro_rules! samplers {
             }
             let (single, wide, fine) = (make::<f32>(), make::<Lanes>(), make::<f64>());
             compare(stringify!($name), Exact::$exact, (&single, &wide, &fine), |_, _| 0.0);
+            compare_bits(stringify!($name), (&make::<Portable>(), &wide));
         })*
     };
 }
@@ -99,6 +103,7 @@ fn rotated_lobes() {
     }
     let later = |u: &[f32; 2], k| condition_after(&power_cosine(7.0), &rotate(tilted()), u, k);
     compare("rotated_lobes", Exact::No, (&make(), &make(), &make()), later);
+    compare_bits("rotated_lobes", (&make::<Portable>(), &make()));
 }
 
 #[test]
@@ -109,6 +114,7 @@ fn spots() {
     let map = Map::then(rotate(tilted()), to_floor(v(1.0, 2.0, 3.0)));
     let later = |u: &[f32; 2], k| condition_after(&power_cosine(4.0), &map, u, k);
     compare("spots", Exact::No, (&make(), &make(), &make()), later);
+    compare_bits("spots", (&make::<Portable>(), &make()));
 }
 
 #[test]
