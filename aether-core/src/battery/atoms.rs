@@ -96,8 +96,8 @@ impl Atoms<'_> {
     /// What is wrong with a sample that is on an atom, if anything.
     fn at_samples(&self) -> Option<String> {
         let elsewhere = self.led.iter().find_map(|(u, _)| self.sampler.forward(u))?.coordinates();
-        let samples = self.met.iter().flat_map(|(n, samples)| samples.iter().map(move |s| (n, s)));
-        samples.into_iter().find_map(|(number, (u, x))| {
+        let mut samples = self.met.iter().flat_map(|(n, all)| all.iter().map(move |s| (n, s)));
+        samples.find_map(|(number, (u, x))| {
             let (own, p) = (self.sampler.own_density(u), x.pdf());
             if !(p > 0.0 && (own - p).abs() <= tolerance(self.sampler.epsilon()) * p) {
                 let detail = format!("sample.pdf() is {own:e}, sampler.pdf {p:e}");
@@ -188,6 +188,8 @@ impl Atoms<'_> {
         all.map(continuous)
     }
 
+    /// Reports how the probabilities differ from what was measured: with uniforms that lead nowhere apart (`all`), or together
+    /// with the continuous part.
     fn compare_masses(&self, measured: &BTreeMap<End, f64>, all: bool, report: &mut Report) {
         let bound = tolerance(self.sampler.epsilon());
         let of = |end| measured.get(&end).copied().unwrap_or(0.0);
