@@ -1,5 +1,9 @@
 //! Mixtures of samplers: one-sample multiple importance sampling.
 
+mod atoms;
+
+pub use atoms::{ComponentsWithAtoms, Continuous};
+
 use crate::density::Density;
 use crate::discrete::{Inversion, WeightError};
 use crate::point::Point;

@@ -1,6 +1,7 @@
 //! Maps that follow samplers with atoms. Expected values are closed forms written by hand, as in the main file.
 
 use aether_core::battery::{self, Battery};
+use aether_core::mixture::ComponentsWithAtoms;
 
 use super::*;
 
@@ -203,6 +204,28 @@ fn mapped_techniques_combine_and_mix_without_bias() {
         value(&x) / x.pdf().value()
     });
 }
+
+#[test]
+fn a_map_follows_a_mixture_of_samplers_with_atoms() {
+    let walls = (two_walls(-1.0, 0.5).expect("legal"), ends());
+    let both =
+        mixture(walls, shares([0.25, 0.75])).expect("two of both").then(stretch_of(4.0, 1.0));
+    // The left wall is one of both; 7 is a place of the second alone, 1 of the first.
+    assert_eq!(ATOMS_OF_BOTH, [0, 1, 7]);
+    assert_eq!([0, 1, 7, 2].map(|k| both.place(k)), [Some(-3.0), Some(3.0), Some(9.0), None]);
+    close(both.probability(0), 0.25 * normal_cdf(-1.0f64) + 0.75 * 0.25, 8.0);
+    close(both.probability(1), 0.25 * normal_cdf(-0.5f64), 8.0);
+    close(both.probability(7), 0.75 * 0.125, 8.0);
+    close(both.log_probability(7), (0.75f64 * 0.125).ln(), 8.0);
+    assert_eq!((both.probability(2), both.log_probability(2)), (0.0, f64::NEG_INFINITY));
+    // 1 + 4 x = 2.2: x = 0.3, in the reach of both.
+    let normal = (-0.045f64).exp() / TAU.sqrt();
+    close(both.pdf(&Mixed::Continuous(2.2)).value(), (0.25 * normal + 0.75) / 4.0, 64.0);
+    drawn(both);
+    battery::Battery::<_, f64>::new(&both).jumps(0, [2.0, 4.5]).run().assert_ok();
+}
+
+const ATOMS_OF_BOTH: &[usize] = <(TwoWalls<f64>, Ends) as ComponentsWithAtoms<f64>>::ATOMS;
 
 /// Draws a vertex where a mapped flight ends.
 #[strategy]
