@@ -202,8 +202,9 @@ impl Atoms<'_> {
         let failure = met.chain(unmet).filter(|(n, p)| !missed(n, *p)).find_map(|(number, p)| {
             let measure = of(End::Atom(*number));
             worst = worst.max((p - measure).abs());
-            let wrong = !((p - measure).abs() <= bound);
-            wrong.then(|| {
+            // A NaN is not right.
+            let right = (p - measure).abs() <= bound;
+            (!right).then(|| {
                 format!("atom {number} has probability {p}, the uniforms that lead there {measure}")
             })
         });
