@@ -222,7 +222,24 @@ fn a_map_follows_a_mixture_of_samplers_with_atoms() {
     let normal = (-0.045f64).exp() / TAU.sqrt();
     close(both.pdf(&Mixed::Continuous(2.2)).value(), (0.25 * normal + 0.75) / 4.0, 64.0);
     drawn(both);
-    battery::Battery::<_, f64>::new(&both).jumps(0, [2.0, 4.5]).run().assert_ok();
+    // Of the continuous part alone, the uniforms of atoms have no sample.
+    for k in 0..1000 {
+        let u = uniforms::<Ends>(8, k);
+        let (x, part) = (both.sample(u), both.continuous().sample(u));
+        assert_eq!(part.is_valid(), x.atom().is_none());
+        let density = if part.is_valid() { x.pdf().value() } else { 0.0 };
+        assert_eq!(both.continuous().pdf_of_uniforms(u).value(), density);
+    }
+    Battery::<_, f64>::new(&both).jumps(0, [2.0, 4.5]).run().assert_ok();
+}
+
+#[test]
+fn an_atom_of_a_mixture_without_an_image_is_gone() {
+    let walls = (two_walls(-1.0, 0.5).expect("legal"), ends());
+    let both = mixture(walls, shares([0.25, 0.75])).expect("two of both").then(below(0.5));
+    assert_eq!([0, 1, 7].map(|k| both.place(k)), [Some(-1.0), None, None]);
+    drawn(both);
+    Battery::<_, f64>::new(&both).jumps(0, [0.25]).run().assert_ok();
 }
 
 const ATOMS_OF_BOTH: &[usize] = <(TwoWalls<f64>, Ends) as ComponentsWithAtoms<f64>>::ATOMS;
