@@ -1,7 +1,11 @@
 //! Numerical evaluation of expressions at any precision.
 
-use crate::expr::{Fun, Graph, Id, Leaf, Node, Together, power_below};
-use crate::hash::Map;
+mod column;
+mod memo;
+
+use self::column::{Column, Quotient};
+use self::memo::Memo;
+use crate::expr::{Fun, Graph, Id, Leaf, Node, power_below};
 use crate::number::Number;
 use crate::rational::Q;
 
@@ -9,171 +13,149 @@ use crate::rational::Q;
 pub struct Evaluator<'a, T> {
     graph: &'a Graph,
     inputs: &'a dyn Fn(Leaf) -> T,
-    memo: Map<Id, T>,
+    memo: Memo<T>,
 }
 
 impl<'a, T: Number> Evaluator<'a, T> {
     /// An evaluator at the point given by `inputs`.
     pub fn new(graph: &'a Graph, inputs: &'a dyn Fn(Leaf) -> T) -> Self {
-        Evaluator { graph, inputs, memo: Map::default() }
+        Evaluator { graph, inputs, memo: Memo::new() }
     }
 
     /// The value of an expression.
     pub fn value(&mut self, id: Id) -> T {
-        if let Some(&v) = self.memo.get(&id) {
+        if let Some(v) = self.memo.get(id) {
             return v;
         }
-        let (graph, inputs) = (self.graph, self.inputs);
-        let v = Prepared::new(graph, id).value(inputs, &mut |part| self.value(part));
+        let inputs = self.inputs;
+        let node =
+            Evaluated { graph: self.graph, inputs: &|l, _| inputs(l), like: &[T::from_f64(0.0)] };
+        let [v] = node.values(id, &mut |part| [self.value(part)]);
         self.memo.insert(id, v);
         v
     }
 }
 
-/// A node, and what is found out once for all points at which it is evaluated.
-pub struct Prepared<'g> {
-    graph: &'g Graph,
-    node: &'g Node,
-    /// Of a sum, the coordinates whose difference is taken first.
-    anchored: Option<(usize, usize)>,
-    /// Of a product, the powers that are taken together, and whether a factor is among them.
-    together: Option<(Together, Vec<bool>)>,
-    /// Of a product, powers that occur above and below the line.
-    shared: Vec<Q>,
+/// Points at which nodes are evaluated.
+pub struct Evaluated<'a, T, C> {
+    /// Where the nodes are.
+    pub graph: &'a Graph,
+    /// The inputs of a point, by its number.
+    pub inputs: &'a dyn Fn(Leaf, usize) -> T,
+    /// A column that is as long as there are points.
+    pub like: &'a C,
 }
 
-impl<'g> Prepared<'g> {
-    /// A node that is to be evaluated.
-    pub fn new(graph: &'g Graph, id: Id) -> Self {
-        let node = graph.node(id);
-        let (mut anchored, mut together, mut shared) = (None, None, vec![]);
-        match node {
-            Node::Sum(c, terms) => anchored = graph.anchored(*c, terms),
-            Node::Product(factors) => {
-                together = graph.powers_together(factors).map(|t| {
-                    let among = factors.iter().map(|f| t.contains(f)).collect();
-                    (t, among)
-                });
-                shared = graph.shared_powers(factors);
-            }
-            _ => {}
-        }
-        Prepared { graph, node, anchored, together, shared }
-    }
-
-    /// The value at a point, from those of the node's parts.
-    pub fn value<T: Number>(&self, inputs: &dyn Fn(Leaf) -> T, part: &mut dyn FnMut(Id) -> T) -> T {
-        match self.node {
-            Node::Number(q) => T::from_ratio(q.num(), q.den()),
-            Node::Float(bits) => T::from_f64(f64::from_bits(*bits)),
-            Node::Pi => T::pi(),
-            Node::Leaf(l) => inputs(*l),
-            Node::Sum(c, terms) => self.sum(*c, terms, part),
-            Node::Product(factors) => self.product(factors, part),
+impl<T: Number, C: Column<T>> Evaluated<'_, T, C> {
+    /// The values of a node from those of its parts. What is to be found out about the node is found out once for all
+    /// points. Parts that are not needed are not asked for.
+    pub fn values<P: AsRef<[T]>>(&self, id: Id, part: &mut dyn FnMut(Id) -> P) -> C {
+        let Evaluated { graph, inputs, like } = *self;
+        let mut values = like.clone();
+        let out = values.as_mut();
+        match graph.node(id) {
+            Node::Number(q) => out.fill(T::from_ratio(q.num(), q.den())),
+            Node::Float(bits) => out.fill(T::from_f64(f64::from_bits(*bits))),
+            Node::Pi => out.fill(T::pi()),
+            Node::Leaf(l) => column::set(out, |k| inputs(*l, k)),
+            Node::Sum(c, terms) => self.sum(*c, terms, out, part),
+            Node::Product(factors) => return self.product(factors, part),
             Node::Call(f, args) => {
-                let a = part(args[0]);
-                let mut other = |i: usize| args.get(i).map_or(a, |b| part(*b));
-                let others = [1, 2, 3].map(&mut other);
-                call(*f, a, others)
+                let columns: Vec<P> = args.iter().map(|a| part(*a)).collect();
+                let arguments = |i: usize| columns.get(i).unwrap_or(&columns[0]).as_ref();
+                let [a, b, c, d] = [0, 1, 2, 3].map(arguments);
+                column::set(out, |k| call(*f, a[k], [b[k], c[k], d[k]]));
             }
             Node::If(test, yes, no) => {
-                let positive = part(*test).to_f64() > 0.0;
-                part(if positive { *yes } else { *no })
+                let test = part(*test);
+                let test: Vec<bool> = test.as_ref().iter().map(|t| t.to_f64() > 0.0).collect();
+                for (branch, side) in [(*yes, true), (*no, false)] {
+                    if test.contains(&side) {
+                        let (branch, before) = (part(branch), values.clone());
+                        let (branch, before) = (branch.as_ref(), before.as_ref());
+                        let chosen = |k: usize| if test[k] == side { branch[k] } else { before[k] };
+                        column::set(values.as_mut(), chosen);
+                    }
+                }
             }
-            Node::Root(r) => crate::root::root_value(self.graph, r, inputs, part),
+            Node::Root(r) => {
+                let parts = [r.target, r.lo, r.hi].map(|id| (id, part(id)));
+                column::set(out, |k| {
+                    let found = |id: Id| parts.iter().find(|p| p.0 == id);
+                    let mut part =
+                        |id| found(id).map_or(T::from_f64(f64::NAN), |p| p.1.as_ref()[k]);
+                    crate::root::root_value(graph, r, &|l| inputs(l, k), &mut part)
+                });
+            }
         }
+        values
     }
 
-    // In both, loops by index: this is where most of the compiler's time goes, and it runs unoptimised.
-    #[allow(clippy::needless_range_loop)]
-    fn sum<T: Number>(&self, c: Q, terms: &[(Q, Id)], part: &mut dyn FnMut(Id) -> T) -> T {
-        let mut term = |(q, t): (Q, Id)| {
-            let v = part(t);
-            if q.num() == 1 && q.den() == 1 { v } else { T::from_ratio(q.num(), q.den()) * v }
-        };
-        let mut sum = T::from_ratio(c.num(), c.den());
-        // As in emitted code.
-        let (first, second) = self.anchored.unwrap_or((usize::MAX, usize::MAX));
-        if self.anchored.is_some() {
-            sum = term(terms[first]) + term(terms[second]) + sum;
+    fn sum<P: AsRef<[T]>>(
+        &self,
+        c: Q,
+        terms: &[(Q, Id)],
+        out: &mut [T],
+        part: &mut dyn FnMut(Id) -> P,
+    ) {
+        let constant = T::from_ratio(c.num(), c.den());
+        // As in emitted code, the difference of two coordinates is taken first.
+        let anchored = self.graph.anchored(c, terms);
+        let (first, second) = anchored.unwrap_or((usize::MAX, usize::MAX));
+        if anchored.is_some() {
+            let [(p, a), (q, b)] = [terms[first], terms[second]];
+            let (a, b) = (part(a), part(b));
+            let (a, b) = (a.as_ref(), b.as_ref());
+            let [p, q] = [p, q].map(|q| (q != Q::ONE).then(|| T::from_ratio(q.num(), q.den())));
+            let times = |factor: Option<T>, v: T| factor.map_or(v, |factor| factor * v);
+            column::set(out, |k| times(p, a[k]) + times(q, b[k]) + constant);
+        } else {
+            out.fill(constant);
         }
-        for i in 0..terms.len() {
+        for (i, (q, t)) in terms.iter().enumerate() {
             if i != first && i != second {
-                sum = sum + term(terms[i]);
+                column::add(out, *q, part(*t).as_ref());
             }
         }
-        sum
     }
 
-    #[allow(clippy::needless_range_loop)]
-    fn product<T: Number>(&self, factors: &[(Id, Id)], part: &mut dyn FnMut(Id) -> T) -> T {
-        // As in emitted code: what is divided by is multiplied first, and may underflow.
+    fn product<P: AsRef<[T]>>(&self, factors: &[(Id, Id)], part: &mut dyn FnMut(Id) -> P) -> C {
+        let Evaluated { graph, like, .. } = *self;
+        // Powers that are taken together, and those that occur above and below the line.
+        let together = graph.powers_together(factors);
+        let shared = graph.shared_powers(factors);
         let mut quotient = Quotient::default();
-        let mut quotients: Vec<Quotient<T>> =
-            self.shared.iter().map(|_| Quotient::default()).collect();
-        for i in 0..factors.len() {
-            if self.together.as_ref().is_some_and(|(_, among)| among[i]) {
+        let mut quotients: Vec<Quotient<C>> = shared.iter().map(|_| Quotient::default()).collect();
+        for factor in factors {
+            if together.as_ref().is_some_and(|together| together.contains(factor)) {
                 continue;
             }
-            let (b, e) = factors[i];
+            let (b, e) = *factor;
             let b = part(b);
-            match self.graph.as_number(e) {
-                Some(q) => match power_below(q, &self.shared) {
+            let b = b.as_ref();
+            match graph.as_number(e) {
+                Some(q) => match power_below(q, &shared) {
                     Some(power) => {
-                        let place = self.shared.iter().position(|p| *p == power).unwrap_or(0);
+                        let place = shared.iter().position(|p| *p == power).unwrap_or(0);
                         let times = Q::new(q.num(), power.num()).unwrap_or(q);
-                        quotients[place].push(b, times);
+                        quotients[place].push(b, times, like);
                     }
-                    None => quotient.push(b, q),
+                    None => quotient.push(b, q, like),
                 },
-                None => quotient.top = quotient.top * b.powf(part(e)),
+                None => quotient.push_general(b, part(e).as_ref(), like),
             }
         }
-        for (inside, power) in quotients.into_iter().zip(&self.shared) {
-            quotient.push(inside.value(), *power);
+        for (inside, power) in quotients.into_iter().zip(&shared) {
+            quotient.push(inside.value(like).as_ref(), *power, like);
         }
-        if let Some((together, _)) = &self.together {
+        if let Some(together) = &together {
             let mut inside = Quotient::default();
-            together.inside.iter().for_each(|(b, q)| inside.push(part(*b), *q));
-            quotient.top = quotient.top * inside.value().powf(part(together.exponent));
-            together.outside.iter().for_each(|(b, q)| quotient.push(part(*b), *q));
+            together.inside.iter().for_each(|(b, q)| inside.push(part(*b).as_ref(), *q, like));
+            let exponents = part(together.exponent);
+            quotient.push_general(inside.value(like).as_ref(), exponents.as_ref(), like);
+            together.outside.iter().for_each(|(b, q)| quotient.push(part(*b).as_ref(), *q, like));
         }
-        quotient.value()
-    }
-}
-
-/// What is multiplied, and what that is divided by.
-struct Quotient<T> {
-    top: T,
-    bottom: Option<T>,
-}
-
-impl<T: Number> Default for Quotient<T> {
-    fn default() -> Self {
-        Quotient { top: T::from_f64(1.0), bottom: None }
-    }
-}
-
-impl<T: Number> Quotient<T> {
-    fn push(&mut self, b: T, q: Q) {
-        let power = match q.den() {
-            1 => b.powi(q.to_i32().map_or(i32::MAX, i32::abs)),
-            2 if q.num().abs() < 64 => b.sqrt().powi(q.num().abs() as i32),
-            3 if q.num().abs() < 64 => b.cbrt().powi(q.num().abs() as i32),
-            _ => {
-                self.top = self.top * b.powf(T::from_ratio(q.num(), q.den()));
-                return;
-            }
-        };
-        if q.is_negative() {
-            self.bottom = Some(self.bottom.map_or(power, |bottom: T| bottom * power));
-        } else {
-            self.top = self.top * power;
-        }
-    }
-
-    fn value(self) -> T {
-        self.bottom.map_or(self.top, |bottom| self.top / bottom)
+        quotient.value(like)
     }
 }
 

@@ -4,8 +4,8 @@
 use std::cell::OnceCell;
 use std::rc::Rc;
 
-use crate::eval::Prepared;
-use crate::expr::{Graph, Id, Leaf, children};
+use crate::eval::Evaluated;
+use crate::expr::{Graph, Id, Leaf};
 use crate::hash::Map;
 use crate::number::{Dd, Number, Single};
 
@@ -259,26 +259,11 @@ impl<T: Number> Table<T> {
         if let Some(known) = self.known.get(&id) {
             return known.clone();
         }
-        let parts: Vec<(Id, Rc<[T]>)> =
-            children(g.node(id)).into_iter().map(|c| (c, self.values(g, c, points))).collect();
-        let node = Prepared::new(g, id);
-        let mut values = Vec::with_capacity(points.len());
-        for k in 0..points.len() {
-            let input = |l: Leaf| T::from_f64(points[k].get(&l).copied().unwrap_or(f64::NAN));
-            // Parts are asked for in their order, with some left out.
-            let mut next = 0;
-            let mut part = |id: Id| {
-                for _ in 0..parts.len() {
-                    let (child, values) = &parts[next];
-                    next = if next + 1 < parts.len() { next + 1 } else { 0 };
-                    if child.0 == id.0 {
-                        return values[k];
-                    }
-                }
-                T::from_f64(f64::NAN)
-            };
-            values.push(node.value(&input, &mut part));
-        }
+        let inputs =
+            |l: Leaf, k: usize| T::from_f64(points[k].get(&l).copied().unwrap_or(f64::NAN));
+        let like = vec![T::from_f64(0.0); points.len()];
+        let node = Evaluated { graph: g, inputs: &inputs, like: &like };
+        let values = node.values(id, &mut |part| self.values(g, part, points));
         let values: Rc<[T]> = values.into();
         self.known.insert(id, values.clone());
         values

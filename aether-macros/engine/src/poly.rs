@@ -11,6 +11,7 @@ mod pairs;
 mod ratfun;
 
 use std::cmp::Ordering;
+use std::rc::Rc;
 
 use crate::expr::{Deps, Graph, Id};
 use crate::hash::Map;
@@ -21,8 +22,8 @@ pub use dependence::{parts_of_one, relation};
 pub use pairs::paired;
 pub use ratfun::{Expander, RatFun};
 
-/// A monomial: (atom, exponent) pairs, largest atom first; exponents positive.
-type Mono = Vec<(Id, u32)>;
+/// A monomial: (atom, exponent) pairs, largest atom first; exponents positive. Polynomials share it.
+type Mono = Rc<[(Id, u32)]>;
 
 /// A polynomial with rational coefficients: its terms by monomial in lexicographic order, each monomial
 /// once and no coefficient zero. Multiplying by a monomial keeps the order.
@@ -101,11 +102,11 @@ impl Poly {
     }
     /// A constant.
     pub fn constant(q: Q) -> Poly {
-        Poly::term(Vec::new(), q)
+        Poly::term([].into(), q)
     }
     /// A single atom.
     pub fn atom(a: Id) -> Poly {
-        Poly::term(vec![(a, 1)], Q::ONE)
+        Poly::term([(a, 1)].into(), Q::ONE)
     }
     /// Whether this is the zero polynomial.
     pub fn is_zero(&self) -> bool {
@@ -130,7 +131,7 @@ impl Poly {
     /// Sum.
     pub fn add(&self, o: &Poly) -> Option<Poly> {
         spend((self.len() + o.len()) as u64)?;
-        let r = merge(self.0.clone(), o.0.clone())?;
+        let r = merge(&self.0, &o.0)?;
         (r.len() <= MAX_TERMS).then_some(Poly(r))
     }
     /// Multiple.
@@ -138,10 +139,10 @@ impl Poly {
         if k == Q::ONE {
             return Some(self.clone());
         }
-        self.times_term(&[], k)
+        self.times_term(&[].into(), k)
     }
     /// Product with one term.
-    fn times_term(&self, m: &[(Id, u32)], k: Q) -> Option<Poly> {
+    fn times_term(&self, m: &Mono, k: Q) -> Option<Poly> {
         if k.is_zero() {
             return Some(Poly::default());
         }
@@ -160,7 +161,7 @@ impl Poly {
         spend((self.len() * o.len()) as u64)?;
         let mut r = Vec::new();
         for (m, q) in &self.0 {
-            r = merge(r, o.times_term(m, *q)?.0)?;
+            r = merge(&r, &o.times_term(m, *q)?.0)?;
             if r.len() > 4 * MAX_TERMS {
                 return None;
             }
@@ -185,7 +186,7 @@ impl Poly {
             let (m, q) = (over(m, lead)?, q.mul(over_k)?);
             spend((rest.len() + 2 * d.len() + quotient.len() + 1) as u64)?;
             let taken = d.times_term(&m, q.neg())?;
-            rest = Poly(merge(rest.0, taken.0)?);
+            rest = Poly(merge(&rest.0, &taken.0)?);
             if rest.len() > MAX_TERMS {
                 return None;
             }
@@ -227,7 +228,7 @@ impl Poly {
     }
     /// The atoms that occur.
     pub fn atoms(&self) -> Vec<Id> {
-        let mut a: Vec<Id> = self.0.iter().flat_map(|(m, _)| m).map(|(a, _)| *a).collect();
+        let mut a: Vec<Id> = self.0.iter().flat_map(|(m, _)| m.iter()).map(|(a, _)| *a).collect();
         a.sort();
         a.dedup();
         a
@@ -235,9 +236,9 @@ impl Poly {
     /// Splits off the largest monomial and rational content that divide every term.
     fn content(&self) -> (Q, Mono, Poly) {
         let Some((first, k)) = self.0.last() else {
-            return (Q::ONE, Vec::new(), self.clone());
+            return (Q::ONE, [].into(), self.clone());
         };
-        let mut common = first.clone();
+        let mut common = first.to_vec();
         for (m, _) in &self.0 {
             if common.is_empty() {
                 break;
@@ -260,7 +261,7 @@ impl Poly {
             .iter()
             .filter_map(|(m, q)| Some((over(m, &common)?, q.mul(k.recip()?)?)))
             .collect();
-        (k, common, Poly(rest))
+        (k, common.into(), Poly(rest))
     }
     /// The terms as (coefficient, product of atoms) pairs.
     pub fn terms(&self, g: &mut Graph) -> Vec<(Q, Id)> {
@@ -288,9 +289,9 @@ impl Poly {
         }
         let (mut k, common, rest) = self.content();
         let mut factors = Vec::new();
-        for (a, e) in common {
-            let e = g.int(i64::from(e) * power);
-            factors.push((a, e));
+        for (a, e) in common.iter() {
+            let e = g.int(i64::from(*e) * power);
+            factors.push((*a, e));
         }
         let mut constant = Q::ZERO;
         let mut terms = Vec::new();
@@ -335,41 +336,31 @@ impl Poly {
 }
 
 /// The sum of two lists of terms in order.
-fn merge(mut a: Vec<(Mono, Q)>, mut b: Vec<(Mono, Q)>) -> Option<Vec<(Mono, Q)>> {
-    if a.is_empty() || b.is_empty() {
-        return Some(if a.is_empty() { b } else { a });
-    }
+fn merge(a: &[(Mono, Q)], b: &[(Mono, Q)]) -> Option<Vec<(Mono, Q)>> {
     let mut r = Vec::with_capacity(a.len() + b.len());
-    let take = |from: &mut (Mono, Q)| (std::mem::take(&mut from.0), from.1);
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
         match order(&a[i].0, &b[j].0) {
             Ordering::Less => {
-                r.push(take(&mut a[i]));
+                r.push(a[i].clone());
                 i += 1;
             }
             Ordering::Greater => {
-                r.push(take(&mut b[j]));
+                r.push(b[j].clone());
                 j += 1;
             }
             Ordering::Equal => {
                 let q = a[i].1.add(b[j].1)?;
                 if !q.is_zero() {
-                    r.push((std::mem::take(&mut a[i].0), q));
+                    r.push((a[i].0.clone(), q));
                 }
                 i += 1;
                 j += 1;
             }
         }
     }
-    while i < a.len() {
-        r.push(take(&mut a[i]));
-        i += 1;
-    }
-    while j < b.len() {
-        r.push(take(&mut b[j]));
-        j += 1;
-    }
+    r.extend_from_slice(&a[i..]);
+    r.extend_from_slice(&b[j..]);
     Some(r)
 }
 
@@ -390,7 +381,10 @@ fn order(a: &[(Id, u32)], b: &[(Id, u32)]) -> Ordering {
 }
 
 /// The product of two monomials.
-fn times(a: &[(Id, u32)], b: &[(Id, u32)]) -> Mono {
+fn times(a: &Mono, b: &Mono) -> Mono {
+    if a.is_empty() || b.is_empty() {
+        return if a.is_empty() { b.clone() } else { a.clone() };
+    }
     let mut r = Vec::with_capacity(a.len() + b.len());
     let (mut i, mut j) = (0, 0);
     while i < a.len() && j < b.len() {
@@ -413,7 +407,7 @@ fn times(a: &[(Id, u32)], b: &[(Id, u32)]) -> Mono {
     }
     r.extend_from_slice(&a[i..]);
     r.extend_from_slice(&b[j..]);
-    r
+    r.into()
 }
 
 /// The quotient of two monomials, if it is one.
@@ -428,7 +422,7 @@ fn over(a: &[(Id, u32)], b: &[(Id, u32)]) -> Option<Mono> {
             left => r.push((x, left)),
         }
     }
-    (j == b.len()).then_some(r)
+    (j == b.len()).then(|| r.into())
 }
 
 /// The square root of a monomial, if it is one.

@@ -29,7 +29,7 @@ pub struct Dd {
 }
 
 /// `a + b` and its rounding error, exactly.
-#[inline]
+#[inline(always)]
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let b_part = sum - a;
@@ -37,7 +37,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// The upper 26 bits of `a` and the rest.
-#[inline]
+#[inline(always)]
 fn split(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = ((1u64 << 27) + 1) as f64;
     let t = SPLITTER * a;
@@ -47,23 +47,36 @@ fn split(a: f64) -> (f64, f64) {
 
 /// `a * b` and its rounding error, exactly unless the error is subnormal; no error if the product
 /// is not finite.
-#[inline]
+#[inline(always)]
 pub(super) fn two_prod(a: f64, b: f64) -> (f64, f64) {
     /// Splitting larger numbers could overflow.
     const LARGE: f64 = 1e290;
     const DOWN: f64 = 1.0 / (1u64 << 60) as f64;
     let product = a * b;
-    if !product.is_finite() {
+    if !is_finite(product) {
         return (product, 0.0);
     }
-    if a.abs() > LARGE {
-        return (product, two_prod(a * DOWN, b).1 / DOWN);
+    // Of a finite product not both can be as large.
+    if a > LARGE || a < -LARGE {
+        return (product, error_of(a * DOWN, b, product * DOWN) / DOWN);
     }
-    if b.abs() > LARGE {
-        return (product, two_prod(a, b * DOWN).1 / DOWN);
+    if b > LARGE || b < -LARGE {
+        return (product, error_of(a, b * DOWN, product * DOWN) / DOWN);
     }
+    (product, error_of(a, b, product))
+}
+
+/// The rounding error of a product of numbers that are not too large to be split.
+#[inline(always)]
+fn error_of(a: f64, b: f64, product: f64) -> f64 {
     let ((a_hi, a_lo), (b_hi, b_lo)) = (split(a), split(b));
-    (product, ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo)
+    ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo
+}
+
+/// Whether a number is one: as an expression, because calls cost where the compiler runs unoptimised.
+#[inline(always)]
+fn is_finite(x: f64) -> bool {
+    x - x == 0.0
 }
 
 /// Whether products of a few numbers of this size neither overflow nor lose their error terms.
@@ -86,12 +99,12 @@ impl Dd {
     }
 
     /// The sum `hi + lo` of a number and a smaller one (at most of its size).
-    #[inline]
+    #[inline(always)]
     fn normalized(hi: f64, lo: f64) -> Dd {
         let sum = hi + lo;
-        if sum.is_finite() {
+        if is_finite(sum) {
             Dd { hi: sum, lo: lo - (sum - hi) }
-        } else if hi.is_finite() && !lo.is_nan() {
+        } else if is_finite(hi) && !lo.is_nan() {
             Dd::of(sum)
         } else {
             // An error term next to an infinity is NaN and means nothing.

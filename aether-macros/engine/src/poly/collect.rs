@@ -10,7 +10,8 @@ pub fn coefficients(g: &mut Graph, id: Id) -> Option<Vec<(Id, Id)>> {
     let function = Expander::new(g).expand(id).filter(|f| f.den.is_empty())?;
     let mut groups: Vec<(Mono, Vec<(Mono, Q)>)> = Vec::new();
     for (m, q) in function.num.0 {
-        let (open, known): (Mono, Mono) = m.into_iter().partition(|(a, _)| g.has(*a, UNKNOWNS));
+        let (open, known): (Vec<_>, Vec<_>) = m.iter().partition(|(a, _)| g.has(*a, UNKNOWNS));
+        let (open, known): (Mono, Mono) = (open.into(), known.into());
         match groups.iter_mut().find(|(o, _)| *o == open) {
             Some((_, terms)) => terms.push((known, q)),
             None => groups.push((open, vec![(known, q)])),

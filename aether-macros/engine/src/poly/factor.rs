@@ -13,7 +13,7 @@ impl Poly {
     pub fn split(&self) -> Vec<(Poly, u32)> {
         let (_, common, rest) = self.content();
         let mut found: Vec<(Poly, u32)> =
-            common.into_iter().map(|(a, e)| (Poly::atom(a), e)).collect();
+            common.iter().map(|(a, e)| (Poly::atom(*a), *e)).collect();
         let mut open = vec![(rest, 1)];
         while let Some((p, e)) = open.pop() {
             if p.as_constant().is_some() {

@@ -79,9 +79,9 @@ fn pairs(p: &Poly, x: Id) -> Option<(Poly, Poly)> {
             continue;
         }
         let shared = if high.abs() < low.abs() { high.neg() } else { low };
-        with = merge(with, vec![(lower.clone(), shared)])?;
-        rest = merge(rest, vec![(m.clone(), shared)])?;
-        rest = merge(rest, vec![(lower, shared.neg())])?;
+        with = merge(&with, &[(lower.clone(), shared)])?;
+        rest = merge(&rest, &[(m.clone(), shared)])?;
+        rest = merge(&rest, &[(lower, shared.neg())])?;
     }
     Some((Poly(with), Poly(rest)))
 }

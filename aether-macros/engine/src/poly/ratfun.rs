@@ -1,7 +1,7 @@
 //! Rational functions, and expressions as rational functions of their atoms.
 
 use super::factor::two_factors;
-use super::{Poly, metered, spend};
+use super::{Known, Poly, metered, spend};
 use crate::expr::{Deps, Fun, Graph, Id, Node};
 use crate::functions::leads_negative;
 use crate::jacobian::cost;
@@ -23,6 +23,8 @@ pub struct Expander<'a> {
     squares: Vec<(Id, Poly)>,
     /// Sums that depend on none of these inputs are atoms.
     open: Deps,
+    /// What is known with these relations; without any the graph keeps it.
+    known: Known,
 }
 
 /// Denominators with more terms than this are not multiplied by their conjugates.
@@ -31,7 +33,7 @@ const CONJUGATED: usize = 5;
 impl<'a> Expander<'a> {
     /// An expander without relations.
     pub fn new(graph: &'a mut Graph) -> Self {
-        Expander { graph, squares: Vec::new(), open: Deps::MAX }
+        Expander { graph, squares: Vec::new(), open: Deps::MAX, known: Known::default() }
     }
 
     /// Adds the relation x² + y² + z² = 1 between three atoms.
@@ -41,7 +43,7 @@ impl<'a> Expander<'a> {
 
     /// The same of an atom and any number of others.
     pub fn unit_with(mut self, atom: Id, others: &[Id]) -> Self {
-        let square = |a: &Id| Poly::term(vec![(*a, 2)], Q::int(-1));
+        let square = |a: &Id| Poly::term([(*a, 2)].into(), Q::int(-1));
         let one = Poly::constant(Q::ONE);
         if let Some(p) = others.iter().try_fold(one, |sum, a| sum.add(&square(a))) {
             self.squares.push((atom, p));
@@ -58,9 +60,7 @@ impl<'a> Expander<'a> {
     /// The normal form of an expression, if it stays small.
     pub fn normal_form(&mut self, id: Id) -> Option<Id> {
         let key = (id, self.open);
-        if self.squares.is_empty()
-            && let Some(&(known, steps)) = self.graph.expanded.normal.get(&key)
-        {
+        if let Some(&(known, steps)) = self.known().normal.get(&key) {
             spend(steps)?;
             return known;
         }
@@ -69,10 +69,14 @@ impl<'a> Expander<'a> {
             let r = self.cancel(r)?;
             Some(self.to_expr(&r))
         });
-        if let (true, Some(steps)) = (self.squares.is_empty(), steps) {
-            self.graph.expanded.normal.insert(key, (normal, steps));
+        if let Some(steps) = steps {
+            self.known().normal.insert(key, (normal, steps));
         }
         normal
+    }
+
+    fn known(&mut self) -> &mut Known {
+        if self.squares.is_empty() { &mut self.graph.expanded } else { &mut self.known }
     }
 
     /// The expression of a rational function.
@@ -87,17 +91,17 @@ impl<'a> Expander<'a> {
     /// Numerator and factored denominator.
     pub fn expand(&mut self, id: Id) -> Option<RatFun> {
         let composed = matches!(self.graph.node(id), Node::Sum(..) | Node::Product(_));
-        if !composed || !self.squares.is_empty() {
+        if !composed {
             return self.expand_node(id);
         }
         let key = (id, self.open);
-        if let Some((known, steps)) = self.graph.expanded.functions.get(&key) {
+        if let Some((known, steps)) = self.known().functions.get(&key) {
             spend(*steps)?;
             return known.clone();
         }
         let (function, steps) = metered(|| self.expand_node(id));
         if let Some(steps) = steps {
-            self.graph.expanded.functions.insert(key, (function.clone(), steps));
+            self.known().functions.insert(key, (function.clone(), steps));
         }
         function
     }
@@ -347,10 +351,11 @@ impl<'a> Expander<'a> {
             }) else {
                 return Some(p);
             };
-            let (mut rest, q) = p.0.remove(k);
+            let (whole, q) = p.0.remove(k);
+            let mut rest = whole.to_vec();
             rest[i].1 -= 2;
             rest.retain(|(_, e)| *e > 0);
-            p = p.add(&square.mul(&Poly::term(rest, q))?)?;
+            p = p.add(&square.mul(&Poly::term(rest.into(), q))?)?;
         }
         None
     }
