@@ -56,11 +56,13 @@ pub(super) fn two_prod(a: f64, b: f64) -> (f64, f64) {
     if !is_finite(product) {
         return (product, 0.0);
     }
-    // Of a finite product not both can be as large.
-    if a > LARGE || a < -LARGE {
+    // Of a finite product not both can be as large. These comparisons are no calls where the compiler runs unoptimised.
+    #[allow(clippy::manual_range_contains)]
+    let (large_a, large_b) = (a > LARGE || a < -LARGE, b > LARGE || b < -LARGE);
+    if large_a {
         return (product, error_of(a * DOWN, b, product * DOWN) / DOWN);
     }
-    if b > LARGE || b < -LARGE {
+    if large_b {
         return (product, error_of(a, b * DOWN, product * DOWN) / DOWN);
     }
     (product, error_of(a, b, product))
@@ -75,6 +77,7 @@ fn error_of(a: f64, b: f64, product: f64) -> f64 {
 
 /// Whether a number is one: as an expression, because calls cost where the compiler runs unoptimised.
 #[inline(always)]
+#[allow(clippy::eq_op)]
 fn is_finite(x: f64) -> bool {
     x - x == 0.0
 }
