@@ -68,7 +68,8 @@ impl<C> Quotient<C> {
         let times = q.num().abs();
         match q.den() {
             1 if times == 1 => return put(self.side(q), b, like),
-            1 | 2 | 3 if q.den() == 1 || times < 64 => {}
+            1 => {}
+            2 | 3 if times < 64 => {}
             _ => return self.raise(b, T::from_ratio(q.num(), q.den()), like),
         }
         let exponent = q.to_i32().map_or(i32::MAX, i32::abs);
