@@ -5,6 +5,8 @@
 //! often ends at a zero that is attained), and other results are widened: by one unit in the last place
 //! where IEEE rounds correctly, by several after a function of `libm`.
 
+pub mod unbroken;
+
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::hash::Map;
 use crate::interval::Interval;

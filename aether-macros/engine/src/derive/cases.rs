@@ -171,7 +171,8 @@ pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Optio
         .collect();
     let inside = problem.argument.is_some()
         || u.iter().all(|u| u.is_finite() && u.to_f64() > -1e-12 && u.to_f64() < 1.0 + 1e-12);
-    let conditions = s.conditions.iter().all(|c| e.value(c.0).to_f64() >= -1e-20);
+    let conditions = s.conditions.iter().all(|c| e.value(c.0).to_f64() >= -1e-20)
+        && s.pieces.iter().flat_map(|p| &p.widths).all(|w| e.value(*w).to_f64() > 0.0);
     let at = |l: Leaf| match l {
         Leaf::Unknown(i) => u.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN)),
         _ => case.point.input(l, &[]),
@@ -193,7 +194,8 @@ pub(super) fn prune(
         .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
         .collect();
     let mut check_forward = problem.parts.iter().any(|p| p.target == Target::Embedded);
-    let kept = needed(problem, &table, cases);
+    let mut kept = needed(problem, &table, cases);
+    with_their_pieces(&solutions, &mut kept);
     for (i, case) in cases.iter().enumerate().filter(|(_, c)| !c.point.stress) {
         let mut found = false;
         for &k in &kept {
@@ -274,6 +276,17 @@ fn needed(problem: &Problem, table: &[Vec<Option<Vec<f64>>>], cases: &[Case]) ->
         }
     }
     kept
+}
+
+/// Adds to the solutions that occur those that differ from one of them in the piece of a root alone: none of the points may
+/// have hit a narrow piece.
+fn with_their_pieces(solutions: &[Solution], kept: &mut Vec<usize>) {
+    let alike = |a: &Solution, b: &Solution| !a.pieces.is_empty() && a.answers == b.answers;
+    let occurs = |s: &Solution| kept.iter().any(|&k| alike(s, &solutions[k]));
+    let more: Vec<usize> =
+        (0..solutions.len()).filter(|k| !kept.contains(k) && occurs(&solutions[*k])).collect();
+    kept.extend(more);
+    kept.sort_unstable();
 }
 
 fn maps_back(problem: &Problem, u: &[f64], case: &Case) -> bool {
