@@ -96,6 +96,11 @@ impl Enclosure {
         }
     }
 
+    /// The number of intervals that are computed over a box.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
     /// The intervals over a box.
     pub fn over<'a>(&'a self, region: &'a [Interval]) -> Over<'a> {
         Over { enclosure: self, region, values: Vec::new() }

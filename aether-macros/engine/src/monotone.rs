@@ -214,6 +214,11 @@ impl Proof {
         })
     }
 
+    /// How many intervals it takes to look at a part.
+    pub(crate) fn len(&self) -> usize {
+        self.enclosure.len()
+    }
+
     /// The interval of the slope itself over a part.
     pub(crate) fn values(&self, part: &[Interval]) -> Interval {
         self.pick(&mut self.enclosure.over(part), 0)

@@ -24,8 +24,8 @@ const MOST: usize = 3;
 const DEPTH: usize = 7;
 /// Parts of the box that are looked at for one statement on one cell.
 const PARTS: usize = 1000;
-/// The same for all of them.
-const ALL_PARTS: usize = 12_000;
+/// Intervals that may be computed for all of them together.
+const INTERVALS: usize = 400_000;
 /// Values of the other inputs for which the sign of a slope is looked at before a proof is tried.
 const DRAWS: u32 = 12;
 /// Places of the variable for each of them.
@@ -61,10 +61,7 @@ pub fn cells(g: &mut Graph, body: Id, variable: Leaf) -> Result<Vec<Cell>, Unpro
     if !is_plain(g, body, variable) {
         return Err(unproven(g, &search.leaves, &search.box_of(g, g.leaf_range(variable))));
     }
-    let found = search.cells(g, 1).or_else(|_| {
-        search.left = ALL_PARTS;
-        search.cells(g, MOST)
-    })?;
+    let found = search.cells(g, 1).or_else(|_| search.cells(g, MOST))?;
     Ok(merged(found))
 }
 
@@ -77,7 +74,7 @@ struct Search {
     leaves: Vec<Leaf>,
     /// For each of the tower, that it is not negative, and that it is not positive; made when they are asked for.
     proofs: Vec<[Option<Proof>; 2]>,
-    /// Parts that may still be looked at.
+    /// Intervals that may still be computed.
     left: usize,
 }
 
@@ -86,7 +83,7 @@ impl Search {
         let tower = tower(g, body, variable);
         let proofs = tower.iter().map(|_| [None, None]).collect();
         let leaves = leaves_of(g, body, variable);
-        Search { body, variable, tower, leaves, proofs, left: ALL_PARTS }
+        Search { body, variable, tower, leaves, proofs, left: INTERVALS }
     }
 
     /// A box with this range of the variable.
@@ -176,6 +173,7 @@ impl Search {
         let continuous: Vec<Id> =
             std::iter::once(self.body).chain(self.tower[..order].iter().copied()).collect();
         let continuous = Enclosure::new(g, &continuous, &self.leaves);
+        let work = continuous.len() + proof.len();
         let shown = |part: &[Interval]| {
             let signed = |w: &Proof| {
                 let values = w.values(part);
@@ -188,7 +186,7 @@ impl Search {
         let mut parts = 0;
         while let Some(part) = open.pop_front() {
             parts += 1;
-            self.left = self.left.saturating_sub(1);
+            self.left = self.left.saturating_sub(work);
             if shown(&part) {
                 if order == 0 && !proof.positive_somewhere(g, &part) {
                     return false;

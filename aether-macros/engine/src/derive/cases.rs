@@ -157,6 +157,15 @@ pub(super) fn recovers(problem: &Problem, s: &Solution, case: &Case) -> bool {
 
 /// The same in double-double.
 pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<Dd>> {
+    try_all(problem, &[s], case).pop().flatten()
+}
+
+/// The same for several solutions, what they have in common computed once.
+pub(super) fn try_all(
+    problem: &Problem,
+    solutions: &[&Solution],
+    case: &Case,
+) -> Vec<Option<Vec<Dd>>> {
     let at = |l: Leaf| match l {
         Leaf::Out(i) => case.exact_outs[i as usize],
         // An answer in terms of the question is none.
@@ -164,6 +173,11 @@ pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Optio
         _ => case.point.input(l, &[]),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    solutions.iter().map(|s| tried(problem, s, case, &mut e)).collect()
+}
+
+/// The values of a solution, if its tests pass, where `e` evaluates at the point of a case.
+fn tried(problem: &Problem, s: &Solution, case: &Case, e: &mut Evaluator<Dd>) -> Option<Vec<Dd>> {
     let u: Vec<Dd> = problem
         .unknowns
         .iter()
@@ -189,10 +203,13 @@ pub(super) fn prune(
     solutions: Vec<Solution>,
     cases: &[Case],
 ) -> Result<(Vec<Solution>, bool), String> {
-    let mut table: Vec<Vec<Option<Vec<f64>>>> = solutions
-        .iter()
-        .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
-        .collect();
+    let all: Vec<&Solution> = solutions.iter().collect();
+    let mut table: Vec<Vec<Option<Vec<f64>>>> = vec![vec![]; all.len()];
+    for case in cases {
+        for (row, u) in table.iter_mut().zip(try_all(problem, &all, case)) {
+            row.push(u.map(|u| u.iter().map(|u| u.to_f64()).collect()));
+        }
+    }
     let mut check_forward = problem.parts.iter().any(|p| p.target == Target::Embedded);
     let mut kept = needed(problem, &table, cases);
     with_their_pieces(&solutions, &mut kept);
