@@ -89,6 +89,33 @@ pub fn root_or_beyond<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R)
     R::select(below.or(above), beyond, bracketed(f, target, lo, hi))
 }
 
+/// The same for a function that turns back at the lower end, at the upper one, or at both: next to such an end the root
+/// is as far from it as the square root of what the value is off, on both sides, and so are its error bounds.
+#[doc(hidden)]
+pub fn root_or_fold<R: Real>(
+    f: impl Fn(R) -> (R, R),
+    target: R,
+    lo: R,
+    hi: R,
+    folds: [bool; 2],
+) -> R {
+    let (at_lo, at_hi) = (f(lo).0, f(hi).0);
+    let (below, above) = (at_lo.ge(target), at_hi.le(target));
+    let root = if below.or(above).all() { lo } else { bracketed(&f, target, lo, hi) };
+    if !below.or(above).any() {
+        return root;
+    }
+    let known = |x: R| R::select(x.gt(R::ZERO).and(x.finite()), x, R::ONE);
+    let (width, height) = (known((hi - lo).exact()), known((at_hi - at_lo).exact()));
+    let distance = |excess: R, fold: bool| {
+        let share = excess / height;
+        width * if fold { share.sqrt() } else { share }
+    };
+    let first = lo - distance(at_lo - target, folds[0]);
+    let last = hi + distance(target - at_hi, folds[1]);
+    R::select(below, first, R::select(above, last, root))
+}
+
 /// Newton's method inside a bracket that only shrinks, with a step of bisection wherever Newton's
 /// would leave it or is slow. For tracked numbers, the error of the root is that of the equation over
 /// the slope.
@@ -227,6 +254,32 @@ mod tests {
         assert_eq!(root_or_beyond(smoothstep::<f64>, 1.5, 0.0, 1.0), 1.5);
         assert!(root_or_beyond(smoothstep::<f64>, f64::NAN, 0.0, 1.0).is_nan());
         assert!(root_inside(smoothstep::<f64>, f64::NAN, 0.0, 1.0).is_nan());
+    }
+
+    #[test]
+    fn beyond_a_fold() {
+        // t (1 - t) rises up to a half.
+        let fold = |t: f64| (t * (1.0 - t), 1.0 - 2.0 * t);
+        let root = |target: f64| root_or_fold(fold, target, 0.0, 0.5, [false, true]);
+        for distance in [0.25, 1e-3, 1e-7] {
+            let off = root(0.25 - distance * distance) - (0.5 - distance);
+            assert!(off.abs() <= 1e-16 / distance, "{distance}: {off}");
+            let beyond = root(0.25 + distance * distance) - (0.5 + distance);
+            assert!(beyond.abs() <= 1e-15 / distance, "{distance}: {beyond}");
+        }
+        assert_eq!((root(0.25), root(-0.5)), (0.5, -1.0));
+        assert!(root(f64::NAN).is_nan());
+        // A piece without width has its root where it is, or beyond it.
+        let none = root_or_fold(fold, 0.2, 0.5, 0.5, [true; 2]);
+        assert!(none < 0.5 && root_or_fold(fold, 0.3, 0.5, 0.5, [true; 2]) > 0.5);
+        // Rounding of the value explains a distance of the root of that.
+        let track = |x: f64| Bounded { value: x, error: 1e-16 };
+        let tracked = |t: Bounded<f64>| (t * (Bounded::ONE - t), t);
+        let [lo, hi] = [0.0, 0.5].map(Bounded::exact);
+        let near = root_or_fold(tracked, track(0.25 + 1e-16), lo, hi, [false, true]);
+        assert!((near.value - 0.5) < 8.0 * near.error && near.error < 1e-7, "{near:?}");
+        let far = root_or_fold(tracked, track(0.25 + 1e-14), lo, hi, [false, true]);
+        assert!((far.value - 0.5) > 8.0 * far.error, "{far:?}");
     }
 
     #[test]

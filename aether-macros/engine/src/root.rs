@@ -109,15 +109,20 @@ fn beyond<T: Number>(
     hi: T,
 ) -> Option<T> {
     let (below, above) = (body(lo).0, body(hi).0);
-    let (end, at_end) = if below >= target {
-        (lo, below)
+    let (end, at_end, fold) = if below >= target {
+        (lo, below, root.folds[0])
     } else if above <= target {
-        (hi, above)
+        (hi, above, root.folds[1])
     } else {
         return None;
     };
     if root.inside {
         return Some(end);
+    }
+    if fold {
+        let share = ((target - at_end) / (above - below)).abs();
+        let side = T::from_f64(if below >= target { -1.0 } else { 1.0 });
+        return Some(end + side * share.sqrt() * (hi - lo));
     }
     let scale = (hi - lo) / (above - below);
     let scale = if scale.is_finite() && scale.to_f64() > 0.0 { scale } else { hi - lo };
@@ -227,7 +232,7 @@ mod tests {
         let body = g.sum(Q::ZERO, &[(Q::int(2), t3), (Q::int(-1), t4)]);
         let slope = crate::derivative::derivative(&mut g, body, variable);
         let (lo, hi) = (g.int(0), g.int(1));
-        (g, Root { variable, body, slope, target: u, lo, hi, inside: false })
+        (g, Root { variable, body, slope, target: u, lo, hi, inside: false, folds: [false; 2] })
     }
 
     #[test]

@@ -61,6 +61,14 @@ pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
     let lets = inner.statements();
     let [target, lo, hi] = [root.target, root.lo, root.hi].map(|id| code.reference(id));
     let t = variable(root.variable);
-    let function = if root.inside { quote!(root_inside) } else { quote!(root_or_beyond) };
-    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi))
+    let function = match root {
+        Root { inside: true, .. } => quote!(root_inside),
+        Root { folds: [false, false], .. } => quote!(root_or_beyond),
+        _ => quote!(root_or_fold),
+    };
+    let folds = root.folds.contains(&true).then(|| {
+        let [first, last] = root.folds;
+        quote!(, [#first, #last])
+    });
+    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi #folds))
 }

@@ -4,7 +4,7 @@
 //! numerically. A system in which a single nonlinear function of a linear combination stands in the way
 //! is brought to one such equation first.
 
-use super::{Condition, Equation, State, linear};
+use super::{Condition, Equation, Numerical, State, linear};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, Root, UNKNOWNS, children};
@@ -118,7 +118,8 @@ fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<State, Un
     let [body, target] = [body, e.known].map(|id| g.sum(Q::ZERO, &[(Q::int(sign), id)]));
     let slope = derivative(g, body, variable);
     let [lo, hi] = [range.lo, range.hi].map(|x| end(g, x));
-    let root = g.root(Root { variable, body, slope, target, lo, hi, inside: false });
+    let root =
+        g.root(Root { variable, body, slope, target, lo, hi, inside: false, folds: [false; 2] });
     let mut s = state.clone();
     s.equations[i] = Equation { known: root, rhs: z, modulo_turn: false };
     s.solution.known.entry(e.rhs).or_insert(e.known);
@@ -253,6 +254,11 @@ impl Separated {
         let leaf = Leaf::Unknown(s.next_unknown);
         s.next_unknown += 1;
         let unknown = g.leaf(leaf, "s", Interval::ALL);
+        if s.numerical == Numerical::Pieces {
+            // A wave turns back for ever, but not where it is needed.
+            let range = g.range(self.l);
+            g.assume(unknown, range);
+        }
         let of_s = g.substitute(self.f, &[(self.l, unknown)].into());
         let mut k = 0;
         s.equations.retain(|_| {

@@ -136,8 +136,17 @@ impl Pieces {
         let [body, target] = [bound.body, known].map(|id| g.sum(Q::ZERO, &[(sign, id)]));
         let slope = crate::derivative::derivative(g, body, bound.variable);
         let (lo, hi) = (self.ends[k], self.last(g, k));
-        let root =
-            g.root(Root { variable: bound.variable, body, slope, target, lo, hi, inside: false });
+        let folds = [k > 0, k + 1 < self.signs.len()];
+        let root = g.root(Root {
+            variable: bound.variable,
+            body,
+            slope,
+            target,
+            lo,
+            hi,
+            inside: false,
+            folds,
+        });
         let mut within = Within::default();
         if k > 0 {
             within.conditions.push(g.sub(root, lo));
@@ -173,7 +182,8 @@ fn turning_points(g: &mut Graph, variable: Leaf, tower: &[Id], cell: &Cell) -> (
                 let [body, slope] =
                     [pair[0], pair[1]].map(|id| g.sum(Q::ZERO, &[(Q::int(*sign), id)]));
                 let (target, lo, hi) = (g.int(0), ends[0], ends[1]);
-                let root = Root { variable, body, slope, target, lo, hi, inside: true };
+                let root =
+                    Root { variable, body, slope, target, lo, hi, inside: true, folds: [false; 2] };
                 fixed(g, root)
             })
             .collect();
