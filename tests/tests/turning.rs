@@ -3,9 +3,10 @@
 //! What the forward map says by itself is the oracle: a scan of it finds the preimages, and slopes in closed form the
 //! density.
 
-use aether_core::battery::Battery;
+use aether_core::battery::check;
 use aether_core::prelude::*;
 use aether_core::{Pcg32, draw_uniforms};
+use tests::checks::covered;
 
 /// Turns where 5 u⁴ = 1, at a place that nothing moves.
 #[sampler]
@@ -55,7 +56,7 @@ fn ring(u: [Uniform; 2], k: f64) -> Vec2 {
 #[sampler(k in 0.0..=2.0)]
 fn product(u: [Uniform; 2], k: f64) -> Vec2 {
     let x = u[0].powi(5) - k * u[0];
-    let y = (1.0 + u[0]) * u[1] + u[1].powi(5);
+    let y = u[1] + 0.2 * u[0] * (PI * u[1]).sin();
     Vec2::new(x, y)
 }
 
@@ -131,7 +132,7 @@ fn preimages_and_densities_are_those_of_a_scan() {
         let slope = move |u: f64| 5.0 * u.powi(4) - 2.0 * k * u + u.exp();
         assert_eq!(scanned(&moved(k).unwrap(), &f, &slope), most, "{k}");
     }
-    for (k, most) in [(0.0, 1), (0.9, 1), (2.0, 2), (20.0, 2)] {
+    for (k, most) in [(0.0, 1), (0.9, 2), (2.0, 2), (20.0, 2)] {
         let f = move |u: f64| u * (-k * u).exp() - 0.05 * u * u;
         let slope = move |u: f64| (1.0 - k * u) * (-k * u).exp() - 0.1 * u;
         assert_eq!(scanned(&decay(k).unwrap(), &f, &slope), most, "{k}");
@@ -139,7 +140,7 @@ fn preimages_and_densities_are_those_of_a_scan() {
     for k in [0.9, 1.0, 1.1] {
         let f = move |u: f64| k * (16.0 * u).sin() + u;
         let slope = move |u: f64| 16.0 * k * (16.0 * u).cos() + 1.0;
-        assert_eq!(scanned(&ripples(k).unwrap(), &f, &slope), 5, "{k}");
+        assert_eq!(scanned(&ripples(k).unwrap(), &f, &slope), 6, "{k}");
     }
     for (k, most) in [(-0.5, 3), (-0.1, 3), (-1e-3, 3), (1e-3, 1), (0.5, 1)] {
         let f = move |u: f64| (u - 0.3).powi(3) + 0.1 * k * (u.powi(2).sin() + u);
@@ -149,66 +150,109 @@ fn preimages_and_densities_are_those_of_a_scan() {
     }
 }
 
-/// The battery, told of the values at turning points and ends, at which the density jumps.
-fn battery<S>(sampler: &S, jumps: &[f64])
+/// The battery over the values of a function, cut where it turns and ends, with poles on both sides of each cut.
+fn battery<S>(sampler: S, f: &dyn Fn(f64) -> f64, slope: &dyn Fn(f64) -> f64)
 where
     S: Sampler<f64, Uniforms = [f64; 1], Point = f64>,
 {
-    Battery::new(sampler).jumps(0, jumps.iter().copied()).run().assert_ok();
-}
-
-/// The values at both ends, and at zeros of the slope.
-fn extremes(f: &dyn Fn(f64) -> f64, slope: &dyn Fn(f64) -> f64) -> Vec<f64> {
-    scan(slope, 0.0).into_iter().chain([0.0, 1.0]).map(f).collect()
+    let mut cuts: Vec<f64> = scan(slope, 0.0).into_iter().chain([0.0, 1.0]).map(f).collect();
+    cuts.sort_by(f64::total_cmp);
+    let parts = (cuts.len() - 1) as f64;
+    let at = |t: &[f64]| {
+        let k = (t[0] * parts).min(parts - 1.0).floor();
+        let share = (0.5 * PI * (t[0] * parts - k)).sin().powi(2);
+        let (low, high) = (cuts[k as usize], cuts[k as usize + 1]);
+        low + (high - low) * share
+    };
+    let place = |x: &[f64]| {
+        let k = cuts[1..cuts.len() - 1].partition_point(|c| *c <= x[0]);
+        let share = ((x[0] - cuts[k]) / (cuts[k + 1] - cuts[k])).clamp(0.0, 1.0);
+        vec![(k as f64 + share.sqrt().asin() / (0.5 * PI)) / parts]
+    };
+    covered(sampler, at, place);
 }
 
 #[test]
 fn numbers_pass_the_battery() {
-    let f = |u: f64| u.powi(5) - u;
-    battery(&quintic(), &extremes(&f, &|u| 5.0 * u.powi(4) - 1.0));
-    let f = |u: f64| (5.0 * u).sin() + u;
-    battery(&ripple(), &extremes(&f, &|u| 5.0 * (5.0 * u).cos() + 1.0));
-    for k in [0.0, 2.0, 8.0] {
+    check(&quintic()).assert_ok();
+    battery(quintic(), &|u| u.powi(5) - u, &|u| 5.0 * u.powi(4) - 1.0);
+    battery(ripple(), &|u| (5.0 * u).sin() + u, &|u| 5.0 * (5.0 * u).cos() + 1.0);
+    for k in [0.0, 1.0, 2.0, 8.0] {
         let f = |u: f64| u.powi(5) - k * u.powi(2) + u.exp();
         let slope = |u: f64| 5.0 * u.powi(4) - 2.0 * k * u + u.exp();
-        battery(&moved(k).unwrap(), &extremes(&f, &slope));
+        battery(moved(k).unwrap(), &f, &slope);
     }
     for k in [0.0, 1.0, 20.0] {
         let f = |u: f64| u * (-k * u).exp() - 0.05 * u * u;
         let slope = |u: f64| (1.0 - k * u) * (-k * u).exp() - 0.1 * u;
-        battery(&decay(k).unwrap(), &extremes(&f, &slope));
+        battery(decay(k).unwrap(), &f, &slope);
     }
     let f = |u: f64| (16.0 * u).sin() + u;
-    battery(&ripples(1.0).unwrap(), &extremes(&f, &|u| 16.0 * (16.0 * u).cos() + 1.0));
-    for k in [-0.5, 0.1] {
+    battery(ripples(1.0).unwrap(), &f, &|u| 16.0 * (16.0 * u).cos() + 1.0);
+    for k in [-0.5, -0.1, 0.1] {
         let f = |u: f64| (u - 0.3).powi(3) + 0.1 * k * (u.powi(2).sin() + u);
         let slope = |u: f64| 3.0 * (u - 0.3).powi(2) + 0.1 * k * (2.0 * u * u.powi(2).cos() + 1.0);
-        battery(&folding(k).unwrap(), &extremes(&f, &slope));
+        battery(folding(k).unwrap(), &f, &slope);
     }
+}
+
+/// A number from `low` to `high` and its place between them, more slowly next to `low`, where a density has a pole.
+fn from_a_pole(low: f64, high: f64) -> (impl Fn(f64) -> f64, impl Fn(f64) -> f64) {
+    let at = move |t: f64| low + (high - low) * t * t;
+    let place = move |x: f64| ((x - low).max(0.0) / (high - low)).sqrt();
+    (at, place)
 }
 
 #[test]
 fn points_in_the_plane_pass_the_battery() {
-    for k in [0.5, 1.0, 2.0] {
-        aether_core::battery::check(&ring(k).unwrap()).assert_ok();
-        aether_core::battery::check(&product(k).unwrap()).assert_ok();
+    let turn = 0.2_f64.powf(0.25);
+    let lowest = turn.powi(5) - turn;
+    let (radius, place) = from_a_pole(2.0 + lowest, 2.0);
+    covered(
+        ring(1.0).unwrap(),
+        |t| Vec2::new(radius(t[0]) * (TAU * t[1]).cos(), radius(t[0]) * (TAU * t[1]).sin()),
+        |x| vec![place(x[0].hypot(x[1])), x[1].atan2(x[0]).rem_euclid(TAU) / TAU],
+    );
+    let (first, place) = from_a_pole(lowest, 0.0);
+    covered(product(1.0).unwrap(), |t| Vec2::new(first(t[0]), t[1]), |x| vec![place(x[0]), x[1]]);
+    check(&sheared(0.05).unwrap()).assert_ok();
+}
+
+#[test]
+fn a_wave_has_the_preimages_of_its_place() {
+    let mut most = 0;
+    for (k, u) in [(0.5, [0.3, 0.7]), (0.5, [0.9, 0.2]), (0.4, [0.5, 0.55]), (0.2, [0.1, 0.4])] {
+        let (sampler, det) = (sheared(k).unwrap(), |s: f64| 1.0 + 4.5 * k * (3.0 * s).cos());
+        let sample = sampler.sample(u);
+        let x = sample.value();
+        let along = |s: f64| 2.0 * s + 1.5 * k * (6.0 * s).sin();
+        let all = scan(&along, x.x + x.y).into_iter().map(|s| 2.0 * s).map(|s| {
+            let wave = k * (3.0 * s).sin();
+            ([x.x - wave, x.y - 0.5 * wave], det(s).abs())
+        });
+        let inside = |u: &[f64; 2]| u.iter().all(|u| (0.0..1.0).contains(u));
+        let all: Vec<_> = all.filter(|(u, _)| inside(u)).collect();
+        let expected: f64 = all.iter().map(|(_, det)| 1.0 / det).sum();
+        assert_eq!(sampler.invert(&sample).iter().count(), all.len(), "{k} {u:?}");
+        for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+            assert!((p / expected - 1.0).abs() < 1e-12, "{k} {u:?}: {p}, {expected}");
+        }
+        most = most.max(all.len());
     }
-    for k in [0.0, 0.1, 0.5] {
-        aether_core::battery::check(&sheared(k).unwrap()).assert_ok();
-    }
+    assert!(most > 1);
 }
 
 #[test]
 fn the_ring_has_the_density_of_its_radius() {
-    let k = 1.0;
-    let radius = |u: f64| 2.0 + u.powi(5) - k * u;
-    for (u, v) in [(0.1, 0.3), (0.5, 0.9), (0.6, 0.2), (0.9, 0.7)] {
-        let sample = ring(k).unwrap().sample([u, v]);
+    for (k, u, v) in [(1.0, 0.1, 0.3), (0.5, 0.5, 0.9), (2.0, 0.6, 0.2), (1.0, 0.9, 0.7)] {
+        let radius = |u: f64| 2.0 + u.powi(5) - k * u;
+        let sampler = ring(k).unwrap();
+        let sample = sampler.sample([u, v]);
+        let slope = |w: f64| (5.0 * w.powi(4) - k).abs();
         let all = scan(&radius, radius(u));
-        let expected: f64 =
-            all.iter().map(|w| 1.0 / ((5.0 * w.powi(4) - k).abs() * radius(*w) * TAU)).sum();
-        assert_eq!(all.len(), 2);
-        for p in [sample.pdf().value(), ring(k).unwrap().pdf(&sample).value()] {
+        let share = |w: &f64| 1.0 / (slope(*w) * radius(*w) * TAU);
+        let expected: f64 = all.iter().map(share).sum();
+        for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
             assert!((p / expected - 1.0).abs() < 1e-12, "{u} {v}: {p}, {expected}");
         }
     }

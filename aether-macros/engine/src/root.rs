@@ -108,25 +108,28 @@ fn beyond<T: Number>(
     lo: T,
     hi: T,
 ) -> Option<T> {
-    let (below, above) = (body(lo).0, body(hi).0);
-    let (end, at_end, fold) = if below >= target {
-        (lo, below, root.folds[0])
+    let ((below, from), (above, to)) = (body(lo), body(hi));
+    let (end, at_end, slope) = if below >= target {
+        (lo, below, from)
     } else if above <= target {
-        (hi, above, root.folds[1])
+        (hi, above, to)
     } else {
         return None;
     };
     if root.inside {
         return Some(end);
     }
-    if fold {
-        let share = ((target - at_end) / (above - below)).abs();
-        let side = T::from_f64(if below >= target { -1.0 } else { 1.0 });
-        return Some(end + side * share.sqrt() * (hi - lo));
-    }
     let scale = (hi - lo) / (above - below);
     let scale = if scale.is_finite() && scale.to_f64() > 0.0 { scale } else { hi - lo };
-    Some(end + (target - at_end) * scale)
+    let excess = target - at_end;
+    if root.folds && slope.is_finite() {
+        // As the runtime does, by a parabola with this slope.
+        let (slope, four) = (slope.abs(), T::from_f64(4.0));
+        let square = slope * slope + four * excess.abs() / (scale * (hi - lo));
+        let distance = excess * T::from_f64(2.0) / (slope + square.sqrt());
+        return Some(if excess.to_f64() == 0.0 { end } else { end + distance });
+    }
+    Some(end + excess * scale)
 }
 
 /// The root of an increasing function whose value is below the target at `lo` and above it at `hi`.
@@ -232,7 +235,7 @@ mod tests {
         let body = g.sum(Q::ZERO, &[(Q::int(2), t3), (Q::int(-1), t4)]);
         let slope = crate::derivative::derivative(&mut g, body, variable);
         let (lo, hi) = (g.int(0), g.int(1));
-        (g, Root { variable, body, slope, target: u, lo, hi, inside: false, folds: [false; 2] })
+        (g, Root { variable, body, slope, target: u, lo, hi, inside: false, folds: false })
     }
 
     #[test]

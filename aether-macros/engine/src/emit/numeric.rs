@@ -61,14 +61,10 @@ pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
     let lets = inner.statements();
     let [target, lo, hi] = [root.target, root.lo, root.hi].map(|id| code.reference(id));
     let t = variable(root.variable);
-    let function = match root {
-        Root { inside: true, .. } => quote!(root_inside),
-        Root { folds: [false, false], .. } => quote!(root_or_beyond),
-        _ => quote!(root_or_fold),
+    let function = match (root.inside, root.folds) {
+        (true, _) => quote!(root_inside),
+        (false, false) => quote!(root_or_beyond),
+        (false, true) => quote!(root_or_fold),
     };
-    let folds = root.folds.contains(&true).then(|| {
-        let [first, last] = root.folds;
-        quote!(, [#first, #last])
-    });
-    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi #folds))
+    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi))
 }

@@ -118,8 +118,7 @@ fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<State, Un
     let [body, target] = [body, e.known].map(|id| g.sum(Q::ZERO, &[(Q::int(sign), id)]));
     let slope = derivative(g, body, variable);
     let [lo, hi] = [range.lo, range.hi].map(|x| end(g, x));
-    let root =
-        g.root(Root { variable, body, slope, target, lo, hi, inside: false, folds: [false; 2] });
+    let root = g.root(Root { variable, body, slope, target, lo, hi, inside: false, folds: false });
     let mut s = state.clone();
     s.equations[i] = Equation { known: root, rhs: z, modulo_turn: false };
     s.solution.known.entry(e.rhs).or_insert(e.known);

@@ -136,7 +136,7 @@ impl Pieces {
         let [body, target] = [bound.body, known].map(|id| g.sum(Q::ZERO, &[(sign, id)]));
         let slope = crate::derivative::derivative(g, body, bound.variable);
         let (lo, hi) = (self.ends[k], self.last(g, k));
-        let folds = [k > 0, k + 1 < self.signs.len()];
+        let folds = self.signs.len() > 1;
         let root = g.root(Root {
             variable: bound.variable,
             body,
@@ -183,7 +183,7 @@ fn turning_points(g: &mut Graph, variable: Leaf, tower: &[Id], cell: &Cell) -> (
                     [pair[0], pair[1]].map(|id| g.sum(Q::ZERO, &[(Q::int(*sign), id)]));
                 let (target, lo, hi) = (g.int(0), ends[0], ends[1]);
                 let root =
-                    Root { variable, body, slope, target, lo, hi, inside: true, folds: [false; 2] };
+                    Root { variable, body, slope, target, lo, hi, inside: true, folds: false };
                 fixed(g, root)
             })
             .collect();
