@@ -340,4 +340,5 @@ fn the_documentation_says_on_how_many_pieces() {
     let text = Ripples::<f64>::DERIVATION;
     assert_eq!(text.inverse.lines().count(), 6);
     assert!(text.inverse.contains("root("));
+    assert!(text.inverse.lines().all(|line| line.starts_with("u = root(")), "{}", text.inverse);
 }

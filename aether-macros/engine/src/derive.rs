@@ -200,6 +200,8 @@ pub struct Derived {
     pub limits: Vec<u8>,
     /// Whether the map keeps the orientation of its unknowns, where it is the same at all points that are tried.
     pub orientation: Option<bool>,
+    /// On how many pieces an equation is solved numerically; zero if none is that turns back.
+    pub pieces: usize,
     /// Worst relative error of the density found on the test points, in `f64`.
     pub worst_error: f64,
     /// The derivation, a line a step.
@@ -390,6 +392,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         check_forward,
         limits,
         orientation,
+        pieces: solutions.iter().flat_map(|s| &s.pieces).map(|p| p.of).max().unwrap_or(0),
         worst_error: worst,
         steps,
     })

@@ -73,6 +73,8 @@ pub struct Solution {
 /// What holds of a root on one of several pieces.
 #[derive(Clone, Debug, Default)]
 pub struct Within {
+    /// How many pieces there are.
+    pub of: usize,
     /// By how far it lies within the ends of its piece: not negative.
     pub conditions: Vec<Id>,
     /// Positive if there is such a piece for the parameters.

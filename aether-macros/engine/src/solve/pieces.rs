@@ -147,7 +147,7 @@ impl Pieces {
             inside: false,
             folds,
         });
-        let mut within = Within::default();
+        let mut within = Within { of: self.signs.len(), ..Within::default() };
         if k > 0 {
             within.conditions.push(g.sub(root, lo));
         }
