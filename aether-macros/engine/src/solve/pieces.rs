@@ -9,6 +9,7 @@ use super::{Condition, Equation, State, Within};
 use crate::display::show;
 use crate::eval::evaluate;
 use crate::expr::{Graph, Id, Leaf, Root};
+use crate::monotone::Unproven;
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 use crate::turns::{Cell, cells, tower};
@@ -38,11 +39,8 @@ pub(super) fn by_pieces(g: &mut Graph, state: &State) -> Result<Vec<State>, Opti
 /// The states in which equation `i` is solved for the expression `z`, one for each piece.
 fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<Vec<State>, String> {
     let e = state.equations[i].clone();
-    let proof =
-        |g: &Graph, place: &str, unbounded: Option<&String>| explain(g, &e, z, place, unbounded);
-    let bound = bind(g, state, i, z).map_err(|why| proof(g, &why.place, why.unbounded.as_ref()))?;
-    let found = cells(g, bound.restored, bound.variable)
-        .map_err(|why| proof(g, &why.place, why.unbounded.as_ref()))?;
+    let bound = bind(g, state, i, z).map_err(|why| explain(g, &e, z, &why))?;
+    let found = cells(g, bound.restored, bound.variable).map_err(|why| explain(g, &e, z, &why))?;
     let pieces = Pieces::new(g, &bound, &found);
     if pieces.signs.len() > MOST {
         return Err(too_many(g, &e, z, pieces.signs.len()));
@@ -202,15 +200,16 @@ fn fixed(g: &mut Graph, root: Root) -> Id {
     end(g, value)
 }
 
-fn explain(g: &Graph, e: &Equation, z: Id, place: &str, unbounded: Option<&String>) -> String {
-    let way = match unbounded {
+fn explain(g: &Graph, e: &Equation, z: Id, why: &Unproven) -> String {
+    let way = match &why.unbounded {
         Some(p) => format!("Declare a domain of `{p}`, as in `#[sampler({p} in 0.0..=10.0)]`"),
         None => "Narrow the domains of the parameters, or write one sampler for each piece on which the map is monotone".to_owned(),
     };
     format!(
-        "`{}` has no closed inverse, and a numerical one needs a proof of where it increases and where it decreases with {}: there is none for {place}. {way}",
+        "`{}` has no closed inverse, and a numerical one needs a proof of where it increases and where it decreases with {}: there is none for {}. {way}",
         show(g, e.rhs),
         show(g, z),
+        why.place,
     )
 }
 
@@ -288,6 +287,21 @@ mod tests {
         assert!((item.pdf(&[k], &[x]) / expected - 1.0).abs() < 1e-13);
         // Beyond the turning point there is nothing.
         assert_eq!(item.pdf(&[k], &[-0.6]), 0.0);
+    }
+
+    #[test]
+    fn a_map_of_all_numbers() {
+        let text = "fn bent(x: f64, k: f64) -> f64 { x.powi(5) - k * x }";
+        let map =
+            Item::new("k in 0.0..=2.0".parse().unwrap(), text.parse().unwrap(), false).unwrap();
+        for (k, x, count) in [(0.0, 0.3, 1), (0.5, 0.01, 3), (2.0, -0.5, 3), (2.0, 1e60, 1)] {
+            let found = map.preimages(&[k], &[x]);
+            assert_eq!(found.len(), count, "{k} {x}: {found:?}");
+            for t in found {
+                let back = map.forward(&[k], &t).unwrap()[0];
+                assert!((back - x).abs() <= 1e-14 * x.abs(), "{k}: {t:?} leads to {back}, not {x}");
+            }
+        }
     }
 
     #[test]
