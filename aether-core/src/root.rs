@@ -90,7 +90,7 @@ pub fn root_or_beyond<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R)
 }
 
 /// The same for a function that may turn back at an end: there the root of a target beyond its values is as far outside as
-/// that of one within them is inside, by the square root of the difference, and so are its error bounds.
+/// that of one within them is inside, by the square root of the difference.
 #[doc(hidden)]
 pub fn root_or_fold<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
     let ((at_lo, from), (at_hi, to)) = (f(lo), f(hi));
@@ -108,7 +108,8 @@ pub fn root_or_fold<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -
         let slope = R::select(slope.finite(), slope.abs(), R::ZERO);
         let off = R::select(excess.gt(rounding), excess, rounding + (excess - excess.exact()));
         let square = slope * slope + R::of(4.0) * off * (height / (width * width));
-        let distance = R::of(2.0) * off / (slope + square.sqrt());
+        // Exact, so that bounds allow for as much as they do of the value.
+        let distance = R::of(2.0) * off / (slope + square.sqrt()).exact();
         R::select(square.gt(R::ZERO), distance, off)
     };
     let first = lo - distance(at_lo - target, from);
