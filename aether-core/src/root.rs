@@ -89,6 +89,34 @@ pub fn root_or_beyond<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R)
     R::select(below.or(above), beyond, bracketed(f, target, lo, hi))
 }
 
+/// The same for a function that may turn back at an end: there the root of a target beyond its values is as far outside as
+/// that of one within them is inside, by the square root of the difference.
+#[doc(hidden)]
+pub fn root_or_fold<R: Real>(f: impl Fn(R) -> (R, R), target: R, lo: R, hi: R) -> R {
+    let ((at_lo, from), (at_hi, to)) = (f(lo), f(hi));
+    let (below, above) = (at_lo.ge(target), at_hi.le(target));
+    let root = if below.or(above).all() { lo } else { bracketed(&f, target, lo, hi) };
+    if !below.or(above).any() {
+        return root;
+    }
+    let known = |x: R| R::select(x.gt(R::ZERO).and(x.finite()), x, R::ONE);
+    let (width, height) = (known((hi - lo).exact()), known((at_hi - at_lo).exact()));
+    // A target at a fold may have been rounded to it: else it would be next to it, and its density not infinite.
+    let rounding = target.exact().abs() * R::EPSILON * R::of(0.25);
+    // By the parabola with the slope at the end, and the curvature that the other one tells.
+    let distance = |excess: R, slope: R| {
+        let slope = R::select(slope.finite(), slope.abs(), R::ZERO);
+        let off = R::select(excess.gt(rounding), excess, rounding + (excess - excess.exact()));
+        let square = slope * slope + R::of(4.0) * off * (height / (width * width));
+        // Exact, so that bounds allow for as much as they do of the value.
+        let distance = R::of(2.0) * off / (slope + square.sqrt()).exact();
+        R::select(square.gt(R::ZERO), distance, off)
+    };
+    let first = lo - distance(at_lo - target, from);
+    let last = hi + distance(target - at_hi, to);
+    R::select(below, first, R::select(above, last, root))
+}
+
 /// Newton's method inside a bracket that only shrinks, with a step of bisection wherever Newton's
 /// would leave it or is slow. For tracked numbers, the error of the root is that of the equation over
 /// the slope.
@@ -227,6 +255,34 @@ mod tests {
         assert_eq!(root_or_beyond(smoothstep::<f64>, 1.5, 0.0, 1.0), 1.5);
         assert!(root_or_beyond(smoothstep::<f64>, f64::NAN, 0.0, 1.0).is_nan());
         assert!(root_inside(smoothstep::<f64>, f64::NAN, 0.0, 1.0).is_nan());
+    }
+
+    #[test]
+    fn beyond_a_fold() {
+        // t (1 - t) rises up to a half.
+        let fold = |t: f64| (t * (1.0 - t), 1.0 - 2.0 * t);
+        let root = |target: f64| root_or_fold(fold, target, 0.0, 0.5);
+        for distance in [0.25, 1e-3, 1e-7] {
+            let off = root(0.25 - distance * distance) - (0.5 - distance);
+            assert!(off.abs() <= 1e-16 / distance, "{distance}: {off}");
+            let beyond = root(0.25 + distance * distance) - (0.5 + distance);
+            assert!(beyond.abs() <= 1e-15 / distance, "{distance}: {beyond}");
+        }
+        // At the other end it goes on as it did.
+        assert!((root(-1e-9) + 1e-9).abs() < 1e-16 && root(-0.5) < -0.3);
+        assert!((root(0.25) - 0.5) > 1e-9 && (root(0.25) - 0.5) < 1e-8);
+        assert!(root(f64::NAN).is_nan());
+        // A piece without width has its root where it is, or beyond it.
+        let none = root_or_fold(fold, 0.2, 0.5, 0.5);
+        assert!(none < 0.5 && root_or_fold(fold, 0.3, 0.5, 0.5) > 0.5);
+        // Rounding of the value explains a distance of the root of that.
+        let track = |x: f64| Bounded { value: x, error: 1e-16 };
+        let tracked = |t: Bounded<f64>| (t * (Bounded::ONE - t), Bounded::ONE - t - t);
+        let [lo, hi] = [0.0, 0.5].map(Bounded::exact);
+        let near = root_or_fold(tracked, track(0.25 + 1e-16), lo, hi);
+        assert!((near.value - 0.5) < 8.0 * near.error && near.error < 1e-7, "{near:?}");
+        let far = root_or_fold(tracked, track(0.25 + 1e-14), lo, hi);
+        assert!((far.value - 0.5) > 8.0 * far.error, "{far:?}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 mod manifold;
 
 use crate::real::{Mask, Real, Single};
-pub use crate::root::{place_of_root, root_inside, root_or_beyond};
+pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
 pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made

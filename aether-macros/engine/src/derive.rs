@@ -38,7 +38,7 @@ use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Piece, Segment, Space, Stage, Test};
 use crate::points::Kind;
-use crate::solve::{Condition, Solution, System, solve};
+use crate::solve::{Condition, Numerical, Solution, System, solve};
 use crate::stabilise::stabilise_point;
 
 pub use atoms::{Atom, atoms};
@@ -143,6 +143,8 @@ pub struct Problem {
     pub stages: Vec<Stage>,
     /// The segments of the uniforms that the unknowns run over, where these are not all of [0, 1).
     pub segments: Vec<Option<Segment>>,
+    /// Whether no inverse was found, with a numerical one asked for only where functions are monotone.
+    pub stuck: bool,
 }
 
 /// One preimage, ready to be emitted.
@@ -198,6 +200,8 @@ pub struct Derived {
     pub limits: Vec<u8>,
     /// Whether the map keeps the orientation of its unknowns, where it is the same at all points that are tried.
     pub orientation: Option<bool>,
+    /// On how many pieces an equation is solved numerically; zero if none is that turns back.
+    pub pieces: usize,
     /// Worst relative error of the density found on the test points, in `f64`.
     pub worst_error: f64,
     /// The derivation, a line a step.
@@ -206,13 +210,25 @@ pub struct Derived {
 
 /// Derives and verifies. The error is a text for the user.
 pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
+    derive_with(problem, Numerical::Monotone)
+}
+
+/// The same where nothing else has an inverse: functions that turn back are inverted on each piece on which they are
+/// monotone.
+pub fn derive_by_pieces(problem: &mut Problem) -> Result<Derived, String> {
+    derive_with(problem, Numerical::Pieces)
+}
+
+fn derive_with(problem: &mut Problem, most: Numerical) -> Result<Derived, String> {
+    let as_written = |problem: &mut Problem| derive_as_written(problem, most);
     match turned::turned(problem) {
-        Some(turned) => turned.derive(problem, derive_as_written),
-        None => derive_as_written(problem),
+        Some(turned) => turned.derive(problem, as_written),
+        None => as_written(problem),
     }
 }
 
-fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
+/// The inverse in closed form, if there is one and roots on several pieces are not asked for.
+fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, String> {
     crate::poly::start_budget();
     let targets = declare_outputs(problem);
     all_used(problem)?;
@@ -232,19 +248,28 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         let solutions = find_solutions(problem, &targets, numerical)?;
         prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
     };
-    let numerically = |problem: &mut Problem| inverse(problem, true);
+    let numerically = |problem: &mut Problem| inverse(problem, Numerical::Monotone);
     // A closed form may be missing, or fail where its parts overflow.
     let mut staged = None;
-    let (solutions, check_forward) = match inverse(problem, false) {
-        Ok(found) => found,
-        Err(NoInverse::Stuck(_)) => match in_stages(problem, &targets, &cases) {
+    let closed = match most {
+        Numerical::Pieces => None,
+        _ => Some(inverse(problem, Numerical::No)),
+    };
+    let (solutions, check_forward) = match closed {
+        None => inverse(problem, Numerical::Pieces).map_err(NoInverse::text)?,
+        Some(Ok(found)) => found,
+        Some(Err(NoInverse::Stuck(_))) => match in_stages(problem, &targets, &cases) {
             Some((found, stage)) => {
                 staged = Some(stage);
                 found
             }
-            None => numerically(problem).map_err(NoInverse::text)?,
+            None => {
+                let found = numerically(problem);
+                problem.stuck = matches!(found, Err(NoInverse::Stuck(_)));
+                found.map_err(NoInverse::text)?
+            }
         },
-        Err(NoInverse::Wrong(why)) => numerically(problem).map_err(|_| why)?,
+        Some(Err(NoInverse::Wrong(why))) => numerically(problem).map_err(|_| why)?,
     };
     verify_volume(problem, inner[0], &cases)?;
     let orientation = cases::orientation(problem, &cases);
@@ -311,7 +336,16 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
     // Mapping forward again is a test that contains all others, but what tells opposite preimages apart may be smaller
     // than rounding lets it see.
     let conditions: Vec<Vec<Id>> = match check_forward {
-        true => holding::opposed(&mut problem.graph, &solutions),
+        true => {
+            let opposed = holding::opposed(&mut problem.graph, &solutions);
+            let ends = solutions.iter().map(|s| s.pieces.iter().flat_map(|p| &p.conditions));
+            // Of roots on neighbouring pieces both may lead back where rounding puts them beyond an end.
+            opposed
+                .into_iter()
+                .zip(ends)
+                .map(|(c, ends)| c.into_iter().chain(ends.copied()).collect())
+                .collect()
+        }
         false => solutions.iter().map(|s| s.conditions.iter().map(|c| c.0).collect()).collect(),
     };
     for (s, conditions) in solutions.iter().zip(&conditions) {
@@ -358,6 +392,7 @@ fn derive_as_written(problem: &mut Problem) -> Result<Derived, String> {
         check_forward,
         limits,
         orientation,
+        pieces: solutions.iter().flat_map(|s| &s.pieces).map(|p| p.of).max().unwrap_or(0),
         worst_error: worst,
         steps,
     })
@@ -522,7 +557,7 @@ fn in_stages(
 fn find_solutions(
     problem: &mut Problem,
     targets: &[Id],
-    numerical: bool,
+    numerical: Numerical,
 ) -> Result<Vec<Solution>, NoInverse> {
     let mut outputs = problem.outputs.clone();
     let mut known = targets.to_vec();
@@ -568,6 +603,11 @@ fn find_solutions(
         let spelled: Vec<_> = s.unknowns.iter().map(|(l, v)| (*l, s.spell_out(g, *v))).collect();
         s.unknowns = spelled.into_iter().collect();
         s.conditions = s.conditions.iter().map(|c| Condition(s.spell_out(g, c.0))).collect();
+        let mut pieces = std::mem::take(&mut s.pieces);
+        for id in pieces.iter_mut().flat_map(|p| p.conditions.iter_mut().chain(&mut p.widths)) {
+            *id = s.spell_out(g, *id);
+        }
+        s.pieces = pieces;
     }
     Ok(solutions)
 }

@@ -5,6 +5,8 @@
 //! often ends at a zero that is attained), and other results are widened: by one unit in the last place
 //! where IEEE rounds correctly, by several after a function of `libm`.
 
+pub mod unbroken;
+
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::hash::Map;
 use crate::interval::Interval;
@@ -92,6 +94,11 @@ impl Enclosure {
             Node::Root(r) if r.inside => Step::Between([&r.lo, &r.hi].map(at)),
             Node::Root(_) => Step::Known(Interval::ALL),
         }
+    }
+
+    /// The number of intervals that are computed over a box.
+    pub fn len(&self) -> usize {
+        self.steps.len()
     }
 
     /// The intervals over a box.

@@ -6,7 +6,7 @@
 use proc_macro2::TokenStream;
 use syn::ItemFn;
 
-use crate::derive::{Atom, Derived, Preimage, atoms, derive};
+use crate::derive::{Atom, Derived, Preimage, atoms, derive, derive_by_pieces};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
@@ -76,7 +76,9 @@ impl Item {
         let atoms = atoms(ways).map_err(|(tokens, why)| errors.error(tokens, why)).ok()?;
         let mut derived = Vec::new();
         for k in 0..parsed.pieces.len() {
-            let found = derive(&mut parsed.pieces[k].problem)
+            let found = derive(&mut parsed.pieces[k].problem);
+            let stuck = parsed.pieces[k].problem.stuck;
+            let found = found
                 .or_else(|message| in_two_steps(function, &mut parsed, k, options).ok_or(message));
             match found {
                 Ok(d) => derived.push(d),
@@ -85,8 +87,10 @@ impl Item {
                     if let Some(item) = item {
                         return Some(Item { atoms, ..item });
                     }
-                    errors.error(&function.sig.ident, message);
-                    return None;
+                    let problem = &mut parsed.pieces[k].problem;
+                    let found = if stuck { derive_by_pieces(problem) } else { Err(message) };
+                    let found = found.map_err(|why| errors.error(&function.sig.ident, why));
+                    derived.push(found.ok()?);
                 }
             }
         }

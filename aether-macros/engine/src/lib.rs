@@ -41,6 +41,7 @@ mod root;
 pub mod solve;
 pub mod stabilise;
 pub mod strategy;
+pub mod turns;
 
 pub use expand::{map, sampler};
 pub use strategy::strategy;

@@ -57,7 +57,7 @@ fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, 
 }
 
 /// The inputs of an expression, the variable first.
-fn leaves_of(g: &Graph, id: Id, variable: Leaf) -> Vec<Leaf> {
+pub(crate) fn leaves_of(g: &Graph, id: Id, variable: Leaf) -> Vec<Leaf> {
     let mut seen = std::collections::HashSet::new();
     let mut open = vec![id];
     let mut leaves = vec![variable];
@@ -76,7 +76,7 @@ fn leaves_of(g: &Graph, id: Id, variable: Leaf) -> Vec<Leaf> {
 }
 
 /// A number in the middle of an interval, which may be infinite.
-fn centre(i: Interval) -> f64 {
+pub(crate) fn centre(i: Interval) -> f64 {
     match (i.lo.is_finite(), i.hi.is_finite()) {
         (true, true) => i.lo + 0.5 * (i.hi - i.lo),
         (true, false) => (2.0 * i.lo).max(i.lo + 1.0),
@@ -86,7 +86,7 @@ fn centre(i: Interval) -> f64 {
 }
 
 /// The number that lies at a fraction t of an interval, which may be infinite.
-fn inside(i: Interval, t: f64) -> f64 {
+pub(crate) fn inside(i: Interval, t: f64) -> f64 {
     let far = t / (1.0 - t);
     match (i.lo.is_finite(), i.hi.is_finite()) {
         (true, true) => i.lo + t * i.width(),
@@ -130,7 +130,8 @@ fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf], strict: bool) -> Result<i6
     }
 }
 
-fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
+/// That there is no proof for a part of the box.
+pub(crate) fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
     let place: Vec<String> = leaves
         .iter()
         .zip(part)
@@ -147,7 +148,8 @@ fn unproven(g: &Graph, leaves: &[Leaf], part: &[Interval]) -> Unproven {
     Unproven { place: place.join(", "), unbounded: unbounded.map(|l| g.name(*l).to_owned()) }
 }
 
-struct Proof {
+/// What shows on a part of the box that a slope is not negative there.
+pub(crate) struct Proof {
     /// The slope and its derivatives, each in the forms that are tried.
     orders: Vec<Vec<Id>>,
     leaves: Vec<Leaf>,
@@ -157,7 +159,14 @@ struct Proof {
 }
 
 impl Proof {
-    fn new(g: &mut Graph, slope: Id, variable: Leaf, leaves: Vec<Leaf>, strict: bool) -> Proof {
+    /// For a slope by the first of its inputs, `variable`.
+    pub(crate) fn new(
+        g: &mut Graph,
+        slope: Id,
+        variable: Leaf,
+        leaves: Vec<Leaf>,
+        strict: bool,
+    ) -> Proof {
         let mut orders = Vec::new();
         let mut current = slope;
         for _ in 0..=if strict { 0 } else { ORDERS } {
@@ -205,8 +214,18 @@ impl Proof {
         })
     }
 
+    /// How many intervals it takes to look at a part.
+    pub(crate) fn len(&self) -> usize {
+        self.enclosure.len()
+    }
+
+    /// The interval of the slope itself over a part.
+    pub(crate) fn values(&self, part: &[Interval]) -> Interval {
+        self.pick(&mut self.enclosure.over(part), 0)
+    }
+
     /// Whether the slope is nowhere negative on a part.
-    fn shown(&self, part: &[Interval]) -> bool {
+    pub(crate) fn shown(&self, part: &[Interval]) -> bool {
         let mut over = self.enclosure.over(part);
         let values = self.pick(&mut over, 0);
         if self.strict {
@@ -238,7 +257,7 @@ impl Proof {
     }
 
     /// Whether the slope, which is not negative, is positive at the centre of a part.
-    fn positive_somewhere(&self, g: &Graph, part: &[Interval]) -> bool {
+    pub(crate) fn positive_somewhere(&self, g: &Graph, part: &[Interval]) -> bool {
         let at = |l: Leaf| {
             let found = self.leaves.iter().position(|k| *k == l);
             found.map_or(f64::NAN, |k| centre(part[k]))
@@ -251,7 +270,7 @@ impl Proof {
 }
 
 /// Two halves of a box along its widest side, each side taken in turn if they are alike.
-fn halves(part: &[Interval], turn: usize) -> Option<(Vec<Interval>, Vec<Interval>)> {
+pub(crate) fn halves(part: &[Interval], turn: usize) -> Option<(Vec<Interval>, Vec<Interval>)> {
     let size = |i: Interval| {
         let relative = i.width() / (1.0 + i.lo.abs().min(i.hi.abs()));
         if relative.is_nan() { f64::INFINITY } else { relative }

@@ -1,7 +1,8 @@
 //! The values of roots, at any precision: Newton's method inside a bracket that only shrinks.
 
-use crate::eval::{Evaluator, evaluate};
-use crate::expr::{Graph, Id, Leaf, Root};
+use crate::eval::{Evaluator, Prepared};
+use crate::expr::{Graph, Id, Leaf, Root, children, leaf_bit};
+use crate::hash::Map;
 use crate::number::Number;
 
 /// Steps after which a root is as good as it gets; bisection alone needs fewer.
@@ -27,11 +28,8 @@ pub fn root_value<T: Number>(
             root_value::<f64>(graph, root, &|l| inputs(l).to_f64(), &mut |id| part(id).to_f64());
         return T::from_f64(root);
     }
-    let body = |t: T| {
-        let at = |l: Leaf| if l == root.variable { t } else { inputs(l) };
-        let mut e = Evaluator::new(graph, &at);
-        (e.value(root.body), e.value(root.slope))
-    };
+    let body = Body::new(graph, root, inputs);
+    let body = |t: T| body.at(t);
     if let Some(beyond) = beyond(root, &body, target, lo, hi) {
         return beyond;
     }
@@ -40,14 +38,61 @@ pub fn root_value<T: Number>(
     } else {
         // Most steps are as good in double precision.
         let at = |l: Leaf| inputs(l).to_f64();
-        let inner = |t: f64| {
-            let at = |l: Leaf| if l == root.variable { t } else { at(l) };
-            (evaluate(graph, root.body, &at), evaluate(graph, root.slope, &at))
-        };
+        let inner = Body::new(graph, root, &at);
+        let inner = |t: f64| inner.at(t);
         let t = bracketed(&inner, target.to_f64(), lo.to_f64(), hi.to_f64(), None);
         Some(T::from_f64(t))
     };
     bracketed(&body, target, lo, hi, start)
+}
+
+/// The body and the slope of a root as functions of its variable. What does not depend on it is computed once.
+struct Body<'a, T> {
+    root: &'a Root,
+    inputs: &'a dyn Fn(Leaf) -> T,
+    /// Every part before the whole.
+    steps: Vec<Prepared<'a>>,
+    place: Map<Id, usize>,
+    closed: Map<Id, T>,
+}
+
+impl<'a, T: Number> Body<'a, T> {
+    fn new(graph: &'a Graph, root: &'a Root, inputs: &'a dyn Fn(Leaf) -> T) -> Self {
+        let mut outside = Evaluator::new(graph, inputs);
+        let (steps, place, closed) = (Vec::new(), Map::default(), Map::default());
+        let mut found = Body { root, inputs, steps, place, closed };
+        let variable = leaf_bit(root.variable);
+        let mut open = vec![(root.slope, false), (root.body, false)];
+        while let Some((id, ready)) = open.pop() {
+            if found.place.contains_key(&id) || found.closed.contains_key(&id) {
+                continue;
+            }
+            if !graph.has(id, variable) {
+                found.closed.insert(id, outside.value(id));
+            } else if ready {
+                found.place.insert(id, found.steps.len());
+                found.steps.push(Prepared::new(graph, id));
+            } else {
+                open.push((id, true));
+                open.extend(children(graph.node(id)).into_iter().map(|c| (c, false)));
+            }
+        }
+        found
+    }
+
+    fn at(&self, t: T) -> (T, T) {
+        let inputs = |l: Leaf| if l == self.root.variable { t } else { (self.inputs)(l) };
+        let mut values: Vec<T> = Vec::with_capacity(self.steps.len());
+        let known = |values: &[T], id: Id| match self.place.get(&id) {
+            Some(place) => values[*place],
+            None => self.closed[&id],
+        };
+        for step in &self.steps {
+            let value = step.value(&inputs, &mut |part| known(&values, part));
+            values.push(value);
+        }
+        (known(&values, self.root.body), known(&values, self.root.slope))
+    }
 }
 
 /// Whether `T` has no more digits than a double.
@@ -63,11 +108,11 @@ fn beyond<T: Number>(
     lo: T,
     hi: T,
 ) -> Option<T> {
-    let (below, above) = (body(lo).0, body(hi).0);
-    let (end, at_end) = if below >= target {
-        (lo, below)
+    let ((below, from), (above, to)) = (body(lo), body(hi));
+    let (end, at_end, slope) = if below >= target {
+        (lo, below, from)
     } else if above <= target {
-        (hi, above)
+        (hi, above, to)
     } else {
         return None;
     };
@@ -76,7 +121,15 @@ fn beyond<T: Number>(
     }
     let scale = (hi - lo) / (above - below);
     let scale = if scale.is_finite() && scale.to_f64() > 0.0 { scale } else { hi - lo };
-    Some(end + (target - at_end) * scale)
+    let excess = target - at_end;
+    if root.folds && slope.is_finite() {
+        // As the runtime does, by a parabola with this slope.
+        let (slope, four) = (slope.abs(), T::from_f64(4.0));
+        let square = slope * slope + four * excess.abs() / (scale * (hi - lo));
+        let distance = excess * T::from_f64(2.0) / (slope + square.sqrt());
+        return Some(if excess.to_f64() == 0.0 { end } else { end + distance });
+    }
+    Some(end + excess * scale)
 }
 
 /// The root of an increasing function whose value is below the target at `lo` and above it at `hi`.
@@ -167,6 +220,7 @@ fn middle<T: Number>(a: T, b: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eval::evaluate;
     use crate::interval::Interval;
     use crate::number::Dd;
     use crate::rational::Q;
@@ -181,7 +235,7 @@ mod tests {
         let body = g.sum(Q::ZERO, &[(Q::int(2), t3), (Q::int(-1), t4)]);
         let slope = crate::derivative::derivative(&mut g, body, variable);
         let (lo, hi) = (g.int(0), g.int(1));
-        (g, Root { variable, body, slope, target: u, lo, hi, inside: false })
+        (g, Root { variable, body, slope, target: u, lo, hi, inside: false, folds: false })
     }
 
     #[test]

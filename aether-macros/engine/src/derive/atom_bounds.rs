@@ -12,7 +12,7 @@ use crate::number::{Dd, Number};
 use crate::parse::AtomWay;
 use crate::points::Point;
 use crate::rational::Q;
-use crate::solve::{System, solve};
+use crate::solve::{Numerical, System, solve};
 use crate::stabilise::{GOOD, stabilise_knowing};
 
 /// Sets of parameters at which solutions of an equation are told apart; all count in the end.
@@ -122,7 +122,8 @@ fn root(
 ) -> Option<(Id, bool)> {
     crate::poly::start_budget();
     let zero = g.int(0);
-    let found = solve(g, &System::new(&[zero], &[difference]), &[u], &[], &[], false).ok()?;
+    let found =
+        solve(g, &System::new(&[zero], &[difference]), &[u], &[], &[], Numerical::No).ok()?;
     found.into_iter().find_map(|solution| {
         let end = solution.spell_out(g, *solution.unknowns.get(&u)?);
         let certain = solution.conditions.iter().all(|c| g.range(c.0).nonnegative());

@@ -157,6 +157,15 @@ pub(super) fn recovers(problem: &Problem, s: &Solution, case: &Case) -> bool {
 
 /// The same in double-double.
 pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Option<Vec<Dd>> {
+    try_all(problem, &[s], case).pop().flatten()
+}
+
+/// The same for several solutions, what they have in common computed once.
+pub(super) fn try_all(
+    problem: &Problem,
+    solutions: &[&Solution],
+    case: &Case,
+) -> Vec<Option<Vec<Dd>>> {
     let at = |l: Leaf| match l {
         Leaf::Out(i) => case.exact_outs[i as usize],
         // An answer in terms of the question is none.
@@ -164,6 +173,11 @@ pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Optio
         _ => case.point.input(l, &[]),
     };
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
+    solutions.iter().map(|s| tried(problem, s, case, &mut e)).collect()
+}
+
+/// The values of a solution, if its tests pass, where `e` evaluates at the point of a case.
+fn tried(problem: &Problem, s: &Solution, case: &Case, e: &mut Evaluator<Dd>) -> Option<Vec<Dd>> {
     let u: Vec<Dd> = problem
         .unknowns
         .iter()
@@ -171,7 +185,8 @@ pub(super) fn try_exactly(problem: &Problem, s: &Solution, case: &Case) -> Optio
         .collect();
     let inside = problem.argument.is_some()
         || u.iter().all(|u| u.is_finite() && u.to_f64() > -1e-12 && u.to_f64() < 1.0 + 1e-12);
-    let conditions = s.conditions.iter().all(|c| e.value(c.0).to_f64() >= -1e-20);
+    let conditions = s.conditions.iter().all(|c| e.value(c.0).to_f64() >= -1e-20)
+        && s.pieces.iter().flat_map(|p| &p.widths).all(|w| e.value(*w).to_f64() > 0.0);
     let at = |l: Leaf| match l {
         Leaf::Unknown(i) => u.get(i as usize).copied().unwrap_or(Dd::from_f64(f64::NAN)),
         _ => case.point.input(l, &[]),
@@ -188,12 +203,16 @@ pub(super) fn prune(
     solutions: Vec<Solution>,
     cases: &[Case],
 ) -> Result<(Vec<Solution>, bool), String> {
-    let mut table: Vec<Vec<Option<Vec<f64>>>> = solutions
-        .iter()
-        .map(|s| cases.iter().map(|c| try_solution(problem, s, c)).collect())
-        .collect();
+    let all: Vec<&Solution> = solutions.iter().collect();
+    let mut table: Vec<Vec<Option<Vec<f64>>>> = vec![vec![]; all.len()];
+    for case in cases {
+        for (row, u) in table.iter_mut().zip(try_all(problem, &all, case)) {
+            row.push(u.map(|u| u.iter().map(|u| u.to_f64()).collect()));
+        }
+    }
     let mut check_forward = problem.parts.iter().any(|p| p.target == Target::Embedded);
-    let kept = needed(problem, &table, cases);
+    let mut kept = needed(problem, &table, cases);
+    with_their_pieces(&solutions, &mut kept);
     for (i, case) in cases.iter().enumerate().filter(|(_, c)| !c.point.stress) {
         let mut found = false;
         for &k in &kept {
@@ -274,6 +293,17 @@ fn needed(problem: &Problem, table: &[Vec<Option<Vec<f64>>>], cases: &[Case]) ->
         }
     }
     kept
+}
+
+/// Adds to the solutions that occur those that differ from one of them in the piece of a root alone: none of the points may
+/// have hit a narrow piece.
+fn with_their_pieces(solutions: &[Solution], kept: &mut Vec<usize>) {
+    let alike = |a: &Solution, b: &Solution| !a.pieces.is_empty() && a.answers == b.answers;
+    let occurs = |s: &Solution| kept.iter().any(|&k| alike(s, &solutions[k]));
+    let more: Vec<usize> =
+        (0..solutions.len()).filter(|k| !kept.contains(k) && occurs(&solutions[*k])).collect();
+    kept.extend(more);
+    kept.sort_unstable();
 }
 
 fn maps_back(problem: &Problem, u: &[f64], case: &Case) -> bool {

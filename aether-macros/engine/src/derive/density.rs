@@ -370,6 +370,7 @@ pub(super) fn finish(
             let known = shares(g, known);
             if g.has(known, UNKNOWNS) { g.substitute(r, &map) } else { known }
         })
+        .chain(s.pieces.iter().flat_map(|p| p.widths.iter().copied()))
         .collect();
     let conditions: Vec<Id> =
         conditions.iter().copied().filter(|&c| !never_negative(g, c)).collect();

@@ -8,7 +8,7 @@ use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{self, Source, simplify};
 use crate::parse::Stage;
 use crate::solve::linear::{cross, dot};
-use crate::solve::{Condition, Solution, System, solve};
+use crate::solve::{Condition, Numerical, Solution, System, solve};
 
 /// The first output that stands for a named number.
 const FIRST: u8 = 10;
@@ -67,7 +67,8 @@ pub(super) fn solutions(
     let g = &mut problem.graph;
     let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
     let outer =
-        solve(g, &System::new(targets, &stage.outputs), &names, &frames, &[], false).ok()?;
+        solve(g, &System::new(targets, &stage.outputs), &names, &frames, &[], Numerical::No)
+            .ok()?;
     // To the second step the names are known.
     let first = FIRST + (number * names.len()) as u8;
     let known: Vec<Id> = (first..)
@@ -80,7 +81,8 @@ pub(super) fn solutions(
     let as_known: BTreeMap<Id, Id> =
         names.iter().map(|leaf| g.get_leaf(*leaf)).zip(known.iter().copied()).collect();
     let made: Vec<Id> = stage.named.iter().map(|(_, id)| g.substitute(*id, &as_known)).collect();
-    let inner = solve(g, &System::new(&known, &made), &unknowns, &frames, &positive, false).ok()?;
+    let inner =
+        solve(g, &System::new(&known, &made), &unknowns, &frames, &positive, Numerical::No).ok()?;
     let mut all = Vec::new();
     for outer in &outer {
         let values: BTreeMap<Id, Id> = names

@@ -4,7 +4,7 @@
 //! was given a name its definition. Such an inverse answers for points that the map never reaches, and
 //! verification by images alone would not notice.
 
-use super::cases::{Case, try_exactly};
+use super::cases::{Case, try_all};
 use super::{Problem, Target};
 use crate::differences::evaluate;
 use crate::number::{Dd, Number};
@@ -25,9 +25,8 @@ pub(super) fn accepted(problem: &Problem, solutions: &[&Solution], cases: &[Case
     let mut rng = Rng::new(0x57a7);
     let tried = cases.iter().filter(|c| c.point.interior && !c.point.stress);
     tried.flat_map(|case| strays(problem, case, cases, &mut rng)).any(|stray| {
-        solutions
-            .iter()
-            .any(|s| try_exactly(problem, s, &stray).is_some_and(|u| is_wrong(problem, &stray, &u)))
+        let found = try_all(problem, solutions, &stray);
+        found.into_iter().flatten().any(|u| is_wrong(problem, &stray, &u))
     })
 }
 

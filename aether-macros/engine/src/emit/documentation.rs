@@ -121,7 +121,11 @@ fn numerical(problem: &Problem, derived: &Derived) -> Option<String> {
         (false, true) => "The inverse has no closed form and is computed",
         (true, true) => "The map and its inverse have no closed form and are computed",
     };
+    let monotone = match derived.pieces {
+        0 => "monotone".to_owned(),
+        n => format!("monotone on each of {n} pieces between its turning points"),
+    };
     Some(format!(
-        "{what} numerically: the equation is proven to be monotone, and `root` is its solution, by Newton's method in a bracket, to full precision. The density is that of the implicit function.\n"
+        "{what} numerically: the equation is proven to be {monotone}, and `root` is its solution, by Newton's method in a bracket, to full precision. The density is that of the implicit function.\n"
     ))
 }

@@ -61,6 +61,10 @@ pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
     let lets = inner.statements();
     let [target, lo, hi] = [root.target, root.lo, root.hi].map(|id| code.reference(id));
     let t = variable(root.variable);
-    let function = if root.inside { quote!(root_inside) } else { quote!(root_or_beyond) };
+    let function = match (root.inside, root.folds) {
+        (true, _) => quote!(root_inside),
+        (false, false) => quote!(root_or_beyond),
+        (false, true) => quote!(root_or_fold),
+    };
     quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi))
 }

@@ -28,6 +28,9 @@ pub struct Root {
     /// Whether the target is one of the body's values by construction. If not, a target beyond them
     /// has a root beyond the ends, by extrapolation, so that a test of the range fails.
     pub inside: bool,
+    /// Whether the body may turn back at an end. There the root of a target beyond its values lies as far beyond as that
+    /// of one within them lies within: by the square root of the difference.
+    pub folds: bool,
 }
 
 impl Graph {

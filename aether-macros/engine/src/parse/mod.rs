@@ -190,6 +190,7 @@ impl Reader<'_> {
             lengths: Vec::new(),
             stages: Vec::new(),
             relations: second.relations,
+            stuck: false,
         };
         Some(Some(Piece { problem, graph: first.graph, tests }))
     }

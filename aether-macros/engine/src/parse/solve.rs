@@ -61,7 +61,8 @@ pub fn solve(body: &mut Body, c: &ExprCall, [f, range, target]: [&Expr; 3]) -> O
             let g = &mut body.graph;
             let [value, target] = [value, target].map(|id| g.sum(Q::ZERO, &[(Q::int(sign), id)]));
             let slope = derivative(g, value, variable);
-            let root = Root { variable, body: value, slope, target, lo, hi, inside: true };
+            let root =
+                Root { variable, body: value, slope, target, lo, hi, inside: true, folds: false };
             Some(Value::Scalar(g.root(root)))
         }
         Err(why) => {

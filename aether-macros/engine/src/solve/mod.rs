@@ -16,6 +16,7 @@ mod normalise;
 mod numeric;
 mod pair;
 mod peel;
+mod pieces;
 pub(crate) mod polar;
 mod quadric;
 mod rational;
@@ -63,6 +64,21 @@ pub struct Solution {
     pub unused: Vec<(Id, Id)>,
     /// The steps taken, for `explain`.
     pub steps: Vec<String>,
+    /// Which answer was taken of each step with several; but for roots on several pieces, which all are answers.
+    pub answers: Vec<usize>,
+    /// What tells of each of those roots that it lies in its piece; the conditions are among the others too.
+    pub pieces: Vec<Within>,
+}
+
+/// What holds of a root on one of several pieces.
+#[derive(Clone, Debug, Default)]
+pub struct Within {
+    /// How many pieces there are.
+    pub of: usize,
+    /// By how far it lies within the ends of its piece: not negative.
+    pub conditions: Vec<Id>,
+    /// Positive if there is such a piece for the parameters.
+    pub widths: Vec<Id>,
 }
 
 impl Solution {
@@ -95,9 +111,20 @@ pub(crate) struct State {
     /// Right sides of equations by which an unknown was eliminated from the others.
     eliminated: Vec<Id>,
     /// Whether roots without a closed form are wanted.
-    numerical: bool,
+    numerical: Numerical,
     /// Whether one known coordinate of a normalised vector may give its length before all else.
     lengths_first: bool,
+}
+
+/// Which roots without a closed form are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Numerical {
+    /// None.
+    No,
+    /// Those of monotone functions.
+    Monotone,
+    /// Also those of functions that turn back, one for each piece.
+    Pieces,
 }
 
 /// Upper bound on search steps and on preimages.
@@ -133,7 +160,7 @@ pub fn solve(
     unknowns: &[Leaf],
     frames: &[[[Id; 3]; 3]],
     positive: &[Id],
-    numerical: bool,
+    numerical: Numerical,
 ) -> Result<Vec<Solution>, Stuck> {
     let equation = |&(known, rhs)| Equation { known, rhs, modulo_turn: false };
     let first = State {
@@ -172,13 +199,13 @@ fn search(
         // A length must be seen before a pair takes part of the vector apart, and with all
         // known factors of its coordinates in their place.
         if let Some(next) = quadric::normalised(g, &state) {
-            open.extend(next.into_iter().rev());
+            open.extend(numbered(&state, next).into_iter().rev());
             continue;
         }
         strip_all(g, &mut state);
         // A pair must be seen before one of its members is solved through another equation.
         if let Some(next) = polar::polar_pair(g, &state) {
-            open.extend(next.into_iter().rev());
+            open.extend(numbered(&state, next).into_iter().rev());
             continue;
         }
         settle(g, &mut state);
@@ -189,17 +216,29 @@ fn search(
         }
         // What has been settled may have laid a pair bare.
         if let Some(next) = polar::polar_pair(g, &state) {
-            open.extend(next.into_iter().rev());
+            open.extend(numbered(&state, next).into_iter().rev());
             continue;
         }
         let mut why = None;
         if let Some(next) = step(g, &state, frames, &mut why) {
-            open.extend(next.into_iter().rev());
+            open.extend(numbered(&state, next).into_iter().rev());
             continue;
         }
         return Err(stuck(g, &state, unknowns, why));
     }
     Ok(done)
+}
+
+/// The answers of a step by their numbers, if there are several that need not all be answers.
+fn numbered(state: &State, mut next: Vec<State>) -> Vec<State> {
+    if next.len() > 1 {
+        for (i, s) in next.iter_mut().enumerate() {
+            if s.solution.pieces.len() == state.solution.pieces.len() {
+                s.solution.answers.push(i);
+            }
+        }
+    }
+    next
 }
 
 /// The rules in order of preference: those with a single answer and good conditioning first.
@@ -227,7 +266,7 @@ fn step(
         .or_else(|| conjugate::rationalised(g, state))
         .or_else(|| rational::single_unknown(g, state))
         .or_else(|| sine::single_angle(g, state));
-    if closed.is_none() && state.numerical {
+    if closed.is_none() && state.numerical > Numerical::No {
         let next =
             numeric::coupled(g, state, frames).map_or_else(|| numeric::monotone(g, state), Ok);
         match next {
@@ -240,6 +279,12 @@ fn step(
         // Where there is a single root it is better found than computed by Cardano's formula.
         if let Some(next) = cubic::single_unknown(g, state) {
             return Some(next);
+        }
+        if state.numerical == Numerical::Pieces {
+            match pieces::by_pieces(g, state) {
+                Ok(next) => return Some(next),
+                Err(reason) => *why = reason.or(why.take()),
+            }
         }
     }
     closed

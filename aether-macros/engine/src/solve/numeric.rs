@@ -4,7 +4,7 @@
 //! numerically. A system in which a single nonlinear function of a linear combination stands in the way
 //! is brought to one such equation first.
 
-use super::{Condition, Equation, State, linear};
+use super::{Condition, Equation, Numerical, State, linear};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, Root, UNKNOWNS, children};
@@ -20,21 +20,25 @@ const MAX_NAMES: u8 = 24;
 /// that there is one root.
 pub(super) fn monotone(g: &mut Graph, state: &State) -> Result<Vec<State>, Option<String>> {
     let mut reason = None;
-    for i in 0..state.equations.len() {
-        let e = state.equations[i].clone();
-        let open = g.deps(e.rhs) & UNKNOWNS;
-        if open.count_ones() != 1 || e.modulo_turn {
-            continue;
-        }
-        let unknown = Leaf::Unknown(open.trailing_zeros() as u8);
+    for (i, unknown) in single_unknowns(g, state) {
         match in_one_variable(g, state, i, unknown) {
             Ok(next) => return Ok(vec![next]),
             Err(unproven) => {
-                reason.get_or_insert_with(|| explain(g, &e, unknown, &unproven));
+                reason.get_or_insert_with(|| explain(g, &state.equations[i], unknown, &unproven));
             }
         }
     }
     Err(reason)
+}
+
+/// The equations in a single unknown, by their numbers, with it.
+pub(super) fn single_unknowns(g: &Graph, state: &State) -> Vec<(usize, Leaf)> {
+    let unknown = |(i, e): (usize, &Equation)| {
+        let open = g.deps(e.rhs) & UNKNOWNS;
+        let single = open.count_ones() == 1 && !e.modulo_turn;
+        single.then(|| (i, Leaf::Unknown(open.trailing_zeros() as u8)))
+    };
+    state.equations.iter().enumerate().filter_map(unknown).collect()
 }
 
 /// Solves one equation for the innermost expression that its unknown occurs in only once, which is
@@ -58,7 +62,7 @@ fn in_one_variable(
 
 /// The smallest part, other than the unknown itself and all of `rhs`, without which the unknown would
 /// not occur.
-fn innermost(g: &mut Graph, rhs: Id, leaf: Id) -> Option<Id> {
+pub(super) fn innermost(g: &mut Graph, rhs: Id, leaf: Id) -> Option<Id> {
     let open = g.deps(leaf);
     let mut parts = Vec::new();
     let mut queue = vec![rhs];
@@ -78,25 +82,43 @@ fn innermost(g: &mut Graph, rhs: Id, leaf: Id) -> Option<Id> {
     })
 }
 
-/// The state in which equation `i` is solved for the expression `z`.
-fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<State, Unproven> {
-    let e = state.equations[i].clone();
+/// The side of an equation as a function of a bound variable.
+pub(super) struct Bound {
+    /// The variable.
+    pub(super) variable: Leaf,
+    /// The function.
+    pub(super) body: Id,
+    /// The same in which what is known of other unknowns is these again, whose ranges are known.
+    pub(super) restored: Id,
+}
+
+/// The side of equation `i` as a function of the expression `z`.
+pub(super) fn bind(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<Bound, Unproven> {
+    let rhs = state.equations[i].rhs;
     let name = if let Node::Leaf(l) = g.node(z) { g.name(*l).to_owned() } else { "t".to_owned() };
     let range = g.range(z);
-    let taken = g.bound_bits(e.rhs);
+    let taken = g.bound_bits(rhs);
     let too_many = Unproven { place: "an equation within an equation".into(), unbounded: None };
     let variable = g.bound_variable(taken, &name, range).ok_or(too_many)?;
     let bound = g.get_leaf(variable);
-    let body = g.substitute(e.rhs, &[(z, bound)].into());
+    let body = g.substitute(rhs, &[(z, bound)].into());
     // A solved unknown of the same point lies in its range if the point is one of the map's.
     let solved: Vec<_> = state.solution.unknowns.iter().map(|(l, v)| (*l, *v)).collect();
     let back = solved.into_iter().map(|(l, v)| (v, g.get_leaf(l))).collect();
     let restored = g.substitute(body, &back);
+    Ok(Bound { variable, body, restored })
+}
+
+/// The state in which equation `i` is solved for the expression `z`.
+fn solved_for(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<State, Unproven> {
+    let e = state.equations[i].clone();
+    let range = g.range(z);
+    let Bound { variable, body, restored } = bind(g, state, i, z)?;
     let sign = direction(g, restored, variable)?;
     let [body, target] = [body, e.known].map(|id| g.sum(Q::ZERO, &[(Q::int(sign), id)]));
     let slope = derivative(g, body, variable);
     let [lo, hi] = [range.lo, range.hi].map(|x| end(g, x));
-    let root = g.root(Root { variable, body, slope, target, lo, hi, inside: false });
+    let root = g.root(Root { variable, body, slope, target, lo, hi, inside: false, folds: false });
     let mut s = state.clone();
     s.equations[i] = Equation { known: root, rhs: z, modulo_turn: false };
     s.solution.known.entry(e.rhs).or_insert(e.known);
@@ -231,6 +253,11 @@ impl Separated {
         let leaf = Leaf::Unknown(s.next_unknown);
         s.next_unknown += 1;
         let unknown = g.leaf(leaf, "s", Interval::ALL);
+        if s.numerical == Numerical::Pieces {
+            // A wave turns back for ever, but not where it is needed.
+            let range = g.range(self.l);
+            g.assume(unknown, range);
+        }
         let of_s = g.substitute(self.f, &[(self.l, unknown)].into());
         let mut k = 0;
         s.equations.retain(|_| {

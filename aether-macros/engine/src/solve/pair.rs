@@ -94,7 +94,7 @@ fn root(g: &mut Graph, (body, known, sign): (Id, Id, i64), variable: Leaf, insid
     let slope = derivative(g, body, variable);
     let range = g.leaf_range(variable);
     let [lo, hi] = [range.lo, range.hi].map(|x| end(g, x));
-    g.root(Root { variable, body, slope, target, lo, hi, inside })
+    g.root(Root { variable, body, slope, target, lo, hi, inside, folds: false })
 }
 
 fn explain(

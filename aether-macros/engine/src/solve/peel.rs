@@ -4,7 +4,7 @@ mod joint;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{Condition, Equation, State};
+use super::{Condition, Equation, Numerical, State};
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
 use crate::jacobian::cost;
 use crate::rational::Q;
@@ -38,7 +38,7 @@ fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     });
     for i in order {
         let eq = state.equations[i].clone();
-        let Some((argument, inverses)) = undo(g, &eq, state.numerical) else {
+        let Some((argument, inverses)) = undo(g, &eq, state.numerical > Numerical::No) else {
             continue;
         };
         if inverses.len() > most {

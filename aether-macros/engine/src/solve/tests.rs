@@ -26,7 +26,8 @@ fn outs(g: &mut Graph, n: u8, unit: bool) -> Vec<Id> {
 fn report(s: &mut Setup, f: &[Id], unit: bool) -> (String, String) {
     let targets = outs(&mut s.g, f.len() as u8, unit);
     let leaves: Vec<Leaf> = (0..s.u.len() as u8).map(Leaf::Unknown).collect();
-    let solutions = solve(&mut s.g, &System::new(&targets, f), &leaves, &[], &[], false).unwrap();
+    let solutions =
+        solve(&mut s.g, &System::new(&targets, f), &leaves, &[], &[], Numerical::No).unwrap();
     let inverse: Vec<String> = solutions
         .iter()
         .map(|x| x.unknowns.values().map(|v| show(&s.g, *v)).collect::<Vec<_>>().join("; "))
