@@ -426,7 +426,7 @@ where
         let (n, backward) = (self.connections.length, end == End::Second);
         let len = if backward { n - 1 - i } else { i };
         let last = core::array::from_fn(|j| {
-            if j >= len {
+            if j >= len.min(read) {
                 return Step::NONE;
             }
             let i = if backward { i + 1 + j } else { i - 1 - j };

@@ -31,7 +31,8 @@ enum Source<'p, V: Vertex> {
     Unfolded(&'p Unfolded<'p, V>, Place),
     /// The same, and then a vertex that is on no tape.
     Extended(&'p Unfolded<'p, V>, Place, &'p Drawn<V>),
-    /// Steps none of which leads in a single direction: of the last ones, the last one first, is known where they are.
+    /// Steps none of which leads in a single direction: of the last ones, the last one first, is known where they are,
+    /// as far as they are read.
     Last(&'p Unfolded<'p, V>, [Step; LAST]),
 }
 
@@ -189,7 +190,10 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
                 tape.visible(place, i)
             }
-            Source::Last(tape, last) => k + 1 < LAST && tape.sees(last[k], last[k + 1]),
+            Source::Last(tape, last) => {
+                let step = |k: usize| last.get(k).copied().filter(|step| *step != Step::NONE);
+                step(k).zip(step(k + 1)).is_some_and(|(step, before)| tape.sees(step, before))
+            }
         }
     }
 
@@ -217,7 +221,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 (i == bearer && drawn.dirac == Some(dirac)) || (i + 1 < self.len && on(tape, place))
             }
             Source::Last(tape, last) => {
-                let known = last.get(self.len - 1 - i);
+                let known = last.get(self.len - 1 - i).filter(|step| **step != Step::NONE);
                 known.is_some_and(|step| tape.is_drawn_with(step.at(), dirac))
             }
         }
