@@ -112,9 +112,11 @@ impl<I, F> Estimator<I, F> {
     }
 }
 
+/// Whether a density is neither zero nor infinite.
 #[inline(always)]
 fn is_regular<R: Scalar>(p: R) -> bool {
-    p > R::ZERO && p < R::INFINITY
+    // Infinity less itself is no number. Compared with infinity, this would become a test of bits.
+    p > R::ZERO && p - p == R::ZERO
 }
 
 impl<I> Estimator<I> {
@@ -319,10 +321,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         self.integrand.reads().max(1)
     }
 
+    /// What the integrand is shown of a path.
+    #[inline]
+    fn shown(&self) -> Reads {
+        Reads { vertices: self.reads(), length: false }
+    }
+
     /// What comes along a path, times the factor that closes it.
     #[inline]
     fn ended(&self, tape: &Unfolded<'_, I::Vertex>, place: Place, value: I::Value) -> I::Value {
-        value.multiply(self.closing(PathView::of_unfolded(tape, place)))
+        value.multiply(self.closing(PathView::of_unfolded(tape, place, self.shown())))
     }
 
     /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
@@ -342,7 +350,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return value;
             }
         }
-        value.multiply(self.closing(path.view()))
+        value.multiply(self.closing(PathView::of_unfolded(&tape, path.handle.place, self.shown())))
     }
 
     /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing
@@ -419,20 +427,19 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// The same, not remembered.
     #[inline]
     fn new_factor(&self, tape: &Unfolded<'_, I::Vertex>, path: Place, k: usize) -> I::Value {
-        self.extended(PathView::of_unfolded(tape, path.range(0, k + 1)))
+        self.extended(PathView::of_unfolded(tape, path.range(0, k + 1), self.shown()))
     }
 
     /// The factor that closes a path.
     #[inline]
     fn closing(&self, path: PathView<'_, I::Vertex>) -> I::Value {
-        self.integrand.end(path.limited(Reads { vertices: self.reads(), length: false }))
+        self.integrand.end(path.limited(self.shown()))
     }
 
     /// The factor that the last vertex of a path brings.
     #[inline]
     fn extended(&self, path: PathView<'_, I::Vertex>) -> I::Value {
-        let reads = Reads { vertices: self.reads(), length: false };
-        self.integrand.extend(path.limited(reads))
+        self.integrand.extend(path.limited(self.shown()))
     }
 }
 

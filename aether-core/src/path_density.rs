@@ -47,8 +47,17 @@ impl<R: Scalar> PathDensity<R> {
 
     #[inline]
     fn normalised(mantissa: R, exponent: i32) -> Self {
-        let usual = mantissa >= R::of(1.0 / 65_536.0) && mantissa < R::of(65_536.0);
-        if usual { PathDensity { mantissa, exponent } } else { Self::moved(mantissa, exponent) }
+        if Self::is_usual(mantissa) {
+            PathDensity { mantissa, exponent }
+        } else {
+            Self::moved(mantissa, exponent)
+        }
+    }
+
+    /// Whether a mantissa is neither zero nor infinite and stays as it is.
+    #[inline(always)]
+    fn is_usual(mantissa: R) -> bool {
+        mantissa >= R::of(1.0 / 65_536.0) && mantissa < R::of(65_536.0)
     }
 
     fn moved(mut mantissa: R, mut exponent: i32) -> Self {
@@ -141,6 +150,10 @@ impl<R: Scalar> Mul for PathDensity<R> {
     type Output = Self;
     #[inline]
     fn mul(self, other: Self) -> Self {
+        let mantissa = self.mantissa * other.mantissa;
+        if self.exponent | other.exponent == 0 && Self::is_usual(mantissa) {
+            return PathDensity { mantissa, exponent: 0 };
+        }
         if self.is_zero() || other.is_zero() {
             return Self::ZERO;
         }
@@ -162,6 +175,10 @@ impl<R: Scalar> Div for PathDensity<R> {
     type Output = Self;
     #[inline]
     fn div(self, other: Self) -> Self {
+        let mantissa = self.mantissa / other.mantissa;
+        if self.exponent | other.exponent == 0 && Self::is_usual(mantissa) {
+            return PathDensity { mantissa, exponent: 0 };
+        }
         if self.is_zero() || other.is_infinite() {
             return Self::ZERO;
         }

@@ -202,12 +202,15 @@ impl<K: SceneKind> SceneVertex<K> {
     /// The direction, of unit length, in which the vertex is seen from a point; zero from where it is.
     #[inline]
     pub fn direction_from(&self, origin: Vector) -> Vector {
-        if self.is_infinite() {
-            self.position
-        } else {
-            (self.position - origin).normalize_or_zero()
-        }
+        if self.is_infinite() { self.position } else { unit(self.position - origin) }
     }
+}
+
+/// A vector of unit length, or zero, as by [`Vector::normalize_or_zero`], but with two comparisons.
+#[inline(always)]
+fn unit(v: Vector) -> Vector {
+    let inverse = v.length_recip();
+    if inverse > 0.0 && inverse <= f32::MAX { v * inverse } else { Vector::ZERO }
 }
 
 /// The identity in the language of the emitter with this number: one for both halves of a rectangle. Numbers of

@@ -21,8 +21,8 @@ pub struct World<'s, K: SceneKind = Everything> {
     pub lights: Lights<K>,
     /// The materials, in the order of the scene's.
     materials: Vec<Material<K>>,
-    /// Which light each primitive is.
-    light_of: Vec<Option<u32>>,
+    /// What each primitive is.
+    pieces: Vec<Piece>,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
     /// One over the integral of the reconstruction filter, and over the area of the lens if there is one.
@@ -43,10 +43,12 @@ impl<'s, K: SceneKind> World<'s, K> {
     pub fn new(scene: &'s Scene) -> Result<Self, NotCovered> {
         // Some features leave no trace below: without textures a colour would be their mean.
         covers::<K>(scene)?;
-        let mut light_of = vec![None; scene.primitives.len()];
+        let materials_of = scene.primitive_shapes.iter().map(|s| scene.shapes[*s as usize].bsdf);
+        let mut pieces: Vec<Piece> =
+            materials_of.map(|material| Piece { material, emitter: Piece::DARK }).collect();
         for (index, emitter) in (0..).zip(&scene.emitters) {
             for primitive in emitter.primitives() {
-                light_of[primitive as usize] = Some(index);
+                pieces[primitive as usize].emitter = index;
             }
         }
         let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
@@ -63,7 +65,7 @@ impl<'s, K: SceneKind> World<'s, K> {
             scene,
             lights,
             materials,
-            light_of,
+            pieces,
             camera_frame,
             filter_scale,
             lens,
@@ -108,6 +110,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// A surface, or the sky behind everything.
+    #[inline]
     fn seen(&self, surface: Option<Surface<K>>) -> Option<Seen<K>> {
         match surface {
             Some(surface) => Some(Seen::Surface(surface)),
@@ -122,6 +125,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// The first surface on a ray that leaves a primitive, or none.
+    #[inline]
     pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
         let hit = self.scene.intersect(origin, w, from)?;
         Some(Surface {
@@ -129,8 +133,8 @@ impl<'s, K: SceneKind> World<'s, K> {
             normal: hit.geometric_normal,
             shading: hit.shading_normal,
             primitive: hit.primitive,
-            emitter: self.light_of[hit.primitive.0 as usize],
-            uv: K::Textures::field(|| self.scene.texture_coordinates(&hit)),
+            emitter: self.piece(hit.primitive).emitter(),
+            uv: K::Textures::field(|| self.texture_coordinates(&hit)),
             tangents: Oriented::<K>::field(|| self.tangents(&hit)),
         })
     }
@@ -164,10 +168,25 @@ impl<'s, K: SceneKind> World<'s, K> {
         }
     }
 
+    #[inline(always)]
+    fn piece(&self, id: PrimitiveId) -> Piece {
+        self.pieces[id.0 as usize]
+    }
+
+    /// The texture coordinates at a hit, if the scene has textures.
+    #[inline]
+    fn texture_coordinates(&self, hit: &Hit) -> glam::Vec2 {
+        if self.scene.textures.is_empty() {
+            return glam::Vec2::ZERO;
+        }
+        self.scene.texture_coordinates(hit)
+    }
+
     /// How texture coordinates run over a surface, if its material depends on it.
+    #[inline]
     fn tangents(&self, hit: &Hit) -> Tangents {
-        let bsdf = self.scene.shape(hit.primitive).bsdf;
-        let oriented = self.materials[bsdf as usize].is_oriented();
+        let material = self.piece(hit.primitive).material;
+        let oriented = self.materials[material as usize].is_oriented();
         if oriented { self.scene.tangents(hit) } else { Tangents::default() }
     }
 
@@ -297,7 +316,7 @@ impl<'s, K: SceneKind> World<'s, K> {
         other: &SceneVertex<K>,
     ) -> Option<Scattering<'_, K>> {
         let surface = here.surface()?;
-        let material = &self.materials[self.scene.shape(surface.primitive).bsdf as usize];
+        let material = &self.materials[self.piece(surface.primitive).material as usize];
         let towards = other.direction_from(here.position);
         Scattering::new(material, &self.scene.textures, &surface, towards)
     }
@@ -320,6 +339,24 @@ impl<'s, K: SceneKind> World<'s, K> {
         let mut leading = scattering.leading_to(Some(next.direction_from(here.position)));
         let is_atom = |lobe: &usize| scattering.lobe(*lobe).is_some_and(|l| l.lobe.is_atom());
         leading.find(is_atom).map(|lobe| lobe as u32)
+    }
+}
+
+/// What a primitive is.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// Its material.
+    material: u32,
+    /// Its emitter, or [`Piece::DARK`].
+    emitter: u32,
+}
+
+impl Piece {
+    const DARK: u32 = u32::MAX;
+
+    #[inline(always)]
+    fn emitter(self) -> Option<u32> {
+        (self.emitter != Self::DARK).then_some(self.emitter)
     }
 }
 

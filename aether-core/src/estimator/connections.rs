@@ -52,7 +52,7 @@ impl<S, N: Fn(usize) -> usize, D: Fn(usize) -> bool> Connections<'_, S, N, D> {
         }
         uniforms.start(walk.block_after(first));
         let (tape, place) = (walk.arena.tape.unfolded(), walk.handle.place.range(0, first));
-        strategy.sample(PathView::of_unfolded(&tape, place).limited(strategy.reads()), uniforms)
+        strategy.sample(PathView::of_unfolded(&tape, place, strategy.reads()), uniforms)
     }
 }
 

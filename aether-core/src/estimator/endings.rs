@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{PathView, Place, RandomSequence, Unfolded};
+use crate::sequence::{LAST, PathView, Place, RandomSequence, Recent, Unfolded};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
@@ -39,6 +39,14 @@ pub struct Ending<'t, S, T> {
 }
 
 impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
+    /// A bit for each way, whether paths with so many vertices end in it.
+    #[inline(always)]
+    fn used(&self, length: usize) -> u64 {
+        let is_used = |steps: &[S]| steps.len() <= length && (self.is_used)(length, steps);
+        let bits = self.ways.iter().enumerate();
+        bits.fold(0, |used, (way, steps)| used | u64::from(is_used(steps)) << way)
+    }
+
     /// The ways that paths with so many vertices end in.
     #[inline(always)]
     fn of_length(&self, length: usize) -> impl Iterator<Item = &'t [S]> + Clone {
@@ -68,7 +76,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let is_short = S::VERTICES == 1 && endings.ways.iter().all(|steps| steps.len() <= 1);
-        if is_short && walk.is_run() {
+        if is_short && endings.ways.len() <= 64 && walk.is_run() {
             self.last_steps(walk, endings, heuristic, uniforms, visit);
         } else {
             self.last_sequences(walk, endings, heuristic, uniforms, visit);
@@ -122,14 +130,21 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let arena = walk.arena;
         let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
         let mut ratios = core::mem::take(&mut *arena.ratios.borrow_mut());
-        // f / p of the vertices before the last one.
-        let mut carried = I::Value::one();
+        // f / p of the vertices before the last one, and the last ones with it.
+        let (mut carried, mut recent) = (I::Value::one(), [None; LAST + 1]);
         for length in 1..=walk.size().min(walk.len() + 1).min(*endings.lengths.end()) {
-            let fork = Fork { tape, place: walk.handle.place.range(0, length) };
-            let own = &strategies[tape.way(fork.place, length - 1).strategy() as usize];
+            let place = walk.handle.place.range(0, length);
+            recent.rotate_right(1);
+            recent[0] =
+                if length <= walk.len() { tape.at_hand(place.at(length - 1)) } else { None };
+            let fork = Fork { tape, place, recent };
+            let own = &strategies[tape.way(place, length - 1).strategy() as usize];
             let met = if length <= walk.len() { self.met(walk, &fork, carried) } else { None };
             if endings.lengths.contains(&length) {
-                for (index, steps) in endings.of_length(length).enumerate() {
+                let used = endings.used(length);
+                let ways =
+                    || endings.ways.iter().enumerate().filter(|(way, _)| used >> way & 1 == 1);
+                for (index, (way, steps)) in ways().enumerate() {
                     let found = match steps.first() {
                         None => met.and_then(|met| self.closed(&fork, met)),
                         Some(step) => {
@@ -139,11 +154,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     };
                     let Some((drawn, Met { density, carried })) = found else { continue };
                     ratios.clear();
-                    for (other, steps) in endings.of_length(length).enumerate() {
-                        let likelier =
-                            || fork.density(steps.first().unwrap_or(own), &drawn) / density;
-                        ratios.push(if other == index { RealOf::<I>::ONE } else { likelier() });
-                    }
+                    ratios.extend(ways().map(|(other, steps)| match other == way {
+                        true => RealOf::<I>::ONE,
+                        false => fork.density(steps.first().unwrap_or(own), &drawn) / density,
+                    }));
                     let value = carried.times(heuristic.weight(&ratios, index));
                     visit(Ending { length, steps, value, alone: carried });
                 }
@@ -165,7 +179,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         carried: I::Value,
     ) -> Option<Met<RealOf<I>, I::Value>> {
         let last = fork.place.len as usize - 1;
-        let carried = carried.multiply(self.new_factor(fork.tape, fork.place, last));
+        let carried = carried.multiply(self.extended(fork.walked()));
         let known = fork.tape.own(fork.place, last);
         let density = known.unwrap_or_else(|| walk.arena.factor(fork.place, last, fork.place));
         is_regular(density).then(|| Met { density, carried: carried.over(density) })
@@ -178,14 +192,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         fork: &Fork<'_, I::Vertex>,
         Met { density, carried }: Met<RealOf<I>, I::Value>,
     ) -> Option<Found<I>> {
-        let Fork { tape, place, .. } = *fork;
-        let carried = carried.multiply(self.closing(PathView::of_unfolded(tape, place)));
+        let carried = carried.multiply(self.closing(fork.walked()));
         if carried.is_zero() {
             return None;
         }
-        let last = place.len as usize - 1;
-        let vertex = tape.vertex(place.at(last))?;
-        let drawn = Drawn { dirac: tape.kind(place, last, false), ..Drawn::new(vertex) };
+        let last = fork.place.len as usize - 1;
+        let dirac = fork.tape.kind(fork.place, last, false);
+        let drawn = Drawn { dirac, ..Drawn::new(*fork.recent[0]?) };
         Some((drawn, Met { density, carried }))
     }
 
@@ -203,7 +216,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let drawn = strategy.sample(fork.before().limited(strategy.reads()), uniforms)?;
-        let path = PathView::of_extended(fork.tape, fork.shared(), &drawn);
+        let path = fork.continued(&drawn);
         let carried = carried.multiply(self.extended(path));
         if carried.is_zero() {
             return None;
@@ -237,6 +250,8 @@ struct Fork<'r, V: Vertex> {
     tape: &'r Unfolded<'r, V>,
     /// The path as the walk itself goes on.
     place: Place,
+    /// Its last vertices, the last one first.
+    recent: [Option<&'r V>; LAST + 1],
 }
 
 impl<V: Vertex> Fork<'_, V> {
@@ -246,10 +261,30 @@ impl<V: Vertex> Fork<'_, V> {
         self.place.range(0, self.place.len as usize - 1)
     }
 
+    /// The last ones of these.
+    #[inline(always)]
+    fn last_shared(&self) -> Recent<'_, V> {
+        let [_, last @ ..] = self.recent;
+        last
+    }
+
     /// The same as strategies see them.
     #[inline]
     fn before(&self) -> PathView<'_, V> {
-        PathView::of_unfolded(self.tape, self.shared())
+        PathView::of_recent(self.tape, self.shared(), self.last_shared())
+    }
+
+    /// The path as the walk goes on.
+    #[inline]
+    fn walked(&self) -> PathView<'_, V> {
+        let [last @ .., _] = self.recent;
+        PathView::of_recent(self.tape, self.place, last)
+    }
+
+    /// The path with another last vertex.
+    #[inline]
+    fn continued<'p>(&'p self, drawn: &'p Drawn<V>) -> PathView<'p, V> {
+        PathView::of_extended(self.tape, self.shared(), self.last_shared(), drawn)
     }
 
     /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.

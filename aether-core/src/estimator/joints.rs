@@ -198,7 +198,12 @@ where
         // What goes on behind the edge may vanish without a shadow ray.
         let own = (n - first).min(self.estimator.reads() - 1);
         for k in (first..first + own).rev() {
-            value = value.multiply(self.estimator.extended(self.before(joint, k + 1, End::First)));
+            value = value.multiply(self.estimator.extended(self.before(
+                joint,
+                k + 1,
+                End::First,
+                LAST,
+            )));
             if value.is_zero() {
                 return value;
             }
@@ -213,7 +218,7 @@ where
         if value.is_zero() {
             return value;
         }
-        value.multiply(self.estimator.closing(self.before(joint, n, End::First)))
+        value.multiply(self.estimator.closing(self.before(joint, n, End::First, LAST)))
     }
 
     /// What all paths share that end with so many vertices of the second walk; `None` if that leaves the range of
@@ -374,7 +379,7 @@ where
         let strategy = &self.strategies[strategy as usize];
         let dirac = self.tape.is_drawn_with(at, Dirac::Position).then_some(Dirac::Position);
         let reads = strategy.reads();
-        let view = self.before(joint, i, end).asking(dirac).limited(reads);
+        let view = self.before(joint, i, end, reads.vertices).asking(dirac).limited(reads);
         count_densities(1);
         PathDensity::new(strategy.pdf(view, &target).of_kind(dirac))
     }
@@ -415,18 +420,18 @@ where
         }
     }
 
-    /// What lies before vertex `i` of a path, coming from one end.
+    /// What lies before vertex `i` of a path, coming from one end, of which so many vertices are read.
     #[inline]
-    fn before(&self, joint: Joint, i: usize, end: End) -> PathView<'_, I::Vertex> {
+    fn before(&self, joint: Joint, i: usize, end: End, read: usize) -> PathView<'_, I::Vertex> {
         let (n, backward) = (self.connections.length, end == End::Second);
         let len = if backward { n - 1 - i } else { i };
         let last = core::array::from_fn(|j| {
-            if j >= len {
+            if j >= len.min(read) {
                 return Step::NONE;
             }
             let i = if backward { i + 1 + j } else { i - 1 - j };
             Step::new(self.position(joint, i), (joint.ends || i < joint.first) == backward)
         });
-        PathView::of_last(&self.tape, last, len)
+        PathView::of_last(&self.tape, last, len, read)
     }
 }

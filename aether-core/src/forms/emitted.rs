@@ -258,8 +258,8 @@ where
     V: Vertex<Point: Includes<S::Point>>,
     S: Sampler<V::Real>,
 {
-    let part = Includes::<S::Point>::part(&target.point());
-    part.map_or(V::Real::ZERO, |x| sampler.pdf_as_is(&x).value())
+    let Some(x) = Includes::<S::Point>::part(&target.point()) else { return V::Real::ZERO };
+    sampler.pdf_as_is(&x).value()
 }
 
 /// The density of `sampler` at the point of `target`, times a factor that depends on that point.

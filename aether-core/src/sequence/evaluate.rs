@@ -31,7 +31,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let strategies = self.strategies.borrow();
         let strategy = &strategies[way.strategy() as usize];
         let reads = strategy.reads();
-        let view = PathView::of_unfolded(&unfolded, place.range(0, i)).limited(reads);
+        let view = PathView::of_unfolded(&unfolded, place.range(0, i), reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
         drop(unfolded);
         let mut question = Question::NOTHING;
@@ -205,7 +205,7 @@ fn evaluate<V: Vertex, S: Strategy<V>>(
     let n = path.len as usize;
     let before = if backward { path.range(k + 1, n).reverse() } else { path.range(0, k) };
     let Some(target) = tape.vertex(path.at(k)) else { return V::Real::ZERO };
-    let view = PathView::of_unfolded(tape, before).asking(dirac).limited(strategy.reads());
+    let view = PathView::of_unfolded(tape, before, strategy.reads()).asking(dirac);
     count_densities(1);
     strategy.pdf(view, &target).of_kind(dirac)
 }

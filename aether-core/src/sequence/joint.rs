@@ -110,7 +110,7 @@ fn evaluate_run<V: Vertex, S: Strategy<V>>(
     let Some(last) = tape.vertex(run.at(len - 1)) else { return V::Real::ZERO };
     let vertex = |j: usize| tape.vertex(run.at(j.min(len - 1))).unwrap_or(last);
     let targets: [V; MOST_VERTICES] = core::array::from_fn(vertex);
-    let view = PathView::of_unfolded(tape, before).limited(strategy.reads());
+    let view = PathView::of_unfolded(tape, before, strategy.reads());
     count_densities(1);
     let value = strategy.pdf_joint(view, &targets[..len]);
     if value > V::Real::ZERO { value } else { V::Real::ZERO }

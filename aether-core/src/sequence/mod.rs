@@ -28,8 +28,8 @@ pub use random_sequence::RandomSequence;
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
 pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};
-pub(crate) use view::LAST;
 pub use view::PathView;
+pub(crate) use view::{LAST, Recent};
 
 use crate::estimator::Joints;
 use crate::mutation::Decided;

@@ -8,13 +8,20 @@ use crate::strategy::{Dirac, Drawn, Reads, Vertex};
 #[derive(Clone, Copy, Debug)]
 pub struct PathView<'p, V: Vertex> {
     source: Source<'p, V>,
+    recent: Recent<'p, V>,
+    /// How many of the source's vertices lie before the first.
+    offset: usize,
+    len: usize,
     /// How many of the first vertices are not shown.
     hidden: usize,
     dirac: Option<Dirac>,
 }
 
-/// How many vertices a view knows at most of steps that lie anywhere on a tape.
+/// How many vertices a view knows at most of steps that lie anywhere on a tape, and how many of any it has at hand.
 pub(crate) const LAST: usize = 3;
+
+/// The last vertices of a path, the last one first, as far as they are at hand: mostly all that is read.
+pub(crate) type Recent<'p, V> = [Option<&'p V>; LAST];
 
 #[derive(Clone, Copy, Debug)]
 enum Source<'p, V: Vertex> {
@@ -24,26 +31,44 @@ enum Source<'p, V: Vertex> {
     Unfolded(&'p Unfolded<'p, V>, Place),
     /// The same, and then a vertex that is on no tape.
     Extended(&'p Unfolded<'p, V>, Place, &'p Drawn<V>),
-    /// So many steps, none of which leads in a single direction: of the last ones, the last one first, is known where
-    /// they are.
-    Last(&'p Unfolded<'p, V>, [Step; LAST], usize),
+    /// Steps none of which leads in a single direction: of the last ones, the last one first, is known where they are,
+    /// as far as they are read.
+    Last(&'p Unfolded<'p, V>, [Step; LAST]),
 }
 
 impl<'p, V: Vertex> PathView<'p, V> {
     /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.
     pub const fn from_slice(vertices: &'p [V]) -> Self {
-        PathView { source: Source::Slice(vertices), hidden: 0, dirac: None }
+        Self::new(Source::Slice(vertices), [None; LAST], vertices.len())
+    }
+
+    #[inline(always)]
+    const fn new(source: Source<'p, V>, recent: Recent<'p, V>, len: usize) -> Self {
+        PathView { source, recent, offset: 0, len, hidden: 0, dirac: None }
     }
 
     #[inline]
     pub(crate) fn of_tape(tape: &'p Tape<V>, place: Place) -> Self {
-        PathView { source: Source::Tape(tape, place), hidden: 0, dirac: None }
+        Self::new(Source::Tape(tape, place), [None; LAST], place.len as usize)
     }
 
-    /// Of a tape that nothing is added to as long as the view is there.
+    /// Of what is read of a place on a tape that nothing is added to as long as the view is there.
     #[inline]
-    pub(crate) fn of_unfolded(tape: &'p Unfolded<'p, V>, place: Place) -> Self {
-        PathView { source: Source::Unfolded(tape, place), hidden: 0, dirac: None }
+    pub(crate) fn of_unfolded(tape: &'p Unfolded<'p, V>, place: Place, reads: Reads) -> Self {
+        let n = place.len as usize;
+        let read = reads.vertices.min(n);
+        let at_hand = |k: usize| if k < read { tape.at_hand(place.at(n - 1 - k)) } else { None };
+        Self::of_recent(tape, place, core::array::from_fn(at_hand)).limited(reads)
+    }
+
+    /// Of a place whose last vertices are at hand.
+    #[inline]
+    pub(crate) fn of_recent(
+        tape: &'p Unfolded<'p, V>,
+        place: Place,
+        recent: Recent<'p, V>,
+    ) -> Self {
+        Self::new(Source::Unfolded(tape, place), recent, place.len as usize)
     }
 
     /// The same, then a vertex that has been drawn after it.
@@ -51,17 +76,27 @@ impl<'p, V: Vertex> PathView<'p, V> {
     pub(crate) fn of_extended(
         tape: &'p Unfolded<'p, V>,
         place: Place,
+        [last, before, _]: Recent<'p, V>,
         drawn: &'p Drawn<V>,
     ) -> Self {
-        PathView { source: Source::Extended(tape, place, drawn), hidden: 0, dirac: None }
+        let recent = [Some(&drawn.vertex), last, before];
+        Self::new(Source::Extended(tape, place, drawn), recent, place.len as usize + 1)
     }
 
     /// Of `len` steps, the last of which, the last one first, lie anywhere on a tape on which no step leads in a single
-    /// direction.
+    /// direction, and of which so many are read.
     #[inline]
-    pub(crate) fn of_last(tape: &'p Unfolded<'p, V>, last: [Step; LAST], len: usize) -> Self {
+    pub(crate) fn of_last(
+        tape: &'p Unfolded<'p, V>,
+        last: [Step; LAST],
+        len: usize,
+        read: usize,
+    ) -> Self {
+        let at_hand =
+            |k: usize| if k < read && k < len { tape.at_hand(last[k].at()) } else { None };
         let hidden = len.saturating_sub(LAST);
-        PathView { source: Source::Last(tape, last, len), hidden, dirac: None }
+        let view = Self::new(Source::Last(tape, last), core::array::from_fn(at_hand), len);
+        PathView { hidden, ..view }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
@@ -74,75 +109,57 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// length is not declared, cut off.
     #[inline]
     pub fn limited(self, reads: Reads) -> Self {
-        let excess = self.len().saturating_sub(reads.vertices);
+        let excess = self.len.saturating_sub(reads.vertices);
         if reads.length {
-            PathView { hidden: self.hidden.max(excess), ..self }
-        } else {
-            let source = match self.source {
-                Source::Slice(vertices) => Source::Slice(&vertices[excess..]),
-                Source::Tape(tape, place) => {
-                    Source::Tape(tape, place.range(excess, place.len as usize))
-                }
-                Source::Unfolded(tape, place) => {
-                    Source::Unfolded(tape, place.range(excess, place.len as usize))
-                }
-                Source::Extended(tape, place, drawn) => {
-                    Source::Extended(tape, place.range(excess, place.len as usize), drawn)
-                }
-                Source::Last(tape, last, len) => Source::Last(tape, last, len - excess),
-            };
-            PathView { source, hidden: self.hidden.saturating_sub(excess), ..self }
+            return PathView { hidden: self.hidden.max(excess), ..self };
         }
+        let (offset, len) = (self.offset + excess, self.len - excess);
+        PathView { offset, len, hidden: self.hidden.saturating_sub(excess), ..self }
     }
 
     /// How many vertices there are. Meaningful to a strategy only if it declares to read the length.
     #[inline]
     pub fn len(&self) -> usize {
-        match self.source {
-            Source::Slice(vertices) => vertices.len(),
-            Source::Tape(_, place) | Source::Unfolded(_, place) => place.len as usize,
-            Source::Extended(_, place, _) => place.len as usize + 1,
-            Source::Last(.., len) => len,
-        }
+        self.len
     }
 
     /// Whether there is no vertex yet.
     #[inline]
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.len == 0
     }
 
     /// Vertex `i`, counted from the first; `None` if there is none or if reading it is not declared.
     #[inline(always)]
     pub fn vertex(&self, i: usize) -> Option<V> {
-        if i < self.hidden || i >= self.len() {
-            return None;
-        }
-        match self.source {
-            Source::Unfolded(tape, place) => tape.vertex(place.at(i)),
-            Source::Extended(_, place, drawn) if i == place.len as usize => Some(drawn.vertex),
-            Source::Extended(tape, place, _) => tape.vertex(place.at(i)),
-            Source::Last(tape, last, len) => tape.vertex(last[len - 1 - i].at()),
-            _ => self.vertex_elsewhere(i),
-        }
-    }
-
-    #[cold]
-    fn vertex_elsewhere(&self, i: usize) -> Option<V> {
-        match self.source {
-            Source::Slice(vertices) => vertices.get(i).copied(),
-            Source::Tape(tape, place) => tape.vertex(place.at(i)),
-            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
-                tape.vertex(place.at(i))
-            }
-            Source::Last(tape, last, len) => tape.vertex(last[len - 1 - i].at()),
-        }
+        self.back(self.len.checked_sub(i + 1)?)
     }
 
     /// The vertex `k` places before the last one: `back(0)` is the last vertex.
     #[inline(always)]
     pub fn back(&self, k: usize) -> Option<V> {
-        self.vertex(self.len().checked_sub(k + 1)?)
+        if k >= self.len - self.hidden {
+            return None;
+        }
+        match self.recent.get(k) {
+            Some(Some(vertex)) => Some(**vertex),
+            _ => self.vertex_elsewhere(k),
+        }
+    }
+
+    /// The vertex `k` places before the last one, if it is not at hand.
+    #[inline(never)]
+    fn vertex_elsewhere(&self, k: usize) -> Option<V> {
+        let i = self.offset + self.len - 1 - k;
+        match self.source {
+            Source::Slice(vertices) => vertices.get(i).copied(),
+            Source::Tape(tape, place) => tape.vertex(place.at(i)),
+            Source::Extended(_, place, drawn) if i == place.len as usize => Some(drawn.vertex),
+            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
+                tape.at_hand(place.at(i)).copied()
+            }
+            Source::Last(tape, last) => tape.at_hand(last.get(k)?.at()).copied(),
+        }
     }
 
     /// The last vertex: the one that the path continues from.
@@ -162,17 +179,21 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// ray cast.
     #[inline]
     pub fn visible(&self, i: usize) -> bool {
+        if i == 0 || i >= self.len {
+            return false;
+        }
+        let (k, i) = (self.len - 1 - i, self.offset + i);
         match self.source {
-            Source::Tape(tape, place) if i > 0 && i < self.len() => {
-                tape.unfolded().visible(place, i)
+            Source::Slice(_) => false,
+            Source::Tape(tape, place) => tape.unfolded().visible(place, i),
+            Source::Extended(_, place, drawn) if i == place.len as usize => drawn.visible,
+            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
+                tape.visible(place, i)
             }
-            Source::Unfolded(tape, place) if i > 0 && i < self.len() => tape.visible(place, i),
-            Source::Extended(_, place, drawn) if i == place.len as usize => i > 0 && drawn.visible,
-            Source::Extended(tape, place, _) if i > 0 && i < self.len() => tape.visible(place, i),
-            Source::Last(tape, last, len) if i > 0 && i < len && len < i + LAST => {
-                tape.sees(last[len - 1 - i], last[len - i])
+            Source::Last(tape, last) => {
+                let step = |k: usize| last.get(k).copied().filter(|step| *step != Step::NONE);
+                step(k).zip(step(k + 1)).is_some_and(|(step, before)| tape.sees(step, before))
             }
-            _ => false,
         }
     }
 
@@ -181,24 +202,28 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// from its diffuse base.
     #[inline]
     pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
+        if i >= self.len {
+            return false;
+        }
+        let on = |tape: &Unfolded<'_, V>, place: Place| {
+            tape.carries(place.range(self.offset, place.len as usize), i, dirac)
+        };
         match self.source {
-            Source::Tape(tape, place) if i < self.len() => tape.unfolded().carries(place, i, dirac),
-            Source::Unfolded(tape, place) if i < self.len() => tape.carries(place, i, dirac),
-            Source::Extended(tape, place, drawn) if i < self.len() => {
+            Source::Slice(_) => false,
+            Source::Tape(tape, place) => on(&tape.unfolded(), place),
+            Source::Unfolded(tape, place) => on(tape, place),
+            Source::Extended(tape, place, drawn) => {
                 // A position is the new vertex's own, a direction belongs to the one that it was drawn from.
                 let bearer = match dirac {
-                    Dirac::Position => place.len as usize,
-                    Dirac::Direction => (place.len as usize).wrapping_sub(1),
+                    Dirac::Position => self.len - 1,
+                    Dirac::Direction => (self.len - 1).wrapping_sub(1),
                 };
-                if i == bearer && drawn.dirac == Some(dirac) {
-                    return true;
-                }
-                i < place.len as usize && tape.carries(place, i, dirac)
+                (i == bearer && drawn.dirac == Some(dirac)) || (i + 1 < self.len && on(tape, place))
             }
-            Source::Last(tape, last, len) if i < len && len <= i + LAST => {
-                tape.is_drawn_with(last[len - 1 - i].at(), dirac)
+            Source::Last(tape, last) => {
+                let known = last.get(self.len - 1 - i).filter(|step| **step != Step::NONE);
+                known.is_some_and(|step| tape.is_drawn_with(step.at(), dirac))
             }
-            _ => false,
         }
     }
 }

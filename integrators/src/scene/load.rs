@@ -19,7 +19,7 @@ use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
 use super::texture::{Colour, Patch};
 use super::trace::Tracer;
-use super::{Facts, Scene, xml};
+use super::{Scene, facts, xml};
 
 /// The most shapes and primitives that instances may add up to: 3.4 gigabytes while the tree is built.
 const MAX_COPIES: (usize, usize) = (1 << 20, 1 << 23);
@@ -176,7 +176,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
     let mut scene = Scene {
         tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
-        facts: parts.primitives.iter().map(Facts::new).collect(),
+        facts: facts(&parts.primitives, &parts.primitive_shapes, &parts.shapes),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
         shapes: parts.shapes,

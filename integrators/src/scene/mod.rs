@@ -138,6 +138,7 @@ pub struct Hit {
 
 impl Scene {
     /// A primitive.
+    #[inline]
     pub fn primitive(&self, id: PrimitiveId) -> &Primitive {
         &self.primitives[id.0 as usize]
     }
@@ -188,6 +189,7 @@ impl Scene {
     /// without hitting it again, except through the inside of a sphere.
     ///
     /// No hit is reported for an origin or direction that is not finite or for a direction of 0.
+    #[inline(always)]
     pub fn intersect(
         &self,
         origin: Vec3,
@@ -227,7 +229,7 @@ impl Scene {
     }
 
     /// A surface at a point of it.
-    #[inline]
+    #[inline(always)]
     fn on(&self, id: PrimitiveId, point: Vec3) -> On {
         match self.primitive(id) {
             round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => {
@@ -237,40 +239,48 @@ impl Scene {
         }
     }
 
+    #[inline(always)]
     fn hit(&self, origin: Vec3, direction: Vec3, raw: &RawHit) -> Hit {
-        let direction = direction.normalize();
+        // Few hits need it.
+        let direction = || direction.normalize();
         let primitive = self.primitive(raw.primitive);
+        let facts = &self.facts[raw.primitive.0 as usize];
         let w = raw.weights;
         let position = match *primitive {
             Primitive::Triangle { v0, v1, v2 } => {
-                let facts = &self.facts[raw.primitive.0 as usize];
                 let edge = w.min_element() < facts.margin;
                 let inner = if edge { off_the_edges(w, &[v0, v1, v2]) } else { w };
                 let by_weights = inner.x * v0 + inner.y * v1 + inner.z * v2;
                 // The weights give a point with the rounding error of the corners, large beside the
                 // distance of a hit on a huge triangle. Elsewhere they are as good, and never outside.
                 let is_huge = facts.size > 8.0 * (origin.abs().max_element() + raw.t);
-                let on_plane = || hit::inside_on_plane([v0, v1, v2], origin, direction);
+                let on_plane = || hit::inside_on_plane([v0, v1, v2], origin, direction());
                 is_huge.then(on_plane).flatten().unwrap_or(by_weights)
             }
             Primitive::Sphere { center, radius, .. } => {
                 let c = center.as_dvec3();
-                let outwards = (origin + raw.t * direction).as_dvec3() - c;
+                let outwards = (origin + raw.t * direction()).as_dvec3() - c;
                 (c + f64::from(radius) * outwards.normalize_or_zero()).as_vec3()
             }
             Primitive::Cylinder { base, axis, radius, .. } => {
-                let point = (origin + raw.t * direction).as_dvec3();
+                let point = (origin + raw.t * direction()).as_dvec3();
                 hit::onto_cylinder(point, base, axis, radius)
             }
             Primitive::Disk { center, u_axis, v_axis, .. } => center + w.x * u_axis + w.y * v_axis,
         };
-        let geometric_normal = self.normal(raw.primitive, position);
-        let shading_normal = self.corner_normals(raw.primitive).map(|[n0, n1, n2]| {
+        let geometric_normal = match primitive {
+            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => {
+                round.normal(position)
+            }
+            _ => facts.plane.normal,
+        };
+        let corners = if facts.is_smooth { self.corner_normals(raw.primitive) } else { None };
+        let shading_normal = corners.map(|[n0, n1, n2]| {
             (w.x * *n0 + w.y * *n1 + w.z * *n2).try_normalize().unwrap_or(geometric_normal)
         });
         Hit {
             primitive: raw.primitive,
-            t: (position - origin).dot(direction).max(0.0),
+            t: (position - origin).dot(direction()).max(0.0),
             position,
             geometric_normal,
             shading_normal: shading_normal.unwrap_or(geometric_normal),
@@ -336,6 +346,16 @@ struct Facts {
     size: f32,
     /// The least weight of a corner for which a point of a triangle lies well off all edges.
     margin: f32,
+    /// Whether its shape has shading normals.
+    is_smooth: bool,
+}
+
+/// What is known of primitives, given the index of the shape of each.
+fn facts(primitives: &[Primitive], shapes_of: &[u32], shapes: &[Shape]) -> Vec<Facts> {
+    let facts = |(primitive, shape): (&Primitive, &u32)| {
+        Facts::new(primitive, shapes[*shape as usize].first_normals.is_some())
+    };
+    primitives.iter().zip(shapes_of).map(facts).collect()
 }
 
 /// How far points of a triangle are kept off its edges, relative to the coordinates of its corners.
@@ -347,13 +367,14 @@ struct Facts {
 pub const MARGIN: f64 = 64.0 * f32::EPSILON as f64;
 
 impl Facts {
-    fn new(primitive: &Primitive) -> Self {
+    fn new(primitive: &Primitive, is_smooth: bool) -> Self {
         let (mut size, mut margin) = (0.0, 0.0);
         if let Primitive::Triangle { v0, v1, v2 } = *primitive {
             size = v0.abs().max(v1.abs()).max(v2.abs()).max_element();
             margin = margins(&[v0, v1, v2]).max_element();
         }
-        Facts { plane: On::new(primitive, primitive.normal(Vec3::ZERO)), size, margin }
+        let plane = On::new(primitive, primitive.normal(Vec3::ZERO));
+        Facts { plane, size, margin, is_smooth }
     }
 }
 

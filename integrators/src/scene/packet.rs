@@ -17,12 +17,14 @@ pub struct Ray {
     /// A unit vector.
     pub direction: Vec3,
     axes: [usize; 3],
+    /// The coordinates of the origin along these axes.
+    along: [f32; 3],
     shear: Vec3,
 }
 
 impl Ray {
     /// A ray from `origin` along the unit vector `direction`.
-    #[inline]
+    #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let size = direction.abs();
         let z = if size.x >= size.y && size.x >= size.z {
@@ -32,16 +34,19 @@ impl Ray {
         } else {
             2
         };
+        let turned = |v: Vec3| match z {
+            0 => [v.y, v.z, v.x],
+            1 => [v.z, v.x, v.y],
+            _ => [v.x, v.y, v.z],
+        };
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        if direction[z] < 0.0 {
+        let (mut along, [mut dx, mut dy, dz]) = (turned(origin), turned(direction));
+        if dz < 0.0 {
             std::mem::swap(&mut x, &mut y);
+            std::mem::swap(&mut dx, &mut dy);
+            along.swap(0, 1);
         }
-        Self {
-            origin,
-            direction,
-            axes: [x, y, z],
-            shear: Vec3::new(direction[x], direction[y], 1.0) / direction[z],
-        }
+        Self { origin, direction, axes: [x, y, z], along, shear: Vec3::new(dx, dy, 1.0) / dz }
     }
 }
 
@@ -98,13 +103,14 @@ impl Packet {
         (a.min(b).min(c), a.max(b).max(c))
     }
 
-    /// Where the line along the ray meets the triangles, from either side, at most at a finite distance
+    /// Where the line along the ray meets the triangles but two of them, from either side, at most at a finite distance
     /// `limit`.
     #[inline(always)]
     pub fn meet<E: Eight>(
         &self,
         machine: E::Machine,
         ray: &Ray,
+        but: [u32; 2],
         limit: f32,
     ) -> Option<Meetings<E>> {
         let sheared: [Points<E>; 3] = [
@@ -115,20 +121,29 @@ impl Packet {
         let [a, b, c] = &sheared;
         let (mut u, mut v, mut w) = (edge(c, b), edge(a, c), edge(b, a));
         let zero = E::splat(machine, 0.0);
-        let doubtful = u.equal(zero) | v.equal(zero) | w.equal(zero);
+        // A difference that is not zero has the right sign: rounding keeps the order of the two products.
+        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        let mut inside = zero.at_most(least) | most.at_most(zero);
+        if inside == 0 {
+            return None;
+        }
+        inside &= !E::among(machine, &self.ids, but);
+        if inside == 0 {
+            return None;
+        }
+        let doubtful = inside & (least.equal(zero) | most.equal(zero));
         if doubtful != 0 {
             let corners = [arrays(a), arrays(b), arrays(c)];
             let exact = exact(doubtful, &corners, arrays(&[u, v, w]));
             u = E::load(machine, &exact[0]);
             v = E::load(machine, &exact[1]);
             w = E::load(machine, &exact[2]);
-        }
-        let some_below = u.below(zero) | v.below(zero) | w.below(zero);
-        let some_above = zero.below(u) | zero.below(v) | zero.below(w);
-        // Exactly one of both, or all three are zero.
-        let inside = some_below ^ some_above;
-        if inside == 0 {
-            return None;
+            // Zeros count on either side, but not all three.
+            let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+            inside &= zero.at_most(least) ^ most.at_most(zero) | !doubtful;
+            if inside == 0 {
+                return None;
+            }
         }
         let inverse_det = E::splat(machine, 1.0) / (u + v + w);
         let weights = [u * inverse_det, v * inverse_det, w * inverse_det];
@@ -167,9 +182,9 @@ impl Packet {
     fn sheared<E: Eight>(&self, machine: E::Machine, ray: &Ray, i: usize) -> Points<E> {
         let [x, y, z] = ray.axes;
         let corner = &self.corners[i];
-        let z = E::load(machine, &corner[z]) - E::splat(machine, ray.origin[z]);
-        let x = E::load(machine, &corner[x]) - E::splat(machine, ray.origin[x]);
-        let y = E::load(machine, &corner[y]) - E::splat(machine, ray.origin[y]);
+        let z = E::load(machine, &corner[z]) - E::splat(machine, ray.along[2]);
+        let x = E::load(machine, &corner[x]) - E::splat(machine, ray.along[0]);
+        let y = E::load(machine, &corner[y]) - E::splat(machine, ray.along[1]);
         let shear = &ray.shear;
         [x - E::splat(machine, shear.x) * z, y - E::splat(machine, shear.y) * z, z]
     }

@@ -10,6 +10,9 @@ use super::simd::{Eight, Plain, Points, abs, dot, same};
 /// Bound of the rounding error of surface points relative to the coordinates of their primitive.
 const LIFT: f32 = 4.0 * f32::EPSILON;
 
+/// No primitive has this number.
+const NOTHING: u32 = u32::MAX;
+
 /// A point where a ray or a segment starts or ends.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
@@ -63,6 +66,8 @@ pub struct Segment {
     pub ray: Ray,
     start: Option<Contact>,
     end: Option<Contact>,
+    /// The primitives that it starts and ends on, or [`NOTHING`].
+    on: [u32; 2],
     end_point: Vec3,
     /// Infinite for a ray.
     pub length: f32,
@@ -80,15 +85,14 @@ pub struct Segment {
 /// perhaps a little before its start, and the back of a surface that it should have started in
 /// front of.
 struct Contact {
-    on: PrimitiveId,
     /// Whether the segment runs along the normal of the surface rather than against it.
     along_normal: bool,
 }
 
 impl Contact {
-    #[inline]
-    fn new(end: End, surface: Option<On>, direction: Vec3) -> Option<Self> {
-        Some(Self { on: end.on?, along_normal: surface?.normal.dot(direction) > 0.0 })
+    #[inline(always)]
+    fn new(surface: Option<On>, direction: Vec3) -> Option<Self> {
+        Some(Self { along_normal: surface?.normal.dot(direction) > 0.0 })
     }
 
     /// Which planes met at distances of `t` from this end stand in the way. `error` bounds how far the ends and
@@ -116,6 +120,7 @@ impl Contact {
 
 impl Segment {
     /// A ray from a point; none if that or the direction is no number. `scale` is that of the scene.
+    #[inline(always)]
     pub fn new(scale: f32, from: End, start: Option<On>, direction: Vec3) -> Option<Self> {
         let direction = direction.try_normalize()?;
         if !from.point.is_finite() {
@@ -123,14 +128,16 @@ impl Segment {
         }
         Some(Self {
             ray: Ray::new(lifted(from.point, start, direction) * scale, direction),
-            start: Contact::new(from, start, direction),
+            start: Contact::new(start, direction),
             end: None,
+            on: [number(from), NOTHING],
             end_point: Vec3::ZERO,
             length: f32::INFINITY,
         })
     }
 
     /// What lies between two points; none if that is nothing.
+    #[inline(always)]
     pub fn between(scale: f32, from: (End, Option<On>), to: (End, Option<On>)) -> Option<Self> {
         let towards = to.0.point - from.0.point;
         let a = lifted(from.0.point, from.1, towards);
@@ -138,8 +145,9 @@ impl Segment {
         let direction = offset.try_normalize()?;
         Some(Self {
             ray: Ray::new(a * scale, direction),
-            start: Contact::new(from.0, from.1, direction),
-            end: Contact::new(to.0, to.1, direction),
+            start: Contact::new(from.1, direction),
+            end: Contact::new(to.1, direction),
+            on: [number(from.0), number(to.0)],
             end_point: to.0.point * scale,
             length: offset.length() * scale,
         })
@@ -148,17 +156,13 @@ impl Segment {
     /// Whether it starts, and ends, on a primitive.
     #[inline(always)]
     fn touches(&self, primitive: PrimitiveId) -> (bool, bool) {
-        let is_on = |contact: &Option<Contact>| contact.as_ref().is_some_and(|c| c.on == primitive);
-        (is_on(&self.start), is_on(&self.end))
+        (self.on[0] == primitive.0, self.on[1] == primitive.0)
     }
 
-    /// Whether a triangle that is met within the segment, but for rounding, counts: the segment neither starts nor ends
-    /// on it, and comes by its box. A plane that it runs along is met within rounding anywhere.
+    /// Whether a triangle that is met within the segment, but for rounding, counts: the segment comes by its box. A plane
+    /// that it runs along is met within rounding anywhere.
     #[inline(always)]
     pub fn is_real(&self, packet: &Packet, lane: usize, t: f32, padding: f32) -> bool {
-        if self.touches(packet.id(lane)) != (false, false) {
-            return false;
-        }
         let nearest = t.max(0.0).min(self.length);
         if nearest == t {
             return true;
@@ -168,8 +172,8 @@ impl Segment {
         point.cmpge(min - padding).all() && point.cmple(max + padding).all()
     }
 
-    /// The triangles of a packet that are met within the segment, and no further than the limit; it may start or end
-    /// on some of them.
+    /// The triangles of a packet that are met within the segment, and no further than the limit, but for those that it
+    /// starts or ends on.
     #[inline(always)]
     pub fn meet<E: Eight>(
         &self,
@@ -177,7 +181,7 @@ impl Segment {
         packet: &Packet,
         limit: f32,
     ) -> Option<Meetings<E>> {
-        let mut meetings = packet.meet(machine, &self.ray, limit)?;
+        let mut meetings = packet.meet(machine, &self.ray, self.on, limit)?;
         meetings.met = if self.start.is_none() && self.end.is_none() {
             let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
             meetings.met & zero.below(meetings.t) & meetings.t.below(end)
@@ -316,8 +320,14 @@ impl<E: Eight> Planes<E> for DiskPlane {
     }
 }
 
-/// A point on a surface moved off it to the side of `direction` by a bound of its rounding error.
+/// The number of the primitive that an end lies on.
 #[inline]
+fn number(end: End) -> u32 {
+    end.on.map_or(NOTHING, |id| id.0)
+}
+
+/// A point on a surface moved off it to the side of `direction` by a bound of its rounding error.
+#[inline(always)]
 fn lifted(point: Vec3, surface: Option<On>, direction: Vec3) -> Vec3 {
     let Some(On { normal, off }) = surface else {
         return point;

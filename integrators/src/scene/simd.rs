@@ -34,6 +34,8 @@ pub trait Eight:
     fn at_most(self, other: Self) -> u32;
     /// Where they are equal.
     fn equal(self, other: Self) -> u32;
+    /// Which of eight integers are one of two.
+    fn among(machine: Self::Machine, integers: &[u32; LANES], two: [u32; 2]) -> u32;
 }
 
 /// Three coordinates of eight points.
@@ -190,6 +192,10 @@ impl Eight for Plain {
     fn equal(self, other: Self) -> u32 {
         self.bits(other, |a, b| a == b)
     }
+    #[inline(always)]
+    fn among((): (), integers: &[u32; LANES], two: [u32; 2]) -> u32 {
+        (0..LANES).map(|i| u32::from(two.contains(&integers[i])) << i).sum()
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -277,6 +283,14 @@ mod avx2 {
         #[inline(always)]
         fn equal(self, other: Self) -> u32 {
             self.bits::<_CMP_EQ_OQ>(other)
+        }
+        #[inline(always)]
+        fn among(machine: V3, integers: &[u32; LANES], [a, b]: [u32; 2]) -> u32 {
+            let (avx, avx2) = (machine.avx, machine.avx2);
+            let all = pulp::cast(*integers);
+            let is_a = avx2._mm256_cmpeq_epi32(all, avx._mm256_set1_epi32(a as i32));
+            let is_b = avx2._mm256_cmpeq_epi32(all, avx._mm256_set1_epi32(b as i32));
+            avx._mm256_movemask_ps(pulp::cast(avx2._mm256_or_si256(is_a, is_b))) as u32
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::simd::LANES;
 use super::tree::Child;
 
-/// More than a ray through an ordinary tree needs.
-const ENTRIES: usize = 64;
+/// More than a ray through an ordinary tree needs. As many are still cleared by a few stores in place.
+const ENTRIES: usize = 48;
 
 /// A child and where the ray enters it, as a number that is greater for what is further away.
 #[derive(Clone, Copy)]
@@ -65,21 +65,27 @@ impl Stack {
             self.sink();
         }
         let first = self.len;
-        let mut end = first;
-        while lanes != 0 {
+        let mut taken = || {
             let lane = lanes.trailing_zeros() as usize % LANES;
-            lanes &= lanes - 1;
-            let new = Entry::new(children.near[lane], children.children[lane]);
-            let mut place = end % ENTRIES;
-            while SORTED && place > first && self.entries[place - 1].0 < new.0 {
+            lanes &= lanes.wrapping_sub(1);
+            (Entry::new(children.near[lane], children.children[lane]), lanes != 0)
+        };
+        let (mut nearest, _) = taken();
+        loop {
+            let (new, more) = taken();
+            let is_farther = SORTED && nearest.0 < new.0;
+            let (near, far) = if is_farther { (nearest, new) } else { (new, nearest) };
+            let mut place = self.len;
+            while SORTED && place > first && self.entries[place - 1].0 < far.0 {
                 self.entries[place] = self.entries[place - 1];
                 place -= 1;
             }
-            self.entries[place] = new;
-            end += 1;
+            self.entries[place] = far;
+            (nearest, self.len) = (near, self.len + 1);
+            if !more {
+                return nearest;
+            }
         }
-        self.len = end - 1;
-        self.entries[self.len % ENTRIES]
     }
 
     /// The last entry.
@@ -89,7 +95,7 @@ impl Stack {
             return self.below.pop();
         }
         self.len -= 1;
-        Some(self.entries[self.len % ENTRIES])
+        Some(self.entries[self.len])
     }
 
     /// Makes room.

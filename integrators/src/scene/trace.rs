@@ -33,6 +33,8 @@ pub struct Tracer {
     others: Vec<Item>,
     /// A power of two: lengths in the tree per length in the scene.
     scale: f32,
+    /// One over it, which is exact.
+    unit: f32,
     /// How much larger boxes are than what is in them, to each side.
     padding: f32,
     machine: Machine,
@@ -75,7 +77,8 @@ impl Tracer {
             others.push(Item { primitive, id: PrimitiveId(indices[0]) });
             Below::Other(others.len() - 1)
         });
-        Self { tree, packets, others, scale, padding, machine: Machine::detect() }
+        let unit = 1.0 / scale;
+        Self { tree, packets, others, scale, unit, padding, machine: Machine::detect() }
     }
 
     /// The same without the machine's instructions.
@@ -85,10 +88,11 @@ impl Tracer {
     }
 
     /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
+    #[inline(always)]
     pub fn nearest(&self, from: End, start: Option<On>, direction: Vec3) -> Option<RawHit> {
         let query = Segment::new(self.scale, from, start, direction)?;
         let hit = self.machine.run(Nearest { tracer: self, query: &query, best: None })?;
-        Some(RawHit { t: hit.t / self.scale, ..hit })
+        Some(RawHit { t: hit.t * self.unit, ..hit })
     }
 
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
@@ -100,6 +104,7 @@ impl Tracer {
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
+    #[inline(always)]
     pub fn unoccluded(&self, from: (End, Option<On>), to: (End, Option<On>)) -> bool {
         let Some(query) = Segment::between(self.scale, from, to) else { return true };
         !self.machine.run(Any { tracer: self, query: &query, found: false })

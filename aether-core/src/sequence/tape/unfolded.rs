@@ -22,6 +22,13 @@ impl<V: Vertex> Unfolded<'_, V> {
         self.vertices.get(id as usize).map(|kept| kept.vertex)
     }
 
+    /// The same where it lies.
+    #[inline(always)]
+    pub fn at_hand(&self, at: usize) -> Option<&V> {
+        let id = self.entries.get(at)?.vertex;
+        self.vertices.get(id as usize).map(|kept| &kept.vertex)
+    }
+
     /// The id of the vertex of a step.
     #[inline(always)]
     pub fn vertex_id(&self, at: usize) -> u32 {
