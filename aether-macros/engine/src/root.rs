@@ -1,6 +1,6 @@
 //! The values of roots, at any precision: Newton's method inside a bracket that only shrinks.
 
-use crate::eval::{Evaluator, Prepared};
+use crate::eval::{Evaluated, Evaluator};
 use crate::expr::{Graph, Id, Leaf, Root, children, leaf_bit};
 use crate::hash::Map;
 use crate::number::Number;
@@ -48,10 +48,11 @@ pub fn root_value<T: Number>(
 
 /// The body and the slope of a root as functions of its variable. What does not depend on it is computed once.
 struct Body<'a, T> {
+    graph: &'a Graph,
     root: &'a Root,
     inputs: &'a dyn Fn(Leaf) -> T,
     /// Every part before the whole.
-    steps: Vec<Prepared<'a>>,
+    steps: Vec<Id>,
     place: Map<Id, usize>,
     closed: Map<Id, T>,
 }
@@ -60,7 +61,7 @@ impl<'a, T: Number> Body<'a, T> {
     fn new(graph: &'a Graph, root: &'a Root, inputs: &'a dyn Fn(Leaf) -> T) -> Self {
         let mut outside = Evaluator::new(graph, inputs);
         let (steps, place, closed) = (Vec::new(), Map::default(), Map::default());
-        let mut found = Body { root, inputs, steps, place, closed };
+        let mut found = Body { graph, root, inputs, steps, place, closed };
         let variable = leaf_bit(root.variable);
         let mut open = vec![(root.slope, false), (root.body, false)];
         while let Some((id, ready)) = open.pop() {
@@ -71,7 +72,7 @@ impl<'a, T: Number> Body<'a, T> {
                 found.closed.insert(id, outside.value(id));
             } else if ready {
                 found.place.insert(id, found.steps.len());
-                found.steps.push(Prepared::new(graph, id));
+                found.steps.push(id);
             } else {
                 open.push((id, true));
                 open.extend(children(graph.node(id)).into_iter().map(|c| (c, false)));
@@ -81,15 +82,16 @@ impl<'a, T: Number> Body<'a, T> {
     }
 
     fn at(&self, t: T) -> (T, T) {
-        let inputs = |l: Leaf| if l == self.root.variable { t } else { (self.inputs)(l) };
+        let inputs = |l: Leaf, _| if l == self.root.variable { t } else { (self.inputs)(l) };
+        let node = Evaluated { graph: self.graph, inputs: &inputs, like: &[t] };
         let mut values: Vec<T> = Vec::with_capacity(self.steps.len());
         let known = |values: &[T], id: Id| match self.place.get(&id) {
             Some(place) => values[*place],
             None => self.closed[&id],
         };
         for step in &self.steps {
-            let value = step.value(&inputs, &mut |part| known(&values, part));
-            values.push(value);
+            let value = node.values(*step, &mut |part| [known(&values, part)]);
+            values.extend(value);
         }
         (known(&values, self.root.body), known(&values, self.root.slope))
     }
