@@ -31,8 +31,6 @@ pub(super) fn run(arguments: &ConvergenceArguments) -> Result<ExitCode, Failure>
         Some(output) => output.clone(),
         None => PathBuf::from(format!("convergence-{name}")),
     };
-    std::fs::create_dir_all(&output)
-        .map_err(|error| Failure::new(format!("cannot make `{}`: {error}", output.display())))?;
     let entries = entries(arguments)?;
     let Some((_, first)) = entries.first() else {
         return Err(Failure::new(
@@ -40,6 +38,9 @@ pub(super) fn run(arguments: &ConvergenceArguments) -> Result<ExitCode, Failure>
         ));
     };
     let scene = load(first)?;
+    // Only for what can be measured, and before that takes its time.
+    std::fs::create_dir_all(&output)
+        .map_err(|error| Failure::new(format!("cannot make `{}`: {error}", output.display())))?;
     let run = Run { arguments, scene: &scene, plan: Plan::new(&scene, first), name: plain(&name) };
     let terminal = Terminal::new();
     let outcome = run.measure(&entries, &output, &terminal);
