@@ -231,7 +231,7 @@ fn derive_with(problem: &mut Problem, most: Numerical) -> Result<Derived, String
 fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, String> {
     crate::poly::start_budget();
     let targets = declare_outputs(problem);
-    all_used(problem)?;
+    all_used(problem).map_err(|why| cases::on_which_way(problem, why))?;
     let whole = parts::whole(problem);
     let (outputs, inner) = match &whole {
         Some(whole) => whole.volume(problem),

@@ -138,7 +138,7 @@ pub const UNKNOWNS: Deps = (1 << 24) - 1;
 pub const OUTS: Deps = ((1 << 24) - 1) << 24;
 
 /// The arena of expressions.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
     ranges: Vec<Interval>,

@@ -40,6 +40,20 @@ pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
     shown(g, id, variable, true)
 }
 
+/// The sign that an expression has at all points of its inputs' ranges that are tried; `None` if it has both, or none.
+pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
+    let leaves = leaves_of(g, id, any_input(g, id)?);
+    sign_inside(g, id, &leaves, true).ok()
+}
+
+/// An input that an expression depends on.
+pub(crate) fn any_input(g: &Graph, id: Id) -> Option<Leaf> {
+    match g.node(id) {
+        Node::Leaf(leaf) => Some(*leaf),
+        node => children(node).into_iter().find_map(|part| any_input(g, part)),
+    }
+}
+
 /// The sign of a slope that may vanish here and there, or nowhere where `strict`.
 fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, Unproven> {
     let leaves = leaves_of(g, slope, variable);

@@ -89,7 +89,7 @@ fn metered<T>(work: impl FnOnce() -> Option<T>) -> (Option<T>, Option<u64>) {
 
 /// What expressions are as rational functions, without relations of the caller's: by expression and
 /// the inputs that sums are multiplied out for.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Known {
     functions: Map<(Id, Deps), Taken<RatFun>>,
     normal: Map<(Id, Deps), Taken<Id>>,

@@ -36,15 +36,9 @@ impl Case {
 
 /// Evaluates the map at every test point; points that have no result are left out.
 pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> {
-    let accept = |point: &Point| on_this_way(problem, point);
-    let confined = problem.segments.iter().any(Option::is_some);
-    let guarded = confined || !problem.guards.is_empty() || !problem.relations.is_empty();
-    let points = match &problem.argument {
-        None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
-        Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
-    };
-    if guarded && points.is_empty() {
-        return Err("one of the ways through the branches of this body was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken".into());
+    let points = points(problem);
+    if points.is_empty() && is_guarded(problem) {
+        return Err(never_taken(problem));
     }
     let out: Vec<Case> =
         points.into_iter().filter_map(|point| case(problem, volume, point)).collect();
@@ -112,6 +106,47 @@ pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Ca
         (case.outs.iter().all(held) && held(&case.volume)).then_some(case)
     };
     cases.iter().filter_map(rounded).collect()
+}
+
+fn is_guarded(problem: &Problem) -> bool {
+    let confined = problem.segments.iter().any(Option::is_some);
+    confined || !problem.guards.is_empty() || !problem.relations.is_empty()
+}
+
+/// The points at which the map is tried: those that take this way through the branches.
+fn points(problem: &Problem) -> Vec<Point> {
+    let accept = |point: &Point| on_this_way(problem, point);
+    let guarded = is_guarded(problem);
+    match &problem.argument {
+        None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
+        Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
+    }
+}
+
+/// What is wrong with a way through the branches that no point takes.
+fn never_taken(problem: &Problem) -> String {
+    let place = way(problem).map_or(String::new(), |way| format!(", where {way},"));
+    format!(
+        "one of the ways through the branches of this body{place} was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken, as a `max(0.0)` that only keeps rounding from a square root"
+    )
+}
+
+/// The last comparison that leads to this way, as text.
+fn way(problem: &Problem) -> Option<String> {
+    let test = problem.guards.last()?;
+    let relation = if test.strict { ">" } else { ">=" };
+    Some(format!("`{} {relation} 0`", crate::display::show(&problem.graph, test.difference)))
+}
+
+/// What is wrong with a piece, with the way through the branches that leads to it; if none does, that.
+pub(super) fn on_which_way(problem: &Problem, why: String) -> String {
+    let Some(way) = way(problem) else { return why };
+    if points(problem).is_empty() {
+        return never_taken(problem);
+    }
+    format!(
+        "{why}. That is so on the way through the branches where {way}: if no point should take it, declare the domains of the parameters that exclude it, as in `#[sampler(alpha in 1e-4..=1.0)]`"
+    )
 }
 
 /// Whether a point takes this way through the branches.

@@ -8,7 +8,7 @@ use crate::hash::mixed;
 use crate::rational::Q;
 
 /// The ids of nodes, which somebody else keeps.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Index {
     /// The hash of each node.
     hashes: Vec<u64>,

@@ -12,7 +12,7 @@ use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::body::Body;
 use super::order::{assume_nonnegative, assume_order};
-use super::{Test, Value};
+use super::{Test, Value, proven};
 use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
 use crate::rational::Q;
@@ -27,6 +27,17 @@ const MAX_STEPS: f64 = 16.0;
 struct Outcome {
     holds: bool,
     open: bool,
+    /// Whether that is proven, so that no point has to be asked.
+    proven: bool,
+}
+
+/// How a comparison is meant.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    /// Whether it may come out either way; if not, it is known to hold for all points.
+    open: bool,
+    /// Whether either outcome is right where both numbers are equal.
+    equal: bool,
 }
 
 /// The integers that the argument of a `floor` passes.
@@ -74,7 +85,7 @@ impl Way {
         while let Some(last) = self.outcomes.pop() {
             if last.open && last.holds {
                 let place = self.outcomes.len();
-                self.outcomes.push(Outcome { holds: false, open: false });
+                self.outcomes.push(Outcome { holds: false, open: false, proven: false });
                 self.spans.retain(|begin, _| *begin <= place);
                 return Some(self.again(vec![]));
             }
@@ -100,11 +111,10 @@ impl Body<'_> {
 
     /// Whether `difference > 0` (`>= 0` if not strict) on this way.
     pub(super) fn decide(&mut self, difference: Id, strict: bool) -> bool {
-        self.compare(difference, strict, true)
+        self.compare(difference, strict, Asked { open: true, equal: false })
     }
 
-    /// The same, where it is known to hold for all points if it is not `open`.
-    fn compare(&mut self, difference: Id, strict: bool, open: bool) -> bool {
+    fn compare(&mut self, difference: Id, strict: bool, asked: Asked) -> bool {
         let repeated = self.repeated(difference, strict);
         let settled = repeated.or_else(|| settled(self.graph.range(difference), strict));
         let place = self.way.position;
@@ -112,8 +122,11 @@ impl Body<'_> {
         let outcome = match self.way.outcomes.get(place) {
             Some(outcome) => *outcome,
             None => {
-                let open = open && settled.is_none();
-                let outcome = Outcome { holds: settled.unwrap_or(true), open };
+                let known = settled.is_some() || !asked.open;
+                let proven = if known { None } else { self.proven(difference, strict, asked) };
+                let open = !known && proven.is_none();
+                let holds = settled.or(proven).unwrap_or(true);
+                let outcome = Outcome { holds, open, proven: proven.is_some() };
                 self.way.outcomes.push(outcome);
                 outcome
             }
@@ -124,12 +137,19 @@ impl Body<'_> {
             let g = &mut self.graph;
             let difference = if outcome.holds { difference } else { g.neg(difference) };
             assume_nonnegative(g, difference);
-            if !self.way.implied.contains(&place) {
+            if !outcome.proven && !self.way.implied.contains(&place) {
                 let strict = strict == outcome.holds;
                 self.way.tests.push((place, Test { difference, strict }));
             }
         }
         outcome.holds
+    }
+
+    /// What is proven of a comparison that ranges do not settle.
+    fn proven(&self, difference: Id, strict: bool, asked: Asked) -> Option<bool> {
+        let positive = proven::sign(&self.graph, difference)? > 0;
+        // Where both numbers are equal, which may be somewhere, only one outcome is right.
+        (asked.equal || strict != positive).then_some(positive)
     }
 
     /// The value of a comparison or of a logical operator; `None` if the operator is neither.
@@ -309,7 +329,9 @@ impl Body<'_> {
     /// The smaller (or larger) of two numbers.
     pub(super) fn extremum(&mut self, a: Id, b: Id, smaller: bool) -> Id {
         let difference = self.graph.sub(b, a);
-        if self.decide(difference, true) == smaller { a } else { b }
+        // Of equal numbers either will do.
+        let asked = Asked { open: true, equal: true };
+        if self.compare(difference, true, asked) == smaller { a } else { b }
     }
 
     /// One with the sign of x.
@@ -339,7 +361,7 @@ impl Body<'_> {
         let found = (first..end).find(|&k| {
             let above = self.graph.int(k + 1);
             let difference = self.graph.sub(above, x);
-            self.compare(difference, true, k < last)
+            self.compare(difference, true, Asked { open: k < last, equal: false })
         });
         let found = found.unwrap_or(last);
         if let Some(count) = count {

@@ -8,6 +8,7 @@ mod methods;
 mod mixed;
 mod order;
 mod pieces;
+mod proven;
 mod shared;
 mod signature;
 mod solve;
