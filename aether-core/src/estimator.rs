@@ -115,8 +115,8 @@ impl<I, F> Estimator<I, F> {
 /// Whether a density is neither zero nor infinite.
 #[inline(always)]
 fn is_regular<R: Scalar>(p: R) -> bool {
-    // Infinity less itself is no number. Compared with infinity, this would become a test of bits.
-    p > R::ZERO && p - p == R::ZERO
+    // Infinity times zero is no number. Compared with infinity, this would become a test of bits.
+    p > R::ZERO && p * R::ZERO == R::ZERO
 }
 
 impl<I> Estimator<I> {
