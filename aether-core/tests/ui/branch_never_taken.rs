@@ -1,9 +1,9 @@
-// A branch that the declared domain excludes, where that is more than the compiler can prove.
+// A branch that is never taken, which is more than the compiler can prove.
 use aether_core::prelude::*;
 
-#[sampler(k in 1.0..=2.0)]
+#[sampler(k in 0.0..)]
 fn switched(u: [Uniform; 1], k: f64) -> f64 {
-    if (k * u[0]).sin() + (u[0] / k).exp() > 3.9 { u[0] * k } else { u[0] / k }
+    if k > k.exp() { u[0] * k } else { u[0] / (1.0 + k) }
 }
 
 fn main() {}
