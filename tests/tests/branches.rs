@@ -200,6 +200,7 @@ batteries! { [double single off]
     laplaces: laplace(0.7), laplace(20.0);
     folds: fold(), sawtooth();
     saws: right(teeth(3.0)), right(teeth(1.75));
+    guarded: right(guarded_phase(0.5)), right(guarded_phase(-0.7)), right(guarded_cone(0.5));
     folded_triangles: folded_triangle();
     heitz_triangles: heitz_triangle();
     concentric_disks: concentric_disk();
@@ -271,6 +272,48 @@ fn no_sample_is_a_value_and_its_mass_is_missing() {
     let mass: f64 =
         (0..n).map(|i| flight.pdf(&((f64::from(i) + 0.5) / f64::from(n))).value()).sum();
     assert!((mass / f64::from(n) - escaped).abs() < 1e-7, "{mass}");
+}
+
+/// Henyey-Greenstein's phase function as renderers write it: isotropic for small g, and a root that is kept from rounding.
+#[sampler(g in -0.99..=0.99)]
+pub fn guarded_phase(u: [Uniform; 2], g: f64) -> Direction {
+    let c = if g.abs() < 1e-3 {
+        1.0 - 2.0 * u[0]
+    } else {
+        let f = (1.0 - g * g) / (1.0 - g + 2.0 * g * u[0]);
+        (1.0 + g * g - f * f) / (2.0 * g)
+    };
+    let r = (1.0 - c * c).max(0.0).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+/// Directions in a cone, the same way.
+#[sampler(cos_max in -1.0..=0.9999)]
+pub fn guarded_cone(u: [Uniform; 2], cos_max: f64) -> Direction {
+    let c = 1.0 - u[0] + u[0] * cos_max;
+    let r = (1.0 - c * c).clamp(0.0, 1.0).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+/// A guard against rounding is no branch: there is one preimage, and the density is the textbook's.
+#[test]
+fn roots_that_are_kept_from_rounding() {
+    assert_eq!(GuardedCone::<f64>::DERIVATION.preimages, 1);
+    for g in [-0.9, -0.3, 5e-4, 0.5, 0.95] {
+        let phase = right(guarded_phase(g));
+        let g: f64 = if g.abs() < 1e-3 { 0.0 } else { g };
+        for u in [[0.0, 0.3], [0.2, 0.9], [0.7, 0.1], [1.0 - f64::EPSILON, 0.5]] {
+            let w = phase.sample(u);
+            let denominator = (1.0 + g * g - 2.0 * g * w.z).powf(1.5);
+            let by_hand = (1.0 - g * g) / (4.0 * PI * denominator);
+            assert!((phase.pdf(&w).value() / by_hand - 1.0).abs() < 1e-13, "{g} {u:?}");
+        }
+    }
+    let cone = right(guarded_cone(0.5));
+    assert!((cone.pdf(&cone.sample([0.3, 0.6])).value() * PI - 1.0).abs() < 1e-14);
+    assert_eq!(cone.pdf(&Direction::new(0.0, 0.0, -1.0)).value(), 0.0);
 }
 
 /// At the foot of a tent a point is rounded by more than its distance from the foot, but its uniforms

@@ -93,6 +93,11 @@ pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
             let product = body.graph.mul(*x, a);
             Some(Value::Scalar(body.graph.add(product, b)))
         }
+        (Value::Scalar(x), [low, high]) if name == "clamp" => {
+            let (low, high) = (body.scalar(low)?, body.scalar(high)?);
+            let above = body.extremum(*x, low, false);
+            Some(Value::Scalar(body.extremum(above, high, true)))
+        }
         (Value::Matrix(_), _) => matrix_method(body, m, &name, receiver, &args),
         (v, _) if v.vector().is_some() => {
             let v = v.vector()?.to_vec();
@@ -237,7 +242,7 @@ fn scalar_with_argument(
             let whole = body.graph.mul(turns, period);
             Some(Value::Scalar(body.graph.sub(x, whole)))
         }
-        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot, atan2, min, max, copysign and rem_euclid")),
+        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot, atan2, min, max (both: clamp), copysign and rem_euclid")),
     }
 }
 
