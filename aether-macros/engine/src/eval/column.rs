@@ -70,7 +70,10 @@ impl<C> Quotient<C> {
             1 if times == 1 => return put(self.side(q), b, like),
             1 => {}
             2 | 3 if times < 64 => {}
-            _ => return self.raise(b, T::from_ratio(q.num(), q.den()), like),
+            _ => {
+                let exponent = T::from_ratio(q.num(), q.den());
+                return self.raise(b, |_| exponent, like);
+            }
         }
         let exponent = q.to_i32().map_or(i32::MAX, i32::abs);
         let mut power = like.clone();
@@ -83,23 +86,20 @@ impl<C> Quotient<C> {
         put(self.side(q), power.as_ref(), like);
     }
 
-    /// Multiplies by b to a power that is no short fraction.
-    fn raise<T: Number>(&mut self, b: &[T], exponent: T, like: &C)
-    where
-        C: Column<T>,
-    {
-        let mut power = like.clone();
-        set(power.as_mut(), |k| b[k].powf(exponent));
-        put(&mut self.top, power.as_ref(), like);
-    }
-
     /// Multiplies by b to powers that differ from point to point.
     pub fn push_general<T: Number>(&mut self, b: &[T], exponents: &[T], like: &C)
     where
         C: Column<T>,
     {
+        self.raise(b, |k| exponents[k], like);
+    }
+
+    fn raise<T: Number>(&mut self, b: &[T], exponent: impl Fn(usize) -> T, like: &C)
+    where
+        C: Column<T>,
+    {
         let mut power = like.clone();
-        set(power.as_mut(), |k| b[k].powf(exponents[k]));
+        set(power.as_mut(), |k| b[k].powf(exponent(k)));
         put(&mut self.top, power.as_ref(), like);
     }
 

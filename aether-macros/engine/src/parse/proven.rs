@@ -3,10 +3,16 @@
 //! `(1.0 - c * c).max(0.0)` keeps rounding from the root of a negative number, and is 1 - c² for all uniforms. The ranges of
 //! inputs do not say so where c is more than a uniform; the factors of the difference do.
 
-use crate::expr::{Graph, Id, Node};
+use crate::eval::evaluate;
+use crate::expr::{Graph, Id, Leaf, Node};
+use crate::interval::Interval;
 use crate::monotone::{any_input, seen_sign, sign_of};
+use crate::number::{Dd, Number};
 use crate::poly::{Expander, Poly, start_budget};
 use crate::rational::Q;
+
+/// Polynomials in more inputs are not looked at in the corners.
+const MOST_INPUTS: usize = 6;
 
 /// The sign of an expression that is proven never to have the other one, over the declared domains of all inputs; it may
 /// be zero here and there.
@@ -27,10 +33,7 @@ fn one_sign(g: &mut Graph, id: Id) -> Option<()> {
     let (rest, ends) = without_ends(g, whole.num)?;
     let factors = ends.into_iter().chain(rest.split()).chain(whole.den);
     let odd: Vec<Poly> = factors.filter(|(_, e)| e % 2 == 1).map(|(factor, _)| factor).collect();
-    odd.into_iter().try_for_each(|factor| {
-        let factor = factor.to_expr(g);
-        has_one_sign(g, factor).then_some(())
-    })
+    odd.iter().try_for_each(|factor| has_one_sign(g, factor).then_some(()))
 }
 
 /// A polynomial without the factors 1 - a and 1 + a for inputs a, which are zero at ends of ranges, and these with their
@@ -50,12 +53,38 @@ fn without_ends(g: &Graph, whole: Poly) -> Option<(Poly, Vec<(Poly, u32)>)> {
     Some((rest, found))
 }
 
-fn has_one_sign(g: &mut Graph, id: Id) -> bool {
+fn has_one_sign(g: &mut Graph, factor: &Poly) -> bool {
+    let id = factor.to_expr(g);
     let range = g.range(id);
-    let input = any_input(g, id);
-    range.nonnegative()
-        || range.nonpositive()
-        || input.is_some_and(|input| sign_of(g, id, input).is_ok())
+    if range.nonnegative() || range.nonpositive() || at_corners(g, factor, id) {
+        return true;
+    }
+    any_input(g, id).is_some_and(|input| sign_of(g, id, input).is_ok())
+}
+
+/// Whether a polynomial that is linear in each of a few inputs has one sign at all corners of their ranges, and with that
+/// inside.
+fn at_corners(g: &Graph, factor: &Poly, id: Id) -> bool {
+    let input = |atom: Id| {
+        let Node::Leaf(leaf) = g.node(atom) else { return None };
+        let linear = factor.by_powers_of(atom)?.len() <= 2;
+        let range = g.range(atom);
+        (linear && range.width().is_finite()).then_some((*leaf, range))
+    };
+    let inputs: Option<Vec<(Leaf, Interval)>> = factor.atoms().into_iter().map(input).collect();
+    let Some(inputs) = inputs.filter(|inputs| inputs.len() <= MOST_INPUTS) else { return false };
+    let values = (0..1 << inputs.len()).map(|corner: usize| {
+        let value = |leaf: Leaf| {
+            let place = inputs.iter().position(|input| input.0 == leaf);
+            place.map_or(f64::NAN, |k| {
+                let range = inputs[k].1;
+                if corner >> k & 1 == 0 { range.lo } else { range.hi }
+            })
+        };
+        evaluate::<Dd>(g, id, &|leaf| Dd::from_f64(value(leaf))).to_f64()
+    });
+    let values: Vec<f64> = values.collect();
+    values.iter().all(|v| *v >= 0.0) || values.iter().all(|v| *v <= 0.0)
 }
 
 #[cfg(test)]
@@ -79,6 +108,7 @@ mod tests {
     fn what_keeps_rounding_away_is_no_branch() {
         let heights = [
             ("p in -1.0..=0.99", "1.0 - u[0] + u[0] * p"),
+            ("p in -1.0..=0.99", "u[0] + (1.0 - u[0]) * p"),
             ("p in 0.001..=1.0", "((1.0 - u[0]) / (1.0 + (p * p - 1.0) * u[0])).sqrt()"),
             ("p in 0.0..=1e4", "u[0].powf(1.0 / (p + 1.0))"),
             (
