@@ -2179,7 +2179,7 @@ pub mod wide_054 {
     }
 }
 
-// wide_055 is refused: one of the ways through the branches of this body was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken
+// wide_055 is refused: one of the ways through the branches of this body, where `3 - 6 u^(2/3) > 0`, was not taken by any point that was tried; declare the domain of the parameters that it depends on, as in `#[sampler(alpha in 1e-4..=1.0)]`, or leave the branch out if it is never taken, as a `max(0.0)` that only keeps rounding from a square root
 // #[sampler]
 // pub fn compiled(u: [Uniform; 1], b: f64) -> f64 {
 //     let x = u[0].cbrt();
