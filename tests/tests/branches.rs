@@ -200,7 +200,7 @@ batteries! { [double single off]
     laplaces: laplace(0.7), laplace(20.0);
     folds: fold(), sawtooth();
     saws: right(teeth(3.0)), right(teeth(1.75));
-    guarded: right(guarded_phase(0.5)), right(guarded_phase(-0.7)), right(guarded_cone(0.5));
+    guarded: right(guarded_phase(-0.7)), right(guarded_cone(0.5));
     folded_triangles: folded_triangle();
     heitz_triangles: heitz_triangle();
     concentric_disks: concentric_disk();

@@ -177,19 +177,23 @@ fn numbers_pass_the_battery() {
     check(&quintic()).assert_ok();
     battery(quintic(), &|u| u.powi(5) - u, &|u| 5.0 * u.powi(4) - 1.0);
     battery(ripple(), &|u| (5.0 * u).sin() + u, &|u| 5.0 * (5.0 * u).cos() + 1.0);
-    for k in [0.0, 1.0, 2.0, 8.0] {
+    for k in [2.0, 8.0] {
         let f = |u: f64| u.powi(5) - k * u.powi(2) + u.exp();
         let slope = |u: f64| 5.0 * u.powi(4) - 2.0 * k * u + u.exp();
         battery(moved(k).unwrap(), &f, &slope);
     }
-    for k in [0.0, 1.0, 20.0] {
+}
+
+#[test]
+fn numbers_by_pieces_that_may_vanish_pass_the_battery() {
+    for k in [1.0, 20.0] {
         let f = |u: f64| u * (-k * u).exp() - 0.05 * u * u;
         let slope = |u: f64| (1.0 - k * u) * (-k * u).exp() - 0.1 * u;
         battery(decay(k).unwrap(), &f, &slope);
     }
     let f = |u: f64| (16.0 * u).sin() + u;
     battery(ripples(1.0).unwrap(), &f, &|u| 16.0 * (16.0 * u).cos() + 1.0);
-    for k in [-0.5, -0.1, 0.1] {
+    for k in [-0.1, 0.1] {
         let f = |u: f64| (u - 0.3).powi(3) + 0.1 * k * (u.powi(2).sin() + u);
         let slope = |u: f64| 3.0 * (u - 0.3).powi(2) + 0.1 * k * (2.0 * u * u.powi(2).cos() + 1.0);
         battery(folding(k).unwrap(), &f, &slope);
