@@ -69,14 +69,13 @@ impl<T: Number, C: Column<T>> Evaluated<'_, T, C> {
             Node::If(test, yes, no) => {
                 let test = part(*test);
                 let test: Vec<bool> = test.as_ref().iter().map(|t| t.to_f64() > 0.0).collect();
-                for (branch, side) in [(*yes, true), (*no, false)] {
-                    if test.contains(&side) {
-                        let (branch, before) = (part(branch), values.clone());
-                        let (branch, before) = (branch.as_ref(), before.as_ref());
-                        let chosen = |k: usize| if test[k] == side { branch[k] } else { before[k] };
-                        column::set(values.as_mut(), chosen);
-                    }
-                }
+                let sides = [(*yes, true), (*no, false)];
+                let [yes, no] =
+                    sides.map(|(branch, side)| test.contains(&side).then(|| part(branch)));
+                column::set(out, |k| {
+                    let chosen = if test[k] { &yes } else { &no };
+                    chosen.as_ref().map_or(T::from_f64(f64::NAN), |c| c.as_ref()[k])
+                });
             }
             Node::Root(r) => {
                 let parts = [r.target, r.lo, r.hi].map(|id| (id, part(id)));
