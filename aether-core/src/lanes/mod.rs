@@ -61,6 +61,37 @@
 //! assert_eq!(u.map(|u| u.to_array()[3]), alone);
 //! ```
 
+/// The operators of a number type that wraps another one.
+macro_rules! operators {
+    ($type:ident) => {
+        operators! {
+            $type:
+            Add add AddAssign add_assign +;
+            Sub sub SubAssign sub_assign -;
+            Mul mul MulAssign mul_assign *;
+            Div div DivAssign div_assign /;
+        }
+    };
+    ($type:ident: $($trait:ident $name:ident $assign:ident $assign_name:ident $op:tt;)*) => {
+        impl Neg for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                $type(-self.0)
+            }
+        }
+        $(impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self { $type(self.0 $op other.0) }
+        }
+        impl $assign for $type {
+            #[inline(always)]
+            fn $assign_name(&mut self, other: Self) { *self = *self $op other; }
+        })*
+    };
+}
+
 mod double;
 mod portable;
 #[cfg(test)]
@@ -214,33 +245,7 @@ impl Mask for LaneMask {
     }
 }
 
-impl Neg for Lanes {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Lanes(-self.0)
-    }
-}
-
-macro_rules! operators {
-    ($($trait:ident $name:ident $assign:ident $assign_name:ident $op:tt;)*) => {
-        $(impl $trait for Lanes {
-            type Output = Self;
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self { Lanes(self.0 $op other.0) }
-        }
-        impl $assign for Lanes {
-            #[inline(always)]
-            fn $assign_name(&mut self, other: Self) { *self = *self $op other; }
-        })*
-    };
-}
-operators! {
-    Add add AddAssign add_assign +;
-    Sub sub SubAssign sub_assign -;
-    Mul mul MulAssign mul_assign *;
-    Div div DivAssign div_assign /;
-}
+operators! { Lanes }
 
 impl Real for Lanes {
     type Mask = LaneMask;

@@ -41,33 +41,7 @@ impl SinglePrecision for Portable {
     }
 }
 
-impl Neg for Portable {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Portable(-self.0)
-    }
-}
-
-macro_rules! operators {
-    ($($trait:ident $name:ident $assign:ident $assign_name:ident $op:tt;)*) => {
-        $(impl $trait for Portable {
-            type Output = Self;
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self { Portable(self.0 $op other.0) }
-        }
-        impl $assign for Portable {
-            #[inline(always)]
-            fn $assign_name(&mut self, other: Self) { *self = *self $op other; }
-        })*
-    };
-}
-operators! {
-    Add add AddAssign add_assign +;
-    Sub sub SubAssign sub_assign -;
-    Mul mul MulAssign mul_assign *;
-    Div div DivAssign div_assign /;
-}
+operators! { Portable }
 
 impl Real for Portable {
     type Mask = bool;
