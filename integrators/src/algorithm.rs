@@ -12,7 +12,7 @@ use crate::path::PathSettings;
 use crate::photon_mapping::{PhotonKernel, PhotonMapping};
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
-use crate::scene::Scene;
+use crate::scene::{Sampler, Scene};
 use crate::tridirectional::Tridirectional;
 use crate::vertex_merging::{MergingKernel, VertexMerging};
 
@@ -59,8 +59,8 @@ impl Algorithm {
         }
     }
 
-    /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. The
-    /// same seed gives the same image, whatever the kind. Path tracing and bidirectional path tracing are
+    /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. Uniforms are
+    /// those of `sampler`: the same seed gives the same image, whatever the kind. Path tracing and bidirectional path tracing are
     /// compiled for all kinds, the others for [`Everything`] alone, which they use whatever the name.
     ///
     /// # Errors
@@ -69,19 +69,22 @@ impl Algorithm {
         self,
         kind: &str,
         scene: &'s Scene,
-        seed: u64,
+        sampler: Sampler,
     ) -> Option<Result<Box<dyn AnyKernel + 's>, NotCovered>> {
         // The tests of this crate's modules make no kernels, and are compiled much faster without them.
         if cfg!(test) {
             return None;
         }
+        let seed = sampler.seed;
         match self {
-            Algorithm::Path(it) => kind::named(kind, Make { integrator: it, scene, seed }),
-            Algorithm::Bidirectional(it) => kind::named(kind, Make { integrator: it, scene, seed }),
+            Algorithm::Path(it) => kind::named(kind, Make { integrator: it, scene, sampler }),
+            Algorithm::Bidirectional(it) => {
+                kind::named(kind, Make { integrator: it, scene, sampler })
+            }
             _ if !kind::KINDS.contains(&kind) => None,
-            Algorithm::LightTracer(it) => Some(general(scene, it, seed)),
-            Algorithm::Tridirectional(it) => Some(general(scene, it, seed)),
-            Algorithm::InstantRadiosity(it) => Some(general(scene, it, seed)),
+            Algorithm::LightTracer(it) => Some(general(scene, it, sampler)),
+            Algorithm::Tridirectional(it) => Some(general(scene, it, sampler)),
+            Algorithm::InstantRadiosity(it) => Some(general(scene, it, sampler)),
             Algorithm::PhotonMapping(it) => {
                 let kernel = PhotonKernel::<Everything>::new(scene, it, seed);
                 Some(kernel.map(|kernel| Box::new(kernel) as _))
@@ -92,7 +95,7 @@ impl Algorithm {
             }
             Algorithm::Metropolis(it) => Some(chained(scene, it, seed)),
             Algorithm::PrimarySample(it) => Some(chained(scene, it, seed)),
-            Algorithm::GradientDomain(it) => Some(general(scene, it, seed)),
+            Algorithm::GradientDomain(it) => Some(general(scene, it, sampler)),
         }
     }
 }
@@ -100,9 +103,9 @@ impl Algorithm {
 fn general<'s, I: Integrator + 's>(
     scene: &'s Scene,
     integrator: I,
-    seed: u64,
+    sampler: Sampler,
 ) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
-    kind::WithKind::with::<Everything>(Make { integrator, scene, seed })
+    kind::WithKind::with::<Everything>(Make { integrator, scene, sampler })
 }
 
 fn chained<'s, I: ChainIntegrator + 's>(
@@ -116,12 +119,14 @@ fn chained<'s, I: ChainIntegrator + 's>(
 struct Make<'s, I> {
     integrator: I,
     scene: &'s Scene,
-    seed: u64,
+    sampler: Sampler,
 }
 
 impl<'s, I: Integrator + 's> kind::WithKind for Make<'s, I> {
     type Output = Box<dyn AnyKernel + 's>;
     fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
-        Ok(Box::new(Kernel::<K, _>::new(self.scene, self.integrator, self.seed)?))
+        let Make { integrator, scene, sampler } = self;
+        let kernel = Kernel::<K, _>::new(scene, integrator, sampler.seed)?;
+        Ok(Box::new(kernel.sampled_by(sampler.kind)))
     }
 }

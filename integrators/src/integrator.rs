@@ -97,15 +97,22 @@ pub struct Kernel<'s, K: SceneKind, I> {
     world: World<'s, K>,
     integrator: I,
     seed: u64,
+    sampler: SamplerKind,
 }
 
 impl<'s, K: SceneKind, I: Integrator> Kernel<'s, K, I> {
-    /// An integrator for a scene; the same seed gives the same image.
+    /// An integrator for a scene, with uniforms of the kind that the scene asks for; the same seed gives the same
+    /// image.
     ///
     /// # Errors
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene, integrator: I, seed: u64) -> Result<Self, NotCovered> {
-        Ok(Kernel { world: World::new(scene)?, integrator, seed })
+        Ok(Kernel { world: World::new(scene)?, integrator, seed, sampler: scene.sampler.kind })
+    }
+
+    /// The same with uniforms of another kind.
+    pub fn sampled_by(self, sampler: SamplerKind) -> Self {
+        Kernel { sampler, ..self }
     }
 }
 
@@ -140,7 +147,7 @@ pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
 
 impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
     fn worker(&self) -> Worker<'_> {
-        worker(&self.world, &self.integrator, self.seed, self.world.scene.sampler.kind)
+        worker(&self.world, &self.integrator, self.seed, self.sampler)
     }
 
     fn splats(&self) -> bool {

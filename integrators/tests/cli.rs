@@ -144,6 +144,7 @@ fn render_rejects_impossible_values() {
         (&["--threads", "0"], "whole number from 1"),
         (&["--max-depth", "-2"], "-1 for no limit"),
         (&["--seed", "-1"], "invalid"),
+        (&["--sampler", "sobol"], "expected one of independent, stratified, multijitter"),
         (&["--techniques", "2"], "`2` is no technique"),
         (&["-D", "x"], "expected NAME=VALUE"),
         (&["-o", "out.png"], "must end in .exr"),

@@ -302,6 +302,23 @@ fn two_renders_do_not_share_a_checkpoint() {
 }
 
 #[test]
+fn a_sampler_takes_the_place_of_the_scenes() {
+    let directory = Directory::new("sampler");
+    let independent = directory.rendered("independent.exr", &[]);
+    let sobol = directory.rendered("sobol.exr", &["--sampler", "ldsampler"]);
+    assert_eq!(sobol.attributes["sampler"], Attribute::Text("ldsampler".to_owned()));
+    assert!(sobol.rgb != independent.rgb);
+    // As if the scene asked for it.
+    let scene = std::fs::read_to_string(directory.path("ball.xml")).unwrap();
+    let scene = scene.replace("\"independent\"", "\"ldsampler\"");
+    assert!(scene.contains("ldsampler"));
+    std::fs::write(directory.path("ball.xml"), scene).unwrap();
+    assert!(sobol.rgb == directory.rendered("scenes.exr", &[]).rgb);
+    let other = directory.rendered("other.exr", &["--sampler", "independent"]);
+    assert!(independent.rgb == other.rgb);
+}
+
+#[test]
 fn a_checkpoint_of_something_else_is_refused() {
     let directory = Directory::new("foreign");
     let options = ["--spp", "4", "--checkpoint", "state"];
@@ -322,6 +339,7 @@ fn a_checkpoint_of_something_else_is_refused() {
     };
     refused(&kept, &["--seed", "5"], "its seed is `0`, and that of this render `5`");
     refused(&kept, &["--integrator", "bdpt"], "integrator");
+    refused(&kept, &["--sampler", "ldsampler"], "its sampler is `independent`");
     refused(&kept, &["--size", "8x8"], "its size is `24x16`");
     refused(&kept, &["--technique-images"], "technique images");
     refused(&kept, &["-D", "grey=0.6"], "parameters");

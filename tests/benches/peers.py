@@ -3,14 +3,15 @@
 
     peers.py SCENE.xml --reference REFERENCE.exr --mitsuba PYTHON [--variant scalar_rgb --variant llvm_ad_rgb]
              [--peer NAME=COMMAND ...]
-             [--aether target/release/aether] [--integrator path] [--spp 64] [--threads 2] [--runs 5]
+             [--aether target/release/aether] [--integrator path] [--sampler NAME] [--spp 64] [--threads 2] [--runs 5]
 
 PYTHON is an interpreter that can import mitsuba (3.9); llvm variants find LLVM by DRJIT_LIBLLVM_PATH. Size, filter
 and depth are those of the scene file, for all. Renders alternate (A B C A B C ...), so that all see the same machine;
 what is reported is the median over the runs. Seconds are those of rendering alone: of aether what it writes into its
 image, of Mitsuba the time of `mi.render`, after one render that compiles. Beside them are processor seconds of all
 threads, of aether those of the whole program, for machines that others use too. The error is relMSE, the mean of
-(x - r)^2 / (r^2 + 0.01); it falls as one over the time, so relMSE x seconds does not depend on the samples.
+(x - r)^2 / (r^2 + 0.01); of independent samples it falls as one over the time, so that relMSE x seconds does not depend
+on how many there are. Of `--sampler ldsampler`, or where the scene asks for such samples, it falls faster.
 
 Any other renderer takes part by a command, in which {spp}, {seed}, {threads} and {image}, the EXR file to be written,
 are filled in, and {file:NAME} is a copy of that file beside it in which $spp, $seed and $threads are: it is the same
@@ -111,6 +112,7 @@ def aether(options, judge, seed):
             options.aether, "render", options.scene, "--integrator", options.integrator, "--spp", str(options.spp),
             "--threads", str(options.threads), "--seed", str(seed), "-o", out,
         ]
+        command += ["--sampler", options.sampler] if options.sampler else []
         _, cpu = run(command)
         return judge.ask(image=out) | {"cpu": cpu}
 
@@ -186,6 +188,7 @@ def main():
     parser.add_argument("--peer", action="append", type=named, default=[])
     parser.add_argument("--aether", default="target/release/aether")
     parser.add_argument("--integrator", default="path")
+    parser.add_argument("--sampler", help="of aether, instead of the scene's")
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--runs", type=int, default=5)

@@ -204,7 +204,9 @@ pub fn try_case(seeds: &[Seed], case: u64, scratch: &Path) -> (String, Outcome) 
 fn look_around(scene: &Scene, random: &mut Random) {
     // Paths of a few edges, whatever the file says: it may ask for endless ones.
     let settings = PathSettings { max_depth: Some(4), rr_depth: 3, ..PathSettings::new(scene) };
-    let tracer = Algorithm::Path(settings).kernel(kind::smallest(scene), scene, 1).expect("a kind");
+    let tracer = Algorithm::Path(settings)
+        .kernel(kind::smallest(scene), scene, scene.sampler)
+        .expect("a kind");
     let tracer = tracer.unwrap_or_else(|error| panic!("{error}"));
     let mut worker = tracer.worker();
     for _ in 0..4 {

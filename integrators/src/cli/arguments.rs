@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::metropolis::MutationSet;
 use crate::poisson::Reconstruction;
+use crate::scene::SamplerKind;
 use crate::selection::Selection;
 use clap::{Args, Parser, Subcommand};
 
@@ -85,6 +86,11 @@ pub(super) struct RenderArguments {
     /// Seed of the random numbers: the same seed gives the same image [default: the scene's, or 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// Where random numbers come from, instead of what the scene asks for: `independent`, or Owen-scrambled Sobol points
+    /// by any other name that Mitsuba has for a sampler (`ldsampler`): mostly less noise. mlt, pssmlt, ppm and vcm
+    /// have uniforms of their own
+    #[arg(long, value_name = "NAME", value_parser = sampler)]
+    pub sampler: Option<SamplerKind>,
     /// Number of threads, which does not change the image [default: one for each core]
     #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<usize>,
@@ -311,6 +317,10 @@ fn in_range<T: PartialOrd + std::fmt::Display>(
 fn positive(text: &str) -> Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| "is not a number".to_owned())?;
     if value > 0.0 { Ok(value) } else { Err("must be positive".to_owned()) }
+}
+
+fn sampler(text: &str) -> Result<SamplerKind, String> {
+    text.parse().map_err(|kinds| format!("expected one of {kinds}"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

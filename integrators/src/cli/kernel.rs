@@ -17,7 +17,7 @@ use crate::poisson::Reconstruction;
 use crate::portals::Portals;
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
-use crate::scene::{Bsdf, Overrides, Scene};
+use crate::scene::{Bsdf, Overrides, Sampler, SamplerKind, Scene};
 use crate::selection::Selection;
 use crate::tridirectional::Tridirectional;
 use crate::vertex_merging::VertexMerging;
@@ -35,6 +35,8 @@ pub(super) struct Plan {
     pub samples: u32,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Where the uniforms come from, for integrators that do not make chains or passes of them.
+    pub sampler: SamplerKind,
     /// The longest path in edges as Mitsuba counts them, or `None` for any length.
     pub max_depth: Option<u32>,
     /// The path length from which Russian roulette may end a path.
@@ -66,6 +68,7 @@ impl Plan {
             crop: (scene.camera.crop.x as u32, scene.camera.crop.y as u32),
             samples: arguments.spp.unwrap_or(scene.sampler.sample_count),
             seed: arguments.seed.unwrap_or(scene.sampler.seed),
+            sampler: arguments.sampler.unwrap_or(scene.sampler.kind),
             // -1 has no counterpart in u32: no limit.
             max_depth: arguments.max_depth.map_or(requested.max_depth, |d| u32::try_from(d).ok()),
             rr_depth: requested.rr_depth,
@@ -117,7 +120,8 @@ pub(super) fn kernel_for<'a>(
     scene: &'a Scene,
     plan: &Plan,
 ) -> Result<Box<dyn AnyKernel + 'a>, Failure> {
-    match algorithm_for(scene, plan)?.kernel(&plan.kind, scene, plan.seed) {
+    let sampler = Sampler { kind: plan.sampler, seed: plan.seed, ..scene.sampler };
+    match algorithm_for(scene, plan)?.kernel(&plan.kind, scene, sampler) {
         Some(kernel) => kernel.map_err(|error| Failure::new(error.to_string())),
         None => Err(Failure::new(format!("there is no kind `{}`", plan.kind))),
     }
@@ -227,6 +231,9 @@ mod tests {
         let plan = Plan::new(&scene(), &arguments(&line));
         assert_eq!((plan.integrator.as_str(), plan.samples), ("bdpt", 3));
         assert_eq!((plan.seed, plan.max_depth), (5, None));
+        assert_eq!(plan.sampler, SamplerKind::Independent);
+        let plan = Plan::new(&scene(), &arguments(&["--sampler", "multijitter"]));
+        assert_eq!(plan.sampler, SamplerKind::Multijitter);
         let plan = Plan::new(&scene(), &arguments(&["--max-depth", "0"]));
         assert_eq!(plan.max_depth, Some(0));
     }

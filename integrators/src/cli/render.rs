@@ -238,6 +238,7 @@ fn attributes(
         ("settings", text(&settings)),
         // As text, for a seed has 64 bits and an integer attribute 32.
         ("seed", text(&plan.seed.to_string())),
+        ("sampler", text(plan.sampler.name())),
         ("samples", count(fewest)),
         ("seconds", Attribute::Number(rendered.seconds)),
         ("rays", text(&rendered.work.rays().to_string())),
@@ -313,6 +314,7 @@ fn statistics(rendered: &Rendered) -> String {
 mod tests {
     use super::*;
     use crate::render::PixelKernel;
+    use crate::scene::SamplerKind;
     use clap::Parser;
 
     /// Two values in turn: mean 2, variance of the mean of four samples 1/3.
@@ -353,6 +355,7 @@ mod tests {
             crop: (0, 0),
             samples: 4,
             seed: u64::MAX,
+            sampler: SamplerKind::Independent,
             max_depth: None,
             rr_depth: 5,
             kind: "Everything".to_owned(),
@@ -382,6 +385,7 @@ mod tests {
         assert_eq!(exr.attributes["integrator"], text("path"));
         assert_eq!(exr.attributes["settings"], text("max_depth=-1 rr_depth=5 -D a=1 -D b=2"));
         assert_eq!(exr.attributes["seed"], text("18446744073709551615"));
+        assert_eq!(exr.attributes["sampler"], text("independent"));
         assert_eq!(exr.attributes["samples"], Attribute::Integer(4));
         assert!(matches!(exr.attributes["seconds"], Attribute::Number(s) if s > 0.0));
         assert!(

@@ -303,18 +303,8 @@ fn read_filter(query: &Query) -> Result<Filter, SceneError> {
 }
 
 fn read_sampler(query: &Query) -> Result<Sampler, SceneError> {
-    let kind = match query.object.plugin.as_str() {
-        "independent" => SamplerKind::Independent,
-        "stratified" => SamplerKind::Stratified,
-        "multijitter" => SamplerKind::Multijitter,
-        "orthogonal" => SamplerKind::Orthogonal,
-        "ldsampler" => SamplerKind::LowDiscrepancy,
-        _ => {
-            return Err(
-                query.unsupported("independent, stratified, multijitter, orthogonal, ldsampler")
-            );
-        }
-    };
+    let kind = query.object.plugin.parse::<SamplerKind>();
+    let kind = kind.map_err(|kinds| query.unsupported(&kinds))?;
     let samples = query.integer("sample_count", 1, i64::from(u32::MAX))?;
     let seed = query.integer("seed", 0, i64::MAX)?;
     // Details of how Mitsuba stratifies.

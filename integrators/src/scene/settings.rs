@@ -1,5 +1,7 @@
 //! How the scene wants to be rendered: film, filter, sampler and integrator.
 
+use std::str::FromStr;
+
 use super::error::Place;
 
 /// A reconstruction filter, as in Mitsuba 3.9.
@@ -135,6 +137,23 @@ impl SamplerKind {
     }
 }
 
+impl FromStr for SamplerKind {
+    type Err = String;
+
+    /// From the plugin type; the error lists those that there are.
+    fn from_str(name: &str) -> Result<Self, String> {
+        let kinds = [
+            Self::Independent,
+            Self::Stratified,
+            Self::Multijitter,
+            Self::Orthogonal,
+            Self::LowDiscrepancy,
+        ];
+        let found = kinds.into_iter().find(|kind| kind.name() == name);
+        found.ok_or_else(|| kinds.map(Self::name).join(", "))
+    }
+}
+
 /// The sampler of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
@@ -144,6 +163,13 @@ pub struct Sampler {
     pub sample_count: u32,
     /// The seed.
     pub seed: u64,
+}
+
+impl Sampler {
+    /// The same with another seed.
+    pub fn seeded(self, seed: u64) -> Self {
+        Sampler { seed, ..self }
+    }
 }
 
 /// The integrator of the file.

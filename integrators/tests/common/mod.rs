@@ -16,7 +16,11 @@ pub fn settings(scene: &Scene) -> PathSettings {
 /// # Panics
 /// If the scene needs what no kind has.
 pub fn path_tracer(scene: &Scene, seed: u64) -> Box<dyn AnyKernel + '_> {
-    let tracer = Algorithm::Path(settings(scene)).kernel(kind::smallest(scene), scene, seed);
+    let tracer = Algorithm::Path(settings(scene)).kernel(
+        kind::smallest(scene),
+        scene,
+        scene.sampler.seeded(seed),
+    );
     tracer.expect("a precompiled kind").expect("a kind that covers the scene")
 }
 

@@ -58,7 +58,7 @@ fn rendered(scene: &mut Scene, samples: u32, seed: u64) -> Film {
 
 /// A render by an integrator, of the smallest kind that covers the scene.
 fn rendered_by(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
-    let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
+    let kernel = algorithm.kernel(kind::smallest(scene), scene, scene.sampler.seeded(seed));
     let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
     common::film(&*kernel, scene, samples, None)
 }

@@ -28,7 +28,7 @@ const FALSE_ALARM_RATE: f64 = 1e-4;
 
 /// A render by the smallest kind of an integrator that covers the scene.
 pub fn rendered(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> Film {
-    let kernel = algorithm.kernel(kind::smallest(scene), scene, seed);
+    let kernel = algorithm.kernel(kind::smallest(scene), scene, scene.sampler.seeded(seed));
     let kernel = kernel.expect("a precompiled kind").expect("a kind that covers the scene");
     film(&*kernel, scene, samples, None)
 }
@@ -288,7 +288,11 @@ fn gradients_are_those_of_the_image_and_least_squares_of_them_unbiased() {
         let kernel = Algorithm::GradientDomain(GradientDomain::new(path));
         let mut renders = [const { Vec::new() }; 3];
         for seed in 0..SEEDS {
-            let kernel = kernel.clone().kernel(kind::smallest(&scene), &scene, seed + 10);
+            let kernel = kernel.clone().kernel(
+                kind::smallest(&scene),
+                &scene,
+                scene.sampler.seeded(seed + 10),
+            );
             let kernel = kernel.expect("a kind").expect("it covers the scene");
             let size = (scene.film.width, scene.film.height);
             let budget = Budget::Samples(1);
@@ -363,7 +367,8 @@ fn mutated(scene: &Scene, mutations: &str, seed: u64) -> (Vec<(String, Vec<f64>)
     let mutations = mutations.parse().expect("names of mutations");
     let chains =
         Metropolis { mutations, candidates: Some(2000), ..Metropolis::new(settings(scene)) };
-    let kernel = Algorithm::Metropolis(chains).kernel("Everything", scene, seed);
+    let kernel =
+        Algorithm::Metropolis(chains).kernel("Everything", scene, scene.sampler.seeded(seed));
     let kernel = kernel.expect("a precompiled kind").expect("a kind for all scenes");
     let image = film(&*kernel, scene, 16, None).image();
     let text = kernel.statistics().expect("the numbers of steps");
@@ -457,7 +462,7 @@ fn merging_converges() {
 fn the_number_of_threads_does_not_change_a_bit_of_splats() {
     let scene = scene("cornell-box");
     let render = |algorithm: Algorithm, threads| {
-        let kernel = algorithm.kernel(kind::smallest(&scene), &scene, 5);
+        let kernel = algorithm.kernel(kind::smallest(&scene), &scene, scene.sampler.seeded(5));
         film(&*kernel.expect("a kind").expect("it covers the scene"), &scene, 2, Some(threads))
     };
     let path = settings(&scene);

@@ -114,7 +114,9 @@ fn integrators(scene: &Scene) -> Vec<(&'static str, [u32; 2], Algorithm)> {
 
 /// An image as the program writes it, with the unbiased reconstruction where there are gradients.
 pub fn image(algorithm: Algorithm, scene: &Scene, samples: u32, seed: u64) -> RgbImage {
-    let kernel = algorithm.kernel("Everything", scene, seed).expect("a precompiled kind");
+    let kernel = algorithm
+        .kernel("Everything", scene, scene.sampler.seeded(seed))
+        .expect("a precompiled kind");
     let size = (scene.film.width, scene.film.height);
     let settings = RenderSettings::new(size, Budget::Samples(samples));
     let rendered = render(&*kernel.expect("a kind for all scenes"), &settings, &());

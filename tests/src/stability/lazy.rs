@@ -9,7 +9,9 @@ pub struct Lazy<'a> {
     order: Vec<usize>,
     /// Whether differences in `f64` may tell enough.
     estimated: bool,
-    estimates: Option<Grown<'a, 3>>,
+    estimates: Option<Grown<'a, 2>>,
+    /// Estimates in steps that are wider still, for where the others do not agree.
+    wide: Option<Grown<'a, 1>>,
     exact: Option<Grown<'a, 1>>,
 }
 
@@ -26,7 +28,7 @@ impl<'a> Lazy<'a> {
         if order.len() != spot.numbers.len() {
             order = (0..spot.numbers.len()).collect();
         }
-        Lazy { spot, order, estimated, estimates: None, exact: None }
+        Lazy { spot, order, estimated, estimates: None, wide: None, exact: None }
     }
 
     /// The order in which to ask at the next point.
@@ -50,35 +52,45 @@ impl<'a> Lazy<'a> {
 
     /// One of the condition numbers; where it is plainly larger than `limit`, some number above that.
     pub fn beyond(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> f64 {
-        let spot = self.spot;
-        if self.estimated {
-            let least = |conditions: &[Conditions; 3]| {
-                let [a, b, c] = conditions.each_ref().map(&which);
-                // Where moved uniforms have no sample there is no estimate.
-                let near = |x: f64, y: f64, by: f64| x.is_finite() && (x - y).abs() <= by * x;
-                let beyond = |x: f64, y: f64| {
-                    let roughly = near(x, y, ROUGHLY) && near(y, x, ROUGHLY);
-                    let least = if near(x, y, AGREEMENT) {
-                        Some(x * (1.0 - 2.0 * AGREEMENT))
-                    } else {
-                        roughly.then(|| 0.5 * x.min(y))
-                    };
-                    least.filter(|least| *least > limit)
-                };
-                beyond(a, b).or_else(|| beyond(b, c))
-            };
-            let grown = self
-                .estimates
-                .get_or_insert_with(|| Grown::new(spot, STEPS.map(Source::Double), &self.order));
-            if let Some(found) = grown.until(least, &mut self.order) {
-                return found;
-            }
+        if let Some(estimate) = self.estimate(limit, &which) {
+            return estimate;
         }
+        let spot = self.spot;
         let grown =
             self.exact.get_or_insert_with(|| Grown::new(spot, [Source::Exact], &self.order));
         let beyond = |[c]: &[Conditions; 1]| Some(which(c)).filter(|c| *c > limit);
         let found = grown.until(beyond, &mut self.order);
         found.unwrap_or_else(|| which(&grown.conditions[0]))
+    }
+
+    /// A number above `limit`, if differences in `f64` tell that one of the condition numbers is no less.
+    fn estimate(&mut self, limit: f64, which: impl Fn(&Conditions) -> f64) -> Option<f64> {
+        if !self.estimated {
+            return None;
+        }
+        let spot = self.spot;
+        let [fine, medium, coarse] = STEPS.map(Source::Double);
+        // Where moved uniforms have no sample there is no estimate.
+        let near = |x: f64, y: f64, by: f64| x.is_finite() && (x - y).abs() <= by * x;
+        let least = |x: &Conditions, y: &Conditions| {
+            let (x, y) = (which(x), which(y));
+            let roughly = near(x, y, ROUGHLY) && near(y, x, ROUGHLY);
+            let least = if near(x, y, AGREEMENT) {
+                Some(x * (1.0 - 2.0 * AGREEMENT))
+            } else {
+                roughly.then(|| 0.5 * x.min(y))
+            };
+            least.filter(|least| *least > limit)
+        };
+        let made = || Grown::new(spot, [fine, medium], &self.order);
+        let estimates = self.estimates.get_or_insert_with(made);
+        let found = estimates.until(|[a, b]| least(a, b), &mut self.order);
+        found.or_else(|| {
+            let made = || Grown::new(spot, [coarse], &self.order);
+            let wide = self.wide.get_or_insert_with(made);
+            wide.upto(wide.order.len());
+            least(&estimates.conditions[1], &wide.conditions[0])
+        })
     }
 }
 

@@ -74,11 +74,17 @@ impl Format {
 
     /// The error of a vector.
     pub fn vector(&self, found: &[f64], exact: &[Precise]) -> f64 {
-        let gaps = found.iter().zip(exact).map(|(a, b)| (Precise::f64(*a) - *b).to_f64());
-        let size = exact.iter().fold(0.0, |s: f64, x| s.hypot(x.to_f64()));
-        let gap = gaps.fold(0.0, |s: f64, g| s.hypot(g));
+        let gap = norm(found.iter().zip(exact).map(|(a, b)| (Precise::f64(*a) - *b).to_f64()));
+        let size = norm(exact.iter().map(|x| x.to_f64()));
         if gap == 0.0 { 0.0 } else { self.units(gap / size.max(self.floor)) }
     }
+}
+
+/// Euclidean length to a few roundings: without `hypot`, which takes long, where squares stay in the range of numbers.
+fn norm(x: impl Iterator<Item = f64> + Clone) -> f64 {
+    let squares: f64 = x.clone().map(|x| x * x).sum();
+    let inside = (1e-250..1e250).contains(&squares);
+    if inside { squares.sqrt() } else { x.fold(0.0, f64::hypot) }
 }
 
 /// How far the image of another preimage may be from the point, relative to that. A uniform next to the border of a piece

@@ -134,7 +134,7 @@ fn kernels<'s, K: SceneKind>(
     derived: Algorithm,
     by_hand: impl Integrator + 's,
 ) -> Result<[Box<dyn AnyKernel + 's>; 2], String> {
-    let derived = derived.kernel(K::NAME, scene, 1).ok_or("no such kind")?;
+    let derived = derived.kernel(K::NAME, scene, scene.sampler.seeded(1)).ok_or("no such kind")?;
     let by_hand = Kernel::<K, _>::new(scene, by_hand, 1).map_err(|e| e.to_string())?;
     Ok([derived.map_err(|e| e.to_string())?, Box::new(by_hand)])
 }
