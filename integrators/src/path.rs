@@ -92,29 +92,19 @@ pub fn trace<'a, K, S>(
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
-    while camera.is_complete() && camera.size() < longest {
-        camera.append(scatter.clone()).sample(uniforms);
-    }
-    // Where scattering has found nothing, an ending of several steps may.
-    for _ in 1..endings.iter().map(|ending| ending.len()).max().unwrap_or(1) {
-        if camera.size() < longest {
-            camera.append(scatter.clone());
-        }
-    }
-
     let response = estimator.integrand().response(pixel, &camera);
     // The paths that scattering has found, and those that go to a light instead.
     let by =
         |length: usize, end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
     let endings = Endings {
-        lengths: 2 + usize::from(settings.hide_emitters)..=camera.size(),
+        lengths: 2 + usize::from(settings.hide_emitters)..=longest,
         ways: endings,
         is_used: |length: usize, end: &[S]| {
             let technique = by(length, end);
             technique.camera >= 2 && settings.techniques.has(technique)
         },
     };
-    estimator.endings(&camera, &endings, &PowerHeuristic, uniforms, |path| {
+    estimator.walk(&camera, scatter, &endings, &PowerHeuristic, uniforms, |path| {
         let [value, alone] = [path.value, path.alone].map(|v| v * response);
         received.add_by(by(path.length, path.steps), pixel, value, alone);
     });

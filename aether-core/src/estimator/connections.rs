@@ -85,9 +85,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
         self.remember(first.arena.contents());
         let drawn = connections.draw(first, uniforms);
-        let pieces = Pieces::new(self, [first, second], connections, heuristic, drawn.as_ref());
-        if let Some(mut pieces) = pieces {
-            return pieces.visit(&mut visit);
+        let (walks, drawn_last) = ([first, second], drawn.as_ref());
+        if Pieces::<I, S, N, D, H>::are_plain(self, walks, connections, drawn_last) {
+            let arena = first.arena;
+            let ending = connections.ending.map(|ending| arena.intern(ending.clone()) as usize);
+            let last = drawn_last.map(|drawn| arena.tape.keep(drawn).at(0));
+            let (tape, last) = (arena.tape.unfolded(), [ending, last]);
+            let pieces = Pieces::new(self, walks, connections, heuristic, &tape, last);
+            if let Some(mut pieces) = pieces {
+                return pieces.visit(&mut visit);
+            }
         }
         let used = (0..=connections.length)
             .filter(|by| *by <= first.size() && (connections.samples)(*by) > 0)

@@ -5,13 +5,10 @@ use core::ops::RangeInclusive;
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{LAST, PathView, Place, RandomSequence, Recent, Unfolded};
+use crate::sequence::{Arena, LAST, LastDrawn, PathView, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
-
-/// A last vertex that carries something, and what it carries.
-type Found<I> = (Drawn<<I as PathIntegrand>::Vertex>, Met<RealOf<I>, <I as PathIntegrand>::Value>);
 
 /// How the paths along a walk may end.
 #[derive(Clone, Debug)]
@@ -61,7 +58,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// given the paths that contribute.
     ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the walk with the endings appended to them,
-    /// and the same numbers are drawn; where no way has more than one step, none of these paths is made.
+    /// and the same numbers are drawn. Where no way has more than one step, and three vertices at most are read, none of
+    /// these paths is made.
     pub fn endings<'t, S, P, H, U>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
@@ -75,12 +73,65 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        let is_short = S::VERTICES == 1 && endings.ways.iter().all(|steps| steps.len() <= 1);
-        if is_short && endings.ways.len() <= 64 && walk.is_run() {
-            self.last_steps(walk, endings, heuristic, uniforms, visit);
+        if self.is_short(walk, None, endings) {
+            self.last_steps(walk, None, endings, heuristic, uniforms, visit);
         } else {
             self.last_sequences(walk, endings, heuristic, uniforms, visit);
         }
+    }
+
+    /// Goes on from the end of a path with a strategy, until that finds nothing more or paths would be longer than the
+    /// endings ask for, and estimates all paths along this walk: [`Estimator::endings`].
+    ///
+    /// The same numbers are drawn as for a walk that is made first, by a source that tells blocks of dimensions apart
+    /// ([`UniformSource::start`]). But vertices are not kept longer than they are read, and the walk ends where
+    /// nothing is carried on.
+    pub fn walk<'t, S, P, H, U>(
+        &self,
+        start: &RandomSequence<'_, I::Vertex, S>,
+        step: &S,
+        endings: &Endings<'t, S, P>,
+        heuristic: &H,
+        uniforms: &mut U,
+        visit: impl FnMut(Ending<'t, S, I::Value>),
+    ) where
+        S: Strategy<I::Vertex> + 't,
+        P: Fn(usize, &[S]) -> bool,
+        H: Heuristic<RealOf<I>> + Clone,
+        U: UniformSource<RealOf<I>> + ?Sized,
+    {
+        if self.is_short(start, Some(step), endings) {
+            return self.last_steps(start, Some(step), endings, heuristic, uniforms, visit);
+        }
+        let (mut walk, longest) = (*start, *endings.lengths.end());
+        while walk.is_complete() && walk.size() < longest {
+            walk.append(step.clone()).sample(uniforms);
+        }
+        // Where the walk has found nothing, an ending of several steps may.
+        for _ in 1..endings.ways.iter().map(|steps| steps.len()).max().unwrap_or(1) {
+            if walk.size() < longest {
+                walk.append(step.clone());
+            }
+        }
+        self.last_sequences(&walk, endings, heuristic, uniforms, visit);
+    }
+
+    /// Whether paths along a walk need not be made to be estimated: ways to end them have one step at most, and no more
+    /// vertices are read than are at hand.
+    fn is_short<S: Strategy<I::Vertex>, P>(
+        &self,
+        walk: &RandomSequence<'_, I::Vertex, S>,
+        step: Option<&S>,
+        endings: &Endings<'_, S, P>,
+    ) -> bool {
+        let steps = || endings.ways.iter().copied().flatten().chain(step);
+        S::VERTICES == 1
+            && endings.ways.iter().all(|steps| steps.len() <= 1)
+            && endings.ways.len() <= 64
+            && self.reads() <= LAST
+            && walk.arena.most_read.get() <= LAST
+            && steps().all(|step| step.reads().vertices <= LAST)
+            && walk.is_run()
     }
 
     /// The same by sequences of their own.
@@ -97,7 +148,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        for length in endings.lengths.clone() {
+        for length in *endings.lengths.start()..=walk.size().min(*endings.lengths.end()) {
             let ways = endings.of_length(length);
             let paths = walk.arena.collect(ways.clone().map(|steps| {
                 let mut path = walk.slice(0..length - steps.len());
@@ -113,10 +164,11 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
     }
 
-    /// The same of ways of at most one step, along a walk that is one run.
+    /// The same of ways of at most one step, along a walk that is one run, and that a step goes on with.
     fn last_steps<'t, S, P, H, U>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
+        step: Option<&S>,
         endings: &Endings<'t, S, P>,
         heuristic: &H,
         uniforms: &mut U,
@@ -128,111 +180,74 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let arena = walk.arena;
-        let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
+        let strategies = arena.strategies.borrow();
         let mut ratios = core::mem::take(&mut *arena.ratios.borrow_mut());
         // f / p of the vertices before the last one, and the last ones with it.
-        let (mut carried, mut recent) = (I::Value::one(), [None; LAST + 1]);
-        for length in 1..=walk.size().min(walk.len() + 1).min(*endings.lengths.end()) {
-            let place = walk.handle.place.range(0, length);
-            recent.rotate_right(1);
-            recent[0] =
-                if length <= walk.len() { tape.at_hand(place.at(length - 1)) } else { None };
-            let fork = Fork { tape, place, recent };
-            let own = &strategies[tape.way(place, length - 1).strategy() as usize];
-            let met = if length <= walk.len() { self.met(walk, &fork, carried) } else { None };
+        let (mut carried, mut recent) = (I::Value::one(), [None; KEPT]);
+        for length in 1..=*endings.lengths.end() {
+            let fork = Fork::new(&recent, length - 1);
+            let (own, drawn) = if length <= walk.size() {
+                let place = walk.handle.place;
+                let strategy = arena.tape.entry(place.at(length - 1)).way.strategy();
+                let drawn = (length <= walk.len()).then(|| kept(walk, length - 1)).flatten();
+                (&strategies[strategy as usize], drawn)
+            } else {
+                let Some(step) = step else { break };
+                uniforms.start(walk.block_at(length - 1));
+                (step, fork.draw(step, uniforms))
+            };
+            let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             if endings.lengths.contains(&length) {
                 let used = endings.used(length);
                 let ways =
                     || endings.ways.iter().enumerate().filter(|(way, _)| used >> way & 1 == 1);
                 for (index, (way, steps)) in ways().enumerate() {
-                    let found = match steps.first() {
-                        None => met.and_then(|met| self.closed(&fork, met)),
+                    let other;
+                    let (last, met) = match steps.first() {
+                        None => (&drawn, met),
                         Some(step) => {
                             uniforms.start(walk.block_after(length - 1));
-                            self.drawn(&fork, step, carried, uniforms)
+                            other = fork.draw(step, uniforms);
+                            let met = other.as_ref();
+                            (&other, met.and_then(|last| self.met(&fork, step, last, carried)))
                         }
                     };
-                    let Some((drawn, Met { density, carried })) = found else { continue };
+                    let (Some(last), Some(met)) = (last, met) else { continue };
+                    let alone = met.carried.multiply(self.closing(fork.then(last)));
+                    if alone.is_zero() {
+                        continue;
+                    }
                     ratios.clear();
                     ratios.extend(ways().map(|(other, steps)| match other == way {
                         true => RealOf::<I>::ONE,
-                        false => fork.density(steps.first().unwrap_or(own), &drawn) / density,
+                        false => fork.density(steps.first().unwrap_or(own), last) / met.density,
                     }));
-                    let value = carried.times(heuristic.weight(&ratios, index));
-                    visit(Ending { length, steps, value, alone: carried });
+                    let value = alone.times(heuristic.weight(&ratios, index));
+                    visit(Ending { length, steps, value, alone });
                 }
             }
-            match met {
-                Some(met) if !met.carried.is_zero() => carried = met.carried,
-                _ => break,
-            }
+            let (Some(drawn), Some(met)) = (drawn, met) else { break };
+            recent[(length - 1) % KEPT] = Some(drawn);
+            carried = met.carried;
         }
         *arena.ratios.borrow_mut() = ratios;
     }
 
-    /// What the walk's own vertex carries on.
+    /// What a last vertex carries that a strategy has drawn, if anything.
     #[inline]
     fn met<S: Strategy<I::Vertex>>(
         &self,
-        walk: &RandomSequence<'_, I::Vertex, S>,
-        fork: &Fork<'_, I::Vertex>,
-        carried: I::Value,
-    ) -> Option<Met<RealOf<I>, I::Value>> {
-        let last = fork.place.len as usize - 1;
-        let carried = carried.multiply(self.extended(fork.walked()));
-        let known = fork.tape.own(fork.place, last);
-        let density = known.unwrap_or_else(|| walk.arena.factor(fork.place, last, fork.place));
-        is_regular(density).then(|| Met { density, carried: carried.over(density) })
-    }
-
-    /// The walk's own vertex as the last one, if it carries anything then.
-    #[inline]
-    fn closed(
-        &self,
-        fork: &Fork<'_, I::Vertex>,
-        Met { density, carried }: Met<RealOf<I>, I::Value>,
-    ) -> Option<Found<I>> {
-        let carried = carried.multiply(self.closing(fork.walked()));
-        if carried.is_zero() {
-            return None;
-        }
-        let last = fork.place.len as usize - 1;
-        let dirac = fork.tape.kind(fork.place, last, false);
-        let drawn = Drawn { dirac, ..Drawn::new(*fork.recent[0]?) };
-        Some((drawn, Met { density, carried }))
-    }
-
-    /// What a strategy finds as the last vertex, if it carries anything.
-    #[inline]
-    fn drawn<S, U>(
-        &self,
         fork: &Fork<'_, I::Vertex>,
         strategy: &S,
+        drawn: &Drawn<I::Vertex>,
         carried: I::Value,
-        uniforms: &mut U,
-    ) -> Option<Found<I>>
-    where
-        S: Strategy<I::Vertex>,
-        U: UniformSource<RealOf<I>> + ?Sized,
-    {
-        let drawn = strategy.sample(fork.before().limited(strategy.reads()), uniforms)?;
-        let path = fork.continued(&drawn);
-        let carried = carried.multiply(self.extended(path));
+    ) -> Option<Met<RealOf<I>, I::Value>> {
+        let carried = carried.multiply(self.extended(fork.then(drawn)));
         if carried.is_zero() {
             return None;
         }
-        let density = match drawn.value {
-            Some(density) => {
-                count_densities(1);
-                density
-            }
-            None => fork.density(strategy, &drawn),
-        };
-        if !is_regular(density) {
-            return None;
-        }
-        let carried = carried.over(density).multiply(self.closing(path));
-        (!carried.is_zero()).then_some((drawn, Met { density, carried }))
+        let density = drawn.value.unwrap_or_else(|| fork.density(strategy, drawn));
+        is_regular(density).then(|| Met { density, carried: carried.over(density) })
     }
 }
 
@@ -245,46 +260,62 @@ struct Met<R, T> {
     carried: T,
 }
 
-/// Where the ways to end a path part.
-struct Fork<'r, V: Vertex> {
-    tape: &'r Unfolded<'r, V>,
-    /// The path as the walk itself goes on.
-    place: Place,
-    /// Its last vertices, the last one first.
-    recent: [Option<&'r V>; LAST + 1],
+/// Vertex `i` of a walk that is one run, as it was drawn, with its density.
+fn kept<V: Vertex, S: Strategy<V>>(walk: &RandomSequence<'_, V, S>, i: usize) -> Option<Drawn<V>> {
+    let (arena, place): (&Arena<V, S>, _) = (walk.arena, walk.handle.place);
+    let entry = arena.tape.entry(place.at(i));
+    let vertex = arena.tape.vertex(place.at(i))?;
+    let value = Some(arena.factor(place, i, place));
+    Some(Drawn { vertex, dirac: entry.dirac, visible: entry.visible, value })
 }
 
-impl<V: Vertex> Fork<'_, V> {
-    /// The vertices that all ways share.
+/// How many of the last vertices are kept: a power of two.
+const KEPT: usize = (LAST + 1).next_power_of_two();
+
+/// Where the ways to end a path part.
+struct Fork<'r, V: Vertex> {
+    /// The last vertices that all ways share, the last one first.
+    recent: LastDrawn<'r, V>,
+    /// How many vertices all ways share.
+    len: usize,
+}
+
+impl<'r, V: Vertex> Fork<'r, V> {
+    /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
     #[inline]
-    fn shared(&self) -> Place {
-        self.place.range(0, self.place.len as usize - 1)
+    fn new(kept: &'r [Option<Drawn<V>>; KEPT], len: usize) -> Self {
+        let recent = core::array::from_fn(|k| match len.checked_sub(k + 1) {
+            Some(i) => kept[i % KEPT].as_ref(),
+            None => None,
+        });
+        Fork { recent, len }
     }
 
-    /// The last ones of these.
-    #[inline(always)]
-    fn last_shared(&self) -> Recent<'_, V> {
-        let [_, last @ ..] = self.recent;
-        last
-    }
-
-    /// The same as strategies see them.
+    /// The vertices that all ways share, as strategies see them.
     #[inline]
     fn before(&self) -> PathView<'_, V> {
-        PathView::of_recent(self.tape, self.shared(), self.last_shared())
+        PathView::of_drawn(self.recent, self.len)
     }
 
-    /// The path as the walk goes on.
+    /// The path with a last vertex.
     #[inline]
-    fn walked(&self) -> PathView<'_, V> {
-        let [last @ .., _] = self.recent;
-        PathView::of_recent(self.tape, self.place, last)
+    fn then<'p>(&'p self, last: &'p Drawn<V>) -> PathView<'p, V> {
+        let [first, second, _] = self.recent;
+        PathView::of_drawn([Some(last), first, second], self.len + 1)
     }
 
-    /// The path with another last vertex.
+    /// What a strategy finds as the last vertex.
     #[inline]
-    fn continued<'p>(&'p self, drawn: &'p Drawn<V>) -> PathView<'p, V> {
-        PathView::of_extended(self.tape, self.shared(), self.last_shared(), drawn)
+    fn draw<S, U>(&self, strategy: &S, uniforms: &mut U) -> Option<Drawn<V>>
+    where
+        S: Strategy<V>,
+        U: UniformSource<V::Real> + ?Sized,
+    {
+        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms)?;
+        if drawn.value.is_some() {
+            count_densities(1);
+        }
+        Some(drawn)
     }
 
     /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.

@@ -29,7 +29,7 @@ use ratios::LastFactors;
 pub use snapshot::Snapshot;
 pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};
 pub use view::PathView;
-pub(crate) use view::{LAST, Recent};
+pub(crate) use view::{LAST, LastDrawn, WINDOW, Window};
 
 use crate::estimator::Joints;
 use crate::mutation::Decided;

@@ -143,8 +143,13 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// The vertex will draw from a block of sampling dimensions that its position in the path and
     /// the kind of the path (which [`Arena::sequence`], a slice or not) determine.
     pub fn append(&mut self, strategy: impl Into<S>) -> &mut Self {
-        let block = self.handle.place.len * LANES + u32::from(self.handle.lane);
-        self.append_in(block, strategy)
+        self.append_in(self.block_at(self.size()), strategy)
+    }
+
+    /// The block of sampling dimensions of what is appended as step `i`.
+    #[inline]
+    pub(crate) fn block_at(&self, i: usize) -> u32 {
+        i as u32 * LANES + u32::from(self.handle.lane)
     }
 
     /// The block of sampling dimensions of what is appended to the slice of the first `len` steps.

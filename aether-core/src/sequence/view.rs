@@ -21,7 +21,10 @@ pub struct PathView<'p, V: Vertex> {
 pub(crate) const LAST: usize = 3;
 
 /// The last vertices of a path, the last one first, as far as they are at hand: mostly all that is read.
-pub(crate) type Recent<'p, V> = [Option<&'p V>; LAST];
+type Recent<'p, V> = [Option<&'p V>; LAST];
+
+/// The last vertices of a path as they were drawn, the last one first: all that is read.
+pub(crate) type LastDrawn<'p, V> = [Option<&'p Drawn<V>>; LAST];
 
 #[derive(Clone, Copy, Debug)]
 enum Source<'p, V: Vertex> {
@@ -29,12 +32,28 @@ enum Source<'p, V: Vertex> {
     Tape(&'p Tape<V>, Place),
     /// The same, with all of the tape at hand.
     Unfolded(&'p Unfolded<'p, V>, Place),
-    /// The same, and then a vertex that is on no tape.
-    Extended(&'p Unfolded<'p, V>, Place, &'p Drawn<V>),
+    /// The last vertices as they were drawn, the last one first.
+    Drawn(LastDrawn<'p, V>),
     /// Steps none of which leads in a single direction: of the last ones, the last one first, is known where they are,
     /// as far as they are read.
     Last(&'p Unfolded<'p, V>, [Step; LAST]),
+    /// The last of vertices that end, or in opposite order begin, at a place of a window; no others are read.
+    Window(&'p Window<'p, V>, u8, bool),
 }
+
+/// Vertices in a row, of which none leads in a single direction, with empty places on either side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window<'p, V> {
+    /// The vertices.
+    pub vertices: [Option<&'p V>; WINDOW],
+    /// A bit for each that is known to see the next one.
+    pub sees_next: u16,
+    /// A bit for each that can be nowhere else.
+    pub fixed: u16,
+}
+
+/// How many places a window has: two times as many vertices as a view has at hand, and two empty places on either side.
+pub(crate) const WINDOW: usize = 2 * LAST + 4;
 
 impl<'p, V: Vertex> PathView<'p, V> {
     /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.
@@ -58,29 +77,14 @@ impl<'p, V: Vertex> PathView<'p, V> {
         let n = place.len as usize;
         let read = reads.vertices.min(n);
         let at_hand = |k: usize| if k < read { tape.at_hand(place.at(n - 1 - k)) } else { None };
-        Self::of_recent(tape, place, core::array::from_fn(at_hand)).limited(reads)
+        Self::new(Source::Unfolded(tape, place), core::array::from_fn(at_hand), n).limited(reads)
     }
 
-    /// Of a place whose last vertices are at hand.
+    /// Of `len` vertices of which the last ones are at hand as they were drawn, and no others are read.
     #[inline]
-    pub(crate) fn of_recent(
-        tape: &'p Unfolded<'p, V>,
-        place: Place,
-        recent: Recent<'p, V>,
-    ) -> Self {
-        Self::new(Source::Unfolded(tape, place), recent, place.len as usize)
-    }
-
-    /// The same, then a vertex that has been drawn after it.
-    #[inline]
-    pub(crate) fn of_extended(
-        tape: &'p Unfolded<'p, V>,
-        place: Place,
-        [last, before, _]: Recent<'p, V>,
-        drawn: &'p Drawn<V>,
-    ) -> Self {
-        let recent = [Some(&drawn.vertex), last, before];
-        Self::new(Source::Extended(tape, place, drawn), recent, place.len as usize + 1)
+    pub(crate) fn of_drawn(last: LastDrawn<'p, V>, len: usize) -> Self {
+        let recent = last.map(|drawn| drawn.map(|drawn| &drawn.vertex));
+        Self::new(Source::Drawn(last), recent, len)
     }
 
     /// Of `len` steps, the last of which, the last one first, lie anywhere on a tape on which no step leads in a single
@@ -97,6 +101,24 @@ impl<'p, V: Vertex> PathView<'p, V> {
         let hidden = len.saturating_sub(LAST);
         let view = Self::new(Source::Last(tape, last), core::array::from_fn(at_hand), len);
         PathView { hidden, ..view }
+    }
+
+    /// Of `len` vertices of which the last one is at a place of a window, two places from its ends at least, and those
+    /// before it are before that place, or behind it.
+    #[inline(always)]
+    pub(crate) fn of_window(
+        window: &'p Window<'p, V>,
+        place: usize,
+        backward: bool,
+        len: usize,
+    ) -> Self {
+        let [before, here, behind] = [place - 2, place, place + 2].map(|i| window.vertices[i]);
+        let (next, last) = match backward {
+            true => (window.vertices[place + 1], behind),
+            false => (window.vertices[place - 1], before),
+        };
+        let source = Source::Window(window, place as u8, backward);
+        PathView { hidden: len.saturating_sub(LAST), ..Self::new(source, [here, next, last], len) }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
@@ -154,10 +176,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
         match self.source {
             Source::Slice(vertices) => vertices.get(i).copied(),
             Source::Tape(tape, place) => tape.vertex(place.at(i)),
-            Source::Extended(_, place, drawn) if i == place.len as usize => Some(drawn.vertex),
-            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
-                tape.at_hand(place.at(i)).copied()
-            }
+            Source::Unfolded(tape, place) => tape.at_hand(place.at(i)).copied(),
+            Source::Drawn(_) | Source::Window(..) => None,
             Source::Last(tape, last) => tape.at_hand(last.get(k)?.at()).copied(),
         }
     }
@@ -186,13 +206,16 @@ impl<'p, V: Vertex> PathView<'p, V> {
         match self.source {
             Source::Slice(_) => false,
             Source::Tape(tape, place) => tape.unfolded().visible(place, i),
-            Source::Extended(_, place, drawn) if i == place.len as usize => drawn.visible,
-            Source::Unfolded(tape, place) | Source::Extended(tape, place, _) => {
-                tape.visible(place, i)
-            }
+            Source::Unfolded(tape, place) => tape.visible(place, i),
+            Source::Drawn(last) => last.get(k).is_some_and(|last| last.is_some_and(|d| d.visible)),
             Source::Last(tape, last) => {
                 let step = |k: usize| last.get(k).copied().filter(|step| *step != Step::NONE);
                 step(k).zip(step(k + 1)).is_some_and(|(step, before)| tape.sees(step, before))
+            }
+            Source::Window(window, place, backward) => {
+                let place = usize::from(place);
+                let edge = if backward { place + k } else { place.wrapping_sub(k + 1) };
+                edge < WINDOW && window.sees_next >> edge & 1 == 1
             }
         }
     }
@@ -212,17 +235,23 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Slice(_) => false,
             Source::Tape(tape, place) => on(&tape.unfolded(), place),
             Source::Unfolded(tape, place) => on(tape, place),
-            Source::Extended(tape, place, drawn) => {
-                // A position is the new vertex's own, a direction belongs to the one that it was drawn from.
+            Source::Drawn(last) => {
+                // A position is the vertex's own, a direction belongs to the one that it was drawn from.
                 let bearer = match dirac {
-                    Dirac::Position => self.len - 1,
-                    Dirac::Direction => (self.len - 1).wrapping_sub(1),
+                    Dirac::Position => Some(self.len - 1 - i),
+                    Dirac::Direction => (self.len - 1 - i).checked_sub(1),
                 };
-                (i == bearer && drawn.dirac == Some(dirac)) || (i + 1 < self.len && on(tape, place))
+                let drawn = bearer.and_then(|k| *last.get(k)?);
+                drawn.is_some_and(|drawn| drawn.dirac == Some(dirac))
             }
             Source::Last(tape, last) => {
                 let known = last.get(self.len - 1 - i).filter(|step| **step != Step::NONE);
                 known.is_some_and(|step| tape.is_drawn_with(step.at(), dirac))
+            }
+            Source::Window(window, place, backward) => {
+                let (place, k) = (usize::from(place), self.len - 1 - i);
+                let place = if backward { place + k } else { place.wrapping_sub(k) };
+                dirac == Dirac::Position && place < WINDOW && window.fixed >> place & 1 == 1
             }
         }
     }

@@ -29,6 +29,14 @@ impl<V: Vertex> Unfolded<'_, V> {
         self.vertices.get(id as usize).map(|kept| &kept.vertex)
     }
 
+    /// The vertex of a step where it lies, whether it is known to see the one that it was made from, and the Dirac factor
+    /// that it was drawn with.
+    #[inline(always)]
+    pub fn kept(&self, at: usize) -> (Option<&V>, bool, Option<Dirac>) {
+        let Entry { vertex, visible, dirac, .. } = &self.entries[at];
+        (self.vertices.get(*vertex as usize).map(|kept| &kept.vertex), *visible, *dirac)
+    }
+
     /// The id of the vertex of a step.
     #[inline(always)]
     pub fn vertex_id(&self, at: usize) -> u32 {
