@@ -200,18 +200,24 @@ fn to_wall(path: &PathView<Spot>) -> Spot {
 #[derive(Clone, Copy)]
 struct Misjudged<S>(S, f64);
 
+impl<S> Misjudged<S> {
+    fn factor(&self, dirac: Option<Dirac>) -> f64 {
+        if dirac.is_some() { self.1 } else { 1.0 }
+    }
+}
+
 impl<S: Strategy<Spot>> Strategy<Spot> for Misjudged<S> {
     fn sample<U: UniformSource<f64> + ?Sized>(
         &self,
         path: PathView<'_, Spot>,
         uniforms: &mut U,
     ) -> Option<Drawn<Spot>> {
-        self.0.sample(path, uniforms)
+        let right = self.0.sample(path, uniforms)?;
+        Some(Drawn { value: right.value.map(|value| value * self.factor(right.dirac)), ..right })
     }
     fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
         let right = self.0.pdf(path, target);
-        let factor = if right.dirac.is_some() { self.1 } else { 1.0 };
-        Conditional { value: right.value * factor, ..right }
+        Conditional { value: right.value * self.factor(right.dirac), ..right }
     }
     fn reads(&self) -> Reads {
         self.0.reads()

@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{Arena, LAST, LastDrawn, PathView, RandomSequence};
+use crate::sequence::{LAST, LastDrawn, PathView, RandomSequence, Unfolded};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
@@ -38,10 +38,10 @@ pub struct Ending<'t, S, T> {
 impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
     /// A bit for each way, whether paths with so many vertices end in it.
     #[inline(always)]
-    fn used(&self, length: usize) -> u64 {
+    fn used(&self, length: usize) -> u32 {
         let is_used = |steps: &[S]| steps.len() <= length && (self.is_used)(length, steps);
         let bits = self.ways.iter().enumerate();
-        bits.fold(0, |used, (way, steps)| used | u64::from(is_used(steps)) << way)
+        bits.fold(0, |used, (way, steps)| used | u32::from(is_used(steps)) << way)
     }
 
     /// The ways that paths with so many vertices end in.
@@ -127,7 +127,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let steps = || endings.ways.iter().copied().flatten().chain(step);
         S::VERTICES == 1
             && endings.ways.iter().all(|steps| steps.len() <= 1)
-            && endings.ways.len() <= 64
+            && endings.ways.len() <= MOST_WAYS
             && self.reads() <= LAST
             && walk.arena.most_read.get() <= LAST
             && steps().all(|step| step.reads().vertices <= LAST)
@@ -180,16 +180,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let arena = walk.arena;
-        let strategies = arena.strategies.borrow();
-        let mut ratios = core::mem::take(&mut *arena.ratios.borrow_mut());
+        let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
         // f / p of the vertices before the last one, and the last ones with it.
         let (mut carried, mut recent) = (I::Value::one(), [None; KEPT]);
         for length in 1..=*endings.lengths.end() {
             let fork = Fork::new(&recent, length - 1);
             let (own, drawn) = if length <= walk.size() {
-                let place = walk.handle.place;
-                let strategy = arena.tape.entry(place.at(length - 1)).way.strategy();
-                let drawn = (length <= walk.len()).then(|| kept(walk, length - 1)).flatten();
+                let strategy = tape.way(walk.handle.place, length - 1).strategy();
+                let is_there = length <= walk.len();
+                let drawn = if is_there { kept(walk, tape, length - 1) } else { None };
                 (&strategies[strategy as usize], drawn)
             } else {
                 let Some(step) = step else { break };
@@ -217,12 +216,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     if alone.is_zero() {
                         continue;
                     }
-                    ratios.clear();
-                    ratios.extend(ways().map(|(other, steps)| match other == way {
-                        true => RealOf::<I>::ONE,
-                        false => fork.density(steps.first().unwrap_or(own), last) / met.density,
-                    }));
-                    let value = alone.times(heuristic.weight(&ratios, index));
+                    let (mut ratios, mut count) = ([RealOf::<I>::ONE; MOST_WAYS], 0);
+                    for (other, steps) in ways() {
+                        if other != way {
+                            let density = fork.density(steps.first().unwrap_or(own), last);
+                            ratios[count] = density / met.density;
+                        }
+                        count += 1;
+                    }
+                    let value = alone.times(heuristic.weight(&ratios[..count], index));
                     visit(Ending { length, steps, value, alone });
                 }
             }
@@ -230,7 +232,6 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             recent[(length - 1) % KEPT] = Some(drawn);
             carried = met.carried;
         }
-        *arena.ratios.borrow_mut() = ratios;
     }
 
     /// What a last vertex carries that a strategy has drawn, if anything.
@@ -261,13 +262,20 @@ struct Met<R, T> {
 }
 
 /// Vertex `i` of a walk that is one run, as it was drawn, with its density.
-fn kept<V: Vertex, S: Strategy<V>>(walk: &RandomSequence<'_, V, S>, i: usize) -> Option<Drawn<V>> {
-    let (arena, place): (&Arena<V, S>, _) = (walk.arena, walk.handle.place);
-    let entry = arena.tape.entry(place.at(i));
-    let vertex = arena.tape.vertex(place.at(i))?;
-    let value = Some(arena.factor(place, i, place));
-    Some(Drawn { vertex, dirac: entry.dirac, visible: entry.visible, value })
+fn kept<V: Vertex, S: Strategy<V>>(
+    walk: &RandomSequence<'_, V, S>,
+    tape: &Unfolded<'_, V>,
+    i: usize,
+) -> Option<Drawn<V>> {
+    let place = walk.handle.place;
+    let (vertex, visible, dirac) = tape.kept(place.at(i));
+    let known = tape.own(place, i);
+    let value = Some(known.unwrap_or_else(|| walk.arena.factor(place, i, place)));
+    Some(Drawn { vertex: *vertex?, dirac, visible, value })
 }
+
+/// The most ways to end a path that are told apart at once.
+const MOST_WAYS: usize = 16;
 
 /// How many of the last vertices are kept: a power of two.
 const KEPT: usize = (LAST + 1).next_power_of_two();

@@ -83,25 +83,20 @@ impl Emitter<'_> {
 
     fn vertex(&self, leaf: &Leaf, rules: &Rules) -> TokenStream {
         let site = Span::mixed_site();
-        let vertex = &leaf.vertex;
-        let drawn = quote_spanned!(site=> ::aether_core::strategy::Drawn);
-        let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
-        let made = match &leaf.kind {
-            Kind::Density(point) => {
-                let none = quote_spanned!(site=> ::core::option::Option::None);
-                return self.density(leaf, point, &none, rules);
-            }
-            Kind::AtomDirection(Some(point)) => {
-                let kind = quote_spanned!(site=> ::core::option::Option::Some(#dirac::Direction));
-                return self.density(leaf, point, &kind, rules);
-            }
-            Kind::AtomPosition => quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Position)),
-            Kind::AtomDirection(None) => {
-                quote_spanned!(site=> #drawn::atom(#vertex, #dirac::Direction))
+        let some = |kind: &str| {
+            let kind = Ident::new(kind, site);
+            quote_spanned! {site=>
+                ::core::option::Option::Some(::aether_core::strategy::Dirac::#kind)
             }
         };
-        let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
-        quote_spanned!(site=> return ::core::option::Option::Some(#made #visible);)
+        let (point, dirac) = match &leaf.kind {
+            Kind::Density(point) => {
+                (Some(point), quote_spanned!(site=> ::core::option::Option::None))
+            }
+            Kind::AtomDirection(point) => (point.as_ref(), some("Direction")),
+            Kind::AtomPosition => (None, some("Position")),
+        };
+        self.drawn(leaf, point, &dirac, rules)
     }
 
     /// The vertex of another strategy, with the density or probability that this one gives it.
@@ -149,23 +144,27 @@ impl Emitter<'_> {
         }
     }
 
-    /// A vertex with its density, or that of its atom.
-    fn density(
+    /// A vertex with its density, that of the point that it was made from, if there is one; or the probability of its
+    /// atom.
+    fn drawn(
         &self,
         leaf: &Leaf,
-        point: &Ident,
+        point: Option<&Ident>,
         dirac: &TokenStream,
         rules: &Rules,
     ) -> TokenStream {
         let site = Span::mixed_site();
-        let (vertex, density, number) = (&leaf.vertex, density_of(point), leaf.number);
+        let (vertex, number) = (&leaf.vertex, leaf.number);
         let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+        // A space that does not fit the vertex is reported there, by the density.
+        let density = point
+            .map(density_of)
+            .map(|density| quote_spanned!(site=> let own = #emitted::own_times(own, #density);));
         let ways = self.ways(number, rules, dirac);
         let visible = leaf.visible.then(|| quote_spanned!(site=> .visible()));
-        // A space that does not fit the vertex is reported there, by the density.
         quote_spanned! {site=>
             let vertex = #vertex;
-            let own = #emitted::own_times(own, #density);
+            #density
             #ways
             let drawn = ::aether_core::strategy::Drawn::new(vertex);
             return ::core::option::Option::Some(
