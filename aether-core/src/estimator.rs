@@ -296,11 +296,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let back = place.range(ahead, n).reverse();
         let len = n - ahead;
         let name = |len: usize| tape.run_name(back, len - 1);
-        if len == 0 || name(len).is_none() {
-            return None;
+        let usable = |value: I::Value| {
+            let finite = value.times(RealOf::<I>::ZERO).is_zero();
+            (finite && !value.is_zero()).then_some(value)
+        };
+        let whole = if len > 0 { name(len)? } else { return None };
+        if let Some(known) = known_at(&self.factors.borrow().endings, whole) {
+            return usable(known);
         }
         let known = |len: usize| Some((len, known_at(&self.factors.borrow().endings, name(len)?)?));
-        let found = (1..=len).rev().find_map(known);
+        let found = (1..len).rev().find_map(known);
         let (start, mut value) = found.unwrap_or((0, I::Value::one()));
         for len in start + 1..=len {
             // The edge that the new vertex completes: all that its factor reads is there.
@@ -311,8 +316,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
             remember_at(&mut self.factors.borrow_mut().endings, name(len)?, value);
         }
-        let finite = value.times(RealOf::<I>::ZERO).is_zero();
-        (finite && !value.is_zero()).then_some(value)
+        usable(value)
     }
 
     /// How many vertices a factor depends on.

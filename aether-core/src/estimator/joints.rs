@@ -78,15 +78,19 @@ impl<R: Scalar> Joints<R> {
         k.checked_sub(1).map_or(PathDensity::ZERO, |last| self.sums[end as usize][last].sum)
     }
 
-    /// What is known of a vertex.
+    /// Makes room for so many vertices.
+    #[inline]
+    fn reserve(&mut self, vertices: usize) {
+        if vertices > self.known.len() {
+            let nothing = Known { own: None, others: [((u32::MAX, 0), PathDensity::ZERO); 2] };
+            self.known.resize(vertices, nothing);
+        }
+    }
+
+    /// What is known of a vertex that there is room for.
     #[inline]
     fn of(&mut self, vertex: u32) -> &mut Known<R> {
-        let vertex = vertex as usize;
-        if vertex >= self.known.len() {
-            let nothing = Known { own: None, others: [((u32::MAX, 0), PathDensity::ZERO); 2] };
-            self.known.resize(vertex + 1, nothing);
-        }
-        &mut self.known[vertex]
+        &mut self.known[vertex as usize]
     }
 }
 
@@ -204,14 +208,15 @@ where
             joints: arena.joints.borrow_mut(),
         };
         pieces.behind(pieces.walks[1].len)?;
-        pieces.sum_up();
+        pieces.joints.reserve(tape.vertex_count());
+        pieces.weigh_samples();
         Some(pieces)
     }
 
     /// Visits the paths that contribute.
     pub fn visit(&mut self, visit: &mut impl FnMut(Connected<I::Value>)) {
         let connections = self.connections;
-        let [first, second] = self.walks;
+        let ([first, second], mut is_summed_up) = (self.walks, false);
         for first in 0..=first.len {
             let mass = self.joints.masses[first];
             let ends = connections.ends_after(first);
@@ -224,6 +229,10 @@ where
             let value = self.value(&joined);
             if value.is_zero() {
                 continue;
+            }
+            if !is_summed_up {
+                self.sum_up();
+                is_summed_up = true;
             }
             let others = self.others(&joined) / mass;
             let weight = (PathDensity::ONE / (PathDensity::ONE + others)).value();
@@ -350,19 +359,25 @@ where
         sum
     }
 
-    /// The masses of all techniques, and the sums of all but the last two vertices of either walk.
-    fn sum_up(&mut self) {
-        let n = self.connections.length;
-        self.joints.masses.clear();
+    /// The masses of all techniques.
+    fn weigh_samples(&mut self) {
+        let (connections, heuristic) = (self.connections, self.heuristic);
         let (mut count, mut mass) = (0, PathDensity::ZERO);
-        for first in 0..=n {
-            let samples = (self.connections.samples)(first);
+        let masses = (0..=connections.length).map(|first| {
+            let samples = (connections.samples)(first);
             if samples != count {
                 let number = PathDensity::new(RealOf::<I>::of(samples as f64));
-                (count, mass) = (samples, self.heuristic.term(number));
+                (count, mass) = (samples, heuristic.term(number));
             }
-            self.joints.masses.push(mass);
-        }
+            mass
+        });
+        self.joints.masses.clear();
+        self.joints.masses.extend(masses);
+    }
+
+    /// The sums of all but the last two vertices of either walk.
+    fn sum_up(&mut self) {
+        let n = self.connections.length;
         for end in [End::First, End::Second] {
             let len = self.walks[end as usize].len;
             // Of the other piece only the length matters.

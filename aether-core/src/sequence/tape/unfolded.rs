@@ -37,6 +37,12 @@ impl<V: Vertex> Unfolded<'_, V> {
         (self.vertices.get(*vertex as usize).map(|kept| &kept.vertex), *visible, *dirac)
     }
 
+    /// How many vertices there are.
+    #[inline(always)]
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
     /// The id of the vertex of a step.
     #[inline(always)]
     pub fn vertex_id(&self, at: usize) -> u32 {
