@@ -136,6 +136,53 @@ fn endings_contribute_what_their_paths_do() {
     assert!(found.iter().all(|count| *count > 1000), "{found:?}");
 }
 
+/// The contributions of a walk that goes on from the camera and is not kept, in some ways to end it.
+fn walked<'w>(world: &'w World, seed: u64, ways: &[&[Ways<'w>]]) -> Vec<Found> {
+    let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(world)));
+    let mut uniforms = Pcg32::new(1, 0, seed);
+    let mut start = arena.sequence();
+    start.append(Camera).sample(&mut uniforms);
+    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
+    let (endings, mut all) = (Endings { lengths: 3..=6, ways, is_used }, Vec::new());
+    let step = Ways::from(Step(world));
+    estimator.walk(&start, &step, &endings, &PowerHeuristic, &mut uniforms, |end| {
+        let way = ways.iter().position(|way| way.as_ptr() == end.steps.as_ptr());
+        all.push((end.length, way.expect("one of them"), end.value, end.alone));
+    });
+    all
+}
+
+#[test]
+fn walks_that_are_not_kept_contribute_the_same() {
+    let world = World::with_mirror(0.4);
+    let [light, step] = [Ways::from(Light(&world)), Ways::from(Step(&world))];
+    let short: [&[_]; 3] = [&[], &[light], &[step]];
+    let long: [&[_]; 3] = [&[], &[light], &[step, light]];
+    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
+    let mut more = 0;
+    for (seed, ways) in (0..2000).flat_map(|seed| [(seed, short), (seed, long)]) {
+        let made = ended(
+            &world,
+            seed,
+            |size| 3..=size,
+            |walk, lengths, estimator, uniforms| {
+                let (endings, mut all) = (Endings { lengths, ways: &ways, is_used }, Vec::new());
+                estimator.endings(&walk, &endings, &PowerHeuristic, uniforms, |end| {
+                    let way = ways.iter().position(|way| way.as_ptr() == end.steps.as_ptr());
+                    all.push((end.length, way.expect("one of them"), end.value, end.alone));
+                });
+                all
+            },
+        );
+        let went_on = walked(&world, seed, &ways);
+        // Behind the end of a walk, an ending of several steps may find something yet.
+        assert!(ways[2].len() > 1 || went_on.len() == made.len(), "{went_on:?} {made:?}");
+        assert!(went_on.starts_with(&made), "{went_on:?} {made:?}");
+        more += went_on.len() - made.len();
+    }
+    assert!(more > 100, "{more}");
+}
+
 #[test]
 fn path_tracer_finds_the_exact_value() {
     for mirror in [0.0, 0.4] {
