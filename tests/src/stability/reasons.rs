@@ -29,7 +29,7 @@ pub const REASONS: &[(&str, Where, &str)] = &[
     ("renderer: triangle light", Single, LEAST),
     (
         "renderer: environment map",
-        Single,
+        Both,
         "an azimuth next to half a turn is found from a coordinate next to zero, and has fewer digits than that; and next to it the density vanishes",
     ),
     ("student", Single, FAR),
@@ -71,6 +71,12 @@ pub const REASONS: &[(&str, Where, &str)] = &[
     ),
     ("sawtooth", Single, BORDER),
     ("pentagon", Single, BORDER),
+    ("regular_polygon", Single, BORDER),
+    (
+        "environment",
+        Single,
+        "a coordinate next to zero tells on which side of the border between two cells a direction lies, its rounded azimuth does not",
+    ),
     (
         "radial_flow",
         Both,
@@ -193,7 +199,7 @@ pub const REASONS: &[(&str, Where, &str)] = &[
     ),
     (
         "tilted_portal",
-        Single,
+        Both,
         "lines that graze the far plane: the cosine there is what is left of large coordinates",
     ),
     (
