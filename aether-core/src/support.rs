@@ -4,6 +4,7 @@ mod manifold;
 
 use crate::real::{Mask, Real, Single};
 pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
+use crate::sampler::Sampler;
 pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
@@ -153,12 +154,23 @@ pub fn limit<R: Real, const M: usize>(
     if undefined.any() { beside(d, x, density) } else { d }
 }
 
-/// The density of a sample by its point, where that by its uniforms, `d`, is zero, infinite or undetermined; but if the
-/// point does not tell, an infinite one stays.
-#[inline(always)]
-pub fn known<R: Real>(d: R, at_point: R) -> R {
+/// The density of the sample of uniforms `u` where that by the uniforms, `d`, is zero, infinite or undetermined outside of
+/// `inner`: by its point; but if the point does not tell, an infinite one stays. It is rarely asked for, and apart from the
+/// usual case, whose registers it would take.
+#[cold]
+#[inline(never)]
+pub fn own_limit<R: Real, S: Sampler<R>>(sampler: &S, u: S::Uniforms, d: R, inner: R::Mask) -> R {
+    let (point, _) = sampler.forward(u);
+    let at_point = sampler.pdf(&point).value();
     let untold = d.ge(R::INFINITY).and(at_point.gt(R::ZERO).not());
-    R::select(untold, d, at_point)
+    R::select(inner.or(untold), d, at_point)
+}
+
+/// The density at the point of a sample, where its uniforms do not tell it: apart, as of [`own_limit`].
+#[cold]
+#[inline(never)]
+pub fn limit_at<R: Real, S: Sampler<R>>(sampler: &S, point: &S::Point) -> R {
+    sampler.pdf(point).value()
 }
 
 /// The density at a point of the support: its limit where the formula is 0/0, and zero where it is no positive number.

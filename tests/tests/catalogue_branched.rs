@@ -231,7 +231,7 @@ batteries! { [double single]
     row_99_perspective: right(perspective(0.75, 0.5));
     row_116_radial_flow: right(radial_flow(0.75, 1.25));
     row_52_pentagon: pentagon();
-    row_52_regular_polygon: right(regular_polygon(3.0)), right(regular_polygon(4.0)), right(regular_polygon(7.0)), right(regular_polygon(8.0));
+    row_52_regular_polygon: right(regular_polygon(3.0)), right(regular_polygon(8.0));
     row_103_shell: right(shell(0.5, 2.0));
     row_106_scattering_vertex: right(scattering_vertex(corners()[0], 0.75, 2.0, 0.5));
     row_117_affine_coupling: affine_coupling(0.875, 0.5);

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::item::{Emitter, point_type};
 use super::meeting;
 use super::pieces::Place;
-use super::sampler::{Asked, encircled, existence, existence_where, image, image_in, value_at};
+use super::sampler::{Asked, encircled, existence, existence_where, image_in, value_at};
 use super::tame::Tame;
 use crate::expr::{Id, Node, OUTS, UNKNOWNS, leaf_bit};
 use crate::rational::Q;
@@ -139,8 +139,7 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
             let point = #made;
             // At an end of a piece the map may only have a limit; the density at the point knows it.
             if exists.and(inner.not()).any() {
-                let limit = ::aether_core::Sampler::pdf(self, &point).value();
-                sum = R::select(inner, sum, limit);
+                sum = R::select(inner, sum, ::aether_core::support::limit_at::<R, _>(self, &point));
             }
             (point, exists, ::aether_core::Density::new(R::select(exists, sum, R::ZERO)))
         }
@@ -166,19 +165,16 @@ fn single(e: &Emitter) -> TokenStream {
     if is_tame(e, 0) && !has_parameters(e, 0) {
         return quote!(::aether_core::Density::new(d));
     }
-    let (image, made) = (image(e), e.point(&quote!(c)));
     // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
     // Jacobian; the density at the point knows it. Parameters may overflow.
     let inner = has_density(e, 0, &quote!(u));
     quote! {
         let inner = #inner;
-        if inner.all() {
-            ::aether_core::Density::new(d)
+        ::aether_core::Density::new(if inner.all() {
+            d
         } else {
-            let (c, _) = #image;
-            let limit = ::aether_core::Sampler::pdf(self, &#made).value();
-            ::aether_core::Density::new(R::select(inner, d, ::aether_core::support::known(d, limit)))
-        }
+            ::aether_core::support::own_limit::<R, _>(self, u, d, inner)
+        })
     }
 }
 
