@@ -147,10 +147,10 @@ fn check<S: Strategy<Spot>>(strategy: &S, from: f64, to: f64, like: impl Fn(f64)
 
 /// Checks that what is drawn tells its density, the same as inversion finds; returns how often it does.
 fn own_densities<S: Strategy<Spot>>(strategy: &S) -> usize {
-    let drawn = samples(strategy, 2000).into_iter().flatten().filter(|d| d.dirac.is_none());
-    let known = drawn.filter_map(|drawn| Some((drawn.vertex, drawn.value?)));
-    let check = |(vertex, own): (Spot, f64)| {
-        let p = pdf(strategy, vertex);
+    let drawn = samples(strategy, 2000).into_iter().flatten();
+    let known = drawn.filter_map(|drawn| Some((drawn, drawn.value?)));
+    let check = |(Drawn { vertex, dirac, .. }, own): (Drawn<Spot>, f64)| {
+        let p = dirac.map_or_else(|| pdf(strategy, vertex), |kind| atom(strategy, kind, vertex));
         assert!((own / p - 1.0).abs() < 1e-12, "{vertex:?}: {own} {p}");
     };
     known.map(check).count()
@@ -284,6 +284,27 @@ fn kinds_are_never_mixed() {
         let kind = [Some(Dirac::Direction), Some(Dirac::Position), None][drawn.vertex.lobe];
         assert_eq!((drawn.dirac, drawn.visible), (kind, drawn.vertex.lobe == 0));
     }
+    assert_eq!(own_densities(&strategy), 2000);
+}
+
+/// A pinhole that several outcomes lead to.
+#[strategy]
+fn pinholes(path: &PathView<Spot>, ways: &Choices<Vec<f64>, f64>) -> Spot {
+    let way = choose(ways);
+    if *way < 1.5 {
+        let id = constant(Some(3));
+        return Spot { x: 9.0, id: Some(id), lobe: 1 };
+    }
+    let x = draw(Interval(0.0, 4.0));
+    Spot { x, id: None, lobe: 2 }
+}
+
+#[test]
+fn an_atom_that_several_outcomes_lead_to_has_the_probability_of_all() {
+    let ways = discrete_weighted(vec![0.0, 1.0, 2.0], [1.0, 2.0, 5.0]).unwrap();
+    let strategy = pinholes(&ways);
+    assert_eq!(atom(&strategy, Dirac::Position, Spot { x: 9.0, id: Some(3), lobe: 1 }), 0.375);
+    assert_eq!(own_densities(&strategy), 2000);
 }
 
 #[strategy]

@@ -132,6 +132,7 @@ fn the_command_line_overrides_the_scene() {
     let lit = |exr: &Exr| exr.rgb.pixels().iter().filter(|p| p[0] > 0.0).count();
     let all = directory.rendered("all.exr", &[]);
     assert!(lit(&lights) < lit(&all), "{} {}", lit(&lights), lit(&all));
+    assert_eq!(lit(&directory.rendered("nothing.exr", &["--max-depth", "0"])), 0);
     let large = directory.rendered("large.exr", &["--size", "48x32", "--spp", "1"]);
     assert_eq!((large.rgb.width(), large.rgb.height()), (48, 32));
     assert_eq!((samples(&large), large.variance), (1, None));

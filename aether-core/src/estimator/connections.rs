@@ -88,10 +88,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let (walks, drawn_last) = ([first, second], drawn.as_ref());
         if Pieces::<I, S, N, D, H>::are_plain(self, walks, connections, drawn_last) {
             let arena = first.arena;
-            let ending = connections.ending.map(|ending| arena.intern(ending.clone()) as usize);
+            let ending = connections.ending.map(|ending| arena.intern(ending.clone()));
             let last = drawn_last.map(|drawn| arena.tape.keep(drawn).at(0));
-            let (tape, last) = (arena.tape.unfolded(), [ending, last]);
-            let pieces = Pieces::new(self, walks, connections, heuristic, &tape, last);
+            let tape = arena.tape.unfolded();
+            let pieces = Pieces::new(self, walks, connections, heuristic, &tape, ending, last);
             if let Some(mut pieces) = pieces {
                 return pieces.visit(&mut visit);
             }

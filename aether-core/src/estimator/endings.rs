@@ -13,7 +13,7 @@ use crate::work::count_densities;
 /// How the paths along a walk may end.
 #[derive(Clone, Debug)]
 pub struct Endings<'t, S, P> {
-    /// The numbers of vertices that paths may have.
+    /// The numbers of vertices that paths may have; none is longer than the walk.
     pub lengths: RangeInclusive<usize>,
     /// The strategies of the last vertices of a path: each way takes the place of as many steps of the walk as it has,
     /// none for those of the walk itself.
@@ -55,7 +55,7 @@ impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// Estimates all paths along a walk: those of each length, all but the last vertices of which are the walk's, and
     /// which end in one of several ways. The ways to make a path are combined by a heuristic, and `visit` is
-    /// given the paths that contribute.
+    /// given the paths that contribute; it adds nothing to the arena of the walk.
     ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the walk with the endings appended to them,
     /// and the same numbers are drawn. Where no way has more than one step, and three vertices at most are read, none of
@@ -81,7 +81,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 
     /// Goes on from the end of a path with a strategy, until that finds nothing more or paths would be longer than the
-    /// endings ask for, and estimates all paths along this walk: [`Estimator::endings`].
+    /// endings ask for, and estimates all paths along this walk: [`Estimator::endings`], whose terms for `visit` hold here.
     ///
     /// The same numbers are drawn as for a walk that is made first, by a source that tells blocks of dimensions apart
     /// ([`UniformSource::start`]). But vertices are not kept longer than they are read, and the walk ends where
@@ -182,7 +182,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let arena = walk.arena;
         let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
         // f / p of the vertices before the last one, and the last ones with it.
-        let (mut carried, mut recent) = (I::Value::one(), [None; KEPT]);
+        let (mut carried, mut recent) = (I::Value::one(), [None; RING]);
         for length in 1..=*endings.lengths.end() {
             let fork = Fork::new(&recent, length - 1);
             let (own, drawn) = if length <= walk.size() {
@@ -229,7 +229,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 }
             }
             let (Some(drawn), Some(met)) = (drawn, met) else { break };
-            recent[(length - 1) % KEPT] = Some(drawn);
+            recent[(length - 1) % RING] = Some(drawn);
             carried = met.carried;
         }
     }
@@ -277,8 +277,8 @@ fn kept<V: Vertex, S: Strategy<V>>(
 /// The most ways to end a path that are told apart at once.
 const MOST_WAYS: usize = 16;
 
-/// How many of the last vertices are kept: a power of two.
-const KEPT: usize = (LAST + 1).next_power_of_two();
+/// How many of the last vertices are kept, in turns: a power of two, so that turns are a few bits of a number.
+const RING: usize = LAST.next_power_of_two();
 
 /// Where the ways to end a path part.
 struct Fork<'r, V: Vertex> {
@@ -291,9 +291,9 @@ struct Fork<'r, V: Vertex> {
 impl<'r, V: Vertex> Fork<'r, V> {
     /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
     #[inline]
-    fn new(kept: &'r [Option<Drawn<V>>; KEPT], len: usize) -> Self {
+    fn new(kept: &'r [Option<Drawn<V>>; RING], len: usize) -> Self {
         let recent = core::array::from_fn(|k| match len.checked_sub(k + 1) {
-            Some(i) => kept[i % KEPT].as_ref(),
+            Some(i) => kept[i % RING].as_ref(),
             None => None,
         });
         Fork { recent, len }

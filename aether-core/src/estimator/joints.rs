@@ -119,15 +119,16 @@ where
             && arena.most_read.get() <= READS
     }
 
-    /// The pieces of two walks and a last vertex, which is at a position of the tape; `None` if paths have to be made to
-    /// weigh them.
+    /// The pieces of two walks, and the strategy of a last vertex and where that is on the tape; `None` if paths have to
+    /// be made to weigh them.
     pub fn new(
         estimator: &'r Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
         connections: &'r Connections<'r, S, N, D>,
         heuristic: &'r H,
         tape: &'r Unfolded<'r, I::Vertex>,
-        [ending, last]: [Option<usize>; 2],
+        ending: Option<u32>,
+        last: Option<usize>,
     ) -> Option<Self> {
         let (arena, length) = (walks[0].arena, connections.length);
         let mut pieces = Pieces {
@@ -139,7 +140,7 @@ where
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
             walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len().min(length) }),
             last,
-            ending: ending.map_or(u32::MAX, |ending| ending as u32),
+            ending: ending.unwrap_or(u32::MAX),
             joints: arena.joints.borrow_mut(),
         };
         pieces.behind(pieces.walks[1].len)?;

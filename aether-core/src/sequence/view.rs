@@ -52,7 +52,8 @@ pub(crate) struct Window<'p, V> {
     pub fixed: u16,
 }
 
-/// How many places a window has: two times as many vertices as a view has at hand, and two empty places on either side.
+/// How many places a window has: two times as many vertices as a view has at hand, and on either side two empty places, as a
+/// view looks up two places on both sides of its last vertex, whichever way it goes.
 pub(crate) const WINDOW: usize = 2 * LAST + 4;
 
 impl<'p, V: Vertex> PathView<'p, V> {

@@ -30,7 +30,7 @@ fn settings(
     plan: &Plan,
     arguments: &RenderArguments,
 ) -> Result<Vec<(String, String)>, Failure> {
-    let Plan { integrator, size, crop, seed, sampler, max_depth, rr_depth, kind, .. } = plan;
+    let Plan { integrator, size, crop, seed, max_depth, rr_depth, kind, .. } = plan;
     let Plan { techniques, light_paths, clamp, mutations, separate_direct, .. } = plan;
     // Windows that are good enough for one target may not be for another.
     let adaptive = arguments.target_error.filter(|_| arguments.adaptive);
@@ -40,7 +40,7 @@ fn settings(
         ("crop", format!("{},{}", crop.0, crop.1)),
         ("integrator", integrator.clone()),
         ("seed", seed.to_string()),
-        ("sampler", sampler.name().to_owned()),
+        ("sampler", plan.sampler_name().to_owned()),
         ("kind", kind.clone()),
         ("max_depth", max_depth.map_or("-1".to_owned(), |depth| depth.to_string())),
         ("rr_depth", rr_depth.to_string()),

@@ -58,6 +58,14 @@ pub(super) struct Plan {
 }
 
 impl Plan {
+    /// The name of where uniforms come from, for the record.
+    pub fn sampler_name(&self) -> &'static str {
+        match self.integrator.as_str() {
+            "mlt" | "pssmlt" | "ppm" | "vcm" => "of the integrator",
+            _ => self.sampler.name(),
+        }
+    }
+
     /// The settings of a scene with those of the command line in their place.
     pub fn new(scene: &Scene, arguments: &RenderArguments) -> Self {
         let requested = &scene.integrator;

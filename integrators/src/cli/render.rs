@@ -238,7 +238,7 @@ fn attributes(
         ("settings", text(&settings)),
         // As text, for a seed has 64 bits and an integer attribute 32.
         ("seed", text(&plan.seed.to_string())),
-        ("sampler", text(plan.sampler.name())),
+        ("sampler", text(plan.sampler_name())),
         ("samples", count(fewest)),
         ("seconds", Attribute::Number(rendered.seconds)),
         ("rays", text(&rendered.work.rays().to_string())),

@@ -87,6 +87,7 @@ impl<'a> Lazy<'a> {
         let found = estimates.until(|[a, b]| least(a, b), &mut self.order);
         found.or_else(|| {
             let made = || Grown::new(spot, [coarse], &self.order);
+            // Rarely asked, so that all parameters are, in any order.
             let wide = self.wide.get_or_insert_with(made);
             wide.upto(wide.order.len());
             least(&estimates.conditions[1], &wide.conditions[0])

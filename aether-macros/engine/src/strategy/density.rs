@@ -364,9 +364,10 @@ impl Emitter<'_> {
         // A space that does not fit the vertex is reported at the vertex expression.
         let site = leaf.vertex.span().resolved_at(Span::mixed_site());
         let dirac = quote_spanned!(site=> ::aether_core::strategy::Dirac);
+        let other = self.is_other(leaf, site);
         let atom = |kind: TokenStream| {
             quote_spanned! {site=>
-                if kind == ::core::option::Option::Some(#dirac::#kind) { sum += probability; }
+                if kind == ::core::option::Option::Some(#dirac::#kind) #other { sum += probability; }
             }
         };
         match &leaf.kind {
@@ -392,9 +393,14 @@ impl Emitter<'_> {
         pending: &Pending,
     ) -> TokenStream {
         let site = leaf.vertex.span().resolved_at(Span::mixed_site());
-        let (value, number) = (self.value(point, pending, site), leaf.number);
-        let new = self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)));
-        quote_spanned!(site=> if #asked #new { sum += probability * #value; })
+        let (value, other) = (self.value(point, pending, site), self.is_other(leaf, site));
+        quote_spanned!(site=> if #asked #other { sum += probability * #value; })
+    }
+
+    /// The condition, after others, that a leaf is not the one that was sampled.
+    fn is_other(&self, leaf: &Leaf, site: Span) -> Option<TokenStream> {
+        let number = leaf.number;
+        self.ways.then(|| quote_spanned!(site=> && !(same && way == #number)))
     }
 
     fn value(&self, point: &Ident, pending: &Pending, site: Span) -> TokenStream {
