@@ -7,7 +7,7 @@ mod world;
 
 use std::ops::RangeInclusive;
 
-use aether_core::estimator::{Endings, Factors};
+use aether_core::estimator::{Ending, Endings, Factors};
 use aether_core::{
     Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
     RandomSequence, UniformSource, combine, combine_with,
@@ -88,25 +88,39 @@ fn ended<'w>(
     each(walk, lengths(walk.size()), &estimator, &mut uniforms)
 }
 
+/// Which ways end paths of some length, in these tests.
+fn is_used(length: usize, steps: &[Ways<'_>]) -> bool {
+    length != 4 || steps.len() == 1
+}
+
+/// The contribution of an ending, with the number of its way.
+fn numbered<'w>(ways: &[&[Ways<'w>]], end: &Ending<'_, Ways<'w>, f64>) -> Found {
+    let way = ways.iter().position(|way| way.as_ptr() == end.steps.as_ptr());
+    (end.length, way.expect("one of them"), end.value, end.alone)
+}
+
+/// The contributions of a walk that is made first, in some ways to end it.
+fn ended_at_once<'w>(world: &'w World, seed: u64, ways: &[&[Ways<'w>]]) -> Vec<Found> {
+    let lengths = |size: usize| 3..=size;
+    ended(world, seed, lengths, |walk, lengths, estimator, uniforms| {
+        let (endings, mut all) = (Endings { lengths, ways, is_used }, Vec::new());
+        estimator.endings(&walk, &endings, &PowerHeuristic, uniforms, |end| {
+            all.push(numbered(ways, &end));
+        });
+        all
+    })
+}
+
 #[test]
 fn endings_contribute_what_their_paths_do() {
     let world = World::with_mirror(0.4);
     let [light, step] = [Ways::from(Light(&world)), Ways::from(Step(&world))];
     let short: [&[_]; 3] = [&[], &[light], &[step]];
     let long: [&[_]; 3] = [&[], &[light], &[step, light]];
-    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
     let mut found = [0; 3];
     for (seed, ways) in (0..2000).flat_map(|seed| [(seed, short), (seed, long)]) {
         let lengths = |size: usize| 3..=size;
-        let at_once = ended(&world, seed, lengths, |walk, lengths, estimator, uniforms| {
-            let number = |steps: &[_]| ways.iter().position(|way| way.as_ptr() == steps.as_ptr());
-            let (endings, mut all) = (Endings { lengths, ways: &ways, is_used }, Vec::new());
-            estimator.endings(&walk, &endings, &PowerHeuristic, uniforms, |end| {
-                let way = number(end.steps).expect("one of them");
-                all.push((end.length, way, end.value, end.alone));
-            });
-            all
-        });
+        let at_once = ended_at_once(&world, seed, &ways);
         let by_paths = ended(&world, seed, lengths, |walk, lengths, estimator, uniforms| {
             let mut all = Vec::new();
             for length in lengths {
@@ -142,12 +156,10 @@ fn walked<'w>(world: &'w World, seed: u64, ways: &[&[Ways<'w>]]) -> Vec<Found> {
     let mut uniforms = Pcg32::new(1, 0, seed);
     let mut start = arena.sequence();
     start.append(Camera).sample(&mut uniforms);
-    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
     let (endings, mut all) = (Endings { lengths: 3..=6, ways, is_used }, Vec::new());
     let step = Ways::from(Step(world));
     estimator.walk(&start, &step, &endings, &PowerHeuristic, &mut uniforms, |end| {
-        let way = ways.iter().position(|way| way.as_ptr() == end.steps.as_ptr());
-        all.push((end.length, way.expect("one of them"), end.value, end.alone));
+        all.push(numbered(ways, &end));
     });
     all
 }
@@ -158,22 +170,9 @@ fn walks_that_are_not_kept_contribute_the_same() {
     let [light, step] = [Ways::from(Light(&world)), Ways::from(Step(&world))];
     let short: [&[_]; 3] = [&[], &[light], &[step]];
     let long: [&[_]; 3] = [&[], &[light], &[step, light]];
-    let is_used = |length: usize, steps: &[_]| length != 4 || steps.len() == 1;
     let mut more = 0;
     for (seed, ways) in (0..2000).flat_map(|seed| [(seed, short), (seed, long)]) {
-        let made = ended(
-            &world,
-            seed,
-            |size| 3..=size,
-            |walk, lengths, estimator, uniforms| {
-                let (endings, mut all) = (Endings { lengths, ways: &ways, is_used }, Vec::new());
-                estimator.endings(&walk, &endings, &PowerHeuristic, uniforms, |end| {
-                    let way = ways.iter().position(|way| way.as_ptr() == end.steps.as_ptr());
-                    all.push((end.length, way.expect("one of them"), end.value, end.alone));
-                });
-                all
-            },
-        );
+        let made = ended_at_once(&world, seed, &ways);
         let went_on = walked(&world, seed, &ways);
         // Behind the end of a walk, an ending of several steps may find something yet.
         assert!(ways[2].len() > 1 || went_on.len() == made.len(), "{went_on:?} {made:?}");
