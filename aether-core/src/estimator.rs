@@ -320,13 +320,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 
     /// How many vertices a factor depends on.
-    #[inline]
+    #[inline(always)]
     fn reads(&self) -> usize {
         self.integrand.reads().max(1)
     }
 
     /// What the integrand is shown of a path.
-    #[inline]
+    #[inline(always)]
     fn shown(&self) -> Reads {
         Reads { vertices: self.reads(), length: false }
     }
@@ -435,13 +435,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 
     /// The factor that closes a path.
-    #[inline]
+    #[inline(always)]
     fn closing(&self, path: PathView<'_, I::Vertex>) -> I::Value {
         self.integrand.end(path.limited(self.shown()))
     }
 
     /// The factor that the last vertex of a path brings.
-    #[inline]
+    #[inline(always)]
     fn extended(&self, path: PathView<'_, I::Vertex>) -> I::Value {
         self.integrand.extend(path.limited(self.shown()))
     }

@@ -228,6 +228,7 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
     type Vertex = SceneVertex<K>;
     type Value = Vec3;
 
+    #[inline(always)]
     fn extend(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         let (Some(new), Some(here)) = (path.back(0), path.back(1)) else { return Vec3::ONE };
         let last = path.len() - 1;
@@ -249,6 +250,7 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
         if factor != Vec3::ZERO && sees() { factor } else { Vec3::ZERO }
     }
 
+    #[inline(always)]
     fn end(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
         if !self.emission {
             return Vec3::ONE;

@@ -235,7 +235,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 
     /// What a last vertex carries that a strategy has drawn, if anything.
-    #[inline]
+    #[inline(always)]
     fn met<S: Strategy<I::Vertex>>(
         &self,
         fork: &Fork<'_, I::Vertex>,
@@ -290,7 +290,7 @@ struct Fork<'r, V: Vertex> {
 
 impl<'r, V: Vertex> Fork<'r, V> {
     /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
-    #[inline]
+    #[inline(always)]
     fn new(kept: &'r [Option<Drawn<V>>; RING], len: usize) -> Self {
         let recent = core::array::from_fn(|k| match len.checked_sub(k + 1) {
             Some(i) => kept[i % RING].as_ref(),
@@ -300,20 +300,20 @@ impl<'r, V: Vertex> Fork<'r, V> {
     }
 
     /// The vertices that all ways share, as strategies see them.
-    #[inline]
+    #[inline(always)]
     fn before(&self) -> PathView<'_, V> {
         PathView::of_drawn(self.recent, self.len)
     }
 
     /// The path with a last vertex.
-    #[inline]
+    #[inline(always)]
     fn then<'p>(&'p self, last: &'p Drawn<V>) -> PathView<'p, V> {
         let [first, second, _] = self.recent;
         PathView::of_drawn([Some(last), first, second], self.len + 1)
     }
 
     /// What a strategy finds as the last vertex.
-    #[inline]
+    #[inline(always)]
     fn draw<S, U>(&self, strategy: &S, uniforms: &mut U) -> Option<Drawn<V>>
     where
         S: Strategy<V>,
@@ -327,7 +327,7 @@ impl<'r, V: Vertex> Fork<'r, V> {
     }
 
     /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.
-    #[inline]
+    #[inline(always)]
     fn density<S: Strategy<V>>(&self, strategy: &S, drawn: &Drawn<V>) -> V::Real {
         let before = self.before().asking(drawn.dirac).limited(strategy.reads());
         count_densities(1);

@@ -67,13 +67,13 @@ impl<'p, V: Vertex> PathView<'p, V> {
         PathView { source, recent, offset: 0, len, hidden: 0, dirac: None }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_tape(tape: &'p Tape<V>, place: Place) -> Self {
         Self::new(Source::Tape(tape, place), [None; LAST], place.len as usize)
     }
 
     /// Of what is read of a place on a tape that nothing is added to as long as the view is there.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_unfolded(tape: &'p Unfolded<'p, V>, place: Place, reads: Reads) -> Self {
         let n = place.len as usize;
         let read = reads.vertices.min(n);
@@ -82,7 +82,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
     }
 
     /// Of `len` vertices of which the last ones are at hand as they were drawn, and no others are read.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_drawn(last: LastDrawn<'p, V>, len: usize) -> Self {
         let recent = last.map(|drawn| drawn.map(|drawn| &drawn.vertex));
         Self::new(Source::Drawn(last), recent, len)
@@ -90,7 +90,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
 
     /// Of `len` steps, the last of which, the last one first, lie anywhere on a tape on which no step leads in a single
     /// direction, and of which so many are read.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn of_last(
         tape: &'p Unfolded<'p, V>,
         last: [Step; LAST],
@@ -123,14 +123,14 @@ impl<'p, V: Vertex> PathView<'p, V> {
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
-    #[inline]
+    #[inline(always)]
     pub fn asking(self, dirac: Option<Dirac>) -> Self {
         PathView { dirac, ..self }
     }
 
     /// The same path with only what is declared to be read: older vertices are hidden and, if the
     /// length is not declared, cut off.
-    #[inline]
+    #[inline(always)]
     pub fn limited(self, reads: Reads) -> Self {
         let excess = self.len.saturating_sub(reads.vertices);
         if reads.length {
@@ -141,13 +141,13 @@ impl<'p, V: Vertex> PathView<'p, V> {
     }
 
     /// How many vertices there are. Meaningful to a strategy only if it declares to read the length.
-    #[inline]
+    #[inline(always)]
     pub fn len(&self) -> usize {
         self.len
     }
 
     /// Whether there is no vertex yet.
-    #[inline]
+    #[inline(always)]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -191,14 +191,14 @@ impl<'p, V: Vertex> PathView<'p, V> {
 
     /// Which kind of value a density is asked for: `None` for a density, else the probability of a
     /// discrete mass of this kind. It is the record of how the path was made.
-    #[inline]
+    #[inline(always)]
     pub fn dirac(&self) -> Option<Dirac> {
         self.dirac
     }
 
     /// Whether vertex `i` is known to see vertex `i - 1`, because one was found from the other by a
     /// ray cast.
-    #[inline]
+    #[inline(always)]
     pub fn visible(&self, i: usize) -> bool {
         if i == 0 || i >= self.len {
             return false;
@@ -224,7 +224,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// Whether vertex `i` carries this Dirac factor: it lies at a fixed position, or it scatters (or
     /// emits) in a single direction. In an integrand this tells the mirror of a layered material
     /// from its diffuse base.
-    #[inline]
+    #[inline(always)]
     pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
         if i >= self.len {
             return false;
