@@ -172,13 +172,20 @@ pub struct Factors<T> {
     endings: Vec<Option<T>>,
     /// Factors of the integrand, by the vertices that they depend on.
     memo: Memo<T>,
+    /// Room for what pieces of two walks carry.
+    carried: [Vec<T>; 2],
 }
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// An estimator from paths. It remembers factors of the integrand until the arena is cleared.
     pub fn paths(integrand: I) -> Self {
-        let factors =
-            Factors { contents: None, runs: Vec::new(), endings: Vec::new(), memo: Memo::new() };
+        let factors = Factors {
+            contents: None,
+            runs: Vec::new(),
+            endings: Vec::new(),
+            memo: Memo::new(),
+            carried: Default::default(),
+        };
         Estimator { integrand, factors: RefCell::new(factors) }
     }
 

@@ -108,50 +108,56 @@ fn walk<'a, 'w>(
     walk
 }
 
-/// What paths of one length contribute, made one by one.
+/// What paths contribute, made one by one.
 fn one_by_one<S: Strategy<Spot>, H: Separable<f64> + Clone>(
     estimator: &Estimator<Seen<'_>, Factors<f64>>,
     [first, second]: [&RandomSequence<'_, Spot, S>; 2],
-    connections: &Connections<'_, S, impl Fn(usize) -> usize, impl Fn(usize) -> bool>,
+    connections: &Connections<'_, S, impl Fn(usize, usize) -> usize, impl Fn(usize, usize) -> bool>,
     heuristic: &H,
     uniforms: &mut Pcg32,
 ) -> Vec<Connected<f64>> {
-    let n = connections.length;
-    if n == 0 {
-        return Vec::new();
+    let mut connected = Vec::new();
+    for n in connections.lengths.clone().filter(|n| *n > 0) {
+        let samples = |by: usize| (connections.samples)(n, by);
+        let used: Vec<_> = (0..=n).filter(|by| samples(*by) > 0).collect();
+        let paths: Vec<_> = used
+            .iter()
+            .map(|by| {
+                let mut path = first.slice(0..*by);
+                let ends = *by == n - 1 && n >= connections.fewest_ending;
+                match connections.ending.filter(|_| ends) {
+                    Some(ending) => drop(path.append(ending.clone()).sample(uniforms)),
+                    None => path = path.concat(&second.slice(0..n - by).reverse()),
+                }
+                let path = if (connections.is_drawn)(n, *by) { path } else { path.technique() };
+                (path, samples(*by))
+            })
+            .collect();
+        let all = estimator.each(combine_with(heuristic.clone(), &paths));
+        connected.extend(all.map(|found| Connected {
+            length: n,
+            first: used[found.technique],
+            value: found.value,
+            alone: found.alone,
+        }));
     }
-    let used: Vec<_> = (0..=n).filter(|by| (connections.samples)(*by) > 0).collect();
-    let paths: Vec<_> = used
-        .iter()
-        .map(|by| {
-            let mut path = first.slice(0..*by);
-            match connections.ending.filter(|_| *by == n - 1) {
-                Some(ending) => drop(path.append(ending.clone()).sample(uniforms)),
-                None => path = path.concat(&second.slice(0..n - by).reverse()),
-            }
-            let path = if (connections.is_drawn)(*by) { path } else { path.technique() };
-            (path, (connections.samples)(*by))
-        })
-        .collect();
-    let all = estimator.each(combine_with(heuristic.clone(), &paths));
-    let connected = all.map(|found| Connected {
-        first: used[found.technique],
-        value: found.value,
-        alone: found.alone,
-    });
-    connected.collect()
+    connected
 }
 
 /// A way to find what connections contribute.
 #[derive(Clone, Copy, PartialEq)]
 enum By {
+    /// Paths of all lengths at once.
     Connections,
+    /// Paths of one length after the other.
+    Lengths,
+    /// Paths that are made.
     Paths,
 }
 
-/// A contribution: the length of the path, whether it is seen by another eye, how many of its vertices are those of the
+/// A contribution: whether it is seen by another eye, the length of the path, how many of its vertices are those of the
 /// first walk, weight × f / p, f / p.
-type Found = (usize, bool, usize, f64, f64);
+type Found = (bool, usize, usize, f64, f64);
 
 /// All that two walks contribute, for the eye that the first one begins with, and for one that takes its first vertex
 /// and weighs the techniques of the others without samples.
@@ -172,32 +178,36 @@ fn found<H: Separable<f64> + Clone>(
     other.append(step);
     let other = other.concat(&first.slice(2..));
     let mut all = Vec::new();
-    for (length, is_other) in (0..=longest).flat_map(|length| [(length, false), (length, true)]) {
-        let connections = Connections {
-            length,
-            ending: ending.as_ref().filter(|_| length > 2),
-            samples: |first: usize| match first {
-                // The eye is where it is: another walk does not find it.
-                0 => 3,
-                // One technique is not used.
-                3 if length == 5 => 0,
-                1 => 7,
-                _ if first == length => 1,
-                _ => 2,
-            },
-            is_drawn: |first: usize| first != 2 || length != 4,
-        };
-        let pieces = [if is_other { &other } else { &first }, &second];
-        let mut keep = |found: Connected<f64>| {
-            all.push((length, is_other, found.first, found.value, found.alone));
+    for (is_other, first) in [(false, &first), (true, &other), (false, &first)] {
+        let mut estimate = |lengths: std::ops::RangeInclusive<usize>| {
+            let connections = Connections {
+                lengths,
+                ending: ending.as_ref(),
+                fewest_ending: 3,
+                samples: |length: usize, first: usize| match first {
+                    // The eye is where it is: another walk does not find it.
+                    0 => 3,
+                    // One technique is not used.
+                    3 if length == 5 => 0,
+                    1 => 7,
+                    _ if first == length => 1,
+                    _ => 2,
+                },
+                is_drawn: |length: usize, first: usize| first != 2 || length != 4,
+            };
+            let pieces = [first, &second];
+            let mut keep = |found: Connected<f64>| {
+                all.push((is_other, found.length, found.first, found.value, found.alone));
+            };
+            if by == By::Paths {
+                let found = one_by_one(&estimator, pieces, &connections, heuristic, uniforms);
+                return found.into_iter().for_each(&mut keep);
+            }
+            estimator.connections(pieces, &connections, heuristic, uniforms, keep);
         };
         match by {
-            By::Connections => {
-                estimator.connections(pieces, &connections, heuristic, uniforms, keep);
-            }
-            By::Paths => one_by_one(&estimator, pieces, &connections, heuristic, uniforms)
-                .into_iter()
-                .for_each(&mut keep),
+            By::Lengths => (0..=longest).for_each(|length| estimate(length..=length)),
+            By::Connections | By::Paths => estimate(0..=longest),
         }
     }
     all
@@ -215,10 +225,12 @@ fn compare<H: Separable<f64> + Clone>(
     let mut count = vec![0; longest + 1];
     for seed in seeds {
         for ending in [None, Some(Ways::from(Light(&world))), Some(Glance.into())] {
-            let [at_once, one_by_one] = [By::Connections, By::Paths]
+            let [at_once, by_length, one_by_one] = [By::Connections, By::Lengths, By::Paths]
                 .map(|by| found(&world, (seed, longest), ending, heuristic, by));
             assert_eq!(at_once.len(), one_by_one.len(), "seed {seed}");
-            for (a, b) in at_once.iter().zip(&one_by_one) {
+            assert_eq!(by_length.len(), one_by_one.len(), "seed {seed}");
+            let ways = at_once.iter().chain(&by_length);
+            for (a, b) in ways.zip(one_by_one.iter().chain(&one_by_one)) {
                 let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();
                 assert!((a.0, a.1, a.2) == (b.0, b.1, b.2), "seed {seed}: {a:?} {b:?}");
                 assert!(is_near(a.3, b.3) && is_near(a.4, b.4), "seed {seed}: {a:?} {b:?}");

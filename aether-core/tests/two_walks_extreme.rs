@@ -116,8 +116,13 @@ fn compare(seed: u64, length: usize) -> [usize; 3] {
     };
     let walks: [RandomSequence<'_, Spot, Step>; 2] = [walk(0), walk(1)];
     let estimator: Estimator<One, Factors<f32>> = Estimator::paths(One);
-    let connections =
-        Connections { length, ending: None::<&Step>, samples: |_| 1, is_drawn: |_| true };
+    let connections = Connections {
+        lengths: length..=length,
+        ending: None::<&Step>,
+        fewest_ending: 1,
+        samples: |_, _| 1,
+        is_drawn: |_, _| true,
+    };
     let mut weights = vec![None; length + 1];
     let pieces = [&walks[0], &walks[1]];
     estimator.connections(pieces, &connections, &PowerHeuristic, uniforms, |found| {

@@ -6,6 +6,8 @@
 //! connects light paths to the camera gets a sample from every light path of the image. A sample may have several
 //! light paths: then what needs one has so many samples.
 
+use std::ops::RangeInclusive;
+
 use aether_core::estimator::Connections;
 use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource};
@@ -92,43 +94,48 @@ impl Bidirectional {
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
 
+            // What the eye sees of the light paths of each length, and the pixels that receive it: of the pixel's own
+            // sample everything counts, of the others only that.
+            let seen = |length: usize| {
+                let seen = camera.vertex(0).zip(light.vertex(length - 2));
+                seen.map(|(eye, seen)| [eye, seen])
+            };
+            let direct = |length: usize, receiver: Pixel| {
+                seen(length)
+                    .map_or(0.0, |[eye, seen]| radiance.response_to(receiver, [&eye, &seen]))
+            };
+            let mut estimate = |lengths: RangeInclusive<usize>, receiver: Pixel| {
+                let is_own = receiver == pixel;
+                let view = if is_own { camera } else { through(world, receiver, &camera) };
+                let by = |length: usize, first: usize| Technique::edge(first, length - first);
+                let connections = Connections {
+                    lengths,
+                    ending: Some(&look),
+                    fewest_ending: 3,
+                    samples: |length, first| match first {
+                        _ if first == 0 || !self.path.techniques.has(by(length, first)) => 0,
+                        1 => count * world.pixels(),
+                        _ if first == length => 1,
+                        _ => count,
+                    },
+                    is_drawn: |length, first| match first {
+                        1 => direct(length, receiver) != 0.0,
+                        _ => is_own && (first < length || number == 0),
+                    },
+                };
+                let walks = [&view, &light];
+                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
+                    let is_direct = found.first == 1;
+                    let response =
+                        if is_direct { direct(found.length, receiver) } else { response };
+                    let [value, alone] = [found.value, found.alone].map(|v| v * response);
+                    record(by(found.length, found.first), receiver, value, alone);
+                });
+            };
+            estimate(fewest..=total, pixel);
             for length in fewest..=total {
-                // What the eye sees of the light path, and the pixels that receive it.
-                let seen = camera.vertex(0).zip(light.vertex(length - 2)).map(|(a, b)| [a, b]);
-                for receiver in world.receivers(pixel, [seen]) {
-                    let view = match receiver == pixel {
-                        true => camera,
-                        false => through(world, receiver, &camera),
-                    };
-                    let direct = seen
-                        .map_or(0.0, |[eye, seen]| radiance.response_to(receiver, [&eye, &seen]));
-                    let by = |first: usize| Technique::edge(first, length - first);
-                    let connections = Connections {
-                        length,
-                        ending: (length > 2).then_some(&look),
-                        samples: |first| match first {
-                            _ if first == 0 || !self.path.techniques.has(by(first)) => 0,
-                            1 => count * world.pixels(),
-                            _ if first == length => 1,
-                            _ => count,
-                        },
-                        is_drawn: |first| match first {
-                            1 => direct != 0.0,
-                            _ => first < length || number == 0,
-                        },
-                    };
-                    let pieces = [&view, &light];
-                    estimator.connections(
-                        pieces,
-                        &connections,
-                        &PowerHeuristic,
-                        uniforms,
-                        |found| {
-                            let response = if found.first == 1 { direct } else { response };
-                            let [value, alone] = [found.value, found.alone].map(|v| v * response);
-                            record(by(found.first), receiver, value, alone);
-                        },
-                    );
+                for receiver in world.receivers(pixel, [seen(length)]).skip(1) {
+                    estimate(length..=length, receiver);
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! Paths that are made of a piece of each of two walks: bidirectional path tracing.
 
+use core::ops::RangeInclusive;
+
 use crate::combine::{Separable, combine_with};
 use crate::estimator::joints::Pieces;
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf};
@@ -7,24 +9,29 @@ use crate::sequence::{PathView, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
-/// How paths of one length are made of a piece of each of two walks, from either end.
+/// How paths are made of a piece of each of two walks, from either end.
 #[derive(Clone, Debug)]
 pub struct Connections<'t, S, N, D> {
-    /// How many vertices the paths have.
-    pub length: usize,
+    /// The numbers of vertices that paths may have.
+    pub lengths: RangeInclusive<usize>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
     pub ending: Option<&'t S>,
-    /// How many samples the technique takes that has so many vertices of the first walk; none if it is not used.
+    /// How many vertices paths have at least that end so.
+    pub fewest_ending: usize,
+    /// How many samples the technique takes that makes paths with so many vertices, the first number, of which so many
+    /// are of the first walk, the second one; none if it is not used.
     pub samples: N,
-    /// Whether this is one of them: otherwise it is only a technique that others are weighed against.
+    /// Whether such paths are made: otherwise theirs is only a technique that others are weighed against.
     pub is_drawn: D,
 }
 
 /// What a path contributes that is made of a piece of each of two walks.
 #[derive(Clone, Copy, Debug)]
 pub struct Connected<T> {
-    /// How many of its vertices are those of the first walk.
+    /// How many vertices it has.
+    pub length: usize,
+    /// How many of them are those of the first walk.
     pub first: usize,
     /// Its share of the combined estimate: weight × f / p.
     pub value: T,
@@ -32,22 +39,31 @@ pub struct Connected<T> {
     pub alone: T,
 }
 
-impl<S, N: Fn(usize) -> usize, D: Fn(usize) -> bool> Connections<'_, S, N, D> {
-    /// Whether the last vertex is drawn after so many of the first walk.
-    #[inline]
-    pub(super) fn ends_after(&self, first: usize) -> bool {
-        self.ending.is_some() && first + 1 == self.length
+impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'_, S, N, D> {
+    /// Whether the last vertex of paths with so many vertices is drawn after so many of the first walk.
+    #[inline(always)]
+    pub(super) fn ends_after(&self, length: usize, first: usize) -> bool {
+        first + 1 == length && length >= self.fewest_ending && self.ending.is_some()
     }
 
-    /// Draws the last vertex of the path whose others are of the first walk.
-    fn draw<V, U>(&self, walk: &RandomSequence<'_, V, S>, uniforms: &mut U) -> Option<Drawn<V>>
+    /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
+    pub(super) fn draw<V, U>(
+        &self,
+        length: usize,
+        walk: &RandomSequence<'_, V, S>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>>
     where
         V: Vertex,
         S: Strategy<V>,
         U: UniformSource<V::Real> + ?Sized,
     {
-        let (strategy, first) = (self.ending?, self.length.checked_sub(1)?);
-        if first > walk.len() || (self.samples)(first) == 0 || !(self.is_drawn)(first) {
+        let (strategy, first) = (self.ending?, length.checked_sub(1)?);
+        let is_used = self.ends_after(length, first)
+            && first <= walk.len()
+            && (self.samples)(length, first) > 0
+            && (self.is_drawn)(length, first);
+        if !is_used {
             return None;
         }
         uniforms.start(walk.block_after(first));
@@ -57,60 +73,82 @@ impl<S, N: Fn(usize) -> usize, D: Fn(usize) -> bool> Connections<'_, S, N, D> {
 }
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
-    /// Estimates all paths of one length that consist of the first vertices of one walk and, in opposite order,
-    /// the first ones of another. The ways to make a path are combined by a heuristic, and `visit` is given the paths
-    /// that contribute; it adds nothing to the arena of the walks.
+    /// Estimates all paths that consist of the first vertices of one walk and, in opposite order, the first ones of
+    /// another. The ways to make a path are combined by a heuristic, and `visit` is given the paths that contribute; it
+    /// adds nothing to the arena of the walks.
     ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the one walk, each concatenated with a reversed
-    /// slice of the other or ended by a strategy of its own, and the same numbers are drawn. Where strategies read two
-    /// vertices at most and nothing leads in a single direction, none of these paths is made, and the
-    /// weight of each follows from sums over the techniques along either walk: it costs the same however
-    /// long the path is (as in Georgiev, "Implementing Vertex Connection and Merging", 2012).
+    /// slice of the other or ended by a strategy of its own, for each length; and the same numbers are drawn, by a source
+    /// that tells blocks of dimensions apart ([`UniformSource::start`]). Where strategies read two vertices at most and
+    /// nothing leads in a single direction, none of these paths is made, and the weight of each follows from sums over
+    /// the techniques along either walk: it costs the same however long the path is (as in Georgiev, "Implementing Vertex
+    /// Connection and Merging", 2012).
     pub fn connections<S, N, D, H, U>(
         &self,
-        [first, second]: [&RandomSequence<'_, I::Vertex, S>; 2],
+        walks: [&RandomSequence<'_, I::Vertex, S>; 2],
         connections: &Connections<'_, S, N, D>,
         heuristic: &H,
         uniforms: &mut U,
         mut visit: impl FnMut(Connected<I::Value>),
     ) where
         S: Strategy<I::Vertex>,
-        N: Fn(usize) -> usize,
-        D: Fn(usize) -> bool,
+        N: Fn(usize, usize) -> usize,
+        D: Fn(usize, usize) -> bool,
         H: Separable<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        if connections.length == 0 || !core::ptr::eq(first.arena, second.arena) {
+        let [first, second] = walks;
+        if !core::ptr::eq(first.arena, second.arena) {
             return;
         }
         self.remember(first.arena.contents());
-        let drawn = connections.draw(first, uniforms);
-        let (walks, drawn_last) = ([first, second], drawn.as_ref());
-        if Pieces::<I, S, N, D, H>::are_plain(self, walks, connections, drawn_last) {
-            let arena = first.arena;
-            let ending = connections.ending.map(|ending| arena.intern(ending.clone()));
-            let last = drawn_last.map(|drawn| arena.tape.keep(drawn).at(0));
-            let tape = arena.tape.unfolded();
-            let pieces = Pieces::new(self, walks, connections, heuristic, &tape, ending, last);
+        if Pieces::<I, S, N, D, H>::draw_lasts(self, walks, connections, uniforms) {
+            let tape = first.arena.tape.unfolded();
+            let pieces = Pieces::new(self, walks, connections, heuristic, &tape);
             if let Some(mut pieces) = pieces {
                 return pieces.visit(&mut visit);
             }
         }
-        let used = (0..=connections.length)
-            .filter(|by| *by <= first.size() && (connections.samples)(*by) > 0)
-            .filter(|by| connections.ends_after(*by) || connections.length - by <= second.size());
+        let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
+        for length in (*connections.lengths.start()).max(1)..=longest {
+            self.connected_paths(length, walks, connections, heuristic, uniforms, &mut visit);
+        }
+    }
+
+    /// The same of one length by paths that are made.
+    fn connected_paths<S, N, D, H, U>(
+        &self,
+        length: usize,
+        [first, second]: [&RandomSequence<'_, I::Vertex, S>; 2],
+        connections: &Connections<'_, S, N, D>,
+        heuristic: &H,
+        uniforms: &mut U,
+        visit: &mut impl FnMut(Connected<I::Value>),
+    ) where
+        S: Strategy<I::Vertex>,
+        N: Fn(usize, usize) -> usize,
+        D: Fn(usize, usize) -> bool,
+        H: Separable<RealOf<I>> + Clone,
+        U: UniformSource<RealOf<I>> + ?Sized,
+    {
+        let drawn = connections.draw(length, first, uniforms);
+        let samples = |by: usize| (connections.samples)(length, by);
+        let ends = |by: usize| connections.ends_after(length, by);
+        let used = (0..=length)
+            .filter(|by| *by <= first.size() && samples(*by) > 0)
+            .filter(|by| ends(*by) || length - by <= second.size());
         let paths = first.arena.collect_counted(used.clone().map(|by| {
             let mut path = first.slice(0..by);
-            match connections.ending.filter(|_| connections.ends_after(by)) {
+            match connections.ending.filter(|_| ends(by)) {
                 Some(strategy) => path.append_drawn(strategy.clone(), drawn.as_ref()),
-                None => path = path.concat(&second.slice(0..connections.length - by).reverse()),
+                None => path = path.concat(&second.slice(0..length - by).reverse()),
             }
-            let path = if (connections.is_drawn)(by) { path } else { path.technique() };
-            (path, (connections.samples)(by))
+            let is_drawn = (connections.is_drawn)(length, by);
+            (if is_drawn { path } else { path.technique() }, samples(by))
         }));
         for found in self.each(combine_with(heuristic.clone(), paths)) {
             if let Some(first) = used.clone().nth(found.technique) {
-                visit(Connected { first, value: found.value, alone: found.alone });
+                visit(Connected { length, first, value: found.value, alone: found.alone });
             }
         }
     }

@@ -18,10 +18,12 @@ use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regu
 use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::{
-    Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window,
+    Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, length_class,
 };
-use crate::strategy::{Dirac, Drawn, Strategy};
+use crate::strategy::{Dirac, Strategy};
+use crate::uniform::UniformSource;
 pub(crate) use known::Joints;
+use known::Stop;
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -48,17 +50,27 @@ impl End {
 #[derive(Clone, Copy)]
 struct Walk {
     place: Place,
-    /// How many of them have vertices, for paths of the length in question.
+    /// How many of them have vertices.
     len: usize,
 }
 
 /// How a path is joined.
 #[derive(Clone, Copy)]
 struct Joint {
-    /// How many of its vertices are those of the first walk.
+    /// How many vertices it has.
+    length: usize,
+    /// How many of them are those of the first walk.
     first: usize,
-    /// Whether its last vertex was drawn for itself.
-    ends: bool,
+    /// Where the last one is if it was drawn for itself.
+    last: Option<u32>,
+}
+
+impl Joint {
+    /// The number of a vertex in a path from that in its walk, and back.
+    #[inline(always)]
+    fn index(&self, end: End, k: usize) -> usize {
+        if end == End::First { k } else { self.length - 1 - k }
+    }
 }
 
 /// The place in a window of the first vertex behind a joint.
@@ -78,7 +90,7 @@ impl<V> Joined<'_, V> {
     }
 }
 
-/// Two walks whose pieces are joined to paths of one length.
+/// Two walks whose pieces are joined to paths.
 pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
     estimator: &'r Estimator<I, Factors<I::Value>>,
     connections: &'r Connections<'r, S, N, D>,
@@ -87,50 +99,66 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
     tape: &'r Unfolded<'r, I::Vertex>,
     strategies: Ref<'r, [S]>,
     walks: [Walk; 2],
-    /// Where the last vertex is that was drawn for itself.
-    last: Option<usize>,
-    /// The strategy that drew it, or would have.
+    /// The strategy that draws last vertices for themselves.
     ending: u32,
     joints: RefMut<'r, Joints<RealOf<I>>>,
+    /// What all paths share that begin with so many vertices of the first walk, or end with so many of the second one.
+    carried: [Vec<I::Value>; 2],
 }
 
 impl<'r, I, S, N, D, H> Pieces<'r, I, S, N, D, H>
 where
     I: PathIntegrand,
     S: Strategy<I::Vertex>,
-    N: Fn(usize) -> usize,
-    D: Fn(usize) -> bool,
+    N: Fn(usize, usize) -> usize,
+    D: Fn(usize, usize) -> bool,
     H: Separable<RealOf<I>>,
 {
-    /// Whether the paths need not be made to weigh them.
-    pub fn are_plain(
+    /// Draws the last vertices that are drawn for themselves, unless paths have to be made to weigh them; returns whether
+    /// they need not be.
+    pub fn draw_lasts<U: UniformSource<RealOf<I>> + ?Sized>(
         estimator: &Estimator<I, Factors<I::Value>>,
-        walks: [&RandomSequence<'r, I::Vertex, S>; 2],
+        walks: [&RandomSequence<'_, I::Vertex, S>; 2],
         connections: &Connections<'_, S, N, D>,
-        drawn: Option<&Drawn<I::Vertex>>,
+        uniforms: &mut U,
     ) -> bool {
-        let arena = walks[0].arena;
-        S::VERTICES == 1
+        let (arena, ending) = (walks[0].arena, connections.ending);
+        let is_plain = S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
-            && drawn.is_none_or(|drawn| drawn.dirac != Some(Dirac::Direction))
             && walks.iter().all(|walk| walk.is_run())
-            && connections.ending.is_none_or(|ending| ending.reads().vertices <= READS)
-            && arena.most_read.get() <= READS
+            && ending.is_none_or(|ending| ending.reads().vertices <= READS)
+            && arena.most_read.get() <= READS;
+        if !is_plain {
+            return false;
+        }
+        let mut joints = arena.joints.borrow_mut();
+        joints.lasts.clear();
+        if ending.is_some() {
+            let longest = (walks[0].len() + 1).min(*connections.lengths.end());
+            joints.lasts.extend((0..=longest).map(|length| {
+                let is_asked = connections.lengths.contains(&length);
+                let drawn =
+                    if is_asked { connections.draw(length, walks[0], uniforms) } else { None };
+                drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
+            }));
+        }
+        // One of them may have been drawn in a single direction.
+        arena.tape.is_undirected()
     }
 
-    /// The pieces of two walks, and the strategy of a last vertex and where that is on the tape; `None` if paths have to
-    /// be made to weigh them.
+    /// The pieces of two walks; `None` if paths have to be made to weigh them.
     pub fn new(
         estimator: &'r Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
         connections: &'r Connections<'r, S, N, D>,
         heuristic: &'r H,
         tape: &'r Unfolded<'r, I::Vertex>,
-        ending: Option<u32>,
-        last: Option<usize>,
     ) -> Option<Self> {
-        let (arena, length) = (walks[0].arena, connections.length);
+        let arena = walks[0].arena;
+        let longest = *connections.lengths.end();
+        let ending = connections.ending.map(|ending| arena.intern(ending.clone()));
+        let carried = core::mem::take(&mut estimator.factors.borrow_mut().carried);
         let mut pieces = Pieces {
             estimator,
             connections,
@@ -138,69 +166,136 @@ where
             arena,
             tape,
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
-            walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len().min(length) }),
-            last,
+            walks: walks
+                .map(|walk| Walk { place: walk.handle.place, len: walk.len().min(longest) }),
             ending: ending.unwrap_or(u32::MAX),
             joints: arena.joints.borrow_mut(),
+            carried,
         };
-        pieces.behind(pieces.walks[1].len)?;
         pieces.joints.reserve(tape.vertex_count());
-        pieces.weigh_samples();
-        Some(pieces)
+        pieces.learn(End::First);
+        pieces.learn(End::Second);
+        pieces.carry().then_some(pieces)
+    }
+
+    /// Looks up the vertices and the steps of a walk, if it is not the one that was asked for last.
+    fn learn(&mut self, end: End) {
+        let Walk { place, len } = self.walks[end as usize];
+        let (tape, strategies, arena) = (self.tape, &self.strategies, self.arena);
+        let side = &mut self.joints.sides[end as usize];
+        if side.place == Some(place) && side.stops.len() == len {
+            return;
+        }
+        side.place = Some(place);
+        side.stops.clear();
+        side.stops.extend((0..len).map(|k| {
+            let (id, visible, dirac) = tape.origin(place.at(k));
+            let fixed = dirac == Some(Dirac::Position);
+            let own = PathDensity::new(arena.factor(place, k, place.range(0, k + 1)));
+            Stop { id, visible, fixed, own }
+        }));
+        side.questions.clear();
+        side.questions.extend((0..place.len as usize).map(|k| {
+            let id = tape.way(place, k).strategy();
+            let strategy = &strategies[id as usize];
+            (id << 1 | end as u32, length_class(strategy, strategy.reads(), k))
+        }));
+        side.ratios.clear();
+        side.ratios.resize(len, None);
+    }
+
+    /// Computes what pieces of the walks carry; returns whether that stays in the range of numbers.
+    fn carry(&mut self) -> bool {
+        let (estimator, arena, tape) = (self.estimator, self.arena, self.tape);
+        let [Walk { place: first, len: ahead }, Walk { place: second, len: behind }] = self.walks;
+        let [carried, ending] = &mut self.carried;
+        carried.clear();
+        carried.extend((0..=ahead).map(|k| estimator.ahead(arena, tape, first.range(0, k), k)));
+        ending.clear();
+        ending.push(I::Value::one());
+        // All that the factor reads which closes a path, if there is so much of the second walk.
+        let (reads, mut closing) = (estimator.reads(), I::Value::one());
+        let mut in_range = true;
+        for len in 1..=behind {
+            let place = second.range(0, len).reverse();
+            let value = estimator.ending(arena, tape, place, 0);
+            in_range = value.is_some();
+            if len == reads {
+                closing = estimator.closing(PathView::of_unfolded(tape, place, estimator.shown()));
+            }
+            ending.push(value.map_or(I::Value::zero(), |value| value.multiply(closing)));
+        }
+        in_range
     }
 
     /// Visits the paths that contribute.
     pub fn visit(&mut self, visit: &mut impl FnMut(Connected<I::Value>)) {
+        let lengths = &self.connections.lengths;
+        // A last vertex may be drawn behind all of the first walk.
+        let longest = self.walks[0].len + self.walks[1].len.max(1);
+        for length in (*lengths.start()).max(1)..=longest.min(*lengths.end()) {
+            self.weigh_samples(length);
+            self.visit_length(length, visit);
+        }
+    }
+
+    /// Visits the paths with so many vertices that contribute.
+    fn visit_length(&mut self, length: usize, visit: &mut impl FnMut(Connected<I::Value>)) {
         let connections = self.connections;
         let ([first, second], mut is_summed_up) = (self.walks, false);
-        for first in 0..=first.len {
+        for first in length.saturating_sub(second.len.max(1))..=first.len.min(length) {
             let mass = self.joints.masses[first];
-            let ends = connections.ends_after(first);
-            let exists =
-                if ends { self.last.is_some() } else { first + second.len >= connections.length };
-            if mass.is_zero() || !exists || !(connections.is_drawn)(first) {
+            let ends = connections.ends_after(length, first);
+            let last = if ends { self.last_of(length) } else { None };
+            let exists = if ends { last.is_some() } else { first + second.len >= length };
+            if mass.is_zero() || !exists || !(connections.is_drawn)(length, first) {
                 continue;
             }
-            let joined = self.joined(Joint { first, ends });
+            let joined = self.joined(Joint { length, first, last });
             let value = self.value(&joined);
             if value.is_zero() {
                 continue;
             }
             if !is_summed_up {
-                self.sum_up();
+                self.sum_up(length);
                 is_summed_up = true;
             }
             let others = self.others(&joined) / mass;
             let weight = (PathDensity::ONE / (PathDensity::ONE + others)).value();
-            let samples = RealOf::<I>::of((connections.samples)(first) as f64);
-            let value = value.over(samples);
-            visit(Connected { first, value: value.times(weight), alone: value });
+            let samples = RealOf::<I>::of((connections.samples)(length, first) as f64);
+            let alone = value.over(samples);
+            visit(Connected { length, first, value: alone.times(weight), alone });
         }
+    }
+
+    /// Where the last vertex is that was drawn for a path with so many vertices.
+    #[inline]
+    fn last_of(&self, length: usize) -> Option<u32> {
+        self.joints.lasts.get(length).copied().flatten()
     }
 
     /// A path with its vertices about the joint.
     #[inline]
     fn joined(&self, joint: Joint) -> Joined<'r, I::Vertex> {
-        let (n, tape) = (self.connections.length, self.tape);
+        let (tape, [first, second]) = (self.tape, &self.joints.sides);
         let mut window = Window { vertices: [None; WINDOW], sees_next: 0, fixed: 0 };
-        let mut put = |place: usize, at: usize, neighbour: usize| {
-            let (vertex, visible, dirac) = tape.kept(at);
-            window.vertices[place] = vertex;
-            window.sees_next |= u16::from(visible) << neighbour;
-            window.fixed |= u16::from(dirac == Some(Dirac::Position)) << place;
+        let mut put = |place: usize, stop: &Stop<RealOf<I>>, neighbour: usize| {
+            window.vertices[place] = tape.vertex_of(stop.id);
+            window.sees_next |= u16::from(stop.visible) << neighbour;
+            window.fixed |= u16::from(stop.fixed) << place;
         };
-        for k in 0..joint.first.min(LAST) {
-            let place = BEHIND - 1 - k;
-            put(place, self.walks[0].place.at(joint.first - 1 - k), place - 1);
+        for (k, stop) in first.stops[..joint.first].iter().rev().take(LAST).enumerate() {
+            put(BEHIND - 1 - k, stop, BEHIND - 2 - k);
         }
-        if joint.ends {
-            if let Some(last) = self.last {
-                put(BEHIND, last, BEHIND - 1);
-            }
+        if let Some(last) = joint.last {
+            let (vertex, visible, dirac) = tape.kept(last as usize);
+            window.vertices[BEHIND] = vertex;
+            window.sees_next |= u16::from(visible) << (BEHIND - 1);
+            window.fixed |= u16::from(dirac == Some(Dirac::Position)) << BEHIND;
         } else {
-            for k in 0..(n - joint.first).min(LAST) {
-                let i = self.index(End::Second, joint.first + k);
-                put(BEHIND + k, self.walks[1].place.at(i), BEHIND + k);
+            let behind = &second.stops[..joint.length - joint.first];
+            for (k, stop) in behind.iter().rev().take(LAST).enumerate() {
+                put(BEHIND + k, stop, BEHIND + k);
             }
         }
         Joined { joint, window }
@@ -208,72 +303,65 @@ where
 
     /// f / p of a path, not weighted.
     fn value(&self, joined: &Joined<'_, I::Vertex>) -> I::Value {
-        let (n, joint) = (self.connections.length, joined.joint);
-        let (first, place) = (joint.first, self.walks[0].place.range(0, joint.first));
-        let mut value = self.estimator.ahead(self.arena, self.tape, place, first);
+        let Joint { length, first, last } = joined.joint;
+        let behind = length - first;
+        let mut value = self.carried[0][first];
+        if last.is_none() {
+            value = value.multiply(self.carried[1][behind]);
+        }
         if value.is_zero() {
             return value;
         }
         // What goes on behind the edge may vanish without a shadow ray.
-        let own = (n - first).min(self.estimator.reads() - 1);
-        for k in (first..first + own).rev() {
+        let reads = self.estimator.reads();
+        for k in (first..first + behind.min(reads - 1)).rev() {
             let view = PathView::of_window(&joined.window, joined.place(k), false, k + 1);
             value = value.multiply(self.estimator.extended(view));
             if value.is_zero() {
                 return value;
             }
         }
-        if joint.ends {
+        if last.is_some() {
             let density = self.density_of_last(joined).value();
             value = if is_regular(density) { value.over(density) } else { I::Value::zero() };
-        } else {
-            let behind = self.behind(n - first);
-            value = behind.map_or(I::Value::zero(), |behind| value.multiply(behind));
         }
-        if value.is_zero() {
+        if behind >= reads {
             return value;
         }
-        value.multiply(self.estimator.closing(self.before(joint, n, End::First, LAST)))
-    }
-
-    /// What all paths share that end with so many vertices of the second walk; `None` if that leaves the range of
-    /// numbers.
-    fn behind(&self, len: usize) -> Option<I::Value> {
-        if len == 0 {
-            return Some(I::Value::one());
-        }
-        let place = self.walks[1].place.range(0, len).reverse();
-        self.estimator.ending(self.arena, self.tape, place, 0)
-    }
-
-    /// The number of a vertex in a path from that in its walk, and back.
-    #[inline]
-    fn index(&self, end: End, k: usize) -> usize {
-        if end == End::First { k } else { self.connections.length - 1 - k }
+        let view = PathView::of_window(&joined.window, joined.place(length - 1), false, length);
+        value.multiply(self.estimator.closing(view))
     }
 
     /// Where vertex `i` of a path is on the tape.
     #[inline]
     fn position(&self, joint: Joint, i: usize) -> usize {
-        match self.last {
+        match joint.last {
             _ if i < joint.first => self.walks[0].place.at(i),
-            Some(last) if joint.ends => last,
-            _ => self.walks[1].place.at(self.index(End::Second, i)),
+            Some(last) => last as usize,
+            None => self.walks[1].place.at(joint.index(End::Second, i)),
         }
     }
 
     /// What lies before vertex `i` of a path, coming from one end, of which so many vertices are read.
     #[inline]
     fn before(&self, joint: Joint, i: usize, end: End, read: usize) -> PathView<'_, I::Vertex> {
-        let (n, backward) = (self.connections.length, end == End::Second);
+        let (n, backward) = (joint.length, end == End::Second);
         let len = if backward { n - 1 - i } else { i };
         let last = core::array::from_fn(|j| {
             if j >= len.min(read) {
                 return Step::NONE;
             }
             let i = if backward { i + 1 + j } else { i - 1 - j };
-            Step::new(self.position(joint, i), (joint.ends || i < joint.first) == backward)
+            let ahead = i < joint.first || joint.last.is_some();
+            Step::new(self.position(joint, i), ahead == backward)
         });
         PathView::of_last(self.tape, last, len, read)
+    }
+}
+
+impl<I: PathIntegrand, S, N, D, H> Drop for Pieces<'_, I, S, N, D, H> {
+    /// Gives back what was borrowed of the estimator.
+    fn drop(&mut self) {
+        self.estimator.factors.borrow_mut().carried = core::mem::take(&mut self.carried);
     }
 }

@@ -1,68 +1,91 @@
-//! What is remembered of how the vertices of walks could have been made.
+//! What is remembered of two walks, and of how their vertices could have been made.
 
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
+use crate::sequence::Place;
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
 
-/// What is known of a vertex.
-#[derive(Clone, Debug)]
-pub(super) struct Known<R> {
+/// A vertex of a walk.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop<R> {
+    /// Its id.
+    pub id: u32,
+    /// Whether it is known to see the one before.
+    pub visible: bool,
+    /// Whether it can be nowhere else.
+    pub fixed: bool,
     /// Its density under the strategy that drew it.
-    pub own: Option<PathDensity<R>>,
-    /// Densities that depend on vertices of its own piece alone, under the strategies that were asked last.
-    pub others: [(Question, PathDensity<R>); 2],
+    pub own: PathDensity<R>,
+}
+
+/// What is known of one of two walks.
+#[derive(Clone, Debug)]
+pub(super) struct Side<R> {
+    /// Which walk it is.
+    pub place: Option<Place>,
+    /// Its vertices.
+    pub stops: Vec<Stop<R>>,
+    /// How each of its steps makes a vertex, or would.
+    pub questions: Vec<Question>,
+    /// The density with which the other walk would have made a vertex, over that of its own walk, and how it would: as
+    /// far as that depends on vertices of this walk alone.
+    pub ratios: Vec<Option<(Question, PathDensity<R>)>>,
+    /// Sums over techniques of paths of one length, up to each vertex.
+    pub sums: Vec<PathDensity<R>>,
 }
 
 /// What an arena remembers of how the vertices of walks could have been made.
 #[derive(Clone, Debug)]
 pub(crate) struct Joints<R> {
-    /// By the id of a vertex.
-    known: Vec<Known<R>>,
+    /// By the id of a vertex: densities that depend on vertices of its own walk alone, under the strategies that were
+    /// asked last.
+    known: Vec<[(Question, PathDensity<R>); 2]>,
     /// The terms of the numbers of samples of all techniques, by the number of vertices of the first walk.
     pub(super) masses: Vec<PathDensity<R>>,
-    /// The sums of either piece, up to each vertex.
-    pub(super) sums: [Vec<PathDensity<R>>; 2],
-    /// By the vertices of either piece.
-    pub(super) ratios: [Vec<Ratio<R>>; 2],
-}
-
-/// The density with which the other walk would have made a vertex, over that of its own walk, and what that depends on:
-/// mostly it is the same for paths of several lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Ratio<R> {
-    /// The name of the run up to the last vertex that matters.
-    pub run: u32,
-    /// How the other walk would have made the vertex.
-    pub question: Question,
-    /// The ratio.
-    pub value: PathDensity<R>,
+    /// The two walks that were asked for last.
+    pub(super) sides: [Side<R>; 2],
+    /// Where the last vertices are that were drawn for themselves, by the length of the path.
+    pub(super) lasts: Vec<Option<u32>>,
+    /// The density of the first vertex of the second walk as one that is drawn for itself after the next ones.
+    pub(super) ending: PathDensity<R>,
 }
 
 impl<R: Scalar> Joints<R> {
     pub fn new() -> Self {
-        let (sums, ratios) = Default::default();
-        Joints { known: Vec::new(), masses: Vec::new(), sums, ratios }
+        let side = || Side {
+            place: None,
+            stops: Vec::new(),
+            questions: Vec::new(),
+            ratios: Vec::new(),
+            sums: Vec::new(),
+        };
+        Joints {
+            known: Vec::new(),
+            masses: Vec::new(),
+            sides: [side(), side()],
+            lasts: Vec::new(),
+            ending: PathDensity::ZERO,
+        }
     }
 
     pub fn clear(&mut self) {
         self.known.clear();
-        self.ratios.iter_mut().for_each(Vec::clear);
+        self.sides.iter_mut().for_each(|side| side.place = None);
     }
 
     /// Makes room for so many vertices.
     #[inline]
     pub(super) fn reserve(&mut self, vertices: usize) {
         if vertices > self.known.len() {
-            let nothing = Known { own: None, others: [((u32::MAX, 0), PathDensity::ZERO); 2] };
-            self.known.resize(vertices, nothing);
+            self.known.resize(vertices, [((u32::MAX, 0), PathDensity::ZERO); 2]);
         }
     }
 
-    /// What is known of a vertex that there is room for.
+    /// The densities that are known of a vertex that there is room for.
     #[inline]
-    pub(super) fn of(&mut self, vertex: u32) -> &mut Known<R> {
+    pub(super) fn of(&mut self, vertex: u32) -> &mut [(Question, PathDensity<R>); 2] {
         &mut self.known[vertex as usize]
     }
 }

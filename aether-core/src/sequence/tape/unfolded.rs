@@ -37,6 +37,20 @@ impl<V: Vertex> Unfolded<'_, V> {
         (self.vertices.get(*vertex as usize).map(|kept| &kept.vertex), *visible, *dirac)
     }
 
+    /// The vertex with this id.
+    #[inline(always)]
+    pub fn vertex_of(&self, id: u32) -> Option<&V> {
+        self.vertices.get(id as usize).map(|kept| &kept.vertex)
+    }
+
+    /// The id of the vertex of a step, whether it is known to see the one that it was made from, and the Dirac factor that
+    /// it was drawn with.
+    #[inline(always)]
+    pub fn origin(&self, at: usize) -> (u32, bool, Option<Dirac>) {
+        let Entry { vertex, visible, dirac, .. } = &self.entries[at];
+        (*vertex, *visible, *dirac)
+    }
+
     /// How many vertices there are.
     #[inline(always)]
     pub fn vertex_count(&self) -> usize {
