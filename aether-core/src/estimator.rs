@@ -17,6 +17,7 @@ mod value;
 
 pub use connections::{Connected, Connections};
 pub use endings::{Ending, Endings};
+use joints::Carried;
 pub(crate) use joints::Joints;
 pub use value::Value;
 
@@ -172,8 +173,8 @@ pub struct Factors<T> {
     endings: Vec<Option<T>>,
     /// Factors of the integrand, by the vertices that they depend on.
     memo: Memo<T>,
-    /// Room for what pieces of two walks carry.
-    carried: [Vec<T>; 2],
+    /// What pieces of two walks carry.
+    carried: [Carried<T>; 2],
 }
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
@@ -406,6 +407,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             factors.runs.clear();
             factors.endings.clear();
             factors.memo.clear();
+            factors.carried.iter_mut().for_each(Carried::clear);
         }
     }
 

@@ -117,6 +117,7 @@ fn one_by_one<S: Strategy<Spot>, H: Separable<f64> + Clone>(
     uniforms: &mut Pcg32,
 ) -> Vec<Connected<f64>> {
     let mut connected = Vec::new();
+    let first = &connections.replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
     for n in connections.lengths.clone().filter(|n| *n > 0) {
         let samples = |by: usize| (connections.samples)(n, by);
         let used: Vec<_> = (0..=n).filter(|by| samples(*by) > 0).collect();
@@ -159,8 +160,8 @@ enum By {
 /// first walk, weight × f / p, f / p.
 type Found = (bool, usize, usize, f64, f64);
 
-/// All that two walks contribute, for the eye that the first one begins with, and for one that takes its first vertex
-/// and weighs the techniques of the others without samples.
+/// All that two walks contribute, for the eye that the first one begins with, and for one that has its first vertex, and
+/// would make the second one differently.
 fn found<H: Separable<f64> + Clone>(
     world: &World,
     (seed, longest): (u64, usize),
@@ -174,14 +175,13 @@ fn found<H: Separable<f64> + Clone>(
     let size = (longest, longest);
     let first = walk(&arena, (Camera.into(), step), size, uniforms);
     let second = walk(&arena, (Light(world).into(), step), size, uniforms);
-    let mut other = first.slice(0..1);
-    other.append(step);
-    let other = other.concat(&first.slice(2..));
+    let glance = Glance.into();
     let mut all = Vec::new();
-    for (is_other, first) in [(false, &first), (true, &other), (false, &first)] {
+    for is_other in [false, true, false] {
         let mut estimate = |lengths: std::ops::RangeInclusive<usize>| {
             let connections = Connections {
                 lengths,
+                replaced: is_other.then_some((1, &glance)),
                 ending: ending.as_ref(),
                 fewest_ending: 3,
                 samples: |length: usize, first: usize| match first {
@@ -195,7 +195,7 @@ fn found<H: Separable<f64> + Clone>(
                 },
                 is_drawn: |length: usize, first: usize| first != 2 || length != 4,
             };
-            let pieces = [first, &second];
+            let pieces = [&first, &second];
             let mut keep = |found: Connected<f64>| {
                 all.push((is_other, found.length, found.first, found.value, found.alone));
             };

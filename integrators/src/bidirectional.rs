@@ -18,8 +18,8 @@ use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
-use crate::strategies::{Pixel, sample_light};
-use crate::subpaths::{Scratch, camera_path, extend, light_path, through};
+use crate::strategies::{Pixel, sample_camera_direction, sample_light};
+use crate::subpaths::{Scratch, camera_path, extend, light_path};
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -106,10 +106,11 @@ impl Bidirectional {
             };
             let mut estimate = |lengths: RangeInclusive<usize>, receiver: Pixel| {
                 let is_own = receiver == pixel;
-                let view = if is_own { camera } else { through(world, receiver, &camera) };
+                let other = sample_camera_direction(world, receiver.into()).into();
                 let by = |length: usize, first: usize| Technique::edge(first, length - first);
                 let connections = Connections {
                     lengths,
+                    replaced: (!is_own).then_some((1, &other)),
                     ending: Some(&look),
                     fewest_ending: 3,
                     samples: |length, first| match first {
@@ -123,7 +124,7 @@ impl Bidirectional {
                         _ => is_own && (first < length || number == 0),
                     },
                 };
-                let walks = [&view, &light];
+                let walks = [&camera, &light];
                 estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
                     let is_direct = found.first == 1;
                     let response =

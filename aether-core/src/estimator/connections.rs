@@ -14,6 +14,9 @@ use crate::uniform::UniformSource;
 pub struct Connections<'t, S, N, D> {
     /// The numbers of vertices that paths may have.
     pub lengths: RangeInclusive<usize>,
+    /// A step of the first walk, and a strategy that stands in its place: of the walk's vertices only those before it are
+    /// used then ([`RandomSequence::replaced`]).
+    pub replaced: Option<(usize, &'t S)>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
     pub ending: Option<&'t S>,
@@ -46,6 +49,15 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
         first + 1 == length && length >= self.fewest_ending && self.ending.is_some()
     }
 
+    /// How many vertices of the first walk are used.
+    #[inline]
+    pub(super) fn used_of<V: Vertex>(&self, walk: &RandomSequence<'_, V, S>) -> usize
+    where
+        S: Strategy<V>,
+    {
+        self.replaced.map_or(walk.len(), |(step, _)| walk.len().min(step))
+    }
+
     /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
     pub(super) fn draw<V, U>(
         &self,
@@ -60,7 +72,7 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
     {
         let (strategy, first) = (self.ending?, length.checked_sub(1)?);
         let is_used = self.ends_after(length, first)
-            && first <= walk.len()
+            && first <= self.used_of(walk)
             && (self.samples)(length, first) > 0
             && (self.is_drawn)(length, first);
         if !is_used {
@@ -109,8 +121,11 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return pieces.visit(&mut visit);
             }
         }
+        let replaced = connections.replaced;
+        let first = &replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
         let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
         for length in (*connections.lengths.start()).max(1)..=longest {
+            let walks = [first, second];
             self.connected_paths(length, walks, connections, heuristic, uniforms, &mut visit);
         }
     }

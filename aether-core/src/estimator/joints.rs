@@ -23,7 +23,7 @@ use crate::sequence::{
 use crate::strategy::{Dirac, Strategy};
 use crate::uniform::UniformSource;
 pub(crate) use known::Joints;
-use known::Stop;
+use known::{Question, Stop};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -47,11 +47,44 @@ impl End {
 }
 
 /// The steps of a walk.
-#[derive(Clone, Copy)]
-struct Walk {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Walk {
     place: Place,
     /// How many of them have vertices.
     len: usize,
+}
+
+/// What pieces of a walk carry, by the number of their vertices.
+#[derive(Clone, Debug)]
+pub(super) struct Carried<T> {
+    /// Which walk it is.
+    walk: Option<Walk>,
+    values: Vec<T>,
+    /// Whether all of it stays in the range of numbers.
+    in_range: bool,
+}
+
+impl<T> Carried<T> {
+    /// Forgets which walk it is.
+    pub fn clear(&mut self) {
+        self.walk = None;
+    }
+
+    /// Begins anew, unless it is of that walk.
+    fn begin(&mut self, walk: Walk) -> bool {
+        if self.walk == Some(walk) {
+            return false;
+        }
+        *self = Carried { walk: Some(walk), in_range: true, ..core::mem::take(self) };
+        self.values.clear();
+        true
+    }
+}
+
+impl<T> Default for Carried<T> {
+    fn default() -> Self {
+        Carried { walk: None, values: Vec::new(), in_range: true }
+    }
 }
 
 /// How a path is joined.
@@ -101,9 +134,11 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
     walks: [Walk; 2],
     /// The strategy that draws last vertices for themselves.
     ending: u32,
+    /// A step of the first walk, and how another strategy in its place makes a vertex.
+    replaced: Option<(usize, Question)>,
     joints: RefMut<'r, Joints<RealOf<I>>>,
     /// What all paths share that begin with so many vertices of the first walk, or end with so many of the second one.
-    carried: [Vec<I::Value>; 2],
+    carried: [Carried<I::Value>; 2],
 }
 
 impl<'r, I, S, N, D, H> Pieces<'r, I, S, N, D, H>
@@ -135,7 +170,8 @@ where
         let mut joints = arena.joints.borrow_mut();
         joints.lasts.clear();
         if ending.is_some() {
-            let longest = (walks[0].len() + 1).min(*connections.lengths.end());
+            let used = connections.used_of(walks[0]);
+            let longest = (used + 1).min(*connections.lengths.end());
             joints.lasts.extend((0..=longest).map(|length| {
                 let is_asked = connections.lengths.contains(&length);
                 let drawn =
@@ -156,8 +192,9 @@ where
         tape: &'r Unfolded<'r, I::Vertex>,
     ) -> Option<Self> {
         let arena = walks[0].arena;
-        let longest = *connections.lengths.end();
-        let ending = connections.ending.map(|ending| arena.intern(ending.clone()));
+        let intern = |strategy: &S| arena.intern(strategy.clone());
+        let ending = connections.ending.map(intern);
+        let replaced = connections.replaced.map(|(step, by)| (step, intern(by)));
         let carried = core::mem::take(&mut estimator.factors.borrow_mut().carried);
         let mut pieces = Pieces {
             estimator,
@@ -166,27 +203,39 @@ where
             arena,
             tape,
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
-            walks: walks
-                .map(|walk| Walk { place: walk.handle.place, len: walk.len().min(longest) }),
+            walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len() }),
             ending: ending.unwrap_or(u32::MAX),
+            replaced: None,
             joints: arena.joints.borrow_mut(),
             carried,
         };
         pieces.joints.reserve(tape.vertex_count());
         pieces.learn(End::First);
         pieces.learn(End::Second);
-        pieces.carry().then_some(pieces)
+        let in_range = pieces.carry();
+        if let Some((step, by)) = replaced {
+            pieces.walks[0].len = pieces.walks[0].len.min(step);
+            pieces.replaced = Some((step, pieces.asked(by, End::First, step)));
+        }
+        in_range.then_some(pieces)
+    }
+
+    /// How a strategy makes the vertex of a step from one end.
+    #[inline]
+    fn asked(&self, strategy: u32, end: End, step: usize) -> Question {
+        let known = &self.strategies[strategy as usize];
+        (strategy << 1 | end as u32, length_class(known, known.reads(), step))
     }
 
     /// Looks up the vertices and the steps of a walk, if it is not the one that was asked for last.
     fn learn(&mut self, end: End) {
-        let Walk { place, len } = self.walks[end as usize];
+        let walk @ Walk { place, len } = self.walks[end as usize];
         let (tape, strategies, arena) = (self.tape, &self.strategies, self.arena);
         let side = &mut self.joints.sides[end as usize];
-        if side.place == Some(place) && side.stops.len() == len {
+        if side.walk == Some(walk) {
             return;
         }
-        side.place = Some(place);
+        side.walk = Some(walk);
         side.stops.clear();
         side.stops.extend((0..len).map(|k| {
             let (id, visible, dirac) = tape.origin(place.at(k));
@@ -204,28 +253,33 @@ where
         side.ratios.resize(len, None);
     }
 
-    /// Computes what pieces of the walks carry; returns whether that stays in the range of numbers.
+    /// Computes what pieces of the walks carry, unless these are the ones that were asked for last; returns whether that
+    /// stays in the range of numbers.
     fn carry(&mut self) -> bool {
         let (estimator, arena, tape) = (self.estimator, self.arena, self.tape);
-        let [Walk { place: first, len: ahead }, Walk { place: second, len: behind }] = self.walks;
-        let [carried, ending] = &mut self.carried;
-        carried.clear();
-        carried.extend((0..=ahead).map(|k| estimator.ahead(arena, tape, first.range(0, k), k)));
-        ending.clear();
-        ending.push(I::Value::one());
+        let [first, second] = self.walks;
+        let [ahead, behind] = &mut self.carried;
+        if ahead.begin(first) {
+            let of = |k: usize| estimator.ahead(arena, tape, first.place.range(0, k), k);
+            ahead.values.extend((0..=first.len).map(of));
+        }
+        if !behind.begin(second) {
+            return behind.in_range;
+        }
+        behind.values.push(I::Value::one());
         // All that the factor reads which closes a path, if there is so much of the second walk.
         let (reads, mut closing) = (estimator.reads(), I::Value::one());
-        let mut in_range = true;
-        for len in 1..=behind {
-            let place = second.range(0, len).reverse();
+        for len in 1..=second.len {
+            let place = second.place.range(0, len).reverse();
             let value = estimator.ending(arena, tape, place, 0);
-            in_range = value.is_some();
+            behind.in_range = value.is_some();
             if len == reads {
-                closing = estimator.closing(PathView::of_unfolded(tape, place, estimator.shown()));
+                let view = PathView::of_unfolded(tape, place, estimator.shown());
+                closing = estimator.closing(view);
             }
-            ending.push(value.map_or(I::Value::zero(), |value| value.multiply(closing)));
+            behind.values.push(value.map_or(I::Value::zero(), |value| value.multiply(closing)));
         }
-        in_range
+        behind.in_range
     }
 
     /// Visits the paths that contribute.
@@ -305,9 +359,9 @@ where
     fn value(&self, joined: &Joined<'_, I::Vertex>) -> I::Value {
         let Joint { length, first, last } = joined.joint;
         let behind = length - first;
-        let mut value = self.carried[0][first];
+        let mut value = self.carried[0].values[first];
         if last.is_none() {
-            value = value.multiply(self.carried[1][behind]);
+            value = value.multiply(self.carried[1].values[behind]);
         }
         if value.is_zero() {
             return value;

@@ -1,8 +1,8 @@
 //! What is remembered of two walks, and of how their vertices could have been made.
 
+use super::Walk;
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
-use crate::sequence::Place;
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
@@ -24,7 +24,7 @@ pub(super) struct Stop<R> {
 #[derive(Clone, Debug)]
 pub(super) struct Side<R> {
     /// Which walk it is.
-    pub place: Option<Place>,
+    pub walk: Option<Walk>,
     /// Its vertices.
     pub stops: Vec<Stop<R>>,
     /// How each of its steps makes a vertex, or would.
@@ -55,7 +55,7 @@ pub(crate) struct Joints<R> {
 impl<R: Scalar> Joints<R> {
     pub fn new() -> Self {
         let side = || Side {
-            place: None,
+            walk: None,
             stops: Vec::new(),
             questions: Vec::new(),
             ratios: Vec::new(),
@@ -72,7 +72,7 @@ impl<R: Scalar> Joints<R> {
 
     pub fn clear(&mut self) {
         self.known.clear();
-        self.sides.iter_mut().for_each(|side| side.place = None);
+        self.sides.iter_mut().for_each(|side| side.walk = None);
     }
 
     /// Makes room for so many vertices.

@@ -6,7 +6,7 @@ use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::{PathView, Place, length_class};
+use crate::sequence::{PathView, Place};
 use crate::strategy::{Dirac, Strategy, Vertex};
 use crate::work::count_densities;
 
@@ -98,9 +98,7 @@ where
             let first = if end == End::First { len } else { n - len };
             let joint = Joint { length: n, first, last: None };
             if end == End::Second && len > READS && self.connections.ends_after(n, n - 1) {
-                let class = self.strategies[self.ending as usize].reads();
-                let class = length_class(&self.strategies[self.ending as usize], class, n - 1);
-                let question = (self.ending << 1 | End::First as u32, class);
+                let question = self.asked(self.ending, End::First, n - 1);
                 self.joints.ending = self.density(joint, End::First, n - 1, question);
             }
             let mut sum = PathDensity::ZERO;
@@ -136,7 +134,11 @@ where
     /// How the walk from one end would make vertex `i` of a path, if it has a step for it.
     #[inline(always)]
     fn question(&self, joint: Joint, end: End, i: usize) -> Option<Question> {
-        self.joints.sides[end as usize].questions.get(joint.index(end, i)).copied()
+        let step = joint.index(end, i);
+        match self.replaced {
+            Some((replaced, by)) if replaced == step && end == End::First => Some(by),
+            _ => self.joints.sides[end as usize].questions.get(step).copied(),
+        }
     }
 
     /// What stands for the technique that joins a path of n vertices behind `k` vertices of a piece: the term of its
