@@ -40,8 +40,11 @@ impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
     #[inline(always)]
     fn used(&self, length: usize) -> u32 {
         let is_used = |steps: &[S]| steps.len() <= length && (self.is_used)(length, steps);
-        let bits = self.ways.iter().enumerate();
-        bits.fold(0, |used, (way, steps)| used | u32::from(is_used(steps)) << way)
+        let mut used = 0;
+        for (way, steps) in self.ways.iter().enumerate() {
+            used |= u32::from(is_used(steps)) << way;
+        }
+        used
     }
 
     /// The ways that paths with so many vertices end in.
@@ -82,6 +85,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 
     /// Goes on from the end of a path with a strategy, until that finds nothing more or paths would be longer than the
     /// endings ask for, and estimates all paths along this walk: [`Estimator::endings`], whose terms for `visit` hold here.
+    /// Steps that the path has but has not taken yet are taken first.
     ///
     /// The same numbers are drawn as for a walk that is made first, by a source that tells blocks of dimensions apart
     /// ([`UniformSource::start`]). But vertices are not kept longer than they are read, and the walk ends where
@@ -104,6 +108,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             return self.last_steps(start, Some(step), endings, heuristic, uniforms, visit);
         }
         let (mut walk, longest) = (*start, *endings.lengths.end());
+        walk.sample(uniforms);
         while walk.is_complete() && walk.size() < longest {
             walk.append(step.clone()).sample(uniforms);
         }
@@ -181,52 +186,61 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     {
         let arena = walk.arena;
         let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
+        let place = walk.handle.place;
         // f / p of the vertices before the last one, and the last ones with it.
-        let (mut carried, mut recent) = (I::Value::one(), [None; RING]);
-        for length in 1..=*endings.lengths.end() {
+        let (mut carried, mut recent, mut length) = (I::Value::one(), [None; RING], 0);
+        while length < *endings.lengths.end() {
+            length += 1;
             let fork = Fork::new(&recent, length - 1);
-            let (own, drawn) = if length <= walk.size() {
-                let strategy = tape.way(walk.handle.place, length - 1).strategy();
-                let is_there = length <= walk.len();
-                let drawn = if is_there { kept(walk, tape, length - 1) } else { None };
-                (&strategies[strategy as usize], drawn)
+            let is_kept = length <= walk.len();
+            let (own, block) = if length <= walk.size() {
+                let strategy = tape.way(place, length - 1).strategy();
+                let goes_on = step.is_some() && !walk.handle.ended;
+                let block = (goes_on && !is_kept).then(|| tape.block(place, length - 1));
+                (&strategies[strategy as usize], block)
             } else {
                 let Some(step) = step else { break };
-                uniforms.start(walk.block_at(length - 1));
-                (step, fork.draw(step, uniforms))
+                (step, Some(walk.block_at(length - 1)))
+            };
+            let drawn = match block {
+                Some(block) => {
+                    uniforms.start(block);
+                    fork.draw(own, uniforms)
+                }
+                None if is_kept => kept(walk, tape, length - 1),
+                None => None,
             };
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
-            if endings.lengths.contains(&length) {
-                let used = endings.used(length);
-                let ways =
-                    || endings.ways.iter().enumerate().filter(|(way, _)| used >> way & 1 == 1);
-                for (index, (way, steps)) in ways().enumerate() {
-                    let other;
-                    let (last, met) = match steps.first() {
-                        None => (&drawn, met),
-                        Some(step) => {
-                            uniforms.start(walk.block_after(length - 1));
-                            other = fork.draw(step, uniforms);
-                            let met = other.as_ref();
-                            (&other, met.and_then(|last| self.met(&fork, step, last, carried)))
-                        }
-                    };
-                    let (Some(last), Some(met)) = (last, met) else { continue };
-                    let alone = met.carried.multiply(self.closing(fork.then(last)));
-                    if alone.is_zero() {
-                        continue;
+            let asked = *endings.lengths.start() <= length;
+            let used = if asked { endings.used(length) } else { 0 };
+            for way in bits(used) {
+                let (steps, other) = (endings.ways[way], &mut None);
+                let (last, met) = match steps.first() {
+                    None => (&drawn, met),
+                    Some(step) => {
+                        uniforms.start(walk.block_after(length - 1));
+                        *other = fork.draw(step, uniforms);
+                        let met = other.as_ref();
+                        (&*other, met.and_then(|last| self.met(&fork, step, last, carried)))
                     }
-                    let (mut ratios, mut count) = ([RealOf::<I>::ONE; MOST_WAYS], 0);
-                    for (other, steps) in ways() {
-                        if other != way {
-                            let density = fork.density(steps.first().unwrap_or(own), last);
-                            ratios[count] = density / met.density;
-                        }
-                        count += 1;
-                    }
-                    let value = alone.times(heuristic.weight(&ratios[..count], index));
-                    visit(Ending { length, steps, value, alone });
+                };
+                let (Some(last), Some(met)) = (last, met) else { continue };
+                let alone = met.carried.multiply(self.closing(fork.then(last)));
+                if alone.is_zero() {
+                    continue;
                 }
+                let (mut ratios, mut count, mut index) = ([RealOf::<I>::ONE; MOST_WAYS], 0, 0);
+                for other in bits(used) {
+                    if other == way {
+                        index = count;
+                    } else {
+                        let strategy = endings.ways[other].first().unwrap_or(own);
+                        ratios[count] = fork.density(strategy, last) / met.density;
+                    }
+                    count += 1;
+                }
+                let value = alone.times(heuristic.weight(&ratios[..count], index));
+                visit(Ending { length, steps, value, alone });
             }
             let (Some(drawn), Some(met)) = (drawn, met) else { break };
             recent[(length - 1) % RING] = Some(drawn);
@@ -272,6 +286,16 @@ fn kept<V: Vertex, S: Strategy<V>>(
     let known = tape.own(place, i);
     let value = Some(known.unwrap_or_else(|| walk.arena.factor(place, i, place)));
     Some(Drawn { vertex: *vertex?, dirac, visible, value })
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+fn bits(mut set: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let first = (set != 0).then(|| set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        first
+    })
 }
 
 /// The most ways to end a path that are told apart at once.

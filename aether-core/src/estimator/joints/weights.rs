@@ -190,7 +190,7 @@ where
     }
 
     /// The density of vertex `i` of a path, next to the joint, under a strategy that comes from one end.
-    #[inline]
+    #[inline(never)]
     fn near(
         &self,
         joined: &Joined<'_, I::Vertex>,
@@ -223,7 +223,7 @@ where
 }
 
 /// The density of a vertex under a strategy after a path, or its probability if it can be nowhere else.
-#[inline]
+#[inline(always)]
 fn evaluated<V: Vertex, S: Strategy<V>>(
     strategy: &S,
     path: PathView<'_, V>,

@@ -75,6 +75,12 @@ impl<V: Vertex> Unfolded<'_, V> {
         self.entries[place.at(i)].way.turned(place.reversed)
     }
 
+    /// The block of sampling dimensions of step `i` of a place.
+    #[inline]
+    pub fn block(&self, place: Place, i: usize) -> u32 {
+        self.entries[place.at(i)].block
+    }
+
     /// Whether step `i` of a place is known to see step `i - 1`.
     #[inline]
     pub fn visible(&self, place: Place, i: usize) -> bool {
