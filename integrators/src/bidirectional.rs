@@ -96,10 +96,8 @@ impl Bidirectional {
 
             // What the eye sees of the light paths of each length, and the pixels that receive it: of the pixel's own
             // sample everything counts, of the others only that.
-            let seen = |length: usize| {
-                let seen = camera.vertex(0).zip(light.vertex(length - 2));
-                seen.map(|(eye, seen)| [eye, seen])
-            };
+            let eye = camera.vertex(0);
+            let seen = |length: usize| Some([eye?, light.vertex(length - 2)?]);
             let direct = |length: usize, receiver: Pixel| {
                 seen(length)
                     .map_or(0.0, |[eye, seen]| radiance.response_to(receiver, [&eye, &seen]))
@@ -120,7 +118,7 @@ impl Bidirectional {
                         _ => count,
                     },
                     is_drawn: |length, first| match first {
-                        1 => direct(length, receiver) != 0.0,
+                        1 => !is_own || direct(length, receiver) != 0.0,
                         _ => is_own && (first < length || number == 0),
                     },
                 };

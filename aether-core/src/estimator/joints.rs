@@ -23,7 +23,7 @@ use crate::sequence::{
 use crate::strategy::{Dirac, Strategy};
 use crate::uniform::UniformSource;
 pub(crate) use known::Joints;
-use known::{Question, Stop};
+use known::{Question, Stop, Sum};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -210,8 +210,13 @@ where
             carried,
         };
         pieces.joints.reserve(tape.vertex_count());
-        pieces.learn(End::First);
-        pieces.learn(End::Second);
+        for end in [End::First, End::Second] {
+            pieces.learn(end);
+            // Terms are this heuristic's.
+            let sums = &mut pieces.joints.sides[end as usize].sums;
+            sums.clear();
+            sums.push(Sum { sum: PathDensity::ZERO, of: (PathDensity::ZERO, None) });
+        }
         let in_range = pieces.carry();
         if let Some((step, by)) = replaced {
             pieces.walks[0].len = pieces.walks[0].len.min(step);

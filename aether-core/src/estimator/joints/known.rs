@@ -32,8 +32,18 @@ pub(super) struct Side<R> {
     /// The density with which the other walk would have made a vertex, over that of its own walk, and how it would: as
     /// far as that depends on vertices of this walk alone.
     pub ratios: Vec<Option<(Question, PathDensity<R>)>>,
-    /// Sums over techniques of paths of one length, up to each vertex.
-    pub sums: Vec<PathDensity<R>>,
+    /// Sums over the techniques that join a path before a vertex, by its number; the first one is zero.
+    pub sums: Vec<Sum<R>>,
+}
+
+/// A sum over techniques, and what it follows from beside the sum before: the term of the last one, and how the other
+/// walk would make the vertex before. Paths of several lengths mostly share it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sum<R> {
+    /// The sum.
+    pub sum: PathDensity<R>,
+    /// What it follows from.
+    pub of: (PathDensity<R>, Option<Question>),
 }
 
 /// What an arena remembers of how the vertices of walks could have been made.

@@ -1,6 +1,6 @@
 //! The weights of paths of two pieces: sums over the techniques that would have joined them elsewhere.
 
-use super::known::Question;
+use super::known::{Question, Sum};
 use super::{DensityOf, End, Joined, Joint, Pieces, READS};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
@@ -51,7 +51,7 @@ where
     /// that of those that do before the last vertices of the piece, for which alone the joint matters.
     fn chain(&self, joined: &Joined<'_, I::Vertex>, end: End, len: usize) -> DensityOf<I> {
         let start = len.saturating_sub(READS);
-        let mut sum = self.joints.sides[end as usize].sums[start];
+        let mut sum = self.joints.sides[end as usize].sums[start].sum;
         for k in start..len {
             let ending = |i: usize| match self.far_ending(end, len) {
                 Some(density) => density,
@@ -101,26 +101,44 @@ where
                 let question = self.asked(self.ending, End::First, n - 1);
                 self.joints.ending = self.density(joint, End::First, n - 1, question);
             }
-            let mut sum = PathDensity::ZERO;
-            let mut sums = core::mem::take(&mut self.joints.sides[end as usize].sums);
-            sums.clear();
-            sums.push(sum);
-            for k in 0..len.saturating_sub(READS) {
-                sum = self.mass(n, end, k, |_| self.joints.ending) + sum;
-                if !sum.is_zero() {
-                    sum = sum * self.heuristic.term(self.ratio(joint, end, k));
-                }
-                sums.push(sum);
-            }
-            self.joints.sides[end as usize].sums = sums;
+            self.sum_up_side(joint, end, len.saturating_sub(READS));
         }
+    }
+
+    /// The sums of one walk up to `len` vertices, as far as they are not those of other paths.
+    fn sum_up_side(&mut self, joint: Joint, end: End, len: usize) {
+        let (mut sum, mut is_known) = (PathDensity::ZERO, true);
+        let mut sums = core::mem::take(&mut self.joints.sides[end as usize].sums);
+        for k in 0..len {
+            let mass = self.mass(joint.length, end, k, |_| self.joints.ending);
+            let question = self.question(joint, end.other(), joint.index(end, k));
+            match sums.get(k + 1) {
+                Some(known) if is_known && known.of == (mass, question) => sum = known.sum,
+                _ => {
+                    is_known = false;
+                    sums.truncate(k + 1);
+                    sum = mass + sum;
+                    if !sum.is_zero() {
+                        sum = sum * self.heuristic.term(self.ratio(joint, end, k, question));
+                    }
+                    sums.push(Sum { sum, of: (mass, question) });
+                }
+            }
+        }
+        self.joints.sides[end as usize].sums = sums;
     }
 
     /// The density with which the other walk would have made vertex k of a piece, far from the joint, over that under its
     /// own walk: mostly it is the same for paths of several lengths.
-    fn ratio(&mut self, joint: Joint, end: End, k: usize) -> DensityOf<I> {
+    fn ratio(
+        &mut self,
+        joint: Joint,
+        end: End,
+        k: usize,
+        question: Option<Question>,
+    ) -> DensityOf<I> {
         let i = joint.index(end, k);
-        let Some(question) = self.question(joint, end.other(), i) else { return PathDensity::ZERO };
+        let Some(question) = question else { return PathDensity::ZERO };
         if let Some((asked, known)) = self.joints.sides[end as usize].ratios[k]
             && asked == question
         {
