@@ -368,12 +368,29 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
 
     /// One call for each side, so that the compiler drops what follows from a side that leads nowhere.
     #[inline(always)]
+    fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
+        let below = R::ONE - self.p;
+        if below > R::ZERO {
+            visit(false, below);
+        }
+        if self.p > R::ZERO {
+            visit(true, self.p);
+        }
+    }
+
+    /// One call for both sides, because what is visited here is mostly more than compilers repeat.
+    #[inline(always)]
     fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        for (index, item) in [false, true].into_iter().enumerate() {
-            let probability = self.pdf(&item).value();
-            if probability > R::ZERO {
-                visit(Choice { index, item, probability });
+        let (below, above) = (R::ONE - self.p, self.p > R::ZERO);
+        // One of the sides has a positive probability.
+        let mut item = !(below > R::ZERO);
+        loop {
+            let probability = if item { self.p } else { below };
+            visit(Choice { index: usize::from(item), item, probability });
+            if item || !above {
+                return;
             }
+            item = true;
         }
     }
 }
