@@ -85,6 +85,18 @@ pub trait Discrete<R: Scalar> {
         let choices = (0..self.len()).filter_map(|i| self.get(i));
         choices.filter(|choice| choice.probability > R::ZERO).for_each(visit);
     }
+
+    /// [`Discrete::for_each_choice`] for one who has nothing to do for items of which `matters` does not hold: they
+    /// may be left out.
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        let _ = matters;
+        self.for_each_choice(visit);
+    }
 }
 
 /// A random variable whose outcomes are chosen by one interval of uniforms each, so that the uniform
@@ -146,6 +158,15 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     #[inline]
     fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
         D::for_each_choice(*self, visit);
+    }
+
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        D::for_each_that(*self, matters, visit);
     }
 }
 
@@ -378,16 +399,27 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
         }
     }
 
-    /// One call for both sides, because what is visited here is mostly more than compilers repeat.
     #[inline(always)]
-    fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        let (below, above) = (R::ONE - self.p, self.p > R::ZERO);
-        // One of the sides has a positive probability.
-        let mut item = !(below > R::ZERO);
-        loop {
+    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+        self.for_each_that(|_| true, visit);
+    }
+
+    /// One call for both sides, because what is visited is mostly more than compilers repeat. Where only one of them
+    /// matters, compilers know it and drop the loop.
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        mut visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        let below = R::ONE - self.p;
+        let misses = matters(false) && below > R::ZERO;
+        let hits = matters(true) && self.p > R::ZERO;
+        let mut item = !misses;
+        while !item || hits {
             let probability = if item { self.p } else { below };
             visit(Choice { index: usize::from(item), item, probability });
-            if item || !above {
+            if item {
                 return;
             }
             item = true;
