@@ -85,6 +85,18 @@ pub trait Discrete<R: Scalar> {
         let choices = (0..self.len()).filter_map(|i| self.get(i));
         choices.filter(|choice| choice.probability > R::ZERO).for_each(visit);
     }
+
+    /// [`Discrete::for_each_choice`] for one who has nothing to do for items of which `matters` does not hold: they
+    /// may be left out.
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        let _ = matters;
+        self.for_each_choice(visit);
+    }
 }
 
 /// A random variable whose outcomes are chosen by one interval of uniforms each, so that the uniform
@@ -146,6 +158,15 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     #[inline]
     fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
         D::for_each_choice(*self, visit);
+    }
+
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        D::for_each_that(*self, matters, visit);
     }
 }
 
@@ -368,12 +389,40 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
 
     /// One call for each side, so that the compiler drops what follows from a side that leads nowhere.
     #[inline(always)]
-    fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        for (index, item) in [false, true].into_iter().enumerate() {
-            let probability = self.pdf(&item).value();
-            if probability > R::ZERO {
-                visit(Choice { index, item, probability });
+    fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
+        let below = R::ONE - self.p;
+        if below > R::ZERO {
+            visit(false, below);
+        }
+        if self.p > R::ZERO {
+            visit(true, self.p);
+        }
+    }
+
+    #[inline(always)]
+    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+        self.for_each_that(|_| true, visit);
+    }
+
+    /// One call for both sides, because what is visited is mostly more than compilers repeat. Where only one of them
+    /// matters, compilers know it and drop the loop.
+    #[inline(always)]
+    fn for_each_that<'a>(
+        &'a self,
+        matters: impl Fn(Self::Item<'a>) -> bool,
+        mut visit: impl FnMut(Choice<Self::Item<'a>, R>),
+    ) {
+        let below = R::ONE - self.p;
+        let misses = matters(false) && below > R::ZERO;
+        let hits = matters(true) && self.p > R::ZERO;
+        let mut item = !misses;
+        while !item || hits {
+            let probability = if item { self.p } else { below };
+            visit(Choice { index: usize::from(item), item, probability });
+            if item {
+                return;
             }
+            item = true;
         }
     }
 }

@@ -166,6 +166,16 @@ fn shared<R: Real, M: Map<R>>(
 }
 
 impl<S, M> Then<S, M> {
+    /// [`by_way_of`], not in line.
+    #[inline(never)]
+    fn by_way_of<R: Real>(&self, x: &S::Point, y: &M::Target, valid: R::Mask) -> R
+    where
+        S: Sampler<R>,
+        M: Map<R, Source = S::Point>,
+    {
+        by_way_of(&self.first, &self.second, (x, y), valid)
+    }
+
     /// The density where it is positive, and where it is not that of a point which rounding may have put outside.
     #[cold]
     #[inline(never)]
@@ -198,10 +208,16 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
 
     #[inline(always)]
     fn pdf_as_is(&self, y: &M::Target) -> PdfOf<Self, R> {
-        let mut sum = R::ZERO;
+        // The last preimage, mostly the only one, is taken in line, which the body of a closure rarely is.
+        let (mut sum, mut last) = (R::ZERO, None);
         self.second.preimages(y, |x, valid| {
-            sum += by_way_of(&self.first, &self.second, (&x, y), valid);
+            if let Some((x, valid)) = last.replace((x, valid)) {
+                sum += self.by_way_of(&x, y, valid);
+            }
         });
+        if let Some((x, valid)) = last {
+            sum += by_way_of(&self.first, &self.second, (&x, y), valid);
+        }
         Density::new(sum)
     }
 

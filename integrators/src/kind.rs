@@ -104,6 +104,11 @@ pub type Matte<K> = Either<
     Either<<<K as SceneKind>::Diffuse as Part<Diffuse>>::Presence, PhongOf<K>>,
     Either<PlasticOf<K>, <<K as SceneKind>::RoughPlastic as Part<RoughPlastic>>::Presence>,
 >;
+/// Whether a material of the kind may have several lobes on one side.
+pub type Several<K> = Either<
+    Either<Either<DielectricOf<K>, ThinOf<K>>, Either<PlasticOf<K>, RoughPlasticOf<K>>>,
+    Either<PhongOf<K>, Either<<K as SceneKind>::Mask, <K as SceneKind>::Blend>>,
+>;
 /// Whether the kind has materials that depend on how texture coordinates run over a surface.
 pub type Oriented<K> = Either<<K as SceneKind>::Anisotropy, <K as SceneKind>::Bumps>;
 /// Whether the kind has Phong's model.

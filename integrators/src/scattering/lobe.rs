@@ -6,8 +6,8 @@ use glam::Vec3;
 
 use super::{Model, PartIndex, Pose, Scattering, count};
 use crate::kind::{
-    Facetted, Interface, Matte, Part, Passage, PhongOf, Presence, Refraction, SceneKind, Specular,
-    With,
+    Facetted, Interface, Matte, Part, Passage, PhongOf, Presence, Refraction, SceneKind, Several,
+    Specular, With,
 };
 use crate::scene::bsdf::Roughness;
 
@@ -84,21 +84,10 @@ impl<K: SceneKind> Lobes<'_, '_, K> {
         };
         Some(Choice { index, item: lobe, probability })
     }
-}
 
-impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
-    type Item<'a>
-        = Weighted<K>
-    where
-        Self: 'a;
-
-    #[inline]
-    fn len(&self) -> usize {
-        self.0.count()
-    }
-
-    #[inline]
-    fn sample_reuse(&self, u: f32) -> (Choice<Weighted<K>, f32>, f32) {
+    /// The lobe that the uniform `u` selects, by inversion, and what is left of `u`.
+    #[inline(always)]
+    fn selected(&self, u: f32) -> (Choice<Weighted<K>, f32>, f32) {
         let mut start = 0.0;
         let mut last = None;
         for index in 0..self.0.count() {
@@ -116,6 +105,30 @@ impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
         // Rounding leaves no gap behind the last lobe. There is no scattering without any.
         let nothing = Weighted::new(Lobe::Nothing, Vec3::ZERO, 0.0);
         last.unwrap_or((Choice { index: 0, item: nothing, probability: 0.0 }, u))
+    }
+
+    /// [`Lobes::selected`], not in line.
+    #[inline(never)]
+    fn selected_among(&self, u: f32) -> (Choice<Weighted<K>, f32>, f32) {
+        self.selected(u)
+    }
+}
+
+impl<K: SceneKind> Discrete<f32> for Lobes<'_, '_, K> {
+    type Item<'a>
+        = Weighted<K>
+    where
+        Self: 'a;
+
+    #[inline]
+    fn len(&self) -> usize {
+        self.0.count()
+    }
+
+    #[inline(always)]
+    fn sample_reuse(&self, u: f32) -> (Choice<Weighted<K>, f32>, f32) {
+        // Where each material has one lobe, there is less to do than a call takes.
+        if Several::<K>::VALUE.is_some() { self.selected_among(u) } else { self.selected(u) }
     }
 
     #[inline]

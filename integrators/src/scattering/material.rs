@@ -53,8 +53,11 @@ pub struct Layer<K: SceneKind> {
     pub factors: Box<[Factor]>,
     /// What turns the normals, and whether they are those of the front: a two-sided material around it
     /// mirrors them to the back.
-    pub bump: Option<(K::Bumps, Bump, bool)>,
+    pub bump: Turned<K>,
 }
+
+/// What turns the normals of a part, if anything does; nothing where the kind has no such textures.
+pub type Turned<K> = Option<With<<K as SceneKind>::Bumps, (Bump, bool)>>;
 
 /// The parts of a mixture behind the first.
 pub type Others<K> = (<K as SceneKind>::Blend, Box<[Layer<K>]>);
@@ -92,7 +95,17 @@ impl<K: SceneKind> Side<K> {
     /// The parts behind the first.
     #[inline(always)]
     pub fn others(&self) -> &[Layer<K>] {
-        self.more.as_ref().map_or(&[], |(_, others)| others)
+        // A kind without mixtures does not look.
+        match &self.more {
+            Some((_, others)) if K::Blend::VALUE.is_some() => others,
+            _ => &[],
+        }
+    }
+
+    /// Whether there are other parts or holes.
+    #[inline(always)]
+    pub fn is_mixture(&self) -> bool {
+        !self.others().is_empty() || self.holes.is_some()
     }
 
     /// Whether it scatters no light at all.
@@ -149,7 +162,7 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
 #[derive(Clone)]
 struct Around<K: SceneKind> {
     factors: Vec<Factor>,
-    bump: Option<(K::Bumps, Bump, bool)>,
+    bump: Turned<K>,
     /// Whether opaque models may be seen from behind, because turned normals may face there.
     from_behind: bool,
 }
@@ -185,10 +198,9 @@ impl<K: SceneKind> Parts<K> {
                 self.add(nested, front, &around.times(Factor::Of(*opacity)))
             }
             Bsdf::Bump { bump, nested } => {
-                let present = K::Bumps::VALUE.ok_or_else(missing)?;
+                let turned = K::Bumps::with(|| (*bump, front)).ok_or_else(missing)?;
                 self.oriented = true;
-                let from_behind = !bump.flip_invalid;
-                let bump = Some((present, *bump, front));
+                let (from_behind, bump) = (!bump.flip_invalid, Some(turned));
                 self.add(nested, front, &Around { bump, from_behind, ..around.clone() })
             }
             Bsdf::Blend { weight, nested } => {

@@ -81,7 +81,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         }
         let ground = Ground::new(surface, towards);
         let pose = Pose::new(&side.base, side.oriented, &ground, n, textures);
-        if !pose.is_seen() && side.more.is_none() && side.holes.is_none() {
+        if !pose.is_seen() && !side.is_mixture() {
             return None;
         }
         let spot = K::Textures::field(|| ground.spot);
@@ -210,7 +210,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
 
     /// The shares of the first part and of the holes, computed once.
     fn shares_here(&self) -> Shares {
-        if self.side.more.is_none() && self.side.holes.is_none() {
+        if !self.side.is_mixture() {
             return Shares::default();
         }
         let light = self.light_of(&self.side.base);

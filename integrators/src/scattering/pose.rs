@@ -30,17 +30,18 @@ impl<K: SceneKind> Pose<K> {
         textures: &[Texture],
     ) -> Self {
         let tangent = ground.tangents.du;
-        let (frame, bumped) = match &layer.bump {
-            Some((_, map, front)) => {
+        let (frame, bumped) = match layer.bump {
+            Some(bump) => {
+                let (map, front) = K::Bumps::get(bump);
                 let behind = ground.shading.dot(ground.towards) <= 0.0;
                 let side = match behind {
                     false => bump::Seen::Front,
-                    true if *front => bump::Seen::Mirrored,
+                    true if front => bump::Seen::Mirrored,
                     // Where normals are not flipped, those of the front may face the viewer behind.
                     true if !map.flip_invalid && layer.model.is_opaque() => bump::Seen::Front,
                     true => bump::Seen::Back,
                 };
-                let (normal, bumped) = bump::turned(*map, textures, ground, side);
+                let (normal, bumped) = bump::turned(map, textures, ground, side);
                 (bump::frame_along(normal, tangent), Some(bumped))
             }
             None if Oriented::<K>::VALUE.is_some() && oriented => {

@@ -7,6 +7,7 @@ use syn::spanned::Spanned;
 use syn::{Expr, Ident, Pat, Stmt, Type};
 
 use super::analyse::Analysed;
+use super::sample::alive;
 use super::tree::{Action, End, Kind, Leaf, Plan};
 
 /// A block with the density of `target`, a vertex or a run of them: the sum of the terms of the kind that
@@ -158,7 +159,8 @@ impl Emitter<'_> {
             Action::Choose { pat, distribution, rule, number } => {
                 let rest = same();
                 let pat = pat.to_token_stream();
-                self.choice(&pat, (distribution, rule.as_ref()), *number, &rest)
+                let alive = alive(&pat, steps.is_empty().then_some(end));
+                self.choice(&pat, (distribution, rule.as_ref(), alive), *number, &rest)
             }
             Action::LateChoose { pat, index, distribution, rule, number } => {
                 let rest = self.rest(steps, end, &pending.factor(self.weigh(distribution, index)));
@@ -196,22 +198,29 @@ impl Emitter<'_> {
     fn choice(
         &self,
         pat: &TokenStream,
-        (distribution, rule): (&Expr, Option<&Expr>),
+        (distribution, rule, alive): (&Expr, Option<&Expr>, Option<TokenStream>),
         number: usize,
         rest: &TokenStream,
     ) -> TokenStream {
         let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
         let some = quote_spanned!(site=> ::core::option::Option::Some);
         match rule {
-            None => quote_spanned! {site=>
-                let distribution = #distribution;
-                ::aether_core::Discrete::<#real>::for_each_choice(&distribution, |choice| {
-                    let same = same && taken[#number] == choice.index;
-                    let probability = probability * choice.probability;
-                    let #pat = choice.item;
-                    #rest
-                });
-            },
+            None => {
+                let (visit, alive) = match alive {
+                    Some(alive) => ("for_each_that", Some(quote_spanned!(site=> #alive,))),
+                    None => ("for_each_choice", None),
+                };
+                let visit = Ident::new(visit, site);
+                quote_spanned! {site=>
+                    let distribution = #distribution;
+                    ::aether_core::Discrete::<#real>::#visit(&distribution, #alive |choice| {
+                        let same = same && taken[#number] == choice.index;
+                        let probability = probability * choice.probability;
+                        let #pat = choice.item;
+                        #rest
+                    });
+                }
+            }
             Some(rule) => quote_spanned! {site=>
                 let distribution = #distribution;
                 for index in ::aether_core::forms::emitted::identify::<#vertex, _>(target, #rule) {

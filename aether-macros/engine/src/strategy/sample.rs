@@ -199,7 +199,8 @@ impl Emitter<'_> {
                         TokenStream::new()
                     }
                     None => {
-                        let alive = alive(&pat.to_token_stream(), end);
+                        let alive = alive(&pat.to_token_stream(), end)
+                            .unwrap_or_else(|| quote_spanned!(site=> |_| true));
                         quote_spanned! {site=>
                             let several = several
                                 || #emitted::several::<#real, _>(&distribution, #alive);
@@ -278,8 +279,8 @@ impl Emitter<'_> {
     }
 }
 
-/// Which outcomes lead to a vertex, where an `if` that may stop follows at once; otherwise all.
-fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> TokenStream {
+/// Which outcomes lead to a vertex, where an `if` that may stop follows at once; otherwise all may.
+pub fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> Option<TokenStream> {
     let site = Span::mixed_site();
     let stops = |plan: &Plan| matches!(plan.end, End::Stop);
     match end {
@@ -287,9 +288,9 @@ fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> TokenStream {
             if stops(then) != stops(otherwise) =>
         {
             let negated = stops(then);
-            quote_spanned!(site=> |#pat| (#condition) != #negated)
+            Some(quote_spanned!(site=> |#pat| (#condition) != #negated))
         }
-        _ => quote_spanned!(site=> |_| true),
+        _ => None,
     }
 }
 
