@@ -210,12 +210,16 @@ where
             carried,
         };
         pieces.joints.reserve(tape.vertex_count());
+        // Terms of products are products: a heuristic is known by one of them.
+        let two = heuristic.term(PathDensity::new(RealOf::<I>::of(2.0)));
+        let is_other = core::mem::replace(&mut pieces.joints.two, two) != two;
         for end in [End::First, End::Second] {
             pieces.learn(end);
-            // Terms are this heuristic's.
             let sums = &mut pieces.joints.sides[end as usize].sums;
-            sums.clear();
-            sums.push(Sum { sum: PathDensity::ZERO, of: (PathDensity::ZERO, None) });
+            if is_other || sums.is_empty() {
+                sums.clear();
+                sums.push(Sum { sum: PathDensity::ZERO, of: (PathDensity::ZERO, None) });
+            }
         }
         let in_range = pieces.carry();
         if let Some((step, by)) = replaced {
@@ -256,6 +260,7 @@ where
         }));
         side.ratios.clear();
         side.ratios.resize(len, None);
+        side.sums.clear();
     }
 
     /// Computes what pieces of the walks carry, unless these are the ones that were asked for last; returns whether that

@@ -58,6 +58,8 @@ pub(crate) struct Joints<R> {
     pub(super) sides: [Side<R>; 2],
     /// Where the last vertices are that were drawn for themselves, by the length of the path.
     pub(super) lasts: Vec<Option<u32>>,
+    /// The term of two, for the heuristic that was asked for last.
+    pub(super) two: PathDensity<R>,
     /// The density of the first vertex of the second walk as one that is drawn for itself after the next ones.
     pub(super) ending: PathDensity<R>,
 }
@@ -76,6 +78,7 @@ impl<R: Scalar> Joints<R> {
             masses: Vec::new(),
             sides: [side(), side()],
             lasts: Vec::new(),
+            two: PathDensity::ZERO,
             ending: PathDensity::ZERO,
         }
     }
