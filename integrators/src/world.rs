@@ -97,23 +97,37 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// What a ray from a vertex in direction `w` meets first.
+    #[inline]
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        self.seen(self.trace(from.position, w.vec().into(), from.primitive()))
+        self.seen(from.position, w.vec().into(), from.primitive())
     }
 
     /// What a point of the film of a parallel projection sees.
     pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
         let parallel = self.parallel()?;
-        self.seen(self.trace(parallel.point(film), parallel.forward, None))
+        self.seen(parallel.point(film), parallel.forward, None)
     }
 
-    /// A surface, or the sky behind everything.
-    #[inline]
-    fn seen(&self, surface: Option<Surface<K>>) -> Option<Seen<K>> {
-        match surface {
-            Some(surface) => Some(Seen::Surface(surface)),
+    /// The first surface on a ray that leaves a primitive, or the sky behind everything.
+    fn seen(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Seen<K>> {
+        self.scene.intersect_then(origin, w, from, |hit| match hit {
+            Some(hit) => Some(Seen::Surface(self.surface_at(&hit))),
             // Without a sky that shines there is nothing to see.
             None => self.sky().map(Seen::Sky),
+        })
+    }
+
+    /// The piece of surface at a hit.
+    #[inline(always)]
+    fn surface_at(&self, hit: &Hit) -> Surface<K> {
+        Surface {
+            position: hit.position,
+            normal: hit.geometric_normal,
+            shading: hit.shading_normal,
+            primitive: hit.primitive,
+            emitter: self.piece(hit.primitive).emitter(),
+            uv: K::Textures::field(|| self.texture_coordinates(hit)),
+            tangents: Oriented::<K>::field(|| self.tangents(hit)),
         }
     }
 
@@ -125,16 +139,10 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// The first surface on a ray that leaves a primitive, or none.
     #[inline]
     pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
-        let hit = self.scene.intersect(origin, w, from)?;
-        Some(Surface {
-            position: hit.position,
-            normal: hit.geometric_normal,
-            shading: hit.shading_normal,
-            primitive: hit.primitive,
-            emitter: self.piece(hit.primitive).emitter(),
-            uv: K::Textures::field(|| self.texture_coordinates(&hit)),
-            tangents: Oriented::<K>::field(|| self.tangents(&hit)),
-        })
+        match self.seen(origin, w, from)? {
+            Seen::Surface(surface) => Some(surface),
+            Seen::Sky(_) => None,
+        }
     }
 
     /// The first surface that light from infinitely far away meets, where it comes through the point `p`
