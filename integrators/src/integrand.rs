@@ -1,6 +1,6 @@
 //! What is integrated: the light transport along a path, apart from how it was sampled.
 
-use std::cell::RefCell;
+use std::cell::Cell;
 
 use aether_core::prelude::*;
 use aether_core::strategy::{Dirac, Strategy};
@@ -26,12 +26,33 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     most_geometry: f32,
     /// Whether paths end with what their last vertex emits.
     emission: bool,
-    /// What was seen last.
-    sights: RefCell<[Option<Seen<K>>; 2]>,
+    /// What was seen last, and before that.
+    sights: [Cell<Option<Seen>>; 2],
 }
 
 /// A vertex that was looked for from an eye, and where it is seen if it is.
-type Seen<K> = (Vec3, SceneVertex<K>, Option<Sight>);
+type Seen = (Look, Option<Sight>);
+
+/// Who looks at what: the bits of both positions, and the place of what is seen. What an eye sees of a vertex depends
+/// on nothing else, as the position on a primitive tells the rest of a surface.
+type Look = [u32; 7];
+
+#[inline(always)]
+fn look<K: SceneKind>(eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Look {
+    let place = match &seen.place {
+        Place::Surface(surface) => surface.primitive.0,
+        // Primitives have smaller numbers.
+        Place::Camera => u32::MAX,
+        Place::Parallel(_) => u32::MAX - 1,
+        Place::Backdrop(_) => u32::MAX - 2,
+        Place::Sky(_) => u32::MAX - 3,
+        Place::Bulb(_) => u32::MAX - 4,
+        Place::Distant(_) => u32::MAX - 5,
+    };
+    let (from, to) = (eye.position, seen.position);
+    let [a, b, c] = [from.x.to_bits(), from.y.to_bits(), from.z.to_bits()];
+    [a, b, c, to.x.to_bits(), to.y.to_bits(), to.z.to_bits(), place]
+}
 
 /// Where an eye sees a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +66,7 @@ struct Sight {
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
-        let sights = RefCell::new([None; 2]);
+        let sights = [const { Cell::new(None) }; 2];
         Radiance { world, most_geometry: f32::INFINITY, emission: true, sights }
     }
 
@@ -71,18 +92,19 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// Where an eye sees a vertex, visibility aside; the last two are remembered, as the response and the importance
     /// of a path both follow from it.
     fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
-        let mut sights = self.sights.borrow_mut();
-        for (from, to, sight) in sights.iter().flatten() {
-            if *from == eye.position && *to == *seen {
-                return *sight;
+        let look = look(eye, seen);
+        for sight in &self.sights {
+            if let Some((known, sight)) = sight.get()
+                && known == look
+            {
+                return sight;
             }
         }
         let mut sight = None;
         film_points(self.world, eye, seen, |film, change| {
             sight = Some(Sight { film, change: change() });
         });
-        sights.swap(0, 1);
-        sights[0] = Some((eye.position, *seen, sight));
+        self.sights[1].set(self.sights[0].replace(Some((look, sight))));
         sight
     }
 

@@ -10,6 +10,7 @@ use crate::samplers::{
     SphericalRectangle, SphericalTriangle, spherical_rectangle, spherical_triangle,
 };
 use crate::scene::Rectangle;
+use crate::scene::vectors::try_unit;
 
 /// Triangles and rectangles that fill less than this, area over squared distance, are sampled by area: what that loses is
 /// little there, and it is cheaper and keeps all digits.
@@ -93,8 +94,8 @@ pub fn rectangle_of(
         return None;
     }
     // Axes along the sides, and towards the plane; the middle lies above.
-    let x = a.try_normalize()?;
-    let mut y = (b - x.dot(b) * x).try_normalize()?;
+    let x = try_unit(a)?;
+    let mut y = try_unit(b - x.dot(b) * x)?;
     let mut bottom = y.dot(offset);
     let height = y.dot(b);
     if bottom + 0.5 * height < 0.0 {

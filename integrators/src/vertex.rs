@@ -174,8 +174,12 @@ impl<K: SceneKind> SceneVertex<K> {
     }
 
     /// The primitive that the vertex lies on.
+    #[inline]
     pub fn primitive(&self) -> Option<PrimitiveId> {
-        self.surface().map(|s| s.primitive)
+        match &self.place {
+            Place::Surface(surface) => Some(surface.primitive),
+            _ => None,
+        }
     }
 
     /// Whether it may emit light: a lamp, the sky, or a surface that shines.

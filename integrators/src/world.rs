@@ -8,9 +8,7 @@ use crate::film_filter::FilterTable;
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Form, Lights};
 use crate::scattering::{Material, Scattering};
-use crate::scene::{
-    Camera, Filter, Hit, Primitive, PrimitiveId, Rectangle, Scene, Sky, Tangents, hit,
-};
+use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
 use crate::vertex::{Eye, Place, SceneVertex, Seen, SkyOf, Surface};
 
 /// A scene ready for the strategies.
@@ -99,23 +97,37 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// What a ray from a vertex in direction `w` meets first.
+    #[inline]
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        self.seen(self.trace(from.position, w.vec().into(), from.primitive()))
+        self.seen(from.position, w.vec().into(), from.primitive())
     }
 
     /// What a point of the film of a parallel projection sees.
     pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
         let parallel = self.parallel()?;
-        self.seen(self.trace(parallel.point(film), parallel.forward, None))
+        self.seen(parallel.point(film), parallel.forward, None)
     }
 
-    /// A surface, or the sky behind everything.
-    #[inline]
-    fn seen(&self, surface: Option<Surface<K>>) -> Option<Seen<K>> {
-        match surface {
-            Some(surface) => Some(Seen::Surface(surface)),
+    /// The first surface on a ray that leaves a primitive, or the sky behind everything.
+    fn seen(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Seen<K>> {
+        self.scene.intersect_then(origin, w, from, |hit| match hit {
+            Some(hit) => Some(Seen::Surface(self.surface_at(&hit))),
             // Without a sky that shines there is nothing to see.
             None => self.sky().map(Seen::Sky),
+        })
+    }
+
+    /// The piece of surface at a hit.
+    #[inline(always)]
+    fn surface_at(&self, hit: &Hit) -> Surface<K> {
+        Surface {
+            position: hit.position,
+            normal: hit.geometric_normal,
+            shading: hit.shading_normal,
+            primitive: hit.primitive,
+            emitter: self.piece(hit.primitive).emitter(),
+            uv: K::Textures::field(|| self.texture_coordinates(hit)),
+            tangents: Oriented::<K>::field(|| self.tangents(hit)),
         }
     }
 
@@ -127,16 +139,10 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// The first surface on a ray that leaves a primitive, or none.
     #[inline]
     pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
-        let hit = self.scene.intersect(origin, w, from)?;
-        Some(Surface {
-            position: hit.position,
-            normal: hit.geometric_normal,
-            shading: hit.shading_normal,
-            primitive: hit.primitive,
-            emitter: self.piece(hit.primitive).emitter(),
-            uv: K::Textures::field(|| self.texture_coordinates(&hit)),
-            tangents: Oriented::<K>::field(|| self.tangents(&hit)),
-        })
+        match self.seen(origin, w, from)? {
+            Seen::Surface(surface) => Some(surface),
+            Seen::Sky(_) => None,
+        }
     }
 
     /// The first surface that light from infinitely far away meets, where it comes through the point `p`
@@ -213,15 +219,9 @@ impl<'s, K: SceneKind> World<'s, K> {
     }
 
     /// Whether a flat light shines to the side on which a point lies.
+    #[inline(always)]
     pub fn faces(&self, light: &AreaLight, point: Vec3) -> bool {
-        let on = match light.shape {
-            Form::Rectangle(rectangle) => rectangle.corner,
-            Form::Single(Primitive::Triangle { v0, .. }) => v0,
-            Form::Single(Primitive::Disk { center, .. }) => center,
-            Form::Single(Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => return true,
-        };
-        let normal = self.scene.normal(PrimitiveId(light.emitter.primitive), on);
-        normal.dot(point - on) > 0.0
+        light.flat.as_ref().is_none_or(|flat| flat.faces(point))
     }
 
     /// The piece of a light that a ray in one of the directions in which it is seen meets first.
@@ -233,14 +233,11 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Surface<K>> {
         let (origin, w) = (from.position, w.vec().into());
         let point = match light.shape {
-            Form::Rectangle(Rectangle { corner, a, b }) => {
-                hit::on_plane([corner, corner + a, corner + b], origin, w)?
+            Form::Rectangle(_) | Form::Single(Primitive::Triangle { .. }) => {
+                light.flat.as_ref()?.plane.met_by(origin, w)?
             }
             Form::Single(Primitive::Sphere { center, radius, .. }) => {
                 hit::nearest_on_sphere(origin, w, center, radius)
-            }
-            Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
-                hit::on_plane([v0, v1, v2], origin, w)?
             }
             Form::Single(Primitive::Disk { .. } | Primitive::Cylinder { .. }) => return None,
         };
@@ -249,13 +246,15 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// The piece of surface of a light at a point of it.
     pub fn light_surface(&self, light: &AreaLight, position: Vec3) -> Surface<K> {
-        let mut primitive = PrimitiveId(light.emitter.primitive);
-        if let Form::Rectangle(rectangle) = &light.shape
-            && rectangle.is_beyond_diagonal(position)
-        {
-            primitive.0 += 1;
-        }
-        let normal = self.scene.normal(primitive, position);
+        let is_second = match &light.shape {
+            Form::Rectangle(rectangle) => rectangle.is_beyond_diagonal(position),
+            Form::Single(_) => false,
+        };
+        let primitive = PrimitiveId(light.emitter.primitive + u32::from(is_second));
+        let normal = match &light.flat {
+            Some(flat) => flat.normals[usize::from(is_second)],
+            None => self.scene.normal(primitive, position),
+        };
         // The path ends here: only a texture of the emission matters.
         let uv = K::Textures::field(|| match light.emitter.texture {
             Some(_) => self.scene.texture_coordinates_at(primitive, position),

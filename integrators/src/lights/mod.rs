@@ -7,6 +7,7 @@ use glam::Vec3;
 
 use crate::envmap::EnvironmentTable;
 use crate::kind::{NotCovered, Presence, SceneKind, With};
+use crate::scene::hit::Plane;
 use crate::scene::{Bounds, Emitter, Primitive, PrimitiveId, Rectangle, Scene, Sky};
 use crate::vertex::{Place, SceneVertex, SkyOf};
 
@@ -49,6 +50,45 @@ pub struct AreaLight {
     pub emitter: Emitter,
     /// Its geometry.
     pub shape: Form,
+    /// The plane that it lies in, if it is flat.
+    pub flat: Option<Flat>,
+}
+
+/// What is the same all over a flat light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flat {
+    /// A point of it.
+    pub on: Vec3,
+    /// The unit normals of its primitives; of a single one twice.
+    pub normals: [Vec3; 2],
+    /// Its plane.
+    pub plane: Plane,
+}
+
+impl Flat {
+    /// That of an emitter of this form in a scene; none of a round one.
+    fn of(scene: &Scene, emitter: &Emitter, shape: &Form) -> Option<Flat> {
+        let first = PrimitiveId(emitter.primitive);
+        let (corners, second) = match *shape {
+            Form::Rectangle(Rectangle { corner, a, b }) => {
+                ([corner, corner + a, corner + b], PrimitiveId(first.0 + 1))
+            }
+            Form::Single(Primitive::Triangle { v0, v1, v2 }) => ([v0, v1, v2], first),
+            Form::Single(Primitive::Disk { center, u_axis, v_axis, .. }) => {
+                ([center, center + u_axis, center + v_axis], first)
+            }
+            Form::Single(Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => return None,
+        };
+        let on = corners[0];
+        let normals = [first, second].map(|primitive| scene.normal(primitive, on));
+        Some(Flat { on, normals, plane: Plane::through(corners) })
+    }
+
+    /// Whether it shines to the side on which a point lies.
+    #[inline(always)]
+    pub fn faces(&self, point: Vec3) -> bool {
+        self.normals[0].dot(point - self.on) > 0.0
+    }
 }
 
 /// A light.
@@ -106,7 +146,8 @@ impl<K: SceneKind> Lights<K> {
         let (mut lights, mut powers) = (Vec::new(), Vec::new());
         for (index, emitter) in (0..).zip(&scene.emitters) {
             let shape = Form::of(scene, emitter);
-            let light = K::Area::with(|| AreaLight { index, emitter: *emitter, shape });
+            let flat = Flat::of(scene, emitter, &shape);
+            let light = K::Area::with(|| AreaLight { index, emitter: *emitter, shape, flat });
             lights.push(Light::Area(light.ok_or_else(|| missing("Area"))?));
             powers.push(emitter.power().element_sum());
         }

@@ -109,19 +109,35 @@ pub fn onto_cylinder(point: DVec3, base: Vec3, axis: Vec3, radius: f32) -> Vec3 
     (foot + f64::from(radius) * (point - foot).normalize_or_zero()).as_vec3()
 }
 
-/// Where a ray meets the plane of a triangle, rounded once. `None` where the plane is ill-defined or
-/// parallel to the ray.
-pub fn on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
-    let [o, d] = [origin, direction].map(Vec3::as_dvec3);
-    let normal = double_area_normal(&corners);
-    let t = normal.dot(corners[0].as_dvec3() - o) / normal.dot(d);
-    t.is_finite().then(|| (o + t * d).as_vec3())
+/// The plane of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// A corner.
+    corner: DVec3,
+    /// A normal, twice as long as the area.
+    normal: DVec3,
 }
 
-/// The same for a ray that meets the triangle: rounding does not put the point outside of the box round it.
+impl Plane {
+    /// The plane through three corners.
+    #[inline]
+    pub fn through(corners: [Vec3; 3]) -> Self {
+        Plane { corner: corners[0].as_dvec3(), normal: double_area_normal(&corners) }
+    }
+
+    /// Where a ray meets it, rounded once. `None` where it is ill-defined or parallel to the ray.
+    #[inline]
+    pub fn met_by(&self, origin: Vec3, direction: Vec3) -> Option<Vec3> {
+        let [o, d] = [origin, direction].map(Vec3::as_dvec3);
+        let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
+        t.is_finite().then(|| (o + t * d).as_vec3())
+    }
+}
+
+/// Where a ray that meets a triangle meets its plane, inside of the box round it whatever rounding does.
 pub fn inside_on_plane(corners: [Vec3; 3], origin: Vec3, direction: Vec3) -> Option<Vec3> {
     let [a, b, c] = corners;
-    let point = on_plane(corners, origin, direction)?;
+    let point = Plane::through(corners).met_by(origin, direction)?;
     Some(point.clamp(a.min(b).min(c), a.max(b).max(c)))
 }
 

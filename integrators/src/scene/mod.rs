@@ -41,6 +41,7 @@ mod tree;
 mod tree_build;
 mod upgrade;
 mod values;
+pub(crate) mod vectors;
 pub mod xml;
 
 #[cfg(test)]
@@ -64,8 +65,10 @@ pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 
 use segment::{End, On, RawHit};
+use simd::{Eight, Task};
 use texture::Texture;
 use trace::Tracer;
+use vectors::is_finite;
 
 use crate::work::{count_nearest, count_occlusion};
 
@@ -161,10 +164,8 @@ impl Scene {
     /// The unit normal of a primitive at a point of it.
     #[inline]
     pub fn normal(&self, id: PrimitiveId, point: Vec3) -> Vec3 {
-        match self.primitive(id) {
-            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => round.normal(point),
-            _ => self.facts[id.0 as usize].plane.normal,
-        }
+        let facts = &self.facts[id.0 as usize];
+        if facts.is_round { self.primitive(id).normal(point) } else { facts.plane.normal }
     }
 
     /// The shape that a primitive belongs to.
@@ -189,22 +190,33 @@ impl Scene {
     /// without hitting it again, except through the inside of a sphere.
     ///
     /// No hit is reported for an origin or direction that is not finite or for a direction of 0.
-    #[inline(always)]
     pub fn intersect(
         &self,
         origin: Vec3,
         direction: Vec3,
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
-        let from = End { point: origin, on: skip };
-        let start = skip.map(|id| self.on(id, origin));
+        self.intersect_then(origin, direction, skip, |hit| hit)
+    }
+
+    /// The same with what becomes of the hit or of there being none, which is computed on the way: what is
+    /// not asked of a hit costs nothing.
+    #[inline(always)]
+    pub fn intersect_then<T>(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        skip: Option<PrimitiveId>,
+        then: impl FnOnce(Option<Hit>) -> T,
+    ) -> T {
         count_nearest();
-        let raw = self.tracer.nearest(from, start, direction)?;
-        Some(self.hit(origin, direction, &raw))
+        let ray = Cast { scene: self, from: End { point: origin, on: skip }, direction, then };
+        self.tracer.machine().run(ray)
     }
 
     /// Whether the open segment between two points is free. Each point may lie on a primitive,
     /// which then does not stand in the way, except a sphere whose inside the segment crosses.
+    #[inline(always)]
     pub fn visible(
         &self,
         a: Vec3,
@@ -212,31 +224,42 @@ impl Scene {
         b: Vec3,
         b_primitive: Option<PrimitiveId>,
     ) -> bool {
-        if !(a.is_finite() && b.is_finite()) {
+        if !(is_finite(a) && is_finite(b)) {
             return false;
         }
         count_occlusion();
-        let end =
-            |point, on: Option<PrimitiveId>| (End { point, on }, on.map(|id| self.on(id, point)));
-        self.tracer.unoccluded(end(a, a_primitive), end(b, b_primitive))
+        let (from, to) = (End { point: a, on: a_primitive }, End { point: b, on: b_primitive });
+        self.tracer.machine().run(Between { scene: self, from, to })
     }
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
         count_occlusion();
-        let start = on.map(|id| self.on(id, from));
-        self.tracer.is_open(End { point: from, on }, start, direction)
+        self.tracer.machine().run(Outwards {
+            scene: self,
+            from: End { point: from, on },
+            direction,
+        })
+    }
+
+    /// An end of a ray with the surface that it lies on.
+    #[inline(always)]
+    fn end(&self, end: End) -> (End, Option<On>) {
+        (end, end.on.map(|id| self.on(id, end.point)))
     }
 
     /// A surface at a point of it.
     #[inline(always)]
     fn on(&self, id: PrimitiveId, point: Vec3) -> On {
-        match self.primitive(id) {
-            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => {
-                On::new(round, round.normal(point))
-            }
-            _ => self.facts[id.0 as usize].plane,
-        }
+        let facts = &self.facts[id.0 as usize];
+        if facts.is_round { self.on_round(id, point) } else { facts.plane }
+    }
+
+    // Out of the way of the code for planes.
+    #[inline(never)]
+    fn on_round(&self, id: PrimitiveId, point: Vec3) -> On {
+        let round = self.primitive(id);
+        On::new(round, round.normal(point))
     }
 
     #[inline(always)]
@@ -268,22 +291,21 @@ impl Scene {
             }
             Primitive::Disk { center, u_axis, v_axis, .. } => center + w.x * u_axis + w.y * v_axis,
         };
-        let geometric_normal = match primitive {
-            round @ (Primitive::Sphere { .. } | Primitive::Cylinder { .. }) => {
-                round.normal(position)
-            }
-            _ => facts.plane.normal,
-        };
-        let corners = if facts.is_smooth { self.corner_normals(raw.primitive) } else { None };
-        let shading_normal = corners.map(|[n0, n1, n2]| {
-            (w.x * *n0 + w.y * *n1 + w.z * *n2).try_normalize().unwrap_or(geometric_normal)
-        });
+        let normal = facts.plane.normal;
+        let geometric_normal = if facts.is_round { primitive.normal(position) } else { normal };
+        let mut shading_normal = geometric_normal;
+        if facts.is_smooth
+            && let Some([n0, n1, n2]) = self.corner_normals(raw.primitive)
+            && let Some(normal) = (w.x * *n0 + w.y * *n1 + w.z * *n2).try_normalize()
+        {
+            shading_normal = normal;
+        }
         Hit {
             primitive: raw.primitive,
             t: (position - origin).dot(direction()).max(0.0),
             position,
             geometric_normal,
-            shading_normal: shading_normal.unwrap_or(geometric_normal),
+            shading_normal,
             weights: w,
         }
     }
@@ -337,6 +359,62 @@ impl Scene {
     }
 }
 
+/// Finds what a ray meets first, and what becomes of it.
+struct Cast<'a, F> {
+    scene: &'a Scene,
+    from: End,
+    direction: Vec3,
+    then: F,
+}
+
+impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run<E: Eight>(self, machine: E::Machine) -> T {
+        let (scene, direction) = (self.scene, self.direction);
+        let start = scene.end(self.from);
+        let hit = match scene.tracer.nearest::<E>(machine, start, direction) {
+            Some(raw) => Some(scene.hit(self.from.point, direction, &raw)),
+            None => None,
+        };
+        (self.then)(hit)
+    }
+}
+
+/// Finds whether nothing lies between two points.
+struct Between<'a> {
+    scene: &'a Scene,
+    from: End,
+    to: End,
+}
+
+impl Task for Between<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<E: Eight>(self, machine: E::Machine) -> bool {
+        let (from, to) = (self.scene.end(self.from), self.scene.end(self.to));
+        self.scene.tracer.unoccluded::<E>(machine, from, to)
+    }
+}
+
+/// Finds whether a ray meets nothing.
+struct Outwards<'a> {
+    scene: &'a Scene,
+    from: End,
+    direction: Vec3,
+}
+
+impl Task for Outwards<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run<E: Eight>(self, machine: E::Machine) -> bool {
+        self.scene.tracer.is_open::<E>(machine, self.scene.end(self.from), self.direction)
+    }
+}
+
 /// What is known of a primitive beside its corners.
 #[derive(Clone, Copy, Debug)]
 struct Facts {
@@ -346,6 +424,8 @@ struct Facts {
     size: f32,
     /// The least weight of a corner for which a point of a triangle lies well off all edges.
     margin: f32,
+    /// Whether it is a sphere or a cylinder, of which normals differ from point to point.
+    is_round: bool,
     /// Whether its shape has shading normals.
     is_smooth: bool,
 }
@@ -374,7 +454,8 @@ impl Facts {
             margin = margins(&[v0, v1, v2]).max_element();
         }
         let plane = On::new(primitive, primitive.normal(Vec3::ZERO));
-        Facts { plane, size, margin, is_smooth }
+        let is_round = matches!(primitive, Primitive::Sphere { .. } | Primitive::Cylinder { .. });
+        Facts { plane, size, margin, is_round, is_smooth }
     }
 }
 

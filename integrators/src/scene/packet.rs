@@ -9,6 +9,10 @@ use glam::Vec3;
 use super::model::PrimitiveId;
 use super::simd::{Eight, LANES, Points, abs, cross, max, minus};
 
+/// The coordinates in the order in which the third one is the longest of a direction: two rows for each, for directions
+/// that go up along it and for those that go down, for which the others change places to keep the handedness.
+const TURNS: [[usize; 3]; 6] = [[1, 2, 0], [2, 1, 0], [2, 0, 1], [0, 2, 1], [0, 1, 2], [1, 0, 2]];
+
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
@@ -27,26 +31,17 @@ impl Ray {
     #[inline(always)]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         let size = direction.abs();
-        let z = if size.x >= size.y && size.x >= size.z {
+        let longest = if size.x >= size.y && size.x >= size.z {
             0
         } else if size.y >= size.z {
             1
         } else {
             2
         };
-        let turned = |v: Vec3| match z {
-            0 => [v.y, v.z, v.x],
-            1 => [v.z, v.x, v.y],
-            _ => [v.x, v.y, v.z],
-        };
-        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
-        let (mut along, [mut dx, mut dy, dz]) = (turned(origin), turned(direction));
-        if dz < 0.0 {
-            std::mem::swap(&mut x, &mut y);
-            std::mem::swap(&mut dx, &mut dy);
-            along.swap(0, 1);
-        }
-        Self { origin, direction, axes: [x, y, z], along, shear: Vec3::new(dx, dy, 1.0) / dz }
+        let (o, d) = (origin.to_array(), direction.to_array());
+        let [x, y, z] = TURNS[2 * longest + usize::from(d[longest] < 0.0)];
+        let (along, shear) = ([o[x], o[y], o[z]], Vec3::new(d[x], d[y], 1.0) / d[z]);
+        Self { origin, direction, axes: [x, y, z], along, shear }
     }
 }
 
@@ -93,14 +88,16 @@ impl Packet {
         PrimitiveId(self.ids[lane])
     }
 
-    /// The corners of the box around the triangle in a lane.
+    /// Whether a point lies in the box around the triangle in a lane, or no further out than the padding.
+    #[cold]
     #[inline(never)]
-    pub fn bounds(&self, lane: usize) -> (Vec3, Vec3) {
+    pub fn is_next_to(&self, lane: usize, point: Vec3, padding: f32) -> bool {
         let [a, b, c] = self.corners.each_ref().map(|corner| {
             let [x, y, z] = corner.each_ref().map(|numbers| numbers[lane]);
             Vec3::new(x, y, z)
         });
-        (a.min(b).min(c), a.max(b).max(c))
+        let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+        point.cmpge(min - padding).all() && point.cmple(max + padding).all()
     }
 
     /// Where the line along the ray meets the triangles but two of them, from either side, at most at a finite distance

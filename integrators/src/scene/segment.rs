@@ -6,6 +6,7 @@ use super::hit;
 use super::model::{Primitive, PrimitiveId};
 use super::packet::{Meetings, Packet, Ray, t_errors};
 use super::simd::{Eight, Plain, Points, abs, dot, same};
+use super::vectors::{is_finite, try_unit};
 
 /// Bound of the rounding error of surface points relative to the coordinates of their primitive.
 const LIFT: f32 = 4.0 * f32::EPSILON;
@@ -60,7 +61,26 @@ pub struct RawHit {
     pub weights: Vec3,
 }
 
+impl RawHit {
+    /// What stands for no hit: it [`gives way`](RawHit::gives_way_to) to every hit.
+    pub const NONE: Self =
+        Self { primitive: PrimitiveId(NOTHING), t: f32::MAX, weights: Vec3::ZERO };
+
+    /// The hit, if it is one.
+    #[inline(always)]
+    pub fn found(self) -> Option<Self> {
+        (self.primitive.0 != NOTHING).then_some(self)
+    }
+
+    /// Whether a hit of `primitive` at the distance `t` counts rather than this one.
+    #[inline(always)]
+    pub fn gives_way_to(&self, primitive: PrimitiveId, t: f32) -> bool {
+        t < self.t || (t == self.t && primitive.0 < self.primitive.0)
+    }
+}
+
 /// A ray or segment in the scaled scene.
+#[derive(Clone, Copy)]
 pub struct Segment {
     /// The ray along it.
     pub ray: Ray,
@@ -84,6 +104,7 @@ pub struct Segment {
 /// one: a ray that leaves the front of a surface meets the front of the other wall of a corner,
 /// perhaps a little before its start, and the back of a surface that it should have started in
 /// front of.
+#[derive(Clone, Copy)]
 struct Contact {
     /// Whether the segment runs along the normal of the surface rather than against it.
     along_normal: bool,
@@ -95,25 +116,23 @@ impl Contact {
         Some(Self { along_normal: surface?.normal.dot(direction) > 0.0 })
     }
 
-    /// Which planes met at distances of `t` from this end stand in the way. `error` bounds how far the ends and
-    /// planes are off, times the lengths of the normals, `rise` how fast the segment goes through along the normals.
+    /// Which planes met at some height above this end stand in the way. `error` bounds how far the ends and
+    /// planes are off, as heights, and the segment goes through the planes that it `rises` through along the normals.
     #[inline(always)]
-    fn is_met<E: Eight>(&self, machine: E::Machine, t: E, error: E, rise: E) -> u32 {
-        let front = self.is_front(machine, rise);
-        let height = t * rise.abs();
+    fn is_met<E: Eight>(&self, machine: E::Machine, height: E, error: E, rises: u32) -> u32 {
+        let front = self.is_front(rises);
         let before = (E::splat(machine, 0.0) - error).below(height);
         (front & before) | (!front & error.below(height))
     }
 
-    /// Of which planes errors may decide: fronts behind the end, and backs before it.
+    /// Of which planes errors may decide: fronts behind the end, and backs that lie `before` it.
     #[inline(always)]
-    fn is_doubtful<E: Eight>(&self, machine: E::Machine, t: E, rise: E) -> u32 {
-        self.is_front(machine, rise) ^ E::splat(machine, 0.0).below(t * rise.abs())
+    fn is_doubtful(&self, before: u32, rises: u32) -> u32 {
+        self.is_front(rises) ^ before
     }
 
     #[inline(always)]
-    fn is_front<E: Eight>(&self, machine: E::Machine, rise: E) -> u32 {
-        let rises = E::splat(machine, 0.0).below(rise);
+    fn is_front(&self, rises: u32) -> u32 {
         if self.along_normal { !rises } else { rises }
     }
 }
@@ -122,8 +141,8 @@ impl Segment {
     /// A ray from a point; none if that or the direction is no number. `scale` is that of the scene.
     #[inline(always)]
     pub fn new(scale: f32, from: End, start: Option<On>, direction: Vec3) -> Option<Self> {
-        let direction = direction.try_normalize()?;
-        if !from.point.is_finite() {
+        let direction = try_unit(direction)?;
+        if !is_finite(from.point) {
             return None;
         }
         Some(Self {
@@ -142,7 +161,7 @@ impl Segment {
         let towards = to.0.point - from.0.point;
         let a = lifted(from.0.point, from.1, towards);
         let offset = lifted(to.0.point, to.1, -towards) - a;
-        let direction = offset.try_normalize()?;
+        let direction = try_unit(offset)?;
         Some(Self {
             ray: Ray::new(a * scale, direction),
             start: Contact::new(from.1, direction),
@@ -163,13 +182,11 @@ impl Segment {
     /// that it runs along is met within rounding anywhere.
     #[inline(always)]
     pub fn is_real(&self, packet: &Packet, lane: usize, t: f32, padding: f32) -> bool {
-        let nearest = t.max(0.0).min(self.length);
-        if nearest == t {
+        if t >= 0.0 && t <= self.length {
             return true;
         }
-        let point = self.ray.origin + nearest * self.ray.direction;
-        let (min, max) = packet.bounds(lane);
-        point.cmpge(min - padding).all() && point.cmple(max + padding).all()
+        let nearest = t.max(0.0).min(self.length);
+        packet.is_next_to(lane, self.ray.origin + nearest * self.ray.direction, padding)
     }
 
     /// The triangles of a packet that are met within the segment, and no further than the limit, but for those that it
@@ -253,29 +270,33 @@ impl Segment {
         t: E,
         planes: &impl Planes<E>,
     ) -> u32 {
-        let length = E::splat(machine, self.length);
+        let (zero, length) = (E::splat(machine, 0.0), E::splat(machine, self.length));
         let normals = planes.normals(machine);
         let rise = dot(&normals, &same(machine, self.ray.direction));
-        let doubtful = |contact: &Option<Contact>, t| match contact {
-            Some(contact) => contact.is_doubtful(machine, t, rise),
-            None => 0,
-        };
-        let mut error = E::splat(machine, 0.0);
-        if met & (doubtful(&self.start, t) | doubtful(&self.end, length - t)) != 0 {
-            let (size, t_error) = planes.errors(machine);
-            let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&normals), &size);
-            error = off + t_error * rise.abs();
-        }
-        let after_start = match &self.start {
-            Some(start) => start.is_met(machine, t, error, rise),
-            None => E::splat(machine, 0.0).below(t),
-        };
+        let (rises, steepness) = (zero.below(rise), rise.abs());
         // Seen from the end, the segment runs the other way.
-        let before_end = match &self.end {
-            Some(end) => end.is_met(machine, length - t, error, rise),
+        let heights = [t * steepness, (length - t) * steepness];
+        let after = match self.start {
+            Some(_) => zero.below(heights[0]),
+            None => zero.below(t),
+        };
+        let before = match self.end {
+            Some(_) => zero.below(heights[1]),
             None => t.below(length),
         };
-        met & after_start & before_end
+        let doubtful = |contact: &Option<Contact>, sure| {
+            contact.as_ref().map_or(0, |contact| contact.is_doubtful(sure, rises))
+        };
+        if met & (doubtful(&self.start, after) | doubtful(&self.end, before)) == 0 {
+            return met & after & before;
+        }
+        let (size, t_error) = planes.errors(machine);
+        let off = E::splat(machine, 4.0 * LIFT) * dot(&abs(&normals), &size);
+        let error = off + t_error * steepness;
+        let is_met = |contact: &Option<Contact>, height, sure| {
+            contact.as_ref().map_or(sure, |contact| contact.is_met(machine, height, error, rises))
+        };
+        met & is_met(&self.start, heights[0], after) & is_met(&self.end, heights[1], before)
     }
 }
 

@@ -4,7 +4,7 @@ use super::simd::LANES;
 use super::tree::Child;
 
 /// More than a ray through an ordinary tree needs. As many are still cleared by a few stores in place.
-const ENTRIES: usize = 48;
+const ENTRIES: usize = 32;
 
 /// A child and where the ray enters it, as a number that is greater for what is further away.
 #[derive(Clone, Copy)]
@@ -65,6 +65,8 @@ impl Stack {
             self.sink();
         }
         let first = self.len;
+        // Apart from the stack, which is in memory.
+        let mut len = first;
         let mut taken = || {
             let lane = lanes.trailing_zeros() as usize % LANES;
             lanes &= lanes.wrapping_sub(1);
@@ -75,14 +77,15 @@ impl Stack {
             let (new, more) = taken();
             let is_farther = SORTED && nearest.0 < new.0;
             let (near, far) = if is_farther { (nearest, new) } else { (new, nearest) };
-            let mut place = self.len;
+            let mut place = len;
             while SORTED && place > first && self.entries[place - 1].0 < far.0 {
                 self.entries[place] = self.entries[place - 1];
                 place -= 1;
             }
             self.entries[place] = far;
-            (nearest, self.len) = (near, self.len + 1);
+            (nearest, len) = (near, len + 1);
             if !more {
+                self.len = len;
                 return nearest;
             }
         }

@@ -16,7 +16,7 @@ use obvhs::aabb::Aabb;
 use super::model::{Primitive, PrimitiveId};
 use super::packet::{Meetings, Packet};
 use super::segment::{End, Item, On, RawHit, Segment};
-use super::simd::{Eight, LANES, Machine, Task};
+use super::simd::{Eight, LANES, Machine};
 use super::tree::{Below, Slabs, Tree, Visitor};
 use super::tree_build::{Boxed, build};
 
@@ -87,27 +87,58 @@ impl Tracer {
         Self { machine: Machine::Any, ..self }
     }
 
+    /// What runs the tasks in which rays are followed.
+    #[inline(always)]
+    pub fn machine(&self) -> Machine {
+        self.machine
+    }
+
     /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
     #[inline(always)]
-    pub fn nearest(&self, from: End, start: Option<On>, direction: Vec3) -> Option<RawHit> {
+    pub fn nearest<E: Eight>(
+        &self,
+        machine: E::Machine,
+        (from, start): (End, Option<On>),
+        direction: Vec3,
+    ) -> Option<RawHit> {
         let query = Segment::new(self.scale, from, start, direction)?;
-        let hit = self.machine.run(Nearest { tracer: self, query: &query, best: None })?;
+        let ray = Slabs::new(query.ray.origin, query.ray.direction);
+        let mut nearest = Nearest { tracer: self, query: &query, best: RawHit::NONE };
+        self.tree.walk::<E, true>(machine, &ray, f32::MAX, &mut nearest);
+        let hit = nearest.best.found()?;
         Some(RawHit { t: hit.t * self.unit, ..hit })
     }
 
     /// Whether a ray has no hit, as [`Tracer::nearest`] would find out by looking for the nearest one.
-    pub fn is_open(&self, from: End, start: Option<On>, direction: Vec3) -> bool {
-        let query = Segment::new(self.scale, from, start, direction);
-        query.is_none_or(|query| {
-            !self.machine.run(Any { tracer: self, query: &query, found: false })
-        })
+    #[inline(always)]
+    pub fn is_open<E: Eight>(
+        &self,
+        machine: E::Machine,
+        (from, start): (End, Option<On>),
+        direction: Vec3,
+    ) -> bool {
+        let Some(query) = Segment::new(self.scale, from, start, direction) else { return true };
+        !self.meets_any::<E>(machine, &query)
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
     #[inline(always)]
-    pub fn unoccluded(&self, from: (End, Option<On>), to: (End, Option<On>)) -> bool {
+    pub fn unoccluded<E: Eight>(
+        &self,
+        machine: E::Machine,
+        from: (End, Option<On>),
+        to: (End, Option<On>),
+    ) -> bool {
         let Some(query) = Segment::between(self.scale, from, to) else { return true };
-        !self.machine.run(Any { tracer: self, query: &query, found: false })
+        !self.meets_any::<E>(machine, &query)
+    }
+
+    #[inline(always)]
+    fn meets_any<E: Eight>(&self, machine: E::Machine, query: &Segment) -> bool {
+        let ray = Slabs::new(query.ray.origin, query.ray.direction);
+        let mut any = Any { tracer: self, query, found: false };
+        self.tree.walk::<E, false>(machine, &ray, query.length.min(f32::MAX), &mut any);
+        any.found
     }
 }
 
@@ -115,18 +146,7 @@ impl Tracer {
 struct Nearest<'a> {
     tracer: &'a Tracer,
     query: &'a Segment,
-    best: Option<RawHit>,
-}
-
-impl Task for Nearest<'_> {
-    type Output = Option<RawHit>;
-
-    #[inline(always)]
-    fn run<E: Eight>(mut self, machine: E::Machine) -> Option<RawHit> {
-        let ray = Slabs::new(self.query.ray.origin, self.query.ray.direction);
-        self.tracer.tree.walk::<E, true>(machine, &ray, f32::MAX, &mut self);
-        self.best
-    }
+    best: RawHit,
 }
 
 impl Visitor for Nearest<'_> {
@@ -140,25 +160,21 @@ impl Visitor for Nearest<'_> {
                 }
             }
             Below::Other(index) => {
-                if let Some(hit) = self.query.test(&self.tracer.others[index]) {
-                    self.take(hit);
+                // A copy, so that the query itself need not be in memory for triangles.
+                let query = *self.query;
+                if let Some(hit) = query.test(&self.tracer.others[index])
+                    && self.best.gives_way_to(hit.primitive, hit.t)
+                {
+                    self.best = hit;
                 }
             }
             Below::Node(_) => {}
         }
-        self.best.as_ref().map_or(f32::MAX, |best| best.t)
+        self.best.t
     }
 }
 
 impl Nearest<'_> {
-    #[inline(always)]
-    fn take(&mut self, hit: RawHit) {
-        let is_first = |best: &RawHit| (hit.t, hit.primitive.0) < (best.t, best.primitive.0);
-        if self.best.as_ref().is_none_or(is_first) {
-            self.best = Some(hit);
-        }
-    }
-
     #[inline(always)]
     fn take_nearest<E: Eight>(&mut self, packet: &Packet, meetings: &Meetings<E>) {
         let t = meetings.t.to_array();
@@ -168,10 +184,12 @@ impl Nearest<'_> {
         while met != 0 {
             let lane = met.trailing_zeros() as usize % LANES;
             met &= met - 1;
-            let primitive = packet.id(lane);
-            if self.query.is_real(packet, lane, t[lane], self.tracer.padding) {
+            let (primitive, distance) = (packet.id(lane), t[lane].max(0.0));
+            if self.best.gives_way_to(primitive, distance)
+                && self.query.is_real(packet, lane, t[lane], self.tracer.padding)
+            {
                 let weights = Vec3::new(u[lane], v[lane], w[lane]);
-                self.take(RawHit { primitive, t: t[lane].max(0.0), weights });
+                self.best = RawHit { primitive, t: distance, weights };
             }
         }
     }
@@ -184,18 +202,6 @@ struct Any<'a> {
     found: bool,
 }
 
-impl Task for Any<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<E: Eight>(mut self, machine: E::Machine) -> bool {
-        let ray = Slabs::new(self.query.ray.origin, self.query.ray.direction);
-        let length = self.query.length.min(f32::MAX);
-        self.tracer.tree.walk::<E, false>(machine, &ray, length, &mut self);
-        self.found
-    }
-}
-
 impl Visitor for Any<'_> {
     #[inline(always)]
     fn visit<E: Eight>(&mut self, machine: E::Machine, leaf: Below, limit: f32) -> f32 {
@@ -206,7 +212,10 @@ impl Visitor for Any<'_> {
                 let meetings = self.query.meet::<E>(machine, packet, f32::MAX);
                 meetings.is_some_and(|meetings| self.is_any_real(packet, &meetings))
             }
-            Below::Other(index) => self.query.test(&self.tracer.others[index]).is_some(),
+            Below::Other(index) => {
+                let query = *self.query;
+                query.test(&self.tracer.others[index]).is_some()
+            }
             Below::Node(_) => false,
         };
         if self.found { -1.0 } else { limit }

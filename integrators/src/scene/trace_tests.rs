@@ -5,6 +5,7 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 
 use super::segment::{End, On, RawHit};
+use super::simd::{Eight, Task};
 use super::trace::Tracer;
 use super::{Hit, Primitive, PrimitiveId, Scene};
 
@@ -76,6 +77,45 @@ fn free(point: Vec3) -> End {
     End { point, on: None }
 }
 
+type Start = (End, Option<On>);
+
+/// Whether rays meet anything, as tasks of the machine.
+enum Query {
+    Ray(Start, Vec3),
+    Segment(Start, Start),
+}
+
+impl Task for (&Tracer, Query) {
+    type Output = bool;
+
+    fn run<E: Eight>(self, machine: E::Machine) -> bool {
+        match self.1 {
+            Query::Ray(from, direction) => self.0.is_open::<E>(machine, from, direction),
+            Query::Segment(from, to) => self.0.unoccluded::<E>(machine, from, to),
+        }
+    }
+}
+
+impl Task for (&Tracer, Start, Vec3) {
+    type Output = Option<RawHit>;
+
+    fn run<E: Eight>(self, machine: E::Machine) -> Option<RawHit> {
+        self.0.nearest::<E>(machine, self.1, self.2)
+    }
+}
+
+fn nearest(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> Option<RawHit> {
+    tracer.machine().run((tracer, (from, on), direction))
+}
+
+fn is_open(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> bool {
+    tracer.machine().run((tracer, Query::Ray((from, on), direction)))
+}
+
+fn unoccluded(tracer: &Tracer, from: Start, to: Start) -> bool {
+    tracer.machine().run((tracer, Query::Segment(from, to)))
+}
+
 #[test]
 fn no_ray_leaks_through_edges_or_corners() {
     let triangles = icosphere(4);
@@ -97,9 +137,9 @@ fn no_ray_leaks_through_edges_or_corners() {
                     // From inside every ray must hit. From outside only those that do not aim at
                     // the silhouette: the centre is on the line, nearly.
                     let from = if round % 4 == 0 { offset } else { inside };
-                    leaks += u32::from(tracer.nearest(free(from), None, target - from).is_none());
+                    leaks += u32::from(nearest(&tracer, free(from), None, target - from).is_none());
                     let through = 0.5 * (target + offset);
-                    let hit = tracer.nearest(free(outside), None, through - outside);
+                    let hit = nearest(&tracer, free(outside), None, through - outside);
                     leaks += u32::from(hit.is_none());
                 }
             }
@@ -185,7 +225,7 @@ fn nearest_hits_agree_with_brute_force() {
     let (mut hits, mut differences) = (0, 0);
     for _ in 0..20_000 {
         let (o, d) = (1.5 * random.in_cube(), random.direction());
-        let found = tracer.nearest(free(o), None, d);
+        let found = nearest(&tracer, free(o), None, d);
         match (found, brute_force(&primitives, o, d)) {
             (None, None) => {}
             (Some(hit), Some((index, t))) if hit.primitive.0 as usize == index => {
@@ -216,9 +256,9 @@ fn occlusion_agrees_with_the_nearest_hit() {
     let (mut blocked, mut differences) = (0, 0);
     for _ in 0..20_000 {
         let (a, b) = (random.in_cube(), random.in_cube());
-        let nearest = tracer.nearest(free(a), None, b - a);
-        let expected = nearest.is_none_or(|hit| hit.t >= a.distance(b));
-        let found = tracer.unoccluded((free(a), None), (free(b), None));
+        let first = nearest(&tracer, free(a), None, b - a);
+        let expected = first.is_none_or(|hit| hit.t >= a.distance(b));
+        let found = unoccluded(&tracer, (free(a), None), (free(b), None));
         blocked += u32::from(!found);
         differences += u32::from(found != expected);
     }
@@ -237,8 +277,8 @@ fn hits_do_not_depend_on_the_unit_of_length() {
         let mut differences = 0;
         for _ in 0..5_000 {
             let (o, d) = (1.5 * random.in_cube(), random.direction());
-            let expected = reference.nearest(free(o), None, d);
-            let found = tracer.nearest(free(o * scale), None, d);
+            let expected = nearest(&reference, free(o), None, d);
+            let found = nearest(&tracer, free(o * scale), None, d);
             match (expected, found) {
                 (None, None) => {}
                 (Some(a), Some(b)) if a.primitive == b.primitive => {
@@ -276,11 +316,11 @@ fn hits_do_not_depend_on_the_machine() {
             _ => (free(random.in_cube()), None),
         };
         let found = [&here, &anywhere].map(|tracer| {
-            let nearest = tracer.nearest(from, on, d).map(all).map(bits);
-            let open = tracer.is_open(from, on, d);
+            let first = nearest(tracer, from, on, d).map(all).map(bits);
+            let open = is_open(tracer, from, on, d);
             // The nearest hit and whether there is any are one question.
-            assert_eq!(open, nearest.is_none(), "{from:?} {d}");
-            (nearest, tracer.unoccluded((from, on), (free(to), None)))
+            assert_eq!(open, first.is_none(), "{from:?} {d}");
+            (first, unoccluded(tracer, (from, on), (free(to), None)))
         });
         assert_eq!(found[0], found[1], "{from:?} {d}");
     }
@@ -480,7 +520,7 @@ fn many_coincident_primitives_are_no_trouble() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let primitives = primitives(&[triangle; 20_000]);
     let tracer = Tracer::new(&primitives, Vec3::ZERO);
-    let hit = tracer.nearest(free(Vec3::new(0.2, 0.2, 1.0)), None, -Vec3::Z).unwrap();
+    let hit = nearest(&tracer, free(Vec3::new(0.2, 0.2, 1.0)), None, -Vec3::Z).unwrap();
     assert!((hit.t - 1.0).abs() < 1e-6);
     let weights = DVec3::new(0.6, 0.2, 0.2);
     assert!((hit.weights.as_dvec3() - weights).length() < 1e-6);
