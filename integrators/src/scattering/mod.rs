@@ -233,7 +233,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     /// A quantity of the parts of the material that are seen, each by its share of the light.
-    #[inline]
+    #[inline(always)]
     fn mixed(&self, of: impl Fn(&Model<K>, &Pose<K>) -> Vec3) -> Vec3 {
         let seen = |model: &Model<K>, pose: &Pose<K>| {
             if pose.is_seen() { of(model, pose) } else { Vec3::ZERO }
