@@ -76,26 +76,22 @@ pub trait Discrete<R: Scalar> {
 
     /// Calls `visit` with each outcome of positive probability, once an index, and its probability.
     fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
-        self.for_each_choice(|choice| visit(choice.item, choice.probability));
+        self.possible(|_| true).for_each(|choice| visit(choice.item, choice.probability));
     }
 
-    /// [`Discrete::for_each`], with the indices.
+    /// The outcomes of positive probability, each index once. Those with items of which `matters` does not hold may
+    /// be left out.
     #[inline]
-    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        let choices = (0..self.len()).filter_map(|i| self.get(i));
-        choices.filter(|choice| choice.probability > R::ZERO).for_each(visit);
-    }
-
-    /// [`Discrete::for_each_choice`] for one who has nothing to do for items of which `matters` does not hold: they
-    /// may be left out.
-    #[inline(always)]
-    fn for_each_that<'a>(
+    fn possible<'a>(
         &'a self,
         matters: impl Fn(Self::Item<'a>) -> bool,
-        visit: impl FnMut(Choice<Self::Item<'a>, R>),
-    ) {
+    ) -> impl Iterator<Item = Choice<Self::Item<'a>, R>>
+    where
+        Self: 'a,
+    {
         let _ = matters;
-        self.for_each_choice(visit);
+        let choices = (0..self.len()).filter_map(|i| self.get(i));
+        choices.filter(|choice| choice.probability > R::ZERO)
     }
 }
 
@@ -156,17 +152,14 @@ impl<'b, R: Scalar, D: Discrete<R>> Discrete<R> for &'b D {
     }
 
     #[inline]
-    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        D::for_each_choice(*self, visit);
-    }
-
-    #[inline(always)]
-    fn for_each_that<'a>(
+    fn possible<'a>(
         &'a self,
         matters: impl Fn(Self::Item<'a>) -> bool,
-        visit: impl FnMut(Choice<Self::Item<'a>, R>),
-    ) {
-        D::for_each_that(*self, matters, visit);
+    ) -> impl Iterator<Item = Choice<Self::Item<'a>, R>>
+    where
+        Self: 'a,
+    {
+        D::possible(*self, matters)
     }
 }
 
@@ -400,30 +393,39 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
     }
 
     #[inline(always)]
-    fn for_each_choice<'a>(&'a self, visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
-        self.for_each_that(|_| true, visit);
-    }
-
-    /// One call for both sides, because what is visited is mostly more than compilers repeat. Where only one of them
-    /// matters, compilers know it and drop the loop.
-    #[inline(always)]
-    fn for_each_that<'a>(
+    fn possible<'a>(
         &'a self,
         matters: impl Fn(Self::Item<'a>) -> bool,
-        mut visit: impl FnMut(Choice<Self::Item<'a>, R>),
-    ) {
+    ) -> impl Iterator<Item = Choice<Self::Item<'a>, R>>
+    where
+        Self: 'a,
+    {
         let below = R::ONE - self.p;
         let misses = matters(false) && below > R::ZERO;
         let hits = matters(true) && self.p > R::ZERO;
-        let mut item = !misses;
-        while !item || hits {
-            let probability = if item { self.p } else { below };
-            visit(Choice { index: usize::from(item), item, probability });
-            if item {
-                return;
-            }
-            item = true;
+        Sides { below, above: self.p, misses, hits }
+    }
+}
+
+/// The sides of a coin that it can show.
+struct Sides<R> {
+    below: R,
+    above: R,
+    misses: bool,
+    hits: bool,
+}
+
+impl<R: Scalar> Iterator for Sides<R> {
+    type Item = Choice<bool, R>;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<Choice<bool, R>> {
+        if self.misses {
+            self.misses = false;
+            return Some(Choice { index: 0, item: false, probability: self.below });
         }
+        let hits = core::mem::take(&mut self.hits);
+        hits.then_some(Choice { index: 1, item: true, probability: self.above })
     }
 }
 

@@ -140,21 +140,20 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     (x, y): (&S::Point, &M::Target),
     valid: R::Mask,
 ) -> R {
-    shared(|| sampler.pdf_as_is(x).value(), map, (x, y), valid)
+    if !valid.any() {
+        return R::ZERO;
+    }
+    pulled(sampler.pdf_as_is(x).value(), map, (x, y), valid)
 }
 
-/// The same for a sampler with this `density` at `x`.
+/// The density at `y` by way of a preimage `x` at which it is `p`.
 #[inline(always)]
-fn shared<R: Real, M: Map<R>>(
-    density: impl FnOnce() -> R,
+fn pulled<R: Real, M: Map<R>>(
+    p: R,
     map: &M,
     (x, y): (&M::Source, &M::Target),
     valid: R::Mask,
 ) -> R {
-    if !valid.any() {
-        return R::ZERO;
-    }
-    let p = density();
     let inside = valid.and(p.gt(R::ZERO));
     // Where the sampler has no density the map need not have a derivative.
     if !inside.any() {
@@ -225,8 +224,10 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
     fn pdf_near(&self, y: &M::Target, errors: Errors<'_, M::Target, R>) -> PdfOf<Self, R> {
         let mut sum = R::ZERO;
         self.second.preimages_near(y, errors, |x, errors, valid| {
-            let density = || self.first.pdf_near(&x, errors).value();
-            sum += shared(density, &self.second, (&x, y), valid);
+            if valid.any() {
+                let density = self.first.pdf_near(&x, errors).value();
+                sum += pulled(density, &self.second, (&x, y), valid);
+            }
         });
         Density::new(sum)
     }

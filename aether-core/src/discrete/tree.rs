@@ -228,22 +228,32 @@ impl<'t, T: Ord, N, R: Scalar, I: Importance<N, R>> Discrete<R> for TreeView<'t,
 
     /// In time proportional to the number of leaves that are possible: parts of probability zero are
     /// not entered.
-    fn for_each_choice<'a>(&'a self, mut visit: impl FnMut(Choice<Self::Item<'a>, R>)) {
+    fn possible<'a>(
+        &'a self,
+        _: impl Fn(Self::Item<'a>) -> bool,
+    ) -> impl Iterator<Item = Choice<Self::Item<'a>, R>>
+    where
+        Self: 'a,
+    {
         let mut waiting = vec![(0, 1.0)];
-        while let Some((node, p)) = waiting.pop() {
-            match self.tree.nodes[node].kind {
-                Kind::Leaf(index) => {
-                    let index = index as usize;
-                    let item = &self.tree.leaves[index].item;
-                    visit(Choice { index, item, probability: R::of(p) });
-                }
-                Kind::Branch([left, right]) => {
-                    let share = self.left([left, right]);
-                    let parts = [(right as usize, p * (1.0 - share)), (left as usize, p * share)];
-                    waiting.extend(parts.into_iter().filter(|(_, p)| R::of(*p) > R::ZERO));
+        core::iter::from_fn(move || {
+            while let Some((node, p)) = waiting.pop() {
+                match self.tree.nodes[node].kind {
+                    Kind::Leaf(index) => {
+                        let index = index as usize;
+                        let item = &self.tree.leaves[index].item;
+                        return Some(Choice { index, item, probability: R::of(p) });
+                    }
+                    Kind::Branch([left, right]) => {
+                        let share = self.left([left, right]);
+                        let parts =
+                            [(right as usize, p * (1.0 - share)), (left as usize, p * share)];
+                        waiting.extend(parts.into_iter().filter(|(_, p)| R::of(*p) > R::ZERO));
+                    }
                 }
             }
-        }
+            None
+        })
     }
 
     fn get(&self, index: usize) -> Option<Choice<&'t T, R>> {

@@ -154,8 +154,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     /// directions, and of the atoms those that point nearest to it.
     #[inline(always)]
     pub fn leading_to(&self, w: Option<Vec3>) -> impl Iterator<Item = usize> + use<K> {
-        // A bit for each lobe; there are few. Most kinds of surfaces have no atoms.
-        let leading = if Specular::<K>::VALUE.is_some() { self.bits_leading_to(w) } else { !0 };
+        // A bit for each lobe; there are few. Most surfaces have no atoms.
+        let leading = if self.side.is_specular() { self.bits_leading_to(w) } else { !0 };
         (0..self.count()).filter(move |index| leading >> index & 1 == 1)
     }
 

@@ -4,7 +4,9 @@
 use glam::Vec3;
 
 use super::rough_plastic::Coat;
-use crate::kind::{NotCovered, Part, PlasticOf, Presence, RoughPlasticOf, SceneKind, With};
+use crate::kind::{
+    NotCovered, Part, PlasticOf, Presence, RoughPlasticOf, SceneKind, Specular, With,
+};
 use crate::scene::bsdf::{Bsdf, Bump, Plastic, RoughPlastic};
 use crate::scene::texture::Grey;
 
@@ -75,6 +77,8 @@ pub struct Side<K: SceneKind> {
     pub varied: bool,
     /// Whether the frame follows the texture coordinates.
     pub oriented: bool,
+    /// Whether there are mirrors, panes or holes: lobes that are atoms.
+    specular: bool,
 }
 
 impl<K: SceneKind> Model<K> {
@@ -82,6 +86,22 @@ impl<K: SceneKind> Model<K> {
     #[inline]
     pub fn is_black(&self) -> bool {
         matches!(self, Model::Black)
+    }
+
+    /// Whether it has lobes that are atoms.
+    fn is_specular(&self) -> bool {
+        match self {
+            Model::Conductor(_)
+            | Model::Dielectric(_)
+            | Model::ThinDielectric(_)
+            | Model::Plastic(_) => true,
+            Model::Black
+            | Model::Diffuse(_)
+            | Model::RoughConductor(_)
+            | Model::RoughDielectric(_)
+            | Model::RoughPlastic(_)
+            | Model::Phong(_) => false,
+        }
     }
 
     /// Whether no light gets to the other side.
@@ -100,6 +120,12 @@ impl<K: SceneKind> Side<K> {
             Some((_, others)) if K::Blend::VALUE.is_some() => others,
             _ => &[],
         }
+    }
+
+    /// Whether lobes are atoms.
+    #[inline(always)]
+    pub fn is_specular(&self) -> bool {
+        Specular::<K>::VALUE.is_some() && self.specular
     }
 
     /// Whether there are other parts or holes.
@@ -154,8 +180,10 @@ fn side<K: SceneKind>(bsdf: &Bsdf, front: bool) -> Result<Side<K>, NotCovered> {
     let base = layers.next().unwrap_or(black);
     let others: Box<[_]> = layers.collect();
     let varied = others.iter().any(|layer| layer.bump != base.bump);
+    let is_specular = |layer: &Layer<K>| layer.model.is_specular();
+    let specular = holes.is_some() || is_specular(&base) || others.iter().any(is_specular);
     let more = blend.filter(|_| !others.is_empty()).map(|present| (present, others));
-    Ok(Side { base, more, holes, varied, oriented })
+    Ok(Side { base, more, holes, varied, oriented, specular })
 }
 
 /// What is around a part of a material.

@@ -85,7 +85,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             return None;
         }
         let spot = K::Textures::field(|| ground.spot);
-        let plain = Scattering {
+        let mut scattering = Scattering {
             side,
             pose,
             behind,
@@ -94,7 +94,10 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             shares: Default::default(),
             ground: K::Blend::field(|| side.varied.then_some(ground)),
         };
-        Some(Scattering { shares: Mixtures::<K>::field(|| plain.shares_here()), ..plain })
+        // In place, because there is much in it.
+        let shares = Mixtures::<K>::field(|| scattering.shares_here());
+        scattering.shares = shares;
+        Some(scattering)
     }
 
     /// How a part of the material lies.
@@ -233,7 +236,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     /// A quantity of the parts of the material that are seen, each by its share of the light.
-    #[inline]
+    #[inline(always)]
     fn mixed(&self, of: impl Fn(&Model<K>, &Pose<K>) -> Vec3) -> Vec3 {
         let seen = |model: &Model<K>, pose: &Pose<K>| {
             if pose.is_seen() { of(model, pose) } else { Vec3::ZERO }

@@ -198,29 +198,22 @@ impl Emitter<'_> {
     fn choice(
         &self,
         pat: &TokenStream,
-        (distribution, rule, alive): (&Expr, Option<&Expr>, Option<TokenStream>),
+        (distribution, rule, alive): (&Expr, Option<&Expr>, TokenStream),
         number: usize,
         rest: &TokenStream,
     ) -> TokenStream {
         let (real, vertex, site) = (self.real, self.vertex, Span::mixed_site());
         let some = quote_spanned!(site=> ::core::option::Option::Some);
         match rule {
-            None => {
-                let (visit, alive) = match alive {
-                    Some(alive) => ("for_each_that", Some(quote_spanned!(site=> #alive,))),
-                    None => ("for_each_choice", None),
-                };
-                let visit = Ident::new(visit, site);
-                quote_spanned! {site=>
-                    let distribution = #distribution;
-                    ::aether_core::Discrete::<#real>::#visit(&distribution, #alive |choice| {
-                        let same = same && taken[#number] == choice.index;
-                        let probability = probability * choice.probability;
-                        let #pat = choice.item;
-                        #rest
-                    });
+            None => quote_spanned! {site=>
+                let distribution = #distribution;
+                for choice in ::aether_core::Discrete::<#real>::possible(&distribution, #alive) {
+                    let same = same && taken[#number] == choice.index;
+                    let probability = probability * choice.probability;
+                    let #pat = choice.item;
+                    #rest
                 }
-            }
+            },
             Some(rule) => quote_spanned! {site=>
                 let distribution = #distribution;
                 for index in ::aether_core::forms::emitted::identify::<#vertex, _>(target, #rule) {

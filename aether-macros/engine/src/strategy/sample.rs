@@ -199,8 +199,7 @@ impl Emitter<'_> {
                         TokenStream::new()
                     }
                     None => {
-                        let alive = alive(&pat.to_token_stream(), end)
-                            .unwrap_or_else(|| quote_spanned!(site=> |_| true));
+                        let alive = alive(&pat.to_token_stream(), end);
                         quote_spanned! {site=>
                             let several = several
                                 || #emitted::several::<#real, _>(&distribution, #alive);
@@ -280,7 +279,7 @@ impl Emitter<'_> {
 }
 
 /// Which outcomes lead to a vertex, where an `if` that may stop follows at once; otherwise all may.
-pub fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> Option<TokenStream> {
+pub fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> TokenStream {
     let site = Span::mixed_site();
     let stops = |plan: &Plan| matches!(plan.end, End::Stop);
     match end {
@@ -288,9 +287,9 @@ pub fn alive(pat: &TokenStream, end: Option<&End<Action, Leaf>>) -> Option<Token
             if stops(then) != stops(otherwise) =>
         {
             let negated = stops(then);
-            Some(quote_spanned!(site=> |#pat| (#condition) != #negated))
+            quote_spanned!(site=> |#pat| (#condition) != #negated)
         }
-        _ => None,
+        _ => quote_spanned!(site=> |_| true),
     }
 }
 
