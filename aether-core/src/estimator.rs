@@ -190,6 +190,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         Estimator { integrand, factors: RefCell::new(factors) }
     }
 
+    /// The integrand, to be changed: what is remembered of it is forgotten.
+    pub fn integrand_mut(&mut self) -> &mut I {
+        self.factors.get_mut().contents = None;
+        &mut self.integrand
+    }
+
     /// f / p of one path, not weighted; zero if the path is not complete. Costs one factor if the
     /// path extends one that has been estimated.
     pub fn of<S: Strategy<I::Vertex>>(&self, path: &RandomSequence<'_, I::Vertex, S>) -> I::Value {

@@ -18,14 +18,16 @@ use crate::world::World;
 /// infinitely far away have the measure of solid angle. A path that begins on a surface measures the radiance
 /// that arrives there, per area of where it comes from.
 ///
-/// The importance is that of a filter which is one everywhere: a pixel's share of it is its
-/// [`Radiance::response`], so that what a path carries is computed once for all pixels that see it.
+/// The importance is that of a filter which is one everywhere, unless a pixel is aimed at ([`Radiance::aim`]): a pixel's
+/// share of it is its [`Radiance::response`], so that what a path carries is computed once for all pixels that see it.
 pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     world: &'w World<'s, K>,
     /// What the geometry term of connected vertices is at most.
     most_geometry: f32,
     /// Whether paths end with what their last vertex emits.
     emission: bool,
+    /// The pixel whose filter weighs what an eye sees.
+    pixel: Option<Pixel>,
     /// What was seen last, and before that.
     sights: [Cell<Option<Seen>>; 2],
 }
@@ -67,7 +69,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
         let sights = [const { Cell::new(None) }; 2];
-        Radiance { world, most_geometry: f32::INFINITY, emission: true, sights }
+        Radiance { world, most_geometry: f32::INFINITY, emission: true, pixel: None, sights }
     }
 
     /// The integrand with the geometry terms of edges that no ray has found cut off: biased, but without the
@@ -82,11 +84,19 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         Radiance { emission: false, ..Radiance::new(world) }
     }
 
-    /// The importance that the eye sends to what it sees, for a filter of one: per film area (and lens area),
+    /// Has the importance be that of the filter of a pixel from now on, instead of one: of paths that are estimated
+    /// for that pixel alone. With `None` it is one again.
+    pub fn aim(&mut self, pixel: Option<Pixel>) {
+        self.pixel = pixel;
+    }
+
+    /// The importance that the eye sends to what it sees, for a filter of one or of a pixel: per film area (and lens area),
     /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        self.sight(eye, seen).map_or(0.0, |sight| self.world.filter_scale / sight.change)
+        let Some(sight) = self.sight(eye, seen) else { return 0.0 };
+        let response = self.pixel.map_or(1.0, |pixel| self.profile(pixel, &sight, [eye, seen]));
+        response * (self.world.filter_scale / sight.change)
     }
 
     /// Where an eye sees a vertex, visibility aside; the last two are remembered, as the response and the importance
@@ -123,7 +133,16 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
 
     /// The same for an eye and what it sees.
     pub fn response_to(&self, pixel: Pixel, [eye, seen]: [&SceneVertex<K>; 2]) -> f32 {
-        let Some(Sight { film, .. }) = self.sight(eye, seen) else { return 0.0 };
+        self.sight(eye, seen).map_or(0.0, |sight| self.profile(pixel, &sight, [eye, seen]))
+    }
+
+    /// The value of a pixel's filter where an eye sees something.
+    fn profile(
+        &self,
+        pixel: Pixel,
+        &Sight { film, .. }: &Sight,
+        [eye, seen]: [&SceneVertex<K>; 2],
+    ) -> f32 {
         let filter = self.world.scene.film.filter;
         let centre = Vec2::new(pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = filter.radius();

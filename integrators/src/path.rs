@@ -88,11 +88,11 @@ pub fn trace<'a, K, S>(
         + From<SampleCameraDirection<'a, 'a, K>>,
 {
     arena.clear();
+    estimator.integrand_mut().aim(Some(received.pixel()));
     let (pixel, longest) = (received.pixel(), settings.most_vertices());
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
-    camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
-    let response = estimator.integrand().response(pixel, &camera);
+    camera.append(sample_camera_direction(world, pixel.into()));
     // The paths that scattering has found, and those that go to a light instead.
     let by =
         |length: usize, end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
@@ -105,9 +105,9 @@ pub fn trace<'a, K, S>(
         },
     };
     estimator.walk(&camera, scatter, &endings, &PowerHeuristic, uniforms, |path| {
-        let [value, alone] = [path.value, path.alone].map(|v| v * response);
-        received.add_by(by(path.length, path.steps), pixel, value, alone);
+        received.add_by(by(path.length, path.steps), pixel, path.value, path.alone);
     });
+    estimator.integrand_mut().aim(None);
 }
 
 impl Integrator for PathSettings {
