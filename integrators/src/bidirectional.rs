@@ -133,7 +133,7 @@ impl Bidirectional {
             };
             estimate(fewest..=total, pixel);
             for length in fewest..=total {
-                for receiver in world.receivers(pixel, [seen(length)]).skip(1) {
+                for receiver in radiance.receivers(pixel, [seen(length)]).skip(1) {
                     estimate(length..=length, receiver);
                 }
             }

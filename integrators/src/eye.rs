@@ -141,13 +141,14 @@ impl<'s, K: SceneKind> World<'s, K> {
         self.scene.film.width as usize * self.scene.film.height as usize
     }
 
-    /// The pixels to which paths contribute that begin with these eyes and what they see, and `own`, each once.
+    /// The pixels to which paths contribute that begin at these points of the film, in pixels of the image, and `own`, each
+    /// once.
     pub fn receivers<const N: usize>(
         &self,
         own: Pixel,
-        seen: [Option<[SceneVertex<K>; 2]>; N],
+        films: [Option<Vec2<f32>>; N],
     ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
-        let squares = seen.map(|seen| self.reached(seen));
+        let squares = films.map(|film| self.reached(film));
         let others = (0..N).flat_map(move |i| {
             let (columns, rows) = squares[i].clone();
             let earlier = squares.clone();
@@ -160,9 +161,8 @@ impl<'s, K: SceneKind> World<'s, K> {
         std::iter::once(own).chain(others)
     }
 
-    /// The columns and rows whose pixels' filters reach the film point where an eye sees something.
-    fn reached(&self, seen: Option<[SceneVertex<K>; 2]>) -> (Range<u32>, Range<u32>) {
-        let film = seen.and_then(|[eye, seen]| self.film_point(&eye, &seen));
+    /// The columns and rows whose pixels' filters reach a point of the film.
+    fn reached(&self, film: Option<Vec2<f32>>) -> (Range<u32>, Range<u32>) {
         let Some(film) = film else { return (0..0, 0..0) };
         let reach = self.scene.film.filter.radius();
         let along = |x: f32, size: u32| {

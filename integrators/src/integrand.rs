@@ -28,9 +28,12 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     emission: bool,
     /// The pixel whose filter weighs what an eye sees.
     pixel: Option<Pixel>,
-    /// What was seen last, and before that.
-    sights: [Cell<Option<Seen>>; 2],
+    /// What was seen last, each at a place that follows from its position.
+    sights: [Cell<Option<Seen>>; SIGHTS],
 }
+
+/// How many sights are remembered: more than a path from a light mostly has.
+const SIGHTS: usize = 16;
 
 /// A vertex that was looked for from an eye, and where it is seen if it is.
 type Seen = (Look, Option<Sight>);
@@ -68,7 +71,7 @@ struct Sight {
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
-        let sights = [const { Cell::new(None) }; 2];
+        let sights = [const { Cell::new(None) }; SIGHTS];
         Radiance { world, most_geometry: f32::INFINITY, emission: true, pixel: None, sights }
     }
 
@@ -99,23 +102,35 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         response * (self.world.filter_scale / sight.change)
     }
 
-    /// Where an eye sees a vertex, visibility aside; the last two are remembered, as the response and the importance
-    /// of a path both follow from it.
+    /// Where an eye sees a vertex, visibility aside: remembered, as the response and the importance of a path and the
+    /// pixels that receive it all follow from it.
     fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
         let look = look(eye, seen);
-        for sight in &self.sights {
-            if let Some((known, sight)) = sight.get()
-                && known == look
-            {
-                return sight;
-            }
+        // An odd factor; the upper bits of a product depend on all others.
+        let mixed =
+            (look[3] ^ look[4].rotate_left(11) ^ look[5].rotate_left(22)).wrapping_mul(0x9e37_79b9);
+        let place = &self.sights[(mixed >> 28) as usize % SIGHTS];
+        if let Some((known, sight)) = place.get()
+            && known == look
+        {
+            return sight;
         }
         let mut sight = None;
         film_points(self.world, eye, seen, |film, change| {
             sight = Some(Sight { film, change: change() });
         });
-        self.sights[1].set(self.sights[0].replace(Some((look, sight))));
+        place.set(Some((look, sight)));
         sight
+    }
+
+    /// The pixels to which paths contribute that begin with these eyes and what they see, and `own`, each once.
+    pub fn receivers<const N: usize>(
+        &self,
+        own: Pixel,
+        seen: [Option<[SceneVertex<K>; 2]>; N],
+    ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
+        let film = |[eye, seen]: [SceneVertex<K>; 2]| Some(self.sight(&eye, &seen)?.film);
+        self.world.receivers(own, seen.map(|seen| seen.and_then(film)))
     }
 
     /// The value of a pixel's filter at the film point where a path's second vertex is seen from its

@@ -51,7 +51,7 @@ impl Integrator for LightTracer {
             }
             let path = eye.concat(&light.slice(0..length).reverse());
             let value = estimator.of(&path) / world.pixels() as f32;
-            for receiver in world.receivers(pixel, [first_edge(&path)]) {
+            for receiver in estimator.integrand().receivers(pixel, [first_edge(&path)]) {
                 let share = value * estimator.integrand().response(receiver, &path);
                 received.add_by(by, receiver, share, share);
             }

@@ -73,7 +73,7 @@ impl Metropolis {
         path: &Path<'_, 'a, K>,
     ) -> (f32, Contributions) {
         let found = if self.lengths().contains(&path.len()) && self.covers(world, path) {
-            shares(world, estimator, path, estimator.integrand_at(path))
+            shares(estimator, path, estimator.integrand_at(path))
         } else {
             Contributions::default()
         };
@@ -105,7 +105,7 @@ impl Metropolis {
                 estimator.each(combine::<PowerHeuristic, _>(techniques))
             {
                 if self.fits(world, &path) {
-                    found(shares(world, estimator, &path, value).brightness(), &path);
+                    found(shares(estimator, &path, value).brightness(), &path);
                 }
             }
         }
@@ -157,14 +157,13 @@ impl Metropolis {
 
 /// What a path that carries `value` contributes to the pixels that see it.
 fn shares<K: SceneKind>(
-    world: &World<'_, K>,
     estimator: &PathEstimator<'_, K>,
     path: &Path<'_, '_, K>,
     value: Vec3,
 ) -> Contributions {
     let mut found = Contributions::default();
     // No pixel is the path's own.
-    for pixel in world.receivers((u32::MAX, u32::MAX), [first_edge(path)]) {
+    for pixel in estimator.integrand().receivers((u32::MAX, u32::MAX), [first_edge(path)]) {
         let share = value * estimator.integrand().response(pixel, path);
         found.push(Technique::mutations(path.len()), pixel, share, share);
     }

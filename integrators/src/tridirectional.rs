@@ -68,7 +68,9 @@ impl Integrator for Tridirectional {
             let passed = eye.concat(&segment).concat(&lit(length.saturating_sub(3)));
             let has_passed = length >= 3;
             let reached = if has_passed { passed } else { seen };
-            for receiver in world.receivers(pixel, [first_edge(&seen), first_edge(&reached)]) {
+            for receiver in
+                estimator.integrand().receivers(pixel, [first_edge(&seen), first_edge(&reached)])
+            {
                 let view = match receiver == pixel {
                     true => camera,
                     false => through(world, receiver, &camera),

@@ -164,7 +164,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         let eye = camera.slice(0..1);
         for n in 2 + usize::from(self.settings.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..n - 1).reverse());
-            for receiver in world.receivers(pixel, [first_edge(&seen)]) {
+            for receiver in estimator.integrand().receivers(pixel, [first_edge(&seen)]) {
                 let view = match receiver == pixel {
                     true => camera,
                     false => through(world, receiver, &camera),

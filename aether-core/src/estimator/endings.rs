@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{LAST, LastDrawn, PathView, RandomSequence, Unfolded};
+use crate::sequence::{LAST, LastDrawn, PathView, RandomSequence, Unfolded, each_last};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
@@ -316,7 +316,7 @@ impl<'r, V: Vertex> Fork<'r, V> {
     /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
     #[inline(always)]
     fn new(kept: &'r [Option<Drawn<V>>; RING], len: usize) -> Self {
-        let recent = core::array::from_fn(|k| match len.checked_sub(k + 1) {
+        let recent = each_last(|k| match len.checked_sub(k + 1) {
             Some(i) => kept[i % RING].as_ref(),
             None => None,
         });

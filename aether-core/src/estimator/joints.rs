@@ -18,7 +18,8 @@ use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regu
 use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::{
-    Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, length_class,
+    Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, each_last,
+    length_class,
 };
 use crate::strategy::{Dirac, Strategy};
 use crate::uniform::UniformSource;
@@ -411,7 +412,7 @@ where
     fn before(&self, joint: Joint, i: usize, end: End, read: usize) -> PathView<'_, I::Vertex> {
         let (n, backward) = (joint.length, end == End::Second);
         let len = if backward { n - 1 - i } else { i };
-        let last = core::array::from_fn(|j| {
+        let last = each_last(|j| {
             if j >= len.min(read) {
                 return Step::NONE;
             }

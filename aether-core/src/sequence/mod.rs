@@ -29,7 +29,7 @@ use ratios::LastFactors;
 pub use snapshot::Snapshot;
 pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};
 pub use view::PathView;
-pub(crate) use view::{LAST, LastDrawn, WINDOW, Window};
+pub(crate) use view::{LAST, LastDrawn, WINDOW, Window, each_last};
 
 use crate::estimator::Joints;
 use crate::mutation::Decided;

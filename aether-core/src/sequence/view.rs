@@ -20,6 +20,13 @@ pub struct PathView<'p, V: Vertex> {
 /// How many vertices a view knows at most of steps that lie anywhere on a tape, and how many of any it has at hand.
 pub(crate) const LAST: usize = 3;
 
+/// What `of` says of each of the last vertices, the last one first.
+#[inline(always)]
+pub(crate) fn each_last<T>(of: impl Fn(usize) -> T) -> [T; LAST] {
+    // The standard library's way is not always inlined.
+    [of(0), of(1), of(2)]
+}
+
 /// The last vertices of a path, the last one first, as far as they are at hand: mostly all that is read.
 type Recent<'p, V> = [Option<&'p V>; LAST];
 
@@ -78,7 +85,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
         let n = place.len as usize;
         let read = reads.vertices.min(n);
         let at_hand = |k: usize| if k < read { tape.at_hand(place.at(n - 1 - k)) } else { None };
-        Self::new(Source::Unfolded(tape, place), core::array::from_fn(at_hand), n).limited(reads)
+        Self::new(Source::Unfolded(tape, place), each_last(at_hand), n).limited(reads)
     }
 
     /// Of `len` vertices of which the last ones are at hand as they were drawn, and no others are read.
@@ -100,7 +107,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
         let at_hand =
             |k: usize| if k < read && k < len { tape.at_hand(last[k].at()) } else { None };
         let hidden = len.saturating_sub(LAST);
-        let view = Self::new(Source::Last(tape, last), core::array::from_fn(at_hand), len);
+        let view = Self::new(Source::Last(tape, last), each_last(at_hand), len);
         PathView { hidden, ..view }
     }
 
