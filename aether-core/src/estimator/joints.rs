@@ -173,7 +173,7 @@ where
         if ending.is_some() {
             let used = connections.used_of(walks[0]);
             let longest = (used + 1).min(*connections.lengths.end());
-            joints.lasts.extend((0..=longest).map(|length| {
+            joints.lasts.extend((0..longest + 1).map(|length| {
                 let is_asked = connections.lengths.contains(&length);
                 let drawn =
                     if is_asked { connections.draw(length, walks[0], uniforms) } else { None };
@@ -272,7 +272,7 @@ where
         let [ahead, behind] = &mut self.carried;
         if ahead.begin(first) {
             let of = |k: usize| estimator.ahead(arena, tape, first.place.range(0, k), k);
-            ahead.values.extend((0..=first.len).map(of));
+            ahead.values.extend((0..first.len + 1).map(of));
         }
         if !behind.begin(second) {
             return behind.in_range;

@@ -78,16 +78,16 @@ where
     pub(super) fn weigh_samples(&mut self, length: usize) {
         let (connections, heuristic) = (self.connections, self.heuristic);
         let (mut count, mut mass) = (0, PathDensity::ZERO);
-        let masses = (0..=length).map(|first| {
+        self.joints.masses.clear();
+        // A loop: that over an inclusive range is not inlined as an iterator.
+        for first in 0..length + 1 {
             let samples = (connections.samples)(length, first);
             if samples != count {
                 let number = PathDensity::new(RealOf::<I>::of(samples as f64));
                 (count, mass) = (samples, heuristic.term(number));
             }
-            mass
-        });
-        self.joints.masses.clear();
-        self.joints.masses.extend(masses);
+            self.joints.masses.push(mass);
+        }
     }
 
     /// The sums of all but the last two vertices of either walk, for paths with so many vertices.
