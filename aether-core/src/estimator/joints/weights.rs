@@ -78,7 +78,8 @@ where
     pub(super) fn weigh_samples(&mut self, length: usize) {
         let (connections, heuristic) = (self.connections, self.heuristic);
         let (mut count, mut mass) = (0, PathDensity::ZERO);
-        let masses = (0..=length).map(|first| {
+        // Half open, as that is a plain loop.
+        let masses = (0..length + 1).map(|first| {
             let samples = (connections.samples)(length, first);
             if samples != count {
                 let number = PathDensity::new(RealOf::<I>::of(samples as f64));
