@@ -326,8 +326,8 @@ impl<C: AsRef<[T]>, T, R: Scalar> Discrete<R> for Choices<C, T, R> {
     #[inline]
     fn sample_reuse(&self, u: R) -> (Choice<&T, R>, R) {
         let (index, rest) = match &self.table {
-            None => cell(u, self.items().len()),
-            Some(table) => table.sample(u),
+            Some(table) if self.items().len() > 1 => table.sample(u),
+            _ => cell(u, self.items().len()),
         };
         (self.at(index), R::of(rest).min(below_one()))
     }

@@ -25,8 +25,11 @@ pub trait Uniforms<R>: Copy + fmt::Debug + AsRef<[R]> {
 impl<R: Real, const N: usize> Uniforms<R> for [R; N] {
     const COUNT: usize = N;
     #[inline(always)]
-    fn from_fn(element: impl FnMut(usize) -> R) -> Self {
-        core::array::from_fn(element)
+    fn from_fn(mut element: impl FnMut(usize) -> R) -> Self {
+        // The standard library's own way is not always inlined.
+        let mut all = [R::ZERO; N];
+        all.iter_mut().enumerate().for_each(|(k, one)| *one = element(k));
+        all
     }
 }
 

@@ -81,34 +81,58 @@ pub fn triangle_of(
     (half < 2.5).then_some((frame, directions))
 }
 
-/// The directions in which a rectangle of some area is seen from a point, and the frame that they are given
-/// in. `None` if it fills little of the view or nearly half of it, or if the point is next to its plane.
-pub fn rectangle_of(
-    from: Vec3,
-    rectangle: &Rectangle,
+/// A rectangle with all that [`rectangle_of`] needs to know of it and that is the same from everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pane {
+    corner: Vec3,
+    a: Vec3,
+    /// From the corner to the middle.
+    middle: Vec3,
+    /// Unit vectors along the sides.
+    x: Vec3,
+    y: Vec3,
+    width: f32,
+    height: f32,
     area: f32,
-) -> Option<(Frame<f32>, SphericalRectangle<f32>)> {
-    let Rectangle { corner, a, b } = *rectangle;
-    let offset = corner - from;
-    if area < LEAST_FILLED * (offset + 0.5 * (a + b)).length_squared() {
+    /// The normals that belong to `y` and to its opposite.
+    normals: [Vec3; 2],
+    /// The frames of each of those normals and of its opposite.
+    frames: [[Frame<f32>; 2]; 2],
+}
+
+impl Pane {
+    /// That of a rectangle of some area; none if a side has no length.
+    pub fn of(rectangle: &Rectangle, area: f32) -> Option<Pane> {
+        let Rectangle { corner, a, b } = *rectangle;
+        let x = try_unit(a)?;
+        let y = try_unit(b - x.dot(b) * x)?;
+        let normals = [x.cross(y), x.cross(-y)];
+        let frame = |x: Vec3, y: Vec3, z: Vec3| Frame::try_from_axes(x.into(), y.into(), z.into());
+        let pair = |y: Vec3, z: Vec3| Some([frame(x, y, z)?, frame(-x, y, -z)?]);
+        let frames = [pair(y, normals[0])?, pair(-y, normals[1])?];
+        let (middle, width, height) = (0.5 * (a + b), a.length(), y.dot(b));
+        Some(Pane { corner, a, middle, x, y, width, height, area, normals, frames })
+    }
+}
+
+/// The directions in which a rectangle is seen from a point, and the frame that they are given in. `None` if
+/// it fills little of the view or nearly half of it, or if the point is next to its plane.
+pub fn rectangle_of(from: Vec3, pane: &Pane) -> Option<(Frame<f32>, SphericalRectangle<f32>)> {
+    let offset = pane.corner - from;
+    if pane.area < LEAST_FILLED * (offset + pane.middle).length_squared() {
         return None;
     }
     // Axes along the sides, and towards the plane; the middle lies above.
-    let x = try_unit(a)?;
-    let mut y = try_unit(b - x.dot(b) * x)?;
-    let mut bottom = y.dot(offset);
-    let height = y.dot(b);
-    if bottom + 0.5 * height < 0.0 {
-        (y, bottom) = (-y, -(bottom + height));
-    }
-    let mut z = x.cross(y);
-    let mut x = x;
-    if z.dot(offset) < 0.0 {
-        (x, z) = (-x, -z);
-    }
-    let left = x.dot(offset).min(x.dot(offset + a));
+    let bottom = pane.y.dot(offset);
+    let is_below = bottom + 0.5 * pane.height < 0.0;
+    let bottom = if is_below { -(bottom + pane.height) } else { bottom };
+    let depth = pane.normals[usize::from(is_below)].dot(offset);
+    let is_behind = depth < 0.0;
+    let (x, depth) = if is_behind { (-pane.x, -depth) } else { (pane.x, depth) };
+    let frame = pane.frames[usize::from(is_below)][usize::from(is_behind)];
+    let left = x.dot(offset).min(x.dot(offset + pane.a));
     let [left, bottom, width, height] =
-        [left, bottom, a.length(), height].map(|l| f64::from(l) / f64::from(z.dot(offset)));
+        [left, bottom, pane.width, pane.height].map(|l| f64::from(l) / f64::from(depth));
     let (right, top) = (left + width, bottom + height);
     // Tangents of half the difference of the elevations of both sides, and of their mean.
     let r = ((1.0 + bottom * bottom) * (1.0 + top * top)).sqrt();
@@ -122,7 +146,7 @@ pub fn rectangle_of(
     let (t, u) = (tangent(left), tangent(right));
     let half = (u - t).atan2(1.0 + t * u);
     let directions = spherical_rectangle(d as f32, m as f32, t.atan() as f32, half as f32).ok()?;
-    Some((Frame::try_from_axes(x.into(), y.into(), z.into())?, directions))
+    Some((frame, directions))
 }
 
 #[cfg(test)]
@@ -165,7 +189,8 @@ mod tests {
     fn a_rectangle_has_the_samples_and_the_density_of_the_reference() {
         let rectangle =
             Rectangle { corner: Vec3::new(-0.7, -0.4, 1.1), a: 2.0 * Vec3::X, b: 1.3 * Vec3::Y };
-        let (frame, local) = rectangle_of(Vec3::ZERO, &rectangle, 2.6).unwrap();
+        let pane = Pane::of(&rectangle, 2.6).unwrap();
+        let (frame, local) = rectangle_of(Vec3::ZERO, &pane).unwrap();
         for (u, [x, y, z], pdf) in REFERENCE {
             let sample = local.sample(u);
             let w: Vec3 = frame.to_world(sample.value()).into();
@@ -193,7 +218,8 @@ mod tests {
         for rectangle in rectangles() {
             let Rectangle { corner, a, b } = rectangle;
             let area = a.cross(b).length();
-            let Some((frame, local)) = rectangle_of(Vec3::ZERO, &rectangle, area) else { continue };
+            let Some(pane) = Pane::of(&rectangle, area) else { continue };
+            let Some((frame, local)) = rectangle_of(Vec3::ZERO, &pane) else { continue };
             used += 1;
             let seen = local.then(rotate(frame));
             let halves =

@@ -14,7 +14,7 @@ use crate::scattering::Lobe;
 use crate::scattering::facets::{HalfVectors, reflect, refract_in, refract_out};
 use crate::scattering::fresnel;
 use crate::scene::{Filter, Primitive, Rectangle};
-use crate::seen::{cone_of, rectangle_of, triangle_of};
+use crate::seen::{cone_of, triangle_of};
 use crate::vertex::{Eye, Lamp, SceneVertex, Seen, Surface, light_id};
 use crate::world::World;
 
@@ -205,7 +205,7 @@ pub fn sample_bsdf<K: SceneKind>(
 
 /// A light, chosen by its power or by what it does here, and a point on it: of a sphere only what can be seen, by the cone of
 /// directions that it fills, unless it is so far away that single precision could not tell them apart; of a
-/// rectangle or triangle that fills much of the view a direction, all alike ([`rectangle_of`], [`triangle_of`]).
+/// rectangle or triangle that fills much of the view a direction, all alike ([`crate::seen::rectangle_of`], [`triangle_of`]).
 #[strategy(connected = false)]
 pub fn sample_light<K: SceneKind>(
     path: &PathView<SceneVertex<K>>,
@@ -219,11 +219,11 @@ pub fn sample_light<K: SceneKind>(
             let light = K::Area::get_ref(light);
             let id = light_id(light.index);
             let point = match light.shape {
-                Form::Rectangle(rectangle) => {
+                Form::Rectangle(Rectangle { corner, a, b }) => {
                     if !world.faces(light, here.position) {
                         return stop();
                     }
-                    let seen = rectangle_of(here.position, &rectangle, light.emitter.area);
+                    let seen = light.seen_as_rectangle(here.position);
                     if let Some((frame, directions)) = seen {
                         let local = draw(directions);
                         let w = rotate(frame).apply(&local);
@@ -231,7 +231,6 @@ pub fn sample_light<K: SceneKind>(
                         let at = lit.seen_from(here.position).apply(&w);
                         return SceneVertex::hit(lit, at);
                     }
-                    let Rectangle { corner, a, b } = rectangle;
                     draw(uniform_rectangle(corner.into(), a.into(), b.into(), id))
                 }
                 Form::Single(Primitive::Triangle { v0, v1, v2 }) => {

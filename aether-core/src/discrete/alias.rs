@@ -13,10 +13,15 @@ pub(super) fn below_one<R: Scalar>() -> R {
 /// Which of `count` equal cells of [0, 1) `u` lies in, and where in the cell, in [0, 1).
 #[inline]
 pub(super) fn cell<R: Scalar>(u: R, count: usize) -> (usize, f64) {
+    if count == 1 {
+        return (0, u.to_f64().clamp(0.0, below_one()));
+    }
+    // Signed, as the machine converts those alone in one instruction; nothing in memory has more parts.
+    let count = count as i64;
     let scaled = u.to_f64() * count as f64;
     // The product of a number next to one may round up to `count`. The cast takes NaN to zero.
-    let index = (scaled as usize).min(count - 1);
-    (index, (scaled - index as f64).clamp(0.0, below_one()))
+    let index = (scaled as i64).min(count - 1).max(0);
+    (index as usize, (scaled - index as f64).clamp(0.0, below_one()))
 }
 
 /// Walker's alias table, built by Vose's method (1991): each of n equal cells of [0, 1) holds one

@@ -3,12 +3,15 @@
 use std::f32::consts::PI;
 
 use aether_core::discrete::{Choice, Choices, Discrete, TreeView, discrete_weighted};
+use aether_core::prelude::Frame;
 use glam::Vec3;
 
 use crate::envmap::EnvironmentTable;
 use crate::kind::{NotCovered, Presence, SceneKind, With};
+use crate::samplers::SphericalRectangle;
 use crate::scene::hit::Plane;
 use crate::scene::{Bounds, Emitter, Primitive, PrimitiveId, Rectangle, Scene, Sky};
+use crate::seen::{Pane, rectangle_of};
 use crate::vertex::{Place, SceneVertex, SkyOf};
 
 mod bounds;
@@ -52,6 +55,16 @@ pub struct AreaLight {
     pub shape: Form,
     /// The plane that it lies in, if it is flat.
     pub flat: Option<Flat>,
+    /// What is the same from wherever it is seen, if it is a rectangle.
+    pub pane: Option<Pane>,
+}
+
+impl AreaLight {
+    /// The directions in which it is seen from a point as a rectangle, by [`rectangle_of`]; none of another form.
+    #[inline]
+    pub fn seen_as_rectangle(&self, from: Vec3) -> Option<(Frame<f32>, SphericalRectangle<f32>)> {
+        rectangle_of(from, self.pane.as_ref()?)
+    }
 }
 
 /// What is the same all over a flat light.
@@ -147,7 +160,12 @@ impl<K: SceneKind> Lights<K> {
         for (index, emitter) in (0..).zip(&scene.emitters) {
             let shape = Form::of(scene, emitter);
             let flat = Flat::of(scene, emitter, &shape);
-            let light = K::Area::with(|| AreaLight { index, emitter: *emitter, shape, flat });
+            let pane = match &shape {
+                Form::Rectangle(rectangle) => Pane::of(rectangle, emitter.area),
+                Form::Single(_) => None,
+            };
+            let light = AreaLight { index, emitter: *emitter, shape, flat, pane };
+            let light = K::Area::with(|| light);
             lights.push(Light::Area(light.ok_or_else(|| missing("Area"))?));
             powers.push(emitter.power().element_sum());
         }

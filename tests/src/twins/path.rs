@@ -18,7 +18,7 @@ use integrators::samplers::uniform_cone;
 use integrators::scattering::facets::{HalfVectors, reflect};
 use integrators::scattering::{Lobe, Scattering};
 use integrators::scene::{Filter, Primitive, Scene};
-use integrators::seen::{cone_of, rectangle_of, triangle_of};
+use integrators::seen::{cone_of, triangle_of};
 use integrators::strategies::Pixel;
 use integrators::vertex::{SceneVertex, Seen};
 use integrators::world::World;
@@ -275,9 +275,7 @@ pub(super) fn sample_light<K: SceneKind>(
             if !world.faces(light, here.position) {
                 return None;
             }
-            if let Some((frame, directions)) =
-                rectangle_of(here.position, &rectangle, light.emitter.area)
-            {
+            if let Some((frame, directions)) = light.seen_as_rectangle(here.position) {
                 let sample = directions.sample(draw_uniforms(uniforms));
                 let w = to_world(&frame, sample.value().vec().into());
                 return through(w, sample.pdf().value());
@@ -341,11 +339,11 @@ pub(super) fn light_density<K: SceneKind>(
             Direction::from_unit(frame.to_local(aether_core::Vec3::from(w)))
         };
         let density = match light.shape {
-            Form::Rectangle(rectangle) => {
+            Form::Rectangle(_) => {
                 if !world.faces(light, here.position) {
                     return None;
                 }
-                match rectangle_of(here.position, &rectangle, light.emitter.area) {
+                match light.seen_as_rectangle(here.position) {
                     Some((frame, directions)) => directions.pdf(&seen_along(&frame)).value(),
                     None => by_area(light, here, there),
                 }
