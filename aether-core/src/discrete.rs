@@ -380,18 +380,6 @@ impl<R: Scalar> Discrete<R> for Bernoulli<R> {
         (index < 2).then(|| Choice { index, item, probability: self.pdf(&item).value() })
     }
 
-    /// One call for each side, so that the compiler drops what follows from a side that leads nowhere.
-    #[inline(always)]
-    fn for_each<'a>(&'a self, mut visit: impl FnMut(Self::Item<'a>, R)) {
-        let below = R::ONE - self.p;
-        if below > R::ZERO {
-            visit(false, below);
-        }
-        if self.p > R::ZERO {
-            visit(true, self.p);
-        }
-    }
-
     #[inline(always)]
     fn possible<'a>(
         &'a self,

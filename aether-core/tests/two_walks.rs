@@ -6,8 +6,8 @@ use aether_core::estimator::{Connected, Connections, Factors};
 use aether_core::sequence::PathView;
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
 use aether_core::{
-    Arena, BalanceHeuristic, Estimator, Pcg32, PowerHeuristic, RandomSequence, UniformSource,
-    combine::Separable, combine_with, strategies,
+    Arena, BalanceHeuristic, Estimator, PathIntegrand, Pcg32, PowerHeuristic, RandomSequence,
+    UniformSource, combine::Separable, combine_with, strategies,
 };
 use world::{Camera, Light, Seen, Spot, Step, World};
 
@@ -83,9 +83,64 @@ impl Strategy<Spot> for Glance {
     }
 }
 
+/// A step that reads three vertices.
+#[derive(Clone, Copy)]
+struct Far;
+
+impl Far {
+    fn lobe(path: PathView<'_, Spot>) -> f64 {
+        path.back(2).map_or(0.5, |spot| spot.0)
+    }
+}
+
+impl Strategy<Spot> for Far {
+    fn sample<U: UniformSource<f64> + ?Sized>(
+        &self,
+        path: PathView<'_, Spot>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<Spot>> {
+        let (choice, u) = (uniforms.next(), uniforms.next());
+        Some(Drawn::new(Spot(if choice < Far::lobe(path) { u.sqrt() } else { u })))
+    }
+    fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
+        let lobe = Far::lobe(path);
+        Conditional::density(1.0 - lobe + lobe * 2.0 * target.0)
+    }
+    fn reads(&self) -> Reads {
+        Reads { vertices: 3, length: false }
+    }
+    fn same(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 strategies! {
     #[derive(Clone, Copy)]
-    enum Ways<'w> for Spot { Camera(Camera), Step(Step<'w>), Light(Light<'w>), Fading(Fading), Glance(Glance) }
+    enum Ways<'w> for Spot {
+        Camera(Camera),
+        Step(Step<'w>),
+        Light(Light<'w>),
+        Fading(Fading),
+        Glance(Glance),
+        Far(Far),
+    }
+}
+
+/// An integrand that reads so few vertices.
+struct Short(usize);
+
+impl PathIntegrand for Short {
+    type Vertex = Spot;
+    type Value = f64;
+    fn extend(&self, path: PathView<'_, Spot>) -> f64 {
+        (0..self.0).map(|k| path.back(k).map_or(0.3, |spot| spot.0)).sum::<f64>() + 0.1
+    }
+    fn end(&self, path: PathView<'_, Spot>) -> f64 {
+        path.last().map_or(0.0, |spot| 1.0 + spot.0)
+    }
+    fn reads(&self) -> usize {
+        self.0
+    }
 }
 
 type Walk<'a, 'w> = RandomSequence<'a, Spot, Ways<'w>>;
@@ -109,24 +164,30 @@ fn walk<'a, 'w>(
 }
 
 /// What paths contribute, made one by one.
-fn one_by_one<S: Strategy<Spot>, H: Separable<f64> + Clone>(
-    estimator: &Estimator<Seen<'_>, Factors<f64>>,
+fn one_by_one<I: PathIntegrand<Vertex = Spot, Value = f64>, S: Strategy<Spot>, H>(
+    estimator: &Estimator<I, Factors<f64>>,
     [first, second]: [&RandomSequence<'_, Spot, S>; 2],
     connections: &Connections<'_, S, impl Fn(usize, usize) -> usize, impl Fn(usize, usize) -> bool>,
     heuristic: &H,
     uniforms: &mut Pcg32,
-) -> Vec<Connected<f64>> {
+) -> Vec<Connected<f64>>
+where
+    H: Separable<f64> + Clone,
+{
     let mut connected = Vec::new();
     let first = &connections.replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
     for n in connections.lengths.clone().filter(|n| *n > 0) {
         let samples = |by: usize| (connections.samples)(n, by);
-        let used: Vec<_> = (0..=n).filter(|by| samples(*by) > 0).collect();
+        let ends = |by: usize| {
+            connections.ending.is_some() && by + 1 == n && n >= connections.fewest_ending
+        };
+        let exists = |by: usize| by <= first.size() && (ends(by) || n - by <= second.size());
+        let used: Vec<_> = (0..=n).filter(|by| exists(*by) && samples(*by) > 0).collect();
         let paths: Vec<_> = used
             .iter()
             .map(|by| {
                 let mut path = first.slice(0..*by);
-                let ends = *by == n - 1 && n >= connections.fewest_ending;
-                match connections.ending.filter(|_| ends) {
+                match connections.ending.filter(|_| ends(*by)) {
                     Some(ending) => drop(path.append(ending.clone()).sample(uniforms)),
                     None => path = path.concat(&second.slice(0..n - by).reverse()),
                 }
@@ -258,4 +319,103 @@ fn connections_contribute_what_their_paths_do() {
 fn walks_of_many_vertices_are_weighed_alike() {
     let count = compare(0.0, 0..1, 60, &PowerHeuristic);
     assert!(count[1..].iter().sum::<usize>() > 100, "{count:?}");
+}
+
+/// What is remembered of two walks is not that of another heuristic, nor of other numbers of samples.
+#[test]
+fn heuristics_and_samples_do_not_mix_in_one_arena() {
+    let world = World::with_mirror(0.0);
+    let mut different = 0;
+    for seed in 0..100 {
+        let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(&world)));
+        let uniforms = &mut Pcg32::new(1, 0, seed);
+        let first = walk(&arena, (Camera.into(), Fading.into()), (7, 7), uniforms);
+        let second = walk(&arena, (Light(&world).into(), Fading.into()), (7, 7), uniforms);
+        let ending = Ways::from(Light(&world));
+        let mut values = |power: bool, samples: usize| {
+            let connections = Connections {
+                lengths: 2..=7,
+                replaced: None,
+                ending: Some(&ending),
+                fewest_ending: 3,
+                samples: |_, first| if first == 1 { samples } else { 1 },
+                is_drawn: |_, _| true,
+            };
+            let (walks, mut found) = ([&first, &second], Vec::new());
+            let keep = |path: Connected<f64>| found.push(path.value);
+            if power {
+                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, keep);
+            } else {
+                estimator.connections(walks, &connections, &BalanceHeuristic, uniforms, keep);
+            }
+            found
+        };
+        let asked = [(true, 1), (false, 1), (true, 5), (true, 1), (false, 1), (true, 5)];
+        let found = asked.map(|(power, samples)| values(power, samples));
+        assert_eq!(found[..3], found[3..], "seed {seed}");
+        let differ = |a: usize, b: usize| found[a] != found[b];
+        different += usize::from(differ(0, 1) && differ(0, 2) && differ(1, 2));
+    }
+    assert!(different > 50, "{different}");
+}
+
+/// Asserts that connections contribute what their paths do, and returns how many did.
+fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
+    estimator: &Estimator<I, Factors<f64>>,
+    walks: [&Walk<'_, 'w>; 2],
+    [ending, replaced]: [Option<Ways<'w>>; 2],
+    uniforms: &mut Pcg32,
+) -> usize {
+    let connections = Connections {
+        lengths: 1..=7,
+        replaced: replaced.as_ref().map(|by| (1, by)),
+        ending: ending.as_ref(),
+        fewest_ending: 1,
+        samples: |_, first| 1 + first % 2,
+        is_drawn: |_, _| true,
+    };
+    let mut found = Vec::new();
+    let keep = |path: Connected<f64>| found.push(path);
+    estimator.connections(walks, &connections, &PowerHeuristic, uniforms, keep);
+    let expected = one_by_one(estimator, walks, &connections, &PowerHeuristic, uniforms);
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(&expected) {
+        let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();
+        let alike = (a.length, a.first) == (b.length, b.first);
+        assert!(alike && is_near(a.value, b.value) && is_near(a.alone, b.alone), "{a:?} {b:?}");
+    }
+    found.len()
+}
+
+/// Walks that part from another one, walks that are empty, integrands that read little, and steps that read much.
+#[test]
+fn walks_and_integrands_of_all_kinds_in_one_arena() {
+    let world = World::with_mirror(0.0);
+    let mut count = [0; 5];
+    for seed in 0..100 {
+        let (arena, seen) = (Arena::new(), Estimator::paths(Seen(&world)));
+        let uniforms = &mut Pcg32::new(1, 0, seed);
+        let light = Ways::from(Light(&world));
+        let first = walk(&arena, (Camera.into(), Fading.into()), (5, 5), uniforms);
+        let second = walk(&arena, (light, Fading.into()), (5, 5), uniforms);
+        let mut parted = second.slice(0..2);
+        parted.append(Fading).append(Fading).append(Fading).sample(uniforms);
+        let (empty, glance) = (arena.sequence(), Some(Glance.into()));
+        for ending in [None, glance] {
+            for second in [&second, &parted, &second, &empty] {
+                count[0] += assert_alike(&seen, [&first, second], [ending, None], uniforms);
+            }
+            let short = Estimator::paths(Short(3));
+            count[1] += assert_alike(&short, [&empty, &second], [ending, None], uniforms);
+            for reads in [1, 2] {
+                let short = Estimator::paths(Short(reads));
+                count[1 + reads] +=
+                    assert_alike(&short, [&first, &second], [ending, None], uniforms);
+            }
+            // The last one, as such a strategy is then known.
+            let far = Some(Far.into());
+            count[4] += assert_alike(&seen, [&first, &second], [ending, far], uniforms);
+        }
+    }
+    assert!(count.iter().all(|count| *count > 100), "{count:?}");
 }

@@ -118,7 +118,7 @@ impl Bidirectional {
                         _ => count,
                     },
                     is_drawn: |length, first| match first {
-                        1 => !is_own || direct(length, receiver) != 0.0,
+                        1 => direct(length, receiver) != 0.0,
                         _ => is_own && (first < length || number == 0),
                     },
                 };
@@ -134,7 +134,9 @@ impl Bidirectional {
             estimate(fewest..=total, pixel);
             for length in fewest..=total {
                 for receiver in radiance.receivers(pixel, [seen(length)]).skip(1) {
-                    estimate(length..=length, receiver);
+                    if direct(length, receiver) != 0.0 {
+                        estimate(length..=length, receiver);
+                    }
                 }
             }
         }

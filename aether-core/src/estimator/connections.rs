@@ -15,7 +15,7 @@ pub struct Connections<'t, S, N, D> {
     /// The numbers of vertices that paths may have.
     pub lengths: RangeInclusive<usize>,
     /// A step of the first walk, and a strategy that stands in its place: of the walk's vertices only those before it are
-    /// used then ([`RandomSequence::replaced`]).
+    /// used then ([`RandomSequence::replaced`]). If the walk has no such step there are no paths.
     pub replaced: Option<(usize, &'t S)>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
@@ -87,7 +87,8 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// Estimates all paths that consist of the first vertices of one walk and, in opposite order, the first ones of
     /// another. The ways to make a path are combined by a heuristic, and `visit` is given the paths that contribute; it
-    /// adds nothing to the arena of the walks.
+    /// must not use the arena of the walks, which keeps the vertices that are drawn here. The functions in `connections`
+    /// may be called several times.
     ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the one walk, each concatenated with a reversed
     /// slice of the other or ended by a strategy of its own, for each length; and the same numbers are drawn, by a source
@@ -110,12 +111,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let [first, second] = walks;
-        if !core::ptr::eq(first.arena, second.arena) {
+        let is_there = connections.replaced.is_none_or(|(step, _)| step < first.size());
+        if !is_there || !core::ptr::eq(first.arena, second.arena) {
             return;
         }
-        self.remember(first.arena.contents());
-        if Pieces::<I, S, N, D, H>::draw_lasts(self, walks, connections, uniforms) {
-            let tape = first.arena.tape.unfolded();
+        let arena = first.arena;
+        self.remember(arena.contents());
+        draw_lasts(first, connections, uniforms);
+        if Pieces::<I, S, N, D, H>::are_plain(self, walks, connections) {
+            let tape = arena.tape.unfolded();
             let pieces = Pieces::new(self, walks, connections, heuristic, &tape);
             if let Some(mut pieces) = pieces {
                 return pieces.visit(&mut visit);
@@ -124,29 +128,35 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let replaced = connections.replaced;
         let first = &replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
         let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
+        let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
         for length in (*connections.lengths.start()).max(1)..=longest {
-            let walks = [first, second];
-            self.connected_paths(length, walks, connections, heuristic, uniforms, &mut visit);
+            let last = lasts.get(length).copied().flatten();
+            let drawn = last.and_then(|at| arena.tape.unfolded().drawn(at as usize));
+            self.connected_paths(
+                (length, drawn),
+                [first, second],
+                connections,
+                heuristic,
+                &mut visit,
+            );
         }
+        arena.joints.borrow_mut().lasts = lasts;
     }
 
-    /// The same of one length by paths that are made.
-    fn connected_paths<S, N, D, H, U>(
+    /// The same of one length by paths that are made, with what was drawn as the last vertex of one of them.
+    fn connected_paths<S, N, D, H>(
         &self,
-        length: usize,
+        (length, drawn): (usize, Option<Drawn<I::Vertex>>),
         [first, second]: [&RandomSequence<'_, I::Vertex, S>; 2],
         connections: &Connections<'_, S, N, D>,
         heuristic: &H,
-        uniforms: &mut U,
         visit: &mut impl FnMut(Connected<I::Value>),
     ) where
         S: Strategy<I::Vertex>,
         N: Fn(usize, usize) -> usize,
         D: Fn(usize, usize) -> bool,
         H: Separable<RealOf<I>> + Clone,
-        U: UniformSource<RealOf<I>> + ?Sized,
     {
-        let drawn = connections.draw(length, first, uniforms);
         let samples = |by: usize| (connections.samples)(length, by);
         let ends = |by: usize| connections.ends_after(length, by);
         let used = (0..=length)
@@ -167,4 +177,30 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             }
         }
     }
+}
+
+/// Draws last vertices for themselves, and keeps them on the tape.
+fn draw_lasts<V, S, N, D, U>(
+    walk: &RandomSequence<'_, V, S>,
+    connections: &Connections<'_, S, N, D>,
+    uniforms: &mut U,
+) where
+    V: Vertex,
+    S: Strategy<V>,
+    N: Fn(usize, usize) -> usize,
+    D: Fn(usize, usize) -> bool,
+    U: UniformSource<V::Real> + ?Sized,
+{
+    let (arena, lengths) = (walk.arena, &connections.lengths);
+    let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
+    lasts.clear();
+    if connections.ending.is_some() {
+        let longest = (connections.used_of(walk) + 1).min(*lengths.end());
+        lasts.extend((0..longest + 1).map(|length| {
+            let is_asked = lengths.contains(&length);
+            let drawn = if is_asked { connections.draw(length, walk, uniforms) } else { None };
+            drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
+        }));
+    }
+    arena.joints.borrow_mut().lasts = lasts;
 }

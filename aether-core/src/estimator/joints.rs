@@ -22,7 +22,6 @@ use crate::sequence::{
     length_class,
 };
 use crate::strategy::{Dirac, Strategy};
-use crate::uniform::UniformSource;
 pub(crate) use known::Joints;
 use known::{Question, Stop, Sum};
 
@@ -58,8 +57,8 @@ pub(super) struct Walk {
 /// What pieces of a walk carry, by the number of their vertices.
 #[derive(Clone, Debug)]
 pub(super) struct Carried<T> {
-    /// Which walk it is.
-    walk: Option<Walk>,
+    /// Which walk it is, and of which contents of an arena.
+    walk: Option<((u64, u64), Walk)>,
     values: Vec<T>,
     /// Whether all of it stays in the range of numbers.
     in_range: bool,
@@ -72,11 +71,11 @@ impl<T> Carried<T> {
     }
 
     /// Begins anew, unless it is of that walk.
-    fn begin(&mut self, walk: Walk) -> bool {
-        if self.walk == Some(walk) {
+    fn begin(&mut self, contents: (u64, u64), walk: Walk) -> bool {
+        if self.walk == Some((contents, walk)) {
             return false;
         }
-        *self = Carried { walk: Some(walk), in_range: true, ..core::mem::take(self) };
+        (self.walk, self.in_range) = (Some((contents, walk)), true);
         self.values.clear();
         true
     }
@@ -150,38 +149,20 @@ where
     D: Fn(usize, usize) -> bool,
     H: Separable<RealOf<I>>,
 {
-    /// Draws the last vertices that are drawn for themselves, unless paths have to be made to weigh them; returns whether
-    /// they need not be.
-    pub fn draw_lasts<U: UniformSource<RealOf<I>> + ?Sized>(
+    /// Whether paths need not be made to weigh them.
+    pub fn are_plain(
         estimator: &Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'_, I::Vertex, S>; 2],
         connections: &Connections<'_, S, N, D>,
-        uniforms: &mut U,
     ) -> bool {
-        let (arena, ending) = (walks[0].arena, connections.ending);
-        let is_plain = S::VERTICES == 1
+        let arena = walks[0].arena;
+        let by = connections.replaced.map(|(_, by)| by);
+        S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
             && walks.iter().all(|walk| walk.is_run())
-            && ending.is_none_or(|ending| ending.reads().vertices <= READS)
-            && arena.most_read.get() <= READS;
-        if !is_plain {
-            return false;
-        }
-        let mut joints = arena.joints.borrow_mut();
-        joints.lasts.clear();
-        if ending.is_some() {
-            let used = connections.used_of(walks[0]);
-            let longest = (used + 1).min(*connections.lengths.end());
-            joints.lasts.extend((0..longest + 1).map(|length| {
-                let is_asked = connections.lengths.contains(&length);
-                let drawn =
-                    if is_asked { connections.draw(length, walks[0], uniforms) } else { None };
-                drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
-            }));
-        }
-        // One of them may have been drawn in a single direction.
-        arena.tape.is_undirected()
+            && arena.most_read.get() <= READS
+            && connections.ending.iter().chain(&by).all(|by| by.reads().vertices <= READS)
     }
 
     /// The pieces of two walks; `None` if paths have to be made to weigh them.
@@ -210,7 +191,6 @@ where
             joints: arena.joints.borrow_mut(),
             carried,
         };
-        pieces.joints.reserve(tape.vertex_count());
         // Terms of products are products: a heuristic is known by one of them.
         let two = heuristic.term(PathDensity::new(RealOf::<I>::of(2.0)));
         let is_other = core::mem::replace(&mut pieces.joints.two, two) != two;
@@ -260,8 +240,9 @@ where
             (id << 1 | end as u32, length_class(strategy, strategy.reads(), k))
         }));
         side.ratios.clear();
-        side.ratios.resize(len, None);
+        side.ratios.resize(len, [None; 2]);
         side.sums.clear();
+        side.ending = None;
     }
 
     /// Computes what pieces of the walks carry, unless these are the ones that were asked for last; returns whether that
@@ -270,11 +251,11 @@ where
         let (estimator, arena, tape) = (self.estimator, self.arena, self.tape);
         let [first, second] = self.walks;
         let [ahead, behind] = &mut self.carried;
-        if ahead.begin(first) {
+        if ahead.begin(arena.contents(), first) {
             let of = |k: usize| estimator.ahead(arena, tape, first.place.range(0, k), k);
             ahead.values.extend((0..first.len + 1).map(of));
         }
-        if !behind.begin(second) {
+        if !behind.begin(arena.contents(), second) {
             return behind.in_range;
         }
         behind.values.push(I::Value::one());
@@ -283,7 +264,7 @@ where
         for len in 1..=second.len {
             let place = second.place.range(0, len).reverse();
             let value = estimator.ending(arena, tape, place, 0);
-            behind.in_range = value.is_some();
+            behind.in_range &= value.is_some();
             if len == reads {
                 let view = PathView::of_unfolded(tape, place, estimator.shown());
                 closing = estimator.closing(view);
@@ -379,7 +360,8 @@ where
         }
         // What goes on behind the edge may vanish without a shadow ray.
         let reads = self.estimator.reads();
-        for k in (first..first + behind.min(reads - 1)).rev() {
+        let own = if last.is_some() { behind } else { behind.min(reads - 1) };
+        for k in (first..first + own).rev() {
             let view = PathView::of_window(&joined.window, joined.place(k), false, k + 1);
             value = value.multiply(self.estimator.extended(view));
             if value.is_zero() {
@@ -390,7 +372,7 @@ where
             let density = self.density_of_last(joined).value();
             value = if is_regular(density) { value.over(density) } else { I::Value::zero() };
         }
-        if behind >= reads {
+        if last.is_none() && behind >= reads {
             return value;
         }
         let view = PathView::of_window(&joined.window, joined.place(length - 1), false, length);

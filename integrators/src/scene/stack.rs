@@ -3,8 +3,8 @@
 use super::simd::LANES;
 use super::tree::Child;
 
-/// More than a ray through an ordinary tree needs. As many are still cleared by a few stores in place.
-const ENTRIES: usize = 32;
+/// More than a ray through an ordinary tree needs; where one needs more, they go below.
+const ENTRIES: usize = 48;
 
 /// A child and where the ray enters it, as a number that is greater for what is further away.
 #[derive(Clone, Copy)]

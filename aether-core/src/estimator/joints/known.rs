@@ -29,9 +29,11 @@ pub(super) struct Side<R> {
     pub stops: Vec<Stop<R>>,
     /// How each of its steps makes a vertex, or would.
     pub questions: Vec<Question>,
-    /// The density with which the other walk would have made a vertex, over that of its own walk, and how it would: as
-    /// far as that depends on vertices of this walk alone.
-    pub ratios: Vec<Option<(Question, PathDensity<R>)>>,
+    /// The densities with which the other walk would have made each vertex, over that of its own walk, and how it would,
+    /// for the two ways that were asked for last: as far as they depend on vertices of this walk alone.
+    pub ratios: Vec<[Option<(Question, PathDensity<R>)>; 2]>,
+    /// Of the second walk: how its first vertex would be drawn for itself after the next ones, and with which density.
+    pub ending: Option<(Question, PathDensity<R>)>,
     /// Sums over the techniques that join a path before a vertex, by its number; the first one is zero.
     pub sums: Vec<Sum<R>>,
 }
@@ -49,19 +51,14 @@ pub(super) struct Sum<R> {
 /// What an arena remembers of how the vertices of walks could have been made.
 #[derive(Clone, Debug)]
 pub(crate) struct Joints<R> {
-    /// By the id of a vertex: densities that depend on vertices of its own walk alone, under the strategies that were
-    /// asked last.
-    known: Vec<[(Question, PathDensity<R>); 2]>,
     /// The terms of the numbers of samples of all techniques, by the number of vertices of the first walk.
     pub(super) masses: Vec<PathDensity<R>>,
     /// The two walks that were asked for last.
     pub(super) sides: [Side<R>; 2],
     /// Where the last vertices are that were drawn for themselves, by the length of the path.
-    pub(super) lasts: Vec<Option<u32>>,
+    pub(crate) lasts: Vec<Option<u32>>,
     /// The term of two, for the heuristic that was asked for last.
     pub(super) two: PathDensity<R>,
-    /// The density of the first vertex of the second walk as one that is drawn for itself after the next ones.
-    pub(super) ending: PathDensity<R>,
 }
 
 impl<R: Scalar> Joints<R> {
@@ -71,34 +68,18 @@ impl<R: Scalar> Joints<R> {
             stops: Vec::new(),
             questions: Vec::new(),
             ratios: Vec::new(),
+            ending: None,
             sums: Vec::new(),
         };
         Joints {
-            known: Vec::new(),
             masses: Vec::new(),
             sides: [side(), side()],
             lasts: Vec::new(),
             two: PathDensity::ZERO,
-            ending: PathDensity::ZERO,
         }
     }
 
     pub fn clear(&mut self) {
-        self.known.clear();
         self.sides.iter_mut().for_each(|side| side.walk = None);
-    }
-
-    /// Makes room for so many vertices.
-    #[inline]
-    pub(super) fn reserve(&mut self, vertices: usize) {
-        if vertices > self.known.len() {
-            self.known.resize(vertices, [((u32::MAX, 0), PathDensity::ZERO); 2]);
-        }
-    }
-
-    /// The densities that are known of a vertex that there is room for.
-    #[inline]
-    pub(super) fn of(&mut self, vertex: u32) -> &mut [(Question, PathDensity<R>); 2] {
-        &mut self.known[vertex as usize]
     }
 }

@@ -50,12 +50,12 @@ where
     /// The sum of the techniques that join a path before the end of a piece of `len` vertices. What it starts from is
     /// that of those that do before the last vertices of the piece, for which alone the joint matters.
     fn chain(&self, joined: &Joined<'_, I::Vertex>, end: End, len: usize) -> DensityOf<I> {
-        let start = len.saturating_sub(READS);
+        let (start, far) = (len.saturating_sub(READS), len > READS);
         let mut sum = self.joints.sides[end as usize].sums[start].sum;
         for k in start..len {
-            let ending = |i: usize| match self.far_ending(end, len) {
-                Some(density) => density,
-                None => self.near(joined, End::First, i, self.ending),
+            let ending = |i: usize| match far {
+                true => self.far_ending(),
+                false => self.near(joined, End::First, i, self.ending),
             };
             sum = self.mass(joined.joint.length, end, k, ending) + sum;
             if !sum.is_zero() {
@@ -67,11 +67,11 @@ where
         sum
     }
 
-    /// The density of the first vertex of the second walk as one that is drawn for itself, if it follows from the
-    /// vertices of a piece of that walk alone which has so many, and has been asked for.
+    /// The density of the first vertex of the second walk as one that is drawn for itself, where that follows from the
+    /// vertices of this walk alone: as it was found when the paths of this length were summed up.
     #[inline]
-    fn far_ending(&self, end: End, len: usize) -> Option<DensityOf<I>> {
-        (end == End::Second && len > READS).then_some(self.joints.ending)
+    fn far_ending(&self) -> DensityOf<I> {
+        self.joints.sides[End::Second as usize].ending.map_or(PathDensity::ZERO, |(_, known)| known)
     }
 
     /// The masses of all techniques of paths with so many vertices.
@@ -99,7 +99,11 @@ where
             let joint = Joint { length: n, first, last: None };
             if end == End::Second && len > READS && self.connections.ends_after(n, n - 1) {
                 let question = self.asked(self.ending, End::First, n - 1);
-                self.joints.ending = self.density(joint, End::First, n - 1, question);
+                let known = self.joints.sides[end as usize].ending;
+                if known.is_none_or(|(asked, _)| asked != question) {
+                    let density = self.density(joint, End::First, n - 1, question);
+                    self.joints.sides[end as usize].ending = Some((question, density));
+                }
             }
             self.sum_up_side(joint, end, len.saturating_sub(READS));
         }
@@ -110,7 +114,7 @@ where
         let (mut sum, mut is_known) = (PathDensity::ZERO, true);
         let mut sums = core::mem::take(&mut self.joints.sides[end as usize].sums);
         for k in 0..len {
-            let mass = self.mass(joint.length, end, k, |_| self.joints.ending);
+            let mass = self.mass(joint.length, end, k, |_| self.far_ending());
             let question = self.question(joint, end.other(), joint.index(end, k));
             match sums.get(k + 1) {
                 Some(known) if is_known && known.of == (mass, question) => sum = known.sum,
@@ -139,14 +143,13 @@ where
     ) -> DensityOf<I> {
         let i = joint.index(end, k);
         let Some(question) = question else { return PathDensity::ZERO };
-        if let Some((asked, known)) = self.joints.sides[end as usize].ratios[k]
-            && asked == question
-        {
-            return known;
+        let known = self.joints.sides[end as usize].ratios[k];
+        if let Some((_, ratio)) = known.iter().flatten().find(|(asked, _)| *asked == question) {
+            return *ratio;
         }
-        let value = self.density(joint, end.other(), i, question) / self.own(end, k);
-        self.joints.sides[end as usize].ratios[k] = Some((question, value));
-        value
+        let ratio = self.density(joint, end.other(), i, question) / self.own(end, k);
+        self.joints.sides[end as usize].ratios[k] = [Some((question, ratio)), known[0]];
+        ratio
     }
 
     /// How the walk from one end would make vertex `i` of a path, if it has a step for it.
@@ -182,22 +185,14 @@ where
     }
 
     /// The density of vertex `i` of a path, far from the joint, under a strategy that comes from one end: it depends on
-    /// nothing but vertices of one piece, and is remembered.
-    fn density(&mut self, joint: Joint, end: End, i: usize, question: Question) -> DensityOf<I> {
+    /// nothing but vertices of one piece.
+    fn density(&self, joint: Joint, end: End, i: usize, question: Question) -> DensityOf<I> {
         let at = self.position(joint, i);
-        let id = self.tape.vertex_id(at);
-        let known = self.joints.of(id);
-        if let Some((_, density)) = known.iter().find(|(asked, _)| *asked == question) {
-            return *density;
-        }
-        let Some(target) = self.tape.vertex_of(id) else { return PathDensity::ZERO };
+        let Some(target) = self.tape.at_hand(at) else { return PathDensity::ZERO };
         let strategy = &self.strategies[(question.0 >> 1) as usize];
         let is_fixed = self.tape.is_drawn_with(at, Dirac::Position);
         let view = self.before(joint, i, end, strategy.reads().vertices);
-        let density = evaluated(strategy, view, target, is_fixed);
-        let [last, before] = self.joints.of(id);
-        *before = core::mem::replace(last, (question, density));
-        density
+        evaluated(strategy, view, target, is_fixed)
     }
 
     /// The density of vertex `i` of a path, next to the joint, under the step of a walk that would make it.

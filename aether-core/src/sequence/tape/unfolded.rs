@@ -4,7 +4,7 @@ use core::cell::Ref;
 
 use super::{Entry, Kept, NONE, Place, Question, Step, Tape, Way};
 use crate::sequence::Key;
-use crate::strategy::{Dirac, Vertex};
+use crate::strategy::{Dirac, Drawn, Vertex};
 
 /// A tape with its steps and vertices at hand: [`Tape::unfolded`].
 #[derive(Debug)]
@@ -37,6 +37,13 @@ impl<V: Vertex> Unfolded<'_, V> {
         (self.vertices.get(*vertex as usize).map(|kept| &kept.vertex), *visible, *dirac)
     }
 
+    /// A step that is a path of its own, as its vertex was drawn.
+    pub fn drawn(&self, at: usize) -> Option<Drawn<V>> {
+        let (vertex, visible, dirac) = self.kept(at);
+        let value = self.own(Place::new(at, 1), 0);
+        Some(Drawn { vertex: *vertex?, dirac, visible, value })
+    }
+
     /// The vertex with this id.
     #[inline(always)]
     pub fn vertex_of(&self, id: u32) -> Option<&V> {
@@ -49,18 +56,6 @@ impl<V: Vertex> Unfolded<'_, V> {
     pub fn origin(&self, at: usize) -> (u32, bool, Option<Dirac>) {
         let Entry { vertex, visible, dirac, .. } = &self.entries[at];
         (*vertex, *visible, *dirac)
-    }
-
-    /// How many vertices there are.
-    #[inline(always)]
-    pub fn vertex_count(&self) -> usize {
-        self.vertices.len()
-    }
-
-    /// The id of the vertex of a step.
-    #[inline(always)]
-    pub fn vertex_id(&self, at: usize) -> u32 {
-        self.entries[at].vertex
     }
 
     /// The id of vertex `i` of a place.
