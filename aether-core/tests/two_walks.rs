@@ -321,63 +321,26 @@ fn walks_of_many_vertices_are_weighed_alike() {
     assert!(count[1..].iter().sum::<usize>() > 100, "{count:?}");
 }
 
-/// What is remembered of two walks is not that of another heuristic, nor of other numbers of samples.
-#[test]
-fn heuristics_and_samples_do_not_mix_in_one_arena() {
-    let world = World::with_mirror(0.0);
-    let mut different = 0;
-    for seed in 0..100 {
-        let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(&world)));
-        let uniforms = &mut Pcg32::new(1, 0, seed);
-        let first = walk(&arena, (Camera.into(), Fading.into()), (7, 7), uniforms);
-        let second = walk(&arena, (Light(&world).into(), Fading.into()), (7, 7), uniforms);
-        let ending = Ways::from(Light(&world));
-        let mut values = |power: bool, samples: usize| {
-            let connections = Connections {
-                lengths: 2..=7,
-                replaced: None,
-                ending: Some(&ending),
-                fewest_ending: 3,
-                samples: |_, first| if first == 1 { samples } else { 1 },
-                is_drawn: |_, _| true,
-            };
-            let (walks, mut found) = ([&first, &second], Vec::new());
-            let keep = |path: Connected<f64>| found.push(path.value);
-            if power {
-                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, keep);
-            } else {
-                estimator.connections(walks, &connections, &BalanceHeuristic, uniforms, keep);
-            }
-            found
-        };
-        let asked = [(true, 1), (false, 1), (true, 5), (true, 1), (false, 1), (true, 5)];
-        let found = asked.map(|(power, samples)| values(power, samples));
-        assert_eq!(found[..3], found[3..], "seed {seed}");
-        let differ = |a: usize, b: usize| found[a] != found[b];
-        different += usize::from(differ(0, 1) && differ(0, 2) && differ(1, 2));
-    }
-    assert!(different > 50, "{different}");
-}
-
 /// Asserts that connections contribute what their paths do, and returns how many did.
 fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     estimator: &Estimator<I, Factors<f64>>,
     walks: [&Walk<'_, 'w>; 2],
-    [ending, replaced]: [Option<Ways<'w>>; 2],
+    (ending, replaced): (Option<Ways<'w>>, Option<Ways<'w>>),
+    (heuristic, most): (&(impl Separable<f64> + Clone), usize),
     uniforms: &mut Pcg32,
 ) -> usize {
     let connections = Connections {
         lengths: 1..=7,
-        replaced: replaced.as_ref().map(|by| (1, by)),
+        replaced: replaced.as_ref().map(|by| (4, by)),
         ending: ending.as_ref(),
         fewest_ending: 1,
-        samples: |_, first| 1 + first % 2,
+        samples: |_, first| 1 + first % most,
         is_drawn: |_, _| true,
     };
     let mut found = Vec::new();
     let keep = |path: Connected<f64>| found.push(path);
-    estimator.connections(walks, &connections, &PowerHeuristic, uniforms, keep);
-    let expected = one_by_one(estimator, walks, &connections, &PowerHeuristic, uniforms);
+    estimator.connections(walks, &connections, heuristic, uniforms, keep);
+    let expected = one_by_one(estimator, walks, &connections, heuristic, uniforms);
     assert_eq!(found.len(), expected.len());
     for (a, b) in found.iter().zip(&expected) {
         let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();
@@ -391,7 +354,7 @@ fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
 #[test]
 fn walks_and_integrands_of_all_kinds_in_one_arena() {
     let world = World::with_mirror(0.0);
-    let mut count = [0; 5];
+    let mut count = [0; 6];
     for seed in 0..100 {
         let (arena, seen) = (Arena::new(), Estimator::paths(Seen(&world)));
         let uniforms = &mut Pcg32::new(1, 0, seed);
@@ -400,22 +363,28 @@ fn walks_and_integrands_of_all_kinds_in_one_arena() {
         let second = walk(&arena, (light, Fading.into()), (5, 5), uniforms);
         let mut parted = second.slice(0..2);
         parted.append(Fading).append(Fading).append(Fading).sample(uniforms);
-        let (empty, glance) = (arena.sequence(), Some(Glance.into()));
-        for ending in [None, glance] {
+        let (empty, power) = (arena.sequence(), (&PowerHeuristic, 2));
+        for ending in [None, Some(Glance.into())] {
+            let steps = (ending, None);
             for second in [&second, &parted, &second, &empty] {
-                count[0] += assert_alike(&seen, [&first, second], [ending, None], uniforms);
+                count[0] += assert_alike(&seen, [&first, second], steps, power, uniforms);
             }
-            let short = Estimator::paths(Short(3));
-            count[1] += assert_alike(&short, [&empty, &second], [ending, None], uniforms);
-            for reads in [1, 2] {
+            for (heuristic, most) in [(0, 1), (1, 1), (0, 1), (0, 5), (1, 2)] {
+                let walks = [&first, &second];
+                count[1] += match heuristic {
+                    0 => assert_alike(&seen, walks, steps, (&PowerHeuristic, most), uniforms),
+                    _ => assert_alike(&seen, walks, steps, (&BalanceHeuristic, most), uniforms),
+                };
+            }
+            for reads in [1, 2, 3] {
                 let short = Estimator::paths(Short(reads));
-                count[1 + reads] +=
-                    assert_alike(&short, [&first, &second], [ending, None], uniforms);
+                let walks = if reads == 3 { [&empty, &second] } else { [&first, &second] };
+                count[1 + reads] += assert_alike(&short, walks, steps, power, uniforms);
             }
-            // The last one, as such a strategy is then known.
-            let far = Some(Far.into());
-            count[4] += assert_alike(&seen, [&first, &second], [ending, far], uniforms);
         }
+        // The last one, as such a strategy is then known.
+        let far = (None, Some(Far.into()));
+        count[5] += assert_alike(&seen, [&first, &second], far, power, uniforms);
     }
     assert!(count.iter().all(|count| *count > 100), "{count:?}");
 }
