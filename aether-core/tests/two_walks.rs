@@ -326,11 +326,11 @@ fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     estimator: &Estimator<I, Factors<f64>>,
     walks: [&Walk<'_, 'w>; 2],
     (ending, replaced): (Option<Ways<'w>>, Option<Ways<'w>>),
-    (heuristic, most): (&(impl Separable<f64> + Clone), usize),
+    (heuristic, most, fewest): (&(impl Separable<f64> + Clone), usize, usize),
     uniforms: &mut Pcg32,
 ) -> usize {
     let connections = Connections {
-        lengths: 1..=7,
+        lengths: fewest..=7,
         replaced: replaced.as_ref().map(|by| (4, by)),
         ending: ending.as_ref(),
         fewest_ending: 1,
@@ -363,17 +363,19 @@ fn walks_and_integrands_of_all_kinds_in_one_arena() {
         let second = walk(&arena, (light, Fading.into()), (5, 5), uniforms);
         let mut parted = second.slice(0..2);
         parted.append(Fading).append(Fading).append(Fading).sample(uniforms);
-        let (empty, power) = (arena.sequence(), (&PowerHeuristic, 2));
+        let (empty, power) = (arena.sequence(), (&PowerHeuristic, 2, 1));
         for ending in [None, Some(Glance.into())] {
             let steps = (ending, None);
             for second in [&second, &parted, &second, &empty] {
                 count[0] += assert_alike(&seen, [&first, second], steps, power, uniforms);
             }
-            for (heuristic, most) in [(0, 1), (1, 1), (0, 1), (0, 5), (1, 2)] {
+            // Steps are alike behind the third vertex.
+            for (power, most) in [(true, 1), (false, 1), (true, 1), (true, 5), (false, 2)] {
                 let walks = [&first, &second];
-                count[1] += match heuristic {
-                    0 => assert_alike(&seen, walks, steps, (&PowerHeuristic, most), uniforms),
-                    _ => assert_alike(&seen, walks, steps, (&BalanceHeuristic, most), uniforms),
+                count[1] += if power {
+                    assert_alike(&seen, walks, steps, (&PowerHeuristic, most, 4), uniforms)
+                } else {
+                    assert_alike(&seen, walks, steps, (&BalanceHeuristic, most, 4), uniforms)
                 };
             }
             for reads in [1, 2, 3] {
