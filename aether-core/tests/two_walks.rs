@@ -359,8 +359,8 @@ fn walks_and_integrands_of_all_kinds_in_one_arena() {
         let (arena, seen) = (Arena::new(), Estimator::paths(Seen(&world)));
         let uniforms = &mut Pcg32::new(1, 0, seed);
         let light = Ways::from(Light(&world));
-        let first = walk(&arena, (Camera.into(), Fading.into()), (5, 5), uniforms);
-        let second = walk(&arena, (light, Fading.into()), (5, 5), uniforms);
+        let first = walk(&arena, (Camera.into(), Fading.into()), (5, 7), uniforms);
+        let second = walk(&arena, (light, Fading.into()), (5, 7), uniforms);
         let mut parted = second.slice(0..2);
         parted.append(Fading).append(Fading).append(Fading).sample(uniforms);
         let (empty, power) = (arena.sequence(), (&PowerHeuristic, 2, 1));
