@@ -188,7 +188,13 @@ where
             .map(|by| {
                 let mut path = first.slice(0..*by);
                 match connections.ending.filter(|_| ends(*by)) {
-                    Some(ending) => drop(path.append(ending.clone()).sample(uniforms)),
+                    Some(ending) => {
+                        path.append(ending.clone());
+                        // Steps behind the end of a walk are techniques.
+                        if *by <= first.len() {
+                            path.sample(uniforms);
+                        }
+                    }
                     None => path = path.concat(&second.slice(0..n - by).reverse()),
                 }
                 let path = if (connections.is_drawn)(n, *by) { path } else { path.technique() };
