@@ -7,6 +7,9 @@ use crate::real::Scalar;
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
 
+/// A density, or a quotient of densities, and how the vertex would be made.
+pub(super) type Answer<R> = Option<(Question, PathDensity<R>)>;
+
 /// A vertex of a walk.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop<R> {
@@ -31,9 +34,9 @@ pub(super) struct Side<R> {
     pub questions: Vec<Question>,
     /// The densities with which the other walk would have made each vertex, over that of its own walk, and how it would,
     /// for the two ways that were asked for last: as far as they depend on vertices of this walk alone.
-    pub ratios: Vec<[Option<(Question, PathDensity<R>)>; 2]>,
+    pub ratios: Vec<[Answer<R>; 2]>,
     /// Of the second walk: how its first vertex would be drawn for itself after the next ones, and with which density.
-    pub ending: Option<(Question, PathDensity<R>)>,
+    pub ending: Answer<R>,
     /// Sums over the techniques that join a path before a vertex, by its number; the first one is zero.
     pub sums: Vec<Sum<R>>,
 }
