@@ -88,8 +88,8 @@ pub fn trace<'a, K, S>(
         + From<SampleCameraDirection<'a, 'a, K>>,
 {
     arena.clear();
-    estimator.integrand_mut().aim(Some(received.pixel()));
     let (pixel, longest) = (received.pixel(), settings.most_vertices());
+    estimator.integrand_mut().aim(Some(pixel));
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel.into()));

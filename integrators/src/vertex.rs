@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3 as Vector};
 use crate::eye::{BACKDROP, LENS, ParallelFilm};
 use crate::kind::{Either, Everything, Oriented, Presence, SceneKind, With};
 use crate::samplers::{HitPlane, ParallelHit, hit_plane};
+use crate::scene::vectors::try_unit;
 use crate::scene::{PrimitiveId, Tangents};
 
 /// A piece of surface, as a ray cast found it: constant near the sample.
@@ -206,15 +207,11 @@ impl<K: SceneKind> SceneVertex<K> {
     /// The direction, of unit length, in which the vertex is seen from a point; zero from where it is.
     #[inline]
     pub fn direction_from(&self, origin: Vector) -> Vector {
-        if self.is_infinite() { self.position } else { unit(self.position - origin) }
+        if self.is_infinite() {
+            return self.position;
+        }
+        try_unit(self.position - origin).unwrap_or(Vector::ZERO)
     }
-}
-
-/// A vector of unit length, or zero, as by [`Vector::normalize_or_zero`], but with two comparisons.
-#[inline(always)]
-fn unit(v: Vector) -> Vector {
-    let inverse = v.length_recip();
-    if inverse > 0.0 && inverse <= f32::MAX { v * inverse } else { Vector::ZERO }
 }
 
 /// The identity in the language of the emitter with this number: one for both halves of a rectangle. Numbers of

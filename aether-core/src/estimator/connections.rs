@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use crate::combine::{Separable, combine_with};
 use crate::estimator::joints::Pieces;
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf};
-use crate::sequence::{PathView, RandomSequence};
+use crate::sequence::{PathView, Place, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -131,7 +131,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
         for length in (*connections.lengths.start()).max(1)..=longest {
             let last = lasts.get(length).copied().flatten();
-            let drawn = last.and_then(|at| arena.tape.unfolded().drawn(at as usize));
+            let drawn =
+                last.and_then(|at| arena.tape.unfolded().drawn(Place::new(at as usize, 1), 0));
             self.connected_paths(
                 (length, drawn),
                 [first, second],

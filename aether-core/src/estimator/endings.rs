@@ -282,10 +282,9 @@ fn kept<V: Vertex, S: Strategy<V>>(
     i: usize,
 ) -> Option<Drawn<V>> {
     let place = walk.handle.place;
-    let (vertex, visible, dirac) = tape.kept(place.at(i));
-    let known = tape.own(place, i);
-    let value = Some(known.unwrap_or_else(|| walk.arena.factor(place, i, place)));
-    Some(Drawn { vertex: *vertex?, dirac, visible, value })
+    let mut drawn = tape.drawn(place, i)?;
+    drawn.value.get_or_insert_with(|| walk.arena.factor(place, i, place));
+    Some(drawn)
 }
 
 /// The numbers of the bits that are set.

@@ -37,11 +37,10 @@ impl<V: Vertex> Unfolded<'_, V> {
         (self.vertices.get(*vertex as usize).map(|kept| &kept.vertex), *visible, *dirac)
     }
 
-    /// A step that is a path of its own, as its vertex was drawn.
-    pub fn drawn(&self, at: usize) -> Option<Drawn<V>> {
-        let (vertex, visible, dirac) = self.kept(at);
-        let value = self.own(Place::new(at, 1), 0);
-        Some(Drawn { vertex: *vertex?, dirac, visible, value })
+    /// Vertex `i` of a place as it was drawn, with its density if drawing it told ([`Unfolded::own`]).
+    pub fn drawn(&self, place: Place, i: usize) -> Option<Drawn<V>> {
+        let (vertex, visible, dirac) = self.kept(place.at(i));
+        Some(Drawn { vertex: *vertex?, dirac, visible, value: self.own(place, i) })
     }
 
     /// The vertex with this id.
