@@ -11,11 +11,15 @@ use crate::sequence::{Arena, KEY, Key, Memo, NONE, PathView, Place, RandomSequen
 use crate::strategy::{Reads, Strategy, Vertex};
 
 mod connections;
+mod differences;
 mod endings;
 mod joints;
+mod sides;
+mod steps;
 mod value;
 
 pub use connections::{Connected, Connections};
+pub use differences::Shifts;
 pub use endings::{Ending, Endings};
 use joints::Carried;
 pub(crate) use joints::Joints;

@@ -29,6 +29,7 @@
 //! - estimates: [`combine`](mod@combine) (multiple importance sampling), [`estimator`],
 //!   [`path_density`];
 //! - Markov chains of paths: [`mutation`](mod@mutation);
+//! - similar paths next to others, and their differences: [`shift`];
 //! - uniform random numbers: [`uniform`];
 //! - how much was computed: [`work`];
 //! - checks for any sampler, in one line: [`battery`];
@@ -69,6 +70,7 @@ pub mod real;
 pub mod root;
 pub mod sampler;
 pub mod sequence;
+pub mod shift;
 pub mod special;
 pub mod strategy;
 #[doc(hidden)]

@@ -82,6 +82,9 @@ impl Algorithm {
             Algorithm::Bidirectional(it) => {
                 kind::named(kind, Make { integrator: it, scene, sampler })
             }
+            Algorithm::GradientDomain(it) => {
+                kind::named(kind, Make { integrator: it, scene, sampler })
+            }
             _ if !kind::KINDS.contains(&kind) => None,
             Algorithm::LightTracer(it) => Some(general(scene, it, sampler)),
             Algorithm::Tridirectional(it) => Some(general(scene, it, sampler)),
@@ -96,7 +99,6 @@ impl Algorithm {
             }
             Algorithm::Metropolis(it) => Some(chained(scene, it, seed)),
             Algorithm::PrimarySample(it) => Some(chained(scene, it, seed)),
-            Algorithm::GradientDomain(it) => Some(general(scene, it, sampler)),
         }
     }
 }

@@ -5,7 +5,7 @@ use aether_core::{Pcg32, Sobol, UniformSource, Vertex};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
-use crate::render::{AnyKernel, Splats, Technique, Worker};
+use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -80,6 +80,11 @@ impl<'s> Received<'s> {
     pub fn add_by(&mut self, technique: Technique, receiver: Pixel, value: Vec3, alone: Vec3) {
         self.add(receiver, value);
         self.splats.add_by(technique, receiver, [value, alone].map(|v| v.to_array()));
+    }
+
+    /// Adds to its own pixel of a layer.
+    pub fn add_to(&mut self, layer: Layer, value: Vec3) {
+        self.splats.add_to(layer, self.pixel, value.to_array());
     }
 
     /// Adds to a pixel.

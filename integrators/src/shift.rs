@@ -3,26 +3,23 @@
 //!
 //! The film point moves; at a mirror or a pane the shifted path follows the lobe of the base path, elsewhere it
 //! copies the half vector, until both can see the same rest of the base path: from the first two vertices in
-//! succession that are rough, the rest is kept. Each new vertex is drawn by a strategy about what is copied, by
-//! the middle of its uniforms. Forwards and backwards these strategies have the same density in terms of
-//! what they draw, so that the change of measure is the ratio of their conditional densities (Aether 2017,
-//! Eq. 7), which are derived; of what is kept it is one.
+//! succession that are rough, the rest is kept. Each new vertex is drawn by a strategy about what is copied, from
+//! which the change of measure is derived ([`aether_core::shift`]).
 //!
-//! A shift is undone by the shift back. Where that is not so, because the way back would keep another vertex
-//! or meet something else, there is no shifted path. Nor is there one whose first vertices do not see the rest,
-//! unless that is only a point of a light: next-event estimation would make such a path, though a black one.
+//! A path whose first vertices do not see the rest has no shifted one, unless the rest is only a point of a light:
+//! next-event estimation would make such a path, though a black one.
 
-use aether_core::combine::Shifted;
 use aether_core::prelude::Vec2;
-use aether_core::{Arena, RandomSequence, strategies};
+use aether_core::shift::{Moved, Shift, Turn};
+use aether_core::strategy::Dirac;
+use aether_core::{PathView, strategies};
 
 use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
 use crate::kind::{Everything, SceneKind};
 use crate::strategies::{
-    Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
+    Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
     sample_camera_direction,
 };
-use crate::subpaths::is_atom;
 use crate::vertex::{Place, SceneVertex};
 use crate::world::World;
 
@@ -43,153 +40,87 @@ strategies! {
     }
 }
 
-/// A path, with the strategies of shifts.
-pub type Path<'r, 'a, K> = RandomSequence<'r, SceneVertex<K>, ShiftStrategies<'a, K>>;
-/// Where they are.
-pub type PathArena<'a, K> = Arena<SceneVertex<K>, ShiftStrategies<'a, K>>;
-
 /// Moves paths on the film.
 #[derive(Clone, Copy)]
-pub struct Shift<'a, K: SceneKind> {
+pub struct FilmShift<'a, K: SceneKind> {
     /// The scene.
     pub world: &'a World<'a, K>,
+    /// The pixel of base paths.
+    pub pixel: Pixel,
     /// By how many pixels, to the right and down.
-    pub by: (f32, f32),
+    pub by: (i32, i32),
     /// Where the roughness of a surface is at least this, shifted paths may meet base paths.
     pub rough: f32,
-}
-
-/// The beginning of a shifted path, up to where it meets the base path.
-#[derive(Clone, Copy)]
-pub struct Beginning<'r, 'a, K: SceneKind> {
-    /// The vertices that are not those of the base path, and the eye.
-    new: Path<'r, 'a, K>,
-    jacobian: f32,
-    /// Whether all that follows is that of the base path.
-    joined: bool,
 }
 
 /// How wide half vectors are drawn about the one that is copied. It cancels; to invert them within rounding it must
 /// be large against that.
 const WIDTH: f32 = 0.125;
 
-impl<K: SceneKind> Beginning<'_, '_, K> {
-    /// Whether it has met the base path, all further vertices of which are kept.
-    pub fn is_joined(&self) -> bool {
-        self.joined
+impl<'a, K: SceneKind> FilmShift<'a, K> {
+    /// The pixel of shifted paths.
+    pub fn moved(&self) -> Pixel {
+        let ((x, y), (dx, dy)) = (self.pixel, self.by);
+        (x.saturating_add_signed(dx), y.saturating_add_signed(dy))
+    }
+
+    /// What makes vertex `i` of the shifted path do what that of the base path does.
+    fn copied(&self, base: &View<'_, K>, i: usize) -> Option<ShiftStrategies<'a, K>> {
+        let (world, here, next) = (self.world, base.back(1)?, base.back(0)?);
+        if i == 1 {
+            let film = world.film_point(&here, &next)?;
+            let (dx, dy) = self.by;
+            let moved = Vec2::new(film.x + dx as f32, film.y + dy as f32);
+            return Some(sample_camera_direction(world, Aim::About(moved)).into());
+        }
+        let before = base.back(2)?;
+        if base.carries(i - 1, Dirac::Direction) {
+            let lobe = world.mirror_between(&before, &here, &next)?;
+            return Some(sample_bsdf(world, u32::MAX, Some(lobe)).into());
+        }
+        let half = HalfVector::between(world, [&before, &here, &next], WIDTH)?;
+        Some(sample_half_vector(world, half).into())
+    }
+
+    /// Whether the shifted path may meet the base path at its next vertex: both are rough where they are, and
+    /// neither goes on in a single direction.
+    fn may_meet(&self, Turn { base, shifted, .. }: &Turn<'_, SceneVertex<K>>, i: usize) -> bool {
+        let rough = |vertex| self.is_rough(vertex);
+        i > 1
+            && !base.carries(i - 1, Dirac::Direction)
+            && rough(base.back(1))
+            && rough(shifted.back(0))
+    }
+
+    fn is_rough(&self, vertex: Option<SceneVertex<K>>) -> bool {
+        vertex.is_some_and(|vertex| self.world.roughness(&vertex) >= self.rough)
     }
 }
 
-impl<'a, K: SceneKind> Shift<'a, K> {
-    /// The eye of a path, which stays.
-    pub fn begin<'r>(&self, base: &Path<'r, 'a, K>) -> Beginning<'r, 'a, K> {
-        Beginning { new: base.slice(0..1), jacobian: 1.0, joined: false }
+type View<'p, K> = PathView<'p, SceneVertex<K>>;
+
+impl<'a, K: SceneKind> Shift<SceneVertex<K>, ShiftStrategies<'a, K>> for FilmShift<'a, K> {
+    fn inverse(&self) -> Self {
+        let (dx, dy) = self.by;
+        FilmShift { pixel: self.moved(), by: (-dx, -dy), ..*self }
     }
 
-    /// The beginning with one vertex more, if it has not met the base path, whose vertex at this place is not
-    /// the last one. It depends on the base path up to there, and on whether that leaves from there by an atom.
-    pub fn extend<'r>(
-        &self,
-        beginning: &Beginning<'r, 'a, K>,
-        base: &Path<'r, 'a, K>,
-    ) -> Option<Beginning<'r, 'a, K>> {
-        let i = beginning.new.len();
-        let meets = |other: &Path<'r, 'a, K>| {
-            self.may_join(beginning, base) && self.is_rough(other, i) && !is_atom(base, i)
+    fn vertex(&self, turn: &Turn<'_, SceneVertex<K>>) -> Moved<ShiftStrategies<'a, K>> {
+        let (i, last) = (turn.shifted.len(), turn.base.last());
+        let is_lamp = |v: &SceneVertex<K>| matches!(v.place, Place::Bulb(_) | Place::Distant(_));
+        let kept = match turn.ends {
+            // Next-event estimation would make it.
+            true => last.as_ref().is_some_and(is_lamp) || self.may_meet(turn, i),
+            false => !turn.directed && self.is_rough(last) && self.may_meet(turn, i),
         };
-        if beginning.joined {
-            return Some(*beginning);
+        if i == 0 || kept {
+            return Moved::Kept;
         }
-        if meets(base) {
-            // Scattering finds only what it sees: no other way leads to such a path.
-            let sees = self.world.visible(&beginning.new.last()?, &base.vertex(i)?);
-            return sees.then_some(Beginning { joined: true, ..*beginning });
-        }
-        let longer = self.copy(beginning, base)?;
-        // There the way back would have met it.
-        if meets(&longer.new) { None } else { Some(longer) }
+        self.copied(&turn.base, i).map_or(Moved::Lost, Moved::Copied)
     }
 
-    /// The shift of a path from a beginning of it with one vertex less, at least.
-    pub fn finish<'r>(
-        &self,
-        beginning: &Beginning<'r, 'a, K>,
-        base: &Path<'r, 'a, K>,
-    ) -> Option<Shifted<'r, SceneVertex<K>, ShiftStrategies<'a, K>>> {
-        let n = beginning.new.len();
-        let is_lamp = matches!(base.last()?.place, Place::Bulb(_) | Place::Distant(_));
-        if beginning.joined || is_lamp || self.may_join(beginning, base) {
-            let path = beginning.new.concat(&base.slice(n..base.len()));
-            return Some(Shifted { path, jacobian: beginning.jacobian });
-        }
-        let Beginning { new: path, jacobian, .. } = self.copy(beginning, base)?;
-        Some(Shifted { path, jacobian })
-    }
-
-    /// The shift of a whole path.
-    pub fn apply<'r>(
-        &self,
-        base: &Path<'r, 'a, K>,
-    ) -> Option<Shifted<'r, SceneVertex<K>, ShiftStrategies<'a, K>>> {
-        let inner = base.len().checked_sub(2)?;
-        let beginning = (0..inner).try_fold(self.begin(base), |b, _| self.extend(&b, base))?;
-        self.finish(&beginning, base)
-    }
-
-    /// The beginning with a new vertex that does what that of the base path does.
-    fn copy<'r>(
-        &self,
-        beginning: &Beginning<'r, 'a, K>,
-        base: &Path<'r, 'a, K>,
-    ) -> Option<Beginning<'r, 'a, K>> {
-        let i = beginning.new.len();
-        let [there, back] = self.strategies(base, i)?;
-        let (mut new, mut way_back) = (beginning.new, base.slice(0..i));
-        new.append(there).sample(&mut || 0.5);
-        way_back.append(back);
-        if !new.is_complete() || is_atom(&new, i - 1) != is_atom(base, i - 1) {
-            return None;
-        }
-        let density_back = way_back.pdf_of(&base.slice(0..=i)) / base.slice(0..i).pdf();
-        let jacobian = beginning.jacobian * density_back.value() / new.conditional(i)?;
-        let regular = jacobian > 0.0 && jacobian < f32::INFINITY;
-        regular.then_some(Beginning { new, jacobian, joined: false })
-    }
-
-    /// What makes vertex `i` of the shifted path, and what makes that of the base path on the way back.
-    fn strategies(&self, base: &Path<'_, 'a, K>, i: usize) -> Option<[ShiftStrategies<'a, K>; 2]> {
-        let (world, [here, next]) = (self.world, [base.vertex(i - 1)?, base.vertex(i)?]);
-        if i == 1 {
-            let film = world.film_point(&here, &next)?;
-            let moved = Vec2::new(film.x + self.by.0, film.y + self.by.1);
-            return Some(
-                [moved, film].map(|p| sample_camera_direction(world, Aim::About(p)).into()),
-            );
-        }
-        let before = base.vertex(i - 2)?;
-        if is_atom(base, i - 1) {
-            let lobe = world.mirror_between(&before, &here, &next)?;
-            let same = sample_bsdf(world, u32::MAX, Some(lobe));
-            return Some([same.clone().into(), same.into()]);
-        }
-        // On the way back, a ray would have to find it.
-        if !base.view().visible(i) && !world.visible(&here, &next) {
-            return None;
-        }
-        let half = HalfVector::between(world, [&before, &here, &next], WIDTH)?;
-        let same = sample_half_vector(world, half);
-        Some([same.clone().into(), same.into()])
-    }
-
-    /// Whether the shifted path can go on to the next vertex of the base path from where it is: both are rough.
-    fn may_join(&self, beginning: &Beginning<'_, 'a, K>, base: &Path<'_, 'a, K>) -> bool {
-        let last = beginning.new.len() - 1;
-        let rough = |path| self.is_rough(path, last);
-        last > 0 && !is_atom(base, last) && rough(base) && rough(&beginning.new)
-    }
-
-    fn is_rough(&self, path: &Path<'_, 'a, K>, i: usize) -> bool {
-        path.vertex(i).is_some_and(|vertex| self.world.roughness(&vertex) >= self.rough)
+    fn technique(&self, i: usize) -> Option<ShiftStrategies<'a, K>> {
+        (i == 1).then(|| sample_camera_direction(self.world, self.moved().into()).into())
     }
 }
 
@@ -200,9 +131,11 @@ mod tests {
     use crate::scattering::facets::{reflect, refract_in, refract_out};
     use crate::scene::Scene;
     use crate::strategies::sample_light;
-    use crate::subpaths::camera_path;
-    use aether_core::Pcg32;
+    use crate::subpaths::{camera_path, is_atom};
     use aether_core::prelude::*;
+    use aether_core::{Arena, Pcg32, RandomSequence};
+
+    type Path<'r, 'a, K> = RandomSequence<'r, SceneVertex<K>, ShiftStrategies<'a, K>>;
 
     /// The surface coordinates, about a point, of what a map makes of the point with these surface coordinates.
     fn chart(origin: Vec3, axes: [Vec3; 2], p: [f64; 2]) -> Vec3 {
@@ -333,7 +266,7 @@ mod tests {
         let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/scenes");
         let scene = Scene::load(&file.join(scene), &[]).unwrap();
         let world = World::new(&scene).unwrap();
-        let mut arena = PathArena::new();
+        let mut arena = Arena::new();
         for sample in 0..400 {
             arena.clear();
             let pixel = (8 + sample % 48, 8 + (sample * 7) % 48);
@@ -363,10 +296,11 @@ mod tests {
             let (mut worst, mut all, mut failed) = (0.0_f32, 0, 0);
             for_paths(scene, 5, |world, base| {
                 // Rough glass is not rough enough.
-                let shift = |x| Shift { world, by: (x, 0.0), rough: 0.5 };
-                let Some(there) = shift(1.0).apply(base) else { return };
+                let shift = FilmShift { world, pixel: (0, 0), by: (1, 0), rough: 0.5 };
+                let sees = |a: &_, b: &_| world.visible(a, b);
+                let Some(there) = base.shifted(&shift, sees) else { return };
                 all += 1;
-                let Some(back) = shift(-1.0).apply(&there.path) else {
+                let Some(back) = there.path.shifted(&shift.inverse(), sees) else {
                     failed += 1;
                     return;
                 };

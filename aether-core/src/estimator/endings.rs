@@ -3,12 +3,12 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
+use crate::estimator::steps::{Fork, MOST_WAYS, RING, Walk, bits};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{LAST, LastDrawn, PathView, RandomSequence, Unfolded, each_last};
+use crate::sequence::{LAST, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
-use crate::work::count_densities;
 
 /// How the paths along a walk may end.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct Ending<'t, S, T> {
 impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
     /// A bit for each way, whether paths with so many vertices end in it.
     #[inline(always)]
-    fn used(&self, length: usize) -> u32 {
+    pub(super) fn used(&self, length: usize) -> u32 {
         let is_used = |steps: &[S]| steps.len() <= length && (self.is_used)(length, steps);
         let mut used = 0;
         for (way, steps) in self.ways.iter().enumerate() {
@@ -49,7 +49,7 @@ impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
 
     /// The ways that paths with so many vertices end in.
     #[inline(always)]
-    fn of_length(&self, length: usize) -> impl Iterator<Item = &'t [S]> + Clone {
+    pub(super) fn of_length(&self, length: usize) -> impl Iterator<Item = &'t [S]> + Clone {
         let ways = self.ways.iter().copied();
         ways.filter(move |steps| steps.len() <= length && (self.is_used)(length, steps))
     }
@@ -107,23 +107,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if self.is_short(start, Some(step), endings) {
             return self.last_steps(start, Some(step), endings, heuristic, uniforms, visit);
         }
-        let (mut walk, longest) = (*start, *endings.lengths.end());
-        walk.sample(uniforms);
-        while walk.is_complete() && walk.size() < longest {
-            walk.append(step.clone()).sample(uniforms);
-        }
-        // Where the walk has found nothing, an ending of several steps may.
-        for _ in 1..endings.ways.iter().map(|steps| steps.len()).max().unwrap_or(1) {
-            if walk.size() < longest {
-                walk.append(step.clone());
-            }
-        }
+        let walk = taken(start, step, endings, uniforms);
         self.last_sequences(&walk, endings, heuristic, uniforms, visit);
     }
 
     /// Whether paths along a walk need not be made to be estimated: ways to end them have one step at most, and no more
     /// vertices are read than are at hand.
-    fn is_short<S: Strategy<I::Vertex>, P>(
+    pub(super) fn is_short<S: Strategy<I::Vertex>, P>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
         step: Option<&S>,
@@ -184,32 +174,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>>,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        let arena = walk.arena;
-        let (tape, strategies) = (&arena.tape.unfolded(), arena.strategies.borrow());
-        let place = walk.handle.place;
+        let tape = &walk.arena.tape.unfolded();
+        let steps = Walk::new(walk, step, tape);
         // f / p of the vertices before the last one, and the last ones with it.
         let (mut carried, mut recent, mut length) = (I::Value::one(), [None; RING], 0);
         while length < *endings.lengths.end() {
             length += 1;
             let fork = Fork::new(&recent, length - 1);
-            let is_kept = length <= walk.len();
-            let (own, block) = if length <= walk.size() {
-                let strategy = tape.way(place, length - 1).strategy();
-                let goes_on = step.is_some() && !walk.handle.ended;
-                let block = (goes_on && !is_kept).then(|| tape.block(place, length - 1));
-                (&strategies[strategy as usize], block)
-            } else {
-                let Some(step) = step else { break };
-                (step, Some(walk.block_at(length - 1)))
-            };
-            let drawn = match block {
-                Some(block) => {
-                    uniforms.start(block);
-                    fork.draw(own, uniforms)
-                }
-                None if is_kept => kept(walk, tape, length - 1),
-                None => None,
-            };
+            let Some(own) = steps.strategy(length - 1) else { break };
+            let drawn = steps.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
             let used = if asked { endings.used(length) } else { 0 };
@@ -266,6 +239,32 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 }
 
+/// A walk with its steps taken and a strategy appended to it as often as endings ask for.
+pub(super) fn taken<'a, V, S, P, U>(
+    start: &RandomSequence<'a, V, S>,
+    step: &S,
+    endings: &Endings<'_, S, P>,
+    uniforms: &mut U,
+) -> RandomSequence<'a, V, S>
+where
+    V: Vertex,
+    S: Strategy<V>,
+    U: UniformSource<V::Real> + ?Sized,
+{
+    let (mut walk, longest) = (*start, *endings.lengths.end());
+    walk.sample(uniforms);
+    while walk.is_complete() && walk.size() < longest {
+        walk.append(step.clone()).sample(uniforms);
+    }
+    // Where the walk has found nothing, an ending of several steps may.
+    for _ in 1..endings.ways.iter().map(|steps| steps.len()).max().unwrap_or(1) {
+        if walk.size() < longest {
+            walk.append(step.clone());
+        }
+    }
+    walk
+}
+
 /// What a last vertex carries.
 #[derive(Clone, Copy)]
 struct Met<R, T> {
@@ -273,87 +272,4 @@ struct Met<R, T> {
     density: R,
     /// f / p of the path up to it.
     carried: T,
-}
-
-/// Vertex `i` of a walk that is one run, as it was drawn, with its density.
-fn kept<V: Vertex, S: Strategy<V>>(
-    walk: &RandomSequence<'_, V, S>,
-    tape: &Unfolded<'_, V>,
-    i: usize,
-) -> Option<Drawn<V>> {
-    let place = walk.handle.place;
-    let mut drawn = tape.drawn(place, i)?;
-    drawn.value.get_or_insert_with(|| walk.arena.factor(place, i, place));
-    Some(drawn)
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-fn bits(mut set: u32) -> impl Iterator<Item = usize> {
-    core::iter::from_fn(move || {
-        let first = (set != 0).then(|| set.trailing_zeros() as usize);
-        set &= set.wrapping_sub(1);
-        first
-    })
-}
-
-/// The most ways to end a path that are told apart at once.
-const MOST_WAYS: usize = 16;
-
-/// How many of the last vertices are kept, in turns: a power of two, so that turns are a few bits of a number.
-const RING: usize = LAST.next_power_of_two();
-
-/// Where the ways to end a path part.
-struct Fork<'r, V: Vertex> {
-    /// The last vertices that all ways share, the last one first.
-    recent: LastDrawn<'r, V>,
-    /// How many vertices all ways share.
-    len: usize,
-}
-
-impl<'r, V: Vertex> Fork<'r, V> {
-    /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
-    #[inline(always)]
-    fn new(kept: &'r [Option<Drawn<V>>; RING], len: usize) -> Self {
-        let recent = each_last(|k| match len.checked_sub(k + 1) {
-            Some(i) => kept[i % RING].as_ref(),
-            None => None,
-        });
-        Fork { recent, len }
-    }
-
-    /// The vertices that all ways share, as strategies see them.
-    #[inline(always)]
-    fn before(&self) -> PathView<'_, V> {
-        PathView::of_drawn(self.recent, self.len)
-    }
-
-    /// The path with a last vertex.
-    #[inline(always)]
-    fn then<'p>(&'p self, last: &'p Drawn<V>) -> PathView<'p, V> {
-        let [first, second, _] = self.recent;
-        PathView::of_drawn([Some(last), first, second], self.len + 1)
-    }
-
-    /// What a strategy finds as the last vertex.
-    #[inline(always)]
-    fn draw<S, U>(&self, strategy: &S, uniforms: &mut U) -> Option<Drawn<V>>
-    where
-        S: Strategy<V>,
-        U: UniformSource<V::Real> + ?Sized,
-    {
-        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms)?;
-        if drawn.value.is_some() {
-            count_densities(1);
-        }
-        Some(drawn)
-    }
-
-    /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.
-    #[inline(always)]
-    fn density<S: Strategy<V>>(&self, strategy: &S, drawn: &Drawn<V>) -> V::Real {
-        let before = self.before().asking(drawn.dirac).limited(strategy.reads());
-        count_densities(1);
-        strategy.pdf(before, &drawn.vertex).of_kind(drawn.dirac)
-    }
 }

@@ -1,0 +1,239 @@
+//! The paths along a walk, and how much more what shifts make of them contributes.
+
+use crate::combine::Heuristic;
+use crate::estimator::endings::taken;
+use crate::estimator::sides::{Found, Last, Next, Side, Sides, Ways};
+use crate::estimator::steps::{Fork, RING, Walk, bits};
+use crate::estimator::{Ending, Endings, Estimator, Factors, PathIntegrand, RealOf, Value};
+use crate::sequence::RandomSequence;
+use crate::shift::{AT_HAND, Shift};
+use crate::strategy::{Dirac, Strategy, Vertex};
+use crate::uniform::UniformSource;
+
+/// What paths along a walk are compared with.
+#[derive(Clone, Debug)]
+pub struct Shifts<M, F, const N: usize> {
+    /// The shifts; `None` takes the place of one that is not asked for.
+    pub shifts: [Option<M>; N],
+    /// How many vertices paths that are compared have at least.
+    pub shortest: usize,
+    /// Whether nothing lies between two vertices. The step that a walk goes on with finds what it sees; its density
+    /// says nothing of what lies in between, and the other path of a pair may be visible.
+    pub sees: F,
+}
+
+impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
+    /// [`Estimator::walk`], and of each shift an estimate of how much more all shifted paths carry than these (Kettunen
+    /// et al. 2015): the sum over paths of (f(T x) |∂T x/∂x| − f(x)) × weight / p, zero for a shift that is `None`.
+    ///
+    /// A pair of a path and its shifted one could have been made from either of the two, in each way that
+    /// `endings` uses: its weight is that of a heuristic over all of these. A path that has no shifted one has
+    /// only its own ways. With the estimate of the shift back, from paths that are sampled as shifted ones are
+    /// ([`Shift::technique`]), the sum is the difference of both integrals, whatever the shift.
+    ///
+    /// Where [`Estimator::walk`] makes no paths and a shift looks at two vertices at most, none is made, and from a
+    /// few vertices on after both paths have met the shifted one costs nothing.
+    #[expect(clippy::too_many_arguments, reason = "those of a walk, and the shifts")]
+    pub fn differences<'t, S, P, H, U, M, F, const N: usize>(
+        &self,
+        start: &RandomSequence<'_, I::Vertex, S>,
+        step: &S,
+        endings: &Endings<'t, S, P>,
+        shifts: &Shifts<M, F, N>,
+        heuristic: &H,
+        uniforms: &mut U,
+        visit: impl FnMut(Ending<'t, S, I::Value>),
+    ) -> [I::Value; N]
+    where
+        S: Strategy<I::Vertex> + 't,
+        P: Fn(usize, &[S]) -> bool,
+        H: Heuristic<RealOf<I>> + Clone,
+        U: UniformSource<RealOf<I>> + ?Sized,
+        M: Shift<I::Vertex, S>,
+        F: Fn(&I::Vertex, &I::Vertex) -> bool,
+    {
+        let is_short = |shift: &M| shift.reads() <= AT_HAND;
+        if self.is_short(start, Some(step), endings) && shifts.shifts.iter().flatten().all(is_short)
+        {
+            return self
+                .differences_at_last(start, step, endings, shifts, heuristic, uniforms, visit);
+        }
+        let walk = taken(start, step, endings, uniforms);
+        self.differences_of_sequences(&walk, endings, shifts, heuristic, uniforms, visit)
+    }
+
+    /// The same without paths.
+    #[expect(clippy::too_many_arguments, reason = "those of a walk, and the shifts")]
+    fn differences_at_last<'t, S, P, H, U, M, F, const N: usize>(
+        &self,
+        walk: &RandomSequence<'_, I::Vertex, S>,
+        step: &S,
+        endings: &Endings<'t, S, P>,
+        shifts: &Shifts<M, F, N>,
+        heuristic: &H,
+        uniforms: &mut U,
+        mut visit: impl FnMut(Ending<'t, S, I::Value>),
+    ) -> [I::Value; N]
+    where
+        S: Strategy<I::Vertex> + 't,
+        P: Fn(usize, &[S]) -> bool,
+        H: Heuristic<RealOf<I>>,
+        U: UniformSource<RealOf<I>> + ?Sized,
+        M: Shift<I::Vertex, S>,
+        F: Fn(&I::Vertex, &I::Vertex) -> bool,
+    {
+        let tape = &walk.arena.tape.unfolded();
+        let steps = Walk::new(walk, Some(step), tape);
+        let pairs = Sides { estimator: self, sees: &shifts.sees };
+        let mut sides = shifts.shifts.each_ref().map(|shift| shift.as_ref().map(Side::new));
+        let (mut carried, mut recent, mut length) = (I::Value::one(), [None; RING], 0);
+        let mut before: Option<Found<RealOf<I>, I::Value>> = None;
+        while length < *endings.lengths.end() {
+            length += 1;
+            let i = length - 1;
+            let Some(own) = steps.strategy(i) else { break };
+            let fork = Fork::new(&recent, i);
+            let drawn = steps.draw(i, own, &fork, uniforms);
+            let found = drawn.as_ref().and_then(|drawn| pairs.found(&fork, own, drawn));
+            let directed =
+                drawn.as_ref().is_some_and(|drawn| drawn.dirac == Some(Dirac::Direction));
+            let fork_before = Fork::new(&recent, i.saturating_sub(1));
+            let next = before.and_then(|found| {
+                let (i, drawn) = (i - 1, recent[(i - 1) % RING].as_ref()?);
+                Some(Next { i, fork: &fork_before, drawn, own: steps.strategy(i)?, found })
+            });
+            if let Some(next) = &next {
+                sides.iter_mut().flatten().for_each(|side| pairs.go_on(side, next, directed));
+            }
+            let asked = *endings.lengths.start() <= length;
+            let used = if asked { endings.used(length) } else { 0 };
+            let ways = Ways::new(bits(used).map(|way| {
+                let steps = endings.ways[way];
+                (steps.first().unwrap_or(own), steps.is_empty())
+            }));
+            for (number, way) in bits(used).enumerate() {
+                let (steps, other) = (endings.ways[way], &mut None);
+                let (last, found) = match steps.first() {
+                    None => (&drawn, found),
+                    Some(step) => {
+                        uniforms.start(walk.block_after(i));
+                        *other = fork.draw(step, uniforms);
+                        let found = other.as_ref().and_then(|last| pairs.found(&fork, step, last));
+                        (&*other, found)
+                    }
+                };
+                let (Some(drawn), Some(found)) = (last, found) else { continue };
+                let tail = match found.gain.is_zero() {
+                    true => I::Value::zero(),
+                    false => found.gain.multiply(self.closing(fork.then(drawn))),
+                };
+                let last =
+                    &mut Last::new(&fork, drawn, number, found.density).carrying(carried, tail);
+                if length >= shifts.shortest {
+                    for side in sides.iter_mut().flatten() {
+                        pairs.compare(side, last, &ways, (next.as_ref(), directed), heuristic);
+                    }
+                }
+                if !last.alone.is_zero() {
+                    let (alone, weight) = (last.alone, last.weight(&ways, heuristic));
+                    visit(Ending { length, steps, value: alone.times(weight), alone });
+                }
+            }
+            let (Some(drawn), Some(found)) = (drawn, found) else { break };
+            carried = carried.multiply(found.gain);
+            if carried.is_zero() && !sides.iter().flatten().any(Side::carries) {
+                break;
+            }
+            recent[i % RING] = Some(drawn);
+            before = Some(found);
+        }
+        sides.map(|side| side.map_or(I::Value::zero(), |side| side.difference))
+    }
+
+    /// The same by sequences of their own, for a walk whose steps have been taken.
+    fn differences_of_sequences<'a, 't, S, P, H, U, M, F, const N: usize>(
+        &self,
+        walk: &RandomSequence<'a, I::Vertex, S>,
+        endings: &Endings<'t, S, P>,
+        shifts: &Shifts<M, F, N>,
+        heuristic: &H,
+        uniforms: &mut U,
+        mut visit: impl FnMut(Ending<'t, S, I::Value>),
+    ) -> [I::Value; N]
+    where
+        I::Vertex: 'a,
+        S: Strategy<I::Vertex> + 't + 'a,
+        P: Fn(usize, &[S]) -> bool,
+        H: Heuristic<RealOf<I>>,
+        U: UniformSource<RealOf<I>> + ?Sized,
+        M: Shift<I::Vertex, S>,
+        F: Fn(&I::Vertex, &I::Vertex) -> bool,
+    {
+        let mut differences = [I::Value::zero(); N];
+        for length in *endings.lengths.start()..=walk.size().min(*endings.lengths.end()) {
+            let ways: Vec<_> = endings.of_length(length).collect();
+            let techniques = |walk: &RandomSequence<'a, I::Vertex, S>| {
+                let ended = |steps: &&[S]| {
+                    let mut path = walk.slice(0..length - steps.len());
+                    steps.iter().for_each(|step| _ = path.append(step.clone()));
+                    path
+                };
+                ways.iter().map(ended).collect::<Vec<_>>()
+            };
+            let mut ours = techniques(walk);
+            ours.iter_mut().for_each(|path| _ = path.sample(uniforms));
+            let samples = ours.iter().zip(&ways).enumerate();
+            for (way, (base, steps)) in samples.filter(|(_, (base, _))| base.is_complete()) {
+                let alone = self.of(base);
+                if !alone.is_zero() {
+                    let value = alone.times(base.weight_with(heuristic, (&ours, way), None));
+                    visit(Ending { length, steps, value, alone });
+                }
+                let asked = differences.iter_mut().zip(&shifts.shifts);
+                for (difference, shift) in asked.filter(|_| length >= shifts.shortest) {
+                    let Some(shift) = shift else { continue };
+                    let shifted = base.shifted(shift, &shifts.sees);
+                    let there = shifted.as_ref().map_or(I::Value::zero(), |shifted| {
+                        let value = self.of(&shifted.path);
+                        if value.is_zero() { value } else { value.times(shifted.rescaling(base)) }
+                    });
+                    if there.is_zero() && alone.is_zero() {
+                        continue;
+                    }
+                    let finds =
+                        |k: usize| k == way || !ways[k].is_empty() || shifts.finds(base, alone);
+                    let used: Vec<_> = (0..ways.len()).filter(|k| finds(*k)).collect();
+                    let number = used.iter().filter(|k| **k < way).count();
+                    let ours: Vec<_> = used.iter().map(|k| ours[*k]).collect();
+                    let pair = shifted.as_ref().map(|shifted| {
+                        let finds =
+                            |steps: &[S]| !steps.is_empty() || shifts.finds(&shifted.path, there);
+                        let theirs = techniques(&walk.as_shifted(shift)).into_iter().zip(&ways);
+                        let theirs = theirs.filter(|(_, steps)| finds(steps)).map(|(path, _)| path);
+                        (shifted, theirs.collect::<Vec<_>>())
+                    });
+                    let pair = pair.as_ref().map(|(shifted, theirs)| (*shifted, &theirs[..]));
+                    let weight = base.weight_with(heuristic, (&ours, number), pair);
+                    *difference = difference.plus(there.times(weight)).plus(alone.times(-weight));
+                }
+            }
+        }
+        differences
+    }
+}
+
+impl<M, F, const N: usize> Shifts<M, F, N> {
+    /// Whether the step that a walk goes on with can have found the last vertex of a path that carries `value`.
+    fn finds<V, S, T>(&self, path: &RandomSequence<'_, V, S>, value: T) -> bool
+    where
+        V: Vertex,
+        S: Strategy<V>,
+        T: Value<V::Real>,
+        F: Fn(&V, &V) -> bool,
+    {
+        let last = path.len().saturating_sub(1);
+        let ends = || path.vertex(last.checked_sub(1)?).zip(path.vertex(last));
+        let sees = || ends().is_some_and(|(before, last)| (self.sees)(&before, &last));
+        !value.is_zero() || path.view().visible(last) || sees()
+    }
+}

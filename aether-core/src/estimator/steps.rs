@@ -1,0 +1,150 @@
+//! Walks that are estimated without being kept: where the ways to go on part, and what goes on.
+
+use core::cell::Ref;
+
+use crate::sequence::{LAST, LastDrawn, PathView, RandomSequence, Unfolded, each_last};
+use crate::strategy::{Drawn, Strategy, Vertex};
+use crate::uniform::UniformSource;
+use crate::work::count_densities;
+
+/// The steps of a walk that is one run, and the one that it goes on with.
+pub(super) struct Walk<'w, 't, V: Vertex, S> {
+    walk: &'w RandomSequence<'t, V, S>,
+    step: Option<&'w S>,
+    tape: &'w Unfolded<'t, V>,
+    strategies: Ref<'t, Vec<S>>,
+}
+
+impl<'w, 't, V: Vertex, S: Strategy<V>> Walk<'w, 't, V, S> {
+    /// The steps of a walk on a tape, and then others.
+    #[inline(always)]
+    pub fn new(
+        walk: &'w RandomSequence<'t, V, S>,
+        step: Option<&'w S>,
+        tape: &'w Unfolded<'t, V>,
+    ) -> Self {
+        Walk { walk, step, tape, strategies: walk.arena.strategies.borrow() }
+    }
+
+    /// The strategy of a step.
+    #[inline(always)]
+    pub fn strategy(&self, i: usize) -> Option<&S> {
+        if i >= self.walk.size() {
+            return self.step;
+        }
+        Some(&self.strategies[self.tape.way(self.walk.handle.place, i).strategy() as usize])
+    }
+
+    /// The vertex that a step, whose strategy this is, has found, or finds after those that are at hand.
+    #[inline(always)]
+    pub fn draw<U>(
+        &self,
+        i: usize,
+        strategy: &S,
+        fork: &Fork<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>>
+    where
+        U: UniformSource<V::Real> + ?Sized,
+    {
+        let (walk, place) = (self.walk, self.walk.handle.place);
+        if i < walk.len() {
+            return kept(walk, self.tape, i);
+        }
+        let pending = i < walk.size();
+        if pending && (self.step.is_none() || walk.handle.ended) {
+            return None;
+        }
+        uniforms.start(if pending { self.tape.block(place, i) } else { walk.block_at(i) });
+        fork.draw(strategy, uniforms)
+    }
+}
+
+/// Vertex `i` of a walk that is one run, as it was drawn, with its density.
+fn kept<V: Vertex, S: Strategy<V>>(
+    walk: &RandomSequence<'_, V, S>,
+    tape: &Unfolded<'_, V>,
+    i: usize,
+) -> Option<Drawn<V>> {
+    let place = walk.handle.place;
+    let mut drawn = tape.drawn(place, i)?;
+    drawn.value.get_or_insert_with(|| walk.arena.factor(place, i, place));
+    Some(drawn)
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(super) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let first = (set != 0).then(|| set.trailing_zeros() as usize);
+        set &= set.wrapping_sub(1);
+        first
+    })
+}
+
+/// The most ways to end a path that are told apart at once.
+pub(super) const MOST_WAYS: usize = 16;
+
+/// How many of the last vertices are kept, in turns: a power of two, so that turns are a few bits of a number.
+pub(super) const RING: usize = LAST.next_power_of_two();
+
+/// Where the ways to end a path part.
+pub(super) struct Fork<'r, V: Vertex> {
+    /// The last vertices that all ways share, the last one first.
+    recent: LastDrawn<'r, V>,
+    /// How many vertices all ways share.
+    len: usize,
+}
+
+impl<'r, V: Vertex> Fork<'r, V> {
+    /// After so many vertices, of which vertex `i` is kept at the place of the rest of `i`.
+    #[inline(always)]
+    pub fn new(kept: &'r [Option<Drawn<V>>; RING], len: usize) -> Self {
+        let recent = each_last(|k| match len.checked_sub(k + 1) {
+            Some(i) => kept[i % RING].as_ref(),
+            None => None,
+        });
+        Fork { recent, len }
+    }
+
+    /// The last vertex that all ways share.
+    #[inline(always)]
+    pub fn last(&self) -> Option<&'r V> {
+        self.recent[0].map(|drawn| &drawn.vertex)
+    }
+
+    /// The vertices that all ways share, as strategies see them.
+    #[inline(always)]
+    pub fn before(&self) -> PathView<'_, V> {
+        PathView::of_drawn(self.recent, self.len)
+    }
+
+    /// The path with a last vertex.
+    #[inline(always)]
+    pub fn then<'p>(&'p self, last: &'p Drawn<V>) -> PathView<'p, V> {
+        let [first, second, _] = self.recent;
+        PathView::of_drawn([Some(last), first, second], self.len + 1)
+    }
+
+    /// What a strategy finds as the last vertex.
+    #[inline(always)]
+    pub fn draw<S, U>(&self, strategy: &S, uniforms: &mut U) -> Option<Drawn<V>>
+    where
+        S: Strategy<V>,
+        U: UniformSource<V::Real> + ?Sized,
+    {
+        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms)?;
+        if drawn.value.is_some() {
+            count_densities(1);
+        }
+        Some(drawn)
+    }
+
+    /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.
+    #[inline(always)]
+    pub fn density<S: Strategy<V>>(&self, strategy: &S, drawn: &Drawn<V>) -> V::Real {
+        let before = self.before().asking(drawn.dirac).limited(strategy.reads());
+        count_densities(1);
+        strategy.pdf(before, &drawn.vertex).of_kind(drawn.dirac)
+    }
+}
