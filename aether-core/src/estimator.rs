@@ -14,6 +14,8 @@ mod connections;
 mod differences;
 mod endings;
 mod joints;
+mod last;
+mod made_pairs;
 mod sides;
 mod steps;
 mod value;

@@ -61,7 +61,7 @@ impl Algorithm {
 
     /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. Uniforms are of the
     /// kind and seed of `sampler`; Markov chains and photons take the seed alone. The same seed gives the same
-    /// image, whatever the kind. Path tracing and bidirectional path tracing are
+    /// image, whatever the kind. Path tracing, also with gradients, and bidirectional path tracing are
     /// compiled for all kinds, the others for [`Everything`] alone, which they use whatever the name.
     ///
     /// # Errors

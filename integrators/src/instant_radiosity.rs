@@ -1,7 +1,7 @@
 //! Instant radiosity (Keller 1997; Aether 2017, section 7.6): light paths that all pixels share, whose
 //! vertices are virtual point lights.
 
-use aether_core::{Arena, Pcg32, Snapshot, UniformSource};
+use aether_core::{Arena, Snapshot, UniformSource};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -12,6 +12,7 @@ use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path};
+use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -54,7 +55,8 @@ impl Integrator for InstantRadiosity {
         paths.clear();
         for k in 0..self.light_paths {
             arena.clear();
-            let uniforms = &mut Pcg32::new(seed, u64::MAX - u64::from(k), u64::from(sample));
+            let uniforms =
+                &mut Uniforms::independent(seed, u64::MAX - u64::from(k), u64::from(sample));
             let light = light_path(world, &arena, uniforms, (longest, self.path.rr_depth));
             paths.push(Snapshot::of(&light.slice(0..light.len())));
         }

@@ -1,13 +1,14 @@
 //! What an integrator is to the renderer: an estimator of pixels, for every kind of scene.
 
 use aether_core::estimator::Contribution;
-use aether_core::{Pcg32, Sobol, UniformSource, Vertex};
+use aether_core::{UniformSource, Vertex};
 use glam::Vec3;
 
 use crate::kind::{NotCovered, SceneKind};
 use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
 use crate::scene::{SamplerKind, Scene};
 use crate::strategies::Pixel;
+use crate::uniforms::Uniforms;
 use crate::world::World;
 
 /// A light transport algorithm with its settings, written once for all kinds of scenes.
@@ -131,7 +132,6 @@ pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
 ) -> Worker<'a> {
     let mut scratch = integrator.scratch(world);
     let width = u64::from(world.scene.film.width);
-    let independent = sampler == SamplerKind::Independent;
     let mut begun = None;
     Box::new(move |pixel, sample, splats| {
         if begun != Some(sample) {
@@ -139,13 +139,8 @@ pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
             begun = Some(sample);
         }
         let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-        let value = if independent {
-            let mut uniforms = Pcg32::new(seed, stream, u64::from(sample));
-            integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
-        } else {
-            let mut uniforms = Sobol::new(seed, stream, sample);
-            integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats)
-        };
+        let mut uniforms = Uniforms::new(sampler, seed, stream, sample);
+        let value = integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats);
         value.to_array()
     })
 }

@@ -50,6 +50,7 @@ pub mod stored;
 pub mod strategies;
 pub mod subpaths;
 pub mod tridirectional;
+pub mod uniforms;
 pub mod vertex;
 pub mod vertex_merging;
 pub mod work;

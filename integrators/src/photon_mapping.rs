@@ -6,7 +6,6 @@
 
 use std::sync::{PoisonError, RwLock};
 
-use aether_core::Pcg32;
 use aether_core::estimator::{Estimator, Factors};
 use glam::Vec3;
 
@@ -20,6 +19,7 @@ use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::Scene;
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
+use crate::uniforms::Uniforms;
 use crate::work::in_parts;
 use crate::world::World;
 
@@ -77,7 +77,8 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         let mut photons = Vec::new();
         for k in paths {
             arena.clear();
-            let uniforms = &mut Pcg32::new(self.seed, u64::MAX - k as u64, u64::from(sample));
+            let uniforms =
+                &mut Uniforms::independent(self.seed, u64::MAX - k as u64, u64::from(sample));
             let light = light_path(world, &arena, uniforms, (longest, self.settings.path.rr_depth));
             for size in 2..=light.len() {
                 let path = light.slice(0..size).reverse();
@@ -106,7 +107,7 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         &'a self,
         map: &PhotonMap,
         Gatherer { scratch, throughput }: &mut Gatherer<'a, K>,
-        uniforms: &mut Pcg32,
+        uniforms: &mut Uniforms,
         pixel: Pixel,
         splats: &mut Splats,
     ) -> Vec3 {
@@ -174,7 +175,7 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         let width = u64::from(world.scene.film.width);
         Box::new(move |pixel, sample, splats| {
             let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+            let mut uniforms = Uniforms::independent(self.seed, stream, u64::from(sample));
             self.gather(&map, &mut gatherer, &mut uniforms, pixel, splats).to_array()
         })
     }

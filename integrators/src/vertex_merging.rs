@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 use std::sync::{PoisonError, RwLock};
 
-use aether_core::{Arena, Pcg32, PowerHeuristic, Snapshot, combine};
+use aether_core::{Arena, PowerHeuristic, Snapshot, combine};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -22,6 +22,7 @@ use crate::subpaths::{
     Path, Scratch, camera_path, connection, extend, first_edge, light_path, light_step, splits,
     through,
 };
+use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::work::in_parts;
 use crate::world::World;
@@ -94,7 +95,8 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         paths
             .map(|k| {
                 arena.clear();
-                let uniforms = &mut Pcg32::new(self.seed, u64::MAX - k as u64, u64::from(sample));
+                let uniforms =
+                    &mut Uniforms::independent(self.seed, u64::MAX - k as u64, u64::from(sample));
                 let light = light_path(&self.world, &arena, uniforms, (longest - 1, rr));
                 Snapshot::<_, LightStrategies<K>>::of(&light.slice(0..light.len())).map(|_| ())
             })
@@ -146,7 +148,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         &'a self,
         lights: &LightPaths<K>,
         Scratch { arena, estimator }: &mut Scratch<'a, K, LightStrategies<'a, K>>,
-        uniforms: &mut Pcg32,
+        uniforms: &mut Uniforms,
         pixel: Pixel,
         splats: &mut Splats,
     ) -> Vec3 {
@@ -222,7 +224,7 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
         let width = u64::from(self.world.scene.film.width);
         Box::new(move |pixel, sample, splats| {
             let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+            let mut uniforms = Uniforms::independent(self.seed, stream, u64::from(sample));
             self.sample(&lights, &mut scratch, &mut uniforms, pixel, splats).to_array()
         })
     }

@@ -1,117 +1,12 @@
 //! Shifted paths beside a walk: what is known of them, without paths being made.
 
 use crate::combine::Heuristic;
+use crate::estimator::last::{Found, Last, Ways};
 use crate::estimator::steps::{Fork, MOST_WAYS, RING};
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::real::{Real, Single};
 use crate::shift::{Moved, Shift, Turn, stretch};
 use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
-
-/// How a vertex was found.
-#[derive(Clone, Copy)]
-pub(super) struct Found<R, T> {
-    /// Its density under the strategy that made it.
-    pub density: R,
-    /// The factor that it brings, over this density.
-    pub gain: T,
-}
-
-/// The ways in which paths with some number of vertices end.
-pub(super) struct Ways<'s, S> {
-    /// What makes the last vertex in each.
-    strategies: [Option<&'s S>; MOST_WAYS],
-    /// How many there are.
-    count: usize,
-    /// Which of them is that of the walk itself.
-    walk: Option<usize>,
-}
-
-impl<'s, S> Ways<'s, S> {
-    /// Ways to make the last vertex, and whether they are the walk's own.
-    #[inline(always)]
-    pub fn new(ways: impl Iterator<Item = (&'s S, bool)>) -> Self {
-        let mut all = Ways { strategies: [None; MOST_WAYS], count: 0, walk: None };
-        for (strategy, is_walk) in ways {
-            if is_walk {
-                all.walk = Some(all.count);
-            }
-            all.strategies[all.count] = Some(strategy);
-            all.count += 1;
-        }
-        all
-    }
-
-    #[inline(always)]
-    fn iter(&self) -> impl Iterator<Item = (usize, &'s S)> {
-        self.strategies.iter().take(self.count).copied().flatten().enumerate()
-    }
-}
-
-/// A last vertex of a path along the walk.
-pub(super) struct Last<'l, V: Vertex, T> {
-    /// What is before it.
-    fork: &'l Fork<'l, V>,
-    drawn: &'l Drawn<V>,
-    density: V::Real,
-    /// What it brings to f / p, closed.
-    tail: T,
-    /// f / p of the path that it ends.
-    pub alone: T,
-    /// The number of the way in which it was found.
-    way: usize,
-    /// Whether the vertex before sees it, once that has been asked.
-    seen: Option<bool>,
-    /// How much likelier each way finds it, once that has been asked.
-    ratios: Option<[V::Real; MOST_WAYS]>,
-}
-
-impl<'l, V: Vertex, T: Value<V::Real>> Last<'l, V, T> {
-    /// The vertex that one of the ways has found.
-    #[inline(always)]
-    pub fn new(fork: &'l Fork<'l, V>, drawn: &'l Drawn<V>, way: usize, density: V::Real) -> Self {
-        let nothing = T::zero();
-        Last { fork, drawn, density, tail: nothing, alone: nothing, way, seen: None, ratios: None }
-    }
-
-    /// What the path carries: with `carried` up to the vertex before, and what this one brings.
-    #[inline(always)]
-    pub fn carrying(self, carried: T, tail: T) -> Self {
-        Last { tail, alone: carried.multiply(tail), ..self }
-    }
-
-    /// Whether the vertex before sees it.
-    #[inline]
-    fn is_seen(&mut self, sees: &impl Fn(&V, &V) -> bool) -> bool {
-        let Last { fork, drawn, tail, .. } = self;
-        *self.seen.get_or_insert_with(|| {
-            let asked = || fork.last().is_some_and(|before| sees(before, &drawn.vertex));
-            drawn.visible || !tail.is_zero() || asked()
-        })
-    }
-
-    /// How much likelier each way finds it than the one that has.
-    #[inline]
-    fn ratios<S: Strategy<V>>(&mut self, ways: &Ways<'_, S>) -> [V::Real; MOST_WAYS] {
-        let Last { fork, drawn, density, way, .. } = *self;
-        *self.ratios.get_or_insert_with(|| {
-            let mut ratios = [V::Real::ONE; MOST_WAYS];
-            for (k, strategy) in ways.iter().filter(|(k, _)| *k != way) {
-                ratios[k] = fork.density(strategy, drawn) / density;
-            }
-            ratios
-        })
-    }
-
-    /// The weight of the path among those of the walk.
-    #[inline]
-    pub fn weight<S: Strategy<V>>(
-        &mut self,
-        ways: &Ways<'_, S>,
-        heuristic: &impl Heuristic<V::Real>,
-    ) -> V::Real {
-        heuristic.weight(&self.ratios(ways)[..ways.count], self.way)
-    }
-}
 
 /// What is known of a shifted path.
 #[derive(Clone, Copy)]
@@ -200,19 +95,6 @@ pub(super) struct Sides<'e, I: PathIntegrand, F> {
 }
 
 impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
-    /// How a vertex was found that a strategy has drawn; `None` if its density is no number to divide by.
-    #[inline(always)]
-    pub fn found<S: Strategy<I::Vertex>>(
-        &self,
-        fork: &Fork<'_, I::Vertex>,
-        strategy: &S,
-        drawn: &Drawn<I::Vertex>,
-    ) -> Option<Found<RealOf<I>, I::Value>> {
-        let gain = self.estimator.extended(fork.then(drawn));
-        let density = drawn.value.unwrap_or_else(|| fork.density(strategy, drawn));
-        is_regular(density).then(|| Found { density, gain: gain.over(density) })
-    }
-
     /// Has a shifted path go on by one vertex, from where the walk goes on in a single direction or does not.
     #[inline(always)]
     pub fn go_on<S, M>(
