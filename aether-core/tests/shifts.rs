@@ -14,7 +14,7 @@ use aether_core::{
     Arena, Conditional, Dirac, Drawn, Estimator, PathIntegrand, PathView, Pcg32, PowerHeuristic,
     RandomSequence, Reads, Strategy, UniformSource, strategies,
 };
-use world::{Camera, Light, Mean, Seen, Spot, Step, World};
+use world::{Camera, Mean, Seen, Spot, Step, World};
 
 /// What a pixel sees: the second, or the first.
 #[derive(Clone, Copy, PartialEq)]
@@ -110,13 +110,43 @@ impl Strategy<Spot> for Mirror {
     }
 }
 
+/// A point of the light, with a lean that depends on the two vertices before.
+#[derive(Clone, Copy)]
+struct Leaning;
+impl Leaning {
+    fn lean(path: PathView<'_, Spot>) -> f64 {
+        let [here, before] = [0, 1].map(|k| path.back(k).map_or(0.0, |spot| spot.0));
+        0.5 * (here + before)
+    }
+}
+impl Strategy<Spot> for Leaning {
+    fn sample<U: UniformSource<f64> + ?Sized>(
+        &self,
+        path: PathView<'_, Spot>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<Spot>> {
+        let (choice, u) = (uniforms.next(), uniforms.next());
+        Some(Drawn::new(Spot(if choice < Self::lean(path) { u.sqrt() } else { u })))
+    }
+    fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
+        let lean = Self::lean(path);
+        Conditional::density(1.0 - lean + lean * 2.0 * target.0)
+    }
+    fn reads(&self) -> Reads {
+        Reads::TWO
+    }
+    fn same(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 strategies! {
     #[derive(Clone)]
     enum Ways<'w> for Spot {
         Camera(Camera),
         Pixel(Pixel),
         Step(Step<'w>),
-        Light(Light<'w>),
+        Leaning(Leaning),
         About(About),
         Mirror(Mirror),
     }
@@ -190,7 +220,9 @@ impl PathIntegrand for Foggy<'_> {
             (Some(from), Some(to)) if i > 0 => !path.visible(i) && !passes(&from, &to),
             _ => false,
         };
-        if hidden { 0.0 } else { self.0.extend(path) }
+        let before = path.back(2).map_or(0.0, |spot| spot.0);
+        let dark = hidden || (0.6..0.7).contains(&before);
+        if dark { 0.0 } else { self.0.extend(path) * (1.0 + before) }
     }
     fn end(&self, path: PathView<'_, Spot>) -> f64 {
         // Some is dark.
@@ -216,7 +248,7 @@ fn found<I: PathIntegrand<Vertex = Spot, Value = f64>>(
     let mut uniforms = Pcg32::new(3, 0, seed);
     let mut start: RandomSequence<'_, Spot, Ways<'_>> = arena.sequence();
     start.append(Camera).append(Pixel { second: !shift.to_second });
-    let ways: [&[Ways<'_>]; 2] = [&[], &[Light(world).into()]];
+    let ways: [&[Ways<'_>]; 2] = [&[], &[Leaning.into()]];
     let is_used = |_: usize, _: &[Ways<'_>]| true;
     let endings = Endings { lengths: 3..=longest, ways: &ways, is_used };
     let shifts = Shifts { shifts: [Some(shift), None], shortest: 3, sees };
