@@ -214,10 +214,8 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
         M: Shift<I::Vertex, S>,
         H: Heuristic<RealOf<I>>,
     {
-        let reads = self.estimator.reads() - 1;
-        let alike = |along: Along<_, _>| along.has_met() && along.shares(reads, usize::MAX);
-        if last.tail.is_zero() && side.behind.is_some_and(alike) {
-            // What both paths have in common carries nothing.
+        // Where both paths had met before, all that is read of the end is common to both.
+        if last.tail.is_zero() && side.behind.is_some_and(|along| along.has_met()) {
             return;
         }
         let other = (last.drawn.dirac == Some(Dirac::Direction)) != directed;
