@@ -189,30 +189,37 @@ fn the_file_is_what_the_generator_writes() {
     assert!(core == 0, "{core} programs of the core are refused");
 }
 
-#[test]
-fn densities_are_those_of_differences() {
-    let mut folds = 0;
-    let mut wrong = Vec::new();
+/// The density of every second program is that of differences; one that is off by one percent, or misses a
+/// preimage, is not.
+fn densities_of_half(first: usize) {
+    let (mut folds, mut wrong) = (0, Vec::new());
     let cases = programs::all();
-    for case in &cases {
+    for case in cases.iter().skip(first).step_by(2) {
+        assert!(case.check(POINTS, &|p, _| 1.01 * p).is_err(), "{}: 1 %", case.name);
         match case.check(POINTS, &|p, _| p) {
-            Ok(tried) => folds += usize::from(tried.folds > 0),
+            Ok(Tried { folds: 0, .. }) => {}
+            Ok(_) => {
+                folds += 1;
+                let dropped = |p: f64, n: usize| if n > 1 { p * (1.0 - 1.0 / n as f64) } else { p };
+                assert!(case.check(POINTS, &dropped).is_err(), "{}: dropped", case.name);
+            }
             Err(message) => wrong.push(format!("{}: {message}", case.name)),
         }
     }
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), cases.len(), wrong.join("\n"));
-    assert!(folds >= 20, "only {folds} programs have points with several preimages");
+    assert!(folds >= 10, "only {folds} programs have points with several preimages");
 }
 
-/// Places that wrong densities are told by: one percent, and a preimage that is not counted.
+// Two tests, for two threads.
+
 #[test]
-fn mistakes_are_noticed() {
-    for case in programs::all() {
-        assert!(case.check(POINTS, &|p, _| 1.01 * p).is_err(), "{}: 1 %", case.name);
-        let folded = case.check(POINTS, &|p, _| p).is_ok_and(|tried| tried.folds > 0);
-        let dropped = |p: f64, n: usize| if n > 1 { p * (1.0 - 1.0 / n as f64) } else { p };
-        assert!(!folded || case.check(POINTS, &dropped).is_err(), "{}: dropped", case.name);
-    }
+fn densities_of_even_programs_are_those_of_differences() {
+    densities_of_half(0);
+}
+
+#[test]
+fn densities_of_odd_programs_are_those_of_differences() {
+    densities_of_half(1);
 }
 
 #[path = "random_programs/mass.rs"]

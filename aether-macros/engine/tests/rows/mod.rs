@@ -24,7 +24,7 @@ const SOURCES: [&str; 12] = [
     "tests/src/catalogue/numeric.rs",
     "tests/src/catalogue/polygons.rs",
     "tests/tests/algebra.rs",
-    "tests/tests/numeric.rs",
+    "tests/roots/tests/numeric.rs",
     "tests/tests/branches.rs",
     "tests/tests/joint.rs",
 ];
