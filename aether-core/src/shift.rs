@@ -10,9 +10,9 @@
 use crate::combine::Shifted;
 use crate::real::Real;
 use crate::sequence::{PathView, RandomSequence};
-use crate::strategy::{Dirac, Strategy, Vertex};
+use crate::strategy::{Dirac, Reads, Strategy, Vertex};
 
-/// How many vertices before the one in question a shift may look at, without paths being made of what it shifts.
+/// How many vertices before the one in question a shift reads at most for no paths to be made of what it shifts.
 pub const AT_HAND: usize = 2;
 
 /// A vertex of a base path that is to be shifted, with what is before it on both paths.
@@ -26,6 +26,28 @@ pub struct Turn<'p, V: Vertex> {
     pub ends: bool,
     /// Whether the base path goes on from here in a single direction, as at a mirror.
     pub directed: bool,
+}
+
+impl<'p, V: Vertex> Turn<'p, V> {
+    /// With as much of both paths as the shift reads.
+    #[inline(always)]
+    pub(crate) fn new<S, M: Shift<V, S>>(
+        shift: &M,
+        (base, shifted): (PathView<'p, V>, PathView<'p, V>),
+        (ends, directed): (bool, bool),
+    ) -> Self {
+        let shown = |vertices: usize| Reads { vertices, length: true };
+        let vertices = shift.reads();
+        let (base, shifted) = (base.limited(shown(vertices + 1)), shifted.limited(shown(vertices)));
+        Turn { base, shifted, ends, directed }
+    }
+
+    /// Whether the base path goes on to or from here in a single direction: then the vertex is not one to keep where
+    /// the vertices before differ.
+    #[inline(always)]
+    pub(crate) fn is_bound(&self) -> bool {
+        self.directed || self.base.carries(self.shifted.len().wrapping_sub(1), Dirac::Direction)
+    }
 }
 
 /// What a shift makes of a vertex.
@@ -42,7 +64,11 @@ pub enum Moved<S> {
 /// An invertible map of paths.
 ///
 /// Once a vertex is kept after others were not, all that follow are kept, and the shift is not asked of them. A vertex
-/// that is kept must be one that the shift back keeps, which sees it with the paths in each other's place.
+/// that is kept must be one that the shift back keeps, which sees it with the paths in each other's place. Where the base
+/// path comes to or leaves a vertex in a single direction, and the shifted path would come from elsewhere, no vertex
+/// is kept: there is no shifted path.
+///
+/// A shift is a function of what it is told, and may be asked several times of one vertex.
 pub trait Shift<V: Vertex, S>: Sized {
     /// The shift back.
     fn inverse(&self) -> Self;
@@ -51,13 +77,13 @@ pub trait Shift<V: Vertex, S>: Sized {
     fn vertex(&self, turn: &Turn<'_, V>) -> Moved<S>;
 
     /// The strategy by which shifted paths are sampled at vertex `i`, where it is another one than that of the base
-    /// path: aimed at another pixel, say.
+    /// path: aimed at another pixel, say. Only where base paths have a strategy of a single vertex.
     fn technique(&self, i: usize) -> Option<S> {
         let _ = i;
         None
     }
 
-    /// How many vertices before the one in question the shift and its strategies look at.
+    /// How many vertices before the one in question the shift and its strategies read; it is shown no more.
     fn reads(&self) -> usize {
         AT_HAND
     }
@@ -66,7 +92,8 @@ pub trait Shift<V: Vertex, S>: Sized {
 impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// What a shift makes of this path; `None` if it has no image, or one that the shift back does not reach.
     ///
-    /// `sees` tells whether nothing lies between two vertices: where a path goes on, it is found by rays.
+    /// `sees` tells whether nothing lies between two vertices: where a path goes on, it is found by rays, so that both
+    /// paths must be visible there. Vertices of joint draws have no shifted ones.
     pub fn shifted<M: Shift<V, S>>(
         &self,
         shift: &M,
@@ -81,10 +108,14 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         for i in 0..n {
             let (base, ends) = (self.slice(0..=i), i + 1 == n);
             let directed = self.view().carries(i, Dirac::Direction);
-            let turn = Turn { base: base.view(), shifted: shifted.path.view(), ends, directed };
+            let turn = Turn::new(shift, (base.view(), shifted.path.view()), (ends, directed));
             match shift.vertex(&turn) {
                 Moved::Kept if copied => {
-                    if !ends && !sees(&shifted.path.last()?, &self.vertex(i)?) {
+                    let [before, here] = [i.checked_sub(1)?, i].map(|i| self.vertex(i));
+                    let (before, here) = (before?, here?);
+                    let seen = || turn.base.visible(i) || sees(&before, &here);
+                    if turn.is_bound() || (!ends && !(seen() && sees(&shifted.path.last()?, &here)))
+                    {
                         return None;
                     }
                     shifted.path = shifted.path.concat(&self.slice(i..));
@@ -114,16 +145,20 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         if !path.is_complete() || path.dirac(i) != self.dirac(i) {
             return None;
         }
-        // On the way back, a ray would have to find it.
-        let found = path.view().visible(i) && !turn.base.visible(i);
-        if found && !sees(&turn.base.back(1)?, &turn.base.back(0)?) {
+        let is_seen = |path: &Self| {
+            let ends = || Some((path.vertex(i.checked_sub(1)?)?, path.vertex(i)?));
+            path.view().visible(i) || ends().is_none_or(|(before, here)| sees(&before, &here))
+        };
+        // On the way back, a ray would have to find it, and another one where the path goes on.
+        let found = !turn.ends || path.view().visible(i);
+        if found && !(is_seen(self) && is_seen(&path)) {
             return None;
         }
-        let back = Turn { base: path.view(), shifted: way_back.view(), ..turn };
+        let back = Turn::new(shift, (path.view(), way_back.view()), (turn.ends, turn.directed));
         let Moved::Copied(back) = shift.inverse().vertex(&back) else { return None };
         way_back.append(back);
-        let back = way_back.pdf_of(&self.slice(0..=i)) / self.slice(0..i).pdf();
-        let jacobian = jacobian * stretch(back.value(), path.conditional(i)?)?;
+        let back = self.arena.factor(way_back.handle.place, i, self.handle.place);
+        let jacobian = jacobian * stretch(back, path.conditional(i)?)?;
         Some(Shifted { path, jacobian })
     }
 

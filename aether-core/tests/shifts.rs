@@ -110,27 +110,27 @@ impl Strategy<Spot> for Mirror {
     }
 }
 
-/// A point of the light, with a lean that depends on the two vertices before.
+/// A point of one half of the light: which one depends on the two vertices before.
 #[derive(Clone, Copy)]
-struct Leaning;
-impl Leaning {
-    fn lean(path: PathView<'_, Spot>) -> f64 {
+struct Half;
+impl Half {
+    /// Where the half begins.
+    fn start(path: PathView<'_, Spot>) -> f64 {
         let [here, before] = [0, 1].map(|k| path.back(k).map_or(0.0, |spot| spot.0));
-        0.5 * (here + before)
+        if here + before < 0.9 { 0.0 } else { 0.5 }
     }
 }
-impl Strategy<Spot> for Leaning {
+impl Strategy<Spot> for Half {
     fn sample<U: UniformSource<f64> + ?Sized>(
         &self,
         path: PathView<'_, Spot>,
         uniforms: &mut U,
     ) -> Option<Drawn<Spot>> {
-        let (choice, u) = (uniforms.next(), uniforms.next());
-        Some(Drawn::new(Spot(if choice < Self::lean(path) { u.sqrt() } else { u })))
+        Some(Drawn::new(Spot(Self::start(path) + 0.5 * uniforms.next())))
     }
     fn pdf(&self, path: PathView<'_, Spot>, target: &Spot) -> Conditional<f64> {
-        let lean = Self::lean(path);
-        Conditional::density(1.0 - lean + lean * 2.0 * target.0)
+        let inside = (0.0..0.5).contains(&(target.0 - Self::start(path)));
+        Conditional::density(if inside { 2.0 } else { 0.0 })
     }
     fn reads(&self) -> Reads {
         Reads::TWO
@@ -146,7 +146,7 @@ strategies! {
         Camera(Camera),
         Pixel(Pixel),
         Step(Step<'w>),
-        Leaning(Leaning),
+        Half(Half),
         About(About),
         Mirror(Mirror),
     }
@@ -168,6 +168,8 @@ struct Across<'m> {
     to_second: bool,
     /// How many vertices it says that it reads.
     reads: usize,
+    /// Whether it keeps vertices at mirrors too.
+    hasty: bool,
     met: &'m Met,
 }
 
@@ -187,8 +189,8 @@ impl<'w> Shift<Spot, Ways<'w>> for Across<'_> {
         }
         let bright = |spot: Option<Spot>| spot.is_some_and(|spot| spot.0 >= 0.2);
         let leaves = base.carries(i - 1, Dirac::Direction);
-        let meet = !leaves && bright(base.back(1)) && bright(shifted.last());
-        if meet && (ends || (!directed && bright(Some(spot)))) {
+        let meet = (!leaves || self.hasty) && bright(base.back(1)) && bright(shifted.last());
+        if meet && (ends || ((!directed || self.hasty) && bright(Some(spot)))) {
             self.met.note(0);
             return Moved::Kept;
         }
@@ -243,16 +245,20 @@ fn found<I: PathIntegrand<Vertex = Spot, Value = f64>>(
     shift: Across<'_>,
     sees: impl Fn(&Spot, &Spot) -> bool,
     (seed, longest): (u64, usize),
+    long: bool,
 ) -> Found {
     let (arena, estimator) = (Arena::new(), Estimator::paths(integrand));
     let mut uniforms = Pcg32::new(3, 0, seed);
     let mut start: RandomSequence<'_, Spot, Ways<'_>> = arena.sequence();
     start.append(Camera).append(Pixel { second: !shift.to_second });
-    let ways: [&[Ways<'_>]; 2] = [&[], &[Leaning.into()]];
+    let (half, step): ([Ways<'_>; 1], Ways<'_>) = ([Half.into()], Step(world).into());
+    let two = [step.clone(), Half.into()];
+    let ways: [&[Ways<'_>]; 3] = [&[], &half, &two];
+    let ways = if long { &ways[..] } else { &ways[..2] };
     let is_used = |_: usize, _: &[Ways<'_>]| true;
-    let endings = Endings { lengths: 3..=longest, ways: &ways, is_used };
+    let endings = Endings { lengths: 3..=longest, ways, is_used };
     let shifts = Shifts { shifts: [Some(shift), None], shortest: 3, sees };
-    let (step, mut all) = (Step(world).into(), Vec::new());
+    let mut all = Vec::new();
     let visit = |end: Ending<'_, Ways<'_>, f64>| {
         all.push((end.length, end.steps.len(), end.value, end.alone));
     };
@@ -277,8 +283,8 @@ fn differences_are_those_of_paths_that_are_made() {
     for seed in 0..4000 {
         let to_second = seed % 2 == 0;
         let of = |reads: usize| {
-            let shift = Across { to_second, reads, met: &met };
-            found(Foggy(Seen(&world)), &world, shift, passes, (seed, 7))
+            let shift = Across { to_second, reads, hasty: seed % 4 < 2, met: &met };
+            found(Foggy(Seen(&world)), &world, shift, passes, (seed, 7), false)
         };
         let ((short, a), (made, b)) = (of(2), of(3));
         assert_eq!(short.len(), made.len());
@@ -297,15 +303,24 @@ fn differences_are_those_of_paths_that_are_made() {
 /// with probability 6e-7.
 #[test]
 fn differences_there_and_back_add_up_to_that_of_both_pixels() {
-    for (mirror, error) in [(0.0, 1.0), (0.4, 1.0), (0.4, 1.05)] {
+    let (short, long) = (60_000, 20_000);
+    for (mirror, error, samples) in [
+        (0.0, 1.0, short),
+        (0.4, 1.0, short),
+        (0.4, 1.05, short),
+        (0.0, 1.0, long),
+        (0.4, 1.0, long),
+    ] {
         let world = World::with_mirror(mirror);
         let (met, mut mean, mut plain) = (Met::default(), Mean::default(), Mean::default());
         let mut squares = [0.0; 2];
-        for seed in 0..60_000 {
+        for seed in 0..samples {
             let [(first, across), (second, back)] = [true, false].map(|to_second| {
-                let shift = Across { to_second, reads: 2, met: &met };
+                let hasty = seed % 2 == 0;
+                let shift = Across { to_second, reads: 2, hasty, met: &met };
                 let seen = |_: &Spot, _: &Spot| true;
-                found(Seen(&world), &world, shift, seen, (2 * seed + u64::from(to_second), 6))
+                let seed = 2 * seed + u64::from(to_second);
+                found(Seen(&world), &world, shift, seen, (seed, 6), samples == long)
             });
             let sum = |found: &[(usize, usize, f64, f64)]| found.iter().map(|f| f.2).sum::<f64>();
             let direct = sum(&second) - sum(&first);

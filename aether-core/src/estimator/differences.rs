@@ -19,7 +19,8 @@ pub struct Shifts<M, F, const N: usize> {
     /// How many vertices paths that are compared have at least.
     pub shortest: usize,
     /// Whether nothing lies between two vertices. The step that a walk goes on with finds what it sees; its density
-    /// says nothing of what lies in between, and the other path of a pair may be visible.
+    /// says nothing of what lies in between, and the other path of a pair may be visible. What the steps of endings find
+    /// may be hidden, as for next-event estimation.
     pub sees: F,
 }
 
@@ -30,10 +31,11 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// A pair of a path and its shifted one could have been made from either of the two, in each way that
     /// `endings` uses: its weight is that of a heuristic over all of these. A path that has no shifted one has
     /// only its own ways. With the estimate of the shift back, from paths that are sampled as shifted ones are
-    /// ([`Shift::technique`]), the sum is the difference of both integrals, whatever the shift.
+    /// ([`Shift::technique`]), the sum is the difference of both integrals.
     ///
     /// Where [`Estimator::walk`] makes no paths and a shift looks at two vertices at most, none is made, and from a
-    /// few vertices on after both paths have met the shifted one costs nothing.
+    /// few vertices on after both paths have met the shifted one costs nothing. Nothing may be added to the arena
+    /// meanwhile.
     #[expect(clippy::too_many_arguments, reason = "those of a walk, and the shifts")]
     pub fn differences<'t, S, P, H, U, M, F, const N: usize>(
         &self,

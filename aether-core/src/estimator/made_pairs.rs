@@ -2,6 +2,7 @@
 
 use crate::combine::Heuristic;
 use crate::estimator::{Ending, Endings, Estimator, Factors, PathIntegrand, RealOf, Shifts, Value};
+use crate::path_density::PathDensity;
 use crate::sequence::RandomSequence;
 use crate::shift::Shift;
 use crate::strategy::{Strategy, Vertex};
@@ -41,7 +42,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let mut ours = techniques(walk);
             ours.iter_mut().for_each(|path| _ = path.sample(uniforms));
             let samples = ours.iter().zip(&ways).enumerate();
-            for (way, (base, steps)) in samples.filter(|(_, (base, _))| base.is_complete()) {
+            for (way, (base, steps)) in samples.filter(|(_, (base, _))| base.pdf().is_regular()) {
                 let alone = self.of(base);
                 if !alone.is_zero() {
                     let value = alone.times(base.weight_with(heuristic, (&ours, way), None));
@@ -52,23 +53,26 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     let Some(shift) = shift else { continue };
                     let shifted = base.shifted(shift, &shifts.sees);
                     let there = shifted.as_ref().map_or(I::Value::zero(), |shifted| {
+                        // Its own strategies may not be able to make it.
+                        if !shifted.path.pdf().is_regular() {
+                            let stretch = PathDensity::new(shifted.jacobian) / base.pdf();
+                            return self.integrand_at(&shifted.path).times(stretch.value());
+                        }
                         let value = self.of(&shifted.path);
                         if value.is_zero() { value } else { value.times(shifted.rescaling(base)) }
                     });
                     if there.is_zero() && alone.is_zero() {
                         continue;
                     }
-                    let finds =
-                        |k: usize| k == way || !ways[k].is_empty() || shifts.finds(base, alone);
-                    let used: Vec<_> = (0..ways.len()).filter(|k| finds(*k)).collect();
+                    let finds = |k: &usize| *k == way || shifts.finds(base, ways[*k].len(), alone);
+                    let used: Vec<_> = (0..ways.len()).filter(finds).collect();
                     let number = used.iter().filter(|k| **k < way).count();
                     let ours: Vec<_> = used.iter().map(|k| ours[*k]).collect();
                     let pair = shifted.as_ref().map(|shifted| {
-                        let finds =
-                            |steps: &[S]| !steps.is_empty() || shifts.finds(&shifted.path, there);
                         let theirs = techniques(&walk.as_shifted(shift)).into_iter().zip(&ways);
-                        let theirs = theirs.filter(|(_, steps)| finds(steps)).map(|(path, _)| path);
-                        (shifted, theirs.collect::<Vec<_>>())
+                        let theirs = theirs
+                            .filter(|(_, steps)| shifts.finds(&shifted.path, steps.len(), there));
+                        (shifted, theirs.map(|(path, _)| path).collect::<Vec<_>>())
                     });
                     let pair = pair.as_ref().map(|(shifted, theirs)| (*shifted, &theirs[..]));
                     let weight = base.weight_with(heuristic, (&ours, number), pair);
@@ -81,17 +85,19 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 }
 
 impl<M, F, const N: usize> Shifts<M, F, N> {
-    /// Whether the step that a walk goes on with can have found the last vertex of a path that carries `value`.
-    fn finds<V, S, T>(&self, path: &RandomSequence<'_, V, S>, value: T) -> bool
+    /// Whether the steps of a walk can have found all but the last `steps` vertices of a path that carries `value`.
+    fn finds<V, S, T>(&self, path: &RandomSequence<'_, V, S>, steps: usize, value: T) -> bool
     where
         V: Vertex,
         S: Strategy<V>,
         T: Value<V::Real>,
         F: Fn(&V, &V) -> bool,
     {
-        let last = path.len().saturating_sub(1);
-        let ends = || path.vertex(last.checked_sub(1)?).zip(path.vertex(last));
-        let sees = || ends().is_some_and(|(before, last)| (self.sees)(&before, &last));
-        !value.is_zero() || path.view().visible(last) || sees()
+        let view = path.view();
+        let is_seen = |i: usize| {
+            let ends = view.vertex(i - 1).zip(view.vertex(i));
+            view.visible(i) || ends.is_some_and(|(before, here)| (self.sees)(&before, &here))
+        };
+        !value.is_zero() || (1..path.len() - steps).all(is_seen)
     }
 }

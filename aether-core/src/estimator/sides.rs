@@ -135,7 +135,7 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
         } else if along.carried.is_zero() {
             I::Value::zero()
         } else {
-            self.estimator.extended(here.then(&drawn)).times(jacobian / density)
+            self.estimator.extended(here.then(&drawn)).times(jacobian).over(density)
         };
         let alike = same && technique.is_none() && along.shares(own.reads().vertices, i);
         let ratio = if alike {
@@ -170,28 +170,36 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
         if along.has_met() {
             return Some(same(drawn.visible));
         }
-        let turn = Turn { base: fork.then(drawn), shifted: here.before(), ends, directed };
+        let paths = (fork.then(drawn), here.before());
+        let turn = Turn::new(shift, paths, (ends, directed));
         let there = match shift.vertex(&turn) {
             Moved::Lost => return None,
             Moved::Kept if along.kept > 0 => return Some(same(drawn.visible)),
+            Moved::Kept if here.last().is_none() => return Some(same(drawn.visible)),
             Moved::Kept => {
                 // Scattering finds only what it sees: no other way leads to a path that goes on.
-                let seen = !ends && self.sees(here, drawn);
-                return (ends || seen || here.last().is_none()).then(|| same(seen));
+                let seen = !ends && self.is_seen(fork, drawn) && self.sees(here, drawn);
+                return (!turn.is_bound() && (ends || seen)).then(|| same(seen));
             }
             Moved::Copied(there) => there,
         };
         let copy = here.draw(&there, &mut || RealOf::<I>::of(0.5))?;
-        // On the way back, a ray would have to find it.
-        let is_found = drawn.visible || !copy.visible || self.sees(fork, drawn);
-        if copy.dirac != drawn.dirac || !is_found {
+        // On the way back, a ray would have to find it, and another one where the path goes on.
+        let found = !ends || copy.visible;
+        let is_hidden = || found && !(self.is_seen(fork, drawn) && self.is_seen(here, &copy));
+        if copy.dirac != drawn.dirac || is_hidden() {
             return None;
         }
-        let back = Turn { base: here.then(&copy), shifted: fork.before(), ends, directed };
+        let back = Turn::new(shift, (here.then(&copy), fork.before()), (ends, directed));
         let Moved::Copied(back) = shift.inverse().vertex(&back) else { return None };
         let density = copy.value.unwrap_or_else(|| here.density(&there, &copy));
         let jacobian = stretch(fork.density(&back, drawn), density)?;
         Some(Placed { drawn: Drawn { value: None, ..copy }, jacobian, same: false })
+    }
+
+    /// Whether a vertex is known to be visible from the last of those before it, or is the first, or is seen.
+    fn is_seen(&self, fork: &Fork<'_, I::Vertex>, drawn: &Drawn<I::Vertex>) -> bool {
+        drawn.visible || fork.last().is_none() || self.sees(fork, drawn)
     }
 
     /// Whether the last of some vertices sees another one.
@@ -331,6 +339,6 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
             return closing;
         }
         let tail = self.estimator.extended(path).multiply(closing);
-        along.carried.multiply(tail.times(placed.jacobian / last.density))
+        along.carried.multiply(tail.times(placed.jacobian).over(last.density))
     }
 }
