@@ -298,7 +298,21 @@ macro_rules! impl_real {
             fn finite(self) -> bool {
                 self.is_finite()
             }
-            forward! { $t: abs(); min(other); max(other); floor(); copysign(sign); sqrt(); }
+            #[inline(always)]
+            fn floor(self) -> $t {
+                // Where the processor has no instruction for it, the function of the library is called.
+                if cfg!(all(target_arch = "x86_64", not(target_feature = "sse4.1"))) {
+                    const SHIFT: $t = 1.5 / $t::EPSILON;
+                    if self.abs() < 0.25 * SHIFT {
+                        // Numbers next to this one are whole, so that the sum is rounded to one.
+                        let nearest = (self + SHIFT) - SHIFT;
+                        let below = if nearest > self { nearest - 1.0 } else { nearest };
+                        return below.copysign(self);
+                    }
+                }
+                <$t>::floor(self)
+            }
+            forward! { $t: abs(); min(other); max(other); copysign(sign); sqrt(); }
             $($functions)*
         }
     };

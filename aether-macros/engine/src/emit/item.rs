@@ -88,7 +88,8 @@ impl Emitter<'_> {
             };
             quote!(.and(::aether_core::support::mask(#part.surface == #identity)))
         });
-        quote!(::aether_core::support::finite::<R>(&x) #(#tests)*)
+        let (_, m, _) = self.sizes();
+        quote!(::aether_core::support::finite::<R, #m>(&x) #(#tests)*)
     }
 
     /// The coordinates `x` with the bounds of their rounding: those of directions are rounded relative

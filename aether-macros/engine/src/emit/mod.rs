@@ -7,6 +7,7 @@ pub mod compose;
 mod documentation;
 mod interface;
 mod item;
+mod jumps;
 mod legal;
 mod logarithm;
 mod map;

@@ -92,13 +92,12 @@ pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
 /// Adds the density by way of a preimage, if the point plainly has it.
 fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let (k, j) = (place.number, place.piece);
-    let (_, m, _) = e.sizes();
+    let (_, m, s) = e.sizes();
     let [plainly, told, found, inverse, back] =
         ["plainly", "told", "found", "inverse", "back"].map(|name| format_ident!("{name}_{k}"));
     let forward = format_ident!("forward_{j}");
-    let value = positive_density(place, m);
+    let value = positive_density(e, place);
     let on_manifold = place.derived.check_forward.then(|| {
-        let (_, _, s) = e.sizes();
         let lies = format_ident!("lies_{k}");
         let image = match place.preimage.back {
             Some(_) => quote!(#back::<R>(&p, &x)),
@@ -149,12 +148,13 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 }
 
 /// The density of a point that plainly has a preimage; zero where the formula is no positive number.
-fn positive_density(place: Place, m: usize) -> TokenStream {
+fn positive_density(e: &Emitter, place: Place) -> TokenStream {
+    let (_, m, s) = e.sizes();
     let density = format_ident!("density_{}", place.number);
     if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
         return quote!({ let d = #density::<R>(&p, &x); R::select(d.gt(R::ZERO), d, R::ZERO) });
     }
-    quote!(::aether_core::support::density_at::<R, #m>(&x, |x| #density::<R>(&p, x)))
+    quote!(::aether_core::support::density_at::<R, #s, #m>(&p, &x, #density::<R>))
 }
 
 /// Leaves the block if only rounding may have put a point outside of a preimage.
