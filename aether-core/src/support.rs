@@ -7,6 +7,7 @@ use crate::real::{Mask, Real, Single};
 pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
 pub use limits::{
     closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,
+    rare_sample_of_pieces, where_finite,
 };
 pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
 
@@ -447,7 +448,15 @@ pub fn distance<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
 /// A parameter of exactly zero, moved by so little that formulas that are 0/0 there give their limit.
 #[inline(always)]
 pub fn beside_zero<R: Real>(x: R) -> R {
-    R::select(x.le(R::ZERO).and(x.ge(R::ZERO)), R::EPSILON * R::EPSILON, x)
+    let zero = x.le(R::ZERO).and(x.ge(R::ZERO));
+    if zero.any() { moved_from_zero(x, zero) } else { x }
+}
+
+/// A function of its own, so that nothing is selected where no number is zero.
+#[cold]
+#[inline(never)]
+fn moved_from_zero<R: Real>(x: R, zero: R::Mask) -> R {
+    R::select(zero, R::EPSILON * R::EPSILON, x)
 }
 
 /// The logarithm of a density, which `beyond` computes where the density is no normal number.

@@ -7,10 +7,21 @@ use crate::sampler::Sampler;
 /// Whether every number is finite: of any other, the difference from itself is no zero.
 #[inline(always)]
 pub fn finite<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
-    let sum = x.iter().fold(R::ZERO, |sum, x| sum + *x);
-    let told = is_number(sum);
+    let told = together(x);
     // A sum of finite numbers may be none.
     if told.all() { told } else { each_finite(*x) }
+}
+
+/// What `value` finds where it is told which lanes have finite numbers.
+#[inline(always)]
+pub fn where_finite<R: Real, const M: usize>(x: &[R; M], value: impl Fn(R::Mask) -> R) -> R {
+    if together(x).all() { value(R::Mask::TRUE) } else { value(each_finite(*x)) }
+}
+
+/// Whether numbers are finite by their sum, which may overflow.
+#[inline(always)]
+fn together<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
+    is_number(x.iter().copied().reduce(|sum, x| sum + x).unwrap_or(R::ZERO))
 }
 
 #[cold]
@@ -56,6 +67,22 @@ pub fn rare_sample<R: Real, S: Sampler<R>>(
     let (point, exists) = sampler.forward(u);
     let density = if inner.all() { d } else { by_point(sampler, &point, d, inner) };
     (point, exists, density)
+}
+
+/// The same of a map of several pieces, of which one has the density `d`.
+#[cold]
+#[inline(never)]
+pub fn rare_sample_of_pieces<R: Real, S: Sampler<R>>(
+    sampler: S,
+    u: S::Uniforms,
+    d: R,
+    inner: R::Mask,
+) -> (S::Point, R::Mask, R) {
+    let (point, exists) = sampler.forward(u);
+    // At an end of a piece the map may only have a limit; the density at the point knows it.
+    let untold = exists.and(inner.not()).any();
+    let density = if untold { R::select(inner, d, sampler.pdf(&point).value()) } else { d };
+    (point, exists, R::select(exists, density, R::ZERO))
 }
 
 /// The density of the sample of uniforms `u` where that by the uniforms, `d`, is zero, infinite or undetermined outside of
@@ -153,8 +180,7 @@ pub fn closed<R: Real, const P: usize, const N: usize, const M: usize>(
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
     let x = forward(p, u);
-    let sum = x.iter().fold(R::ZERO, |sum, x| sum + *x);
-    if is_number(sum).all() {
+    if together(&x).all() {
         return (x, R::Mask::TRUE);
     }
     rarely_closed(wanted, *p, *u, x, forward)

@@ -7,7 +7,7 @@ use super::item::{Emitter, point_type};
 use super::jumps::jumps;
 use super::meeting;
 use super::pieces::Place;
-use super::sampler::{Asked, encircled, existence, existence_where, image_in, value_at};
+use super::sampler::{Asked, encircled, existence, existence_where, value_at};
 use super::tame::Tame;
 use crate::derive::Derived;
 use crate::expr::{Id, Node, OUTS, UNKNOWNS};
@@ -165,35 +165,43 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     let (n, m, _) = e.sizes();
     let (made, parameters) = (e.point(&quote!(c)), e.parameters());
     let pieces = e.by_piece(|j| {
-        let [enter, own, exists] =
-            ["enter", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
-        let (image, here) = (image_in(e, j), has_density(e, j, &quote!(t)));
+        let [enter, forward, own, exists] =
+            ["enter", "forward", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let inside = inside(e, j, &quote!(t));
         quote! {
             let t = #enter::<R>(&p, &u);
-            let (y, known) = #image;
+            let y = #forward::<R>(&p, &t);
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-            exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
-            let d = #own::<R>(&p, &t);
-            let here = taken.and(#here);
-            sum = R::select(here, d, sum);
-            inner = inner.or(here);
+            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            d = R::select(taken, #own::<R>(&p, &t), d);
+            inside = inside.or(taken #inside);
         }
     });
+    let required = e.parsed.pieces.iter().any(|piece| !piece.problem.requirements.is_empty());
+    // Where there is no sample, there is nothing to look after.
+    let (exists, missing) = if e.parsed.total && !required {
+        (quote!(<R::Mask as Mask>::TRUE), None)
+    } else {
+        (quote!(exists), Some(quote!(.or(exists.not()))))
+    };
     quote! {
         #[inline(always)]
         fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
             #parameters
             let mut c = [R::ZERO; #m];
-            let mut sum = R::ZERO;
+            let mut d = R::ZERO;
             let mut exists = <R::Mask as Mask>::FALSE;
-            let mut inner = <R::Mask as Mask>::FALSE;
+            let mut inside = <R::Mask as Mask>::FALSE;
             #pieces
-            let point = #made;
-            // At an end of a piece the map may only have a limit; the density at the point knows it.
-            if exists.and(inner.not()).any() {
-                sum = R::select(inner, sum, ::aether_core::support::limit_at::<R, _>(*self, point));
+            let exists = #exists;
+            let plain: R::Mask = ::aether_core::support::plain::<R, #m>(&c, d).and(inside);
+            if plain #missing .all() {
+                (#made, exists, ::aether_core::Density::new(R::select(exists, d, R::ZERO)))
+            } else {
+                let inner = ::aether_core::support::positive::<R>(d).and(inside);
+                let (point, exists, d) = ::aether_core::support::rare_sample_of_pieces::<R, _>(*self, u, d, inner);
+                (point, exists, ::aether_core::Density::new(d))
             }
-            (point, exists, ::aether_core::Density::new(R::select(exists, sum, R::ZERO)))
         }
     }
 }

@@ -14,7 +14,7 @@ use super::pieces::{Place, is_unguarded};
 use super::plainly::unit_tests;
 use super::sampler::{about, beside, general_density};
 use super::tame::Tame;
-use crate::expr::{Leaf, leaf_bit};
+use crate::expr::{Leaf, OUTS, leaf_bit};
 
 /// Whether nothing but the ends of unknowns limits the pieces, so that there is a quick way.
 fn is_quick(e: &Emitter) -> bool {
@@ -30,6 +30,8 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let (belongs, places) = (e.belongs(), e.places());
     let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
     let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
+    // What is read again after calls of functions need not be kept over them.
+    let (parameters, coordinates) = (e.parameters(), e.coordinates());
     let [told, found] = ["told", "found"].map(|name| {
         places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
     });
@@ -49,6 +51,8 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
             let mut sum = R::ZERO;
             #(let (mut #told, mut #found) = (false, false);)*
             #(#plain)*
+            #parameters
+            let x = #coordinates;
             #(#doubtful)*
             sum
         }
@@ -127,10 +131,16 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let twice = (!beside.is_empty()).then(
         || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
     );
+    let (parameters, coordinates) = (e.parameters(), e.coordinates());
+    // Nothing is added to where all others are excluded.
+    let alone = excluding(e, place, places).count() + 1 == places.len();
+    let counted = if alone { quote!(sum = #value;) } else { quote!(sum += #value;) };
     let accepted = quote! {
         #twice
         #on_manifold
-        sum += #value;
+        #parameters
+        let x = #coordinates;
+        #counted
         #found = true;
     };
     let leaves = place.derived.check_forward && place.preimage.back.is_some();
@@ -151,6 +161,10 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 fn positive_density(e: &Emitter, place: Place) -> TokenStream {
     let (_, m, s) = e.sizes();
     let density = format_ident!("density_{}", place.number);
+    if !place.problem.graph.has(place.preimage.density, OUTS) {
+        // Of parameters alone there is no limit, and what they make no number is none.
+        return quote!(#density::<R>(&p, &x).max(R::ZERO));
+    }
     if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
         return quote!({ let d = #density::<R>(&p, &x); R::select(d.gt(R::ZERO), d, R::ZERO) });
     }

@@ -445,8 +445,7 @@ fn density(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     if let Some(support) = e.support {
         let (test, value) = (support.test(), support.value());
-        let belongs = support.belongs(&belongs);
-        return quote!(R::select((#belongs) #test, #value, R::ZERO));
+        return support.where_it_belongs(e, &quote!(R::select(belongs #test, #value, R::ZERO)));
     }
     quick::density(e).unwrap_or_else(|| quote!(pdf_anywhere::<R>(p, x, #belongs, None)))
 }
@@ -456,7 +455,7 @@ fn density_near(e: &Emitter) -> Option<TokenStream> {
     let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
     let (_, m, _) = e.sizes();
     let density = match e.support {
-        Some(support) => support.density_near(&support.belongs(&belongs))?,
+        Some(support) => support.density_near(e)?,
         None => quote!(pdf_anywhere::<R>(p, x, #belongs, Some(&errors))),
     };
     Some(quote! {
