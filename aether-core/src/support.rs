@@ -19,15 +19,21 @@ const SLACK: f64 = 8.0;
 #[inline(always)]
 pub fn turn<R: Real>(angle: R) -> R {
     let tau = R::of(core::f64::consts::TAU);
-    let wrapped = angle - tau * (angle / tau).floor();
     let out = angle.lt(R::ZERO).or(angle.ge(tau));
-    R::select(out, wrapped, angle)
+    if !out.any() {
+        return angle;
+    }
+    R::select(out, angle - tau * (angle / tau).floor(), angle)
 }
 
 /// An angle brought to within half a turn of another one by adding or subtracting whole turns; one that is, is not rounded.
 #[inline(always)]
 pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
     let tau = R::of(core::f64::consts::TAU);
+    // Less than half a turn, whatever is rounded.
+    if (angle - middle).abs().lt(R::of(3.125)).all() {
+        return angle;
+    }
     let turns = ((angle - middle) / tau + R::of(0.5)).floor();
     R::select(turns.lt(R::ZERO).or(turns.gt(R::ZERO)), angle - tau * turns, angle)
 }

@@ -21,7 +21,12 @@ pub fn where_finite<R: Real, const M: usize>(x: &[R; M], value: impl Fn(R::Mask)
 /// Whether numbers are finite by their sum, which may overflow.
 #[inline(always)]
 fn together<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
-    is_number(x.iter().copied().reduce(|sum, x| sum + x).unwrap_or(R::ZERO))
+    is_number(sum(x))
+}
+
+#[inline(always)]
+fn sum<R: Real, const M: usize>(x: &[R; M]) -> R {
+    x.iter().copied().reduce(|sum, x| sum + x).unwrap_or(R::ZERO)
 }
 
 #[cold]
@@ -180,10 +185,9 @@ pub fn closed<R: Real, const P: usize, const N: usize, const M: usize>(
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
     let x = forward(p, u);
-    if together(&x).all() {
-        return (x, R::Mask::TRUE);
-    }
-    rarely_closed(wanted, *p, *u, x, forward)
+    // What is infinite stays so; a sum of such numbers may be none.
+    let sum = sum(&x);
+    if sum.ge(sum).all() { (x, R::Mask::TRUE) } else { rarely_closed(wanted, *p, *u, x, forward) }
 }
 
 #[cold]

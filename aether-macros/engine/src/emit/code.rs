@@ -1,6 +1,6 @@
 //! Expressions as flat `let` statements with shared subexpressions.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -74,9 +74,14 @@ impl<'a> Code<'a> {
     }
 
     /// Names for the values of expressions. A sine and a cosine of one angle among them are written together, since
-    /// functions for both at once are faster, and found where no branch is in between.
+    /// functions for both at once are faster, and found where no branch is in between; and first, since other numbers
+    /// would have to be kept while they are called.
     pub(super) fn values(&mut self, ids: &[Id]) -> Vec<TokenStream> {
-        self.partners.extend(partners(self.graph, ids));
+        let pairs = circular_pairs(self.graph, ids);
+        self.partners.extend(pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]));
+        for [sine, _] in pairs {
+            self.value(sine);
+        }
         ids.iter().map(|&id| self.value(id)).collect()
     }
 
@@ -534,10 +539,10 @@ impl<'a> Code<'a> {
     }
 }
 
-/// Of the sines and cosines in expressions, outside of sides of choices, each with the other of the same angle.
-fn partners(g: &Graph, ids: &[Id]) -> HashMap<Id, Id> {
+/// The sines and cosines of one angle in expressions, outside of sides of choices.
+fn circular_pairs(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
     let (mut open, mut seen) = (ids.to_vec(), Set::default());
-    let mut found: HashMap<Id, [Option<Id>; 2]> = HashMap::new();
+    let mut found: BTreeMap<Id, [Option<Id>; 2]> = BTreeMap::new();
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
             continue;
@@ -551,8 +556,7 @@ fn partners(g: &Graph, ids: &[Id]) -> HashMap<Id, Id> {
             found.entry(args[0]).or_default()[usize::from(*f == Fun::Cos)] = Some(id);
         }
     }
-    let pairs = found.into_values().filter_map(|[sine, cosine]| Some([sine?, cosine?]));
-    pairs.flat_map(|[sine, cosine]| [(sine, cosine), (cosine, sine)]).collect()
+    found.into_values().filter_map(|[sine, cosine]| Some([sine?, cosine?])).collect()
 }
 
 /// The inputs among the bases of a sum of products.

@@ -177,6 +177,9 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
             inside = inside.or(taken #inside);
         }
     });
+    let tame = (0..e.parsed.pieces.len()).all(|j| e.forward_is_tame(j));
+    let coordinates =
+        if tame { quote!(plain::<R, 0>(&[], d)) } else { quote!(plain::<R, #m>(&c, d)) };
     let required = e.parsed.pieces.iter().any(|piece| !piece.problem.requirements.is_empty());
     // Where there is no sample, there is nothing to look after.
     let (exists, missing) = if e.parsed.total && !required {
@@ -194,7 +197,7 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
             let mut inside = <R::Mask as Mask>::FALSE;
             #pieces
             let exists = #exists;
-            let plain: R::Mask = ::aether_core::support::plain::<R, #m>(&c, d).and(inside);
+            let plain: R::Mask = ::aether_core::support::#coordinates.and(inside);
             if plain #missing .all() {
                 (#made, exists, ::aether_core::Density::new(R::select(exists, d, R::ZERO)))
             } else {

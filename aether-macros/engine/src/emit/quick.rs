@@ -31,7 +31,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
     let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
     // What is read again after calls of functions need not be kept over them.
-    let (parameters, coordinates) = (e.parameters(), e.coordinates());
+    let again = e.read_again();
     let [told, found] = ["told", "found"].map(|name| {
         places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
     });
@@ -51,8 +51,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
             let mut sum = R::ZERO;
             #(let (mut #told, mut #found) = (false, false);)*
             #(#plain)*
-            #parameters
-            let x = #coordinates;
+            #again
             #(#doubtful)*
             sum
         }
@@ -131,15 +130,14 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let twice = (!beside.is_empty()).then(
         || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
     );
-    let (parameters, coordinates) = (e.parameters(), e.coordinates());
+    let again = e.read_again();
     // Nothing is added to where all others are excluded.
     let alone = excluding(e, place, places).count() + 1 == places.len();
     let counted = if alone { quote!(sum = #value;) } else { quote!(sum += #value;) };
     let accepted = quote! {
         #twice
         #on_manifold
-        #parameters
-        let x = #coordinates;
+        #again
         #counted
         #found = true;
     };
