@@ -1,14 +1,14 @@
 //! Expressions as flat `let` statements with shared subexpressions.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
+use super::circular::circular_pairs;
 use super::powers::{Related, related};
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children, power_below};
-use crate::hash::Set;
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 
@@ -537,26 +537,6 @@ impl<'a> Code<'a> {
         let scaled: Vec<TokenStream> = scaled.collect::<Option<_>>()?;
         Some(quote!(#(#scaled)+*))
     }
-}
-
-/// The sines and cosines of one angle in expressions, outside of sides of choices.
-fn circular_pairs(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
-    let (mut open, mut seen) = (ids.to_vec(), Set::default());
-    let mut found: BTreeMap<Id, [Option<Id>; 2]> = BTreeMap::new();
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        match g.node(id) {
-            Node::If(test, ..) => open.push(*test),
-            Node::Root(_) => {}
-            node => open.extend(children(node)),
-        }
-        if let Node::Call(f @ (Fun::Sin | Fun::Cos), args) = g.node(id) {
-            found.entry(args[0]).or_default()[usize::from(*f == Fun::Cos)] = Some(id);
-        }
-    }
-    found.into_values().filter_map(|[sine, cosine]| Some([sine?, cosine?])).collect()
 }
 
 /// The inputs among the bases of a sum of products.

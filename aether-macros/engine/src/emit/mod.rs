@@ -2,6 +2,7 @@
 
 mod atoms;
 mod border;
+mod circular;
 pub mod code;
 pub mod compose;
 mod documentation;
