@@ -113,9 +113,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
                 Moved::Kept if copied => {
                     let [before, here] = [i.checked_sub(1)?, i].map(|i| self.vertex(i));
                     let (before, here) = (before?, here?);
-                    let seen = || turn.base.visible(i) || sees(&before, &here);
-                    if turn.is_bound() || (!ends && !(seen() && sees(&shifted.path.last()?, &here)))
-                    {
+                    let last = shifted.path.last()?;
+                    let seen = || {
+                        let base = turn.base.visible(i) || sees(&before, &here);
+                        base && sees(&last, &here)
+                    };
+                    if turn.is_bound() || !(ends || seen()) {
                         return None;
                     }
                     shifted.path = shifted.path.concat(&self.slice(i..));

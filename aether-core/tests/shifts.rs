@@ -228,12 +228,14 @@ impl PathIntegrand for Foggy<'_> {
     }
     fn end(&self, path: PathView<'_, Spot>) -> f64 {
         // Some is dark.
-        path.last().map_or(0.0, |spot| if (spot.0 * 7.0) as u32 % 2 == 0 { 0.0 } else { spot.0 })
+        path.last().map_or(0.0, |spot| {
+            if ((spot.0 * 7.0) as u32).is_multiple_of(2) { 0.0 } else { spot.0 }
+        })
     }
 }
 
 fn passes(from: &Spot, to: &Spot) -> bool {
-    ((from.0 + to.0) * 9.0) as u32 % 3 != 0
+    !(((from.0 + to.0) * 9.0) as u32).is_multiple_of(3)
 }
 
 /// What is found: contributions by length and number of steps, and the differences of the shift across and of none.

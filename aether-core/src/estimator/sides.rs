@@ -87,6 +87,9 @@ pub(super) struct Next<'l, V: Vertex, S, T> {
     pub found: Found<V::Real, T>,
 }
 
+/// The same, if there is one.
+type Ahead<'n, 'l, V, S, T> = Option<&'n Next<'l, V, S, T>>;
+
 /// What shifted paths beside a walk are estimated with.
 pub(super) struct Sides<'e, I: PathIntegrand, F> {
     pub estimator: &'e Estimator<I, Factors<I::Value>>,
@@ -215,7 +218,7 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
         side: &mut Side<'_, I::Vertex, M, I::Value>,
         last: &mut Last<'_, I::Vertex, I::Value>,
         ways: &Ways<'_, S>,
-        (next, directed): (Option<&Next<'_, I::Vertex, S, I::Value>>, bool),
+        (next, directed): (Ahead<'_, '_, I::Vertex, S, I::Value>, bool),
         heuristic: &H,
     ) where
         S: Strategy<I::Vertex>,
