@@ -111,13 +111,8 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
             let turn = Turn::new(shift, (base.view(), shifted.path.view()), (ends, directed));
             match shift.vertex(&turn) {
                 Moved::Kept if copied => {
-                    let [before, here] = [i.checked_sub(1)?, i].map(|i| self.vertex(i));
-                    let (before, here) = (before?, here?);
-                    let last = shifted.path.last()?;
-                    let seen = || {
-                        let base = turn.base.visible(i) || sees(&before, &here);
-                        base && sees(&last, &here)
-                    };
+                    let (last, here) = (shifted.path.last()?, self.vertex(i)?);
+                    let seen = || self.sees_next(i - 1, &sees) && sees(&last, &here);
                     if turn.is_bound() || !(ends || seen()) {
                         return None;
                     }
@@ -148,10 +143,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         if !path.is_complete() || path.dirac(i) != self.dirac(i) {
             return None;
         }
-        let is_seen = |path: &Self| {
-            let ends = || Some((path.vertex(i.checked_sub(1)?)?, path.vertex(i)?));
-            path.view().visible(i) || ends().is_none_or(|(before, here)| sees(&before, &here))
-        };
+        let is_seen = |path: &Self| i == 0 || path.sees_next(i - 1, sees);
         // On the way back, a ray would have to find it, and another one where the path goes on.
         let found = !turn.ends || path.view().visible(i);
         if found && !(is_seen(self) && is_seen(&path)) {
@@ -163,6 +155,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         let back = self.arena.factor(way_back.handle.place, i, self.handle.place);
         let jacobian = jacobian * stretch(back, path.conditional(i)?)?;
         Some(Shifted { path, jacobian })
+    }
+
+    /// Whether vertex `i` is known to see the next one, or does.
+    pub(crate) fn sees_next(&self, i: usize, sees: &impl Fn(&V, &V) -> bool) -> bool {
+        let ends = || self.vertex(i).zip(self.vertex(i + 1));
+        self.view().visible(i + 1) || ends().is_some_and(|(here, next)| sees(&here, &next))
     }
 
     /// The Dirac factor that vertex `i` was drawn with.

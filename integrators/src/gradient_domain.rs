@@ -9,16 +9,16 @@
 //! right, and the lower, neighbour minus the pixel. Light that the camera sees at its source is left out of them: it
 //! has little noise, but edges that would spread. It is a layer too, [`Layer::Direct`].
 
-use aether_core::estimator::{Endings, Shifts};
+use aether_core::estimator::Shifts;
 use aether_core::{PowerHeuristic, UniformSource};
 use glam::Vec3;
 
 use crate::image::RgbImage;
 use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
-use crate::path::PathSettings;
+use crate::path::{PathSettings, ended};
 use crate::poisson::{ALPHA, Reconstruction, reconstruct};
-use crate::render::{Layer, Rendered, Splats, Technique};
+use crate::render::{Layer, Rendered, Splats};
 use crate::shift::{FilmShift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_bsdf, sample_camera, sample_camera_direction, sample_light};
 use crate::subpaths::Scratch;
@@ -58,26 +58,19 @@ impl Integrator for GradientDomain {
         splats: &mut Splats,
     ) -> Vec3 {
         arena.clear();
-        let PathSettings { rr_depth, hide_emitters, techniques, .. } = self.path;
         let mut camera = arena.sequence();
         camera.append(sample_camera(world));
         camera.append(sample_camera_direction(world, pixel.into())).sample(uniforms);
         // A filter moves with its pixel, so that shifted paths are seen as their base paths are.
         let response = estimator.integrand().response(pixel, &camera);
 
-        let by = |length: usize, end: &[_]| Technique::edge(length - end.len(), end.len());
-        let endings = Endings {
-            lengths: 2 + usize::from(hide_emitters)..=self.path.most_vertices(),
-            ways: &[&[], &[sample_light(world).into()]],
-            is_used: |length: usize, end: &[_]| {
-                let technique = by(length, end);
-                technique.camera >= 2 && techniques.has(technique)
-            },
-        };
+        let light = [sample_light(world).into()];
+        let ways: [&[_]; 2] = [&[], &light];
+        let endings = self.path.endings(&ways);
         let shifts = NEIGHBOURS.map(|by| self.shift(world, pixel, by));
         let sees = |from: &SceneVertex<K>, to: &SceneVertex<K>| world.visible(from, to);
         let shifts = Shifts { shifts, shortest: SEEN + 1, sees };
-        let scatter = sample_bsdf(world, rr_depth, None).into();
+        let scatter = sample_bsdf(world, self.path.rr_depth, None).into();
         let mut received = Received::new(pixel, splats);
         let differences = estimator.differences(
             &camera,
@@ -88,7 +81,7 @@ impl Integrator for GradientDomain {
             uniforms,
             |path| {
                 let [value, alone] = [path.value, path.alone].map(|value| value * response);
-                received.add_by(by(path.length, path.steps), pixel, value, alone);
+                received.add_by(ended(path.length, path.steps), pixel, value, alone);
                 if path.length == SEEN {
                     received.add_to(Layer::Direct, value);
                 }

@@ -51,10 +51,31 @@ impl PathSettings {
         PathSettings { max_depth: Some(max_depth), ..*self }
     }
 
+    /// The paths that scattering has found, and those that go to a light in one of some ways instead.
+    pub fn endings<'t, S>(
+        &self,
+        ways: &'t [&'t [S]],
+    ) -> Endings<'t, S, impl Fn(usize, &[S]) -> bool + use<S>> {
+        let techniques = self.techniques;
+        Endings {
+            lengths: 2 + usize::from(self.hide_emitters)..=self.most_vertices(),
+            ways,
+            is_used: move |length: usize, steps: &[S]| {
+                let technique = ended(length, steps);
+                technique.camera >= 2 && techniques.has(technique)
+            },
+        }
+    }
+
     /// The most vertices of a path.
     pub fn most_vertices(&self) -> usize {
         self.max_depth.map_or(usize::MAX, |edges| edges as usize + 1)
     }
+}
+
+/// The technique of paths from the camera whose last vertices are made by some steps.
+pub fn ended<S>(length: usize, steps: &[S]) -> Technique {
+    Technique::edge(length.saturating_sub(steps.len()), steps.len())
 }
 
 /// The paths of one sample.
@@ -88,24 +109,14 @@ pub fn trace<'a, K, S>(
         + From<SampleCameraDirection<'a, 'a, K>>,
 {
     arena.clear();
-    let (pixel, longest) = (received.pixel(), settings.most_vertices());
+    let pixel = received.pixel();
     estimator.integrand_mut().aim(Some(pixel));
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
     camera.append(sample_camera_direction(world, pixel.into()));
-    // The paths that scattering has found, and those that go to a light instead.
-    let by =
-        |length: usize, end: &[S]| Technique::edge(length.saturating_sub(end.len()), end.len());
-    let endings = Endings {
-        lengths: 2 + usize::from(settings.hide_emitters)..=longest,
-        ways: endings,
-        is_used: |length: usize, end: &[S]| {
-            let technique = by(length, end);
-            technique.camera >= 2 && settings.techniques.has(technique)
-        },
-    };
+    let endings = settings.endings(endings);
     estimator.walk(&camera, scatter, &endings, &PowerHeuristic, uniforms, |path| {
-        received.add_by(by(path.length, path.steps), pixel, path.value, path.alone);
+        received.add_by(ended(path.length, path.steps), pixel, path.value, path.alone);
     });
     estimator.integrand_mut().aim(None);
 }

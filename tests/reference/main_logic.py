@@ -12,10 +12,11 @@ import re
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "integrators/src"
 INTEGRATORS = [
-    ("path", [("path.rs", "trace")]),
+    ("path", [("path.rs", "trace"), ("path.rs", "endings"), ("path.rs", "ended")]),
     ("bdpt", [("bidirectional.rs", "paths")]),
     ("tridir", [("tridirectional.rs", "sample")]),
-    ("gdpt", [("gradient_domain.rs", "sample"), ("gradient_domain.rs", "gradient"), ("gradient_domain.rs", "shift"),
+    ("gdpt", [("path.rs", "endings"), ("path.rs", "ended"), ("gradient_domain.rs", "sample"),
+              ("gradient_domain.rs", "gradient"), ("gradient_domain.rs", "shift"),
               ("shift.rs", "moved"), ("shift.rs", "copied"), ("shift.rs", "may_meet"), ("shift.rs", "is_rough"),
               ("shift.rs", "inverse"), ("shift.rs", "vertex"), ("shift.rs", "technique")]),
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("mutations.rs", "is_smooth"),

@@ -234,7 +234,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if carried.is_zero() {
             return None;
         }
-        let density = drawn.value.unwrap_or_else(|| fork.density(strategy, drawn));
+        let density = fork.own_density(strategy, drawn);
         is_regular(density).then(|| Met { density, carried: carried.over(density) })
     }
 }

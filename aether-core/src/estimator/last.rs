@@ -72,10 +72,7 @@ impl<'l, V: Vertex, T: Value<V::Real>> Last<'l, V, T> {
     #[inline]
     pub fn is_seen(&mut self, sees: &impl Fn(&V, &V) -> bool) -> bool {
         let Last { fork, drawn, tail, .. } = self;
-        *self.seen.get_or_insert_with(|| {
-            let asked = || fork.last().is_some_and(|before| sees(before, &drawn.vertex));
-            drawn.visible || !tail.is_zero() || asked()
-        })
+        *self.seen.get_or_insert_with(|| drawn.visible || !tail.is_zero() || fork.sees(drawn, sees))
     }
 
     /// How much likelier each way finds it than the one that has.
@@ -112,7 +109,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         drawn: &Drawn<I::Vertex>,
     ) -> Option<Found<RealOf<I>, I::Value>> {
         let gain = self.extended(fork.then(drawn));
-        let density = drawn.value.unwrap_or_else(|| fork.density(strategy, drawn));
+        let density = fork.own_density(strategy, drawn);
         is_regular(density).then(|| Found { density, gain: gain.over(density) })
     }
 

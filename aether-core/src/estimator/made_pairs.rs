@@ -93,11 +93,7 @@ impl<M, F, const N: usize> Shifts<M, F, N> {
         T: Value<V::Real>,
         F: Fn(&V, &V) -> bool,
     {
-        let view = path.view();
-        let is_seen = |i: usize| {
-            let ends = view.vertex(i - 1).zip(view.vertex(i));
-            view.visible(i) || ends.is_some_and(|(before, here)| (self.sees)(&before, &here))
-        };
-        !value.is_zero() || (1..path.len() - steps).all(is_seen)
+        let edges = path.len().saturating_sub(steps + 1);
+        !value.is_zero() || (0..edges).all(|i| path.sees_next(i, &self.sees))
     }
 }

@@ -181,7 +181,7 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
             Moved::Kept if here.last().is_none() => return Some(same(drawn.visible)),
             Moved::Kept => {
                 // Scattering finds only what it sees: no other way leads to a path that goes on.
-                let seen = !ends && self.is_seen(fork, drawn) && self.sees(here, drawn);
+                let seen = !ends && self.is_seen(fork, drawn) && here.sees(drawn, self.sees);
                 return (!turn.is_bound() && (ends || seen)).then(|| same(seen));
             }
             Moved::Copied(there) => there,
@@ -195,19 +195,14 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
         }
         let back = Turn::new(shift, (here.then(&copy), fork.before()), (ends, directed));
         let Moved::Copied(back) = shift.inverse().vertex(&back) else { return None };
-        let density = copy.value.unwrap_or_else(|| here.density(&there, &copy));
+        let density = here.own_density(&there, &copy);
         let jacobian = stretch(fork.density(&back, drawn), density)?;
         Some(Placed { drawn: Drawn { value: None, ..copy }, jacobian, same: false })
     }
 
     /// Whether a vertex is known to be visible from the last of those before it, or is the first, or is seen.
     fn is_seen(&self, fork: &Fork<'_, I::Vertex>, drawn: &Drawn<I::Vertex>) -> bool {
-        drawn.visible || fork.last().is_none() || self.sees(fork, drawn)
-    }
-
-    /// Whether the last of some vertices sees another one.
-    fn sees(&self, fork: &Fork<'_, I::Vertex>, drawn: &Drawn<I::Vertex>) -> bool {
-        fork.last().is_some_and(|before| (self.sees)(before, &drawn.vertex))
+        drawn.visible || fork.last().is_none() || fork.sees(drawn, self.sees)
     }
 
     /// Adds the weighted difference of a shifted path to a path that ends, of which vertex `next.i` is the last but
@@ -290,7 +285,7 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
                         || if shared {
                             last.is_seen(self.sees)
                         } else {
-                            self.sees(&here, &placed.drawn)
+                            here.sees(&placed.drawn, self.sees)
                         };
                     !seen
                 };

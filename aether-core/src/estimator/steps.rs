@@ -113,6 +113,18 @@ impl<'r, V: Vertex> Fork<'r, V> {
         self.recent[0].map(|drawn| &drawn.vertex)
     }
 
+    /// Whether nothing lies between a vertex and the last one that all ways share, if there is one.
+    #[inline]
+    pub fn sees(&self, drawn: &Drawn<V>, sees: &impl Fn(&V, &V) -> bool) -> bool {
+        self.last().is_some_and(|before| sees(before, &drawn.vertex))
+    }
+
+    /// The density of a vertex under the strategy that has drawn it, which may have told it.
+    #[inline(always)]
+    pub fn own_density<S: Strategy<V>>(&self, strategy: &S, drawn: &Drawn<V>) -> V::Real {
+        drawn.value.unwrap_or_else(|| self.density(strategy, drawn))
+    }
+
     /// The vertices that all ways share, as strategies see them.
     #[inline(always)]
     pub fn before(&self) -> PathView<'_, V> {
