@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use aether_core::mutation::{Mutations, Rated};
 use aether_core::{
-    Discrete, MarkovChainState, Mutation, PathDensity, Pcg32, UniformSource, accept_probability,
-    conditional_pdf, discrete_weighted,
+    Discrete, MarkovChainState, Mutation, PathDensity, Pcg32, Snapshot, UniformSource,
+    accept_probability, conditional_pdf, discrete_weighted,
 };
 use grid::{
     ALL, AnyMutation, Backward, Bidirectional, Choosing, Lens, Light, Path, Pattern, Proposal,
@@ -28,7 +28,8 @@ fn enumerated(mutation: AnyMutation<'_>, from: &Stored) -> BTreeMap<Pattern, f64
     sums
 }
 
-/// Calls `visit` with a representative of each proposal that can be told from others.
+/// Calls `visit` with a representative of each proposal that can be told from others, in each way in which it can be made:
+/// what drawing it told must not depend on that.
 fn for_each_kind(
     mutation: AnyMutation<'_>,
     from: &Stored,
@@ -36,7 +37,8 @@ fn for_each_kind(
 ) {
     let mut done = BTreeSet::new();
     for_each_proposal(mutation, from, |from, to, _| {
-        if done.insert(seen_from(from, to)) {
+        let made = Snapshot::of(to).steps().map(|(_, _, code)| code).collect::<Vec<_>>();
+        if done.insert((seen_from(from, to), made)) {
             visit(from, to);
         }
     });

@@ -19,9 +19,20 @@ struct Kept<V: Vertex> {
     value: Option<V::Real>,
     /// What that is the density of.
     question: Question,
-    /// The step that drew it: its position on the tape, and how many lie before it in its path.
+    /// The step that drew it: its position on the tape, how many lie before it in its path, and whether these come after it
+    /// on the tape, as the path is read against its order.
     at: u32,
     before: u32,
+    reversed: bool,
+}
+
+impl<V: Vertex> Kept<V> {
+    /// Where on the tape the step lies that is `j + 1` before the one that drew the vertex, if there is one.
+    #[inline(always)]
+    fn before(&self, j: usize) -> Option<usize> {
+        let (at, by) = (self.at as usize, j + 1);
+        (j < self.before as usize).then(|| if self.reversed { at + by } else { at - by })
+    }
 }
 
 /// Vertices, steps, and the densities of runs.
@@ -110,6 +121,7 @@ impl<V: Vertex> Tape<V> {
             question: Question::NOTHING,
             at: 0,
             before: 0,
+            reversed: false,
         });
         self.entries.borrow_mut().push(Entry { vertex: id, run: 0, ..entry });
     }
@@ -193,7 +205,7 @@ impl<V: Vertex> Tape<V> {
         }
     }
 
-    /// Takes step `i` of a place that is read forwards; what was told of its density answers a question.
+    /// Takes step `i` of a place, in the direction in which that is read; what was told of its density answers a question.
     #[inline(always)]
     pub fn take(&self, place: Place, i: usize, drawn: &Drawn<V>, question: Question) {
         let mut entries = self.entries.borrow_mut();
@@ -209,8 +221,9 @@ impl<V: Vertex> Tape<V> {
         self.note(dirac);
         let entry = &mut entries[place.at(i)];
         *entry = Entry { vertex: vertices.len() as u32, run, visible, dirac, ..*entry };
-        let (at, before) = (place.at(i) as u32, i as u32);
-        vertices.push(Kept { vertex: drawn.vertex, value: drawn.value, question, at, before });
+        let (at, before, reversed) = (place.at(i) as u32, i as u32, place.reversed);
+        let (vertex, value) = (drawn.vertex, drawn.value);
+        vertices.push(Kept { vertex, value, question, at, before, reversed });
     }
 
     /// Keeps a vertex that was drawn for itself, as a path of its own.

@@ -2,7 +2,7 @@
 //!
 //! Every uniform decides between quarters, so that an experiment is run once for each combination of
 //! quarters, with exact probabilities. A pinhole at site 0 looks at the world; site 1 is a mirror
-//! under a coat that scatters; every site emits.
+//! under a coat that scatters; every site emits. Strategies tell the density of what they draw, as derived ones do.
 
 #![allow(dead_code)] // Each test uses a part of it.
 
@@ -42,7 +42,7 @@ impl Strategy<Site> for Camera {
         _: PathView<'_, Site>,
         _: &mut U,
     ) -> Option<Drawn<Site>> {
-        Some(Drawn::atom(Site(0), Dirac::Position))
+        Some(Drawn::atom(Site(0), Dirac::Position).with_value(1.0))
     }
     fn pdf(&self, _: PathView<'_, Site>, _: &Site) -> Conditional<f64> {
         Conditional::atom(Dirac::Position, 1.0)
@@ -66,6 +66,14 @@ impl Step {
     fn has_mirror(path: PathView<'_, Site>) -> bool {
         path.last() == Some(Site(1)) && path.back(1).is_some()
     }
+    fn probability(path: PathView<'_, Site>, target: Site, dirac: Option<Dirac>) -> f64 {
+        let mirror = if Step::has_mirror(path) { 0.5 } else { 0.0 };
+        match (Step::table(path), dirac) {
+            (Some(_), Some(Dirac::Direction)) => 0.75 * mirror,
+            (Some(table), _) => 0.75 * (1.0 - mirror) * table[target.0] as f64 / 4.0,
+            (None, _) => 0.0,
+        }
+    }
 }
 impl Strategy<Site> for Step {
     fn sample<U: UniformSource<f64> + ?Sized>(
@@ -77,17 +85,16 @@ impl Strategy<Site> for Step {
             return None;
         }
         if Step::has_mirror(path) && pick(uniforms.next(), [2, 2]) == 0 {
-            return Some(Drawn::atom(Site(2 - path.back(1)?.0), Dirac::Direction).visible());
+            let (site, dirac) = (Site(2 - path.back(1)?.0), Dirac::Direction);
+            let value = Step::probability(path, site, Some(dirac));
+            return Some(Drawn::atom(site, dirac).visible().with_value(value));
         }
-        Some(Drawn::new(Site(pick(uniforms.next(), Step::table(path)?))).visible())
+        let site = Site(pick(uniforms.next(), Step::table(path)?));
+        Some(Drawn::new(site).visible().with_value(Step::probability(path, site, None)))
     }
     fn pdf(&self, path: PathView<'_, Site>, target: &Site) -> Conditional<f64> {
-        let mirror = if Step::has_mirror(path) { 0.5 } else { 0.0 };
-        let Some(table) = Step::table(path) else { return Conditional::ZERO };
-        match path.dirac() {
-            Some(Dirac::Direction) => Conditional::atom(Dirac::Direction, 0.75 * mirror),
-            _ => Conditional::density(0.75 * (1.0 - mirror) * table[target.0] as f64 / 4.0),
-        }
+        let dirac = path.dirac().filter(|dirac| *dirac == Dirac::Direction);
+        Conditional { value: Step::probability(path, *target, dirac), dirac }
     }
     fn reads(&self) -> Reads {
         Reads::TWO
@@ -105,7 +112,8 @@ impl Strategy<Site> for Light {
         _: PathView<'_, Site>,
         uniforms: &mut U,
     ) -> Option<Drawn<Site>> {
-        Some(Drawn::new(Site(pick(uniforms.next(), [1, 2, 1]))))
+        let site = pick(uniforms.next(), [1, 2, 1]);
+        Some(Drawn::new(Site(site)).with_value([0.25, 0.5, 0.25][site]))
     }
     fn pdf(&self, _: PathView<'_, Site>, target: &Site) -> Conditional<f64> {
         Conditional::density([0.25, 0.5, 0.25][target.0])
@@ -125,6 +133,11 @@ pub struct Near {
     /// By what the density is wrong.
     pub lie: f64,
 }
+impl Near {
+    fn density(&self, by: usize) -> f64 {
+        [0.0, 0.5 * self.lie, 0.25][by]
+    }
+}
 impl Strategy<Site> for Near {
     fn sample<U: UniformSource<f64> + ?Sized>(
         &self,
@@ -132,10 +145,10 @@ impl Strategy<Site> for Near {
         uniforms: &mut U,
     ) -> Option<Drawn<Site>> {
         let by = pick(uniforms.next(), [0, 2, 1]);
-        (by < 3).then(|| Drawn::new(Site((self.old.0 + by) % 3)))
+        (by < 3).then(|| Drawn::new(Site((self.old.0 + by) % 3)).with_value(self.density(by)))
     }
     fn pdf(&self, _: PathView<'_, Site>, target: &Site) -> Conditional<f64> {
-        Conditional::density([0.0, 0.5 * self.lie, 0.25][(target.0 + 3 - self.old.0) % 3])
+        Conditional::density(self.density((target.0 + 3 - self.old.0) % 3))
     }
     fn reads(&self) -> Reads {
         Reads::NOTHING

@@ -166,10 +166,7 @@ impl<V: Vertex> Unfolded<'_, V> {
         if kept.question != (Question { tag: key[0], class: key[5] }) {
             return None;
         }
-        let before = |j: usize| {
-            let is_there = j < kept.before as usize;
-            if is_there { self.entries[kept.at as usize - 1 - j].vertex } else { NONE }
-        };
+        let before = |j: usize| kept.before(j).map_or(NONE, |at| self.entries[at].vertex);
         if (0..reads).all(|j| key[2 + j] == before(j)) { kept.value } else { None }
     }
 
