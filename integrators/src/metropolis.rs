@@ -481,6 +481,14 @@ mod tests {
         |path| metropolis.contribution(world, estimator, path).0
     }
 
+    fn contribution<'a>(
+        metropolis: &Metropolis,
+        world: &'a World<'a, Everything>,
+        estimator: &PathEstimator<'a, Everything>,
+    ) -> impl Fn(&Path<'_, 'a, Everything>) -> (f32, Contributions) {
+        |path| metropolis.contribution(world, estimator, path)
+    }
+
     /// f(x) T(y | x) a(x, y) = f(y) T(x | y) a(y, x) for pairs of paths that each mutation makes.
     ///
     /// The numbers are of single precision: each side is a product of four of them, one of which is a quotient
@@ -551,7 +559,7 @@ mod tests {
         let mut scratch = Scratch::new(&world);
         let estimator = Scratch::<_, MutationStrategies<'_, _>>::new(&world).estimator;
         let world = &world;
-        let target = |path: &Path<'_, '_, _>| metropolis.contribution(world, &estimator, path);
+        let target = contribution(&metropolis, world, &estimator);
         let (mut accepted, mut chains) = (0, 0);
         for sample in 0..200 {
             let mut first = None;
