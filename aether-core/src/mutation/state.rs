@@ -4,7 +4,7 @@ use crate::mutation::draft::ACCEPTANCE;
 use crate::mutation::{Mutation, Rated, accept_probability, propose};
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::{Arena, Handle, RandomSequence, Snapshot};
+use crate::sequence::{Arena, RandomSequence, Snapshot};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -17,16 +17,10 @@ use crate::uniform::UniformSource;
 #[derive(Clone, Debug)]
 pub struct MarkovChainState<V: Vertex, S, C> {
     path: Snapshot<V, S>,
-    /// Where the path is in an arena, with these contents.
-    place: Option<((u64, u64), Handle)>,
     target: PathDensity<V::Real>,
     contribution: C,
     steps: u64,
 }
-
-/// How many vertices an arena may have before it is cleared: what is known of the vertices that a path keeps is not
-/// computed anew in the next hundred steps, and all of it stays in the cache.
-const MOST_VERTICES: usize = 256;
 
 /// What happened in a step of a chain.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +58,7 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
     ) -> Self {
         let (value, contribution) = target(path);
         let target = Rated::new(*path, value).target;
-        MarkovChainState { path: Snapshot::of(path), place: None, target, contribution, steps: 0 }
+        MarkovChainState { path: Snapshot::of(path), target, contribution, steps: 0 }
     }
 
     /// A chain that goes on where another was after so many steps: at its path, where the target function and the
@@ -76,7 +70,7 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         contribution: C,
         steps: u64,
     ) -> Self {
-        MarkovChainState { path, place: None, target, contribution, steps }
+        MarkovChainState { path, target, contribution, steps }
     }
 
     /// The current path.
@@ -99,27 +93,12 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         self.steps
     }
 
-    /// The current path in an arena.
-    fn placed<'a>(&mut self, arena: &'a mut Arena<V, S>) -> RandomSequence<'a, V, S> {
-        let known = self.place.filter(|(contents, _)| *contents == arena.contents());
-        if let Some((_, handle)) = known
-            && arena.vertex_count() < MOST_VERTICES
-        {
-            return RandomSequence { arena, handle };
-        }
-        arena.clear();
-        let path = arena.restore(&self.path);
-        self.place = Some((path.arena.contents(), path.handle));
-        path
-    }
-
     /// Makes a proposal, and goes there with the probability that keeps the distribution
     /// ([`accept_probability`]).
     ///
     /// `uniforms` is called with the number of the step and returns the source for it alone, such as
-    /// `|step| Pcg32::new(seed, chain, step)`: so that no two steps draw the same numbers. Any arena will
-    /// do, and once it is warm no heap is used. It is cleared, unless it is the one in which the step before
-    /// left the path: then what was found out about the path's vertices is still known.
+    /// `|step| Pcg32::new(seed, chain, step)`: so that no two steps draw the same numbers. The arena
+    /// is cleared; any one will do, and once it is warm no heap is used.
     pub fn step<M, T, U>(
         &mut self,
         arena: &mut Arena<V, S>,
@@ -132,9 +111,10 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         T: Into<PathDensity<V::Real>>,
         U: UniformSource<V::Real>,
     {
-        let current = Rated { path: self.placed(arena), target: self.target };
+        arena.clear();
         let mut uniforms = uniforms(self.steps);
         self.steps += 1;
+        let current = Rated { path: arena.restore(&self.path), target: self.target };
         let mut transition = Transition {
             current: self.contribution.clone(),
             proposal: None,
@@ -151,9 +131,7 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         uniforms.start(ACCEPTANCE);
         transition.accepted = uniforms.next() < transition.probability;
         if transition.accepted {
-            path.forget_draws();
             self.path.store(&path);
-            self.place = Some((path.arena.contents(), path.handle));
             self.target = proposal.target;
             self.contribution = contribution;
         }

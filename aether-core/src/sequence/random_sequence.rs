@@ -85,12 +85,6 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.handle = Handle { place, len: len as u32, ended: false, absent: false, ..self.handle };
     }
 
-    /// Forgets what drawing the vertices told of their densities, so that no more is known of the path than of one that
-    /// has been restored.
-    pub(crate) fn forget_draws(&self) {
-        self.arena.tape.forget_draws(self.handle.place);
-    }
-
     /// How many vertices the path has.
     pub fn len(&self) -> usize {
         self.handle.len as usize

@@ -122,18 +122,6 @@ impl<V: Vertex> Tape<V> {
         self.note(dirac);
     }
 
-    /// Forgets what drawing the vertices of a place told of their densities, and the runs that they belonged to.
-    pub fn forget_draws(&self, place: Place) {
-        let (mut entries, mut vertices) = (self.entries.borrow_mut(), self.vertices.borrow_mut());
-        for i in 0..place.len as usize {
-            let entry = &mut entries[place.at(i)];
-            entry.run = 0;
-            if let Some(kept) = vertices.get_mut(entry.vertex as usize) {
-                (kept.value, kept.question) = (None, Question::NOTHING);
-            }
-        }
-    }
-
     /// Forgets the steps from a position on, which no path has any more; their vertices stay.
     pub fn truncate(&self, len: usize) {
         self.entries.borrow_mut().truncate(len);
