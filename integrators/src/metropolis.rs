@@ -6,8 +6,9 @@ use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use aether_core::estimator::{Contribution, Estimator, Factors};
+use aether_core::estimator::{Connections, Contribution, Estimator, Factors};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
+use aether_core::uniform::Sobol;
 use aether_core::{
     Arena, MarkovChainState, PathDensity, Pcg32, PowerHeuristic, RandomSequence, Snapshot,
     UniformSource, combine,
@@ -24,7 +25,7 @@ use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats, Technique};
 use crate::selection::Selection;
 use crate::stored::Stored;
-use crate::strategies::{Aim, sample_camera};
+use crate::strategies::{Aim, sample_camera, sample_light};
 use crate::subpaths::{
     Scratch, camera_path, camera_step, connection, extend, first_edge, light_path, light_step,
     splits,
@@ -80,6 +81,22 @@ impl Metropolis {
         (found.brightness(), found)
     }
 
+    /// The two walks of a bidirectional sample of the whole image, and how many vertices a path of theirs has at most.
+    fn walks<'r, 'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
+        arena: &'r Arena<SceneVertex<K>, MutationStrategies<'a, K>>,
+        uniforms: &mut impl UniformSource<f32>,
+    ) -> ([Path<'r, 'a, K>; 2], usize) {
+        let (longest, rr) = (self.path.most_vertices(), self.path.rr_depth);
+        let mut camera = camera_path(world, arena, uniforms, Aim::Film, (longest, rr));
+        let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
+        let total = (camera.len() + light.len()).min(longest);
+        extend(&mut camera, world, (total, rr));
+        extend(&mut light, world, (total, rr));
+        ([camera, light], total)
+    }
+
     /// Bidirectional samples of the whole image: paths that fit, each with its share of the brightness.
     fn seeds<'a, K: SceneKind>(
         &self,
@@ -89,12 +106,7 @@ impl Metropolis {
         mut found: impl FnMut(f32, &Path<'_, 'a, K>),
     ) {
         arena.clear();
-        let (longest, rr) = (self.path.most_vertices(), self.path.rr_depth);
-        let mut camera = camera_path(world, arena, uniforms, Aim::Film, (longest, rr));
-        let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
-        let total = (camera.len() + light.len()).min(longest);
-        extend(&mut camera, world, (total, rr));
-        extend(&mut light, world, (total, rr));
+        let ([camera, light], total) = self.walks(world, arena, uniforms);
         for length in *self.lengths().start()..=total {
             let used = self.path.techniques.among(splits(length));
             let techniques = arena.collect(used.map(|by| match (by.light, by.camera) {
@@ -109,6 +121,47 @@ impl Metropolis {
                 }
             }
         }
+    }
+
+    /// The sum of the brightness of all [`Metropolis::seeds`] of a sample. Where all paths fit, none of them is made.
+    fn brightness_of_seeds<'a, K: SceneKind>(
+        &self,
+        world: &'a World<'a, K>,
+        scratch: &mut Scratch<'a, K, MutationStrategies<'a, K>>,
+        uniforms: &mut impl UniformSource<f32>,
+    ) -> f32 {
+        let mut sum = 0.0;
+        if !self.mutations.fit_all() {
+            self.seeds(world, scratch, uniforms, |brightness, _| sum += brightness);
+            return sum;
+        }
+        let Scratch { arena, estimator } = scratch;
+        arena.clear();
+        let ([camera, light], total) = self.walks(world, arena, uniforms);
+        let by_camera = first_edge(&camera.slice(0..camera.len().min(2)));
+        let eye = camera.vertex(0);
+        let look = sample_light(world).into();
+        let connections = Connections {
+            lengths: *self.lengths().start()..=total,
+            replaced: None,
+            ending: Some(&look),
+            fewest_ending: 3,
+            samples: |length: usize, first: usize| {
+                let used =
+                    first > 0 && self.path.techniques.has(Technique::edge(first, length - first));
+                usize::from(used)
+            },
+            is_drawn: |_, _| true,
+        };
+        let walks = [&camera, &light];
+        estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
+            let seen = match found.first {
+                1 => eye.zip(light.vertex(found.length - 2)).map(|(eye, seen)| [eye, seen]),
+                _ => by_camera,
+            };
+            sum += shares_of(estimator, found.length, seen, found.value).brightness();
+        });
+        sum
     }
 
     /// Whether one of the techniques that are used can make a path.
@@ -161,11 +214,23 @@ fn shares<K: SceneKind>(
     path: &Path<'_, '_, K>,
     value: Vec3,
 ) -> Contributions {
+    shares_of(estimator, path.len(), first_edge(path), value)
+}
+
+/// The same of a path with so many vertices that begins with an eye and what that sees.
+fn shares_of<K: SceneKind>(
+    estimator: &PathEstimator<'_, K>,
+    vertices: usize,
+    seen: Option<[SceneVertex<K>; 2]>,
+    value: Vec3,
+) -> Contributions {
     let mut found = Contributions::default();
+    let Some([eye, first]) = &seen else { return found };
+    let radiance = estimator.integrand();
     // No pixel is the path's own.
-    for pixel in estimator.integrand().receivers((u32::MAX, u32::MAX), [first_edge(path)]) {
-        let share = value * estimator.integrand().response(pixel, path);
-        found.push(Technique::mutations(path.len()), pixel, share, share);
+    for pixel in radiance.receivers((u32::MAX, u32::MAX), [seen]) {
+        let share = value * radiance.response_to(pixel, [eye, first]);
+        found.push(Technique::mutations(vertices), pixel, share, share);
     }
     found
 }
@@ -180,6 +245,13 @@ pub const MUTATIONS: [&str; 4] = ["bidirectional", "lens", "multi-chain", "caust
 /// Which mutations are used. As text, a list of their names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MutationSet([bool; MUTATIONS.len()]);
+
+impl MutationSet {
+    /// Whether one of them fits all paths.
+    fn fit_all(self) -> bool {
+        self.0[0]
+    }
+}
 
 impl Default for MutationSet {
     /// All of them.
@@ -262,9 +334,8 @@ impl ChainIntegrator for Metropolis {
     ) -> impl FnMut(usize) -> f32 {
         let mut scratch = Scratch::new(world);
         move |candidate| {
-            let mut sum = 0.0;
-            let uniforms = &mut Pcg32::new(seed, candidate as u64, 0);
-            self.seeds(world, &mut scratch, uniforms, |brightness, _| sum += brightness);
+            let sum =
+                self.brightness_of_seeds(world, &mut scratch, &mut uniforms_of(seed, candidate));
             // The steps of a sample of the image are as many as pixels.
             sum / world.pixels() as f32
         }
@@ -277,7 +348,7 @@ impl ChainIntegrator for Metropolis {
         statistics: &'a Statistics,
     ) -> Chain<'a> {
         let mut scratch = Scratch::new(world);
-        let uniforms = &mut Pcg32::new(start.seed, start.candidate as u64, 0);
+        let uniforms = &mut uniforms_of(start.seed, start.candidate);
         let mut paths = Vec::new();
         self.seeds(world, &mut scratch, uniforms, |brightness, path| {
             paths.push((brightness, Snapshot::of(path)));
@@ -338,6 +409,12 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
         self.state = MarkovChainState::resumed(path, target, Stored::load(from)?, count);
         Ok(())
     }
+}
+
+/// What a candidate is sampled by. Candidates are one set of points, which tells their mean more exactly than
+/// independent ones would.
+fn uniforms_of(seed: u64, candidate: usize) -> Sobol {
+    Sobol::new(seed, u64::MAX, candidate as u32)
 }
 
 /// One of several paths, in proportion to their brightness; the empty one if there is none.
@@ -425,7 +502,7 @@ mod tests {
             &CausticPerturbation { world },
         ];
         let (mut pairs, mut through_rough, mut worst) = ([0; 4], [0; 4], 0.0_f32);
-        for sample in 0..4000 {
+        for sample in 0..16_000 {
             let mut paths = Vec::new();
             let uniforms = &mut Pcg32::new(3, sample, 0);
             metropolis
@@ -463,6 +540,55 @@ mod tests {
         assert!(pairs.iter().all(|count| *count > 20), "{pairs:?}");
         assert!(through_rough.iter().all(|count| *count > 5), "{through_rough:?}");
         assert!(worst < 1e-6, "{worst}");
+    }
+
+    /// The brightness of a candidate is that of the paths of which a chain takes its first, to rounding: each is a sum of
+    /// some twenty products of twenty numbers.
+    #[test]
+    fn candidates_are_as_bright_as_their_paths() {
+        let scene = Scene::from_str(SCENE, std::path::Path::new("."), &[]).unwrap();
+        let world: World<'_, Everything> = World::new(&scene).unwrap();
+        let metropolis = Metropolis::new(PathSettings::new(&scene));
+        let mut scratch = Scratch::new(&world);
+        let mut bright = 0;
+        for candidate in 0..6000 {
+            let uniforms = || uniforms_of(5, candidate);
+            let mut sum = 0.0;
+            metropolis.seeds(&world, &mut scratch, &mut uniforms(), |b, _| sum += b);
+            let found = metropolis.brightness_of_seeds(&world, &mut scratch, &mut uniforms());
+            assert!((found - sum).abs() <= 1e-4 * sum, "{candidate}: {found} {sum}");
+            bright += usize::from(sum > 0.0);
+        }
+        assert!(bright > 500, "{bright}");
+    }
+
+    /// A pinhole is where it was; to replace it would waste proposals.
+    #[test]
+    fn a_pinhole_stays() {
+        let scene = Scene::from_str(SCENE, std::path::Path::new("."), &[]).unwrap();
+        let world: World<'_, Everything> = World::new(&scene).unwrap();
+        let metropolis = Metropolis::new(PathSettings::new(&scene));
+        let (mut scratch, mut arena) = (Scratch::new(&world), Arena::new());
+        let world = &world;
+        let mutation = BidirectionalMutation { world, lengths: 2..=7 };
+        let (mut proposals, mut anew) = (0, 0);
+        for sample in 0..6000 {
+            let mut paths = Vec::new();
+            let uniforms = &mut Pcg32::new(3, sample, 0);
+            metropolis
+                .seeds(world, &mut scratch, uniforms, |_, path| paths.push(Snapshot::of(path)));
+            for x in &paths {
+                arena.clear();
+                let x = arena.restore(x);
+                let Some(y) = propose(&mutation, &x, &mut Pcg32::new(4, sample, 0)) else {
+                    continue;
+                };
+                assert_eq!(y.position_of(&x, 0), Some(0));
+                proposals += 1;
+                anew += usize::from((1..x.len()).all(|i| y.position_of(&x, i).is_none()));
+            }
+        }
+        assert!(proposals > 100 && anew > 10, "{proposals} {anew}");
     }
 
     #[test]

@@ -21,6 +21,8 @@ pub struct World<'s, K: SceneKind = Everything> {
     materials: Vec<Material<K>>,
     /// What each primitive is.
     pieces: Vec<Piece>,
+    /// The least roughness of any material.
+    least_roughness: f32,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
     /// One over the integral of the reconstruction filter, and over the area of the lens if there is one.
@@ -50,6 +52,8 @@ impl<'s, K: SceneKind> World<'s, K> {
             }
         }
         let materials = scene.bsdfs.iter().map(Material::new).collect::<Result<_, _>>()?;
+        let least_roughness =
+            scene.bsdfs.iter().map(|bsdf| bsdf.roughness()).fold(f32::INFINITY, f32::min);
         let camera_frame = camera_frame(&scene.camera);
         let lens = Lens::of(&scene.camera);
         let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
@@ -63,6 +67,7 @@ impl<'s, K: SceneKind> World<'s, K> {
             scene,
             lights,
             materials,
+            least_roughness,
             pieces,
             camera_frame,
             filter_scale,
@@ -325,6 +330,11 @@ impl<'s, K: SceneKind> World<'s, K> {
         vertex.primitive().map_or(f32::INFINITY, |primitive| {
             self.scene.bsdfs[self.scene.shape(primitive).bsdf as usize].roughness()
         })
+    }
+
+    /// The least [`World::roughness`] of any vertex.
+    pub fn least_roughness(&self) -> f32 {
+        self.least_roughness
     }
 
     /// The number of the lobe of the atom that scatters at a vertex from one neighbour to the other.

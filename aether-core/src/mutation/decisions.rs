@@ -13,7 +13,7 @@ const MAX_DECISIONS: usize = 64;
 
 /// Which outcome of a choice is being evaluated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Decided<R> {
+pub(super) struct Decided<R> {
     index: usize,
     len: usize,
     /// The sum of all weights, of a choice by weights.
@@ -49,11 +49,31 @@ pub(super) struct Wanted {
     pub ends: [usize; 2],
 }
 
-impl Wanted {
-    /// Whether the path has all vertices of the current one but those of a range.
-    fn replaces(&self, range: &Range<usize>) -> bool {
-        let kept = [range.start, self.current.saturating_sub(range.end)];
-        self.common == kept[0] + kept[1] && kept[0] <= self.ends[0] && kept[1] <= self.ends[1]
+/// What a mutation is run for: to make a proposal, or to find the density of one path. A mutation that asks here
+/// saves work, and changes nothing else.
+#[derive(Clone, Copy, Debug)]
+pub struct Purpose(Option<Wanted>);
+
+impl Purpose {
+    /// Whether a proposal of `size` vertices is of any use: always when one is made; when a density
+    /// is evaluated, only the size of the path in question. A mutation that knows the size of what it
+    /// will return can go on with `wants(size).then_some(())?`.
+    pub fn wants(self, size: usize) -> bool {
+        self.0.is_none_or(|wanted| size == wanted.size)
+    }
+
+    /// Whether a proposal is of any use in which these vertices of the current path are replaced and all
+    /// others are kept: always when one is made; when a density is evaluated, only if the path in question
+    /// has exactly the others.
+    pub fn replaces(self, vertices: Range<usize>) -> bool {
+        let Some(wanted) = self.0 else { return true };
+        let kept = [vertices.start, wanted.current.saturating_sub(vertices.end)];
+        wanted.common == kept[0] + kept[1] && kept[0] <= wanted.ends[0] && kept[1] <= wanted.ends[1]
+    }
+
+    /// Whether there may be a range of so many vertices of which [`Purpose::replaces`] holds.
+    pub fn replaces_so_many(self, vertices: usize) -> bool {
+        self.0.is_none_or(|wanted| wanted.common + vertices == wanted.current)
     }
 }
 
@@ -137,47 +157,61 @@ impl<'d, R: Scalar> Decisions<'d, R> {
     /// Negative weights and NaN count as zero. None if the weights do not have a positive, finite
     /// sum.
     pub fn weighted(&mut self, count: usize, weight: impl Fn(usize) -> R) -> Option<usize> {
-        if let Mode::Replay { decided, .. } = &mut self.mode
-            && let Some(level) = decided.get_mut(self.count)
-        {
-            // The same choice as in the run before, at the same outcome or at a later one.
-            if level.probability.is_none() {
-                let weights = Weights { count, weight, sum: level.sum };
-                level.find(&weights);
+        self.weighted_among(count, weight, |_| true)
+    }
+
+    /// The same where, of some numbers, the mutation knows that no proposal of use would come of them
+    /// ([`Decisions::purpose`]): where a density is evaluated they have no turn, and nothing else changes.
+    pub fn weighted_among(
+        &mut self,
+        count: usize,
+        weight: impl Fn(usize) -> R,
+        is_useful: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        if count == 0 || self.count >= MAX_DECISIONS {
+            return None;
+        }
+        let (index, probability) = match &mut self.mode {
+            Mode::Draw(uniforms) => {
+                let choice = Weights::new(count, weight)?.sample(uniforms.next());
+                (choice.item, choice.probability)
             }
-            let (index, probability) = (level.index, level.probability);
-            self.take(probability.unwrap_or(R::ZERO));
-            return probability.map(|_| index);
-        }
-        let weights = Weights::new(count, weight)?;
-        let (sum, depth) = (weights.sum, self.count);
-        let item = self.choose(&weights);
-        if let Mode::Replay { decided, .. } = &mut self.mode
-            && let Some(level) = decided.get_mut(depth)
-        {
-            level.sum = sum;
-        }
-        item
+            Mode::Replay { decided, .. } => {
+                if self.count >= decided.len() {
+                    let sum = Weights::new(count, &weight)?.sum;
+                    decided.push(Decided { index: 0, len: count, sum, probability: None });
+                }
+                let level = &mut decided[self.count];
+                if level.probability.is_none() {
+                    level.find(&Weights { count, weight, sum: level.sum }, is_useful);
+                }
+                let Some(probability) = level.probability else {
+                    self.probability = PathDensity::ZERO;
+                    return None;
+                };
+                (level.index, probability)
+            }
+        };
+        self.take(probability);
+        Some(index)
     }
 
-    /// Whether a proposal of `size` vertices is of any use: always when one is made; when a density
-    /// is evaluated, only the size of the path in question. A mutation that knows the size of what it
-    /// will return saves work with `decide.wants(size).then_some(())?` and changes nothing else.
+    /// What the mutation is run for.
+    pub fn purpose(&self) -> Purpose {
+        match &self.mode {
+            Mode::Draw(_) => Purpose(None),
+            Mode::Replay { wanted, .. } => Purpose(Some(*wanted)),
+        }
+    }
+
+    /// [`Purpose::wants`].
     pub fn wants(&self, size: usize) -> bool {
-        match &self.mode {
-            Mode::Draw(_) => true,
-            Mode::Replay { wanted, .. } => size == wanted.size,
-        }
+        self.purpose().wants(size)
     }
 
-    /// Whether a proposal is of any use in which these vertices of the current path are replaced and all
-    /// others are kept: always when one is made; when a density is evaluated, only if the path in question
-    /// has exactly the others. It saves work as [`Decisions::wants`] does.
+    /// [`Purpose::replaces`].
     pub fn replaces(&self, vertices: Range<usize>) -> bool {
-        match &self.mode {
-            Mode::Draw(_) => true,
-            Mode::Replay { wanted, .. } => wanted.replaces(&vertices),
-        }
+        self.purpose().replaces(vertices)
     }
 
     /// Takes a factor into account that was decided elsewhere.
@@ -196,15 +230,19 @@ fn replayed<'i, R: Scalar, D: Discrete<R>>(
         let len = distribution.len();
         decided.push(Decided { index: 0, len, sum: R::ZERO, probability: None });
     }
-    decided[depth].find(distribution)
+    decided[depth].find(distribution, |_| true)
 }
 
 impl<R: Scalar> Decided<R> {
-    /// The outcome whose turn it is, from the present one on. Outcomes of probability zero have no turn; only
-    /// the last choice can be at one, since [`advance`] has just moved it there.
-    fn find<'i, D: Discrete<R>>(&mut self, distribution: &'i D) -> Option<Choice<D::Item<'i>, R>> {
+    /// The outcome whose turn it is, from the present one on. Outcomes that are of no use or have probability zero
+    /// have no turn; only the last choice can be at one, since [`advance`] has just moved it there.
+    fn find<'i, D: Discrete<R>>(
+        &mut self,
+        distribution: &'i D,
+        is_useful: impl Fn(usize) -> bool,
+    ) -> Option<Choice<D::Item<'i>, R>> {
         while self.index < self.len {
-            let choice = distribution.get(self.index);
+            let choice = is_useful(self.index).then(|| distribution.get(self.index)).flatten();
             if let Some(choice) = choice.filter(|choice| choice.probability > R::ZERO) {
                 self.probability = Some(choice.probability);
                 return Some(choice);
@@ -304,6 +342,31 @@ mod tests {
         ];
         let possible: Vec<_> = all.into_iter().filter(|(_, p)| *p > 0.0).collect();
         assert_eq!(possible, expected);
+    }
+
+    #[test]
+    fn what_is_of_no_use_has_no_turn_and_changes_no_probability() {
+        let all = |useful: fn(usize) -> bool| {
+            let found = runs(|decide| {
+                let weight = |i: usize| [1.0, 0.0, 2.0, 1.0][i];
+                let a = decide.weighted_among(4, weight, useful)?;
+                Some((a, decide.index(2)?))
+            });
+            found.into_iter().filter(|(_, p)| *p > 0.0).collect::<Vec<_>>()
+        };
+        let expected = [(Some((2, 0)), 0.25), (Some((2, 1)), 0.25)];
+        assert_eq!(all(|i| i < 3 && i > 0), expected);
+        assert_eq!(all(|_| true).len(), 6);
+        assert!(all(|_| false).is_empty());
+        // When a proposal is made all have their turn.
+        let mut uniforms = || 0.1;
+        let drawn = Decisions::draw(&mut uniforms).weighted_among(4, |_| 1.0, |_| false);
+        assert_eq!(drawn, Some(0));
+        let purpose = Purpose(Some(Wanted { size: 3, current: 5, common: 3, ends: [2, 1] }));
+        let ranges = (0..5).flat_map(|i| (i + 1..6).map(move |k| i..k));
+        let replaced: Vec<_> = ranges.filter(|r| purpose.replaces(r.clone())).collect();
+        assert_eq!(replaced, [2..4]);
+        assert!((0..6).all(|n| purpose.replaces_so_many(n) == (n == 2)));
     }
 
     #[test]

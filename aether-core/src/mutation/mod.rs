@@ -110,8 +110,7 @@ mod set;
 mod state;
 
 pub use accept::{Rated, accept_probability};
-pub(crate) use decisions::Decided;
-pub use decisions::Decisions;
+pub use decisions::{Decisions, Purpose};
 pub use draft::Draft;
 pub use set::{Mutations, Selected};
 pub use state::{MarkovChainState, Transition};
@@ -120,7 +119,7 @@ use crate::path_density::PathDensity;
 use crate::sequence::{Borrowed, RandomSequence};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
-use decisions::advance;
+use decisions::{Decided, advance};
 use draft::DECISIONS;
 use origin::Origin;
 
@@ -205,8 +204,8 @@ where
 /// The probabilities of all choices are those at `from`. Zero if the mutation cannot make `to`, and
 /// for paths that are not complete or of different arenas.
 ///
-/// It takes one run of the mutation for each combination of outcomes; [`Decisions::wants`] and
-/// [`Decisions::replaces`] cut that down.
+/// It takes one run of the mutation for each combination of outcomes; a mutation that asks for its
+/// [`Purpose`] cuts that down.
 pub fn conditional_pdf<'a, V, S, M>(
     mutation: &M,
     from: &RandomSequence<'a, V, S>,
@@ -224,23 +223,43 @@ where
         return PathDensity::ZERO;
     }
     // A mutation may itself ask for densities: what is at work is not in the arena meanwhile.
-    let mut decided = core::mem::take(&mut *from.arena.decided.borrow_mut());
+    let mut replay = core::mem::take(&mut *from.arena.replay.borrow_mut());
+    let Replay { decided, in_common } = &mut replay;
     decided.clear();
     let mut sum = PathDensity::ZERO;
-    let wanted = origin.wanted(to.handle.place);
+    let to = to.handle.place;
+    let wanted = origin.wanted(to, in_common);
+    let steps = from.arena.tape.len();
     loop {
-        let mut decide = Decisions::replay(&mut decided, wanted);
+        let mut decide = Decisions::replay(decided, wanted);
         let draft = mutation.propose(from, &mut decide).and_then(|draft| draft.place());
         let probability = decide.finish();
         if let Some(draft) = draft.filter(|_| !probability.is_zero()) {
-            sum = sum + probability * origin.density(draft, to.handle.place);
+            sum = sum + probability * origin.density(draft, to, in_common);
         }
-        if !advance(&mut decided) {
+        // The draft is nowhere else: what a mutation is given outlives nothing that it could be kept in.
+        from.arena.tape.truncate(steps);
+        if !advance(decided) {
             break;
         }
     }
-    *from.arena.decided.borrow_mut() = decided;
+    *from.arena.replay.borrow_mut() = replay;
     sum
+}
+
+/// Memory of an evaluation.
+#[derive(Debug)]
+pub(crate) struct Replay<R> {
+    /// Which outcomes of the choices have their turn.
+    decided: Vec<Decided<R>>,
+    /// Which vertices of the path in question the current path has, too.
+    in_common: Vec<bool>,
+}
+
+impl<R> Default for Replay<R> {
+    fn default() -> Self {
+        Replay { decided: Vec::new(), in_common: Vec::new() }
+    }
 }
 
 /// By how much a mutation that shifts `from` to `to` stretches the space of paths there: |∂to/∂from|

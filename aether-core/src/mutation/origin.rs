@@ -2,7 +2,7 @@
 
 use crate::mutation::decisions::Wanted;
 use crate::path_density::PathDensity;
-use crate::sequence::{Arena, NONE, Place, RandomSequence};
+use crate::sequence::{Arena, NONE, Place, RandomSequence, Unfolded};
 use crate::strategy::{Dirac, Strategy, Vertex};
 
 /// The path that a mutation starts from. Its vertices are known by their ids in the arena, never by
@@ -10,6 +10,11 @@ use crate::strategy::{Dirac, Strategy, Vertex};
 pub(super) struct Origin<'a, V: Vertex, S> {
     arena: &'a Arena<V, S>,
     path: Place,
+}
+
+/// The id of vertex `i` of a place; `None` beyond its ends.
+fn id<V: Vertex>(tape: &Unfolded<'_, V>, place: Place, i: usize) -> Option<u32> {
+    (i < place.len as usize).then(|| tape.id(place, i))
 }
 
 impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
@@ -22,119 +27,115 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         self.arena
     }
 
-    /// The id of vertex `i` of a place; `None` beyond its ends.
-    fn id(&self, place: Place, i: usize) -> Option<u32> {
-        (i < place.len as usize).then(|| self.arena.tape.entry(place.at(i)).vertex)
-    }
-
     /// Where in the origin a vertex is.
-    fn position(&self, vertex: u32) -> Option<usize> {
+    fn position(&self, tape: &Unfolded<'_, V>, vertex: u32) -> Option<usize> {
         (vertex != NONE).then_some(())?;
-        (0..self.path.len as usize).find(|i| self.id(self.path, *i) == Some(vertex))
+        (0..self.path.len as usize).find(|i| tape.id(self.path, *i) == vertex)
     }
 
-    /// What a mutation may know of a path whose density is evaluated.
-    pub fn wanted(&self, to: Place) -> Wanted {
-        let current = self.path.len as usize;
+    /// What a mutation may know of a path whose density is evaluated. Tells of each of its vertices whether the origin has
+    /// it, too.
+    pub fn wanted(&self, to: Place, in_common: &mut Vec<bool>) -> Wanted {
+        let tape = self.arena.tape.unfolded();
+        let (current, size) = (self.path.len as usize, to.len as usize);
+        in_common.clear();
+        in_common.extend((0..size).map(|k| self.position(&tape, tape.id(to, k)).is_some()));
         let shared = |i: &usize| {
-            let id = self.id(self.path, *i);
-            (0..to.len as usize).any(|k| self.id(to, k) == id)
+            let id = tape.id(self.path, *i);
+            (0..size).any(|k| in_common[k] && tape.id(to, k) == id)
         };
-        let ends = [
-            (0..current).take_while(shared).count(),
-            (0..current).rev().take_while(shared).count(),
-        ];
-        let common = (0..current).filter(shared).count();
-        Wanted { size: to.len as usize, current, common, ends }
+        let first = (0..current).take_while(shared).count();
+        let last = (0..current).rev().take_while(shared).count();
+        let common = if first + last >= current {
+            (0..current).filter(shared).count()
+        } else {
+            first + last + (first..current - last).filter(shared).count()
+        };
+        Wanted { size, current, common, ends: [first, last] }
     }
 
     /// Whether vertex `m` of a place has the Dirac factor of a direction because it had it in the
     /// origin: the factor belongs to the vertex, but involves both of its neighbours.
-    fn inherits_direction(&self, place: Place, m: usize) -> bool {
-        let Some(p) = self.id(place, m).and_then(|id| self.position(id)) else { return false };
+    fn inherits_direction(&self, tape: &Unfolded<'_, V>, place: Place, m: usize) -> bool {
+        let vertex = id(tape, place, m);
+        let Some(p) = vertex.and_then(|id| self.position(tape, id)) else { return false };
         let neighbours =
-            |place, i: usize| (self.id(place, i.wrapping_sub(1)), self.id(place, i + 1));
+            |place, i: usize| (id(tape, place, i.wrapping_sub(1)), id(tape, place, i + 1));
         let (before, after) = neighbours(place, m);
         let was = neighbours(self.path, p);
         (was == (before, after) || was == (after, before))
-            && self.arena.tape.unfolded().carries(self.path, p, Dirac::Direction)
+            && tape.carries(self.path, p, Dirac::Direction)
     }
 
     /// What kept vertex `k` of a place knows about the vertex that it was made from: whether it is
     /// seen from there, and its Dirac factor. `None` if it is no vertex of the origin.
     pub fn inherited(&self, place: Place, k: usize) -> Option<(bool, Option<Dirac>)> {
+        let tape = &self.arena.tape.unfolded();
         let parent = |i: usize, backward| if backward { i + 1 } else { i.wrapping_sub(1) };
-        let was = self.position(self.id(place, k)?)?;
-        let (old, new) = (self.arena.tape.step(self.path, was), self.arena.tape.step(place, k));
-        let made_from = parent(k, new.way.is_backward());
-        let parent_kept =
-            self.id(self.path, parent(was, old.way.is_backward())) == self.id(place, made_from);
-        let dirac = old.dirac.filter(|dirac| match dirac {
+        let was = self.position(tape, tape.id(place, k))?;
+        let made_from = parent(k, tape.way(place, k).is_backward());
+        let parent_was = parent(was, tape.way(self.path, was).is_backward());
+        let parent_kept = id(tape, self.path, parent_was) == id(tape, place, made_from);
+        let (_, visible, dirac) = tape.origin(self.path.at(was));
+        let dirac = dirac.filter(|dirac| match dirac {
             Dirac::Position => true,
-            Dirac::Direction => parent_kept && self.inherits_direction(place, made_from),
+            Dirac::Direction => parent_kept && self.inherits_direction(tape, place, made_from),
         });
-        Some((old.visible && parent_kept, dirac))
+        Some((visible && parent_kept, dirac))
     }
 
     /// Whether the new vertices of a draft can be drawn in the order in which they are: no strategy
     /// that travels forwards reads a vertex that another one makes on its way back.
     pub fn can_draw(&self, draft: Place) -> bool {
-        let tape = &self.arena.tape;
-        let strategies = self.arena.strategies.borrow();
-        (0..draft.len as usize).all(|k| {
-            let step = tape.step(draft, k);
-            if step.vertex != NONE || step.way.is_backward() {
-                return true;
-            }
-            let reads = strategies[step.way.strategy() as usize].reads().vertices;
-            (k.saturating_sub(reads)..k).all(|before| {
-                let before = tape.step(draft, before);
-                before.vertex != NONE || !before.way.is_backward()
-            })
-        })
+        self.can_draw_from(&self.arena.tape.unfolded(), draft)
     }
 
-    /// Whether a draft keeps exactly those vertices that the origin and `to` have in common, each in
-    /// its place. What keeps fewer of them would have to hit the others by chance: infinitely less
-    /// likely.
-    fn keeps_what_is_common(&self, draft: Place, to: Place) -> bool {
-        (0..to.len as usize).all(|k| {
-            let (kept, vertex) = (self.id(draft, k), self.id(to, k));
-            let common = vertex.is_some_and(|vertex| self.position(vertex).is_some());
-            if kept == Some(NONE) { !common } else { common && kept == vertex }
+    fn can_draw_from(&self, tape: &Unfolded<'_, V>, draft: Place) -> bool {
+        let strategies = self.arena.strategies.borrow();
+        let is_new = |k: usize, backward: bool| {
+            tape.id(draft, k) == NONE && tape.way(draft, k).is_backward() == backward
+        };
+        (0..draft.len as usize).all(|k| {
+            if !is_new(k, false) {
+                return true;
+            }
+            let strategy = &strategies[tape.way(draft, k).strategy() as usize];
+            !(k.saturating_sub(strategy.reads().vertices)..k).any(|before| is_new(before, true))
         })
     }
 
     /// Whether a draft leads to the Dirac factors of `to`: each is inherited, or is one that a
     /// new vertex can be drawn with.
-    fn leads_to_factors(&self, draft: Place, to: Place) -> bool {
-        let tape = &self.arena.tape;
+    fn leads_to_factors(&self, tape: &Unfolded<'_, V>, draft: Place, to: Place) -> bool {
         let is_new = |k: usize, backward: bool| {
-            k < to.len as usize && {
-                let step = tape.step(draft, k);
-                step.vertex == NONE && step.way.is_backward() == backward
-            }
+            id(tape, draft, k) == Some(NONE) && tape.way(draft, k).is_backward() == backward
         };
         (0..to.len as usize).all(|m| {
             let drawn = is_new(m + 1, false) || is_new(m.wrapping_sub(1), true);
             drawn
-                || tape.unfolded().carries(to, m, Dirac::Direction)
-                    == self.inherits_direction(draft, m)
+                || tape.carries(to, m, Dirac::Direction) == self.inherits_direction(tape, draft, m)
         })
     }
 
-    /// The density with which drawing the new vertices of a draft makes it `to`.
-    pub fn density(&self, draft: Place, to: Place) -> PathDensity<V::Real> {
+    /// The density with which drawing the new vertices of a draft makes it `to`, of whose vertices the origin has some in
+    /// common.
+    ///
+    /// A draft has to keep exactly these, each in its place: what keeps fewer of them would have to hit the others by
+    /// chance, infinitely less likely.
+    pub fn density(&self, draft: Place, to: Place, in_common: &[bool]) -> PathDensity<V::Real> {
+        let densities = &mut self.arena.densities();
+        let tape = &densities.tape;
+        let keeps =
+            |k: usize| tape.id(draft, k) == if in_common[k] { tape.id(to, k) } else { NONE };
         let possible = draft.len == to.len
-            && self.keeps_what_is_common(draft, to)
-            && self.leads_to_factors(draft, to)
-            && self.can_draw(draft);
+            && (0..to.len as usize).all(keeps)
+            && (tape.tape.is_undirected() || self.leads_to_factors(tape, draft, to))
+            && self.can_draw_from(tape, draft);
         if !possible {
             return PathDensity::ZERO;
         }
-        (0..to.len as usize)
-            .filter(|k| self.id(draft, *k) == Some(NONE))
-            .map(|k| self.arena.factor(draft, k, to))
+        let new = (0..to.len as usize).filter(|k| !in_common[*k]);
+        new.map(|k| densities.factor(draft, k, to))
             .fold(PathDensity::ONE, |product, factor| product * factor)
     }
 }

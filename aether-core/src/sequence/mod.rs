@@ -32,7 +32,7 @@ pub use view::PathView;
 pub(crate) use view::{LAST, LastDrawn, WINDOW, Window, each_last};
 
 use crate::estimator::Joints;
-use crate::mutation::Decided;
+use crate::mutation::Replay;
 use crate::strategy::{Strategy, Vertex};
 
 /// The home of all paths of one sample: their vertices, strategies and densities.
@@ -42,6 +42,8 @@ use crate::strategy::{Strategy, Vertex};
 pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
     pub(crate) strategies: RefCell<Vec<S>>,
+    /// Which of them were asked for last, the last one first.
+    recent: RefCell<[u32; COMPARED]>,
     /// The most vertices that one of them reads.
     pub(crate) most_read: Cell<usize>,
     memo: RefCell<Memo<V::Real>>,
@@ -51,8 +53,8 @@ pub struct Arena<V: Vertex, S> {
     last: RefCell<LastFactors<V::Real>>,
     /// What is known of how paths are joined.
     pub(crate) joints: RefCell<Joints<V::Real>>,
-    /// Which outcomes of a mutation's choices are being evaluated.
-    pub(crate) decided: RefCell<Vec<Decided<V::Real>>>,
+    /// Memory of evaluating a mutation.
+    pub(crate) replay: RefCell<Replay<V::Real>>,
     sequences: Cell<u8>,
     /// Which arena this is, and how often it has been cleared: no two contents share it.
     contents: (u64, u64),
@@ -69,7 +71,7 @@ pub(crate) struct Listed<R> {
     pub unlike: Option<(u32, u32)>,
 }
 
-/// How many strategies back a strategy is compared with those that are known already.
+/// With how many strategies that are known already a strategy is compared: those that were asked for last.
 const COMPARED: usize = 16;
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
@@ -79,13 +81,14 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         Arena {
             tape: Tape::new(),
             strategies: RefCell::new(Vec::new()),
+            recent: RefCell::new([NONE; COMPARED]),
             most_read: Cell::new(0),
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
             ratios: RefCell::new(Vec::new()),
             last: RefCell::new(LastFactors::new()),
             joints: RefCell::new(Joints::new()),
-            decided: RefCell::new(Vec::new()),
+            replay: RefCell::default(),
             sequences: Cell::new(0),
             contents: (ARENAS.fetch_add(1, Ordering::Relaxed), 0),
         }
@@ -96,6 +99,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     pub fn clear(&mut self) {
         self.tape.clear();
         self.strategies.get_mut().clear();
+        *self.recent.get_mut() = [NONE; COMPARED];
         self.most_read.set(0);
         self.memo.get_mut().clear();
         self.lists.get_mut().clear();
@@ -123,21 +127,25 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         self.contents
     }
 
-    /// The id of a strategy; that of a known one if it is the same: mostly of the last one.
+    /// The id of a strategy; that of a known one if it is the same as one of the last that were asked for.
     #[inline]
     pub(crate) fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let last = strategies.len().wrapping_sub(1);
-        if strategies.get(last).is_some_and(|known| known.same(&strategy)) {
-            return last as u32;
+        let mut recent = self.recent.borrow_mut();
+        let is_same =
+            |id: &u32| strategies.get(*id as usize).is_some_and(|known| known.same(&strategy));
+        if is_same(&recent[0]) {
+            return recent[0];
         }
-        let earlier = last.saturating_sub(COMPARED)..strategies.len().saturating_sub(1);
-        if let Some(id) = earlier.rev().find(|id| strategies[*id].same(&strategy)) {
-            return id as u32;
+        if let Some(i) = (1..COMPARED).find(|i| is_same(&recent[*i])) {
+            recent.swap(0, i);
+            return recent[0];
         }
         self.most_read.set(self.most_read.get().max(strategy.reads().vertices));
         strategies.push(strategy);
-        strategies.len() as u32 - 1
+        recent.copy_within(..COMPARED - 1, 1);
+        recent[0] = strategies.len() as u32 - 1;
+        recent[0]
     }
 }
 

@@ -134,6 +134,11 @@ impl<V: Vertex> Tape<V> {
         self.note(dirac);
     }
 
+    /// Forgets the steps from a position on, which no path has any more; their vertices stay.
+    pub fn truncate(&self, len: usize) {
+        self.entries.borrow_mut().truncate(len);
+    }
+
     /// Replaces the strategy of a step that is not taken.
     pub fn set_strategy(&self, at: usize, strategy: u32) {
         let entry = &mut self.entries.borrow_mut()[at];

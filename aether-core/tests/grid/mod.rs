@@ -193,8 +193,12 @@ impl Mutation<Site, Ways> for Bidirectional {
         let n = path.len();
         let deleted = [(1, n), (n - 1, n), (1, n - 1), (0, n)];
         let odds = if n > 2 { [1.0; 4] } else { [1.0, 0.0, 2.0, 1.0] };
-        let (begin, end) = deleted[decide.weighted(4, |i| odds[i])?];
-        decide.replaces(begin..end).then_some(())?;
+        let purpose = decide.purpose();
+        let is_useful = |i: usize| {
+            let (begin, end) = deleted[i];
+            purpose.replaces_so_many(end - begin) && purpose.replaces(begin..end)
+        };
+        let (begin, end) = deleted[decide.weighted_among(4, |i| odds[i], is_useful)?];
         let added = [(1, 0), (0, 1), (1, 1), (0, 2)];
         let odds = if n < 4 { [1.0; 4] } else { [2.0, 1.0, 1.0, 0.0] };
         let (camera, light) = added[decide.weighted(4, |i| odds[i])?];
