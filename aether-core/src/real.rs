@@ -298,7 +298,21 @@ macro_rules! impl_real {
             fn finite(self) -> bool {
                 self.is_finite()
             }
-            forward! { $t: abs(); min(other); max(other); floor(); copysign(sign); sqrt(); }
+            #[inline(always)]
+            fn floor(self) -> $t {
+                // Where the processor has no instruction for it, the function of the library is called.
+                if cfg!(all(target_arch = "x86_64", not(target_feature = "sse4.1"))) {
+                    const SHIFT: $t = 1.5 / $t::EPSILON;
+                    if self.abs() < 0.25 * SHIFT {
+                        // Numbers next to this one are whole, so that the sum is rounded to one.
+                        let nearest = (self + SHIFT) - SHIFT;
+                        let below = if nearest > self { nearest - 1.0 } else { nearest };
+                        return below.copysign(self);
+                    }
+                }
+                <$t>::floor(self)
+            }
+            forward! { $t: abs(); min(other); max(other); copysign(sign); sqrt(); }
             $($functions)*
         }
     };
@@ -323,3 +337,23 @@ impl_real! { f32; crate::kernels::single_precision! { f32 } }
 #[cfg(not(feature = "portable"))]
 impl_real! { f32; host! { f32 } }
 impl_real! { f64; host! { f64 } }
+
+#[cfg(test)]
+mod tests {
+    use super::Real;
+
+    #[test]
+    fn whole_numbers_below_have_the_bits_of_the_library() {
+        let large = 2.0_f64.powi(51);
+        let mut numbers = vec![0.0, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5, 1e-300, f64::EPSILON, 1e9 + 0.5];
+        numbers.extend([1.0_f64.next_down(), 0.5_f64.next_down(), large - 0.5, 0.75 * large]);
+        numbers.extend([0.75 * large - 0.25, large, 4.0 * large + 1.0, f64::MAX, f64::INFINITY]);
+        numbers.extend((0..1000).map(|i| f64::from(i) * 0.37 + f64::from(i).powi(5)));
+        for x in numbers.into_iter().flat_map(|x| [x, -x]) {
+            assert_eq!(Real::floor(x).to_bits(), x.floor().to_bits(), "{x:e}");
+            let y = x as f32;
+            assert_eq!(Real::floor(y).to_bits(), y.floor().to_bits(), "{y:e}");
+        }
+        assert!(Real::floor(f64::NAN).is_nan() && Real::floor(f32::NAN).is_nan());
+    }
+}

@@ -1,10 +1,14 @@
 //! What emitted code calls. Not part of the public interface.
 
+mod limits;
 mod manifold;
 
 use crate::real::{Mask, Real, Single};
 pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
-use crate::sampler::Sampler;
+pub use limits::{
+    closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,
+    rare_sample_of_pieces, where_finite,
+};
 pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
@@ -15,15 +19,21 @@ const SLACK: f64 = 8.0;
 #[inline(always)]
 pub fn turn<R: Real>(angle: R) -> R {
     let tau = R::of(core::f64::consts::TAU);
-    let wrapped = angle - tau * (angle / tau).floor();
     let out = angle.lt(R::ZERO).or(angle.ge(tau));
-    R::select(out, wrapped, angle)
+    if !out.any() {
+        return angle;
+    }
+    R::select(out, angle - tau * (angle / tau).floor(), angle)
 }
 
 /// An angle brought to within half a turn of another one by adding or subtracting whole turns; one that is, is not rounded.
 #[inline(always)]
 pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
     let tau = R::of(core::f64::consts::TAU);
+    // Less than half a turn, whatever is rounded.
+    if (angle - middle).abs().lt(R::of(3.125)).all() {
+        return angle;
+    }
     let turns = ((angle - middle) / tau + R::of(0.5)).floor();
     R::select(turns.lt(R::ZERO).or(turns.gt(R::ZERO)), angle - tau * turns, angle)
 }
@@ -33,10 +43,11 @@ pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
 fn half_turns<R: Real>(x: R, quarter: f64) -> R {
     let n = (x + x + R::of(0.5)).floor();
     let r = R::of(core::f64::consts::PI) * (x - n * R::of(0.5));
-    let k = n + R::of(quarter);
-    let odd = (k - R::of(2.0) * (k * R::of(0.5)).floor()).ge(R::of(0.5));
-    let half = (k * R::of(0.5)).floor();
-    let minus = (half - R::of(2.0) * (half * R::of(0.5)).floor()).ge(R::of(0.5));
+    // What is left of the quarters without whole turns: no rounding anywhere.
+    let turns = (n + R::of(quarter)) * R::of(0.25);
+    let rest = turns - turns.floor();
+    let minus = rest.ge(R::of(0.5));
+    let odd = R::select(minus, rest - R::of(0.5), rest).ge(R::of(0.25));
     let v = either(odd, || r.cos(), || r.sin());
     R::select(minus, -v, v)
 }
@@ -74,6 +85,7 @@ pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
 }
 
 #[cold]
+#[inline(never)]
 fn scaled_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
     // Large numbers overflow, if they are multiplied by what brings the smallest ones, or squares of small ones
@@ -140,82 +152,6 @@ fn rounding_slack<R: Real>() -> R {
 /// Whether some number is undetermined: 0/0 at a pole, an axis, a corner.
 pub fn undetermined<R: Real, const N: usize>(u: &[R; N]) -> bool {
     u.iter().any(|u| u.ge(*u).not().any())
-}
-
-/// A density that is 0/0 at a point, by its values beside it.
-#[inline(always)]
-pub fn limit<R: Real, const M: usize>(
-    wanted: R::Mask,
-    x: &[R; M],
-    density: impl Fn(&[R; M]) -> R,
-) -> R {
-    let d = density(x);
-    let undefined = wanted.and(d.ge(d).not());
-    if undefined.any() { beside(d, x, density) } else { d }
-}
-
-/// The density of the sample of uniforms `u` where that by the uniforms, `d`, is zero, infinite or undetermined outside of
-/// `inner`: by its point; but if the point does not tell, an infinite one stays. It is rarely asked for, and apart from the
-/// usual case, whose registers it would take.
-#[cold]
-#[inline(never)]
-pub fn own_limit<R: Real, S: Sampler<R>>(sampler: &S, u: S::Uniforms, d: R, inner: R::Mask) -> R {
-    let (point, _) = sampler.forward(u);
-    let at_point = sampler.pdf(&point).value();
-    let untold = d.ge(R::INFINITY).and(at_point.gt(R::ZERO).not());
-    R::select(inner.or(untold), d, at_point)
-}
-
-/// The density at the point of a sample, where its uniforms do not tell it: apart, as of [`own_limit`].
-#[cold]
-#[inline(never)]
-pub fn limit_at<R: Real, S: Sampler<R>>(sampler: &S, point: &S::Point) -> R {
-    sampler.pdf(point).value()
-}
-
-/// The density at a point of the support: its limit where the formula is 0/0, and zero where it is no positive number.
-#[inline(always)]
-pub fn density_at<R: Real, const M: usize>(x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
-    let d = density(x);
-    if d.ge(R::ZERO).all() { d } else { rare_density(d, x, density) }
-}
-
-#[cold]
-fn rare_density<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
-    let d = if d.ge(d).all() { d } else { beside(d, x, density) };
-    R::select(d.gt(R::ZERO), d, R::ZERO)
-}
-
-#[cold]
-fn beside<R: Real, const M: usize>(d: R, x: &[R; M], density: impl Fn(&[R; M]) -> R) -> R {
-    let size = x.iter().fold(R::ZERO, |m, x| m.max(x.abs()));
-    let tiny = R::EPSILON * R::EPSILON;
-    let tiny = R::select(size.gt(R::ZERO), size * tiny, tiny);
-    // Mostly it is a coordinate of exactly zero, else some coincidence of the parameters.
-    let mut moved = *x;
-    for x in &mut moved {
-        *x = R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), *x, tiny);
-    }
-    let mut first = density(&moved);
-    if first.ge(first).not().any() {
-        let step = R::of(8.0) * R::EPSILON * size;
-        for (i, x) in moved.iter_mut().enumerate() {
-            *x += R::of(i as f64 + 1.0) * step;
-        }
-        first = R::select(first.ge(first), first, density(&moved));
-    }
-    R::select(d.ge(d), d, first)
-}
-
-/// Whether every number is finite: of any other, the difference from itself is no zero.
-#[inline(always)]
-#[allow(clippy::eq_op)]
-pub fn finite<R: Real>(x: &[R]) -> R::Mask {
-    let mut sum = R::ZERO;
-    for x in x {
-        sum += *x - *x;
-    }
-    sum.ge(R::ZERO)
 }
 
 /// Whether a place within a segment lies so near to one of its ends that rounding may have put it on either
@@ -515,71 +451,18 @@ pub fn distance<R: Real, const N: usize>(a: &[R; N], b: &[R; N]) -> R {
     a.iter().zip(b).fold(R::ZERO, |m, (a, b)| m.max((*a - *b).abs()))
 }
 
-/// The map at `u` and whether it has a value there; where a uniform of exactly zero leads to 0/0, its
-/// limit from inside.
-#[inline(always)]
-pub fn closed<R: Real, const N: usize, const M: usize>(
-    u: &[R; N],
-    forward: impl Fn(&[R; N]) -> [R; M],
-) -> ([R; M], R::Mask) {
-    closed_where(R::Mask::TRUE, u, forward)
-}
-
-/// The same; what comes out where the mask is false does not matter.
-#[inline(always)]
-pub fn closed_where<R: Real, const N: usize, const M: usize>(
-    wanted: R::Mask,
-    u: &[R; N],
-    forward: impl Fn(&[R; N]) -> [R; M],
-) -> ([R; M], R::Mask) {
-    let x = forward(u);
-    if finite::<R>(&x).or(wanted.not()).all() {
-        return (x, R::Mask::TRUE);
-    }
-    let x = from_inside(u, x, forward);
-    // A flight that escapes, say, has no value, and so no sample.
-    (x, x.iter().fold(R::Mask::TRUE, |known, x| known.and(x.ge(*x))))
-}
-
-#[cold]
-fn from_inside<R: Real, const N: usize, const M: usize>(
-    u: &[R; N],
-    x: [R; M],
-    forward: impl Fn(&[R; N]) -> [R; M],
-) -> [R; M] {
-    // Far below any uniform that a generator makes, far above what underflows when squared.
-    let tiny = R::EPSILON * R::EPSILON;
-    // In the middle of its range a uniform cannot be moved by less than its rounding.
-    let small = R::EPSILON.sqrt();
-    let smaller = small * small.sqrt();
-    let below_one = R::ONE - R::EPSILON * R::of(0.5);
-    let zero = u.iter().fold(R::Mask::FALSE, |m, u| m.or(u.gt(R::ZERO).not()));
-    let mut images = [x; 3];
-    let steps = [(tiny, small), (tiny * tiny, smaller), (tiny, -smaller)];
-    for (image, (at_zero, inside)) in images.iter_mut().zip(steps) {
-        let mut moved = *u;
-        for (i, u) in moved.iter_mut().enumerate() {
-            let inner = *u * (R::ONE - R::of(i as f64 + 1.0) * inside);
-            *u = R::select(zero, R::select(u.gt(R::ZERO), *u, at_zero), inner.min(below_one));
-        }
-        *image = forward(&moved);
-    }
-    let [near, mut limits, beyond] = images;
-    for (k, limit) in limits.iter_mut().enumerate() {
-        // What still shrinks with the uniform, by whatever power, tends to zero.
-        let vanishes = limit.abs().lt(near[k].abs() * R::of(1e-3));
-        *limit = R::select(vanishes, R::ZERO, *limit);
-        // Where there is nothing on the other side either, the map has ended.
-        let limited = x[k].ge(x[k]).not().and(beyond[k].ge(beyond[k]));
-        *limit = R::select(limited, *limit, x[k]);
-    }
-    limits
-}
-
 /// A parameter of exactly zero, moved by so little that formulas that are 0/0 there give their limit.
 #[inline(always)]
 pub fn beside_zero<R: Real>(x: R) -> R {
-    R::select(x.le(R::ZERO).and(x.ge(R::ZERO)), R::EPSILON * R::EPSILON, x)
+    let zero = x.le(R::ZERO).and(x.ge(R::ZERO));
+    if zero.any() { moved_from_zero(x, zero) } else { x }
+}
+
+/// A function of its own, so that nothing is selected where no number is zero.
+#[cold]
+#[inline(never)]
+fn moved_from_zero<R: Real>(x: R, zero: R::Mask) -> R {
+    R::select(zero, R::EPSILON * R::EPSILON, x)
 }
 
 /// The logarithm of a density, which `beyond` computes where the density is no normal number.
@@ -619,14 +502,6 @@ mod tests {
         assert_eq!(not_negative(-1e-14_f64, || 1e-8), -1e-14);
         assert_eq!(not_negative(0.25_f64, || f64::NAN), 0.25);
         assert!(not_negative(f64::NAN, || 1.0).is_nan());
-    }
-
-    #[test]
-    fn a_density_without_a_value_is_its_limit() {
-        let ratio = |x: &[f64; 1]| x[0].sin() / x[0];
-        assert_eq!(density_at(&[0.0], ratio), 1.0);
-        assert_eq!(density_at(&[3.5], ratio), 0.0);
-        assert_eq!(density_at(&[1.0], ratio), 1.0_f64.sin());
     }
 
     /// The uniforms of a triangle with the sides (0, 1) and (1, 0) from its corner at (1, 0), and the map back.

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
+use super::circular::circular_pairs;
 use super::powers::{Related, related};
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children, power_below};
@@ -22,6 +23,8 @@ pub struct Code<'a> {
     powers: Vec<(Id, Id, TokenStream)>,
     /// Names of roots that are computed again where their squares underflow.
     rescued: HashMap<Id, TokenStream>,
+    /// Of the sine and of the cosine of an angle, the other one, if that is asked for too.
+    partners: HashMap<Id, Id>,
     /// Whether roots are those of a map, which exist but for rounding.
     lenient: bool,
 }
@@ -37,6 +40,7 @@ impl<'a> Code<'a> {
             named: 0,
             powers: Vec::new(),
             rescued: HashMap::new(),
+            partners: HashMap::new(),
             lenient: false,
         }
     }
@@ -69,6 +73,18 @@ impl<'a> Code<'a> {
         quote!(#name)
     }
 
+    /// Names for the values of expressions. A sine and a cosine of one angle among them are written together, since
+    /// functions for both at once are faster, and found where no branch is in between; and first, since other numbers
+    /// would have to be kept while they are called.
+    pub(super) fn values(&mut self, ids: &[Id]) -> Vec<TokenStream> {
+        let pairs = circular_pairs(self.graph, ids);
+        self.partners.extend(pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]));
+        for [sine, _] in pairs {
+            self.value(sine);
+        }
+        ids.iter().map(|&id| self.value(id)).collect()
+    }
+
     /// A name for the value of an expression; its statements are written if they are not yet.
     pub fn value(&mut self, id: Id) -> TokenStream {
         // An explicit stack: expressions may be deep, and the macro runs unoptimised.
@@ -79,10 +95,12 @@ impl<'a> Code<'a> {
             }
             if ready {
                 self.write_powers(id);
-                let e = self.expression(id);
-                let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
-                self.lets.extend(quote!(let #name = #e;));
-                self.names.insert(id, name);
+                self.write(id, &self.expression(id));
+                if let Some(&partner) = self.partners.get(&id)
+                    && !self.names.contains_key(&partner)
+                {
+                    self.write(partner, &self.expression(partner));
+                }
                 continue;
             }
             open.push((id, true));
@@ -103,6 +121,13 @@ impl<'a> Code<'a> {
             }
         }
         self.reference(id)
+    }
+
+    /// Gives an expression a name for its value.
+    fn write(&mut self, id: Id, value: &TokenStream) {
+        let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
+        self.lets.extend(quote!(let #name = #value;));
+        self.names.insert(id, name);
     }
 
     /// Writes the general powers among the factors of a product. One that differs from another power of its base by
@@ -149,9 +174,18 @@ impl<'a> Code<'a> {
 
     /// Writes the root of a sum of squares, which has to be looked after, once for all that it divides.
     fn write_rescued(&mut self, b: Id) {
+        if self.scaled_squares(b).is_none() {
+            return;
+        }
+        // What is seldom asked for takes numbers, not places in memory where they had to be for it.
+        for leaf in bases(self.graph, b) {
+            if let Some(value) = self.atom(leaf).filter(|_| !self.names.contains_key(&leaf)) {
+                self.write(leaf, &value);
+            }
+        }
         let base = self.reference(b);
         if let Some(scaled) = self.scaled_squares(b) {
-            let root = quote!(::aether_core::support::root(#base, |up: R| #scaled));
+            let root = quote!(::aether_core::support::root(#base, move |up: R| #scaled));
             let name = self.named(&root);
             self.rescued.insert(b, name);
         }
@@ -275,7 +309,8 @@ impl<'a> Code<'a> {
         let names = self.names.clone();
         let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
         let (powers, rescued) = (self.powers.clone(), self.rescued.clone());
-        Code { graph, input, lets: TokenStream::new(), names, named, powers, rescued, lenient }
+        let (lets, partners) = (TokenStream::new(), HashMap::new());
+        Code { graph, input, lets, names, named, powers, rescued, partners, lenient }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -502,6 +537,17 @@ impl<'a> Code<'a> {
         let scaled: Vec<TokenStream> = scaled.collect::<Option<_>>()?;
         Some(quote!(#(#scaled)+*))
     }
+}
+
+/// The inputs among the bases of a sum of products.
+fn bases(g: &Graph, id: Id) -> Vec<Id> {
+    let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
+    let factors = terms.iter().flat_map(|(_, term)| match g.node(*term) {
+        Node::Product(factors) => factors.as_slice(),
+        _ => &[],
+    });
+    let bases = factors.map(|(base, _)| *base);
+    bases.filter(|base| matches!(g.node(*base), Node::Leaf(_))).collect()
 }
 
 /// Factors above and below the line; square roots are taken together.

@@ -88,7 +88,8 @@ impl Emitter<'_> {
             };
             quote!(.and(::aether_core::support::mask(#part.surface == #identity)))
         });
-        quote!(::aether_core::support::finite::<R>(&x) #(#tests)*)
+        let (_, m, _) = self.sizes();
+        quote!(::aether_core::support::finite::<R, #m>(&x) #(#tests)*)
     }
 
     /// The coordinates `x` with the bounds of their rounding: those of directions are rounded relative
@@ -233,6 +234,22 @@ impl Emitter<'_> {
         }
     }
 
+    /// The parameters at whose zero a formula has only a limit.
+    fn limits(&self) -> Vec<u8> {
+        let mut limits: Vec<u8> = self.derived.iter().flat_map(|d| d.limits.clone()).collect();
+        limits.extend(self.atoms.iter().flat_map(|atom| &atom.limits));
+        limits.sort_unstable();
+        limits.dedup();
+        limits
+    }
+
+    /// The parameters and coordinates once more, as they stand in memory, if they are what is there.
+    pub(super) fn read_again(&self) -> TokenStream {
+        let parameters = self.limits().is_empty().then(|| self.parameters());
+        let coordinates = self.coordinates();
+        quote!(#parameters let x = #coordinates;)
+    }
+
     /// `let p = [...]`: the scalar parameters in order.
     pub(super) fn parameters(&self) -> TokenStream {
         let mut list = Vec::new();
@@ -261,11 +278,7 @@ impl Emitter<'_> {
             list.push(quote!(self.#name));
         }
         let p = self.scalars();
-        let mut limits: Vec<u8> = self.derived.iter().flat_map(|d| d.limits.clone()).collect();
-        limits.extend(self.atoms.iter().flat_map(|atom| &atom.limits));
-        limits.sort_unstable();
-        limits.dedup();
-        for i in limits {
+        for i in self.limits() {
             let parameter = &list[i as usize];
             list[i as usize] = quote!(::aether_core::support::beside_zero(#parameter));
         }

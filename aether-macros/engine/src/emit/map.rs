@@ -137,7 +137,7 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
                 #membership
                 if ok.any() {
                     let u = #inverse::<R>(&p, &x);
-                    visit(#made, #bounds ok.and(::aether_core::support::finite::<R>(&u)));
+                    visit(#made, #bounds ok.and(::aether_core::support::finite::<R, #n>(&u)));
                 }
             }
         }

@@ -2,11 +2,13 @@
 
 mod atoms;
 mod border;
+mod circular;
 pub mod code;
 pub mod compose;
 mod documentation;
 mod interface;
 mod item;
+mod jumps;
 mod legal;
 mod logarithm;
 mod map;

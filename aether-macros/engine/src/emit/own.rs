@@ -4,11 +4,13 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
+use super::jumps::jumps;
 use super::meeting;
 use super::pieces::Place;
-use super::sampler::{Asked, encircled, existence, existence_where, image_in, value_at};
+use super::sampler::{Asked, encircled, existence, existence_where, value_at};
 use super::tame::Tame;
-use crate::expr::{Id, Node, OUTS, UNKNOWNS, leaf_bit};
+use crate::derive::Derived;
+use crate::expr::{Id, Node, OUTS, UNKNOWNS};
 use crate::rational::Q;
 
 /// The density at the uniforms, and the densities by way of the other preimages.
@@ -76,29 +78,79 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
         });
     }
     let made = e.point(&quote!(c));
-    let density = single(e);
-    let tame = e.forward_is_tame(0);
-    let closed = (!tame).then(|| {
-        quote! {
-            let (c, known) = if ::aether_core::support::finite::<R>(&c).all() {
-                (c, <R::Mask as Mask>::TRUE)
-            } else {
-                ::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t))
-            };
+    let (parameters, told) = (e.parameters(), Told::of(e));
+    let value = told.value();
+    let sample = quote!((#made, exists_0::<R>(&p, &u), ::aether_core::Density::new(#value)));
+    let coordinates = (!e.forward_is_tame(0)).then(|| quote!(&c));
+    let plain = match (told, &coordinates) {
+        (Told::AtUniforms, coordinates) => {
+            let length = if coordinates.is_some() { m } else { 0 };
+            let coordinates = coordinates.clone().unwrap_or_else(|| quote!(&[]));
+            let inside = inside(e, 0, &quote!(u));
+            Some(quote!(::aether_core::support::plain::<R, #length>(#coordinates, d) #inside))
         }
-    });
-    let known = (!tame).then(|| quote!(.and(known)));
-    let parameters = e.parameters();
+        (_, Some(_)) => Some(quote!(::aether_core::support::finite::<R, #m>(&c))),
+        (_, None) => None,
+    };
+    let inner = match told {
+        Told::AtUniforms => has_density(e, 0, &quote!(u)),
+        _ => quote!(<R::Mask as Mask>::TRUE),
+    };
+    let sample = match plain {
+        None => sample,
+        Some(plain) => quote! {
+            let plain: R::Mask = #plain;
+            if plain.all() {
+                #sample
+            } else {
+                let (point, exists, d) = ::aether_core::support::rare_sample::<R, _>(*self, u, d, #inner);
+                (point, exists, ::aether_core::Density::new(#value))
+            }
+        },
+    };
     Some(quote! {
         #[inline(always)]
         fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
             #parameters
             let (c, d) = both_0::<R>(&p, &u);
-            #closed
-            let density = { #density };
-            (#made, exists_0::<R>(&p, &u) #known, density)
+            #sample
         }
     })
+}
+
+/// What there is to know of the density `d` at uniforms, where a map has one preimage.
+#[derive(Clone, Copy)]
+enum Told {
+    /// It has a value at all uniforms and depends on nothing else.
+    Always,
+    /// It depends on parameters alone, as the density at any point does: that would not tell more.
+    ByParameters,
+    /// The uniforms may not tell it. At zero the map may only have a limit (a pole, an axis), and so may the Jacobian; the
+    /// density at the point knows it. Parameters may overflow.
+    AtUniforms,
+}
+
+impl Told {
+    fn of(e: &Emitter) -> Self {
+        let graph = &e.parsed.pieces[0].problem.graph;
+        let Derived { own_density, preimages, .. } = &e.derived[0];
+        if is_tame(e, 0) && !has_parameters(e, 0) {
+            Told::Always
+        } else if !graph.has(*own_density, UNKNOWNS) && preimages[0].density == *own_density {
+            Told::ByParameters
+        } else {
+            Told::AtUniforms
+        }
+    }
+
+    /// The density from `d`.
+    fn value(self) -> TokenStream {
+        match self {
+            // What parameters make no number is none at the point.
+            Told::ByParameters => quote!(d.max(R::ZERO)),
+            _ => quote!(d),
+        }
+    }
 }
 
 /// Whether each point has one preimage, for the images of pieces are apart.
@@ -113,35 +165,46 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     let (n, m, _) = e.sizes();
     let (made, parameters) = (e.point(&quote!(c)), e.parameters());
     let pieces = e.by_piece(|j| {
-        let [enter, own, exists] =
-            ["enter", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
-        let (image, here) = (image_in(e, j), has_density(e, j, &quote!(t)));
+        let [enter, forward, own, exists] =
+            ["enter", "forward", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let inside = inside(e, j, &quote!(t));
         quote! {
             let t = #enter::<R>(&p, &u);
-            let (y, known) = #image;
+            let y = #forward::<R>(&p, &t);
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
-            exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
-            let d = #own::<R>(&p, &t);
-            let here = taken.and(#here);
-            sum = R::select(here, d, sum);
-            inner = inner.or(here);
+            exists = exists.or(taken.and(#exists::<R>(&p, &t)));
+            d = R::select(taken, #own::<R>(&p, &t), d);
+            inside = inside.or(taken #inside);
         }
     });
+    let tame = (0..e.parsed.pieces.len()).all(|j| e.forward_is_tame(j));
+    let coordinates =
+        if tame { quote!(plain::<R, 0>(&[], d)) } else { quote!(plain::<R, #m>(&c, d)) };
+    let required = e.parsed.pieces.iter().any(|piece| !piece.problem.requirements.is_empty());
+    // Where there is no sample, there is nothing to look after.
+    let (exists, missing) = if e.parsed.total && !required {
+        (quote!(<R::Mask as Mask>::TRUE), None)
+    } else {
+        (quote!(exists), Some(quote!(.or(exists.not()))))
+    };
     quote! {
         #[inline(always)]
         fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
             #parameters
             let mut c = [R::ZERO; #m];
-            let mut sum = R::ZERO;
+            let mut d = R::ZERO;
             let mut exists = <R::Mask as Mask>::FALSE;
-            let mut inner = <R::Mask as Mask>::FALSE;
+            let mut inside = <R::Mask as Mask>::FALSE;
             #pieces
-            let point = #made;
-            // At an end of a piece the map may only have a limit; the density at the point knows it.
-            if exists.and(inner.not()).any() {
-                sum = R::select(inner, sum, ::aether_core::support::limit_at::<R, _>(self, &point));
+            let exists = #exists;
+            let plain: R::Mask = ::aether_core::support::#coordinates.and(inside);
+            if plain #missing .all() {
+                (#made, exists, ::aether_core::Density::new(R::select(exists, d, R::ZERO)))
+            } else {
+                let inner = ::aether_core::support::positive::<R>(d).and(inside);
+                let (point, exists, d) = ::aether_core::support::rare_sample_of_pieces::<R, _>(*self, u, d, inner);
+                (point, exists, ::aether_core::Density::new(d))
             }
-            (point, exists, ::aether_core::Density::new(R::select(exists, sum, R::ZERO)))
         }
     }
 }
@@ -149,31 +212,33 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
 /// Where the density `d` of a piece has a value at the unknowns `t`. Where one that it depends on is zero, it may only have
 /// a limit; zero or infinite, it may have left the range of numbers on the way, which the density at the point need not.
 fn has_density(e: &Emitter, j: usize, t: &TokenStream) -> TokenStream {
-    let tame = is_tame(e, j);
+    let inside = inside(e, j, t);
+    quote!(::aether_core::support::positive::<R>(d) #inside)
+}
+
+/// That unknowns are not zero where the density would not show it.
+fn inside(e: &Emitter, j: usize, t: &TokenStream) -> TokenStream {
     let problem = &e.parsed.pieces[j].problem;
-    let matters = |i: &usize| {
-        let unknown = leaf_bit(problem.unknowns[*i]);
-        !tame && problem.graph.has(e.derived[j].own_density, unknown)
-    };
+    let (tame, density) = (is_tame(e, j), e.derived[j].own_density);
+    let matters = |i: &usize| !tame && jumps(&problem.graph, density, problem.unknowns[*i]);
     let matter = (0..problem.unknowns.len()).filter(matters);
-    let positive = matter.map(|i| quote!(.and(#t[#i].gt(R::ZERO))));
-    quote!(d.gt(R::ZERO).and(d.lt(R::INFINITY)) #(#positive)*)
+    matter.map(|i| quote!(.and(#t[#i].gt(R::ZERO)))).collect()
 }
 
 /// The density `d` at the uniforms, or its limit.
 fn single(e: &Emitter) -> TokenStream {
-    if is_tame(e, 0) && !has_parameters(e, 0) {
-        return quote!(::aether_core::Density::new(d));
+    let told = Told::of(e);
+    if !matches!(told, Told::AtUniforms) {
+        let value = told.value();
+        return quote!(::aether_core::Density::new(#value));
     }
-    // At a uniform of zero the map may only have a limit (a pole, an axis), and so may the
-    // Jacobian; the density at the point knows it. Parameters may overflow.
     let inner = has_density(e, 0, &quote!(u));
     quote! {
-        let inner = #inner;
+        let inner: R::Mask = #inner;
         ::aether_core::Density::new(if inner.all() {
             d
         } else {
-            ::aether_core::support::own_limit::<R, _>(self, u, d, inner)
+            ::aether_core::support::own_limit::<R, _>(*self, u, d, inner)
         })
     }
 }
@@ -275,7 +340,7 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         // At an end of a piece the map may only have a limit; the density at the point knows it.
         let outer = exists.and(inner.not());
         let limit = if outer.any() {
-            ::aether_core::Sampler::pdf(self, &point).value()
+            ::aether_core::support::limit_at::<R, _>(*self, point)
         } else {
             R::ZERO
         };
@@ -395,7 +460,7 @@ fn among_several(e: &Emitter) -> TokenStream {
         // At an end of a piece the map may only have a limit; the density at the point knows it.
         let outer = exists.and(inner.not());
         let limit = if outer.any() {
-            ::aether_core::Sampler::pdf(self, &point).value()
+            ::aether_core::support::limit_at::<R, _>(*self, point)
         } else {
             R::ZERO
         };

@@ -149,7 +149,7 @@ impl<'a> Emitter<'a> {
                 .map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::lenient(g, &at);
-        let outputs: Vec<TokenStream> = derived.forward.iter().map(|&f| code.value(f)).collect();
+        let outputs = code.values(&derived.forward);
         let forward_lets = code.statements();
         let mut code = Code::new(g, &at);
         let required: Vec<TokenStream> =
@@ -164,16 +164,15 @@ impl<'a> Emitter<'a> {
         let size_lets = code.statements();
         let joint = (is_sampler && self.is_single()).then(|| {
             let mut code = Code::lenient(g, &at);
-            let outputs: Vec<TokenStream> =
-                derived.forward.iter().map(|&f| code.value(f)).collect();
-            let density = code.value(size);
+            let mut values = code.values(&[&derived.forward[..], &[size]].concat());
+            let density = values.pop();
             let lets = code.statements();
             quote! {
                 /// The point and its density.
                 #[inline(always)]
                 fn #both<R: Real>(p: &[R; #p], t: &[R; #n]) -> ([R; #m], R) {
                     #lets
-                    ([#(#outputs),*], #density)
+                    ([#(#values),*], #density)
                 }
             }
         });

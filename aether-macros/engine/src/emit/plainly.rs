@@ -9,7 +9,8 @@ use super::item::Emitter;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
 use crate::derive::Signs;
-use crate::expr::{Id, Leaf};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
+use crate::hash::Set;
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
 pub(super) fn unit_tests(place: Place, code: &mut Code) -> Vec<UnitTest> {
@@ -81,28 +82,54 @@ fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
         }
     });
     let conditions: Vec<TokenStream> = conditions.collect();
-    let [borders, others] = units(place).map(|units| {
+    // What calls functions comes last.
+    let [borders, others] = units(place);
+    let g = &place.problem.graph;
+    let (longer, shorter) = others.into_iter().partition(|&i| calls(g, place.preimage.tested[i]));
+    let [borders, shorter, longer] = [borders, shorter, longer].map(|units: Vec<usize>| {
         let inside = units.into_iter().map(|i| test(place, i, &mut code).inside);
         let inside: TokenStream = inside.collect();
         (code.take_statements(), inside)
     });
-    let ((first_lets, borders), (lets, others)) = (borders, others);
-    let others = (!others.is_empty()).then(|| {
+    let (first_lets, borders) = borders;
+    let others = [shorter, longer].into_iter().filter(|(_, tests)| !tests.is_empty());
+    let others = others.map(|(lets, tests)| {
         quote! {
             if !exists.any() {
                 return exists;
             }
             #lets
-            let exists = exists #others;
+            let exists = exists #tests;
         }
     });
     quote! {
         #first_lets
         let exists =
             <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #borders;
-        #others
+        #(#others)*
         exists
     }
+}
+
+/// Whether functions other than roots are called for the value of an expression.
+fn calls(g: &Graph, id: Id) -> bool {
+    let (mut open, mut seen) = (vec![id], Set::default());
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        let power = |e: &Id| g.as_number(*e).is_none_or(|q| q.den() > 2);
+        let called = match g.node(id) {
+            Node::Call(f, _) => !matches!(f, Fun::Abs | Fun::Sign),
+            Node::Product(factors) => factors.iter().any(|(_, exponent)| power(exponent)),
+            node => matches!(node, Node::Root(_)),
+        };
+        if called {
+            return true;
+        }
+        open.extend(children(g.node(id)));
+    }
+    false
 }
 
 fn possible_tests(place: Place) -> TokenStream {

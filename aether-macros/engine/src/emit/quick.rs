@@ -14,7 +14,7 @@ use super::pieces::{Place, is_unguarded};
 use super::plainly::unit_tests;
 use super::sampler::{about, beside, general_density};
 use super::tame::Tame;
-use crate::expr::{Leaf, leaf_bit};
+use crate::expr::{Leaf, OUTS, leaf_bit};
 
 /// Whether nothing but the ends of unknowns limits the pieces, so that there is a quick way.
 fn is_quick(e: &Emitter) -> bool {
@@ -30,6 +30,8 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let (belongs, places) = (e.belongs(), e.places());
     let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
     let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
+    // What is read again after calls of functions need not be kept over them.
+    let again = e.read_again();
     let [told, found] = ["told", "found"].map(|name| {
         places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
     });
@@ -49,6 +51,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
             let mut sum = R::ZERO;
             #(let (mut #told, mut #found) = (false, false);)*
             #(#plain)*
+            #again
             #(#doubtful)*
             sum
         }
@@ -92,13 +95,12 @@ pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
 /// Adds the density by way of a preimage, if the point plainly has it.
 fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let (k, j) = (place.number, place.piece);
-    let (_, m, _) = e.sizes();
+    let (_, m, s) = e.sizes();
     let [plainly, told, found, inverse, back] =
         ["plainly", "told", "found", "inverse", "back"].map(|name| format_ident!("{name}_{k}"));
     let forward = format_ident!("forward_{j}");
-    let value = positive_density(place, m);
+    let value = positive_density(e, place);
     let on_manifold = place.derived.check_forward.then(|| {
-        let (_, _, s) = e.sizes();
         let lies = format_ident!("lies_{k}");
         let image = match place.preimage.back {
             Some(_) => quote!(#back::<R>(&p, &x)),
@@ -128,10 +130,15 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let twice = (!beside.is_empty()).then(
         || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
     );
+    let again = e.read_again();
+    // Nothing is added to where all others are excluded.
+    let alone = excluding(e, place, places).count() + 1 == places.len();
+    let counted = if alone { quote!(sum = #value;) } else { quote!(sum += #value;) };
     let accepted = quote! {
         #twice
         #on_manifold
-        sum += #value;
+        #again
+        #counted
         #found = true;
     };
     let leaves = place.derived.check_forward && place.preimage.back.is_some();
@@ -149,12 +156,17 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 }
 
 /// The density of a point that plainly has a preimage; zero where the formula is no positive number.
-fn positive_density(place: Place, m: usize) -> TokenStream {
+fn positive_density(e: &Emitter, place: Place) -> TokenStream {
+    let (_, m, s) = e.sizes();
     let density = format_ident!("density_{}", place.number);
+    if !place.problem.graph.has(place.preimage.density, OUTS) {
+        // Of parameters alone there is no limit, and what they make no number is none.
+        return quote!(#density::<R>(&p, &x).max(R::ZERO));
+    }
     if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
         return quote!({ let d = #density::<R>(&p, &x); R::select(d.gt(R::ZERO), d, R::ZERO) });
     }
-    quote!(::aether_core::support::density_at::<R, #m>(&x, |x| #density::<R>(&p, x)))
+    quote!(::aether_core::support::density_at::<R, #s, #m>(&p, &x, #density::<R>))
 }
 
 /// Leaves the block if only rounding may have put a point outside of a preimage.

@@ -103,12 +103,12 @@ fn forward(e: &Emitter) -> TokenStream {
 /// The coordinates of the image of `t` under a piece, which the uniforms take where `taken` says so, and
 /// whether they have values.
 pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
-    let (n, m, _) = e.sizes();
+    let (n, m, s) = e.sizes();
     let forward = format_ident!("forward_{j}");
     if e.forward_is_tame(j) {
         quote!((#forward::<R>(&p, &t), <R::Mask as Mask>::TRUE))
     } else {
-        quote!(::aether_core::support::closed_where::<R, #n, #m>(taken, &t, |t| #forward::<R>(&p, t)))
+        quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, &p, &t, #forward::<R>))
     }
 }
 
@@ -117,8 +117,8 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
     if e.forward_is_tame(0) {
         return quote!((forward_0::<R>(&p, &u), <R::Mask as Mask>::TRUE));
     }
-    let (n, m, _) = e.sizes();
-    quote!(::aether_core::support::closed::<R, #n, #m>(&u, |t| forward_0::<R>(&p, t)))
+    let (n, m, s) = e.sizes();
+    quote!(::aether_core::support::closed::<R, #s, #n, #m>(<R::Mask as Mask>::TRUE, &p, &u, forward_0::<R>))
 }
 
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
@@ -445,8 +445,7 @@ fn density(e: &Emitter) -> TokenStream {
     let belongs = e.belongs();
     if let Some(support) = e.support {
         let (test, value) = (support.test(), support.value());
-        let belongs = support.belongs(&belongs);
-        return quote!(R::select((#belongs) #test, #value, R::ZERO));
+        return support.where_it_belongs(e, &quote!(R::select(belongs #test, #value, R::ZERO)));
     }
     quick::density(e).unwrap_or_else(|| quote!(pdf_anywhere::<R>(p, x, #belongs, None)))
 }
@@ -456,7 +455,7 @@ fn density_near(e: &Emitter) -> Option<TokenStream> {
     let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
     let (_, m, _) = e.sizes();
     let density = match e.support {
-        Some(support) => support.density_near(&support.belongs(&belongs))?,
+        Some(support) => support.density_near(e)?,
         None => quote!(pdf_anywhere::<R>(p, x, #belongs, Some(&errors))),
     };
     Some(quote! {
@@ -503,12 +502,12 @@ pub(super) fn general_density(e: &Emitter) -> TokenStream {
 
 /// The density at `x` by way of a preimage, or its limit where it is 0/0 and `wanted`.
 pub(super) fn value_at(e: &Emitter, place: Place, wanted: &TokenStream) -> TokenStream {
-    let (_, m, _) = e.sizes();
+    let (_, m, s) = e.sizes();
     let density = format_ident!("density_{}", place.number);
     if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
         quote!(#density::<R>(&p, &x))
     } else {
-        quote!(::aether_core::support::limit::<R, #m>(#wanted, &x, |x| #density::<R>(&p, x)))
+        quote!(::aether_core::support::limit::<R, #s, #m>(#wanted, &p, &x, #density::<R>))
     }
 }
 

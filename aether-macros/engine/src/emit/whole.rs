@@ -6,6 +6,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::number;
+use super::item::Emitter;
 use crate::expr::Id;
 use crate::interpret::Item;
 use crate::parse::Space;
@@ -95,9 +96,14 @@ impl Support {
         number(self.density())
     }
 
-    /// What the test does not tell of a point that `belongs` to the space: of a disk no infinite point passes it.
-    pub(super) fn belongs(self, belongs: &TokenStream) -> TokenStream {
-        if self == Support::Disk { quote!(<R::Mask as Mask>::TRUE) } else { belongs.clone() }
+    /// A density of points where they `belong` to the space as far as the test does not tell it: of a disk no infinite
+    /// point passes it.
+    pub(super) fn where_it_belongs(self, e: &Emitter, density: &TokenStream) -> TokenStream {
+        if self == Support::Disk {
+            return quote!({ let belongs = <R::Mask as Mask>::TRUE; #density });
+        }
+        let (_, m, _) = e.sizes();
+        quote!(::aether_core::support::where_finite::<R, #m>(&x, |belongs| #density))
     }
 
     /// Whether a point with finite coordinates `x` belongs to it, where rounding may have moved it.
@@ -106,17 +112,18 @@ impl Support {
     }
 
     /// The density at a point whose coordinates may be off by what `errors` tells; nothing, if no error leads outside.
-    pub(super) fn density_near(self, belongs: &TokenStream) -> Option<TokenStream> {
+    pub(super) fn density_near(self, e: &Emitter) -> Option<TokenStream> {
         if self == Support::Sphere {
             return None;
         }
         let (test, value) = (self.test_within(&quote!(slack)), self.value());
+        let density = self.where_it_belongs(e, &quote!(R::select(belongs #test, #value, R::ZERO)));
         Some(quote! {
             {
                 // The square of a radius of one is off by twice as much as the radius.
                 let most = errors().into_iter().fold(R::ZERO, |most, error| most + error);
                 let slack = R::of(16.0) * (R::EPSILON + most);
-                R::select((#belongs) #test, #value, R::ZERO)
+                #density
             }
         })
     }
