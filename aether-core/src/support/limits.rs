@@ -26,7 +26,8 @@ fn together<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
 
 #[inline(always)]
 fn sum<R: Real, const M: usize>(x: &[R; M]) -> R {
-    x.iter().copied().reduce(|sum, x| sum + x).unwrap_or(R::ZERO)
+    let Some((first, rest)) = x.split_first() else { return R::ZERO };
+    rest.iter().fold(*first, |sum, x| sum + *x)
 }
 
 #[cold]
