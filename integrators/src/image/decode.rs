@@ -71,6 +71,11 @@ fn linear(code: f32, raw: bool) -> f32 {
     if raw { code } else { srgb_decode(f64::from(code)) as f32 }
 }
 
+/// The linear values of codes of eight bits.
+fn linear_bytes(raw: bool) -> [f32; 256] {
+    std::array::from_fn(|code| linear(code as f32 / 255.0, raw))
+}
+
 /// An image from numbers in rows, of which each pixel has `channels`: grey, grey and alpha, RGB or RGBA.
 fn assemble(
     (width, height): (usize, usize),
@@ -104,7 +109,10 @@ fn png(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
                 |i: usize| f32::from(u16::from_be_bytes([data[2 * i], data[2 * i + 1]])) / 65535.0;
             assemble(size, channels, |i| linear(code(i), raw), data.len() / 2)
         }
-        _ => assemble(size, channels, |i| linear(f32::from(data[i]) / 255.0, raw), data.len()),
+        _ => {
+            let values = linear_bytes(raw);
+            assemble(size, channels, |i| values[usize::from(data[i])], data.len())
+        }
     }
 }
 
@@ -120,7 +128,8 @@ fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
     plausible(size, bytes)?;
     let data = decoder.decode().map_err(|error| error.to_string())?;
     let channels = data.len() / (size.0 * size.1).max(1);
-    assemble(size, channels, |i| linear(f32::from(data[i]) / 255.0, raw), data.len())
+    let values = linear_bytes(raw);
+    assemble(size, channels, |i| values[usize::from(data[i])], data.len())
 }
 
 fn hdr(bytes: &[u8]) -> Result<RgbImage, String> {
