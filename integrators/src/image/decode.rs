@@ -7,7 +7,7 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 
 use super::exr::Exr;
-use super::{ImageError, RgbImage, srgb_decode};
+use super::{ImageError, Picture, Texels, srgb_decode};
 
 /// Larger pictures are refused: columns or rows.
 const LARGEST: usize = 1 << 14;
@@ -19,7 +19,7 @@ const MOST_CHANNELS: usize = 64;
 ///
 /// # Errors
 /// If the file cannot be read, is none of these, is broken or too large.
-pub fn read(path: &Path, raw: bool) -> Result<RgbImage, ImageError> {
+pub fn read(path: &Path, raw: bool) -> Result<Picture, ImageError> {
     let fail = |message: String| ImageError::format(path, message);
     let is_file = std::fs::metadata(path).map(|metadata| metadata.is_file());
     if !is_file.map_err(|error| ImageError::io("read", path, error))? {
@@ -29,7 +29,7 @@ pub fn read(path: &Path, raw: bool) -> Result<RgbImage, ImageError> {
     match bytes.get(..4) {
         Some([0x76, 0x2f, 0x31, 0x01]) => {
             exr_size(&bytes).and_then(|size| plausible(size, &bytes)).map_err(fail)?;
-            Exr::read(path).map(|exr| exr.rgb)
+            Exr::read(path).map(|exr| exr.rgb.into())
         }
         Some([0x89, b'P', b'N', b'G']) => png(&bytes, raw).map_err(fail),
         Some([0xff, 0xd8, 0xff, _]) => jpeg(&bytes, raw).map_err(fail),
@@ -71,28 +71,25 @@ fn linear(code: f32, raw: bool) -> f32 {
     if raw { code } else { srgb_decode(f64::from(code)) as f32 }
 }
 
-/// The linear values of codes of eight bits.
-fn linear_bytes(raw: bool) -> [f32; 256] {
-    std::array::from_fn(|code| linear(code as f32 / 255.0, raw))
+/// A picture of what its texels are made to be.
+fn picture(size: (usize, usize), texels: Texels) -> Result<Picture, String> {
+    Picture::new(size, texels).ok_or_else(|| "ends before its last pixel".to_owned())
 }
 
-/// An image from numbers in rows, of which each pixel has `channels`: grey, grey and alpha, RGB or RGBA.
-fn assemble(
-    (width, height): (usize, usize),
-    channels: usize,
-    value: impl Fn(usize) -> f32,
-    count: usize,
-) -> Result<RgbImage, String> {
-    if channels == 0 || count < width * height * channels {
-        return Err("ends before its last pixel".to_owned());
-    }
-    Ok(RgbImage::from_fn(width, height, |x, y| {
-        let at = (y * width + x) * channels;
-        if channels < 3 { [value(at); 3] } else { [0, 1, 2].map(|c| value(at + c)) }
-    }))
+/// The colours of as many pixels as there are at most, from numbers of which each pixel has `channels`: grey, grey and
+/// alpha, RGB or RGBA.
+fn colours<T: Copy>(most: (usize, usize), channels: usize, numbers: &[T]) -> Vec<[T; 3]> {
+    let pixels = numbers.chunks_exact(channels.max(1)).take(most.0 * most.1);
+    pixels.map(|pixel| [0, 1, 2].map(|c| pixel[if channels < 3 { 0 } else { c }])).collect()
 }
 
-fn png(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
+/// Codes with eight bits.
+fn codes(size: (usize, usize), channels: usize, bytes: &[u8], raw: bool) -> Texels {
+    let values = std::array::from_fn(|code| linear(code as f32 / 255.0, raw));
+    Texels::Codes(colours(size, channels, bytes), Box::new(values))
+}
+
+fn png(bytes: &[u8], raw: bool) -> Result<Picture, String> {
     let mut decoder = ::png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(::png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
@@ -103,20 +100,18 @@ fn png(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
     let mut data = vec![0; length];
     let frame = reader.next_frame(&mut data).map_err(|error| error.to_string())?;
     let channels = frame.color_type.samples();
-    match frame.bit_depth {
+    let texels = match frame.bit_depth {
         ::png::BitDepth::Sixteen => {
-            let code =
-                |i: usize| f32::from(u16::from_be_bytes([data[2 * i], data[2 * i + 1]])) / 65535.0;
-            assemble(size, channels, |i| linear(code(i), raw), data.len() / 2)
+            let code = |pair: &[u8]| f32::from(u16::from_be_bytes([pair[0], pair[1]])) / 65535.0;
+            let values = data.chunks_exact(2).map(|pair| linear(code(pair), raw));
+            Texels::Numbers(colours(size, channels, &values.collect::<Vec<_>>()))
         }
-        _ => {
-            let values = linear_bytes(raw);
-            assemble(size, channels, |i| values[usize::from(data[i])], data.len())
-        }
-    }
+        _ => codes(size, channels, &data, raw),
+    };
+    picture(size, texels)
 }
 
-fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
+fn jpeg(bytes: &[u8], raw: bool) -> Result<Picture, String> {
     let options = DecoderOptions::default()
         .set_max_width(LARGEST)
         .set_max_height(LARGEST)
@@ -128,23 +123,24 @@ fn jpeg(bytes: &[u8], raw: bool) -> Result<RgbImage, String> {
     plausible(size, bytes)?;
     let data = decoder.decode().map_err(|error| error.to_string())?;
     let channels = data.len() / (size.0 * size.1).max(1);
-    let values = linear_bytes(raw);
-    assemble(size, channels, |i| values[usize::from(data[i])], data.len())
+    picture(size, codes(size, channels, &data, raw))
 }
 
-fn hdr(bytes: &[u8]) -> Result<RgbImage, String> {
+fn hdr(bytes: &[u8]) -> Result<Picture, String> {
     let options = DecoderOptions::default().set_max_width(LARGEST).set_max_height(LARGEST);
     let mut decoder = zune_hdr::HdrDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|error| format!("{error:?}"))?;
     let (width, height) = decoder.dimensions().ok_or("has no size")?;
     plausible((width, height), bytes)?;
     let data = decoder.decode().map_err(|error| format!("{error:?}"))?;
-    assemble((width, height), 3, |i| data[i], data.len())
+    let size = (width, height);
+    picture(size, Texels::Numbers(colours(size, 3, &data)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::RgbImage;
 
     fn temporary(name: &str, bytes: &[u8]) -> std::path::PathBuf {
         let path = std::env::temp_dir().join(format!("aether-{}-{name}", std::process::id()));
@@ -157,14 +153,14 @@ mod tests {
         let image = RgbImage::from_fn(3, 2, |x, y| [x as f32 / 2.0, y as f32, 0.25]);
         let path = std::env::temp_dir().join(format!("aether-{}-back.png", std::process::id()));
         super::super::png::write(&image, &path).unwrap();
-        let back = read(&path, false).unwrap();
+        let back = read(&path, false).unwrap().into_image();
         let codes = read(&path, true).unwrap();
         std::fs::remove_file(&path).unwrap();
         assert_eq!((back.width(), back.height()), (3, 2));
         for (a, b) in back.pixels().iter().flatten().zip(image.pixels().iter().flatten()) {
             assert!((a - b).abs() < 5e-3, "{a} {b}");
         }
-        assert!((codes.pixel(1, 0)[0] - 188.0 / 255.0).abs() < 1e-6);
+        assert!((codes.texel(1, 0)[0] - 188.0 / 255.0).abs() < 1e-6);
     }
 
     #[test]

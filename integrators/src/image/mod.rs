@@ -1,6 +1,7 @@
 //! Images: what a render produces and what a comparison reads.
 //!
 //! - [`RgbImage`]: linear Rec. 709 pixels in memory.
+//! - [`Picture`]: what a texture shows, in as few bits as its file has.
 //! - [`exr`](mod@exr): OpenEXR files, with the variance of each pixel beside its value.
 //! - [`png`](mod@png): a tone-mapped picture for looking at.
 //! - [`compare`]: error measures between an image and a reference.
@@ -13,12 +14,15 @@ pub mod decode;
 pub mod exr;
 mod exr_header;
 pub mod flip;
+mod picture;
 pub mod png;
 
 pub(crate) mod atomic_write;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
+
+pub use picture::{Picture, Texels};
 
 /// An image of linear Rec. 709 RGB pixels, row by row from the top left corner.
 #[derive(Clone, Debug, PartialEq)]

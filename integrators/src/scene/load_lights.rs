@@ -101,7 +101,7 @@ fn envmap(query: &Query) -> Result<EnvironmentMap, SceneError> {
     query.ignore(&["mis_compensation", "cache", "gamma"]);
     let image = decode::read(&path, false);
     let image = image.map_err(|e| query.error_at("filename", e.to_string()))?;
-    EnvironmentMap::new(image, scale, &to_world).map_err(|e| query.error_at("", e))
+    EnvironmentMap::new(image.into_image(), scale, &to_world).map_err(|e| query.error_at("", e))
 }
 
 fn position(query: &Query) -> Result<DVec3, SceneError> {

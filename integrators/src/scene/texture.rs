@@ -3,7 +3,7 @@
 use glam::{Affine2, Vec2, Vec3};
 
 use super::mesh::barycentric;
-use crate::image::RgbImage;
+use crate::image::Picture;
 
 /// A colour, or one that a texture gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +96,7 @@ pub enum Pattern {
     /// A picture, its first row at v = 0.
     Picture {
         /// The texels.
-        image: RgbImage,
+        image: Picture,
         /// How they are interpolated.
         interpolation: Interpolation,
         /// What lies beyond the picture.
@@ -225,16 +225,14 @@ impl Texture {
             return Vec2::ZERO;
         }
         let size = Vec2::new(image.width() as f32, image.height() as f32);
-        let at = uv * size - 0.5;
-        let (low, t) = (at.floor(), at - at.floor());
-        let texel = |x: f32, y: f32| {
-            let x = wrapped(low.x + x, image.width(), *wrap);
-            let y = wrapped(low.y + y, image.height(), *wrap);
-            luminance(Vec3::from(image.pixel(x, y)))
-        };
-        let [[a, b], [c, d]] = [0.0, 1.0].map(|y| [0.0, 1.0].map(|x| texel(x, y)));
+        let [(x, right), (y, below)] = (uv * size - 0.5).to_array().map(whole);
+        let [[a, b], [c, d]] = [y, y + 1].map(|y| {
+            let y = wrapped(y, image.height(), *wrap);
+            [x, x + 1]
+                .map(|x| luminance(Vec3::from(image.texel(wrapped(x, image.width(), *wrap), y))))
+        });
         let mix = |p: f32, q: f32, t: f32| p + t * (q - p);
-        let slope = Vec2::new(mix(b - a, d - c, t.y), mix(c - a, d - b, t.x)) * size;
+        let slope = Vec2::new(mix(b - a, d - c, below), mix(c - a, d - b, right)) * size;
         self.scale * (self.to_uv.matrix2.transpose() * slope)
     }
 
@@ -249,9 +247,8 @@ impl Texture {
             Pattern::Attribute { .. } => Vec3::splat(0.5),
             Pattern::Checkerboard([a, b]) => 0.5 * (a.mean() + b.mean()),
             Pattern::Picture { image, .. } => {
-                let sum: glam::DVec3 =
-                    image.pixels().iter().map(|p| Vec3::from(*p).as_dvec3()).sum();
-                (sum / image.pixels().len() as f64).as_vec3()
+                let sum: glam::DVec3 = image.texels().map(|p| Vec3::from(p).as_dvec3()).sum();
+                (sum / image.texels().len() as f64).as_vec3()
             }
         }
     }
@@ -273,7 +270,7 @@ impl Texture {
                 values.fold(start, |(a, b), value| all(a, b, *value))
             }
             Pattern::Picture { image, .. } => {
-                image.pixels().iter().fold(start, |(a, b), p| all(a, b, Vec3::from(*p)))
+                image.texels().fold(start, |(a, b), p| all(a, b, Vec3::from(p)))
             }
         };
         let (a, b) = (self.scale * least, self.scale * largest);
@@ -288,26 +285,38 @@ fn kind_of_square(uv: Vec2) -> usize {
 }
 
 /// The colour of a picture at a point.
-fn picture_at(image: &RgbImage, interpolation: Interpolation, wrap: Wrap, uv: Vec2) -> Vec3 {
-    let size = Vec2::new(image.width() as f32, image.height() as f32);
-    let texel = |x: f32, y: f32| {
-        Vec3::from(image.pixel(wrapped(x, image.width(), wrap), wrapped(y, image.height(), wrap)))
-    };
+fn picture_at(image: &Picture, interpolation: Interpolation, wrap: Wrap, uv: Vec2) -> Vec3 {
+    let (columns, rows) = (image.width(), image.height());
+    let at = uv * Vec2::new(columns as f32, rows as f32);
+    let texel = |x: usize, y: usize| Vec3::from(image.texel(x, y));
     if interpolation == Interpolation::Nearest {
-        let at = (uv * size).floor();
-        return texel(at.x, at.y);
+        let [(x, _), (y, _)] = at.to_array().map(whole);
+        return texel(wrapped(x, columns, wrap), wrapped(y, rows, wrap));
     }
-    let at = uv * size - 0.5;
-    let (low, t) = (at.floor(), at - at.floor());
-    let row = |y: f32| texel(low.x, y).lerp(texel(low.x + 1.0, y), t.x);
-    row(low.y).lerp(row(low.y + 1.0), t.y)
+    let [(x, right), (y, below)] = (at - 0.5).to_array().map(whole);
+    let xs = [x, x + 1].map(|x| wrapped(x, columns, wrap));
+    let [upper, lower] = [y, y + 1].map(|y| {
+        let y = wrapped(y, rows, wrap);
+        texel(xs[0], y).lerp(texel(xs[1], y), right)
+    });
+    upper.lerp(lower, below)
 }
 
-/// The index of a texel, given one that may lie outside.
-fn wrapped(at: f32, count: usize, wrap: Wrap) -> usize {
-    let n = count as i64;
-    // Far away there is nothing to interpolate; the conversion saturates.
-    let i = at as i64;
+/// The whole number below, and what is above it; far away, where there is nothing to interpolate, some number.
+fn whole(x: f32) -> (i32, f32) {
+    const FAR: f32 = (1 << 30) as f32;
+    let x = x.clamp(-FAR, FAR);
+    let toward_zero = x as i32;
+    let below = toward_zero - i32::from(toward_zero as f32 > x);
+    (below, x - below as f32)
+}
+
+/// The index of a texel, given one that may lie outside. No picture is as large as such numbers can be.
+fn wrapped(i: i32, count: usize, wrap: Wrap) -> usize {
+    if (i as usize) < count {
+        return i as usize;
+    }
+    let n = count as i32;
     let index = match wrap {
         Wrap::Clamp => i.clamp(0, n - 1),
         Wrap::Repeat => i.rem_euclid(n),
@@ -324,12 +333,33 @@ mod tests {
     use super::*;
 
     fn picture(interpolation: Interpolation, wrap: Wrap) -> Texture {
-        let image = RgbImage::from_fn(2, 2, |x, y| [x as f32, y as f32, 1.0]);
+        let image = crate::image::RgbImage::from_fn(2, 2, |x, y| [x as f32, y as f32, 1.0]);
+        let image = image.into();
         Texture {
             pattern: Pattern::Picture { image, interpolation, wrap },
             to_uv: Affine2::IDENTITY,
             scale: 1.0,
         }
+    }
+
+    #[test]
+    fn numbers_are_split_at_the_whole_number_below() {
+        assert_eq!(
+            [1.75, 2.0, -0.25, -3.0].map(whole),
+            [(1, 0.75), (2, 0.0), (-1, 0.75), (-3, 0.0)]
+        );
+        for far in [f32::MAX, -f32::MAX, 3e9] {
+            let (index, rest) = whole(far);
+            assert!(rest == 0.0 && index.checked_add(1).is_some());
+        }
+    }
+
+    #[test]
+    fn texels_outside_are_wrapped() {
+        let indices = |wrap| [-5, -1, 0, 2, 3, 7].map(|i| wrapped(i, 3, wrap));
+        assert_eq!(indices(Wrap::Clamp), [0, 0, 0, 2, 2, 2]);
+        assert_eq!(indices(Wrap::Repeat), [1, 2, 0, 2, 0, 1]);
+        assert_eq!(indices(Wrap::Mirror), [1, 0, 0, 2, 2, 1]);
     }
 
     #[test]
