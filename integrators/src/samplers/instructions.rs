@@ -17,7 +17,7 @@ const POINTS: usize = 64;
 /// The most that a derived sample may take, over what code by hand does.
 const MOST: f64 = 1.25;
 /// The same of densities, which are shorter, so that calls count, which a development build does not all inline.
-const MOST_OF_DENSITIES: f64 = 1.8;
+const MOST_OF_DENSITIES: f64 = 1.4;
 
 /// What is counted: callgrind starts where this begins, and writes what it has counted where it ends.
 #[inline(never)]
