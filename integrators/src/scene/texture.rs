@@ -225,14 +225,10 @@ impl Texture {
             return Vec2::ZERO;
         }
         let size = Vec2::new(image.width() as f32, image.height() as f32);
-        let [(x, right), (y, below)] = (uv * size - 0.5).to_array().map(whole);
-        let [[a, b], [c, d]] = [y, y + 1].map(|y| {
-            let y = wrapped(y, image.height(), *wrap);
-            [x, x + 1]
-                .map(|x| luminance(Vec3::from(image.texel(wrapped(x, image.width(), *wrap), y))))
-        });
+        let (texels, t) = around(image, *wrap, uv * size);
+        let [[a, b], [c, d]] = texels.map(|row| row.map(luminance));
         let mix = |p: f32, q: f32, t: f32| p + t * (q - p);
-        let slope = Vec2::new(mix(b - a, d - c, below), mix(c - a, d - b, right)) * size;
+        let slope = Vec2::new(mix(b - a, d - c, t.y), mix(c - a, d - b, t.x)) * size;
         self.scale * (self.to_uv.matrix2.transpose() * slope)
     }
 
@@ -286,20 +282,25 @@ fn kind_of_square(uv: Vec2) -> usize {
 
 /// The colour of a picture at a point.
 fn picture_at(image: &Picture, interpolation: Interpolation, wrap: Wrap, uv: Vec2) -> Vec3 {
-    let (columns, rows) = (image.width(), image.height());
-    let at = uv * Vec2::new(columns as f32, rows as f32);
-    let texel = |x: usize, y: usize| Vec3::from(image.texel(x, y));
+    let at = uv * Vec2::new(image.width() as f32, image.height() as f32);
     if interpolation == Interpolation::Nearest {
         let [(x, _), (y, _)] = at.to_array().map(whole);
-        return texel(wrapped(x, columns, wrap), wrapped(y, rows, wrap));
+        let (x, y) = (wrapped(x, image.width(), wrap), wrapped(y, image.height(), wrap));
+        return Vec3::from(image.texel(x, y));
     }
+    let (texels, t) = around(image, wrap, at);
+    let [upper, lower] = texels.map(|[left, right]| left.lerp(right, t.x));
+    upper.lerp(lower, t.y)
+}
+
+/// The two rows of two texels between whose centres a point lies, which is given in texels, and how far it is from the
+/// first to the last.
+fn around(image: &Picture, wrap: Wrap, at: Vec2) -> ([[Vec3; 2]; 2], Vec2) {
     let [(x, right), (y, below)] = (at - 0.5).to_array().map(whole);
-    let xs = [x, x + 1].map(|x| wrapped(x, columns, wrap));
-    let [upper, lower] = [y, y + 1].map(|y| {
-        let y = wrapped(y, rows, wrap);
-        texel(xs[0], y).lerp(texel(xs[1], y), right)
-    });
-    upper.lerp(lower, below)
+    let columns = [x, x + 1].map(|x| wrapped(x, image.width(), wrap));
+    let rows = [y, y + 1].map(|y| wrapped(y, image.height(), wrap));
+    let texels = rows.map(|y| columns.map(|x| Vec3::from(image.texel(x, y))));
+    (texels, Vec2::new(right, below))
 }
 
 /// The whole number below, and what is above it; far away, where there is nothing to interpolate, some number.
