@@ -4,6 +4,7 @@
 //! says what is wrong, why, and what to write instead. After a change of a text:
 //! `UPDATE=1 cargo test -p aether-core --test compile_fail`, then read the difference.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Mutex;
@@ -16,7 +17,7 @@ fn mistakes_are_explained_where_they_are() {
     let left = Mutex::new(mistakes());
     let wrong = Mutex::new(Vec::new());
     thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, |n| n.get()) {
+        for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
             scope.spawn(|| {
                 while let Some(file) = { left.lock().unwrap().pop() } {
                     if let Err(why) = check(&compiler, &file) {
@@ -98,9 +99,9 @@ impl Compiler {
     fn message(&self, file: &Path) -> Option<String> {
         // Where rustc finds the lines of this crate that a message shows.
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace is around");
-        let mut library = std::ffi::OsString::from("aether_core=");
+        let mut library = OsString::from("aether_core=");
         library.push(&self.library);
-        let mut dependencies = std::ffi::OsString::from("dependency=");
+        let mut dependencies = OsString::from("dependency=");
         dependencies.push(&self.libraries);
         let output = Command::new(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()))
             .current_dir(root)
@@ -151,8 +152,8 @@ fn of_one_width(lines: &[&str]) -> String {
             continue;
         }
         let left = line.get(..margin).unwrap_or_default().trim();
-        let is_number = !left.is_empty() && left.bytes().all(|c| c.is_ascii_digit());
-        if !is_number && !left.is_empty() {
+        // Text without a margin: what the diagnostic says next, or lines that are left out.
+        if !left.bytes().all(|c| c.is_ascii_digit()) {
             elsewhere &= line.starts_with("...");
             parts.push((None, (*line).to_owned()));
             continue;
@@ -170,16 +171,12 @@ fn of_one_width(lines: &[&str]) -> String {
 
 /// A place in a source, as its package sees it; of other sources than the program without the line.
 fn place(path: &str, elsewhere: bool) -> String {
-    if !elsewhere {
-        return path.trim_start_matches("aether-core/").to_owned();
+    let path = if elsewhere { path.split(':').next().unwrap_or(path) } else { path };
+    if let Some((_, package)) = path.split_once("/registry/src/")
+        && let Some((package, file)) = package.split_once('/').and_then(|(_, p)| p.split_once('/'))
+    {
+        let name = package.rsplit_once('-').map_or(package, |(name, _)| name);
+        return format!("$CARGO/{name}-$VERSION/{file}");
     }
-    let file = path.split(':').next().unwrap_or(path);
-    let package = file.split_once("/registry/src/").and_then(|(_, rest)| rest.split_once('/'));
-    match package.and_then(|(_, rest)| rest.split_once('/')) {
-        Some((package, file)) => {
-            let name = package.rsplit_once('-').map_or(package, |(name, _)| name);
-            format!("$CARGO/{name}-$VERSION/{file}")
-        }
-        None => file.trim_start_matches("aether-core/").to_owned(),
-    }
+    path.strip_prefix("aether-core/").unwrap_or(path).to_owned()
 }
