@@ -81,6 +81,8 @@ impl<R: Real> Conditional<R> {
 /// Most strategies return `Some(Drawn::new(vertex))`, those that cast a ray
 /// `Some(Drawn::new(vertex).visible())`.
 #[derive(Clone, Copy, Debug)]
+// The vertex comes first, so that nothing is computed to get from one to the other.
+#[repr(C)]
 pub struct Drawn<V: Vertex> {
     /// The vertex.
     pub vertex: V,

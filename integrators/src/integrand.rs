@@ -117,7 +117,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         }
         let mut sight = None;
         film_points(self.world, eye, seen, |film, change| {
-            sight = Some(Sight { film, change: change() });
+            sight = Some(Sight { film, change });
         });
         place.set(Some((look, sight)));
         sight
@@ -245,7 +245,7 @@ pub fn film_points<K: SceneKind>(
     world: &World<'_, K>,
     eye: &SceneVertex<K>,
     seen: &SceneVertex<K>,
-    visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+    visit: impl FnMut(Vec2<f32>, f32),
 ) {
     if let Some(film) = world.parallel() {
         let to_point = match seen.place {
@@ -271,11 +271,11 @@ pub fn film_points<K: SceneKind>(
 fn preimages<M: Map<f32, Source = Vec2<f32>>>(
     map: &M,
     x: &M::Target,
-    mut visit: impl FnMut(Vec2<f32>, &dyn Fn() -> f32),
+    mut visit: impl FnMut(Vec2<f32>, f32),
 ) {
     map.preimages(x, |film: Vec2<f32>, exists| {
         if exists {
-            visit(film, &|| map.jacobian(&film));
+            visit(film, map.jacobian(&film));
         }
     });
 }
@@ -286,23 +286,24 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
 
     #[inline(always)]
     fn extend(&self, path: PathView<'_, SceneVertex<K>>) -> Vec3 {
-        let (Some(new), Some(here)) = (path.back(0), path.back(1)) else { return Vec3::ONE };
+        let copies = &mut [None; 3];
+        let [Some(new), Some(here), before] = path.lend(copies) else { return Vec3::ONE };
         let last = path.len() - 1;
         let visible = path.visible(last);
         let most_geometry = if visible { f32::INFINITY } else { self.most_geometry };
-        let factor = match path.back(2) {
+        let factor = match before {
             None if here.surface().is_some() => {
                 let along = new.direction_from(here.position);
-                Vec3::splat(geometry(&here, &new, along))
+                Vec3::splat(geometry(here, new, along))
             }
-            None => Vec3::splat(self.importance(&here, &new)),
+            None => Vec3::splat(self.importance(here, new)),
             Some(before) => {
                 let atom = path.carries(last - 1, Dirac::Direction);
-                self.transport(&before, &here, &new, atom, most_geometry)
+                self.transport(before, here, new, atom, most_geometry)
             }
         };
         // The shadow ray comes last: most factors that vanish do so without it.
-        let sees = || visible || self.world.visible(&here, &new);
+        let sees = || visible || self.world.visible(here, new);
         if factor != Vec3::ZERO && sees() { factor } else { Vec3::ZERO }
     }
 
@@ -311,10 +312,8 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
         if !self.emission {
             return Vec3::ONE;
         }
-        match path.last() {
-            Some(last) if last.is_light() => {
-                path.back(1).map_or(Vec3::ZERO, |before| self.world.emitted(&last, &before))
-            }
+        match path.lend(&mut [None; 2]) {
+            [Some(last), Some(before)] if last.is_light() => self.world.emitted(last, before),
             _ => Vec3::ZERO,
         }
     }

@@ -321,8 +321,9 @@ impl<'s, K: SceneKind> World<'s, K> {
     ) -> Option<Scattering<'_, K>> {
         let surface = here.surface()?;
         let material = &self.materials[self.piece(surface.primitive).material as usize];
+        let offset = other.offset_from(here.position);
         let towards = other.direction_from(here.position);
-        Scattering::new(material, &self.scene.textures, &surface, towards)
+        Scattering::new(material, &self.scene.textures, &surface, [offset, towards])
     }
 
     /// The least roughness of what a vertex scatters by beside atoms; infinite where there is no surface.

@@ -145,11 +145,12 @@ impl<'r, V: Vertex> Fork<'r, V> {
         S: Strategy<V>,
         U: UniformSource<V::Real> + ?Sized,
     {
-        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms)?;
-        if drawn.value.is_some() {
+        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms);
+        // A vertex that is taken out to be looked at would be copied.
+        if let Some(Drawn { value: Some(_), .. }) = &drawn {
             count_densities(1);
         }
-        Some(drawn)
+        drawn
     }
 
     /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.

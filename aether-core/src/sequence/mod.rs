@@ -99,7 +99,6 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     pub fn clear(&mut self) {
         self.tape.clear();
         self.strategies.get_mut().clear();
-        *self.recent.get_mut() = [NONE; COMPARED];
         self.most_read.set(0);
         self.memo.get_mut().clear();
         self.lists.get_mut().clear();
@@ -131,20 +130,18 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     #[inline]
     pub(crate) fn intern(&self, strategy: S) -> u32 {
         let mut strategies = self.strategies.borrow_mut();
-        let mut recent = self.recent.borrow_mut();
-        let is_same =
-            |id: &u32| strategies.get(*id as usize).is_some_and(|known| known.same(&strategy));
-        if is_same(&recent[0]) {
-            return recent[0];
-        }
-        if let Some(i) = (1..COMPARED).find(|i| is_same(&recent[*i])) {
-            recent.swap(0, i);
-            return recent[0];
+        let recent = &mut *self.recent.borrow_mut();
+        let known = strategies.len().min(COMPARED);
+        for i in 0..known {
+            if strategies[recent[i] as usize].same(&strategy) {
+                recent.swap(0, i);
+                return recent[0];
+            }
         }
         self.most_read.set(self.most_read.get().max(strategy.reads().vertices));
+        recent.copy_within(..known.min(COMPARED - 1), 1);
+        recent[0] = strategies.len() as u32;
         strategies.push(strategy);
-        recent.copy_within(..COMPARED - 1, 1);
-        recent[0] = strategies.len() as u32 - 1;
         recent[0]
     }
 }

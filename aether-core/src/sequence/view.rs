@@ -168,13 +168,44 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// The vertex `k` places before the last one: `back(0)` is the last vertex.
     #[inline(always)]
     pub fn back(&self, k: usize) -> Option<V> {
-        if k >= self.len - self.hidden {
-            return None;
+        self.lent(k, &mut None).copied()
+    }
+
+    /// The last vertices, the last one first, as [`PathView::back`] tells them: each where it lies, so that nothing is
+    /// copied, or in `copies` if it is not at hand.
+    #[inline(always)]
+    pub fn lend<'c, const N: usize>(&self, copies: &'c mut [Option<V>; N]) -> [Option<&'c V>; N]
+    where
+        'p: 'c,
+    {
+        let mut lent = [None; N];
+        for (k, (lent, copy)) in lent.iter_mut().zip(copies).enumerate() {
+            *lent = self.lent(k, copy);
         }
+        lent
+    }
+
+    /// The vertex `k` places before the last one where it lies, or in `copy` if it is not at hand.
+    #[inline(always)]
+    fn lent<'c>(&self, k: usize, copy: &'c mut Option<V>) -> Option<&'c V>
+    where
+        'p: 'c,
+    {
         match self.recent.get(k) {
-            Some(Some(vertex)) => Some(**vertex),
-            _ => self.vertex_elsewhere(k),
+            _ if k >= self.len - self.hidden => None,
+            Some(Some(vertex)) => Some(*vertex),
+            _ if self.is_at_hand() => None,
+            _ => {
+                *copy = self.vertex_elsewhere(k);
+                copy.as_ref()
+            }
         }
+    }
+
+    /// Whether all that is read is at hand. A view of which the compiler knows it does not have to lie in memory.
+    #[inline(always)]
+    const fn is_at_hand(&self) -> bool {
+        matches!(self.source, Source::Drawn(_) | Source::Window(..))
     }
 
     /// The vertex `k` places before the last one, if it is not at hand.

@@ -89,7 +89,19 @@ fn mix(x: u64) -> u64 {
 /// A key made of two: different for (a, b) and (b, a).
 #[inline]
 fn combine(a: u64, b: u64) -> u64 {
-    mix(mix(a.wrapping_add(0x9e37_79b9_7f4a_7c15)).wrapping_add(b))
+    with_second(first_of(a), b)
+}
+
+/// What all keys share that are made of this number and another one.
+#[inline]
+fn first_of(a: u64) -> u64 {
+    mix(a.wrapping_add(0x9e37_79b9_7f4a_7c15))
+}
+
+/// The key of two numbers, the first of which is known by what its keys share.
+#[inline]
+fn with_second(first: u64, b: u64) -> u64 {
+    mix(first.wrapping_add(b))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The PCG32 generator (O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient Statistically
 //! Good Algorithms for Random Number Generation").
 
-use super::{UniformSource, combine, unit};
+use super::{UniformSource, combine, first_of, unit, with_second};
 use crate::real::Single;
 
 const MULTIPLIER: u64 = 6_364_136_223_846_793_005;
@@ -14,6 +14,8 @@ pub struct Pcg32 {
     increment: u64,
     /// What the blocks of this sample are derived from.
     key: u64,
+    /// What its places have in common.
+    places: u64,
 }
 
 impl Pcg32 {
@@ -21,14 +23,13 @@ impl Pcg32 {
     /// have unrelated states.
     pub fn new(seed: u64, stream: u64, sample: u64) -> Self {
         let stream = combine(seed, stream);
-        let key = combine(stream, sample);
-        Pcg32 { key, ..Self::with_sequence(key, stream) }
+        Self::with_sequence(combine(stream, sample), stream)
     }
 
     /// The generator with the given initial state on the given sequence, as the reference
     /// implementation (`pcg32_srandom`), pbrt and Mitsuba seed it.
     pub fn with_sequence(initial_state: u64, sequence: u64) -> Self {
-        let mut pcg = Pcg32 { state: 0, increment: (sequence << 1) | 1, key: initial_state };
+        let mut pcg = Self::from_words([0, (sequence << 1) | 1, initial_state]);
         pcg.next_u32();
         pcg.state = pcg.state.wrapping_add(initial_state);
         pcg.next_u32();
@@ -42,7 +43,7 @@ impl Pcg32 {
 
     /// The generator whose [`Pcg32::words`] these are: it goes on with the same numbers.
     pub fn from_words([state, increment, key]: [u64; 3]) -> Self {
-        Pcg32 { state, increment, key }
+        Pcg32 { state, increment, key, places: first_of(key) }
     }
 
     /// The next 32 random bits.
@@ -85,7 +86,7 @@ impl<R: Single> UniformSource<R> for Pcg32 {
     /// of a power of two apart share their low bits.
     #[inline]
     fn start(&mut self, block: u32) {
-        self.state = combine(self.key, u64::from(block));
+        self.state = with_second(self.places, u64::from(block));
     }
 }
 

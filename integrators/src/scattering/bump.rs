@@ -43,14 +43,16 @@ pub struct Ground {
     pub tangents: Tangents,
     /// Where textures are looked up.
     pub spot: Spot,
+    /// The way to the viewer, of any length.
+    pub offset: Vec3,
     /// Where the viewer is.
     pub towards: Vec3,
 }
 
 impl Ground {
-    /// A surface seen from direction `towards`.
+    /// A surface seen from some offset, whose direction is `towards`.
     #[inline(always)]
-    pub fn new<K: SceneKind>(surface: &Surface<K>, towards: Vec3) -> Self {
+    pub fn new<K: SceneKind>(surface: &Surface<K>, [offset, towards]: [Vec3; 2]) -> Self {
         Ground {
             normal: surface.normal,
             shading: surface.shading,
@@ -60,6 +62,7 @@ impl Ground {
                 primitive: surface.primitive.0,
                 position: surface.position,
             },
+            offset,
             towards,
         }
     }

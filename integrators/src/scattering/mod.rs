@@ -61,16 +61,16 @@ fn metal(metal: Option<Metal>, cosine: f32) -> Vec3 {
 }
 
 impl<'w, K: SceneKind> Scattering<'w, K> {
-    /// How a material scatters light to a viewer in direction `towards`; `None` from within the surface
-    /// or if it is black on that side.
+    /// How a material scatters light to a viewer at some offset, whose direction is `towards`; `None` from within the
+    /// surface or if it is black on that side. Where nothing but the side matters, the direction is not computed.
     #[inline(always)]
     pub fn new(
         material: &'w Material<K>,
         textures: &'w [Texture],
         surface: &Surface<K>,
-        towards: Vec3,
+        [offset, towards]: [Vec3; 2],
     ) -> Option<Self> {
-        let behind = surface.shading.dot(towards) <= 0.0;
+        let behind = surface.shading.dot(offset) <= 0.0;
         let (side, n) = if behind {
             (&material.back, -surface.shading)
         } else {
@@ -79,7 +79,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         if side.is_black() {
             return None;
         }
-        let ground = Ground::new(surface, towards);
+        let ground = Ground::new(surface, [offset, towards]);
         let pose = Pose::new(&side.base, side.oriented, &ground, n, textures);
         if !pose.is_seen() && !side.is_mixture() {
             return None;

@@ -15,6 +15,8 @@ pub struct Pose<K: SceneKind> {
     pub frame: Frame<f32>,
     /// Where the viewer is, in the frame: above, unless the normals are turned away.
     pub view: Direction<f32>,
+    /// How far above the viewer is, per any length.
+    height: f32,
     bumped: <K::Bumps as Presence>::Field<Option<Bumped>>,
 }
 
@@ -33,7 +35,7 @@ impl<K: SceneKind> Pose<K> {
         let (frame, bumped) = match layer.bump {
             Some(bump) => {
                 let (map, front) = K::Bumps::get(bump);
-                let behind = ground.shading.dot(ground.towards) <= 0.0;
+                let behind = ground.shading.dot(ground.offset) <= 0.0;
                 let side = match behind {
                     false => bump::Seen::Front,
                     true if front => bump::Seen::Mirrored,
@@ -50,13 +52,14 @@ impl<K: SceneKind> Pose<K> {
             None => (Frame::around(Direction::from_unit(n.into())), None),
         };
         let view = Direction::from_unit(frame.to_local(ground.towards));
-        Pose { frame, view, bumped: K::Bumps::field(|| bumped) }
+        let height = frame.to_local(ground.offset).z;
+        Pose { frame, view, height, bumped: K::Bumps::field(|| bumped) }
     }
 
     /// Whether the viewer is above; what is turned away scatters nothing.
     #[inline(always)]
     pub fn is_seen(&self) -> bool {
-        self.view.z > 0.0
+        self.height > 0.0
     }
 
     /// What is left of light from `w` (in world coordinates) because the normals are turned.

@@ -81,7 +81,7 @@ fn scattering(material: &Material<Everything>, v: Vec3) -> Option<Scattering<'_,
         uv: Vec2::ZERO,
         tangents: Tangents { du: Vec3::new(0.8, 0.6, 0.0), dv: Vec3::new(-0.6, 0.8, 0.0) },
     };
-    Scattering::new(material, &[], &surface, v)
+    Scattering::new(material, &[], &surface, [v, v])
 }
 
 /// The value for light from `w` to `v`, without the cosine; zero where the material is black.
@@ -221,7 +221,7 @@ fn turned<'a>(
     let (position, uv) = (Vec3::ZERO, Vec2::splat(0.25));
     let primitive = PrimitiveId(0);
     let surface = Surface { position, normal, shading, primitive, emitter: None, uv, tangents };
-    Scattering::new(material, textures, &surface, v)
+    Scattering::new(material, textures, &surface, [v, v])
 }
 
 /// Parts of mixtures of mixtures have normals of their own: what all scatter is the weighted sum of what each
