@@ -2,7 +2,7 @@
 
 mod world;
 
-use aether_core::estimator::{Connected, Connections, Factors};
+use aether_core::estimator::{Connected, Connections, Factors, Replaced};
 use aether_core::sequence::PathView;
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
 use aether_core::{
@@ -175,8 +175,14 @@ where
     H: Separable<f64> + Clone,
 {
     let mut connected = Vec::new();
-    let first = &connections.replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
     for n in connections.lengths.clone().filter(|n| *n > 0) {
+        let first = &match connections.replaced {
+            None => *first,
+            Some(Replaced { step, by }) => match by.get(n) {
+                Some(Some(by)) => first.replaced(step, by.clone()),
+                _ => continue,
+            },
+        };
         let samples = |by: usize| (connections.samples)(n, by);
         let ends = |by: usize| {
             connections.ending.is_some() && by + 1 == n && n >= connections.fewest_ending
@@ -242,13 +248,14 @@ fn found<H: Separable<f64> + Clone>(
     let size = (longest, longest);
     let first = walk(&arena, (Camera.into(), step), size, uniforms);
     let second = walk(&arena, (Light(world).into(), step), size, uniforms);
-    let glance = Glance.into();
+    // Paths with four vertices are not made by another way.
+    let glances: Vec<_> = (0..=longest).map(|n| (n != 4).then(|| Glance.into())).collect();
     let mut all = Vec::new();
     for is_other in [false, true, false] {
         let mut estimate = |lengths: std::ops::RangeInclusive<usize>| {
             let connections = Connections {
                 lengths,
-                replaced: is_other.then_some((1, &glance)),
+                replaced: is_other.then_some(Replaced { step: 1, by: &glances }),
                 ending: ending.as_ref(),
                 fewest_ending: 3,
                 samples: |length: usize, first: usize| match first {
@@ -335,9 +342,10 @@ fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     (heuristic, most, fewest): (&(impl Separable<f64> + Clone), usize, usize),
     uniforms: &mut Pcg32,
 ) -> usize {
+    let by: Vec<_> = (0..=7).map(|_| replaced).collect();
     let connections = Connections {
         lengths: fewest..=7,
-        replaced: replaced.as_ref().map(|by| (4, by)),
+        replaced: replaced.is_some().then_some(Replaced { step: 4, by: &by }),
         ending: ending.as_ref(),
         fewest_ending: 1,
         samples: |_, first| 1 + first % most,

@@ -6,20 +6,21 @@
 //! connects light paths to the camera gets a sample from every light path of the image. A sample may have several
 //! light paths: then what needs one has so many samples.
 
-use std::ops::RangeInclusive;
-
-use aether_core::estimator::Connections;
+use aether_core::estimator::{Connections, Replaced};
 use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
+use crate::eye::Reached;
+use crate::integrand::Sight;
 use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_camera_direction, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path};
+use crate::vertex::SceneVertex;
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -41,12 +42,34 @@ impl Bidirectional {
     }
 }
 
+/// What one thread reuses from sample to sample.
+pub struct BidirectionalScratch<'a, K: SceneKind> {
+    paths: Scratch<'a, K, LightStrategies<'a, K>>,
+    /// What the eye sees of the light path, by the number of vertices of the path that joins both.
+    looks: Vec<Option<Look<K>>>,
+    /// How another pixel would make the camera path, by the number of vertices.
+    others: Vec<Option<LightStrategies<'a, K>>>,
+}
+
+/// What the eye sees of a light path.
+struct Look<K: SceneKind> {
+    seen: SceneVertex<K>,
+    sight: Sight,
+    /// The pixels whose filters reach it.
+    reached: Reached,
+    /// The response of the pixel that the sample is made for.
+    own: f32,
+    /// Another pixel, and its response.
+    other: (Pixel, f32),
+}
+
 impl Integrator for Bidirectional {
-    type Scratch<'a, K: SceneKind> = Scratch<'a, K, LightStrategies<'a, K>>;
+    type Scratch<'a, K: SceneKind> = BidirectionalScratch<'a, K>;
     const SPLATS: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
-        Scratch::new(world)
+        let (looks, others) = (Vec::new(), Vec::new());
+        BidirectionalScratch { paths: Scratch::new(world), looks, others }
     }
 
     fn sample<'a, K: SceneKind>(
@@ -71,11 +94,12 @@ impl Bidirectional {
     pub fn paths<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
-        Scratch { arena, estimator }: &mut Scratch<'a, K, LightStrategies<'a, K>>,
+        scratch: &mut BidirectionalScratch<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
         mut record: impl FnMut(Technique, Pixel, Vec3, Vec3),
     ) {
+        let BidirectionalScratch { paths: Scratch { arena, estimator }, looks, others } = scratch;
         arena.clear();
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
@@ -84,7 +108,14 @@ impl Bidirectional {
         let response = radiance.response(pixel, &seen_by);
         let count = self.light_paths.max(1) as usize;
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
-        let look = sample_light(world).into();
+        let ending = sample_light(world).into();
+        let by = |length: usize, first: usize| Technique::edge(first, length - first);
+        let samples = |length: usize, first: usize| match first {
+            _ if first == 0 || !self.path.techniques.has(by(length, first)) => 0,
+            1 => count * world.pixels(),
+            _ if first == length => 1,
+            _ => count,
+        };
         for number in 0..count {
             let uniforms = &mut Piece::new(uniforms, number as u32);
             let mut camera = seen_by;
@@ -93,51 +124,64 @@ impl Bidirectional {
             let total = (camera.len() + light.len()).min(longest);
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
-
+            let walks = [&camera, &light];
             // What the eye sees of the light paths of each length, and the pixels that receive it: of the pixel's own
             // sample everything counts, of the others only that.
             let eye = camera.vertex(0);
-            let seen = |length: usize| Some([eye?, light.vertex(length - 2)?]);
-            let direct = |length: usize, receiver: Pixel| {
-                seen(length)
-                    .map_or(0.0, |[eye, seen]| radiance.response_to(receiver, [&eye, &seen]))
+            looks.clear();
+            looks.extend((0..total + 1).map(|length| {
+                let (eye, seen) = (eye.as_ref()?, light.vertex(length.checked_sub(2)?)?);
+                let sight = radiance.sight(eye, &seen)?;
+                let own = radiance.response_at(pixel, &sight, [eye, &seen]);
+                let reached = world.reached(sight.film);
+                Some(Look { seen, sight, reached, own, other: (pixel, 0.0) })
+            }));
+            let own = |length: usize| looks[length].as_ref().map_or(0.0, |look| look.own);
+            let connections = Connections {
+                lengths: fewest..=total,
+                replaced: None,
+                ending: Some(&ending),
+                fewest_ending: 3,
+                samples,
+                is_drawn: |length, first| match first {
+                    1 => own(length) != 0.0,
+                    _ => first < length || number == 0,
+                },
             };
-            let mut estimate = |lengths: RangeInclusive<usize>, receiver: Pixel| {
-                let is_own = receiver == pixel;
-                let other = sample_camera_direction(world, receiver.into()).into();
-                let by = |length: usize, first: usize| Technique::edge(first, length - first);
-                let connections = Connections {
-                    lengths,
-                    replaced: (!is_own).then_some((1, &other)),
-                    ending: Some(&look),
-                    fewest_ending: 3,
-                    samples: |length, first| match first {
-                        _ if first == 0 || !self.path.techniques.has(by(length, first)) => 0,
-                        1 => count * world.pixels(),
-                        _ if first == length => 1,
-                        _ => count,
-                    },
-                    is_drawn: |length, first| match first {
-                        1 => direct(length, receiver) != 0.0,
-                        _ => is_own && (first < length || number == 0),
-                    },
-                };
-                let walks = [&camera, &light];
-                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
-                    let is_direct = found.first == 1;
-                    let response =
-                        if is_direct { direct(found.length, receiver) } else { response };
-                    let [value, alone] = [found.value, found.alone].map(|v| v * response);
-                    record(by(found.length, found.first), receiver, value, alone);
-                });
-            };
-            estimate(fewest..=total, pixel);
-            for length in fewest..=total {
-                for receiver in radiance.receivers(pixel, [seen(length)]).skip(1) {
-                    if direct(length, receiver) != 0.0 {
-                        estimate(length..=length, receiver);
-                    }
+            estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
+                let response = if found.first == 1 { own(found.length) } else { response };
+                let [value, alone] = [found.value, found.alone].map(|v| v * response);
+                record(by(found.length, found.first), pixel, value, alone);
+            });
+            let most = looks.iter().flatten().map(|look| look.reached.count()).max();
+            for turn in 0..most.unwrap_or(0) {
+                others.clear();
+                others.extend(looks.iter_mut().map(|look| {
+                    let (eye, look) = (eye.as_ref()?, look.as_mut()?);
+                    let other = (turn < look.reached.count()).then(|| look.reached.pixel(turn))?;
+                    let seen = [eye, &look.seen];
+                    let response = radiance.response_at(other, &look.sight, seen);
+                    look.other = (other, response);
+                    let is_other = other != pixel && response != 0.0;
+                    is_other.then(|| sample_camera_direction(world, other.into()).into())
+                }));
+                if others.iter().all(|other| other.is_none()) {
+                    continue;
                 }
+                let connections = Connections {
+                    lengths: fewest..=total,
+                    replaced: Some(Replaced { step: 1, by: others }),
+                    ending: Some(&ending),
+                    fewest_ending: 3,
+                    samples,
+                    is_drawn: |_, first| first == 1,
+                };
+                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
+                    let Some(look) = &looks[found.length] else { return };
+                    let (other, response) = look.other;
+                    let [value, alone] = [found.value, found.alone].map(|v| v * response);
+                    record(by(found.length, found.first), other, value, alone);
+                });
             }
         }
     }

@@ -1,16 +1,14 @@
 //! What cameras other than pinholes need, a lens, or a film from which all rays are parallel; and where on the
 //! film a camera sees what.
 
-use std::ops::Range;
-
 use aether_core::prelude::*;
 use glam::Vec3 as Vector;
 
 use crate::integrand::film_points;
 use crate::kind::SceneKind;
 use crate::samplers::{ParallelHit, parallel_hit, pinhole, rotate};
-use crate::scene::Camera;
 use crate::scene::camera::Projection;
+use crate::scene::{Camera, Film};
 use crate::strategies::Pixel;
 use crate::vertex::SceneVertex;
 use crate::world::{World, film_centre};
@@ -111,6 +109,32 @@ impl ParallelFilm {
     }
 }
 
+/// The pixels whose filters reach a point of the film: a rectangle of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Reached {
+    first: Pixel,
+    columns: u32,
+    rows: u32,
+}
+
+impl Reached {
+    /// How many there are.
+    pub fn count(&self) -> u32 {
+        self.columns * self.rows
+    }
+
+    /// One of them by its number, row by row.
+    pub fn pixel(&self, k: u32) -> Pixel {
+        (self.first.0 + k % self.columns, self.first.1 + k / self.columns)
+    }
+
+    /// Whether a pixel is among them.
+    fn has(&self, (x, y): Pixel) -> bool {
+        // What lies before the first is very far behind it.
+        x.wrapping_sub(self.first.0) < self.columns && y.wrapping_sub(self.first.1) < self.rows
+    }
+}
+
 impl<'s, K: SceneKind> World<'s, K> {
     /// The map from points of the film, in pixels, to the directions that they look in.
     pub fn film_to_direction(
@@ -148,28 +172,29 @@ impl<'s, K: SceneKind> World<'s, K> {
         own: Pixel,
         films: [Option<Vec2<f32>>; N],
     ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
-        let squares = films.map(|film| self.reached(film));
+        let reached = films.map(|film| film.map(|film| self.reached(film)));
         let others = (0..N).flat_map(move |i| {
-            let (columns, rows) = squares[i].clone();
-            let earlier = squares.clone();
-            let square = rows.flat_map(move |y| columns.clone().map(move |x| (x, y)));
-            square.filter(move |(x, y)| {
-                (*x, *y) != own
-                    && !earlier[..i].iter().any(|(xs, ys)| xs.contains(x) && ys.contains(y))
+            let pixels = reached[i]
+                .into_iter()
+                .flat_map(|here| (0..here.count()).map(move |k| here.pixel(k)));
+            pixels.filter(move |pixel| {
+                *pixel != own && !reached[..i].iter().flatten().any(|before| before.has(*pixel))
             })
         });
         std::iter::once(own).chain(others)
     }
 
-    /// The columns and rows whose pixels' filters reach a point of the film.
-    fn reached(&self, film: Option<Vec2<f32>>) -> (Range<u32>, Range<u32>) {
-        let Some(film) = film else { return (0..0, 0..0) };
+    /// The pixels whose filters reach a point of the film.
+    pub fn reached(&self, film: Vec2<f32>) -> Reached {
         let reach = self.scene.film.filter.radius();
         let along = |x: f32, size: u32| {
             let first = (x - reach - 0.5).ceil().max(0.0) as u32;
-            first..((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32
+            let end = ((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32;
+            (first, end.saturating_sub(first))
         };
-        (along(film.x, self.scene.film.width), along(film.y, self.scene.film.height))
+        let Film { width, height, .. } = self.scene.film;
+        let ((x, columns), (y, rows)) = (along(film.x, width), along(film.y, height));
+        Reached { first: (x, y), columns, rows }
     }
 
     /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,

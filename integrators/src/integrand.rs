@@ -61,9 +61,9 @@ fn look<K: SceneKind>(eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Look {
 
 /// Where an eye sees a vertex.
 #[derive(Clone, Copy, Debug)]
-struct Sight {
+pub struct Sight {
     /// The point of the film, in pixels of the image.
-    film: Vec2<f32>,
+    pub film: Vec2<f32>,
     /// The change of measure from film area to that of the vertex.
     change: f32,
 }
@@ -98,13 +98,13 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
         let Some(sight) = self.sight(eye, seen) else { return 0.0 };
-        let response = self.pixel.map_or(1.0, |pixel| self.profile(pixel, &sight, [eye, seen]));
+        let response = self.pixel.map_or(1.0, |pixel| self.response_at(pixel, &sight, [eye, seen]));
         response * (self.world.filter_scale / sight.change)
     }
 
     /// Where an eye sees a vertex, visibility aside: remembered, as the response and the importance of a path and the
     /// pixels that receive it all follow from it.
-    fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
+    pub fn sight(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
         let look = look(eye, seen);
         // An odd factor; the upper bits of a product depend on all others.
         let mixed =
@@ -148,11 +148,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
 
     /// The same for an eye and what it sees.
     pub fn response_to(&self, pixel: Pixel, [eye, seen]: [&SceneVertex<K>; 2]) -> f32 {
-        self.sight(eye, seen).map_or(0.0, |sight| self.profile(pixel, &sight, [eye, seen]))
+        self.sight(eye, seen).map_or(0.0, |sight| self.response_at(pixel, &sight, [eye, seen]))
     }
 
     /// The value of a pixel's filter where an eye sees something.
-    fn profile(
+    pub fn response_at(
         &self,
         pixel: Pixel,
         &Sight { film, .. }: &Sight,

@@ -14,9 +14,9 @@ use crate::uniform::UniformSource;
 pub struct Connections<'t, S, N, D> {
     /// The numbers of vertices that paths may have.
     pub lengths: RangeInclusive<usize>,
-    /// A step of the first walk, and a strategy that stands in its place: of the walk's vertices only those before it are
-    /// used then ([`RandomSequence::replaced`]). If the walk has no such step there are no paths.
-    pub replaced: Option<(usize, &'t S)>,
+    /// What stands in the place of a step of the first walk: of the walk's vertices only those before it are used then
+    /// ([`RandomSequence::replaced`]). If the walk has no such step there are no paths.
+    pub replaced: Option<Replaced<'t, S>>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
     pub ending: Option<&'t S>,
@@ -28,6 +28,31 @@ pub struct Connections<'t, S, N, D> {
     /// Whether such paths are made: otherwise theirs is only a technique that others are weighed against.
     pub is_drawn: D,
 }
+
+/// What stands in the place of a step of a walk.
+#[derive(Debug)]
+pub struct Replaced<'t, S> {
+    /// The number of the step.
+    pub step: usize,
+    /// The strategy in its place, by the number of vertices of a path; where there is none, there are no such paths.
+    pub by: &'t [Option<S>],
+}
+
+impl<S> Replaced<'_, S> {
+    /// The strategy for paths with so many vertices.
+    #[inline(always)]
+    fn of(&self, length: usize) -> Option<&S> {
+        self.by.get(length)?.as_ref()
+    }
+}
+
+impl<S> Clone for Replaced<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S> Copy for Replaced<'_, S> {}
 
 /// What a path contributes that is made of a piece of each of two walks.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +80,14 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
     where
         S: Strategy<V>,
     {
-        self.replaced.map_or(walk.len(), |(step, _)| walk.len().min(step))
+        self.replaced.map_or(walk.len(), |replaced| walk.len().min(replaced.step))
+    }
+
+    /// Whether there are paths with so many vertices, as far as that is for a step in whose place others stand.
+    #[inline(always)]
+    fn has(&self, length: usize) -> bool {
+        self.lengths.contains(&length)
+            && self.replaced.is_none_or(|replaced| replaced.of(length).is_some())
     }
 
     /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
@@ -111,7 +143,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let [first, second] = walks;
-        let is_there = connections.replaced.is_none_or(|(step, _)| step < first.size());
+        let is_there = connections.replaced.is_none_or(|replaced| replaced.step < first.size());
         if !is_there || !core::ptr::eq(first.arena, second.arena) {
             return;
         }
@@ -125,17 +157,22 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 return pieces.visit(&mut visit);
             }
         }
-        let replaced = connections.replaced;
-        let first = &replaced.map_or(*first, |(i, by)| first.replaced(i, by.clone()));
         let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
         let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
         for length in (*connections.lengths.start()).max(1)..=longest {
+            let first = match connections.replaced {
+                None => *first,
+                Some(replaced) => match replaced.of(length) {
+                    Some(by) => first.replaced(replaced.step, by.clone()),
+                    None => continue,
+                },
+            };
             let last = lasts.get(length).copied().flatten();
             let drawn =
                 last.and_then(|at| arena.tape.unfolded().drawn(Place::new(at as usize, 1), 0));
             self.connected_paths(
                 (length, drawn),
-                [first, second],
+                [&first, second],
                 connections,
                 heuristic,
                 &mut visit,
@@ -192,13 +229,13 @@ fn draw_lasts<V, S, N, D, U>(
     D: Fn(usize, usize) -> bool,
     U: UniformSource<V::Real> + ?Sized,
 {
-    let (arena, lengths) = (walk.arena, &connections.lengths);
+    let arena = walk.arena;
     let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
     lasts.clear();
     if connections.ending.is_some() {
-        let longest = (connections.used_of(walk) + 1).min(*lengths.end());
+        let longest = (connections.used_of(walk) + 1).min(*connections.lengths.end());
         lasts.extend((0..longest + 1).map(|length| {
-            let is_asked = lengths.contains(&length);
+            let is_asked = connections.has(length);
             let drawn = if is_asked { connections.draw(length, walk, uniforms) } else { None };
             drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
         }));

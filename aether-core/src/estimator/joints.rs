@@ -156,13 +156,13 @@ where
         connections: &Connections<'_, S, N, D>,
     ) -> bool {
         let arena = walks[0].arena;
-        let by = connections.replaced.map(|(_, by)| by);
+        let by = connections.replaced.iter().flat_map(|replaced| replaced.by.iter().flatten());
         S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
             && walks.iter().all(|walk| walk.is_run())
             && arena.most_read.get() <= READS
-            && connections.ending.iter().chain(&by).all(|by| by.reads().vertices <= READS)
+            && connections.ending.into_iter().chain(by).all(|by| by.reads().vertices <= READS)
     }
 
     /// The pieces of two walks; `None` if paths have to be made to weigh them.
@@ -176,7 +176,11 @@ where
         let arena = walks[0].arena;
         let intern = |strategy: &S| arena.intern(strategy.clone());
         let ending = connections.ending.map(intern);
-        let replaced = connections.replaced.map(|(step, by)| (step, intern(by)));
+        let mut joints = arena.joints.borrow_mut();
+        joints.replaced.clear();
+        if let Some(replaced) = connections.replaced {
+            joints.replaced.extend(replaced.by.iter().map(|by| by.as_ref().map(intern)));
+        }
         let carried = core::mem::take(&mut estimator.factors.borrow_mut().carried);
         let mut pieces = Pieces {
             estimator,
@@ -188,7 +192,7 @@ where
             walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len() }),
             ending: ending.unwrap_or(u32::MAX),
             replaced: None,
-            joints: arena.joints.borrow_mut(),
+            joints,
             carried,
         };
         // Terms of products are products: a heuristic is known by one of them.
@@ -203,9 +207,8 @@ where
             }
         }
         let in_range = pieces.carry();
-        if let Some((step, by)) = replaced {
-            pieces.walks[0].len = pieces.walks[0].len.min(step);
-            pieces.replaced = Some((step, pieces.asked(by, End::First, step)));
+        if let Some(replaced) = connections.replaced {
+            pieces.walks[0].len = pieces.walks[0].len.min(replaced.step);
         }
         in_range.then_some(pieces)
     }
@@ -280,6 +283,12 @@ where
         // A last vertex may be drawn behind all of the first walk.
         let longest = self.walks[0].len + self.walks[1].len.max(1);
         for length in (*lengths.start()).max(1)..=longest.min(*lengths.end()) {
+            if let Some(replaced) = self.connections.replaced {
+                let Some(by) = self.joints.replaced.get(length).copied().flatten() else {
+                    continue;
+                };
+                self.replaced = Some((replaced.step, self.asked(by, End::First, replaced.step)));
+            }
             self.weigh_samples(length);
             self.visit_length(length, visit);
         }
