@@ -12,14 +12,17 @@ use crate::real::Scalar;
 /// that cannot arise does not arise at a pole either. NaN and negative factors count as zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathDensity<R> {
-    /// In [2^-16, 2^16), or zero or infinite.
+    /// In [2^-48, 2^48), or zero or infinite: products and quotients of two stay in the range of `f32`, and nearly all
+    /// densities need no exponent.
     mantissa: R,
-    /// In powers of 2^32.
+    /// In powers of 2^96.
     exponent: i32,
 }
 
-/// Bits that one step of the exponent stands for.
-const STEP: i32 = 32;
+/// Bits that one step of the exponent stands for, and the mantissas from which on and below which there is another step.
+const STEP: i32 = 96;
+const LEAST: f64 = 1.0 / MOST;
+const MOST: f64 = (1_u64 << (STEP / 2)) as f64;
 
 impl<R: Scalar> PathDensity<R> {
     /// The density of a path that cannot arise.
@@ -35,12 +38,12 @@ impl<R: Scalar> PathDensity<R> {
         Self::normalised(value, 0)
     }
 
-    /// The number m 2^(32 e) of a mantissa m and an exponent e: what [`PathDensity::parts`] has given, unchanged.
+    /// The number m 2^(96 e) of a mantissa m and an exponent e: what [`PathDensity::parts`] has given, unchanged.
     pub fn from_parts(mantissa: R, exponent: i32) -> Self {
         Self::normalised(mantissa, exponent)
     }
 
-    /// The mantissa m and the exponent e of the number m 2^(32 e), to be kept in a file.
+    /// The mantissa m and the exponent e of the number m 2^(96 e), to be kept in a file.
     pub fn parts(self) -> (R, i32) {
         (self.mantissa, self.exponent)
     }
@@ -57,7 +60,7 @@ impl<R: Scalar> PathDensity<R> {
     /// Whether a mantissa is neither zero nor infinite and stays as it is.
     #[inline(always)]
     fn is_usual(mantissa: R) -> bool {
-        mantissa >= R::of(1.0 / 65_536.0) && mantissa < R::of(65_536.0)
+        mantissa >= R::of(LEAST) && mantissa < R::of(MOST)
     }
 
     fn moved(mut mantissa: R, mut exponent: i32) -> Self {
@@ -68,13 +71,12 @@ impl<R: Scalar> PathDensity<R> {
         if !positive {
             return Self::ZERO;
         }
-        let (low, high) = (R::of(1.0 / 65_536.0), R::of(65_536.0));
-        while mantissa >= high {
-            mantissa *= R::of(1.0 / 4_294_967_296.0);
+        while mantissa >= R::of(MOST) {
+            mantissa *= R::of(LEAST * LEAST);
             exponent = exponent.saturating_add(1);
         }
-        while mantissa < low {
-            mantissa *= R::of(4_294_967_296.0);
+        while mantissa < R::of(LEAST) {
+            mantissa *= R::of(MOST * MOST);
             exponent = exponent.saturating_sub(1);
         }
         PathDensity { mantissa, exponent }
@@ -87,8 +89,8 @@ impl<R: Scalar> PathDensity<R> {
     }
 
     fn scaled(self) -> R {
-        // 2^(±64 * 32) lies outside the range of f64, from any mantissa.
-        let steps = self.exponent.clamp(-64, 64);
+        // 2^(±24 * 96) lies outside the range of f64, from any mantissa.
+        let steps = self.exponent.clamp(-24, 24);
         let step = R::of(2.0).powi(if steps < 0 { -STEP } else { STEP });
         let mut value = self.mantissa;
         for _ in 0..steps.unsigned_abs() {
@@ -207,12 +209,10 @@ impl<R: Scalar> PathDensity<R> {
             return large;
         }
         let steps = large.exponent.saturating_sub(small.exponent);
-        if steps > 2 {
-            return large; // The other is less than 2^-64 of it.
+        if steps > 1 {
+            return large; // The other is less than 2^-96 of it.
         }
-        let scale = R::of(2.0).powi(-STEP);
-        let small = (0..steps).fold(small.mantissa, |mantissa, _| mantissa * scale);
-        Self::normalised(large.mantissa + small, large.exponent)
+        Self::normalised(large.mantissa + small.mantissa * R::of(LEAST * LEAST), large.exponent)
     }
 }
 

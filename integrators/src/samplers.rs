@@ -150,7 +150,7 @@ pub fn hit_plane(
     w: Direction,
     origin: Vec3,
     point: Vec3,
-    normal: Vec3,
+    normal: Direction,
     id: SurfaceId,
 ) -> SurfacePoint {
     let t = normal.dot(point - origin) / normal.dot(w);

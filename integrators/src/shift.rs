@@ -230,7 +230,7 @@ mod tests {
             let z = if down { -1.0 } else { 1.0 };
             let normal = Vec3::new(0.2, -0.1, -z).normalize();
             let point = Vec3::new(0.1, 0.3, 2.0 * z) + i as f64 * Vec3::new(0.05, 0.0, 0.3);
-            let plane = hit_plane(places[i], point, normal, SurfaceId(1));
+            let plane = hit_plane(places[i], point, Direction::from_unit(normal), SurfaceId(1));
             (rotate(frames[i]).then(plane), normal)
         };
         let half = [0, 1].map(|i| {

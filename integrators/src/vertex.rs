@@ -32,7 +32,8 @@ pub struct Surface<K: SceneKind = Everything> {
 impl<K: SceneKind> Surface<K> {
     /// Where rays from `origin` meet this piece of surface: the map from directions to its points.
     pub fn seen_from(&self, origin: Vector) -> HitPlane<f32> {
-        hit_plane(origin.into(), self.position.into(), self.normal.into(), self.id())
+        let normal = Direction::from_unit(self.normal.into());
+        hit_plane(origin.into(), self.position.into(), normal, self.id())
     }
 
     /// Where the parallel rays of a film meet this piece of surface: the map from points of the film.

@@ -376,7 +376,7 @@ registry! {
         "diffuse, hit at a distance" DiffuseHit:
             |p| renderer::cosine_hemisphere()
                 .then(renderer::rotate(Frame::around(Direction::from_vec(vector(p, 0)))))
-                .then(renderer::hit_plane(Vec3::new(R::ZERO, R::ZERO, R::ZERO), vector(p, 3), vector(p, 6), SurfaceId(0))),
+                .then(renderer::hit_plane(Vec3::new(R::ZERO, R::ZERO, R::ZERO), vector(p, 3), Direction::from_vec(vector(p, 6)), SurfaceId(0))),
             [
                 [0.0, 0.0, 1.0, 0.0, 0.0, 2.0, 0.2, -0.1, 1.0],
                 [0.48, 0.64, 0.6, 1.0, 2.0, 1.0, 0.0, 0.6, -0.8],

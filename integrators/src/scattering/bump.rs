@@ -47,12 +47,18 @@ pub struct Ground {
     pub offset: Vec3,
     /// Where the viewer is.
     pub towards: Vec3,
+    /// How far above the side that the viewer sees that is, per length of the offset.
+    pub height: f32,
 }
 
 impl Ground {
-    /// A surface seen from some offset, whose direction is `towards`.
+    /// A surface seen from some offset, whose direction is `towards`; so far above, whichever side that is.
     #[inline(always)]
-    pub fn new<K: SceneKind>(surface: &Surface<K>, [offset, towards]: [Vec3; 2]) -> Self {
+    pub fn new<K: SceneKind>(
+        surface: &Surface<K>,
+        [offset, towards]: [Vec3; 2],
+        height: f32,
+    ) -> Self {
         Ground {
             normal: surface.normal,
             shading: surface.shading,
@@ -64,6 +70,7 @@ impl Ground {
             },
             offset,
             towards,
+            height,
         }
     }
 }

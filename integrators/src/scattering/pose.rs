@@ -52,7 +52,10 @@ impl<K: SceneKind> Pose<K> {
             None => (Frame::around(Direction::from_unit(n.into())), None),
         };
         let view = Direction::from_unit(frame.to_local(ground.towards));
-        let height = frame.to_local(ground.offset).z;
+        let height = match bumped {
+            Some(_) => frame.to_local(ground.offset).z,
+            None => ground.height,
+        };
         Pose { frame, view, height, bumped: K::Bumps::field(|| bumped) }
     }
 
