@@ -85,10 +85,7 @@ pub fn camera_path<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
     let mut path = arena.sequence();
     path.append(sample_camera(world));
     path.append(sample_camera_direction(world, aim.into())).sample(uniforms);
-    while path.is_complete() && path.size() < longest {
-        path.append(sample_bsdf(world, rr_depth, None)).sample(uniforms);
-    }
-    path
+    *path.go_on(longest, sample_bsdf(world, rr_depth, None), uniforms)
 }
 
 /// A path from a light, of at most `longest` vertices.
@@ -99,10 +96,9 @@ pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
     (longest, rr_depth): (usize, u32),
 ) -> Path<'r, K, S> {
     let mut path = arena.sequence();
-    while path.is_complete() && path.size() < longest.max(2) {
-        path.append(light_step::<K, S>(world, path.size(), rr_depth)).sample(uniforms);
-    }
-    path
+    path.append(sample_emitter(world)).sample(uniforms);
+    path.go_on(2, sample_emission(world), uniforms);
+    *path.go_on(longest, sample_bsdf(world, rr_depth, None), uniforms)
 }
 
 /// The strategy of the vertex with this number of a path from a light.
@@ -164,9 +160,7 @@ pub fn extend<'a, K: SceneKind, S: FromCamera<'a, K>>(
     world: &'a World<'a, K>,
     (size, rr_depth): (usize, u32),
 ) {
-    while path.size() < size {
-        path.append(sample_bsdf(world, rr_depth, None));
-    }
+    path.append_up_to(size, sample_bsdf(world, rr_depth, None));
 }
 
 /// A camera path as another pixel would make it: from the same eye on only techniques, without a sample.

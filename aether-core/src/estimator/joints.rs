@@ -16,7 +16,7 @@ use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::path_density::PathDensity;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 use crate::sequence::{
     Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, each_last,
     length_class,
@@ -233,8 +233,10 @@ where
         side.stops.extend((0..len).map(|k| {
             let (id, visible, dirac) = tape.origin(place.at(k));
             let fixed = dirac == Some(Dirac::Position);
-            let own = PathDensity::new(arena.factor(place, k, place.range(0, k + 1)));
-            Stop { id, visible, fixed, own }
+            let path = place.range(0, k + 1);
+            // Mostly drawing a vertex has told its density.
+            let own = tape.own(path, k).unwrap_or_else(|| arena.factor(place, k, path));
+            Stop { id, visible, fixed, own: PathDensity::new(own) }
         }));
         side.questions.clear();
         side.questions.extend((0..place.len as usize).map(|k| {
@@ -255,24 +257,37 @@ where
         let [first, second] = self.walks;
         let [ahead, behind] = &mut self.carried;
         if ahead.begin(arena.contents(), first) {
-            let of = |k: usize| estimator.ahead(arena, tape, first.place.range(0, k), k);
-            ahead.values.extend((0..first.len + 1).map(of));
+            let mut value = I::Value::one();
+            ahead.values.push(value);
+            for (k, stop) in self.joints.sides[0].stops.iter().enumerate() {
+                if !value.is_zero() {
+                    let factor = estimator.new_factor(tape, first.place, k);
+                    value = per_density(value.multiply(factor), stop.own);
+                }
+                ahead.values.push(value);
+            }
         }
         if !behind.begin(arena.contents(), second) {
             return behind.in_range;
         }
-        behind.values.push(I::Value::one());
+        let mut value = I::Value::one();
+        behind.values.push(value);
         // All that the factor reads which closes a path, if there is so much of the second walk.
         let (reads, mut closing) = (estimator.reads(), I::Value::one());
-        for len in 1..=second.len {
-            let place = second.place.range(0, len).reverse();
-            let value = estimator.ending(arena, tape, place, 0);
-            behind.in_range &= value.is_some();
-            if len == reads {
+        for (k, stop) in self.joints.sides[1].stops.iter().enumerate() {
+            let place = second.place.range(0, k + 1).reverse();
+            // The edge that the new vertex completes: all that its factor reads is there.
+            if k + 1 >= reads {
+                value = value.multiply(estimator.new_factor(tape, place, reads - 1));
+            }
+            value = per_density(value, stop.own);
+            let finite = value.times(RealOf::<I>::ZERO).is_zero();
+            behind.in_range &= finite && !value.is_zero();
+            if k + 1 == reads {
                 let view = PathView::of_unfolded(tape, place, estimator.shown());
                 closing = estimator.closing(view);
             }
-            behind.values.push(value.map_or(I::Value::zero(), |value| value.multiply(closing)));
+            behind.values.push(value.multiply(closing));
         }
         behind.in_range
     }
@@ -413,6 +428,13 @@ where
         });
         PathView::of_last(self.tape, last, len, read)
     }
+}
+
+/// f over the density of the vertex that has brought the last factor.
+#[inline(always)]
+fn per_density<R: Scalar, T: Value<R>>(f: T, own: PathDensity<R>) -> T {
+    let p = own.value();
+    if is_regular(p) { f.over(p) } else { T::zero() }
 }
 
 impl<I: PathIntegrand, S, N, D, H> Drop for Pieces<'_, I, S, N, D, H> {

@@ -146,6 +146,34 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.append_in(self.block_at(self.size()), strategy)
     }
 
+    /// [`RandomSequence::append`] of a strategy again and again, until the path has `size` steps.
+    pub fn append_up_to(&mut self, size: usize, strategy: impl Into<S>) -> &mut Self {
+        if !self.handle.absent && self.size() < size {
+            let known = self.intern(strategy);
+            while self.size() < size {
+                self.push(self.block_at(self.size()), known);
+            }
+        }
+        self
+    }
+
+    /// Appends a strategy and samples it again and again, until the path has `size` vertices or it finds nothing.
+    pub fn go_on<U: UniformSource<V::Real> + ?Sized>(
+        &mut self,
+        size: usize,
+        strategy: impl Into<S>,
+        uniforms: &mut U,
+    ) -> &mut Self {
+        if self.is_complete() && self.size() < size {
+            let known = self.intern(strategy);
+            while self.is_complete() && self.size() < size {
+                self.push(self.block_at(self.size()), known);
+                self.sample(uniforms);
+            }
+        }
+        self
+    }
+
     /// The block of sampling dimensions of what is appended as step `i`.
     #[inline]
     pub(crate) fn block_at(&self, i: usize) -> u32 {
@@ -168,16 +196,26 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// [`RandomSequence::append`] with a block of sampling dimensions of the caller's choice.
     pub fn append_in(&mut self, block: u32, strategy: impl Into<S>) -> &mut Self {
         if !self.handle.absent {
-            let strategy = strategy.into();
-            let vertices = if S::VERTICES > 1 { strategy.vertices() } else { 1 };
-            let strategy = self.arena.intern(strategy);
-            self.own(self.size());
-            for k in 0..vertices {
-                self.arena.tape.push(strategy, block, Part::new(k, vertices));
-            }
-            self.handle.place.len += vertices as u32;
+            let known = self.intern(strategy);
+            self.push(block, known);
         }
         self
+    }
+
+    /// The id of a strategy, and how many vertices it draws.
+    fn intern(&self, strategy: impl Into<S>) -> (u32, usize) {
+        let strategy = strategy.into();
+        let vertices = if S::VERTICES > 1 { strategy.vertices() } else { 1 };
+        (self.arena.intern(strategy), vertices)
+    }
+
+    /// Adds the steps of a strategy that is known.
+    fn push(&mut self, block: u32, (strategy, vertices): (u32, usize)) {
+        self.own(self.size());
+        for k in 0..vertices {
+            self.arena.tape.push(strategy, block, Part::new(k, vertices));
+        }
+        self.handle.place.len += vertices as u32;
     }
 
     /// Adds a strategy whose vertex has been drawn already, if it drew one.
