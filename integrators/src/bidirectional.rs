@@ -110,8 +110,10 @@ impl Bidirectional {
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
         let by = |length: usize, first: usize| Technique::edge(first, length - first);
+        let all = self.path.techniques.is_all();
         let samples = |length: usize, first: usize| match first {
-            _ if first == 0 || !self.path.techniques.has(by(length, first)) => 0,
+            0 => 0,
+            _ if !all && !self.path.techniques.has(by(length, first)) => 0,
             1 => count * world.pixels(),
             _ if first == length => 1,
             _ => count,

@@ -8,6 +8,7 @@ use aether_core::{Includes, PathIntegrand, PathView, RandomSequence, Vertex};
 use glam::Vec3;
 
 use crate::kind::{Everything, SceneKind};
+use crate::scene::vectors::is_finite;
 use crate::scene::{Bounds, MARGIN};
 use crate::strategies::Pixel;
 use crate::vertex::{Place, SceneVertex};
@@ -219,10 +220,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     ) -> Vec3 {
         let Some(scattering) = self.world.scattering(here, before) else { return Vec3::ZERO };
         let along = next.direction_from(here.position);
-        let geometry = geometry(here, next, along).min(most_geometry);
+        let geometry = geometry(here, next, along);
+        let geometry = if geometry < most_geometry { geometry } else { most_geometry };
         let scattered = if atom { scattering.atoms(along) } else { scattering.value(along) };
         let value = scattered * geometry;
-        if value.is_finite() { value } else { Vec3::ZERO }
+        if is_finite(value) { value } else { Vec3::ZERO }
     }
 }
 

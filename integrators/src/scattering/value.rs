@@ -15,7 +15,7 @@ impl<K: SceneKind> Scattering<'_, K> {
     /// coordinates, of unit length), times its cosine with the shading normal.
     pub fn value(&self, w: Vec3) -> Vec3 {
         self.mixed(|model, pose| {
-            let local = Direction::from_vec(pose.frame.to_local(w));
+            let local = Direction::from_unit(pose.frame.to_local(w));
             self.model_value(model, pose.view, local) * pose.unhidden(w)
         })
     }

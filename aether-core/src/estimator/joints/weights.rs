@@ -78,15 +78,15 @@ where
     pub(super) fn weigh_samples(&mut self, length: usize) {
         let (connections, heuristic) = (self.connections, self.heuristic);
         let (mut count, mut mass) = (0, PathDensity::ZERO);
-        self.joints.masses.clear();
-        // A loop: that over an inclusive range is not inlined as an iterator.
-        for first in 0..length + 1 {
+        let masses = &mut self.joints.masses;
+        masses.resize(length + 1, PathDensity::ZERO);
+        for (first, place) in masses.iter_mut().enumerate() {
             let samples = (connections.samples)(length, first);
             if samples != count {
                 let number = PathDensity::new(RealOf::<I>::of(samples as f64));
                 (count, mass) = (samples, heuristic.term(number));
             }
-            self.joints.masses.push(mass);
+            *place = mass;
         }
     }
 
