@@ -98,7 +98,12 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        let Some(sight) = self.sight(eye, seen) else { return 0.0 };
+        // What is seen by a path of one pixel alone is not asked for again.
+        let sight = match self.pixel {
+            Some(_) => self.found(eye, seen),
+            None => self.sight(eye, seen),
+        };
+        let Some(sight) = sight else { return 0.0 };
         let response = self.pixel.map_or(1.0, |pixel| self.response_at(pixel, &sight, [eye, seen]));
         response * (self.world.filter_scale / sight.change)
     }
@@ -116,11 +121,17 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         {
             return sight;
         }
+        let sight = self.found(eye, seen);
+        place.set(Some((look, sight)));
+        sight
+    }
+
+    /// The same, not remembered.
+    fn found(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
         let mut sight = None;
         film_points(self.world, eye, seen, |film, change| {
             sight = Some(Sight { film, change });
         });
-        place.set(Some((look, sight)));
         sight
     }
 

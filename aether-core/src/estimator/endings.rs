@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
-use crate::estimator::steps::{Fork, MOST_WAYS, RING, Walk, bits};
+use crate::estimator::steps::{Fork, MOST_WAYS, RING, Walk};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
 use crate::sequence::{LAST, RandomSequence};
@@ -39,19 +39,23 @@ impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
     /// A bit for each way, whether paths with so many vertices end in it.
     #[inline(always)]
     pub(super) fn used(&self, length: usize) -> u32 {
-        let is_used = |steps: &[S]| steps.len() <= length && (self.is_used)(length, steps);
         let mut used = 0;
         for (way, steps) in self.ways.iter().enumerate() {
-            used |= u32::from(is_used(steps)) << way;
+            used |= u32::from(self.has(length, steps)) << way;
         }
         used
+    }
+
+    /// Whether paths with so many vertices end in some way.
+    #[inline(always)]
+    fn has(&self, length: usize, steps: &[S]) -> bool {
+        steps.len() <= length && (self.is_used)(length, steps)
     }
 
     /// The ways that paths with so many vertices end in.
     #[inline(always)]
     pub(super) fn of_length(&self, length: usize) -> impl Iterator<Item = &'t [S]> + Clone {
-        let ways = self.ways.iter().copied();
-        ways.filter(move |steps| steps.len() <= length && (self.is_used)(length, steps))
+        self.ways.iter().copied().filter(move |steps| self.has(length, steps))
     }
 }
 
@@ -185,9 +189,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let drawn = steps.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
-            let used = if asked { endings.used(length) } else { 0 };
-            for way in bits(used) {
-                let (steps, other) = (endings.ways[way], &mut None);
+            let is_used = |steps: &[S]| asked && endings.has(length, steps);
+            for (way, steps) in endings.ways.iter().copied().enumerate() {
+                if !is_used(steps) {
+                    continue;
+                }
+                let other = &mut None;
                 let (last, met) = match steps.first() {
                     None => (&drawn, met),
                     Some(step) => {
@@ -203,11 +210,14 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     continue;
                 }
                 let (mut ratios, mut count, mut index) = ([RealOf::<I>::ONE; MOST_WAYS], 0, 0);
-                for other in bits(used) {
+                for (other, steps) in endings.ways.iter().enumerate() {
+                    if !is_used(steps) {
+                        continue;
+                    }
                     if other == way {
                         index = count;
                     } else {
-                        let strategy = endings.ways[other].first().unwrap_or(own);
+                        let strategy = steps.first().unwrap_or(own);
                         ratios[count] = fork.density(strategy, last) / met.density;
                     }
                     count += 1;
