@@ -51,11 +51,16 @@ impl<K: SceneKind> Pose<K> {
             }
             None => (Frame::around(Direction::from_unit(n.into())), None),
         };
-        let view = Direction::from_unit(frame.to_local(ground.towards));
         let height = match bumped {
             Some(_) => frame.to_local(ground.offset).z,
             None => ground.height,
         };
+        let mut view = frame.to_local(ground.towards);
+        if height > 0.0 {
+            // The direction is rounded once more than the offset.
+            view.z = view.z.max(f32::EPSILON * f32::EPSILON);
+        }
+        let view = Direction::from_unit(view);
         Pose { frame, view, height, bumped: K::Bumps::field(|| bumped) }
     }
 
