@@ -8,7 +8,7 @@ use crate::hash::Set;
 /// The sines and cosines of one angle in expressions, outside of sides of choices.
 pub(super) fn circular_pairs(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
     let (mut open, mut seen) = (ids.to_vec(), Set::default());
-    let mut found: BTreeMap<Id, [Option<Id>; 2]> = BTreeMap::new();
+    let mut found: BTreeMap<(Id, bool), [Option<Id>; 2]> = BTreeMap::new();
     while let Some(id) = open.pop() {
         if !seen.insert(id) {
             continue;
@@ -18,8 +18,10 @@ pub(super) fn circular_pairs(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
             Node::Root(_) => {}
             node => open.extend(children(node)),
         }
-        if let Node::Call(f @ (Fun::Sin | Fun::Cos), args) = g.node(id) {
-            found.entry(args[0]).or_default()[usize::from(*f == Fun::Cos)] = Some(id);
+        if let Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi), args) = g.node(id) {
+            let turned = matches!(f, Fun::SinPi | Fun::CosPi);
+            let cosine = matches!(f, Fun::Cos | Fun::CosPi);
+            found.entry((args[0], turned)).or_default()[usize::from(cosine)] = Some(id);
         }
     }
     found.into_values().filter_map(|[sine, cosine]| Some([sine?, cosine?])).collect()
@@ -41,6 +43,9 @@ mod tests {
         let product = g.mul(cosine, alone);
         assert_eq!(circular_pairs(&g, &[product, sine]), [[sine, cosine]]);
         assert!(circular_pairs(&g, &[product]).is_empty());
+        // Those of π times a number are another pair.
+        let [sine_pi, cosine_pi] = [Fun::SinPi, Fun::CosPi].map(|f| g.call(f, &[u]));
+        assert_eq!(circular_pairs(&g, &[sine_pi, cosine_pi, sine]), [[sine_pi, cosine_pi]]);
         // What is computed only on one side is not computed in advance.
         let minus = g.int(-1);
         let test = g.sum(crate::rational::Q::HALF, &[(crate::rational::Q::int(-1), v)]);

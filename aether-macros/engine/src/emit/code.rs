@@ -95,11 +95,10 @@ impl<'a> Code<'a> {
             }
             if ready {
                 self.write_powers(id);
-                self.write(id, &self.expression(id));
-                if let Some(&partner) = self.partners.get(&id)
-                    && !self.names.contains_key(&partner)
-                {
-                    self.write(partner, &self.expression(partner));
+                let partner = self.partners.get(&id).filter(|id| !self.names.contains_key(id));
+                match partner.copied() {
+                    Some(partner) => self.write_pair(id, partner),
+                    None => self.write(id, &self.expression(id)),
                 }
                 continue;
             }
@@ -128,6 +127,25 @@ impl<'a> Code<'a> {
         let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
         self.lets.extend(quote!(let #name = #value;));
         self.names.insert(id, name);
+    }
+
+    /// Gives the sine and the cosine of one angle names for their values. Of fractions of a turn, one function has both.
+    fn write_pair(&mut self, id: Id, partner: Id) {
+        let together = match self.graph.node(id) {
+            Node::Call(Fun::SinPi, args) => Some((args[0], [id, partner])),
+            Node::Call(Fun::CosPi, args) => Some((args[0], [partner, id])),
+            _ => None,
+        };
+        let Some((fraction, pair)) = together else {
+            self.write(id, &self.expression(id));
+            return self.write(partner, &self.expression(partner));
+        };
+        let fraction = self.reference(fraction);
+        let both = self.named(&quote!(::aether_core::support::sin_cos_pi(#fraction)));
+        for (i, id) in pair.into_iter().enumerate() {
+            let i = Literal::usize_unsuffixed(i);
+            self.write(id, &quote!(#both.#i));
+        }
     }
 
     /// Writes the general powers among the factors of a product. One that differs from another power of its base by

@@ -1,6 +1,6 @@
 //! The density of a sample from its uniforms.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
@@ -24,13 +24,20 @@ pub(super) fn own_density(e: &Emitter) -> TokenStream {
         let checked = single(e);
         return quote!(#density #checked);
     }
+    let told = told_apart(e);
     quote! {
         let (point, exists) = ::aether_core::Sampler::forward(self, u);
-        self.density_of(u, point, exists)
+        self.density_of(u, #told point, exists)
     }
 }
 
-/// A method for the density of the point of the uniforms, where other uniforms may have that point too.
+/// The density at the uniforms of a map of one piece, for [`density_of`], where the point is known already.
+fn told_apart(e: &Emitter) -> Option<TokenStream> {
+    e.is_whole().then(|| quote!(own_0::<R>(&p, &u),))
+}
+
+/// A method for the density of the point of the uniforms, where other uniforms may have that point too. Where the map is
+/// one piece, it is given the density at the uniforms.
 pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     if e.support.is_some() || e.is_single() {
         return None;
@@ -38,6 +45,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     let (ty, args, point) = (e.density_type(), e.generics(), point_type(&e.signature().space));
     let (n, _, _) = e.sizes();
     let (parameters, density) = (e.parameters(), at_the_point(e));
+    let told = e.is_whole().then(|| quote!(d: R,));
     // Without parameters the type says nothing of the precision.
     let bounds = quote!(<R: Real>);
     let (outside, inside) =
@@ -45,7 +53,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     Some(quote! {
         impl #outside #ty #args {
             #[inline(always)]
-            fn density_of #inside(&self, u: [R; #n], point: #point, exists: R::Mask) -> ::aether_core::PdfOf<Self, R> {
+            fn density_of #inside(&self, u: [R; #n], #told point: #point, exists: R::Mask) -> ::aether_core::PdfOf<Self, R> {
                 #parameters
                 #density
             }
@@ -69,11 +77,23 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
         if is_alone(e) {
             return Some(pieces_with_density(e));
         }
+        let parameters = e.parameters();
+        let (drawn, told) = if e.is_drawn_at_once() {
+            let made = e.point(&quote!(c));
+            let drawn = quote! {
+                let (c, d) = both_0::<R>(&p, &u);
+                let (point, exists) = (#made, exists_0::<R>(&p, &u));
+            };
+            (drawn, Some(quote!(d,)))
+        } else {
+            (quote!(let (point, exists) = ::aether_core::Sampler::forward(self, u);), told_apart(e))
+        };
         return Some(quote! {
             #[inline(always)]
             fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
-                let (point, exists) = ::aether_core::Sampler::forward(self, u);
-                (point, exists, self.density_of(u, point, exists))
+                #parameters
+                #drawn
+                (point, exists, self.density_of(u, #told point, exists))
             }
         });
     }
@@ -401,6 +421,75 @@ fn among_several(e: &Emitter) -> TokenStream {
     let coordinates = e.coordinates();
     let existence = existence(e);
     let jacobians = jacobians(e);
+    // Where no other preimage than that of the uniforms is in sight there is nothing to tell apart.
+    let places = e.places();
+    let inside: Vec<_> =
+        places.iter().map(|place| format_ident!("inside_{}", place.number)).collect();
+    let found = places.iter().zip(&inside).map(|(place, inside)| {
+        let [strict, recovered] =
+            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
+        quote!(let #inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));)
+    });
+    let pairs = (0..places.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+    let pairs = pairs.map(|(j, k)| {
+        let (a, b) = (&inside[j], &inside[k]);
+        quote!(.or(#a.and(#b)))
+    });
+    let others = if are_alike(e) { others_alike(e, &inside) } else { others_apart(e) };
+    let elsewhere = places.iter().zip(&inside).filter(|_| !e.is_whole()).map(|(place, inside)| {
+        let taken = format_ident!("taken_{}", place.piece);
+        quote!(.or(#inside.and(#taken::<R>(&p, &u).not())))
+    });
+    quote! {
+        let mut sum = R::ZERO;
+        let mut inner = <R::Mask as Mask>::FALSE;
+        #jacobians
+        // At an end of a piece the map may only have a limit; the density at the point knows it.
+        let outer = exists.and(inner.not());
+        let limit = if outer.any() {
+            ::aether_core::support::limit_at::<R, _>(*self, point)
+        } else {
+            R::ZERO
+        };
+        if exists.and(inner).any() {
+            let point = &point;
+            let x = #coordinates;
+            #existence
+            #(#found)*
+            let several = <R::Mask as Mask>::FALSE #(#pairs)* #(#elsewhere)*;
+            if several.any() { #others }
+        }
+        ::aether_core::Density::new(R::select(exists, R::select(inner, sum, limit), R::ZERO))
+    }
+}
+
+/// Whether all preimages of a map of one piece have the same density, so that it does not matter which one `u` is.
+fn are_alike(e: &Emitter) -> bool {
+    let places = e.places();
+    let first = places.first().map(|place| place.preimage.density);
+    e.is_whole() && places.iter().all(|place| Some(place.preimage.density) == first)
+}
+
+/// Adds to `sum` the density by way of all preimages but one, where all have the same.
+fn others_alike(e: &Emitter, inside: &[Ident]) -> TokenStream {
+    let Some((&place, (first, rest))) = e.places().first().zip(inside.split_first()) else {
+        return quote!();
+    };
+    let value = value_at(e, place, &quote!(several));
+    quote! {
+        let d = #value;
+        let d = R::select(d.gt(R::ZERO), d, R::ZERO);
+        let found = #first;
+        #(
+            sum += R::select(found.and(#rest), d, R::ZERO);
+            let found = found.or(#rest);
+        )*
+    }
+}
+
+/// Adds to `sum` the densities by way of all preimages but the nearest to `u`, which is `u` itself.
+fn others_apart(e: &Emitter) -> TokenStream {
+    let (n, _, _) = e.sizes();
     let distances = e.places().into_iter().map(|place| {
         let [distance, inside, strict, recovered, inverse] =
             ["distance", "inside", "strict", "recovered", "inverse"]
@@ -435,69 +524,36 @@ fn among_several(e: &Emitter) -> TokenStream {
             }
         }
     });
-    // Where no other preimage than that of the uniforms is in sight there is nothing to tell apart.
-    let places = e.places();
-    let inside: Vec<_> =
-        places.iter().map(|place| format_ident!("inside_{}", place.number)).collect();
-    let found = places.iter().zip(&inside).map(|(place, inside)| {
-        let [strict, recovered] =
-            ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
-        quote!(let #inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));)
-    });
-    let pairs = (0..places.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
-    let pairs = pairs.map(|(j, k)| {
-        let (a, b) = (&inside[j], &inside[k]);
-        quote!(.or(#a.and(#b)))
-    });
-    let elsewhere = places.iter().zip(&inside).filter(|_| !e.is_whole()).map(|(place, inside)| {
-        let taken = format_ident!("taken_{}", place.piece);
-        quote!(.or(#inside.and(#taken::<R>(&p, &u).not())))
-    });
     quote! {
-        let mut sum = R::ZERO;
-        let mut inner = <R::Mask as Mask>::FALSE;
-        #jacobians
-        // At an end of a piece the map may only have a limit; the density at the point knows it.
-        let outer = exists.and(inner.not());
-        let limit = if outer.any() {
-            ::aether_core::support::limit_at::<R, _>(*self, point)
-        } else {
-            R::ZERO
-        };
-        if exists.and(inner).any() {
-            let point = &point;
-            let x = #coordinates;
-            #existence
-            #(#found)*
-            if (<R::Mask as Mask>::FALSE #(#pairs)* #(#elsewhere)*).any() {
-                let mut nearest = R::INFINITY;
-                #(#distances)*
-                let mut counted = <R::Mask as Mask>::FALSE;
-                #(#others)*
-            }
-        }
-        ::aether_core::Density::new(R::select(exists, R::select(inner, sum, limit), R::ZERO))
+        let mut nearest = R::INFINITY;
+        #(#distances)*
+        let mut counted = <R::Mask as Mask>::FALSE;
+        #(#others)*
     }
 }
 
 /// Adds to `sum` the density from the Jacobian of the piece that `u` takes; `inner` says whether it
 /// has one there.
 fn jacobians(e: &Emitter) -> TokenStream {
-    let one = |j: usize| {
-        let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
-        let (entered, taken) = if e.is_whole() {
-            (quote!(u), quote!(<R::Mask as Mask>::TRUE))
-        } else {
-            (quote!(#enter::<R>(&p, &u)), quote!(taken))
-        };
+    let added = |j: usize, taken: &TokenStream| {
         let here = has_density(e, j, &quote!(t));
         quote! {
-            let t = #entered;
-            let d = #own::<R>(&p, &t);
             let here = #taken.and(#here);
             sum = R::select(here, d, sum);
             inner = inner.or(here);
         }
     };
-    if e.is_whole() { one(0) } else { e.by_piece(one) }
+    if e.is_whole() {
+        let added = added(0, &quote!(<R::Mask as Mask>::TRUE));
+        return quote!(let t = u; #added);
+    }
+    e.by_piece(|j| {
+        let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
+        let added = added(j, &quote!(taken));
+        quote! {
+            let t = #enter::<R>(&p, &u);
+            let d = #own::<R>(&p, &t);
+            #added
+        }
+    })
 }

@@ -82,6 +82,12 @@ impl<'a> Emitter<'a> {
         self.is_whole() && self.places().len() == 1
     }
 
+    /// Whether one function has the point of the uniforms and their density. A map with several preimages whose point may
+    /// be a limit has them apart.
+    pub(super) fn is_drawn_at_once(&self) -> bool {
+        self.is_single() || self.is_whole() && self.forward_is_tame(0)
+    }
+
     /// All of them.
     pub(super) fn functions(&self) -> TokenStream {
         let mut functions = TokenStream::new();
@@ -162,7 +168,7 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let size_value = code.value(size);
         let size_lets = code.statements();
-        let joint = (is_sampler && self.is_single()).then(|| {
+        let joint = (is_sampler && self.is_drawn_at_once()).then(|| {
             let mut code = Code::lenient(g, &at);
             let mut values = code.values(&[&derived.forward[..], &[size]].concat());
             let density = values.pop();

@@ -8,8 +8,8 @@ use super::code::Code;
 use super::item::Emitter;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
-use crate::derive::Signs;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
+use crate::derive::{Preimage, Signs};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::Set;
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
@@ -146,7 +146,13 @@ fn possible_tests(place: Place) -> TokenStream {
     let conditions: Vec<TokenStream> = conditions.collect();
     // Of several unknowns, one at an end leaves those undetermined that no border tells.
     let [borders, others] = units(place);
-    let alone = if borders.is_empty() && others.len() == 1 { others } else { vec![] };
+    let (alone, others) =
+        if borders.is_empty() && others.len() == 1 { (others, vec![]) } else { (vec![], others) };
+    let g = &place.problem.graph;
+    let Preimage { tested, unknowns, .. } = place.preimage;
+    let determined =
+        others.iter().filter(|&&i| tested[i] == unknowns[i] && is_determined(g, tested[i]));
+    let determined: Vec<TokenStream> = determined.map(|&i| code.value(tested[i])).collect();
     let near = borders.into_iter().chain(alone);
     let near: Vec<TokenStream> = near.filter_map(|i| test(place, i, &mut code).near).collect();
     let lets = code.statements();
@@ -154,5 +160,41 @@ fn possible_tests(place: Place) -> TokenStream {
         #lets
         let slack = R::of(-1.0 / 256.0);
         <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #(#near)*
+            #(.and(::aether_core::support::about_unit::<R, 1>(&[#determined])))*
+    }
+}
+
+/// Whether an expression has a value at every point, whatever other unknowns are, if the parameters leave it one.
+fn is_determined(g: &Graph, id: Id) -> bool {
+    if !g.has(id, OUTS) {
+        return true;
+    }
+    match g.node(id) {
+        Node::Leaf(_) => true,
+        Node::Sum(_, terms) => terms.iter().all(|(_, term)| is_determined(g, *term)),
+        Node::Product(factors) => factors.iter().all(|&(base, exponent)| {
+            let grows = g.as_number(exponent).is_some_and(|q| q.is_int() && !q.is_negative());
+            !g.has(base, OUTS) && !g.has(exponent, OUTS) || grows && is_determined(g, base)
+        }),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn a_divisor_that_the_point_has_leaves_an_unknown_undetermined() {
+        let mut g = Graph::new();
+        let [x, y] = [0, 1].map(|i| g.leaf(Leaf::Out(i), &format!("x{i}"), Interval::ALL));
+        let p = g.leaf(Leaf::Param(0), "p", Interval::ALL);
+        let square = g.powi(x, 2);
+        let both = g.add(square, y);
+        let share = g.div(both, p);
+        assert!(is_determined(&g, share));
+        let (quotient, angle) = (g.div(x, y), g.call(Fun::Atan2, &[y, x]));
+        assert!(!is_determined(&g, quotient) && !is_determined(&g, angle));
     }
 }

@@ -35,15 +35,7 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     let [told, found] = ["told", "found"].map(|name| {
         places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
     });
-    // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
-    let finite = !e.has_surfaces() && places.iter().all(|place| tells_finite(e, *place));
-    let elsewhere = (!finite).then(|| {
-        quote! {
-            if !belongs().all() {
-                break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs(), None) } else { R::ZERO };
-            }
-        }
-    });
+    let elsewhere = belongs_first(e, &places).then(elsewhere);
     Some(quote! {
         let belongs = || -> R::Mask { #belongs };
         'quick: {
@@ -56,6 +48,22 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
             sum
         }
     })
+}
+
+/// Whether it is looked first if a point belongs to the space: on another surface there is no preimage to look for, and of
+/// several preimages each would look again. A point that has a preimage is otherwise looked at afterwards.
+fn belongs_first(e: &Emitter, places: &[Place]) -> bool {
+    let several = places.len() > 1 && !places.iter().all(|place| tells_finite(e, *place));
+    e.has_surfaces() || several
+}
+
+/// Leaves the block if a point does not belong to the space.
+fn elsewhere() -> TokenStream {
+    quote! {
+        if !belongs().all() {
+            break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs(), None) } else { R::ZERO };
+        }
+    }
 }
 
 /// Whether a point with a coordinate that is not finite never plainly has a preimage.
@@ -130,11 +138,14 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let twice = (!beside.is_empty()).then(
         || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
     );
+    // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
+    let elsewhere = (!belongs_first(e, places) && !tells_finite(e, place)).then(elsewhere);
     let again = e.read_again();
     // Nothing is added to where all others are excluded.
     let alone = excluding(e, place, places).count() + 1 == places.len();
     let counted = if alone { quote!(sum = #value;) } else { quote!(sum += #value;) };
     let accepted = quote! {
+        #elsewhere
         #twice
         #on_manifold
         #again
