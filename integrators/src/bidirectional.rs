@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use crate::emission::LightStrategies;
 use crate::eye::Reached;
-use crate::integrand::Sight;
+use crate::integrand::{Radiance, Sight};
 use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
@@ -61,6 +61,39 @@ struct Look<K: SceneKind> {
     own: f32,
     /// Another pixel, and its response.
     other: (Pixel, f32),
+}
+
+impl<K: SceneKind> Look<K> {
+    /// What an eye sees of a vertex, if it does, in a sample that is made for a pixel.
+    fn new(
+        radiance: &Radiance<'_, '_, K>,
+        world: &World<'_, K>,
+        pixel: Pixel,
+        eye: &SceneVertex<K>,
+        seen: SceneVertex<K>,
+    ) -> Option<Self> {
+        let sight = radiance.sight(eye, &seen)?;
+        let own = radiance.response_at(pixel, &sight, [eye, &seen]);
+        let reached = world.reached(sight.film);
+        Some(Look { seen, sight, reached, own, other: (pixel, 0.0) })
+    }
+
+    /// Turns to one of the pixels that receive it, by its number: how a camera path of that pixel would find the vertex,
+    /// if it is another one than that of the sample.
+    fn turn<'a>(
+        &mut self,
+        radiance: &Radiance<'_, '_, K>,
+        world: &'a World<'a, K>,
+        pixel: Pixel,
+        eye: &SceneVertex<K>,
+        turn: u32,
+    ) -> Option<LightStrategies<'a, K>> {
+        let other = (turn < self.reached.count()).then(|| self.reached.pixel(turn))?;
+        let response = radiance.response_at(other, &self.sight, [eye, &self.seen]);
+        self.other = (other, response);
+        let is_other = other != pixel && response != 0.0;
+        is_other.then(|| sample_camera_direction(world, other.into()).into())
+    }
 }
 
 impl Integrator for Bidirectional {
@@ -132,11 +165,8 @@ impl Bidirectional {
             let eye = camera.vertex(0);
             looks.clear();
             looks.extend((0..total + 1).map(|length| {
-                let (eye, seen) = (eye.as_ref()?, light.vertex(length.checked_sub(2)?)?);
-                let sight = radiance.sight(eye, &seen)?;
-                let own = radiance.response_at(pixel, &sight, [eye, &seen]);
-                let reached = world.reached(sight.film);
-                Some(Look { seen, sight, reached, own, other: (pixel, 0.0) })
+                let seen = light.vertex(length.checked_sub(2)?)?;
+                Look::new(radiance, world, pixel, eye.as_ref()?, seen)
             }));
             let own = |length: usize| looks[length].as_ref().map_or(0.0, |look| look.own);
             let connections = Connections {
@@ -158,15 +188,11 @@ impl Bidirectional {
             let most = looks.iter().flatten().map(|look| look.reached.count()).max();
             for turn in 0..most.unwrap_or(0) {
                 others.clear();
-                others.extend(looks.iter_mut().map(|look| {
-                    let (eye, look) = (eye.as_ref()?, look.as_mut()?);
-                    let other = (turn < look.reached.count()).then(|| look.reached.pixel(turn))?;
-                    let seen = [eye, &look.seen];
-                    let response = radiance.response_at(other, &look.sight, seen);
-                    look.other = (other, response);
-                    let is_other = other != pixel && response != 0.0;
-                    is_other.then(|| sample_camera_direction(world, other.into()).into())
-                }));
+                others.extend(
+                    looks.iter_mut().map(|look| {
+                        look.as_mut()?.turn(radiance, world, pixel, eye.as_ref()?, turn)
+                    }),
+                );
                 if others.iter().all(|other| other.is_none()) {
                     continue;
                 }
