@@ -126,6 +126,18 @@ fn is_regular<R: Scalar>(p: R) -> bool {
     p > R::ZERO && p * R::ZERO == R::ZERO
 }
 
+/// f / p; zero where the density is none that a sample can have.
+#[inline(always)]
+fn per<R: Scalar, T: Value<R>>(f: T, p: R) -> T {
+    if is_regular(p) { f.over(p) } else { T::zero() }
+}
+
+/// Whether a value is in the range of numbers, and not zero.
+#[inline(always)]
+fn is_usable<R: Scalar, T: Value<R>>(value: T) -> bool {
+    value.times(R::ZERO).is_zero() && !value.is_zero()
+}
+
 impl<I> Estimator<I> {
     /// An estimator from samples of a function of a point.
     pub fn new(integrand: I) -> Self {
@@ -216,7 +228,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             && let Some(value) = self.run(before)
         {
             let value = value.multiply(self.new_factor(tape, place, n - 1));
-            let value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            let value = per(value, p);
             self.set_run(name, value);
             return if value.is_zero() { value } else { self.ended(tape, place, value) };
         }
@@ -263,7 +275,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 extended += 1;
             }
             let p = arena.factor(place, k, place);
-            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            value = per(value, p);
             if value.is_zero() {
                 return value;
             }
@@ -291,7 +303,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             };
             value = value.multiply(factor);
             let p = arena.factor(place, k, place);
-            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            value = per(value, p);
             if let Some(name) = name {
                 self.set_run(name, value);
             }
@@ -316,10 +328,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let back = place.range(ahead, n).reverse();
         let len = n - ahead;
         let name = |len: usize| tape.run_name(back, len - 1);
-        let usable = |value: I::Value| {
-            let finite = value.times(RealOf::<I>::ZERO).is_zero();
-            (finite && !value.is_zero()).then_some(value)
-        };
+        let usable = |value: I::Value| is_usable(value).then_some(value);
         let whole = if len > 0 { name(len)? } else { return None };
         if let Some(known) = known_at(&self.factors.borrow().endings, whole) {
             return usable(known);
@@ -333,7 +342,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 value = value.multiply(self.new_factor(tape, place, n - len + self.reads() - 1));
             }
             let p = arena.factor(place, n - len, place);
-            value = if is_regular(p) { value.over(p) } else { I::Value::zero() };
+            value = per(value, p);
             remember_at(&mut self.factors.borrow_mut().endings, name(len)?, value);
         }
         usable(value)

@@ -342,7 +342,7 @@ fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     (heuristic, most, fewest): (&(impl Separable<f64> + Clone), usize, usize),
     uniforms: &mut Pcg32,
 ) -> usize {
-    let by: Vec<_> = (0..=7).map(|_| replaced).collect();
+    let by = [replaced; 8];
     let connections = Connections {
         lengths: fewest..=7,
         replaced: replaced.is_some().then_some(Replaced { step: 4, by: &by }),

@@ -18,6 +18,7 @@ use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
+use crate::selection::Selection;
 use crate::strategies::{Pixel, sample_camera_direction, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path};
 use crate::vertex::SceneVertex;
@@ -89,10 +90,12 @@ impl<K: SceneKind> Look<K> {
         turn: u32,
     ) -> Option<LightStrategies<'a, K>> {
         let other = (turn < self.reached.count()).then(|| self.reached.pixel(turn))?;
+        if other == pixel {
+            return None;
+        }
         let response = radiance.response_at(other, &self.sight, [eye, &self.seen]);
         self.other = (other, response);
-        let is_other = other != pixel && response != 0.0;
-        is_other.then(|| sample_camera_direction(world, other.into()).into())
+        (response != 0.0).then(|| sample_camera_direction(world, other.into()).into())
     }
 }
 
@@ -143,7 +146,7 @@ impl Bidirectional {
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
         let by = |length: usize, first: usize| Technique::edge(first, length - first);
-        let all = self.path.techniques.is_all();
+        let all = self.path.techniques == Selection::ALL;
         let samples = |length: usize, first: usize| match first {
             0 => 0,
             _ if !all && !self.path.techniques.has(by(length, first)) => 0,

@@ -33,16 +33,10 @@ impl Selection {
     /// All techniques.
     pub const ALL: Selection = Selection(&[]);
 
-    /// Whether no technique is left out.
-    #[inline]
-    pub fn is_all(&self) -> bool {
-        self.0.is_empty()
-    }
-
     /// Whether a technique is among them.
     #[inline]
     pub fn has(&self, technique: Technique) -> bool {
-        self.is_all() || self.lists(technique)
+        self.0.is_empty() || self.lists(technique)
     }
 
     #[cold]

@@ -96,9 +96,10 @@ pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
     (longest, rr_depth): (usize, u32),
 ) -> Path<'r, K, S> {
     let mut path = arena.sequence();
-    path.append(sample_emitter(world)).sample(uniforms);
-    path.go_on(2, sample_emission(world), uniforms);
-    *path.go_on(longest, sample_bsdf(world, rr_depth, None), uniforms)
+    for number in 0..2 {
+        path.go_on(number + 1, light_step::<K, S>(world, number, rr_depth), uniforms);
+    }
+    *path.go_on(longest, light_step::<K, S>(world, 2, rr_depth), uniforms)
 }
 
 /// The strategy of the vertex with this number of a path from a light.

@@ -263,9 +263,7 @@ where
 {
     let (mut walk, longest) = (*start, *endings.lengths.end());
     walk.sample(uniforms);
-    while walk.is_complete() && walk.size() < longest {
-        walk.append(step.clone()).sample(uniforms);
-    }
+    walk.go_on(longest, step.clone(), uniforms);
     // Where the walk has found nothing, an ending of several steps may.
     for _ in 1..endings.ways.iter().map(|steps| steps.len()).max().unwrap_or(1) {
         if walk.size() < longest {

@@ -14,9 +14,8 @@ use core::cell::{Ref, RefMut};
 
 use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_usable, per};
 use crate::path_density::PathDensity;
-use crate::real::{Real, Scalar};
 use crate::sequence::{
     Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, each_last,
     length_class,
@@ -262,7 +261,7 @@ where
             for (k, stop) in self.joints.sides[0].stops.iter().enumerate() {
                 if !value.is_zero() {
                     let factor = estimator.new_factor(tape, first.place, k);
-                    value = per_density(value.multiply(factor), stop.own);
+                    value = per(value.multiply(factor), stop.own.value());
                 }
                 ahead.values.push(value);
             }
@@ -280,9 +279,8 @@ where
             if k + 1 >= reads {
                 value = value.multiply(estimator.new_factor(tape, place, reads - 1));
             }
-            value = per_density(value, stop.own);
-            let finite = value.times(RealOf::<I>::ZERO).is_zero();
-            behind.in_range &= finite && !value.is_zero();
+            value = per(value, stop.own.value());
+            behind.in_range &= is_usable(value);
             if k + 1 == reads {
                 let view = PathView::of_unfolded(tape, place, estimator.shown());
                 closing = estimator.closing(view);
@@ -394,7 +392,7 @@ where
         }
         if last.is_some() {
             let density = self.density_of_last(joined).value();
-            value = if is_regular(density) { value.over(density) } else { I::Value::zero() };
+            value = per(value, density);
         }
         if last.is_none() && behind >= reads {
             return value;
@@ -428,13 +426,6 @@ where
         });
         PathView::of_last(self.tape, last, len, read)
     }
-}
-
-/// f over the density of the vertex that has brought the last factor.
-#[inline(always)]
-fn per_density<R: Scalar, T: Value<R>>(f: T, own: PathDensity<R>) -> T {
-    let p = own.value();
-    if is_regular(p) { f.over(p) } else { T::zero() }
 }
 
 impl<I: PathIntegrand, S, N, D, H> Drop for Pieces<'_, I, S, N, D, H> {

@@ -47,18 +47,12 @@ pub struct Ground {
     pub offset: Vec3,
     /// Where the viewer is.
     pub towards: Vec3,
-    /// How far above the side that the viewer sees that is, per length of the offset.
-    pub height: f32,
 }
 
 impl Ground {
-    /// A surface seen from some offset, whose direction is `towards`; so far above, whichever side that is.
+    /// A surface seen from some offset, whose direction is `towards`.
     #[inline(always)]
-    pub fn new<K: SceneKind>(
-        surface: &Surface<K>,
-        [offset, towards]: [Vec3; 2],
-        height: f32,
-    ) -> Self {
+    pub fn new<K: SceneKind>(surface: &Surface<K>, [offset, towards]: [Vec3; 2]) -> Self {
         Ground {
             normal: surface.normal,
             shading: surface.shading,
@@ -70,7 +64,6 @@ impl Ground {
             },
             offset,
             towards,
-            height,
         }
     }
 }

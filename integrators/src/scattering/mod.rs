@@ -70,8 +70,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         surface: &Surface<K>,
         [offset, towards]: [Vec3; 2],
     ) -> Option<Self> {
-        let height = surface.shading.dot(offset);
-        let behind = height <= 0.0;
+        let behind = surface.shading.dot(offset) <= 0.0;
         let (side, n) = if behind {
             (&material.back, -surface.shading)
         } else {
@@ -80,7 +79,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         if side.is_black() {
             return None;
         }
-        let ground = Ground::new(surface, [offset, towards], height.abs());
+        let ground = Ground::new(surface, [offset, towards]);
         let pose = Pose::new(&side.base, side.oriented, &ground, n, textures);
         if !pose.is_seen() && !side.is_mixture() {
             return None;

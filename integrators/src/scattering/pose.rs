@@ -53,7 +53,7 @@ impl<K: SceneKind> Pose<K> {
         };
         let height = match bumped {
             Some(_) => frame.to_local(ground.offset).z,
-            None => ground.height,
+            None => ground.shading.dot(ground.offset).abs(),
         };
         let mut view = frame.to_local(ground.towards);
         if height > 0.0 {
