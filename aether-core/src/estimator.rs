@@ -5,7 +5,7 @@ use core::fmt;
 
 use crate::combine::{Combined, Heuristic, WeightedSample};
 use crate::point::Point;
-use crate::real::{Real, Scalar};
+use crate::real::Scalar;
 use crate::sampler::{Sample, Sampler};
 use crate::sequence::{Arena, KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Reads, Strategy, Vertex};

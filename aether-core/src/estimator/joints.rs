@@ -16,6 +16,7 @@ use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_usable, per};
 use crate::path_density::PathDensity;
+use crate::real::Real;
 use crate::sequence::{
     Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, each_last,
     length_class,
