@@ -1,11 +1,15 @@
 //! Owen-scrambled Sobol points, padded by blocks (Burley 2020, "Practical Hash-based Owen
 //! Scrambling", JCGT 9(4)).
 
-use super::{UniformSource, combine, mix, unit};
+use super::{UniformSource, combine, first_of, mix, unit, with_second};
 use crate::real::Single;
 
 /// How many dimensions are stratified jointly; later ones are padded with shuffled copies.
 const JOINT: usize = 4;
+
+/// Which dimension of the sequence each number of a group is of. The first two are the best pair of all, and a block
+/// mostly begins with a choice, on which less depends than on the pair behind it.
+const ORDER: [usize; JOINT] = [2, 0, 1, 3];
 
 /// Primitive polynomials (degree, inner coefficients) and initial direction integers of dimensions
 /// 2 to 4 of Joe and Kuo's table (2008).
@@ -48,7 +52,8 @@ const fn directions() -> [[u32; 32]; JOINT] {
     all
 }
 
-/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order.
+/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: in the
+/// first dimension, these bits themselves.
 const NIBBLES: [[[u32; 16]; 8]; JOINT] = nibbles();
 
 const fn nibbles() -> [[[u32; 16]; 8]; JOINT] {
@@ -71,8 +76,11 @@ const fn nibbles() -> [[[u32; 16]; 8]; JOINT] {
 
 /// The point of the Sobol sequence with this index, in one dimension, as a binary fraction whose bits are in
 /// opposite order: the first one behind the point is the lowest.
-#[inline]
+#[inline(always)]
 fn reversed_sobol(index: u32, dimension: usize) -> u32 {
+    if dimension == 0 {
+        return index;
+    }
     let table = NIBBLES[dimension].iter().enumerate();
     table.fold(0, |x, (i, nibble)| x ^ nibble[(index >> (4 * i)) as usize & 15])
 }
@@ -90,59 +98,66 @@ fn laine_karras(mut x: u32, seed: u32) -> u32 {
 
 /// Owen's nested uniform scrambling of a binary fraction.
 #[inline]
-fn owen(x: u32, seed: u64) -> u32 {
-    laine_karras(x.reverse_bits(), seed as u32).reverse_bits()
+fn owen(x: u32, seed: u32) -> u32 {
+    laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
 /// Owen-scrambled Sobol points: the samples of one stream are stratified over each group of four
 /// dimensions, streams and groups are independent of each other. Up to 2^32 samples a stream.
 ///
 /// A block starts a new group, so that each block has its own well-distributed dimensions whatever
-/// the blocks before it consumed.
+/// the blocks before it consumed. Of a group, the second and third number are the sequence's first two
+/// dimensions, of which 2^k samples have one point in each elementary interval.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sobol {
-    /// Names the randomisation: seed and stream.
+    /// What the randomisations of this seed and stream share.
     key: u64,
     sample: u32,
     block: u32,
     /// Dimensions drawn since the block began.
     drawn: u32,
-    /// Randomisation of the current group, and the shuffled sample index in it.
-    group_key: u64,
+    /// The shuffled sample index in the current group.
     index: u32,
+    /// Randomisation of the current group.
+    group: u64,
+    /// That of two of its dimensions: of the next one the lower half.
+    pair: u64,
 }
 
 impl Sobol {
     /// The point number `sample` of the stream (say, the pixel).
     pub fn new(seed: u64, stream: u64, sample: u32) -> Self {
-        let key = combine(seed, stream);
-        Sobol { key, sample, block: 0, drawn: 0, group_key: 0, index: 0 }
+        let key = first_of(combine(seed, stream));
+        Sobol { key, sample, block: 0, drawn: 0, index: 0, group: 0, pair: 0 }
     }
 
     /// Shuffles the sample index for the group that starts at the next dimension.
     #[inline]
     fn begin_group(&mut self) {
-        let group = u64::from(self.block) << 32 | u64::from(self.drawn);
-        self.group_key = combine(self.key, group);
+        self.group = with_second(self.key, u64::from(self.block) << 32 | u64::from(self.drawn));
         // As a binary fraction: aligned runs of 2^k samples stay aligned runs.
-        self.index = owen(self.sample, self.group_key >> 32);
+        self.index = owen(self.sample, (self.group >> 32) as u32);
     }
 }
 
 impl<R: Single> UniformSource<R> for Sobol {
     #[inline]
     fn next(&mut self) -> R {
-        let dimension = self.drawn as usize % JOINT;
-        if dimension == 0 {
+        let number = self.drawn as usize % JOINT;
+        if number == 0 {
             self.begin_group();
         }
         self.drawn += 1;
-        let seed = mix(self.group_key.wrapping_add(dimension as u64 + 1));
+        self.pair = match number % 2 {
+            0 => mix(self.group.wrapping_add(number as u64 + 1)),
+            _ => self.pair >> 32,
+        };
         // Owen's scrambling of the point.
-        let reversed = reversed_sobol(self.index, dimension);
-        let high = laine_karras(reversed, seed as u32).reverse_bits();
-        // Scrambling goes on for ever: the bits below the 32nd are random.
-        let low = mix(seed ^ u64::from(self.index)) >> 32;
+        let reversed = reversed_sobol(self.index, ORDER[number]);
+        let high = laine_karras(reversed, self.pair as u32).reverse_bits();
+        // Scrambling goes on for ever: the bits below the 32nd are random. Mostly single precision has none of them.
+        let is_enough = size_of::<R>() <= 4 && high >= 1 << 24;
+        let low = if is_enough { 0 } else { mix(!self.pair ^ u64::from(self.index)) >> 32 };
         unit(u64::from(high) << 32 | low)
     }
 
@@ -182,8 +197,9 @@ mod tests {
             for bits in 0..=8 {
                 let (columns, rows) = ((1 << bits) as f64, (1 << (8 - bits)) as f64);
                 let mut count = [0; 256];
-                for p in &points {
-                    count[((p[0] * columns).floor() * rows + (p[1] * rows).floor()) as usize] += 1;
+                // Of the sequence's first two dimensions.
+                for [_, x, y, ..] in &points {
+                    count[((x * columns).floor() * rows + (y * rows).floor()) as usize] += 1;
                 }
                 assert_eq!(count, [1; 256], "{columns} x {rows} intervals");
             }
