@@ -14,7 +14,7 @@ use crate::scene::vectors::try_unit;
 
 /// Triangles and rectangles that fill less than this, area over squared distance, are sampled by area: what that loses is
 /// little there, and it is cheaper and keeps all digits.
-const LEAST_FILLED: f32 = 0.05;
+const LEAST_FILLED: f32 = 0.15;
 
 /// The directions in which a sphere is seen from a point outside: the axis of a cone, and by how much the
 /// cosine at its rim is below one. `None` from inside, and from where the sphere is tiny.
