@@ -49,7 +49,7 @@ impl<'a> Probe<'a> {
 
     /// The derivative of the forward map by differences.
     pub(super) fn derivative(&self, u: &[f64]) -> Option<Derivative> {
-        Derivative::of(&|v| self.forward(v).map(|(_, x)| x), u)
+        Derivative::of(&|v| self.forward(v).map(|(_, x)| x), u, self.epsilon)
     }
 
     /// The magnitude that the rounding of a point is relative to.
