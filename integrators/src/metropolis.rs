@@ -1,7 +1,6 @@
 //! Metropolis light transport in path space (Veach and Guibas 1997; Aether 2017, section 7.3): chains of paths,
 //! mutated by the functions of [`crate::mutations`]. The densities of mutations are derived.
 
-use std::cell::Cell;
 use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -187,23 +186,22 @@ impl Metropolis {
     /// Whether one of the mutations that are used fits a path.
     fn fits<'a, K: SceneKind>(&self, world: &'a World<'a, K>, path: &Path<'_, 'a, K>) -> bool {
         let fits = |mutation: &&Proposes<'_, 'a, K>| mutation.weight(path) > 0.0;
-        self.with_mutations(world, &Cell::new(None), |all| all.iter().any(fits))
+        self.with_mutations(world, |all| all.iter().any(fits))
     }
 
-    /// What `act` makes of the mutations in their order, where the first that is selected leaves its number. Those that
-    /// are not used have no weight.
+    /// What `act` makes of the mutations in their order. Those that are not used have no weight.
     fn with_mutations<'a, K: SceneKind, T>(
         &self,
         world: &'a World<'a, K>,
-        selected: &Cell<Option<usize>>,
         act: impl FnOnce(&[&Proposes<'_, 'a, K>]) -> T,
     ) -> T {
-        let (used, lengths) = (self.mutations, self.lengths());
+        let (MutationSet([bidirectional, lens, chains, caustic]), lengths) =
+            (self.mutations, self.lengths());
         act(&[
-            &noted(0, used, selected, BidirectionalMutation { world, lengths }),
-            &noted(1, used, selected, LensPerturbation { world, chains: false }),
-            &noted(2, used, selected, LensPerturbation { world, chains: true }),
-            &noted(3, used, selected, CausticPerturbation { world }),
+            &Used(bidirectional, BidirectionalMutation { world, lengths }),
+            &Used(lens, LensPerturbation { world, chains: false }),
+            &Used(chains, LensPerturbation { world, chains: true }),
+            &Used(caustic, CausticPerturbation { world }),
         ])
     }
 }
@@ -276,26 +274,10 @@ impl FromStr for MutationSet {
     }
 }
 
-/// A mutation that may be switched off, and notes when it is the first to be asked in a step: then it is what
-/// was selected.
-struct Noted<'c, M> {
-    mutation: M,
-    number: usize,
-    used: bool,
-    selected: &'c Cell<Option<usize>>,
-}
+/// A mutation that may be switched off.
+struct Used<M>(bool, M);
 
-/// The mutation with a number.
-fn noted<M>(
-    number: usize,
-    used: MutationSet,
-    selected: &Cell<Option<usize>>,
-    mutation: M,
-) -> Noted<'_, M> {
-    Noted { mutation, number, used: used.0[number], selected }
-}
-
-impl<'a, K: SceneKind, M> Mutation<SceneVertex<K>, MutationStrategies<'a, K>> for Noted<'_, M>
+impl<'a, K: SceneKind, M> Mutation<SceneVertex<K>, MutationStrategies<'a, K>> for Used<M>
 where
     M: Mutation<SceneVertex<K>, MutationStrategies<'a, K>>,
 {
@@ -304,12 +286,11 @@ where
         path: &Path<'r, 'a, K>,
         decide: &mut Decisions<'_, f32>,
     ) -> Option<Draft<'r, SceneVertex<K>, MutationStrategies<'a, K>>> {
-        self.selected.set(self.selected.get().or(Some(self.number)));
-        self.mutation.propose(path, decide)
+        self.1.propose(path, decide)
     }
 
     fn weight(&self, path: &Path<'_, 'a, K>) -> f32 {
-        if self.used { self.mutation.weight(path) } else { 0.0 }
+        if self.0 { self.1.weight(path) } else { 0.0 }
     }
 }
 
@@ -378,14 +359,14 @@ struct PathChain<'a, K: SceneKind> {
 impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
     fn step(&mut self, splats: &mut Splats) {
         let PathChain { metropolis, world, estimator, start, .. } = self;
-        let (world, selected) = (*world, Cell::new(None));
+        let world = *world;
         let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
         let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
         let (state, arena) = (&mut self.state, &mut self.arena);
-        let step = metropolis.with_mutations(world, &selected, |all| {
-            state.step(arena, &Mutations(all), &target, uniforms)
+        let step = metropolis.with_mutations(world, |all| {
+            state.step_among(arena, &Mutations(all), &target, uniforms)
         });
-        if let Some(mutation) = selected.get() {
+        if let Some(mutation) = step.selected {
             self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
         }
         for (contributions, weight) in step.weighted() {

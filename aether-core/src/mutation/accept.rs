@@ -2,7 +2,7 @@
 
 use crate::mutation::{Mutation, conditional_pdf};
 use crate::path_density::PathDensity;
-use crate::real::Real;
+use crate::real::Scalar;
 use crate::sequence::RandomSequence;
 use crate::strategy::{Strategy, Vertex};
 
@@ -46,19 +46,32 @@ where
     S: Strategy<V>,
     M: Mutation<V, S> + ?Sized,
 {
-    if !proposal.target.is_regular() {
-        return V::Real::ZERO;
+    acceptance(
+        [current.target, proposal.target],
+        || conditional_pdf(mutation, &current.path, &proposal.path),
+        || conditional_pdf(mutation, &proposal.path, &current.path),
+    )
+}
+
+/// The same of the values of the target function at both paths, and of the densities of going there and back.
+pub(super) fn acceptance<R: Scalar>(
+    [current, proposal]: [PathDensity<R>; 2],
+    there: impl FnOnce() -> PathDensity<R>,
+    back: impl FnOnce() -> PathDensity<R>,
+) -> R {
+    if !proposal.is_regular() {
+        return R::ZERO;
     }
-    let there = conditional_pdf(mutation, &current.path, &proposal.path);
+    let there = there();
     if !there.is_regular() {
-        return V::Real::ZERO;
+        return R::ZERO;
     }
-    let back = conditional_pdf(mutation, &proposal.path, &current.path);
+    let back = back();
     if !back.is_regular() {
-        return V::Real::ZERO;
+        return R::ZERO;
     }
-    if !current.target.is_regular() {
-        return V::Real::ONE;
+    if !current.is_regular() {
+        return R::ONE;
     }
-    ((proposal.target * back) / (current.target * there)).value().min(V::Real::ONE)
+    ((proposal * back) / (current * there)).value().min(R::ONE)
 }

@@ -17,7 +17,7 @@ use crate::strategy::{Strategy, Vertex};
 /// The alternative is to accept with what was selected alone ([`Mutations::only`]): then each i
 /// satisfies f(x) s_i(x) T_i(y | x) a_i(x, y) = f(y) s_i(y) T_i(x | y) a_i(y, x), and so does the sum.
 /// Averaging accepts at least as often, because Σ min(a_i, b_i) <= min(Σ a_i, Σ b_i); what was
-/// selected alone costs less.
+/// selected alone costs less, and is what [`MarkovChainState::step_among`](crate::MarkovChainState::step_among) accepts with.
 pub struct Mutations<'m, V: Vertex, S: Strategy<V>>(pub &'m [&'m dyn Mutation<V, S>]);
 
 impl<V: Vertex, S: Strategy<V>> Clone for Mutations<'_, V, S> {
@@ -39,6 +39,12 @@ impl<'m, V: Vertex, S: Strategy<V>> Mutations<'m, V, S> {
         current: &'w RandomSequence<'_, V, S>,
     ) -> Option<Weights<impl Fn(usize) -> V::Real + 'w, V::Real>> {
         Weights::new(self.0.len(), |i| self.0[i].weight(current))
+    }
+
+    /// The weights of all mutations at a path, in the place of what `weights` held.
+    pub(super) fn weigh(&self, current: &RandomSequence<'_, V, S>, weights: &mut Vec<V::Real>) {
+        weights.clear();
+        weights.extend(self.0.iter().map(|mutation| mutation.weight(current)));
     }
 
     /// The number of the mutation that the uniform `u` selects at a path; `None` if all weights are

@@ -1,9 +1,12 @@
 //! The state of a Markov chain, and its steps.
 
+use crate::discrete::Discrete;
+use crate::mutation::accept::acceptance;
+use crate::mutation::decisions::Weights;
 use crate::mutation::draft::ACCEPTANCE;
-use crate::mutation::{Mutation, Rated, accept_probability, propose};
+use crate::mutation::{Mutation, Mutations, Rated, accept_probability, conditional_pdf, propose};
 use crate::path_density::PathDensity;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 use crate::sequence::{Arena, RandomSequence, Snapshot};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
@@ -20,6 +23,10 @@ pub struct MarkovChainState<V: Vertex, S, C> {
     target: PathDensity<V::Real>,
     contribution: C,
     steps: u64,
+    /// The weights of several mutations at the path, and room for those at a proposal.
+    weights: [Vec<V::Real>; 2],
+    /// Whether they are known.
+    weighed: bool,
 }
 
 /// What happened in a step of a chain.
@@ -33,6 +40,8 @@ pub struct Transition<R, C> {
     pub probability: R,
     /// Whether it was.
     pub accepted: bool,
+    /// Which of several mutations was selected ([`MarkovChainState::step_among`]).
+    pub selected: Option<usize>,
 }
 
 impl<R: Real, C> Transition<R, C> {
@@ -58,7 +67,7 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
     ) -> Self {
         let (value, contribution) = target(path);
         let target = Rated::new(*path, value).target;
-        MarkovChainState { path: Snapshot::of(path), target, contribution, steps: 0 }
+        Self::resumed(Snapshot::of(path), target, contribution, 0)
     }
 
     /// A chain that goes on where another was after so many steps: at its path, where the target function and the
@@ -70,7 +79,8 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         contribution: C,
         steps: u64,
     ) -> Self {
-        MarkovChainState { path, target, contribution, steps }
+        let weights = [Vec::new(), Vec::new()];
+        MarkovChainState { path, target, contribution, steps, weights, weighed: false }
     }
 
     /// The current path.
@@ -111,16 +121,8 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         T: Into<PathDensity<V::Real>>,
         U: UniformSource<V::Real>,
     {
-        arena.clear();
-        let mut uniforms = uniforms(self.steps);
-        self.steps += 1;
-        let current = Rated { path: arena.restore(&self.path), target: self.target };
-        let mut transition = Transition {
-            current: self.contribution.clone(),
-            proposal: None,
-            probability: V::Real::ZERO,
-            accepted: false,
-        };
+        let (current, mut uniforms) = self.begin(arena, uniforms);
+        let mut transition = self.stay();
         let Some(path) = propose(mutation, &current.path, &mut uniforms) else {
             return transition;
         };
@@ -131,10 +133,100 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         uniforms.start(ACCEPTANCE);
         transition.accepted = uniforms.next() < transition.probability;
         if transition.accepted {
-            self.path.store(&path);
-            self.target = proposal.target;
-            self.contribution = contribution;
+            self.go_to(&proposal, contribution);
+            self.weighed = false;
         }
         transition
     }
+
+    /// Selects one of several mutations by their weights, and makes a step with it that is accepted with what was selected
+    /// alone ([`Mutations::only`]). The weights are found once for each path.
+    ///
+    /// The mutations have to be the same, and to have the same weights, in all steps of a chain.
+    pub fn step_among<T, U>(
+        &mut self,
+        arena: &mut Arena<V, S>,
+        mutations: &Mutations<'_, V, S>,
+        target: &impl Fn(&RandomSequence<'_, V, S>) -> (T, C),
+        uniforms: impl FnOnce(u64) -> U,
+    ) -> Transition<V::Real, C>
+    where
+        T: Into<PathDensity<V::Real>>,
+        U: UniformSource<V::Real>,
+    {
+        let (current, mut uniforms) = self.begin(arena, uniforms);
+        let mut transition = self.stay();
+        if !self.weighed {
+            mutations.weigh(&current.path, &mut self.weights[0]);
+            self.weighed = true;
+        }
+        uniforms.start(ACCEPTANCE);
+        let [selecting, accepting] = [uniforms.next(), uniforms.next()];
+        let here = probabilities(&self.weights[0]).map(|here| here.sample(selecting));
+        let Some(selected) = here else { return transition };
+        let (i, mutation) = (selected.item, mutations.0[selected.item]);
+        transition.selected = Some(i);
+        let Some(path) = propose(mutation, &current.path, &mut uniforms) else {
+            return transition;
+        };
+        let (value, contribution) = target(&path);
+        let proposal = Rated::new(path, value);
+        transition.proposal = Some(contribution.clone());
+        let weights = &mut self.weights[1];
+        weights.clear();
+        transition.probability = acceptance(
+            [current.target, proposal.target],
+            || conditional_pdf(mutation, &current.path, &proposal.path) * selected.probability,
+            || {
+                mutations.weigh(&proposal.path, weights);
+                match probabilities(weights).and_then(|there| there.get(i)) {
+                    Some(way_back) if way_back.probability > V::Real::ZERO => {
+                        conditional_pdf(mutation, &proposal.path, &current.path)
+                            * way_back.probability
+                    }
+                    _ => PathDensity::ZERO,
+                }
+            },
+        );
+        transition.accepted = accepting < transition.probability;
+        if transition.accepted {
+            self.go_to(&proposal, contribution);
+            self.weights.swap(0, 1);
+        }
+        transition
+    }
+
+    /// The current path in an arena that it has for itself, and the numbers for the next step.
+    fn begin<'a, U>(
+        &mut self,
+        arena: &'a mut Arena<V, S>,
+        uniforms: impl FnOnce(u64) -> U,
+    ) -> (Rated<'a, V, S>, U) {
+        arena.clear();
+        let uniforms = uniforms(self.steps);
+        self.steps += 1;
+        (Rated { path: arena.restore(&self.path), target: self.target }, uniforms)
+    }
+
+    /// What happens if no proposal is made.
+    fn stay(&self) -> Transition<V::Real, C> {
+        Transition {
+            current: self.contribution.clone(),
+            proposal: None,
+            probability: V::Real::ZERO,
+            accepted: false,
+            selected: None,
+        }
+    }
+
+    fn go_to(&mut self, proposal: &Rated<'_, V, S>, contribution: C) {
+        self.path.store(&proposal.path);
+        self.target = proposal.target;
+        self.contribution = contribution;
+    }
+}
+
+/// Which mutation is selected how often, by the weights of all.
+fn probabilities<R: Scalar>(weights: &[R]) -> Option<Weights<impl Fn(usize) -> R + '_, R>> {
+    Weights::new(weights.len(), |i| weights[i])
 }

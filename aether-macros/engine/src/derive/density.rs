@@ -328,12 +328,18 @@ pub(super) fn finish(
             [without, pick(g, &forms, &truth, measure).0]
         })
         .collect();
-    // The coordinates of a direction have its length in common: either all of them are free of its error, or none.
-    let together = problem.argument == Some(Kind::Direction)
-        && picked.iter().any(|[without, best]| without != best);
+    // What sums of unit vectors tell is free of the errors of their lengths in all unknowns, or in none: where two vectors
+    // are nearly opposite, each unknown may be off along a direction of its own.
+    let together = picked.iter().any(|[without, best]| without != best);
+    let is_map = problem.argument == Some(Kind::Direction);
     let mut stable: Vec<Id> = Vec::new();
     for [without, best] in picked {
-        let freed = if together { without_length(g, without, &sums.pairs) } else { None };
+        // The coordinates of a direction have its length in common as well, so that they need the same form.
+        let freed = if together && (is_map || without == best) {
+            without_length(g, without, &sums.pairs)
+        } else {
+            None
+        };
         stable.push(freed.unwrap_or(best));
     }
     let found: Vec<Id> = problem.unknowns.iter().map(|l| s.unknowns[l]).collect();
