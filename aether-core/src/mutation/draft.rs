@@ -84,19 +84,26 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
     }
 
     /// The path with its new vertices drawn; `None` if a strategy yields no vertex, or if something
-    /// is kept that is not of the current path.
+    /// is kept that is not of the current path. `steps` is how many the tape had before the mutation.
     pub(super) fn draw<U: UniformSource<V::Real> + ?Sized>(
         &self,
         origin: &Origin<'a, V, S>,
+        steps: usize,
         uniforms: &mut U,
     ) -> Option<RandomSequence<'a, V, S>> {
         let (arena, draft) = (self.path.arena, self.place()?);
         if !core::ptr::eq(arena, origin.arena()) || !origin.can_draw(draft) {
             return None;
         }
-        let (start, n) = (arena.tape.len(), draft.len as usize);
-        arena.tape.copy(draft, n);
-        let place = Place::new(start, n);
+        let n = draft.len as usize;
+        // What the mutation has put together is nowhere else.
+        let place = if !draft.reversed && draft.at(0) >= steps {
+            draft
+        } else {
+            let place = Place::new(arena.tape.len(), n);
+            arena.tape.copy(draft, n);
+            place
+        };
         for k in (0..n).filter(|k| arena.tape.step(place, *k).vertex != NONE) {
             let (visible, dirac) = origin.inherited(place, k)?;
             arena.tape.set_origin(place.at(k), visible, dirac);
@@ -114,7 +121,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
             arena.draw(place.reverse(), n - 1 - k, uniforms).then_some(())?;
         }
         let mut path = self.path;
-        path.occupy(start, n);
+        path.occupy(place.at(0), n);
         Some(path)
     }
 }

@@ -192,8 +192,9 @@ where
 {
     let origin = Origin::new(current)?;
     uniforms.start(DECISIONS);
+    let steps = current.arena.tape.len();
     let draft = mutation.propose(current, &mut Decisions::draw(&mut Borrowed(uniforms)))?;
-    draft.draw(&origin, uniforms)
+    draft.draw(&origin, steps, uniforms)
 }
 
 /// The density with which a mutation makes `to` of `from`: with respect to the product of the

@@ -95,6 +95,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let is_new = |k: usize, backward: bool| {
             tape.id(draft, k) == NONE && tape.way(draft, k).is_backward() == backward
         };
+        if !(0..draft.len as usize).any(|k| is_new(k, true)) {
+            return true;
+        }
         (0..draft.len as usize).all(|k| {
             if !is_new(k, false) {
                 return true;

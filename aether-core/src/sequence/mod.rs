@@ -43,7 +43,7 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) tape: Tape<V>,
     pub(crate) strategies: RefCell<Vec<S>>,
     /// Which of them were asked for last, the last one first.
-    recent: RefCell<[u32; COMPARED]>,
+    recent: RefCell<Recent>,
     /// The most vertices that one of them reads.
     pub(crate) most_read: Cell<usize>,
     memo: RefCell<Memo<V::Real>>,
@@ -74,6 +74,14 @@ pub(crate) struct Listed<R> {
 /// With how many strategies that are known already a strategy is compared: those that were asked for last.
 const COMPARED: usize = 16;
 
+/// The ids of those, the last one first.
+#[derive(Debug, Default)]
+struct Recent {
+    ids: [u32; COMPARED],
+    /// How many there are.
+    known: usize,
+}
+
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// An arena without any path.
     pub fn new() -> Self {
@@ -81,7 +89,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         Arena {
             tape: Tape::new(),
             strategies: RefCell::new(Vec::new()),
-            recent: RefCell::new([NONE; COMPARED]),
+            recent: RefCell::default(),
             most_read: Cell::new(0),
             memo: RefCell::new(Memo::new()),
             lists: RefCell::new(Vec::new()),
@@ -99,6 +107,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     pub fn clear(&mut self) {
         self.tape.clear();
         self.strategies.get_mut().clear();
+        self.recent.get_mut().known = 0;
         self.most_read.set(0);
         self.memo.get_mut().clear();
         self.lists.get_mut().clear();
@@ -129,20 +138,29 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     /// The id of a strategy; that of a known one if it is the same as one of the last that were asked for.
     #[inline]
     pub(crate) fn intern(&self, strategy: S) -> u32 {
-        let mut strategies = self.strategies.borrow_mut();
         let recent = &mut *self.recent.borrow_mut();
-        let known = strategies.len().min(COMPARED);
-        for i in 0..known {
-            if strategies[recent[i] as usize].same(&strategy) {
-                recent.swap(0, i);
-                return recent[0];
+        {
+            let strategies = self.strategies.borrow();
+            for i in 0..recent.known {
+                if strategies[recent.ids[i] as usize].same(&strategy) {
+                    recent.ids.swap(0, i);
+                    return recent.ids[0];
+                }
             }
         }
+        recent.ids.copy_within(..recent.known.min(COMPARED - 1), 1);
+        recent.known = COMPARED.min(recent.known + 1);
+        recent.ids[0] = self.add(strategy);
+        recent.ids[0]
+    }
+
+    /// The id of a strategy of its own, with which no other is compared.
+    #[inline]
+    pub(crate) fn add(&self, strategy: S) -> u32 {
+        let mut strategies = self.strategies.borrow_mut();
         self.most_read.set(self.most_read.get().max(strategy.reads().vertices));
-        recent.copy_within(..known.min(COMPARED - 1), 1);
-        recent[0] = strategies.len() as u32;
         strategies.push(strategy);
-        recent[0]
+        strategies.len() as u32 - 1
     }
 }
 

@@ -144,7 +144,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         for (i, (vertex, strategy, entry)) in snapshot.steps.iter().enumerate() {
             let id = match last {
                 Some((before, id)) if before == entry.way.strategy() => id,
-                _ => self.intern(make(i, strategy)),
+                _ => self.add(make(i, strategy)),
             };
             last = Some((entry.way.strategy(), id));
             self.tape.push_taken(*vertex, Entry { way: entry.way.by(id), ..*entry });
