@@ -125,11 +125,13 @@ fn ridders(
             v[axis] = x;
             f(&v)
         };
-        let (up, down) = (at(u[axis] + step)?, at(u[axis] - step)?);
-        let mut row = vec![scaled_difference(&up, &down, 0.5 / step)];
-        // Twice the standard deviation, as the extrapolation adds to it, of what is rounded to a multiple of epsilon: both
-        // values, and both of the uniforms.
-        let rounding = 0.25 * epsilon / step * (norm(&up) + u[axis] * norm(&row[0]));
+        // The uniforms that are the ends of the step in the numbers of the map.
+        let [high, low] = [u[axis] + step, u[axis] - step]
+            .map(|x| if epsilon > f64::EPSILON { f64::from(x as f32) } else { x });
+        let (up, down) = (at(high)?, at(low)?);
+        let mut row = vec![scaled_difference(&up, &down, (high - low).recip())];
+        // The standard deviation of the difference of two rounded values over the step, as the extrapolation adds to it.
+        let rounding = 0.25 * epsilon / step * norm(&up);
         let mut factor = 1.0;
         for k in 0..level {
             factor *= SHRINK * SHRINK;
