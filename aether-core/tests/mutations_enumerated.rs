@@ -265,23 +265,33 @@ fn the_target_is_stationary_and_the_chain_converges_to_it() {
     assert!(distance(&p) < 1e-4, "{}", distance(&p));
 }
 
+type Chain = MarkovChainState<Site, Ways, Pattern>;
+
+fn rate(path: &Path<'_>) -> (f64, Pattern) {
+    (target(path), state(path))
+}
+
+/// The numbers of each step of a chain.
+fn uniforms(chain: u64) -> impl Fn(u64) -> Pcg32 {
+    move |step| Pcg32::new(5, chain, step)
+}
+
 /// Chi-square of where many chains are after 30 steps that were begun with states distributed as the
 /// target function, against it, as a z-score (Wilson and Hilferty 1931). Chains are independent, so
 /// counts are multinomial. States of which fewer than ten are expected count as one.
-fn chi_square(mutation: AnyMutation<'_>) -> f64 {
+fn chi_square(step: impl Fn(&mut Chain, &mut Sites, u64)) -> f64 {
     const CHAINS: u64 = 20_000;
     let states = reachable(&ALL);
     let f: Vec<f64> = states.values().map(|state| target(&Sites::new().restore(state))).collect();
     let total: f64 = f.iter().sum();
     let distributed = discrete_weighted(states.values().collect::<Vec<_>>(), &f).expect("weights");
-    let rate = |path: &Path<'_>| (target(path), state(path));
     let mut arena = Sites::new();
     let mut counts: BTreeMap<Pattern, u64> = BTreeMap::new();
     for chain in 0..CHAINS {
         let first = distributed.sample(Pcg32::new(6, chain, 0).next()).item;
         let mut at = MarkovChainState::new(&arena.restore(first), &rate);
         for _ in 0..30 {
-            at.step(&mut arena, mutation, &rate, |step| Pcg32::new(5, chain, step));
+            step(&mut at, &mut arena, chain);
         }
         *counts.entry(at.contribution().clone()).or_default() += 1;
     }
@@ -304,13 +314,19 @@ fn chi_square(mutation: AnyMutation<'_>) -> f64 {
 /// False alarm with probability 3e-7 (z > 5).
 #[test]
 fn chains_stay_distributed_as_the_target() {
-    let z = chi_square(&ALL);
+    let z = chi_square(|at, arena, chain| _ = at.step(arena, &ALL, &rate, uniforms(chain)));
+    assert!(z < 5.0, "{z}");
+    let among = |at: &mut Chain, arena: &mut Sites, chain| {
+        let step = at.step_among(arena, &ALL, &rate, uniforms(chain));
+        assert!(step.selected.is_some());
+    };
+    let z = chi_square(among);
     assert!(z < 5.0, "{z}");
 }
 
 #[test]
 fn chains_with_a_wrong_density_would_be_found() {
-    let z = chi_square(&Impure);
+    let z = chi_square(|at, arena, chain| _ = at.step(arena, &Impure, &rate, uniforms(chain)));
     assert!(z > 5.0, "a wrong density is not found: {z}");
 }
 

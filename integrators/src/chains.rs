@@ -189,14 +189,14 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
 /// Of the error of Mitsuba's Cornell box with 64 mutations a pixel (`aether render --integrator mlt --spp 64`) one hundredth is
 /// that of direct light with a sample for each, and one thirtieth with a sample for two; of the time it takes a fourth and an
 /// eighth.
-const STEPS: u32 = 2;
+const STEPS_BESIDE: u32 = 2;
 
-/// A worker whose samples each count for [`STEPS`] ones. The steps of a pixel mostly follow each other, so that a sample is
+/// A worker whose samples each count for [`STEPS_BESIDE`] ones. The steps of a pixel mostly follow each other, so that a sample is
 /// taken once; only what it gives to other pixels it has to give again.
 fn beside(mut worker: Worker<'_>) -> Worker<'_> {
     let mut last = None;
     Box::new(move |pixel, number, splats| {
-        let (sample, waiting) = ((pixel, number / STEPS), splats.len());
+        let (sample, waiting) = ((pixel, number / STEPS_BESIDE), splats.len());
         if let Some((known, value)) = last
             && known == sample
         {

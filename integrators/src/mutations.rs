@@ -88,7 +88,7 @@ impl<'a, K: SceneKind> Mutation<SceneVertex<K>, MutationStrategies<'a, K>>
         let (n, world) = (path.len(), self.world);
         let purpose = decide.purpose();
         // An eye that is always the same stays, which saves proposals that change nothing.
-        let begin = usize::from(path.carries(0, Dirac::Position));
+        let begin = usize::from(path.view().carries(0, Dirac::Position));
         let most = n - begin;
         let replaced = |i: usize| if i + 1 == most { ALL } else { halved(i) };
         let old = decide.weighted_among(most, replaced, |i| purpose.replaces_so_many(i + 1))? + 1;
@@ -157,8 +157,7 @@ pub struct LensPerturbation<'a, K: SceneKind> {
 impl<K: SceneKind> LensPerturbation<'_, K> {
     /// Which may be the first vertex that stays, behind the eye; `None` if the path is for the other of the two.
     fn ends(&self, path: &Path<'_, '_, K>) -> Option<[Option<usize>; 2]> {
-        let has_smooth = has_smooth(self.world, path);
-        let smooth = |i: usize| has_smooth && is_smooth(self.world, path, i);
+        let smooth = |i: usize| is_smooth(self.world, path, i);
         // Behind a chain, and the rough surface that it leads to.
         let behind = |from: usize| (from..path.len()).find(|i| !smooth(*i)).map(|i| i + 1);
         let first = behind(1)?;
@@ -212,7 +211,6 @@ pub struct CausticPerturbation<'a, K: SceneKind> {
 impl<'a, K: SceneKind> CausticPerturbation<'a, K> {
     /// Where the chain that leads to the first vertex seen begins, if there is one.
     fn origin(&self, path: &Path<'_, 'a, K>) -> Option<usize> {
-        has_smooth(self.world, path).then_some(())?;
         let (n, smooth) = (path.len(), |i: usize| is_smooth(self.world, path, i));
         if n < 4 || smooth(1) || !smooth(2) {
             return None;
@@ -253,12 +251,6 @@ const ROUGH: f32 = 0.2;
 /// How far half vectors are moved, in units of the roughness.
 const MOVED: f32 = 0.1;
 
-/// Whether some vertex of a path may be smooth, which in most scenes none can be.
-#[inline(always)]
-fn has_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>) -> bool {
-    world.least_roughness() < ROUGH || !path.is_undirected()
-}
-
 /// Whether a vertex of a path scatters in a single direction, or in few: none of its ends.
 fn is_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>, i: usize) -> bool {
     let inside = i > 0 && i + 1 < path.len();
@@ -275,7 +267,7 @@ fn follow<'a, K: SceneKind>(
     path: &Path<'_, 'a, K>,
     draft: &mut Proposal<'_, 'a, K>,
 ) {
-    while has_smooth(world, path) && is_smooth(world, path, draft.size() - 1) {
+    while is_smooth(world, path, draft.size() - 1) {
         let i = draft.size() - 1;
         let [before, here, next] = [i - 1, i, i + 1].map(|i| path.vertex(i));
         let (Some(before), Some(here), Some(next)) = (before, here, next) else { return };

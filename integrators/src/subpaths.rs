@@ -152,7 +152,7 @@ pub fn splits(length: usize) -> impl Iterator<Item = Technique> + Clone {
 
 /// Whether a path leaves vertex `i` in a single direction, as at a mirror.
 pub fn is_atom<K: SceneKind, S: Strategy<SceneVertex<K>>>(path: &Path<'_, K, S>, i: usize) -> bool {
-    !path.is_undirected() && path.carries(i, Dirac::Direction)
+    path.view().carries(i, Dirac::Direction)
 }
 
 /// Makes a path that has ended a technique for `size` vertices: it might have gone on.

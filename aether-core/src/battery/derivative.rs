@@ -4,6 +4,16 @@
 const LEVELS: usize = 10;
 const FEW_LEVELS: usize = 3;
 
+/// The numbers in which a map of uniforms computes.
+pub(super) struct Numbers<'a> {
+    /// How far the next one after one is from it.
+    pub(super) epsilon: f64,
+    /// Uniforms as they have them.
+    pub(super) rounded: &'a dyn Fn(&[f64]) -> Vec<f64>,
+}
+
+const DOUBLE: Numbers<'static> = Numbers { epsilon: f64::EPSILON, rounded: &<[f64]>::to_vec };
+
 /// The derivative of a map of uniforms at a point.
 pub(super) struct Derivative {
     /// Orthonormal basis of the tangent space.
@@ -17,30 +27,29 @@ pub(super) struct Derivative {
 
 impl Derivative {
     /// Differentiates `f` at an interior point `u` of the unit cube; `None` where `f` is not
-    /// defined, or its derivative too small or too rough to tell. `epsilon` is that of the numbers in
-    /// which `f` computes.
+    /// defined, or its derivative too small or too rough to tell. `f` computes in these numbers.
     pub(super) fn of(
         f: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
         u: &[f64],
-        epsilon: f64,
+        numbers: &Numbers<'_>,
     ) -> Option<Self> {
-        Self::by_steps(f, u, (0.05, LEVELS), epsilon)
+        Self::by_steps(f, u, (0.05, LEVELS), numbers)
     }
 
     /// The same to about a thousandth, in double precision, for less work and from points close by.
     pub(super) fn roughly(f: &dyn Fn(&[f64]) -> Option<Vec<f64>>, u: &[f64]) -> Option<Self> {
-        Self::by_steps(f, u, (1e-5, FEW_LEVELS), f64::EPSILON)
+        Self::by_steps(f, u, (1e-5, FEW_LEVELS), &DOUBLE)
     }
 
     fn by_steps(
         f: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
         u: &[f64],
         steps: (f64, usize),
-        epsilon: f64,
+        numbers: &Numbers<'_>,
     ) -> Option<Self> {
         let mut result = Derivative { tangents: Vec::new(), extents: Vec::new(), error: 0.0 };
         for axis in 0..u.len() {
-            let (mut column, error) = ridders(f, u, axis, steps, epsilon)?;
+            let (mut column, error) = ridders(f, u, axis, steps, numbers)?;
             // Twice, so that the columns are orthogonal to the last digit.
             for tangent in result.tangents.iter().chain(&result.tangents) {
                 let along = dot(&column, tangent);
@@ -113,25 +122,24 @@ fn ridders(
     u: &[f64],
     axis: usize,
     (widest, levels): (f64, usize),
-    epsilon: f64,
+    numbers: &Numbers<'_>,
 ) -> Option<(Vec<f64>, f64)> {
     const SHRINK: f64 = 1.6;
     let mut step = 0.5 * u[axis].min(1.0 - u[axis]).min(widest);
     let mut previous: Vec<Vec<f64>> = Vec::new();
     let mut best: Option<(Vec<f64>, f64)> = None;
     for level in 0..levels {
+        // The ends of the step are where the numbers of the map have them.
         let at = |x: f64| {
             let mut v = u.to_vec();
             v[axis] = x;
-            f(&v)
+            let v = (numbers.rounded)(&v);
+            Some((v[axis], f(&v)?))
         };
-        // The uniforms that are the ends of the step in the numbers of the map.
-        let [high, low] = [u[axis] + step, u[axis] - step]
-            .map(|x| if epsilon > f64::EPSILON { f64::from(x as f32) } else { x });
-        let (up, down) = (at(high)?, at(low)?);
+        let ((high, up), (low, down)) = (at(u[axis] + step)?, at(u[axis] - step)?);
         let mut row = vec![scaled_difference(&up, &down, (high - low).recip())];
         // The standard deviation of the difference of two rounded values over the step, as the extrapolation adds to it.
-        let rounding = 0.25 * epsilon / step * norm(&up);
+        let rounding = 0.25 * numbers.epsilon / step * norm(&up);
         let mut factor = 1.0;
         for k in 0..level {
             factor *= SHRINK * SHRINK;
@@ -164,7 +172,7 @@ mod tests {
             let (r, phi) = ((u[0] * (1.0 - u[0])).sqrt() * 2.0, core::f64::consts::TAU * u[1]);
             Some(vec![r * phi.cos(), r * phi.sin(), 1.0 - 2.0 * u[0]])
         };
-        let d = Derivative::of(&sphere, &[0.3, 0.8], f64::EPSILON).unwrap();
+        let d = Derivative::of(&sphere, &[0.3, 0.8], &DOUBLE).unwrap();
         assert!((d.volume() / (4.0 * core::f64::consts::PI) - 1.0).abs() < 1e-9);
         assert!(d.error < 1e-8);
         let rough = Derivative::roughly(&sphere, &[0.01, 0.8]).unwrap();
@@ -178,10 +186,12 @@ mod tests {
     #[test]
     fn agreement_by_chance_is_no_accuracy() {
         let power = |u: &[f64]| Some(vec![f64::from((u[0] as f32).powf(1.0 / 7.0))]);
+        let single = |u: &[f64]| u.iter().map(|u| f64::from(*u as f32)).collect();
+        let numbers = Numbers { epsilon: f64::from(f32::EPSILON), rounded: &single };
         let (mut told, mut worst) = (0, 0.0_f64);
         for i in 0..2000 {
             let u = f64::from(0.99 + 4e-6 * i as f32);
-            let d = Derivative::of(&power, &[u], f64::from(f32::EPSILON)).unwrap();
+            let d = Derivative::of(&power, &[u], &numbers).unwrap();
             let exact = u.powf(-6.0 / 7.0) / 7.0;
             worst = worst.max((d.volume() / exact - 1.0).abs() / d.error);
             told += usize::from(d.error < 5e-3);

@@ -1,6 +1,6 @@
 //! A sampler as the checks see it: coordinates and densities in `f64`.
 
-use super::derivative::{Derivative, distance, norm};
+use super::derivative::{Derivative, Numbers, distance, norm};
 use super::subject::{AnySpot, Subject};
 use crate::uniform::Pcg32;
 
@@ -49,7 +49,9 @@ impl<'a> Probe<'a> {
 
     /// The derivative of the forward map by differences.
     pub(super) fn derivative(&self, u: &[f64]) -> Option<Derivative> {
-        Derivative::of(&|v| self.forward(v).map(|(_, x)| x), u, self.epsilon)
+        let rounded = |v: &[f64]| self.sampler.rounded(v);
+        let numbers = Numbers { epsilon: self.epsilon, rounded: &rounded };
+        Derivative::of(&|v| self.forward(v).map(|(_, x)| x), u, &numbers)
     }
 
     /// The magnitude that the rounding of a point is relative to.

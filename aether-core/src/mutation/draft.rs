@@ -84,11 +84,10 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
     }
 
     /// The path with its new vertices drawn; `None` if a strategy yields no vertex, or if something
-    /// is kept that is not of the current path. `steps` is how many the tape had before the mutation.
+    /// is kept that is not of the current path.
     pub(super) fn draw<U: UniformSource<V::Real> + ?Sized>(
         &self,
         origin: &Origin<'a, V, S>,
-        steps: usize,
         uniforms: &mut U,
     ) -> Option<RandomSequence<'a, V, S>> {
         let (arena, draft) = (self.path.arena, self.place()?);
@@ -97,7 +96,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
         }
         let n = draft.len as usize;
         // What the mutation has put together is nowhere else.
-        let place = if !draft.reversed && draft.at(0) >= steps {
+        let place = if !draft.reversed && draft.at(0) >= origin.steps {
             draft
         } else {
             let place = Place::new(arena.tape.len(), n);

@@ -192,9 +192,8 @@ where
 {
     let origin = Origin::new(current)?;
     uniforms.start(DECISIONS);
-    let steps = current.arena.tape.len();
     let draft = mutation.propose(current, &mut Decisions::draw(&mut Borrowed(uniforms)))?;
-    draft.draw(&origin, steps, uniforms)
+    draft.draw(&origin, uniforms)
 }
 
 /// The density with which a mutation makes `to` of `from`: with respect to the product of the
@@ -230,7 +229,6 @@ where
     let mut sum = PathDensity::ZERO;
     let to = to.handle.place;
     let wanted = origin.wanted(to, in_common);
-    let steps = from.arena.tape.len();
     loop {
         let mut decide = Decisions::replay(decided, wanted);
         let draft = mutation.propose(from, &mut decide).and_then(|draft| draft.place());
@@ -239,7 +237,7 @@ where
             sum = sum + probability * origin.density(draft, to, in_common);
         }
         // The draft is nowhere else: what a mutation is given outlives nothing that it could be kept in.
-        from.arena.tape.truncate(steps);
+        from.arena.tape.truncate(origin.steps);
         if !advance(decided) {
             break;
         }

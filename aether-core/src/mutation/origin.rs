@@ -10,6 +10,8 @@ use crate::strategy::{Dirac, Strategy, Vertex};
 pub(super) struct Origin<'a, V: Vertex, S> {
     arena: &'a Arena<V, S>,
     path: Place,
+    /// How many steps the tape had before the mutation.
+    pub steps: usize,
 }
 
 /// The id of vertex `i` of a place; `None` beyond its ends.
@@ -20,7 +22,8 @@ fn id<V: Vertex>(tape: &Unfolded<'_, V>, place: Place, i: usize) -> Option<u32> 
 impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     /// `None` if the path is not complete.
     pub fn new(path: &RandomSequence<'a, V, S>) -> Option<Self> {
-        path.is_complete().then_some(Origin { arena: path.arena, path: path.handle.place })
+        let (arena, steps) = (path.arena, path.arena.tape.len());
+        path.is_complete().then_some(Origin { arena, path: path.handle.place, steps })
     }
 
     pub fn arena(&self) -> &'a Arena<V, S> {

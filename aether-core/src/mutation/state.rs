@@ -23,10 +23,8 @@ pub struct MarkovChainState<V: Vertex, S, C> {
     target: PathDensity<V::Real>,
     contribution: C,
     steps: u64,
-    /// The weights of several mutations at the path, and room for those at a proposal.
+    /// The weights of several mutations at the path, none until they are known, and room for those at a proposal.
     weights: [Vec<V::Real>; 2],
-    /// Whether they are known.
-    weighed: bool,
 }
 
 /// What happened in a step of a chain.
@@ -80,7 +78,7 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         steps: u64,
     ) -> Self {
         let weights = [Vec::new(), Vec::new()];
-        MarkovChainState { path, target, contribution, steps, weights, weighed: false }
+        MarkovChainState { path, target, contribution, steps, weights }
     }
 
     /// The current path.
@@ -123,18 +121,17 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
     {
         let (current, mut uniforms) = self.begin(arena, uniforms);
         let mut transition = self.stay();
-        let Some(path) = propose(mutation, &current.path, &mut uniforms) else {
+        let Some((proposal, contribution)) = rated(mutation, &current, target, &mut uniforms)
+        else {
             return transition;
         };
-        let (value, contribution) = target(&path);
-        let proposal = Rated::new(path, value);
         transition.proposal = Some(contribution.clone());
         transition.probability = accept_probability(mutation, &current, &proposal);
         uniforms.start(ACCEPTANCE);
         transition.accepted = uniforms.next() < transition.probability;
         if transition.accepted {
             self.go_to(&proposal, contribution);
-            self.weighed = false;
+            self.weights[0].clear();
         }
         transition
     }
@@ -156,9 +153,8 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
     {
         let (current, mut uniforms) = self.begin(arena, uniforms);
         let mut transition = self.stay();
-        if !self.weighed {
+        if self.weights[0].is_empty() {
             mutations.weigh(&current.path, &mut self.weights[0]);
-            self.weighed = true;
         }
         uniforms.start(ACCEPTANCE);
         let [selecting, accepting] = [uniforms.next(), uniforms.next()];
@@ -166,26 +162,24 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         let Some(selected) = here else { return transition };
         let (i, mutation) = (selected.item, mutations.0[selected.item]);
         transition.selected = Some(i);
-        let Some(path) = propose(mutation, &current.path, &mut uniforms) else {
+        let Some((proposal, contribution)) = rated(mutation, &current, target, &mut uniforms)
+        else {
             return transition;
         };
-        let (value, contribution) = target(&path);
-        let proposal = Rated::new(path, value);
         transition.proposal = Some(contribution.clone());
         let weights = &mut self.weights[1];
-        weights.clear();
         transition.probability = acceptance(
             [current.target, proposal.target],
             || conditional_pdf(mutation, &current.path, &proposal.path) * selected.probability,
             || {
                 mutations.weigh(&proposal.path, weights);
-                match probabilities(weights).and_then(|there| there.get(i)) {
-                    Some(way_back) if way_back.probability > V::Real::ZERO => {
-                        conditional_pdf(mutation, &proposal.path, &current.path)
-                            * way_back.probability
-                    }
-                    _ => PathDensity::ZERO,
-                }
+                let selected = probabilities(weights).and_then(|there| there.get(i));
+                selected.filter(|back| back.probability > V::Real::ZERO).map_or(
+                    PathDensity::ZERO,
+                    |back| {
+                        conditional_pdf(mutation, &proposal.path, &current.path) * back.probability
+                    },
+                )
             },
         );
         transition.accepted = accepting < transition.probability;
@@ -224,6 +218,24 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         self.target = proposal.target;
         self.contribution = contribution;
     }
+}
+
+/// A proposal with the value of the target function there, and what it contributes.
+fn rated<'a, V, S, M, T, C>(
+    mutation: &M,
+    current: &Rated<'a, V, S>,
+    target: &impl Fn(&RandomSequence<'_, V, S>) -> (T, C),
+    uniforms: &mut impl UniformSource<V::Real>,
+) -> Option<(Rated<'a, V, S>, C)>
+where
+    V: Vertex,
+    S: Strategy<V>,
+    M: Mutation<V, S> + ?Sized,
+    T: Into<PathDensity<V::Real>>,
+{
+    let path = propose(mutation, &current.path, uniforms)?;
+    let (value, contribution) = target(&path);
+    Some((Rated::new(path, value), contribution))
 }
 
 /// Which mutation is selected how often, by the weights of all.

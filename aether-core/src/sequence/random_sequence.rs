@@ -6,7 +6,7 @@ use core::ops::{Bound, RangeBounds};
 use crate::path_density::PathDensity;
 use crate::sequence::tape::{Merger, Question};
 use crate::sequence::{Arena, Part, PathView, Place};
-use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
+use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
 /// Which steps of the arena make up a path, and what may still become of it.
@@ -135,17 +135,6 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// The vertices as integrands see them.
     pub fn view(&self) -> PathView<'a, V> {
         PathView::of_tape(&self.arena.tape, self.handle.place.range(0, self.len()))
-    }
-
-    /// Whether vertex `i` carries a Dirac factor: [`PathView::carries`] of the path as far as it has vertices.
-    pub fn carries(&self, i: usize, dirac: Dirac) -> bool {
-        self.view().carries(i, dirac)
-    }
-
-    /// Whether it is known at once that no vertex leads on in a single direction: that of no path here does.
-    #[inline(always)]
-    pub fn is_undirected(&self) -> bool {
-        self.arena.tape.is_undirected()
     }
 
     /// Adds a strategy for one more vertex, or a joint one for several. Nothing is sampled before

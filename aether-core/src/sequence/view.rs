@@ -272,6 +272,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
         };
         match self.source {
             Source::Slice(_) => false,
+            // Mostly that is known without a look at any step.
+            Source::Tape(tape, _) if dirac == Dirac::Direction && tape.is_undirected() => false,
             Source::Tape(tape, place) => on(&tape.unfolded(), place),
             Source::Unfolded(tape, place) => on(tape, place),
             Source::Drawn(last) => {

@@ -52,20 +52,20 @@ const fn directions() -> [[u32; 32]; JOINT] {
     all
 }
 
-/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: in the
-/// first dimension, these bits themselves.
-const NIBBLES: [[[u32; 16]; 8]; JOINT] = nibbles();
+/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: in all
+/// dimensions but the first, where it is these bits themselves.
+const NIBBLES: [[[u32; 16]; 8]; JOINT - 1] = nibbles();
 
-const fn nibbles() -> [[[u32; 16]; 8]; JOINT] {
-    let mut all = [[[0; 16]; 8]; JOINT];
+const fn nibbles() -> [[[u32; 16]; 8]; JOINT - 1] {
+    let mut all = [[[0; 16]; 8]; JOINT - 1];
     let mut i = 0;
-    while i < JOINT * 8 * 16 {
+    while i < (JOINT - 1) * 8 * 16 {
         let (dimension, nibble, value) = (i / 128, i / 16 % 8, i % 16);
         let mut bit = 0;
         while bit < 4 {
             if (value >> bit) & 1 == 1 {
                 all[dimension][nibble][value] ^=
-                    DIRECTIONS[dimension][4 * nibble + bit].reverse_bits();
+                    DIRECTIONS[dimension + 1][4 * nibble + bit].reverse_bits();
             }
             bit += 1;
         }
@@ -78,10 +78,8 @@ const fn nibbles() -> [[[u32; 16]; 8]; JOINT] {
 /// opposite order: the first one behind the point is the lowest.
 #[inline(always)]
 fn reversed_sobol(index: u32, dimension: usize) -> u32 {
-    if dimension == 0 {
-        return index;
-    }
-    let table = NIBBLES[dimension].iter().enumerate();
+    let Some(others) = dimension.checked_sub(1) else { return index };
+    let table = NIBBLES[others].iter().enumerate();
     table.fold(0, |x, (i, nibble)| x ^ nibble[(index >> (4 * i)) as usize & 15])
 }
 

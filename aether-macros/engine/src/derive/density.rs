@@ -335,11 +335,8 @@ pub(super) fn finish(
     let mut stable: Vec<Id> = Vec::new();
     for [without, best] in picked {
         // The coordinates of a direction have its length in common as well, so that they need the same form.
-        let freed = if together && (is_map || without == best) {
-            without_length(g, without, &sums.pairs)
-        } else {
-            None
-        };
+        let is_to_be_freed = together && (is_map || without == best);
+        let freed = is_to_be_freed.then(|| without_length(g, without, &sums.pairs)).flatten();
         stable.push(freed.unwrap_or(best));
     }
     let found: Vec<Id> = problem.unknowns.iter().map(|l| s.unknowns[l]).collect();
