@@ -186,9 +186,9 @@ impl<'s, K: SceneKind, I: ChainIntegrator> ChainKernel<'s, K, I> {
 
 /// To how many steps of chains there is a sample of direct light.
 ///
-/// Of the error of Mitsuba's Cornell box with 64 mutations a pixel (`aether render --integrator mlt --spp 64`) one hundredth is
-/// that of direct light with a sample for each, and one thirtieth with a sample for two; of the time it takes a fourth and an
-/// eighth.
+/// Of Mitsuba's Cornell box with 64 mutations a pixel (`aether render --integrator mlt --spp 64`) the relMSE is 4.2e-3; that of its
+/// direct light (`--integrator path --max-depth 2 --sampler ldsampler`) is 4.2e-5 with 64 samples, which take a fourth of the
+/// time, and 8.1e-5 with 32.
 const STEPS_BESIDE: u32 = 2;
 
 /// A worker whose samples each count for [`STEPS_BESIDE`] ones. The steps of a pixel mostly follow each other, so that a sample is
