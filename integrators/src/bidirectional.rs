@@ -18,7 +18,6 @@ use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
-use crate::selection::Selection;
 use crate::strategies::{Pixel, sample_camera_direction, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path};
 use crate::vertex::SceneVertex;
@@ -41,6 +40,23 @@ impl Bidirectional {
     pub fn new(path: PathSettings) -> Self {
         Bidirectional { path, light_paths: 1, fewest_vertices: 2 }
     }
+}
+
+/// As how many samples one of direct light counts, where the camera's path leads to it, when it is weighed against light paths
+/// that happen to meet a pixel.
+///
+/// Densities do not tell that these samples differ less than others do: each pixel has the same number of them, and next-event
+/// estimation spreads them over the light (variance-aware weights: Grittmann et al. 2019, "Variance-Aware Multiple Importance
+/// Sampling"; here by a number that is known beforehand). Of Mitsuba's Cornell box the relMSE of `aether render --integrator bdpt
+/// --sampler ldsampler --spp 16` is 3.73e-3 with one, 2.64e-3 with four and 2.59e-3 with sixteen. Of Veach's plates, where lights
+/// are often found better by scattering, it is 1.00e-2, 8.7e-3 and 1.41e-2; of other scenes up to 3 % lower with four, or the same.
+/// For longer paths there is nothing to be gained so.
+pub const DIRECT: usize = 4;
+
+/// How many samples one counts as that makes a path with so many vertices, the first number, of which so many are of the camera.
+#[inline(always)]
+fn worth(length: usize, first: usize) -> usize {
+    if length == 3 && first == 2 { DIRECT } else { 1 }
 }
 
 /// What one thread reuses from sample to sample.
@@ -146,13 +162,13 @@ impl Bidirectional {
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
         let by = |length: usize, first: usize| Technique::edge(first, length - first);
-        let all = self.path.techniques == Selection::ALL;
+        let from_lights = count * world.pixels();
         let samples = |length: usize, first: usize| match first {
             0 => 0,
-            _ if !all && !self.path.techniques.has(by(length, first)) => 0,
-            1 => count * world.pixels(),
+            _ if !self.path.techniques.has(by(length, first)) => 0,
+            1 => from_lights,
             _ if first == length => 1,
-            _ => count,
+            _ => count * worth(length, first),
         };
         for number in 0..count {
             let uniforms = &mut Piece::new(uniforms, number as u32);
@@ -185,6 +201,8 @@ impl Bidirectional {
             };
             estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
                 let response = if found.first == 1 { own(found.length) } else { response };
+                // There is one sample where several are weighed.
+                let response = response * worth(found.length, found.first) as f32;
                 let [value, alone] = [found.value, found.alone].map(|v| v * response);
                 record(by(found.length, found.first), pixel, value, alone);
             });

@@ -12,8 +12,9 @@ use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use aether_core::UniformSource;
 use aether_core::discrete::{Cdf, Discrete};
-use aether_core::{Pcg32, UniformSource};
+use aether_core::uniform::Sobol;
 use glam::Vec3;
 use smallvec::SmallVec;
 
@@ -69,27 +70,43 @@ pub fn usual_candidates(pixels: usize) -> usize {
 #[derive(Debug)]
 pub struct Statistics {
     names: &'static [&'static str],
-    counts: Vec<[AtomicU64; 3]>,
+    /// By the chain, as threads that count at the same place wait for each other, and by the kind.
+    counts: [Counts; PLACES],
 }
+
+/// Numbers of each kind of step, on cache lines of their own.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Counts([[AtomicU64; 3]; KINDS]);
+
+/// How many kinds of steps an integrator may have.
+const KINDS: usize = 4;
+
+/// How many places there are to count at.
+const PLACES: usize = 64;
 
 impl Statistics {
     /// Nothing so far, of steps of these kinds.
     pub fn new(names: &'static [&'static str]) -> Self {
-        Statistics { names, counts: names.iter().map(|_| Default::default()).collect() }
+        assert!(names.len() <= KINDS, "there is room for {KINDS} kinds of steps");
+        Statistics { names, counts: std::array::from_fn(|_| Counts::default()) }
     }
 
-    /// Counts a step of the kind with this number.
-    pub fn count(&self, kind: usize, proposed: bool, accepted: bool) {
-        for (count, happened) in self.counts[kind].iter().zip([true, proposed, accepted]) {
+    /// Counts a step of a chain, of the kind with this number.
+    pub fn count(&self, chain: usize, kind: usize, proposed: bool, accepted: bool) {
+        let counts = &self.counts[chain % PLACES].0[kind];
+        for (count, happened) in counts.iter().zip([true, proposed, accepted]) {
             count.fetch_add(u64::from(happened), Ordering::Relaxed);
         }
     }
 
     /// The numbers of each kind: steps, proposals, and how many of these were accepted.
     pub fn counts(&self) -> impl Iterator<Item = (&'static str, [u64; 3])> + '_ {
-        let value = |count: &AtomicU64| count.load(Ordering::Relaxed);
-        let values = self.counts.iter().map(move |counts| counts.each_ref().map(value));
-        self.names.iter().copied().zip(values)
+        let sum = |kind: usize, i: usize| {
+            self.counts.iter().map(|counts| counts.0[kind][i].load(Ordering::Relaxed)).sum()
+        };
+        let values = move |(kind, name)| (name, std::array::from_fn(|i| sum(kind, i)));
+        self.names.iter().copied().enumerate().map(values)
     }
 }
 
@@ -99,7 +116,10 @@ impl Statistics {
     }
 
     fn restore(&self, from: &mut dyn Read) -> io::Result<()> {
-        for count in self.counts.iter().flatten() {
+        for counts in &self.counts {
+            counts.0.iter().flatten().for_each(|count| count.store(0, Ordering::Relaxed));
+        }
+        for count in self.counts[0].0[..self.names.len()].iter().flatten() {
             count.store(Stored::load(from)?, Ordering::Relaxed);
         }
         Ok(())
@@ -229,7 +249,8 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
 
     fn chain(&self, number: usize) -> Option<Chain<'_>> {
         let Some((choice, mean)) = &self.start else { return Some(Box::new(Still)) };
-        let mut uniforms = Pcg32::new(self.seed, number as u64, u64::MAX);
+        // The chains together begin more evenly than each for itself would.
+        let mut uniforms = Sobol::new(self.seed, u64::MAX - 1, number as u32);
         let candidate = Discrete::<f32>::sample(choice, uniforms.next()).index;
         let start = Start { candidate, mean: *mean, seed: self.seed, number };
         Some(self.integrator.chain(&self.world, start, &self.statistics))

@@ -22,7 +22,6 @@ use crate::mutations::{
 };
 use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats, Technique};
-use crate::selection::Selection;
 use crate::stored::Stored;
 use crate::strategies::{Aim, sample_camera, sample_light};
 use crate::subpaths::{
@@ -180,7 +179,7 @@ impl Metropolis {
         };
         // Together they make all paths.
         let techniques = self.path.techniques;
-        techniques == Selection::ALL || techniques.among(splits(n)).any(can_make)
+        techniques.is_all() || techniques.among(splits(n)).any(can_make)
     }
 
     /// Whether one of the mutations that are used fits a path.
@@ -298,8 +297,7 @@ impl ChainIntegrator for Metropolis {
     const STEPS: &'static [&'static str] = &MUTATIONS;
 
     fn direct(&self) -> Option<PathSettings> {
-        let all =
-            self.path.techniques == Selection::ALL && self.mutations == MutationSet::default();
+        let all = self.path.techniques.is_all() && self.mutations == MutationSet::default();
         let separate = self.direct && all && self.path.most_vertices() > DIRECT;
         separate.then(|| self.path.direct())
     }
@@ -367,7 +365,7 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
             state.step_among(arena, &Mutations(all), &target, uniforms)
         });
         if let Some(mutation) = step.selected {
-            self.statistics.count(mutation, step.proposal.is_some(), step.accepted);
+            self.statistics.count(start.number, mutation, step.proposal.is_some(), step.accepted);
         }
         for (contributions, weight) in step.weighted() {
             contributions.splat(weight * start.mean / contributions.brightness(), splats);

@@ -12,7 +12,6 @@ use crate::integrator::Integrator;
 use crate::kind::SceneKind;
 use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats};
-use crate::selection::Selection;
 use crate::stored::Stored;
 use crate::strategies::Pixel;
 use crate::world::World;
@@ -181,7 +180,7 @@ impl ChainIntegrator for PrimarySample {
 
     fn direct(&self) -> Option<PathSettings> {
         let path = &self.inner.path;
-        let all = path.techniques == Selection::ALL;
+        let all = path.techniques.is_all();
         (self.direct && all && path.most_vertices() > DIRECT).then(|| path.direct())
     }
 
@@ -248,7 +247,7 @@ impl<E: FnMut(&mut Primary, &mut Contributions) + Send> MarkovChain for PrimaryC
         current.splat((1.0 - probability) * start.mean / old, splats);
         proposal.splat(probability * start.mean / new, splats);
         let accepted = state.draws() < probability;
-        self.statistics.count(usize::from(state.large), true, accepted);
+        self.statistics.count(start.number, usize::from(state.large), true, accepted);
         if accepted {
             state.accept();
             std::mem::swap(current, proposal);

@@ -14,8 +14,15 @@ use crate::render::Technique;
 /// number, `2..` for two or more: `0:*,1:*` is a path tracer with next-event estimation, `*:1` a light
 /// tracer. What joins the pieces comes first, as in names of layers: `portal-1:2`, or `portal` for all of
 /// these. The empty list stands for all.
-#[derive(Clone, Copy, Default, PartialEq, Eq)]
-pub struct Selection(&'static [Pattern]);
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Selection {
+    patterns: &'static [Pattern],
+    /// The same for edges between few vertices, which samples ask for all the time: bit S of number T stands for `S:T`.
+    edges: &'static [u64; FEW],
+}
+
+/// How many vertices are few.
+const FEW: usize = u64::BITS as usize;
 
 /// Techniques that are named together.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -31,17 +38,39 @@ const ANY: (usize, usize) = (0, usize::MAX);
 
 impl Selection {
     /// All techniques.
-    pub const ALL: Selection = Selection(&[]);
+    pub const ALL: Selection = Selection { patterns: &[], edges: &[u64::MAX; FEW] };
+
+    /// Whether none is left out.
+    #[inline]
+    pub fn is_all(&self) -> bool {
+        self.patterns.is_empty()
+    }
+
+    /// Those of a list that lives as long as the program, as settings do.
+    fn listed(patterns: Vec<Pattern>) -> Self {
+        let mut edges = [0; FEW];
+        for (camera, lights) in edges.iter_mut().enumerate() {
+            let has = |light: &usize| {
+                patterns.iter().any(|pattern| pattern.has(Technique::edge(camera, *light)))
+            };
+            *lights = (0..FEW).filter(has).fold(0, |lights, light| lights | 1 << light);
+        }
+        Selection { patterns: patterns.leak(), edges: Box::leak(Box::new(edges)) }
+    }
 
     /// Whether a technique is among them.
     #[inline]
     pub fn has(&self, technique: Technique) -> bool {
-        self.0.is_empty() || self.lists(technique)
+        let Technique { joint, camera, light, .. } = technique;
+        if joint.is_empty() && camera < FEW && light < FEW {
+            return self.edges[camera] >> light & 1 == 1;
+        }
+        self.is_all() || self.lists(technique)
     }
 
     #[cold]
     fn lists(&self, technique: Technique) -> bool {
-        self.0.iter().any(|pattern| pattern.has(technique))
+        self.patterns.iter().any(|pattern| pattern.has(technique))
     }
 
     /// Those of some techniques that are among them.
@@ -58,14 +87,14 @@ impl Selection {
     /// # Errors
     /// The first name that stands for none, and what there is instead.
     pub fn check(&self, own: &str, vertices: RangeInclusive<usize>) -> Result<(), String> {
-        let Selection(own) = own.parse()?;
-        for pattern in self.0 {
+        let own: Vec<Pattern> = patterns(own)?;
+        for pattern in self.patterns {
             let found = own.iter().filter_map(|own| own.common(pattern));
             let lengths: Vec<_> = found.map(|common| common.vertices()).collect();
             if lengths.is_empty() {
                 return Err(format!(
                     "there is no technique `{pattern}`, but `{}`: S:T has S vertices from the light and T from the camera",
-                    Selection(own)
+                    list(&own)
                 ));
             }
             let (shortest, longest) = (vertices.start(), vertices.end());
@@ -127,8 +156,14 @@ impl fmt::Display for Pattern {
 
 impl fmt::Display for Selection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names: Vec<_> = self.0.iter().map(Pattern::to_string).collect();
-        write!(f, "{}", if names.is_empty() { "all".to_owned() } else { names.join(",") })
+        let names = list(self.patterns);
+        write!(f, "{}", if names.is_empty() { "all" } else { &names })
+    }
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Selection::ALL
     }
 }
 
@@ -171,11 +206,19 @@ impl FromStr for Pattern {
 impl FromStr for Selection {
     type Err = String;
 
-    /// Reads a list, which lives as long as the program, as settings do.
     fn from_str(text: &str) -> Result<Self, String> {
-        let patterns = text.split(',').map(Pattern::from_str).collect::<Result<Vec<_>, _>>()?;
-        Ok(Selection(patterns.leak()))
+        patterns(text).map(Selection::listed)
     }
+}
+
+/// Patterns with commas between them.
+fn list(patterns: &[Pattern]) -> String {
+    patterns.iter().map(Pattern::to_string).collect::<Vec<_>>().join(",")
+}
+
+/// Reads patterns with commas between them.
+fn patterns(text: &str) -> Result<Vec<Pattern>, String> {
+    text.split(',').map(Pattern::from_str).collect()
 }
 
 #[cfg(test)]
@@ -192,9 +235,11 @@ mod tests {
         let some = selection("0:*, 2:1,merge,portal-1:2..");
         assert!(some.has(edge(0, 5)) && some.has(edge(2, 1)));
         assert!(!some.has(edge(2, 2)) && !some.has(edge(1, 1)));
+        assert!(some.has(edge(0, 100)) && !some.has(edge(1, 100)) && !some.has(edge(64, 1)));
         assert!(some.has(Technique::merge(3, 4)));
         assert!(some.has(Technique::portal(2, 1)) && !some.has(Technique::portal(1, 1)));
-        assert!(Selection::ALL.has(edge(7, 9)) && Selection::ALL.has(Technique::portal(1, 1)));
+        assert!(Selection::ALL.has(edge(7, 9)) && Selection::ALL.has(edge(99, 99)));
+        assert!(Selection::ALL.has(Technique::portal(1, 1)));
         assert_eq!(some.to_string(), "0:*,2:1,merge-*:*,portal-1:2..");
     }
 

@@ -303,7 +303,6 @@ where
                 };
                 self.replaced = Some((replaced.step, self.asked(by, End::First, replaced.step)));
             }
-            self.weigh_samples(length);
             self.visit_length(length, visit);
         }
     }
@@ -312,12 +311,15 @@ where
     fn visit_length(&mut self, length: usize, visit: &mut impl FnMut(Connected<I::Value>)) {
         let connections = self.connections;
         let ([first, second], mut is_summed_up) = (self.walks, false);
-        for first in length.saturating_sub(second.len.max(1))..=first.len.min(length) {
-            let mass = self.joints.masses[first];
+        for first in length.saturating_sub(second.len.max(1))..first.len.min(length) + 1 {
             let ends = connections.ends_after(length, first);
             let last = if ends { self.last_of(length) } else { None };
             let exists = if ends { last.is_some() } else { first + second.len >= length };
-            if mass.is_zero() || !exists || !(connections.is_drawn)(length, first) {
+            if !exists || !(connections.is_drawn)(length, first) {
+                continue;
+            }
+            let samples = (connections.samples)(length, first);
+            if samples == 0 {
                 continue;
             }
             let joined = self.joined(Joint { length, first, last });
@@ -326,13 +328,13 @@ where
                 continue;
             }
             if !is_summed_up {
+                self.weigh_samples(length);
                 self.sum_up(length);
                 is_summed_up = true;
             }
-            let others = self.others(&joined) / mass;
+            let others = self.others(&joined) / self.joints.masses[first];
             let weight = (PathDensity::ONE / (PathDensity::ONE + others)).value();
-            let samples = RealOf::<I>::of((connections.samples)(length, first) as f64);
-            let alone = value.over(samples);
+            let alone = value.over(RealOf::<I>::of(samples as f64));
             visit(Connected { length, first, value: alone.times(weight), alone });
         }
     }

@@ -19,6 +19,19 @@ fn id<V: Vertex>(tape: &Unfolded<'_, V>, place: Place, i: usize) -> Option<u32> 
     (i < place.len as usize).then(|| tape.id(place, i))
 }
 
+/// Where among the vertices `in_place` vertex `i` of a place is: mostly there, counted from either end.
+fn position<V: Vertex>(
+    tape: &Unfolded<'_, V>,
+    (place, i): (Place, usize),
+    in_place: Place,
+) -> Option<usize> {
+    let (vertex, n) = (tape.id(place, i), in_place.len as usize);
+    (vertex != NONE).then_some(())?;
+    let is = |k: &usize| tape.id(in_place, *k) == vertex;
+    let mut likely = [i, (i + n).wrapping_sub(place.len as usize)].into_iter();
+    likely.find(|k| *k < n && is(k)).or_else(|| (0..n).find(is))
+}
+
 impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     /// `None` if the path is not complete.
     pub fn new(path: &RandomSequence<'a, V, S>) -> Option<Self> {
@@ -30,23 +43,14 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         self.arena
     }
 
-    /// Where in the origin a vertex is.
-    fn position(&self, tape: &Unfolded<'_, V>, vertex: u32) -> Option<usize> {
-        (vertex != NONE).then_some(())?;
-        (0..self.path.len as usize).find(|i| tape.id(self.path, *i) == vertex)
-    }
-
     /// What a mutation may know of a path whose density is evaluated. Tells of each of its vertices whether the origin has
     /// it, too.
     pub fn wanted(&self, to: Place, in_common: &mut Vec<bool>) -> Wanted {
         let tape = self.arena.tape.unfolded();
         let (current, size) = (self.path.len as usize, to.len as usize);
         in_common.clear();
-        in_common.extend((0..size).map(|k| self.position(&tape, tape.id(to, k)).is_some()));
-        let shared = |i: &usize| {
-            let id = tape.id(self.path, *i);
-            (0..size).any(|k| in_common[k] && tape.id(to, k) == id)
-        };
+        in_common.extend((0..size).map(|k| position(&tape, (to, k), self.path).is_some()));
+        let shared = |i: &usize| position(&tape, (self.path, *i), to).is_some();
         let first = (0..current).take_while(shared).count();
         let last = (0..current).rev().take_while(shared).count();
         let common = if first + last >= current {
@@ -60,8 +64,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     /// Whether vertex `m` of a place has the Dirac factor of a direction because it had it in the
     /// origin: the factor belongs to the vertex, but involves both of its neighbours.
     fn inherits_direction(&self, tape: &Unfolded<'_, V>, place: Place, m: usize) -> bool {
-        let vertex = id(tape, place, m);
-        let Some(p) = vertex.and_then(|id| self.position(tape, id)) else { return false };
+        let is_there = m < place.len as usize;
+        let was = is_there.then(|| position(tape, (place, m), self.path)).flatten();
+        let Some(p) = was else { return false };
         let neighbours =
             |place, i: usize| (id(tape, place, i.wrapping_sub(1)), id(tape, place, i + 1));
         let (before, after) = neighbours(place, m);
@@ -75,7 +80,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     pub fn inherited(&self, place: Place, k: usize) -> Option<(bool, Option<Dirac>)> {
         let tape = &self.arena.tape.unfolded();
         let parent = |i: usize, backward| if backward { i + 1 } else { i.wrapping_sub(1) };
-        let was = self.position(tape, tape.id(place, k))?;
+        let was = position(tape, (place, k), self.path)?;
         let made_from = parent(k, tape.way(place, k).is_backward());
         let parent_was = parent(was, tape.way(self.path, was).is_backward());
         let parent_kept = id(tape, self.path, parent_was) == id(tape, place, made_from);

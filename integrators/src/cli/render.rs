@@ -23,7 +23,6 @@ use crate::render::film::relative_error;
 use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
-use crate::selection::Selection;
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
 const AOV_SAMPLES: u32 = 64;
@@ -226,7 +225,7 @@ fn attributes(
     for (name, value) in &arguments.defines {
         settings += &format!(" -D {name}={value}");
     }
-    if plan.techniques != Selection::ALL {
+    if !plan.techniques.is_all() {
         settings += &format!(" techniques={}", plan.techniques);
     }
     let text = |text: &str| Attribute::Text(text.to_owned());

@@ -7,7 +7,7 @@
 //! density with which the other end would have made it. Against a connection at v_k, the techniques that
 //! have fewer vertices from this end count, by the power heuristic,
 //! S_k = (other_k / own_k)² (one_k + S_{k-1}), where one_k is 1, or whatever the technique that ends at v_{k-1} has
-//! beside densities: the number of its samples, squared, or that it finds the light in another way. A
+//! beside densities: how many samples it counts as, squared, or that it finds the light in another way. A
 //! connection at v_k decides `other` of v_k and v_{k-1} only, so S_{k-2} is kept with v_k.
 
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -17,6 +17,7 @@ use aether_core::prelude::{Direction, Frame};
 use aether_core::uniform::{UniformSource, draw_uniforms};
 use aether_core::work::count_densities;
 use glam::Vec3;
+use integrators::bidirectional::DIRECT;
 use integrators::integrator::Integrator;
 use integrators::kind::{Presence, SceneKind};
 use integrators::lights::{AreaLight, Form, Light};
@@ -126,12 +127,22 @@ fn begins_at<K: SceneKind>(world: &World<'_, K>, vertex: &SceneVertex<K>) -> f32
 
 /// The sum at the last vertex of a piece, if the other end has these densities there and at the one before.
 fn sum_at<K: SceneKind>(piece: &[End<'_, K>], other: f32, other_before: f32) -> f32 {
+    sum_by(piece, other, other_before, 1.0)
+}
+
+/// The same where the technique that ends at the vertex before the last counts so much more.
+fn sum_by<K: SceneKind>(piece: &[End<'_, K>], other: f32, other_before: f32, more: f32) -> f32 {
     let [.., end] = piece else { return 0.0 };
     let before = match piece {
         [.., before, end] => (other_before / before.own).powi(2) * (before.one + end.sum),
         _ => 0.0,
     };
-    (other / end.own).powi(2) * (end.one + before)
+    (other / end.own).powi(2) * (end.one * more + before)
+}
+
+/// How much the technique that looks for the light counts of a path that the camera begins with so many vertices.
+fn counts(camera: usize) -> f32 {
+    if camera == 2 { (DIRECT as f32).powi(2) } else { 1.0 }
 }
 
 /// Extends a piece by scattering until it has `longest` vertices; `block` numbers the blocks that it draws from.
@@ -280,7 +291,7 @@ fn found<K: SceneKind>(world: &World<'_, K>, camera: &[End<'_, K>]) -> Vec3 {
             * per_area(before.vertex.position, &end.vertex);
         let back = shines_on(&end.vertex, &before.vertex);
         let further = (back / before.own).powi(2) * (before.one + end.sum);
-        (looks / end.own).powi(2) + (begins / end.own).powi(2) * further
+        (looks / end.own).powi(2) * counts(camera.len() - 1) + (begins / end.own).powi(2) * further
     };
     end.carries * emitted / (1.0 + others)
 }
@@ -308,7 +319,7 @@ fn looked_for<K: SceneKind>(
     let shines = shines_on(&vertex, &end.vertex);
     let back = turns_to(world, &vertex, &end.vertex, &before.vertex);
     let others = scattered * scattered + begins * begins * sum_at(camera, shines, back);
-    value / (density * (1.0 + others))
+    value / (density * (1.0 + others / counts(camera.len())))
 }
 
 /// What a path carries that joins two pieces by an edge.
@@ -362,7 +373,7 @@ fn splatted<K: SceneKind>(
     };
     // As many samples as pixels, of which each is to count once.
     let samples = world.pixels() as f32;
-    let others = sum_at(light, density, back) / (samples * samples);
+    let others = sum_by(light, density, back, counts(light.len())) / (samples * samples);
     Some((pixel, value / (samples * (1.0 + others))))
 }
 
