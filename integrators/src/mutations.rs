@@ -259,6 +259,7 @@ const ROUGH: f32 = 0.2;
 const MOVED: f32 = 0.1;
 
 /// Whether a vertex of a path scatters in a single direction, or in few: none of its ends.
+#[inline]
 fn is_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>, i: usize) -> bool {
     let inside = i > 0 && i + 1 < path.len();
     let few = || {

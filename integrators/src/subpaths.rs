@@ -151,6 +151,7 @@ pub fn splits(length: usize) -> impl Iterator<Item = Technique> + Clone {
 }
 
 /// Whether a path leaves vertex `i` in a single direction, as at a mirror.
+#[inline]
 pub fn is_atom<K: SceneKind, S: Strategy<SceneVertex<K>>>(path: &Path<'_, K, S>, i: usize) -> bool {
     path.view().carries(i, Dirac::Direction)
 }

@@ -19,17 +19,18 @@ fn id<V: Vertex>(tape: &Unfolded<'_, V>, place: Place, i: usize) -> Option<u32> 
     (i < place.len as usize).then(|| tape.id(place, i))
 }
 
-/// Where among the vertices `in_place` vertex `i` of a place is: mostly there, counted from either end.
+/// Where in a place a vertex is, which is mostly at `likely`.
+#[inline]
 fn position<V: Vertex>(
     tape: &Unfolded<'_, V>,
-    (place, i): (Place, usize),
-    in_place: Place,
+    vertex: u32,
+    place: Place,
+    likely: usize,
 ) -> Option<usize> {
-    let (vertex, n) = (tape.id(place, i), in_place.len as usize);
     (vertex != NONE).then_some(())?;
-    let is = |k: &usize| tape.id(in_place, *k) == vertex;
-    let mut likely = [i, (i + n).wrapping_sub(place.len as usize)].into_iter();
-    likely.find(|k| *k < n && is(k)).or_else(|| (0..n).find(is))
+    let is = |i: &usize| tape.id(place, *i) == vertex;
+    let n = place.len as usize;
+    Some(likely).filter(|i| *i < n && is(i)).or_else(|| (0..n).find(is))
 }
 
 impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
@@ -48,24 +49,37 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     pub fn wanted(&self, to: Place, in_common: &mut Vec<bool>) -> Wanted {
         let tape = self.arena.tape.unfolded();
         let (current, size) = (self.path.len as usize, to.len as usize);
+        // Mostly a path begins and ends with vertices of the other, and has none of it between.
+        let (most, same) = (current.min(size), |i: usize, k: usize| {
+            let id = tape.id(self.path, i);
+            id != NONE && id == tape.id(to, k)
+        });
+        let begin = (0..most).take_while(|i| same(*i, *i)).count();
+        let rest = most - begin;
+        let end = (1..rest + 1).take_while(|i| same(current - i, size - i)).count();
+        let found = |vertex, place| position(&tape, vertex, place, begin).is_some();
         in_common.clear();
-        in_common.extend((0..size).map(|k| position(&tape, (to, k), self.path).is_some()));
-        let shared = |i: &usize| position(&tape, (self.path, *i), to).is_some();
+        in_common.resize(begin, true);
+        in_common.extend((begin..size - end).map(|k| found(tape.id(to, k), self.path)));
+        in_common.resize(size, true);
+        if !in_common[begin..size - end].contains(&true) {
+            let common = begin + end;
+            let ends = if common == current { [current; 2] } else { [begin, end] };
+            return Wanted { size, current, common, ends };
+        }
+        let shared =
+            |i: &usize| *i < begin || *i >= current - end || found(tape.id(self.path, *i), to);
         let first = (0..current).take_while(shared).count();
         let last = (0..current).rev().take_while(shared).count();
-        let common = if first + last >= current {
-            (0..current).filter(shared).count()
-        } else {
-            first + last + (first..current - last).filter(shared).count()
-        };
+        let common = (0..current).filter(shared).count();
         Wanted { size, current, common, ends: [first, last] }
     }
 
     /// Whether vertex `m` of a place has the Dirac factor of a direction because it had it in the
     /// origin: the factor belongs to the vertex, but involves both of its neighbours.
     fn inherits_direction(&self, tape: &Unfolded<'_, V>, place: Place, m: usize) -> bool {
-        let is_there = m < place.len as usize;
-        let was = is_there.then(|| position(tape, (place, m), self.path)).flatten();
+        let vertex = id(tape, place, m);
+        let was = vertex.and_then(|vertex| position(tape, vertex, self.path, m));
         let Some(p) = was else { return false };
         let neighbours =
             |place, i: usize| (id(tape, place, i.wrapping_sub(1)), id(tape, place, i + 1));
@@ -80,7 +94,10 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
     pub fn inherited(&self, place: Place, k: usize) -> Option<(bool, Option<Dirac>)> {
         let tape = &self.arena.tape.unfolded();
         let parent = |i: usize, backward| if backward { i + 1 } else { i.wrapping_sub(1) };
-        let was = position(tape, (place, k), self.path)?;
+        let vertex = tape.id(place, k);
+        let as_far_from_end = (k + self.path.len as usize).wrapping_sub(place.len as usize);
+        let is_there = id(tape, self.path, k) == Some(vertex);
+        let was = position(tape, vertex, self.path, if is_there { k } else { as_far_from_end })?;
         let made_from = parent(k, tape.way(place, k).is_backward());
         let parent_was = parent(was, tape.way(self.path, was).is_backward());
         let parent_kept = id(tape, self.path, parent_was) == id(tape, place, made_from);
