@@ -52,20 +52,20 @@ const fn directions() -> [[u32; 32]; JOINT] {
     all
 }
 
-/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: in all
-/// dimensions but the first, where it is these bits themselves.
-const NIBBLES: [[[u32; 16]; 8]; JOINT - 1] = nibbles();
+/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: the numbers of
+/// a group beside each other.
+const NIBBLES: [[[u32; JOINT]; 16]; 8] = nibbles();
 
-const fn nibbles() -> [[[u32; 16]; 8]; JOINT - 1] {
-    let mut all = [[[0; 16]; 8]; JOINT - 1];
+const fn nibbles() -> [[[u32; JOINT]; 16]; 8] {
+    let mut all = [[[0; JOINT]; 16]; 8];
     let mut i = 0;
-    while i < (JOINT - 1) * 8 * 16 {
-        let (dimension, nibble, value) = (i / 128, i / 16 % 8, i % 16);
+    while i < 8 * 16 * JOINT {
+        let (nibble, value, number) = (i / (16 * JOINT), i / JOINT % 16, i % JOINT);
         let mut bit = 0;
         while bit < 4 {
             if (value >> bit) & 1 == 1 {
-                all[dimension][nibble][value] ^=
-                    DIRECTIONS[dimension + 1][4 * nibble + bit].reverse_bits();
+                all[nibble][value][number] ^=
+                    DIRECTIONS[ORDER[number]][4 * nibble + bit].reverse_bits();
             }
             bit += 1;
         }
@@ -74,13 +74,18 @@ const fn nibbles() -> [[[u32; 16]; 8]; JOINT - 1] {
     all
 }
 
-/// The point of the Sobol sequence with this index, in one dimension, as a binary fraction whose bits are in
+/// The point of the Sobol sequence with this index, in the dimensions of a group, as binary fractions whose bits are in
 /// opposite order: the first one behind the point is the lowest.
 #[inline(always)]
-fn reversed_sobol(index: u32, dimension: usize) -> u32 {
-    let Some(others) = dimension.checked_sub(1) else { return index };
-    let table = NIBBLES[others].iter().enumerate();
-    table.fold(0, |x, (i, nibble)| x ^ nibble[(index >> (4 * i)) as usize & 15])
+fn reversed_sobol(index: u32) -> [u32; JOINT] {
+    let mut point = [0; JOINT];
+    for (i, nibble) in NIBBLES.iter().enumerate() {
+        let row = &nibble[(index >> (4 * i)) as usize & 15];
+        for (x, bits) in point.iter_mut().zip(row) {
+            *x ^= bits;
+        }
+    }
+    point
 }
 
 /// A hash in which each bit depends only on the bits below it (Laine and Karras 2011, with the
@@ -116,25 +121,31 @@ pub struct Sobol {
     drawn: u32,
     /// The shuffled sample index in the current group.
     index: u32,
-    /// Randomisation of the current group.
-    group: u64,
-    /// That of two of its dimensions: of the next one the lower half.
-    pair: u64,
+    /// Randomisations of the group's dimensions, of two each.
+    pairs: [u64; JOINT / 2],
+    /// The scrambled point, with the bits of its numbers in opposite order.
+    point: [u32; JOINT],
 }
 
 impl Sobol {
     /// The point number `sample` of the stream (say, the pixel).
     pub fn new(seed: u64, stream: u64, sample: u32) -> Self {
         let key = first_of(combine(seed, stream));
-        Sobol { key, sample, block: 0, drawn: 0, index: 0, group: 0, pair: 0 }
+        Sobol { key, sample, block: 0, drawn: 0, index: 0, pairs: [0; 2], point: [0; JOINT] }
     }
 
-    /// Shuffles the sample index for the group that starts at the next dimension.
+    /// Shuffles the sample index for the group that starts at the next dimension, and finds its point: in all dimensions
+    /// at once, as mostly several are drawn, and none waits for another.
     #[inline]
     fn begin_group(&mut self) {
-        self.group = with_second(self.key, u64::from(self.block) << 32 | u64::from(self.drawn));
+        let group = with_second(self.key, u64::from(self.block) << 32 | u64::from(self.drawn));
         // As a binary fraction: aligned runs of 2^k samples stay aligned runs.
-        self.index = owen(self.sample, (self.group >> 32) as u32);
+        self.index = owen(self.sample, (group >> 32) as u32);
+        let pairs @ [a, b] = [1, 3].map(|number| mix(group.wrapping_add(number)));
+        let seeds = [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32];
+        let reversed = reversed_sobol(self.index);
+        self.point = core::array::from_fn(|i| laine_karras(reversed[i], seeds[i]));
+        self.pairs = pairs;
     }
 }
 
@@ -146,16 +157,14 @@ impl<R: Single> UniformSource<R> for Sobol {
             self.begin_group();
         }
         self.drawn += 1;
-        self.pair = match number % 2 {
-            0 => mix(self.group.wrapping_add(number as u64 + 1)),
-            _ => self.pair >> 32,
-        };
-        // Owen's scrambling of the point.
-        let reversed = reversed_sobol(self.index, ORDER[number]);
-        let high = laine_karras(reversed, self.pair as u32).reverse_bits();
+        let high = self.point[number].reverse_bits();
         // Scrambling goes on for ever: the bits below the 32nd are random. Mostly single precision has none of them.
         let is_enough = size_of::<R>() <= 4 && high >= 1 << 24;
-        let low = if is_enough { 0 } else { mix(!self.pair ^ u64::from(self.index)) >> 32 };
+        let low = || {
+            let pair = self.pairs[number / 2] >> (32 * (number % 2));
+            mix(!pair ^ u64::from(self.index)) >> 32
+        };
+        let low = if is_enough { 0 } else { low() };
         unit(u64::from(high) << 32 | low)
     }
 
@@ -179,13 +188,13 @@ mod tests {
     #[test]
     fn first_points_of_the_unscrambled_sequence() {
         // The first eight points that Joe and Kuo's program prints (it runs in Gray code order).
-        let eighths = |dimension| {
+        let eighths = |number: usize| {
             [0_u32, 1, 2, 3, 4, 5, 6, 7]
-                .map(|k| reversed_sobol(k ^ (k >> 1), dimension).reverse_bits() >> 29)
+                .map(|k| reversed_sobol(k ^ (k >> 1))[number].reverse_bits() >> 29)
         };
-        assert_eq!(eighths(0), [0, 4, 6, 2, 3, 7, 5, 1]);
-        assert_eq!(eighths(1), [0, 4, 2, 6, 3, 7, 1, 5]);
-        assert_eq!(eighths(2), [0, 4, 2, 6, 5, 1, 7, 3]);
+        assert_eq!(eighths(1), [0, 4, 6, 2, 3, 7, 5, 1]);
+        assert_eq!(eighths(2), [0, 4, 2, 6, 3, 7, 1, 5]);
+        assert_eq!(eighths(0), [0, 4, 2, 6, 5, 1, 7, 3]);
     }
 
     #[test]
