@@ -59,6 +59,8 @@ pub struct Packet {
 pub struct Meetings<E> {
     /// Which are met: a bit for each.
     pub met: u32,
+    /// Which the ray rises through along their normals, among those that are met, by the signs of their edge functions.
+    pub rises: u32,
     /// Distances along the ray, finite where they are met.
     pub t: E,
     /// Weights of the corners; their sum is 1.
@@ -119,7 +121,7 @@ impl Packet {
         let (mut u, mut v, mut w) = (edge(c, b), edge(a, c), edge(b, a));
         let zero = E::splat(machine, 0.0);
         // A difference that is not zero has the right sign: rounding keeps the order of the two products.
-        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        let (mut least, mut most) = (u.min(v).min(w), u.max(v).max(w));
         let mut inside = zero.at_most(least) | most.at_most(zero);
         if inside == 0 {
             return None;
@@ -136,12 +138,13 @@ impl Packet {
             v = E::load(machine, &exact[1]);
             w = E::load(machine, &exact[2]);
             // Zeros count on either side, but not all three.
-            let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+            (least, most) = (u.min(v).min(w), u.max(v).max(w));
             inside &= zero.at_most(least) ^ most.at_most(zero) | !doubtful;
             if inside == 0 {
                 return None;
             }
         }
+        let rises = most.at_most(zero);
         let inverse_det = E::splat(machine, 1.0) / (u + v + w);
         let weights = [u * inverse_det, v * inverse_det, w * inverse_det];
         let shear_z = E::splat(machine, ray.shear.z);
@@ -150,7 +153,7 @@ impl Packet {
             + weights[2] * (c[2] * shear_z);
         let met =
             inside & t.at_most(E::splat(machine, limit)) & E::splat(machine, -f32::MAX).at_most(t);
-        (met != 0).then_some(Meetings { met, t, weights, sheared, inverse_det })
+        (met != 0).then_some(Meetings { met, rises, t, weights, sheared, inverse_det })
     }
 
     /// Normals of the triangles, twice as long as their areas.

@@ -199,14 +199,26 @@ impl Segment {
         limit: f32,
     ) -> Option<Meetings<E>> {
         let mut meetings = packet.meet(machine, &self.ray, self.on, limit)?;
-        meetings.met = if self.start.is_none() && self.end.is_none() {
-            let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
-            meetings.met & zero.below(meetings.t) & meetings.t.below(end)
+        let (zero, end) = (E::splat(machine, 0.0), E::splat(machine, self.length));
+        let (after, before) = (zero.below(meetings.t), meetings.t.below(end));
+        let (met, rises) = (meetings.met, meetings.rises);
+        meetings.met = if met & self.doubtful(after, before, rises) == 0 {
+            met & after & before
         } else {
             let planes = PacketPlanes { packet, ray: &self.ray, meetings: &meetings };
-            self.within(machine, meetings.met, meetings.t, &planes)
+            self.within(machine, met, meetings.t, &planes)
         };
         (meetings.met != 0).then_some(meetings)
+    }
+
+    /// Of which planes errors may decide whether they lie within the segment, as they seem to lie `after` its start and
+    /// `before` its end.
+    #[inline(always)]
+    fn doubtful(&self, after: u32, before: u32, rises: u32) -> u32 {
+        let doubtful = |contact: &Option<Contact>, sure| {
+            contact.as_ref().map_or(0, |contact| contact.is_doubtful(sure, rises))
+        };
+        doubtful(&self.start, after) | doubtful(&self.end, before)
     }
 
     /// The hit of one primitive that is no triangle, if it lies within the segment.
@@ -284,10 +296,7 @@ impl Segment {
             Some(_) => zero.below(heights[1]),
             None => t.below(length),
         };
-        let doubtful = |contact: &Option<Contact>, sure| {
-            contact.as_ref().map_or(0, |contact| contact.is_doubtful(sure, rises))
-        };
-        if met & (doubtful(&self.start, after) | doubtful(&self.end, before)) == 0 {
+        if met & self.doubtful(after, before, rises) == 0 {
             return met & after & before;
         }
         let (size, t_error) = planes.errors(machine);

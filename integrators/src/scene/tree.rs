@@ -51,8 +51,8 @@ impl Child {
 #[derive(Clone, Debug)]
 #[repr(C, align(32))]
 pub struct Node {
-    /// The lower sides by coordinate, then the upper ones. A box that is not there is inside out.
-    sides: [[f32; LANES]; 6],
+    /// By coordinate the lower sides and the upper ones. A box that is not there is inside out.
+    sides: [[[f32; LANES]; 2]; 3],
     children: [Child; LANES],
 }
 
@@ -61,14 +61,14 @@ impl Node {
     pub fn empty() -> Self {
         let (low, high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
         let nothing = Child::new(Below::Node(0));
-        Self { sides: [low, low, low, high, high, high], children: [nothing; LANES] }
+        Self { sides: [[low, high]; 3], children: [nothing; LANES] }
     }
 
     /// Puts something into one of the eight places.
     pub fn put(&mut self, place: usize, min: Vec3, max: Vec3, child: Child) {
         for axis in 0..3 {
-            self.sides[axis][place] = min[axis];
-            self.sides[3 + axis][place] = max[axis];
+            self.sides[axis][0][place] = min[axis];
+            self.sides[axis][1][place] = max[axis];
         }
         self.children[place] = child;
     }
@@ -77,23 +77,22 @@ impl Node {
     #[inline(always)]
     fn meet<E: Eight>(&self, machine: E::Machine, ray: &Slabs, limit: f32) -> (u32, E) {
         let zero = E::splat(machine, 0.0);
-        let [x, y, z] = ray.near;
-        let near: E = self.distance::<E>(machine, ray, x, 0);
-        let near = near.max(self.distance::<E>(machine, ray, y, 1));
-        let near = near.max(self.distance::<E>(machine, ray, z, 2).max(zero));
-        let [x, y, z] = ray.far;
-        let far: E = self.distance::<E>(machine, ray, x, 0);
-        let far = far.min(self.distance::<E>(machine, ray, y, 1));
-        let far = far.min(self.distance::<E>(machine, ray, z, 2).min(E::splat(machine, limit)));
+        let near: E = self.distance::<E>(machine, ray, 0, false);
+        let near = near.max(self.distance::<E>(machine, ray, 1, false));
+        let near = near.max(self.distance::<E>(machine, ray, 2, false).max(zero));
+        let far: E = self.distance::<E>(machine, ray, 0, true);
+        let far = far.min(self.distance::<E>(machine, ray, 1, true));
+        let far = far.min(self.distance::<E>(machine, ray, 2, true).min(E::splat(machine, limit)));
         (near.at_most(far * E::splat(machine, ROUNDING)), near)
     }
 
-    /// How far away the sides are along the ray.
+    /// How far away the sides across a coordinate are along the ray: those met first, or the `far` ones.
     #[inline(always)]
-    fn distance<E: Eight>(&self, machine: E::Machine, ray: &Slabs, side: usize, axis: usize) -> E {
+    fn distance<E: Eight>(&self, machine: E::Machine, ray: &Slabs, axis: usize, far: bool) -> E {
         let origin = E::splat(machine, ray.origin[axis]);
         let inverse = E::splat(machine, ray.inverse[axis]);
-        (E::load(machine, &self.sides[side]) - origin) * inverse
+        let side = &self.sides[axis][usize::from(ray.falls[axis] ^ far)];
+        (E::load(machine, side) - origin) * inverse
     }
 }
 
@@ -106,9 +105,8 @@ const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
 pub struct Slabs {
     origin: [f32; 3],
     inverse: [f32; 3],
-    /// Which of the six sides of a box are met first.
-    near: [usize; 3],
-    far: [usize; 3],
+    /// Along which coordinates it goes down, and meets upper sides first.
+    falls: [bool; 3],
 }
 
 impl Slabs {
@@ -120,9 +118,7 @@ impl Slabs {
             x if x.abs() >= 1e-20 => 1.0 / x,
             x => 1e20f32.copysign(x),
         });
-        let near = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { 3 + axis } else { axis });
-        let far = [0, 1, 2].map(|axis| 3 + 2 * axis - near[axis]);
-        Self { origin: origin.to_array(), inverse, near, far }
+        Self { origin: origin.to_array(), inverse, falls: inverse.map(|x| x < 0.0) }
     }
 }
 
