@@ -52,8 +52,8 @@ const fn directions() -> [[u32; 32]; JOINT] {
     all
 }
 
-/// What each four bits of an index add to its point, by their value, with the bits of the point in opposite order: the numbers of
-/// a group beside each other.
+/// What each four bits of an index, the bits of which are in opposite order, add to its point, whose bits are too: by their
+/// value, the numbers of a group beside each other.
 const NIBBLES: [[[u32; JOINT]; 16]; 8] = nibbles();
 
 const fn nibbles() -> [[[u32; JOINT]; 16]; 8] {
@@ -65,7 +65,7 @@ const fn nibbles() -> [[[u32; JOINT]; 16]; 8] {
         while bit < 4 {
             if (value >> bit) & 1 == 1 {
                 all[nibble][value][number] ^=
-                    DIRECTIONS[ORDER[number]][4 * nibble + bit].reverse_bits();
+                    DIRECTIONS[ORDER[number]][31 - (4 * nibble + bit)].reverse_bits();
             }
             bit += 1;
         }
@@ -74,13 +74,13 @@ const fn nibbles() -> [[[u32; JOINT]; 16]; 8] {
     all
 }
 
-/// The point of the Sobol sequence with this index, in the dimensions of a group, as binary fractions whose bits are in
-/// opposite order: the first one behind the point is the lowest.
+/// The point of the Sobol sequence with an index, in the dimensions of a group, as binary fractions. The bits of all are in
+/// opposite order: of a number the first one behind the point is the lowest.
 #[inline(always)]
-fn reversed_sobol(index: u32) -> [u32; JOINT] {
+fn reversed_sobol(reversed_index: u32) -> [u32; JOINT] {
     let mut point = [0; JOINT];
     for (i, nibble) in NIBBLES.iter().enumerate() {
-        let row = &nibble[(index >> (4 * i)) as usize & 15];
+        let row = &nibble[(reversed_index >> (4 * i)) as usize & 15];
         for (x, bits) in point.iter_mut().zip(row) {
             *x ^= bits;
         }
@@ -88,21 +88,15 @@ fn reversed_sobol(index: u32) -> [u32; JOINT] {
     point
 }
 
-/// A hash in which each bit depends only on the bits below it (Laine and Karras 2011, with the
-/// constants that Vegdahl found).
+/// Owen's nested uniform scrambling of a binary fraction whose bits are in opposite order: a hash in which each bit depends only
+/// on the bits below it (Laine and Karras 2011, with the constants that Vegdahl found).
 #[inline]
-fn laine_karras(mut x: u32, seed: u32) -> u32 {
+fn owen(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
     x ^ x.wrapping_mul(0x53a2_2864)
-}
-
-/// Owen's nested uniform scrambling of a binary fraction.
-#[inline]
-fn owen(x: u32, seed: u32) -> u32 {
-    laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
 /// Owen-scrambled Sobol points: the samples of one stream are stratified over each group of four
@@ -115,22 +109,23 @@ fn owen(x: u32, seed: u32) -> u32 {
 pub struct Sobol {
     /// What the randomisations of this seed and stream share.
     key: u64,
+    /// The number of the sample, with its bits in opposite order.
     sample: u32,
     block: u32,
     /// Dimensions drawn since the block began.
     drawn: u32,
-    /// The shuffled sample index in the current group.
+    /// The shuffled number of the sample in the current group, also reversed.
     index: u32,
     /// Randomisations of the group's dimensions, of two each.
     pairs: [u64; JOINT / 2],
-    /// The scrambled point, with the bits of its numbers in opposite order.
+    /// The scrambled point, as binary fractions.
     point: [u32; JOINT],
 }
 
 impl Sobol {
     /// The point number `sample` of the stream (say, the pixel).
     pub fn new(seed: u64, stream: u64, sample: u32) -> Self {
-        let key = first_of(combine(seed, stream));
+        let (key, sample) = (first_of(combine(seed, stream)), sample.reverse_bits());
         Sobol { key, sample, block: 0, drawn: 0, index: 0, pairs: [0; 2], point: [0; JOINT] }
     }
 
@@ -144,7 +139,8 @@ impl Sobol {
         let pairs @ [a, b] = [1, 3].map(|number| mix(group.wrapping_add(number)));
         let seeds = [a as u32, (a >> 32) as u32, b as u32, (b >> 32) as u32];
         let reversed = reversed_sobol(self.index);
-        self.point = core::array::from_fn(|i| laine_karras(reversed[i], seeds[i]));
+        let scrambled: [u32; JOINT] = core::array::from_fn(|i| owen(reversed[i], seeds[i]));
+        self.point = scrambled.map(u32::reverse_bits);
         self.pairs = pairs;
     }
 }
@@ -157,12 +153,12 @@ impl<R: Single> UniformSource<R> for Sobol {
             self.begin_group();
         }
         self.drawn += 1;
-        let high = self.point[number].reverse_bits();
+        let high = self.point[number];
         // Scrambling goes on for ever: the bits below the 32nd are random. Mostly single precision has none of them.
         let is_enough = size_of::<R>() <= 4 && high >= 1 << 24;
         let low = || {
             let pair = self.pairs[number / 2] >> (32 * (number % 2));
-            mix(!pair ^ u64::from(self.index)) >> 32
+            mix(!pair ^ u64::from(self.index.reverse_bits())) >> 32
         };
         let low = if is_enough { 0 } else { low() };
         unit(u64::from(high) << 32 | low)
@@ -190,7 +186,7 @@ mod tests {
         // The first eight points that Joe and Kuo's program prints (it runs in Gray code order).
         let eighths = |number: usize| {
             [0_u32, 1, 2, 3, 4, 5, 6, 7]
-                .map(|k| reversed_sobol(k ^ (k >> 1))[number].reverse_bits() >> 29)
+                .map(|k| reversed_sobol((k ^ (k >> 1)).reverse_bits())[number].reverse_bits() >> 29)
         };
         assert_eq!(eighths(1), [0, 4, 6, 2, 3, 7, 5, 1]);
         assert_eq!(eighths(2), [0, 4, 2, 6, 3, 7, 1, 5]);
