@@ -66,6 +66,7 @@ pub use tangents::Tangents;
 
 use segment::{End, On, RawHit};
 use simd::{Eight, Task};
+use stack::{ROOM, Room};
 use texture::Texture;
 use trace::Tracer;
 use vectors::is_finite;
@@ -210,8 +211,10 @@ impl Scene {
         then: impl FnOnce(Option<Hit>) -> T,
     ) -> T {
         count_nearest();
-        let ray = Cast { scene: self, from: End { point: origin, on: skip }, direction, then };
-        self.tracer.machine().run(ray)
+        let from = End { point: origin, on: skip };
+        ROOM.with(|room| {
+            self.tracer.machine().run(Cast { scene: self, from, direction, then, room })
+        })
     }
 
     /// Whether the open segment between two points is free. Each point may lie on a primitive,
@@ -229,17 +232,14 @@ impl Scene {
         }
         count_occlusion();
         let (from, to) = (End { point: a, on: a_primitive }, End { point: b, on: b_primitive });
-        self.tracer.machine().run(Between { scene: self, from, to })
+        ROOM.with(|room| self.tracer.machine().run(Between { scene: self, from, to, room }))
     }
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
         count_occlusion();
-        self.tracer.machine().run(Outwards {
-            scene: self,
-            from: End { point: from, on },
-            direction,
-        })
+        let from = End { point: from, on };
+        ROOM.with(|room| self.tracer.machine().run(Outwards { scene: self, from, direction, room }))
     }
 
     /// An end of a ray with the surface that it lies on.
@@ -365,6 +365,7 @@ struct Cast<'a, F> {
     from: End,
     direction: Vec3,
     then: F,
+    room: &'a Room,
 }
 
 impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
@@ -374,7 +375,7 @@ impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
     fn run<E: Eight>(self, machine: E::Machine) -> T {
         let (scene, direction) = (self.scene, self.direction);
         let start = scene.end(self.from);
-        let hit = match scene.tracer.nearest::<E>(machine, start, direction) {
+        let hit = match scene.tracer.nearest::<E>((machine, self.room), start, direction) {
             Some(raw) => Some(scene.hit(self.from.point, direction, &raw)),
             None => None,
         };
@@ -387,6 +388,7 @@ struct Between<'a> {
     scene: &'a Scene,
     from: End,
     to: End,
+    room: &'a Room,
 }
 
 impl Task for Between<'_> {
@@ -395,7 +397,7 @@ impl Task for Between<'_> {
     #[inline(always)]
     fn run<E: Eight>(self, machine: E::Machine) -> bool {
         let (from, to) = (self.scene.end(self.from), self.scene.end(self.to));
-        self.scene.tracer.unoccluded::<E>(machine, from, to)
+        self.scene.tracer.unoccluded::<E>((machine, self.room), from, to)
     }
 }
 
@@ -404,6 +406,7 @@ struct Outwards<'a> {
     scene: &'a Scene,
     from: End,
     direction: Vec3,
+    room: &'a Room,
 }
 
 impl Task for Outwards<'_> {
@@ -411,7 +414,8 @@ impl Task for Outwards<'_> {
 
     #[inline(always)]
     fn run<E: Eight>(self, machine: E::Machine) -> bool {
-        self.scene.tracer.is_open::<E>(machine, self.scene.end(self.from), self.direction)
+        let start = self.scene.end(self.from);
+        self.scene.tracer.is_open::<E>((machine, self.room), start, self.direction)
     }
 }
 

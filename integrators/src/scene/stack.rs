@@ -1,5 +1,7 @@
 //! What a ray has still to visit.
 
+use std::cell::Cell;
+
 use super::simd::LANES;
 use super::tree::Child;
 
@@ -38,19 +40,27 @@ pub struct Entries<'a> {
     pub children: &'a [Child; LANES],
 }
 
+/// Room for entries, whatever is in it.
+pub type Room = [Cell<Entry>; ENTRIES];
+
+thread_local! {
+    /// Of this thread: a ray that had its own would have to fill it first, which takes as long as meeting a node.
+    pub static ROOM: Room = const { [const { Cell::new(Entry(0)) }; ENTRIES] };
+}
+
 /// A stack that only allocates for the deepest trees.
-pub struct Stack {
-    entries: [Entry; ENTRIES],
+pub struct Stack<'r> {
+    entries: &'r Room,
     len: usize,
     /// What lies below the entries.
     below: Vec<Entry>,
 }
 
-impl Stack {
+impl<'r> Stack<'r> {
     /// An empty one.
     #[inline(always)]
-    pub fn new() -> Self {
-        Self { entries: [Entry(0); ENTRIES], len: 0, below: Vec::new() }
+    pub fn new(entries: &'r Room) -> Self {
+        Self { entries, len: 0, below: Vec::new() }
     }
 
     /// Pushes the children of the lanes whose bits are set, two at least, but for one which it returns: the nearest, if
@@ -78,11 +88,11 @@ impl Stack {
             let is_farther = SORTED && nearest.0 < new.0;
             let (near, far) = if is_farther { (nearest, new) } else { (new, nearest) };
             let mut place = len;
-            while SORTED && place > first && self.entries[place - 1].0 < far.0 {
-                self.entries[place] = self.entries[place - 1];
+            while SORTED && place > first && self.entries[place - 1].get().0 < far.0 {
+                self.entries[place].set(self.entries[place - 1].get());
                 place -= 1;
             }
-            self.entries[place] = far;
+            self.entries[place].set(far);
             (nearest, len) = (near, len + 1);
             if !more {
                 self.len = len;
@@ -98,14 +108,14 @@ impl Stack {
             return self.below.pop();
         }
         self.len -= 1;
-        Some(self.entries[self.len])
+        Some(self.entries[self.len].get())
     }
 
     /// Makes room.
     #[cold]
     #[inline(never)]
     fn sink(&mut self) {
-        self.below.extend(&self.entries[..self.len]);
+        self.below.extend(self.entries[..self.len].iter().map(Cell::get));
         self.len = 0;
     }
 }

@@ -17,6 +17,7 @@ use super::model::{Primitive, PrimitiveId};
 use super::packet::{Meetings, Packet};
 use super::segment::{End, Item, On, RawHit, Segment};
 use super::simd::{Eight, LANES, Machine};
+use super::stack::Room;
 use super::tree::{Below, Slabs, Tree, Visitor};
 use super::tree_build::{Boxed, build};
 
@@ -93,18 +94,19 @@ impl Tracer {
         self.machine
     }
 
-    /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
+    /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any; `at` is what follows it, and
+    /// where that keeps what is still to be visited.
     #[inline(always)]
     pub fn nearest<E: Eight>(
         &self,
-        machine: E::Machine,
+        at: (E::Machine, &Room),
         (from, start): (End, Option<On>),
         direction: Vec3,
     ) -> Option<RawHit> {
         let query = Segment::new(self.scale, from, start, direction)?;
         let ray = Slabs::new(query.ray.origin, query.ray.direction);
         let mut nearest = Nearest { tracer: self, query: &query, best: RawHit::NONE };
-        self.tree.walk::<E, true>(machine, &ray, f32::MAX, &mut nearest);
+        self.tree.walk::<E, true>(at, &ray, f32::MAX, &mut nearest);
         let hit = nearest.best.found()?;
         Some(RawHit { t: hit.t * self.unit, ..hit })
     }
@@ -113,31 +115,31 @@ impl Tracer {
     #[inline(always)]
     pub fn is_open<E: Eight>(
         &self,
-        machine: E::Machine,
+        at: (E::Machine, &Room),
         (from, start): (End, Option<On>),
         direction: Vec3,
     ) -> bool {
         let Some(query) = Segment::new(self.scale, from, start, direction) else { return true };
-        !self.meets_any::<E>(machine, &query)
+        !self.meets_any::<E>(at, &query)
     }
 
     /// Whether nothing lies between two points, surfaces that they lie on aside.
     #[inline(always)]
     pub fn unoccluded<E: Eight>(
         &self,
-        machine: E::Machine,
+        at: (E::Machine, &Room),
         from: (End, Option<On>),
         to: (End, Option<On>),
     ) -> bool {
         let Some(query) = Segment::between(self.scale, from, to) else { return true };
-        !self.meets_any::<E>(machine, &query)
+        !self.meets_any::<E>(at, &query)
     }
 
     #[inline(always)]
-    fn meets_any<E: Eight>(&self, machine: E::Machine, query: &Segment) -> bool {
+    fn meets_any<E: Eight>(&self, at: (E::Machine, &Room), query: &Segment) -> bool {
         let ray = Slabs::new(query.ray.origin, query.ray.direction);
         let mut any = Any { tracer: self, query, found: false };
-        self.tree.walk::<E, false>(machine, &ray, query.length.min(f32::MAX), &mut any);
+        self.tree.walk::<E, false>(at, &ray, query.length.min(f32::MAX), &mut any);
         any.found
     }
 }

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::segment::{End, On, RawHit};
 use super::simd::{Eight, Task};
+use super::stack::{ROOM, Room};
 use super::trace::Tracer;
 use super::{Hit, Primitive, PrimitiveId, Scene};
 
@@ -85,35 +86,37 @@ enum Query {
     Segment(Start, Start),
 }
 
-impl Task for (&Tracer, Query) {
+impl Task for (&Tracer, &Room, Query) {
     type Output = bool;
 
     fn run<E: Eight>(self, machine: E::Machine) -> bool {
-        match self.1 {
-            Query::Ray(from, direction) => self.0.is_open::<E>(machine, from, direction),
-            Query::Segment(from, to) => self.0.unoccluded::<E>(machine, from, to),
+        let (tracer, room, query) = self;
+        match query {
+            Query::Ray(from, direction) => tracer.is_open::<E>((machine, room), from, direction),
+            Query::Segment(from, to) => tracer.unoccluded::<E>((machine, room), from, to),
         }
     }
 }
 
-impl Task for (&Tracer, Start, Vec3) {
+impl Task for (&Tracer, &Room, Start, Vec3) {
     type Output = Option<RawHit>;
 
     fn run<E: Eight>(self, machine: E::Machine) -> Option<RawHit> {
-        self.0.nearest::<E>(machine, self.1, self.2)
+        self.0.nearest::<E>((machine, self.1), self.2, self.3)
     }
 }
 
 fn nearest(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> Option<RawHit> {
-    tracer.machine().run((tracer, (from, on), direction))
+    ROOM.with(|room| tracer.machine().run((tracer, room, (from, on), direction)))
 }
 
 fn is_open(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> bool {
-    tracer.machine().run((tracer, Query::Ray((from, on), direction)))
+    let query = Query::Ray((from, on), direction);
+    ROOM.with(|room| tracer.machine().run((tracer, room, query)))
 }
 
 fn unoccluded(tracer: &Tracer, from: Start, to: Start) -> bool {
-    tracer.machine().run((tracer, Query::Segment(from, to)))
+    ROOM.with(|room| tracer.machine().run((tracer, room, Query::Segment(from, to))))
 }
 
 #[test]

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::simd::{Eight, LANES};
-use super::stack::{Entries, Stack};
+use super::stack::{Entries, Room, Stack};
 
 /// What is below a box: a node, or what the one who built the tree keeps there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,12 +140,12 @@ impl Tree {
     #[inline(always)]
     pub fn walk<E: Eight, const NEAREST: bool>(
         &self,
-        machine: E::Machine,
+        (machine, room): (E::Machine, &Room),
         ray: &Slabs,
         mut limit: f32,
         visitor: &mut impl Visitor,
     ) {
-        let mut stack = Stack::new();
+        let mut stack = Stack::new(room);
         let mut next = Child::new(Below::Node(0));
         loop {
             match next.below() {

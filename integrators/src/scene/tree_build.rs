@@ -297,6 +297,7 @@ mod tests {
 
     use super::*;
     use crate::scene::simd::{Eight, Plain};
+    use crate::scene::stack::ROOM;
     use crate::scene::tree::{Slabs, Visitor};
 
     fn nested(count: usize) -> Vec<Boxed> {
@@ -334,8 +335,10 @@ mod tests {
         });
         let mut seen = Seen { leaves: &leaves, times: vec![0; boxes.len()] };
         let ray = Slabs::new(Vec3::splat(0.25), Vec3::new(0.1, 0.2, 1.0).normalize());
-        tree.walk::<Plain, true>((), &ray, f32::MAX, &mut seen);
-        tree.walk::<Plain, false>((), &ray, f32::MAX, &mut seen);
+        ROOM.with(|room| {
+            tree.walk::<Plain, true>(((), room), &ray, f32::MAX, &mut seen);
+            tree.walk::<Plain, false>(((), room), &ray, f32::MAX, &mut seen);
+        });
         seen.times
     }
 
