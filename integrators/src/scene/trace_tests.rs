@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::{DVec3, Vec3};
 
+use super::packet::{Packet, Ray};
 use super::segment::{End, On, RawHit};
-use super::simd::{Eight, Task};
+use super::simd::{Eight, LANES, Plain, Task};
 use super::stack::{ROOM, Room};
 use super::trace::Tracer;
 use super::{Hit, Primitive, PrimitiveId, Scene};
@@ -149,6 +150,29 @@ fn no_ray_leaks_through_edges_or_corners() {
         }
         assert_eq!(leaks, 0, "scale {scale}");
     }
+}
+
+#[test]
+fn edge_functions_tell_which_side_is_met() {
+    let mut random = Random(5);
+    let mut met = [0; 2];
+    for _ in 0..2000 {
+        let triangles: Vec<[Vec3; 3]> =
+            (0..LANES).map(|_| [0; 3].map(|_| random.in_cube())).collect();
+        let numbered = triangles.iter().enumerate().map(|(i, t)| (PrimitiveId(i as u32), *t));
+        let packet = Packet::new(numbered);
+        let ray = Ray::new(random.in_cube(), random.direction());
+        let nothing = [u32::MAX; 2];
+        let Some(found) = packet.meet::<Plain>((), &ray, nothing, f32::MAX) else { continue };
+        for (lane, [a, b, c]) in triangles.iter().enumerate() {
+            let rise = (b - a).cross(c - a).dot(ray.direction);
+            if found.met >> lane & 1 == 1 && rise.abs() > 1e-4 {
+                assert_eq!(found.rises >> lane & 1 == 1, rise > 0.0, "{ray:?}, {a} {b} {c}");
+                met[usize::from(rise > 0.0)] += 1;
+            }
+        }
+    }
+    assert!(met.iter().all(|&met| met > 500), "{met:?}");
 }
 
 fn mixed_primitives(random: &mut Random) -> Vec<Primitive> {
