@@ -156,11 +156,12 @@ impl<R: Single> UniformSource<R> for Sobol {
         let high = self.point[number];
         // Scrambling goes on for ever: the bits below the 32nd are random. Mostly single precision has none of them.
         let is_enough = size_of::<R>() <= 4 && high >= 1 << 24;
-        let low = || {
+        let low = if is_enough {
+            0
+        } else {
             let pair = self.pairs[number / 2] >> (32 * (number % 2));
             mix(!pair ^ u64::from(self.index.reverse_bits())) >> 32
         };
-        let low = if is_enough { 0 } else { low() };
         unit(u64::from(high) << 32 | low)
     }
 

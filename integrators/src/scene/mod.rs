@@ -65,8 +65,7 @@ pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 
 use segment::{End, On, RawHit};
-use simd::{Eight, Task};
-use stack::{ROOM, Room};
+use simd::{At, Eight, Task};
 use texture::Texture;
 use trace::Tracer;
 use vectors::is_finite;
@@ -211,10 +210,8 @@ impl Scene {
         then: impl FnOnce(Option<Hit>) -> T,
     ) -> T {
         count_nearest();
-        let from = End { point: origin, on: skip };
-        ROOM.with(|room| {
-            self.tracer.machine().run(Cast { scene: self, from, direction, then, room })
-        })
+        let ray = Cast { scene: self, from: End { point: origin, on: skip }, direction, then };
+        self.tracer.machine().run(ray)
     }
 
     /// Whether the open segment between two points is free. Each point may lie on a primitive,
@@ -232,14 +229,17 @@ impl Scene {
         }
         count_occlusion();
         let (from, to) = (End { point: a, on: a_primitive }, End { point: b, on: b_primitive });
-        ROOM.with(|room| self.tracer.machine().run(Between { scene: self, from, to, room }))
+        self.tracer.machine().run(Between { scene: self, from, to })
     }
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
         count_occlusion();
-        let from = End { point: from, on };
-        ROOM.with(|room| self.tracer.machine().run(Outwards { scene: self, from, direction, room }))
+        self.tracer.machine().run(Outwards {
+            scene: self,
+            from: End { point: from, on },
+            direction,
+        })
     }
 
     /// An end of a ray with the surface that it lies on.
@@ -365,17 +365,16 @@ struct Cast<'a, F> {
     from: End,
     direction: Vec3,
     then: F,
-    room: &'a Room,
 }
 
 impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
     type Output = T;
 
     #[inline(always)]
-    fn run<E: Eight>(self, machine: E::Machine) -> T {
+    fn run<E: Eight>(self, at: At<'_, E>) -> T {
         let (scene, direction) = (self.scene, self.direction);
         let start = scene.end(self.from);
-        let hit = match scene.tracer.nearest::<E>((machine, self.room), start, direction) {
+        let hit = match scene.tracer.nearest::<E>(at, start, direction) {
             Some(raw) => Some(scene.hit(self.from.point, direction, &raw)),
             None => None,
         };
@@ -388,16 +387,15 @@ struct Between<'a> {
     scene: &'a Scene,
     from: End,
     to: End,
-    room: &'a Room,
 }
 
 impl Task for Between<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<E: Eight>(self, machine: E::Machine) -> bool {
+    fn run<E: Eight>(self, at: At<'_, E>) -> bool {
         let (from, to) = (self.scene.end(self.from), self.scene.end(self.to));
-        self.scene.tracer.unoccluded::<E>((machine, self.room), from, to)
+        self.scene.tracer.unoccluded::<E>(at, from, to)
     }
 }
 
@@ -406,16 +404,14 @@ struct Outwards<'a> {
     scene: &'a Scene,
     from: End,
     direction: Vec3,
-    room: &'a Room,
 }
 
 impl Task for Outwards<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn run<E: Eight>(self, machine: E::Machine) -> bool {
-        let start = self.scene.end(self.from);
-        self.scene.tracer.is_open::<E>((machine, self.room), start, self.direction)
+    fn run<E: Eight>(self, at: At<'_, E>) -> bool {
+        self.scene.tracer.is_open::<E>(at, self.scene.end(self.from), self.direction)
     }
 }
 

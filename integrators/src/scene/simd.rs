@@ -6,6 +6,8 @@ use std::ops::{Add, Div, Mul, Sub};
 
 use glam::Vec3;
 
+use super::stack::{ROOM, Room};
+
 /// How many numbers there are.
 pub const LANES: usize = 8;
 
@@ -83,8 +85,11 @@ pub trait Task {
     type Output;
 
     /// Computes it. This, and all that it calls, has to be inlined to have the machine's instructions.
-    fn run<E: Eight>(self, machine: E::Machine) -> Self::Output;
+    fn run<E: Eight>(self, at: At<'_, E>) -> Self::Output;
 }
+
+/// What a task is computed by, and where it keeps what it has still to do.
+pub type At<'r, E> = (<E as Eight>::Machine, &'r Room);
 
 /// What a machine can do.
 #[derive(Clone, Copy, Debug)]
@@ -109,18 +114,18 @@ impl Machine {
     /// Computes something.
     #[inline(always)]
     pub fn run<T: Task>(self, task: T) -> T::Output {
-        match self {
-            Self::Any => plainly(task),
+        ROOM.with(|room| match self {
+            Self::Any => plainly(task, room),
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2(machine) => machine.vectorize(avx2::Call { machine, task }),
-        }
+            Self::Avx2(machine) => machine.vectorize(avx2::Call { at: (machine, room), task }),
+        })
     }
 }
 
 /// Out of the way of the machine's instructions: what is inlined needs room and registers even where it is not run.
 #[inline(never)]
-fn plainly<T: Task>(task: T) -> T::Output {
-    task.run::<Plain>(())
+fn plainly<T: Task>(task: T, room: &Room) -> T::Output {
+    task.run::<Plain>(((), room))
 }
 
 /// Eight numbers in plain code.
@@ -212,20 +217,20 @@ mod avx2 {
     use pulp::NullaryFnOnce;
     use pulp::x86::V3;
 
-    use super::{Eight, LANES, Task};
+    use super::{At, Eight, LANES, Task};
 
     /// A task that a machine with AVX2 is to run.
-    pub struct Call<T> {
-        pub machine: V3,
+    pub struct Call<'r, T> {
+        pub at: At<'r, Register>,
         pub task: T,
     }
 
-    impl<T: Task> NullaryFnOnce for Call<T> {
+    impl<T: Task> NullaryFnOnce for Call<'_, T> {
         type Output = T::Output;
 
         #[inline(always)]
         fn call(self) -> T::Output {
-            self.task.run::<Register>(self.machine)
+            self.task.run::<Register>(self.at)
         }
     }
 

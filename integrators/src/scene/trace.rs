@@ -16,8 +16,7 @@ use obvhs::aabb::Aabb;
 use super::model::{Primitive, PrimitiveId};
 use super::packet::{Meetings, Packet};
 use super::segment::{End, Item, On, RawHit, Segment};
-use super::simd::{Eight, LANES, Machine};
-use super::stack::Room;
+use super::simd::{At, Eight, LANES, Machine};
 use super::tree::{Below, Slabs, Tree, Visitor};
 use super::tree_build::{Boxed, build};
 
@@ -94,12 +93,11 @@ impl Tracer {
         self.machine
     }
 
-    /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any; `at` is what follows it, and
-    /// where that keeps what is still to be visited.
+    /// The nearest hit of a ray. `start` is the surface that the ray starts on, if any.
     #[inline(always)]
     pub fn nearest<E: Eight>(
         &self,
-        at: (E::Machine, &Room),
+        at: At<'_, E>,
         (from, start): (End, Option<On>),
         direction: Vec3,
     ) -> Option<RawHit> {
@@ -115,7 +113,7 @@ impl Tracer {
     #[inline(always)]
     pub fn is_open<E: Eight>(
         &self,
-        at: (E::Machine, &Room),
+        at: At<'_, E>,
         (from, start): (End, Option<On>),
         direction: Vec3,
     ) -> bool {
@@ -127,7 +125,7 @@ impl Tracer {
     #[inline(always)]
     pub fn unoccluded<E: Eight>(
         &self,
-        at: (E::Machine, &Room),
+        at: At<'_, E>,
         from: (End, Option<On>),
         to: (End, Option<On>),
     ) -> bool {
@@ -136,7 +134,7 @@ impl Tracer {
     }
 
     #[inline(always)]
-    fn meets_any<E: Eight>(&self, at: (E::Machine, &Room), query: &Segment) -> bool {
+    fn meets_any<E: Eight>(&self, at: At<'_, E>, query: &Segment) -> bool {
         let ray = Slabs::new(query.ray.origin, query.ray.direction);
         let mut any = Any { tracer: self, query, found: false };
         self.tree.walk::<E, false>(at, &ray, query.length.min(f32::MAX), &mut any);

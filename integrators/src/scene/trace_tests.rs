@@ -6,8 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::packet::{Packet, Ray};
 use super::segment::{End, On, RawHit};
-use super::simd::{Eight, LANES, Plain, Task};
-use super::stack::{ROOM, Room};
+use super::simd::{At, Eight, LANES, Plain, Task};
 use super::trace::Tracer;
 use super::{Hit, Primitive, PrimitiveId, Scene};
 
@@ -87,37 +86,35 @@ enum Query {
     Segment(Start, Start),
 }
 
-impl Task for (&Tracer, &Room, Query) {
+impl Task for (&Tracer, Query) {
     type Output = bool;
 
-    fn run<E: Eight>(self, machine: E::Machine) -> bool {
-        let (tracer, room, query) = self;
-        match query {
-            Query::Ray(from, direction) => tracer.is_open::<E>((machine, room), from, direction),
-            Query::Segment(from, to) => tracer.unoccluded::<E>((machine, room), from, to),
+    fn run<E: Eight>(self, at: At<'_, E>) -> bool {
+        match self.1 {
+            Query::Ray(from, direction) => self.0.is_open::<E>(at, from, direction),
+            Query::Segment(from, to) => self.0.unoccluded::<E>(at, from, to),
         }
     }
 }
 
-impl Task for (&Tracer, &Room, Start, Vec3) {
+impl Task for (&Tracer, Start, Vec3) {
     type Output = Option<RawHit>;
 
-    fn run<E: Eight>(self, machine: E::Machine) -> Option<RawHit> {
-        self.0.nearest::<E>((machine, self.1), self.2, self.3)
+    fn run<E: Eight>(self, at: At<'_, E>) -> Option<RawHit> {
+        self.0.nearest::<E>(at, self.1, self.2)
     }
 }
 
 fn nearest(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> Option<RawHit> {
-    ROOM.with(|room| tracer.machine().run((tracer, room, (from, on), direction)))
+    tracer.machine().run((tracer, (from, on), direction))
 }
 
 fn is_open(tracer: &Tracer, from: End, on: Option<On>, direction: Vec3) -> bool {
-    let query = Query::Ray((from, on), direction);
-    ROOM.with(|room| tracer.machine().run((tracer, room, query)))
+    tracer.machine().run((tracer, Query::Ray((from, on), direction)))
 }
 
 fn unoccluded(tracer: &Tracer, from: Start, to: Start) -> bool {
-    ROOM.with(|room| tracer.machine().run((tracer, room, Query::Segment(from, to))))
+    tracer.machine().run((tracer, Query::Segment(from, to)))
 }
 
 #[test]

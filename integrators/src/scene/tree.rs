@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 
-use super::simd::{Eight, LANES};
-use super::stack::{Entries, Room, Stack};
+use super::simd::{At, Eight, LANES};
+use super::stack::{Entries, Stack};
 
 /// What is below a box: a node, or what the one who built the tree keeps there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +140,7 @@ impl Tree {
     #[inline(always)]
     pub fn walk<E: Eight, const NEAREST: bool>(
         &self,
-        (machine, room): (E::Machine, &Room),
+        (machine, room): At<'_, E>,
         ray: &Slabs,
         mut limit: f32,
         visitor: &mut impl Visitor,
