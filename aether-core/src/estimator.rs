@@ -20,7 +20,7 @@ mod sides;
 mod steps;
 mod value;
 
-pub use connections::{Connected, Connections, Replaced};
+pub use connections::{Connected, Connections};
 pub use differences::Shifts;
 pub use endings::{Ending, Endings};
 use joints::Carried;

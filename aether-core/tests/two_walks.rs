@@ -2,7 +2,7 @@
 
 mod world;
 
-use aether_core::estimator::{Connected, Connections, Factors, Replaced};
+use aether_core::estimator::{Connected, Connections, Factors};
 use aether_core::sequence::PathView;
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
 use aether_core::{
@@ -176,13 +176,6 @@ where
 {
     let mut connected = Vec::new();
     for n in connections.lengths.clone().filter(|n| *n > 0) {
-        let first = &match connections.replaced {
-            None => *first,
-            Some(Replaced { step, by }) => match by.get(n) {
-                Some(Some(by)) => first.replaced(step, by.clone()),
-                _ => continue,
-            },
-        };
         let samples = |by: usize| (connections.samples)(n, by);
         let ends = |by: usize| {
             connections.ending.is_some() && by + 1 == n && n >= connections.fewest_ending
@@ -229,12 +222,10 @@ enum By {
     Paths,
 }
 
-/// A contribution: whether it is seen by another eye, the length of the path, how many of its vertices are those of the
-/// first walk, weight × f / p, f / p.
-type Found = (bool, usize, usize, f64, f64);
+/// A contribution: the length of the path, how many of its vertices are those of the first walk, weight × f / p, f / p.
+type Found = (usize, usize, f64, f64);
 
-/// All that two walks contribute, for the eye that the first one begins with, and for one that has its first vertex, and
-/// would make the second one differently.
+/// All that two walks contribute, asked for twice.
 fn found<H: Separable<f64> + Clone>(
     world: &World,
     (seed, longest): (u64, usize),
@@ -248,14 +239,11 @@ fn found<H: Separable<f64> + Clone>(
     let size = (longest, longest);
     let first = walk(&arena, (Camera.into(), step), size, uniforms);
     let second = walk(&arena, (Light(world).into(), step), size, uniforms);
-    // Paths with four vertices are not made by another way.
-    let glances: Vec<_> = (0..=longest).map(|n| (n != 4).then(|| Glance.into())).collect();
     let mut all = Vec::new();
-    for is_other in [false, true, false] {
+    for _ in 0..2 {
         let mut estimate = |lengths: std::ops::RangeInclusive<usize>| {
             let connections = Connections {
                 lengths,
-                replaced: is_other.then_some(Replaced { step: 1, by: &glances }),
                 ending: ending.as_ref(),
                 fewest_ending: 3,
                 samples: |length: usize, first: usize| match first {
@@ -271,7 +259,7 @@ fn found<H: Separable<f64> + Clone>(
             };
             let pieces = [&first, &second];
             let mut keep = |found: Connected<f64>| {
-                all.push((is_other, found.length, found.first, found.value, found.alone));
+                all.push((found.length, found.first, found.value, found.alone));
             };
             if by == By::Paths {
                 let found = one_by_one(&estimator, pieces, &connections, heuristic, uniforms);
@@ -306,9 +294,9 @@ fn compare<H: Separable<f64> + Clone>(
             let ways = at_once.iter().chain(&by_length);
             for (a, b) in ways.zip(one_by_one.iter().chain(&one_by_one)) {
                 let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();
-                assert!((a.0, a.1, a.2) == (b.0, b.1, b.2), "seed {seed}: {a:?} {b:?}");
-                assert!(is_near(a.3, b.3) && is_near(a.4, b.4), "seed {seed}: {a:?} {b:?}");
-                count[a.2] += 1;
+                assert!((a.0, a.1) == (b.0, b.1), "seed {seed}: {a:?} {b:?}");
+                assert!(is_near(a.2, b.2) && is_near(a.3, b.3), "seed {seed}: {a:?} {b:?}");
+                count[a.1] += 1;
             }
         }
     }
@@ -338,14 +326,12 @@ fn walks_of_many_vertices_are_weighed_alike() {
 fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     estimator: &Estimator<I, Factors<f64>>,
     walks: [&Walk<'_, 'w>; 2],
-    (ending, replaced): (Option<Ways<'w>>, Option<Ways<'w>>),
+    ending: Option<Ways<'w>>,
     (heuristic, most, fewest): (&(impl Separable<f64> + Clone), usize, usize),
     uniforms: &mut Pcg32,
 ) -> usize {
-    let by = [replaced; 8];
     let connections = Connections {
         lengths: fewest..=7,
-        replaced: replaced.is_some().then_some(Replaced { step: 4, by: &by }),
         ending: ending.as_ref(),
         fewest_ending: 1,
         samples: |_, first| 1 + first % most,
@@ -379,27 +365,26 @@ fn walks_and_integrands_of_all_kinds_in_one_arena() {
         parted.append(Fading).append(Fading).append(Fading).sample(uniforms);
         let (empty, power) = (arena.sequence(), (&PowerHeuristic, 2, 1));
         for ending in [None, Some(Glance.into())] {
-            let steps = (ending, None);
             for second in [&second, &parted, &second, &empty] {
-                count[0] += assert_alike(&seen, [&first, second], steps, power, uniforms);
+                count[0] += assert_alike(&seen, [&first, second], ending, power, uniforms);
             }
             // Steps are alike behind the third vertex.
             for (power, most) in [(true, 1), (false, 1), (true, 1), (true, 5), (false, 2)] {
                 let walks = [&first, &second];
                 count[1] += if power {
-                    assert_alike(&seen, walks, steps, (&PowerHeuristic, most, 4), uniforms)
+                    assert_alike(&seen, walks, ending, (&PowerHeuristic, most, 4), uniforms)
                 } else {
-                    assert_alike(&seen, walks, steps, (&BalanceHeuristic, most, 4), uniforms)
+                    assert_alike(&seen, walks, ending, (&BalanceHeuristic, most, 4), uniforms)
                 };
             }
             for reads in [1, 2, 3] {
                 let short = Estimator::paths(Short(reads));
                 let walks = if reads == 3 { [&empty, &second] } else { [&first, &second] };
-                count[1 + reads] += assert_alike(&short, walks, steps, power, uniforms);
+                count[1 + reads] += assert_alike(&short, walks, ending, power, uniforms);
             }
         }
         // The last one, as such a strategy is then known.
-        let far = (None, Some(Far.into()));
+        let far = Some(Far.into());
         count[5] += assert_alike(&seen, [&first, &second], far, power, uniforms);
     }
     assert!(count.iter().all(|count| *count > 100), "{count:?}");

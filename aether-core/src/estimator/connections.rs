@@ -14,9 +14,6 @@ use crate::uniform::UniformSource;
 pub struct Connections<'t, S, N, D> {
     /// The numbers of vertices that paths may have.
     pub lengths: RangeInclusive<usize>,
-    /// What stands in the place of a step of the first walk: of the walk's vertices only those before it are used then
-    /// ([`RandomSequence::replaced`]). If the walk has no such step there are no paths.
-    pub replaced: Option<Replaced<'t, S>>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
     pub ending: Option<&'t S>,
@@ -28,31 +25,6 @@ pub struct Connections<'t, S, N, D> {
     /// Whether such paths are made: otherwise theirs is only a technique that others are weighed against.
     pub is_drawn: D,
 }
-
-/// What stands in the place of a step of a walk.
-#[derive(Debug)]
-pub struct Replaced<'t, S> {
-    /// The number of the step.
-    pub step: usize,
-    /// The strategy in its place, by the number of vertices of a path; where there is none, there are no such paths.
-    pub by: &'t [Option<S>],
-}
-
-impl<S> Replaced<'_, S> {
-    /// The strategy for paths with so many vertices.
-    #[inline(always)]
-    fn of(&self, length: usize) -> Option<&S> {
-        self.by.get(length)?.as_ref()
-    }
-}
-
-impl<S> Clone for Replaced<'_, S> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S> Copy for Replaced<'_, S> {}
 
 /// What a path contributes that is made of a piece of each of two walks.
 #[derive(Clone, Copy, Debug)]
@@ -74,22 +46,6 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
         first + 1 == length && length >= self.fewest_ending && self.ending.is_some()
     }
 
-    /// How many vertices of the first walk are used.
-    #[inline]
-    pub(super) fn used_of<V: Vertex>(&self, walk: &RandomSequence<'_, V, S>) -> usize
-    where
-        S: Strategy<V>,
-    {
-        self.replaced.map_or(walk.len(), |replaced| walk.len().min(replaced.step))
-    }
-
-    /// Whether there are paths with so many vertices, as far as that is for a step in whose place others stand.
-    #[inline(always)]
-    fn has(&self, length: usize) -> bool {
-        self.lengths.contains(&length)
-            && self.replaced.is_none_or(|replaced| replaced.of(length).is_some())
-    }
-
     /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
     pub(super) fn draw<V, U>(
         &self,
@@ -104,7 +60,7 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
     {
         let (strategy, first) = (self.ending?, length.checked_sub(1)?);
         let is_used = self.ends_after(length, first)
-            && first <= self.used_of(walk)
+            && first <= walk.len()
             && (self.samples)(length, first) > 0
             && (self.is_drawn)(length, first);
         if !is_used {
@@ -143,8 +99,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let [first, second] = walks;
-        let is_there = connections.replaced.is_none_or(|replaced| replaced.step < first.size());
-        if !is_there || !core::ptr::eq(first.arena, second.arena) {
+        if !core::ptr::eq(first.arena, second.arena) {
             return;
         }
         let arena = first.arena;
@@ -160,19 +115,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
         let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
         for length in (*connections.lengths.start()).max(1)..=longest {
-            let first = match connections.replaced {
-                None => *first,
-                Some(replaced) => match replaced.of(length) {
-                    Some(by) => first.replaced(replaced.step, by.clone()),
-                    None => continue,
-                },
-            };
             let last = lasts.get(length).copied().flatten();
             let drawn =
                 last.and_then(|at| arena.tape.unfolded().drawn(Place::new(at as usize, 1), 0));
             self.connected_paths(
                 (length, drawn),
-                [&first, second],
+                [first, second],
                 connections,
                 heuristic,
                 &mut visit,
@@ -233,9 +181,9 @@ fn draw_lasts<V, S, N, D, U>(
     let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
     lasts.clear();
     if connections.ending.is_some() {
-        let longest = (connections.used_of(walk) + 1).min(*connections.lengths.end());
+        let longest = (walk.len() + 1).min(*connections.lengths.end());
         lasts.extend((0..longest + 1).map(|length| {
-            let is_asked = connections.has(length);
+            let is_asked = connections.lengths.contains(&length);
             let drawn = if is_asked { connections.draw(length, walk, uniforms) } else { None };
             drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
         }));

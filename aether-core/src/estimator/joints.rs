@@ -134,8 +134,6 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
     walks: [Walk; 2],
     /// The strategy that draws last vertices for themselves.
     ending: u32,
-    /// A step of the first walk, and how another strategy in its place makes a vertex.
-    replaced: Option<(usize, Question)>,
     joints: RefMut<'r, Joints<RealOf<I>>>,
     /// What all paths share that begin with so many vertices of the first walk, or end with so many of the second one.
     carried: [Carried<I::Value>; 2],
@@ -156,13 +154,12 @@ where
         connections: &Connections<'_, S, N, D>,
     ) -> bool {
         let arena = walks[0].arena;
-        let by = connections.replaced.iter().flat_map(|replaced| replaced.by.iter().flatten());
         S::VERTICES == 1
             && estimator.reads() <= LAST
             && arena.tape.is_undirected()
             && walks.iter().all(|walk| walk.is_run())
             && arena.most_read.get() <= READS
-            && connections.ending.into_iter().chain(by).all(|by| by.reads().vertices <= READS)
+            && connections.ending.is_none_or(|by| by.reads().vertices <= READS)
     }
 
     /// The pieces of two walks; `None` if paths have to be made to weigh them.
@@ -174,13 +171,8 @@ where
         tape: &'r Unfolded<'r, I::Vertex>,
     ) -> Option<Self> {
         let arena = walks[0].arena;
-        let intern = |strategy: &S| arena.intern(strategy.clone());
-        let ending = connections.ending.map(intern);
-        let mut joints = arena.joints.borrow_mut();
-        joints.replaced.clear();
-        if let Some(replaced) = connections.replaced {
-            joints.replaced.extend(replaced.by.iter().map(|by| by.as_ref().map(intern)));
-        }
+        let ending = connections.ending.map(|strategy| arena.intern(strategy.clone()));
+        let joints = arena.joints.borrow_mut();
         let carried = core::mem::take(&mut estimator.factors.borrow_mut().carried);
         let mut pieces = Pieces {
             estimator,
@@ -191,7 +183,6 @@ where
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
             walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len() }),
             ending: ending.unwrap_or(u32::MAX),
-            replaced: None,
             joints,
             carried,
         };
@@ -206,11 +197,7 @@ where
                 sums.push(Sum { sum: PathDensity::ZERO, of: (PathDensity::ZERO, None) });
             }
         }
-        let in_range = pieces.carry();
-        if let Some(replaced) = connections.replaced {
-            pieces.walks[0].len = pieces.walks[0].len.min(replaced.step);
-        }
-        in_range.then_some(pieces)
+        pieces.carry().then_some(pieces)
     }
 
     /// How a strategy makes the vertex of a step from one end.
@@ -297,12 +284,6 @@ where
         // A last vertex may be drawn behind all of the first walk.
         let longest = self.walks[0].len + self.walks[1].len.max(1);
         for length in (*lengths.start()).max(1)..=longest.min(*lengths.end()) {
-            if let Some(replaced) = self.connections.replaced {
-                let Some(by) = self.joints.replaced.get(length).copied().flatten() else {
-                    continue;
-                };
-                self.replaced = Some((replaced.step, self.asked(by, End::First, replaced.step)));
-            }
             self.visit_length(length, visit);
         }
     }

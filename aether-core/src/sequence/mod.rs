@@ -24,7 +24,7 @@ pub use erased::{DynStrategy, Erased};
 pub(crate) use evaluate::length_class;
 pub(crate) use memo::{KEY, Key, Memo};
 pub(crate) use random_sequence::Handle;
-pub use random_sequence::RandomSequence;
+pub use random_sequence::{RandomSequence, first_block};
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
 pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};

@@ -35,6 +35,11 @@ impl Handle {
 /// for what is appended to slices of it.
 const LANES: u32 = 8;
 
+/// The block of sampling dimensions from which the first path of an arena ([`Arena::sequence`]) draws a step.
+pub const fn first_block(step: u32) -> u32 {
+    step * LANES
+}
+
 /// A path: strategies, and the vertices that they made (Aether 2017, section 5.6).
 ///
 /// It is a handle that is cheap to copy; copies are independent values. A path knows the strategies

@@ -60,8 +60,6 @@ pub(crate) struct Joints<R> {
     pub(super) sides: [Side<R>; 2],
     /// Where the last vertices are that were drawn for themselves, by the length of the path.
     pub(crate) lasts: Vec<Option<u32>>,
-    /// The strategies that stand in the place of a step, by the length of the path.
-    pub(super) replaced: Vec<Option<u32>>,
     /// The term of two, for the heuristic that was asked for last.
     pub(super) two: PathDensity<R>,
 }
@@ -80,7 +78,6 @@ impl<R: Scalar> Joints<R> {
             masses: Vec::new(),
             sides: [side(), side()],
             lasts: Vec::new(),
-            replaced: Vec::new(),
             two: PathDensity::ZERO,
         }
     }

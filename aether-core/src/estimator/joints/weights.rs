@@ -156,10 +156,7 @@ where
     #[inline(always)]
     fn question(&self, joint: Joint, end: End, i: usize) -> Option<Question> {
         let step = joint.index(end, i);
-        match self.replaced {
-            Some((replaced, by)) if replaced == step && end == End::First => Some(by),
-            _ => self.joints.sides[end as usize].questions.get(step).copied(),
-        }
+        self.joints.sides[end as usize].questions.get(step).copied()
     }
 
     /// What stands for the technique that joins a path of n vertices behind `k` vertices of a piece: the term of its
