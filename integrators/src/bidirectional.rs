@@ -1,26 +1,24 @@
 //! Bidirectional path tracing (Aether 2017, Figure 6; Veach 1997, chapter 10).
 //!
 //! A path of n vertices can be made in as many ways as there are splits of it into a piece from the camera
-//! and one from a light. Weights are those of the pixel that receives the light: the camera's techniques
-//! have the density of that pixel's film samples and are taken once a sample, while the technique that
-//! connects light paths to the camera gets a sample from every light path of the image. A sample may have several
+//! and one from a light. What one finds counts for all pixels that see it: the camera's techniques have the density of
+//! the film points of all pixels, and the technique that connects light paths to the camera gets a sample from every light path of
+//! the image, so that weights are the same for all pixels. A sample may have several
 //! light paths: then what needs one has so many samples.
 
-use aether_core::estimator::{Connections, Replaced};
+use aether_core::estimator::Connections;
+use aether_core::prelude::Vec2;
 use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
-use crate::eye::Reached;
-use crate::integrand::{Radiance, Sight};
 use crate::integrator::{Integrator, Kernel, Received};
 use crate::kind::{Everything, SceneKind};
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
-use crate::strategies::{Pixel, sample_camera_direction, sample_light};
+use crate::strategies::{Aim, Pixel, sample_light};
 use crate::subpaths::{Scratch, camera_path, extend, light_path};
-use crate::vertex::SceneVertex;
 use crate::world::World;
 
 /// Settings of bidirectional path tracing.
@@ -62,66 +60,32 @@ fn worth(length: usize, first: usize) -> usize {
 /// What one thread reuses from sample to sample.
 pub struct BidirectionalScratch<'a, K: SceneKind> {
     paths: Scratch<'a, K, LightStrategies<'a, K>>,
-    /// What the eye sees of the light path, by the number of vertices of the path that joins both.
-    looks: Vec<Option<Look<K>>>,
-    /// How another pixel would make the camera path, by the number of vertices.
-    others: Vec<Option<LightStrategies<'a, K>>>,
+    /// Where the eye sees the light path, by the number of vertices of the path that joins both.
+    films: Vec<Option<Vec2<f32>>>,
 }
 
-/// What the eye sees of a light path.
-struct Look<K: SceneKind> {
-    seen: SceneVertex<K>,
-    sight: Sight,
-    /// The pixels whose filters reach it.
-    reached: Reached,
-    /// The response of the pixel that the sample is made for.
-    own: f32,
-    /// Another pixel, and its response.
-    other: (Pixel, f32),
-}
-
-impl<K: SceneKind> Look<K> {
-    /// What an eye sees of a vertex, if it does, in a sample that is made for a pixel.
-    fn new(
-        radiance: &Radiance<'_, '_, K>,
-        world: &World<'_, K>,
-        pixel: Pixel,
-        eye: &SceneVertex<K>,
-        seen: SceneVertex<K>,
-    ) -> Option<Self> {
-        let sight = radiance.sight(eye, &seen)?;
-        let own = radiance.response_at(pixel, &sight, [eye, &seen]);
-        let reached = world.reached(sight.film);
-        Some(Look { seen, sight, reached, own, other: (pixel, 0.0) })
-    }
-
-    /// Turns to one of the pixels that receive it, by its number: how a camera path of that pixel would find the vertex,
-    /// if it is another one than that of the sample.
-    fn turn<'a>(
-        &mut self,
-        radiance: &Radiance<'_, '_, K>,
-        world: &'a World<'a, K>,
-        pixel: Pixel,
-        eye: &SceneVertex<K>,
-        turn: u32,
-    ) -> Option<LightStrategies<'a, K>> {
-        let other = (turn < self.reached.count()).then(|| self.reached.pixel(turn))?;
-        if other == pixel {
-            return None;
-        }
-        let response = radiance.response_at(other, &self.sight, [eye, &self.seen]);
-        self.other = (other, response);
-        (response != 0.0).then(|| sample_camera_direction(world, other.into()).into())
-    }
+/// What a technique has found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// The technique.
+    pub technique: Technique,
+    /// The film point, in pixels of the image, where it is seen: a pixel receives it times its filter there.
+    pub film: Vec2<f32>,
+    /// Whether that is the film point of the camera path.
+    pub is_own: bool,
+    /// What arrives there.
+    pub value: Vec3,
+    /// What would arrive if there were no other technique.
+    pub alone: Vec3,
 }
 
 impl Integrator for Bidirectional {
     type Scratch<'a, K: SceneKind> = BidirectionalScratch<'a, K>;
     const SPLATS: bool = true;
+    const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
-        let (looks, others) = (Vec::new(), Vec::new());
-        BidirectionalScratch { paths: Scratch::new(world), looks, others }
+        BidirectionalScratch { paths: Scratch::new(world), films: Vec::new() }
     }
 
     fn sample<'a, K: SceneKind>(
@@ -133,31 +97,37 @@ impl Integrator for Bidirectional {
         splats: &mut Splats,
     ) -> Vec3 {
         let mut received = Received::new(pixel, splats);
-        self.paths(world, scratch, uniforms, pixel, |technique, receiver, value, alone| {
-            received.add_by(technique, receiver, value, alone);
+        let mut counts = None;
+        self.paths(world, scratch, uniforms, pixel, |found| {
+            let Found { technique, film, is_own, value, alone } = found;
+            if is_own {
+                let counts = *counts.get_or_insert_with(|| received.begin_at(world, film));
+                received.add_own(technique, value * counts, alone * counts);
+            } else {
+                received.add_at(&world.scene.film, film, technique, [value, alone]);
+            }
         });
         received.own
     }
 }
 
 impl Bidirectional {
-    /// One sample: calls `record` with a technique, a pixel, what that receives from it, and what it would if
-    /// there were no other technique.
+    /// One sample of a pixel: calls `record` with what is found.
     pub fn paths<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
         scratch: &mut BidirectionalScratch<'a, K>,
         uniforms: &mut impl UniformSource<f32>,
         pixel: Pixel,
-        mut record: impl FnMut(Technique, Pixel, Vec3, Vec3),
+        mut record: impl FnMut(Found),
     ) {
-        let BidirectionalScratch { paths: Scratch { arena, estimator }, looks, others } = scratch;
+        let BidirectionalScratch { paths: Scratch { arena, estimator }, films } = scratch;
         arena.clear();
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
-        let seen_by = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let seen_by = camera_path(world, arena, uniforms, Aim::Image(pixel), (longest, rr));
         let radiance = estimator.integrand();
-        let response = radiance.response(pixel, &seen_by);
+        let own = radiance.own_film_point(pixel, &seen_by);
         let count = self.light_paths.max(1) as usize;
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
@@ -178,60 +148,37 @@ impl Bidirectional {
             let total = (camera.len() + light.len()).min(longest);
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
-            let walks = [&camera, &light];
-            // What the eye sees of the light paths of each length, and the pixels that receive it: of the pixel's own
-            // sample everything counts, of the others only that.
             let eye = camera.vertex(0);
-            looks.clear();
-            looks.extend((0..total + 1).map(|length| {
+            films.clear();
+            films.extend((0..total + 1).map(|length| {
                 let seen = light.vertex(length.checked_sub(2)?)?;
-                Look::new(radiance, world, pixel, eye.as_ref()?, seen)
+                let film = radiance.sight(eye.as_ref()?, &seen)?.film;
+                (world.scene.film.reached(film).count() > 0).then_some(film)
             }));
-            let own = |length: usize| looks[length].as_ref().map_or(0.0, |look| look.own);
+            let film = |length: usize, first: usize| if first == 1 { films[length] } else { own };
             let connections = Connections {
                 lengths: fewest..=total,
-                replaced: None,
                 ending: Some(&ending),
                 fewest_ending: 3,
                 samples,
-                is_drawn: |length, first| match first {
-                    1 => own(length) != 0.0,
-                    _ => first < length || number == 0,
+                is_drawn: |length, first| {
+                    film(length, first).is_some() && (first < length || number == 0)
                 },
             };
-            estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
-                let response = if found.first == 1 { own(found.length) } else { response };
-                // There is one sample where several are weighed.
-                let response = response * worth(found.length, found.first) as f32;
-                let [value, alone] = [found.value, found.alone].map(|v| v * response);
-                record(by(found.length, found.first), pixel, value, alone);
-            });
-            let most = looks.iter().flatten().map(|look| look.reached.count()).max();
-            for turn in 0..most.unwrap_or(0) {
-                others.clear();
-                others.extend(
-                    looks.iter_mut().map(|look| {
-                        look.as_mut()?.turn(radiance, world, pixel, eye.as_ref()?, turn)
-                    }),
-                );
-                if others.iter().all(|other| other.is_none()) {
-                    continue;
-                }
-                let connections = Connections {
-                    lengths: fewest..=total,
-                    replaced: Some(Replaced { step: 1, by: others }),
-                    ending: Some(&ending),
-                    fewest_ending: 3,
-                    samples,
-                    is_drawn: |_, first| first == 1,
-                };
-                estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
-                    let Some(look) = &looks[found.length] else { return };
-                    let (other, response) = look.other;
-                    let [value, alone] = [found.value, found.alone].map(|v| v * response);
-                    record(by(found.length, found.first), other, value, alone);
-                });
-            }
+            estimator.connections(
+                [&camera, &light],
+                &connections,
+                &PowerHeuristic,
+                uniforms,
+                |it| {
+                    let Some(film) = film(it.length, it.first) else { return };
+                    // There is one sample where several are weighed.
+                    let counts = worth(it.length, it.first) as f32;
+                    let [value, alone] = [it.value, it.alone].map(|v| v * counts);
+                    let technique = by(it.length, it.first);
+                    record(Found { technique, film, is_own: it.first > 1, value, alone });
+                },
+            );
         }
     }
 }

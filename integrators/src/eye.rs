@@ -7,9 +7,8 @@ use glam::Vec3 as Vector;
 use crate::integrand::film_points;
 use crate::kind::SceneKind;
 use crate::samplers::{ParallelHit, parallel_hit, pinhole, rotate};
+use crate::scene::Camera;
 use crate::scene::camera::Projection;
-use crate::scene::{Camera, Film};
-use crate::strategies::Pixel;
 use crate::vertex::SceneVertex;
 use crate::world::{World, film_centre};
 
@@ -109,32 +108,6 @@ impl ParallelFilm {
     }
 }
 
-/// The pixels whose filters reach a point of the film: a rectangle of them.
-#[derive(Clone, Copy, Debug)]
-pub struct Reached {
-    first: Pixel,
-    columns: u32,
-    rows: u32,
-}
-
-impl Reached {
-    /// How many there are.
-    pub fn count(&self) -> u32 {
-        self.columns * self.rows
-    }
-
-    /// One of them by its number, row by row.
-    pub fn pixel(&self, k: u32) -> Pixel {
-        (self.first.0 + k % self.columns, self.first.1 + k / self.columns)
-    }
-
-    /// Whether a pixel is among them.
-    fn has(&self, (x, y): Pixel) -> bool {
-        // What lies before the first is very far behind it.
-        x.wrapping_sub(self.first.0) < self.columns && y.wrapping_sub(self.first.1) < self.rows
-    }
-}
-
 impl<'s, K: SceneKind> World<'s, K> {
     /// The map from points of the film, in pixels, to the directions that they look in.
     pub fn film_to_direction(
@@ -163,38 +136,6 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// How many pixels the image has.
     pub fn pixels(&self) -> usize {
         self.scene.film.width as usize * self.scene.film.height as usize
-    }
-
-    /// The pixels to which paths contribute that begin at these points of the film, in pixels of the image, and `own`, each
-    /// once.
-    pub fn receivers<const N: usize>(
-        &self,
-        own: Pixel,
-        films: [Option<Vec2<f32>>; N],
-    ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
-        let reached = films.map(|film| film.map(|film| self.reached(film)));
-        let others = (0..N).flat_map(move |i| {
-            let pixels = reached[i]
-                .into_iter()
-                .flat_map(|here| (0..here.count()).map(move |k| here.pixel(k)));
-            pixels.filter(move |pixel| {
-                *pixel != own && !reached[..i].iter().flatten().any(|before| before.has(*pixel))
-            })
-        });
-        std::iter::once(own).chain(others)
-    }
-
-    /// The pixels whose filters reach a point of the film.
-    pub fn reached(&self, film: Vec2<f32>) -> Reached {
-        let reach = self.scene.film.filter.radius();
-        let along = |x: f32, size: u32| {
-            let first = (x - reach - 0.5).ceil().max(0.0) as u32;
-            let end = ((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32;
-            (first, end.saturating_sub(first))
-        };
-        let Film { width, height, .. } = self.scene.film;
-        let ((x, columns), (y, rows)) = (along(film.x, width), along(film.y, height));
-        Reached { first: (x, y), columns, rows }
     }
 
     /// The point of the film, in pixels of the image, that is seen straight ahead from the eye: a pinhole,

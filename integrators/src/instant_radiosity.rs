@@ -36,6 +36,7 @@ pub struct VirtualLights<'a, K: SceneKind> {
 
 impl Integrator for InstantRadiosity {
     type Scratch<'a, K: SceneKind> = VirtualLights<'a, K>;
+    const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> VirtualLights<'a, K> {
         let limit = self.clamp.unwrap_or(f32::INFINITY);
@@ -73,13 +74,14 @@ impl Integrator for InstantRadiosity {
         let Scratch { arena, estimator } = scratch;
         arena.clear();
         let longest = self.path.most_vertices();
-        let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
-        let response = estimator.integrand().response(pixel, &camera);
         let mut received = Received::new(pixel, splats);
+        let aim = received.aim();
+        let mut camera = camera_path(world, arena, uniforms, aim, (longest.min(2), 0));
+        let response = received.begin_with(estimator.integrand(), &camera);
         let mut add = |by: Technique, path: &Path<'_, K, _>, share: f32| {
             if self.path.techniques.has(by) {
                 let value = estimator.of(path) * share;
-                received.add_by(by, pixel, value, value);
+                received.add_own(by, value, value);
             }
         };
         if longest >= 2 && !self.path.hide_emitters {

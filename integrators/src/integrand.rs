@@ -135,14 +135,9 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         sight
     }
 
-    /// The pixels to which paths contribute that begin with these eyes and what they see, and `own`, each once.
-    pub fn receivers<const N: usize>(
-        &self,
-        own: Pixel,
-        seen: [Option<[SceneVertex<K>; 2]>; N],
-    ) -> impl Iterator<Item = Pixel> + use<'s, K, N> {
-        let film = |[eye, seen]: [SceneVertex<K>; 2]| Some(self.sight(&eye, &seen)?.film);
-        self.world.receivers(own, seen.map(|seen| seen.and_then(film)))
+    /// The scene.
+    pub fn world(&self) -> &'w World<'s, K> {
+        self.world
     }
 
     /// The value of a pixel's filter at the film point where a path's second vertex is seen from its
@@ -158,8 +153,31 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         }
     }
 
-    /// The same for an eye and what it sees.
-    pub fn response_to(&self, pixel: Pixel, [eye, seen]: [&SceneVertex<K>; 2]) -> f32 {
+    /// The film point, in pixels of the image, where a path's second vertex is seen from its first.
+    pub fn film_point<S: Strategy<SceneVertex<K>>>(
+        &self,
+        path: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> Option<Vec2<f32>> {
+        Some(self.sight(&path.vertex(0)?, &path.vertex(1)?)?.film)
+    }
+
+    /// The same, if the filter of a pixel reaches it, as it does to within rounding.
+    pub fn own_film_point<S: Strategy<SceneVertex<K>>>(
+        &self,
+        pixel: Pixel,
+        path: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> Option<Vec2<f32>> {
+        let film = self.film_point(path).filter(|_| self.response(pixel, path) != 0.0)?;
+        let reach = self.world.scene.film.filter.radius();
+        let near = |x: f32, pixel: u32| {
+            let centre = pixel as f32 + 0.5;
+            x.clamp(centre - reach, centre + reach)
+        };
+        Some(Vec2::new(near(film.x, pixel.0), near(film.y, pixel.1)))
+    }
+
+    /// [`Radiance::response`] for an eye and what it sees.
+    fn response_to(&self, pixel: Pixel, [eye, seen]: [&SceneVertex<K>; 2]) -> f32 {
         self.sight(eye, seen).map_or(0.0, |sight| self.response_at(pixel, &sight, [eye, seen]))
     }
 

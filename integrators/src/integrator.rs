@@ -1,14 +1,17 @@
 //! What an integrator is to the renderer: an estimator of pixels, for every kind of scene.
 
 use aether_core::estimator::Contribution;
-use aether_core::{UniformSource, Vertex};
+use aether_core::prelude::Vec2;
+use aether_core::{RandomSequence, Strategy, UniformSource};
 use glam::Vec3;
 
+use crate::integrand::Radiance;
 use crate::kind::{NotCovered, SceneKind};
 use crate::render::{AnyKernel, Layer, Splats, Technique, Worker};
-use crate::scene::{SamplerKind, Scene};
-use crate::strategies::Pixel;
+use crate::scene::{Film, Filter, SamplerKind, Scene};
+use crate::strategies::{Aim, Pixel};
 use crate::uniforms::Uniforms;
+use crate::vertex::SceneVertex;
 use crate::world::World;
 
 /// A light transport algorithm with its settings, written once for all kinds of scenes.
@@ -20,6 +23,10 @@ pub trait Integrator: Send + Sync {
 
     /// Whether samples contribute to other pixels than their own.
     const SPLATS: bool = false;
+
+    /// Whether what samples find counts for all pixels that see it: they say where on the film they lie
+    /// ([`Received::begin_with`]), to be shared among the pixels whose filters reach that.
+    const SHARES: bool = false;
 
     /// A new scratch object.
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
@@ -58,6 +65,7 @@ pub struct Received<'s> {
 impl<'s> Received<'s> {
     /// Nothing so far, of a sample of a pixel.
     pub fn new(pixel: Pixel, splats: &'s mut Splats) -> Self {
+        splats.begin();
         Received { pixel, own: Vec3::ZERO, splats }
     }
 
@@ -66,21 +74,81 @@ impl<'s> Received<'s> {
         self.pixel
     }
 
-    /// Adds to a pixel what a path that a technique has found contributes, with the pixel's response to it.
-    pub fn add_found<V: Vertex, S>(
+    /// Whether what the sample carries is shared among the pixels that see its film point.
+    pub fn is_shared(&self) -> bool {
+        self.splats.is_shared
+    }
+
+    /// How a camera path is to be made that finds nothing which others find too: for its pixel, or for all that see its film
+    /// point.
+    pub fn aim(&self) -> Aim {
+        if self.is_shared() { Aim::Image(self.pixel) } else { Aim::Pixel(self.pixel) }
+    }
+
+    /// The sample lies where a camera path begins that is so made. What the path carries is to be given times what is
+    /// returned.
+    pub fn begin_with<K: SceneKind, S: Strategy<SceneVertex<K>>>(
         &mut self,
-        technique: Technique,
-        receiver: Pixel,
-        found: &Contribution<'_, V, S, Vec3>,
-        response: f32,
-    ) {
-        self.add_by(technique, receiver, found.value * response, found.alone * response);
+        radiance: &Radiance<'_, '_, K>,
+        camera: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> f32 {
+        if !self.is_shared() {
+            return radiance.response(self.pixel, camera);
+        }
+        let own = radiance.own_film_point(self.pixel, camera);
+        own.map_or(0.0, |film| self.begin_at(radiance.world(), film))
+    }
+
+    /// The sample lies at a film point, and is made for all pixels that see it ([`Aim::Image`]): what it
+    /// carries is to be given times what is returned, Σ_j |f_j|, or, if it is not shared, what it counts for its own pixel.
+    pub fn begin_at<K: SceneKind>(&mut self, world: &World<'_, K>, film: Vec2<f32>) -> f32 {
+        let Some(shares) = self.splats.lie() else { return world.counts_alone(self.pixel, film) };
+        world.share(shares, self.pixel, film);
+        shares.total()
+    }
+
+    /// Adds what a technique contributes by the sample's own film point: by its weight, and what it would contribute
+    /// alone.
+    pub fn add_own(&mut self, technique: Technique, value: Vec3, alone: Vec3) {
+        self.own += value;
+        let (pixel, values) = (self.pixel, [value, alone].map(|v| v.to_array()));
+        self.splats.share_by(technique, pixel, values);
     }
 
     /// Adds to a pixel what a technique contributes: by its weight, and what it would contribute alone.
     pub fn add_by(&mut self, technique: Technique, receiver: Pixel, value: Vec3, alone: Vec3) {
         self.add(receiver, value);
         self.splats.add_by(technique, receiver, [value, alone].map(|v| v.to_array()));
+    }
+
+    /// Adds to each pixel that sees a film point what it receives of what a technique contributes there: by its weight, and
+    /// what it would contribute alone.
+    pub fn add_at(
+        &mut self,
+        film: &Film,
+        point: Vec2<f32>,
+        technique: Technique,
+        [value, alone]: [Vec3; 2],
+    ) {
+        for (receiver, response) in film.receivers(point) {
+            self.add_by(technique, receiver, value * response, alone * response);
+        }
+    }
+
+    /// Adds what a technique has found: to all pixels that see its path, if that is not seen where the sample lies, and
+    /// otherwise to the sample, which `counts` what beginning with it has returned.
+    pub fn add_found<K: SceneKind, S: Strategy<SceneVertex<K>>>(
+        &mut self,
+        radiance: &Radiance<'_, '_, K>,
+        (technique, is_elsewhere): (Technique, bool),
+        found: &Contribution<'_, SceneVertex<K>, S, Vec3>,
+        counts: f32,
+    ) {
+        if !is_elsewhere {
+            self.add_own(technique, found.value * counts, found.alone * counts);
+        } else if let Some(point) = radiance.film_point(&found.path) {
+            self.add_at(&radiance.world().scene.film, point, technique, [found.value, found.alone]);
+        }
     }
 
     /// Adds to its own pixel of a layer.
@@ -90,7 +158,7 @@ impl<'s> Received<'s> {
 
     /// Adds to a pixel.
     pub fn add(&mut self, receiver: Pixel, value: Vec3) {
-        if receiver == self.pixel {
+        if receiver == self.pixel && !self.is_shared() {
             self.own += value;
         } else {
             self.splats.add(receiver, value.to_array());
@@ -131,15 +199,14 @@ pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
     sampler: SamplerKind,
 ) -> Worker<'a> {
     let mut scratch = integrator.scratch(world);
-    let width = u64::from(world.scene.film.width);
+    let film = &world.scene.film;
     let mut begun = None;
     Box::new(move |pixel, sample, splats| {
         if begun != Some(sample) {
             integrator.begin(world, &mut scratch, seed, sample);
             begun = Some(sample);
         }
-        let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-        let mut uniforms = Uniforms::new(sampler, seed, stream, sample);
+        let mut uniforms = Uniforms::of_pixel(sampler, seed, pixel, film, sample);
         let value = integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats);
         value.to_array()
     })
@@ -152,5 +219,9 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
 
     fn splats(&self) -> bool {
         I::SPLATS
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        I::SHARES.then_some(self.world.scene.film.filter)
     }
 }

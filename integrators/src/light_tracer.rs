@@ -9,7 +9,7 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::render::{Splats, Technique};
 use crate::strategies::{Pixel, sample_camera};
-use crate::subpaths::{Scratch, first_edge, light_path};
+use crate::subpaths::{Scratch, light_path};
 use crate::world::World;
 
 /// The light tracer, with the settings of a path tracer. It does not find what is seen directly in a
@@ -23,6 +23,7 @@ pub struct LightTracer {
 impl Integrator for LightTracer {
     type Scratch<'a, K: SceneKind> = Scratch<'a, K, LightStrategies<'a, K>>;
     const SPLATS: bool = true;
+    const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
         Scratch::new(world)
@@ -51,9 +52,8 @@ impl Integrator for LightTracer {
             }
             let path = eye.concat(&light.slice(0..length).reverse());
             let value = estimator.of(&path) / world.pixels() as f32;
-            for receiver in estimator.integrand().receivers(pixel, [first_edge(&path)]) {
-                let share = value * estimator.integrand().response(receiver, &path);
-                received.add_by(by, receiver, share, share);
+            if let Some(film) = estimator.integrand().film_point(&path) {
+                received.add_at(&world.scene.film, film, by, [value; 2]);
             }
         }
         received.own

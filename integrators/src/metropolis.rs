@@ -141,7 +141,6 @@ impl Metropolis {
         let look = sample_light(world).into();
         let connections = Connections {
             lengths: *self.lengths().start()..=total,
-            replaced: None,
             ending: Some(&look),
             fewest_ending: 3,
             samples: |length: usize, first: usize| {
@@ -224,9 +223,9 @@ fn shares_of<K: SceneKind>(
     let mut found = Contributions::default();
     let Some([eye, first]) = &seen else { return found };
     let radiance = estimator.integrand();
-    // No pixel is the path's own.
-    for pixel in radiance.receivers((u32::MAX, u32::MAX), [seen]) {
-        let share = value * radiance.response_to(pixel, [eye, first]);
+    let (film, sight) = (radiance.world().scene.film, radiance.sight(eye, first));
+    for (pixel, response) in sight.into_iter().flat_map(|sight| film.receivers(sight.film)) {
+        let share = value * response;
         found.push(Technique::mutations(vertices), pixel, share, share);
     }
     found

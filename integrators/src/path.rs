@@ -110,19 +110,30 @@ pub fn trace<'a, K, S>(
 {
     arena.clear();
     let pixel = received.pixel();
-    estimator.integrand_mut().aim(Some(pixel));
     let mut camera = arena.sequence();
     camera.append(sample_camera(world));
-    camera.append(sample_camera_direction(world, pixel.into()));
+    camera.append(sample_camera_direction(world, received.aim()));
     let endings = settings.endings(endings);
+    let mut counts = 1.0;
+    if received.is_shared() {
+        camera.sample(uniforms);
+        counts = received.begin_with(estimator.integrand(), &camera);
+    } else {
+        estimator.integrand_mut().aim(Some(pixel));
+    }
+    if counts == 0.0 {
+        return;
+    }
     estimator.walk(&camera, scatter, &endings, &PowerHeuristic, uniforms, |path| {
-        received.add_by(ended(path.length, path.steps), pixel, path.value, path.alone);
+        let [value, alone] = [path.value, path.alone].map(|value| value * counts);
+        received.add_own(ended(path.length, path.steps), value, alone);
     });
     estimator.integrand_mut().aim(None);
 }
 
 impl Integrator for PathSettings {
     type Scratch<'a, K: SceneKind> = Scratch<'a, K, PathStrategies<'a, K>>;
+    const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
         Scratch::new(world)

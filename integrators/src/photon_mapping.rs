@@ -16,7 +16,7 @@ use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
 use crate::photons::{Photon, PhotonMap, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
-use crate::scene::Scene;
+use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
 use crate::uniforms::Uniforms;
@@ -115,12 +115,13 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         arena.clear();
         let (world, path) = (&self.world, self.settings.path);
         let longest = path.most_vertices();
-        let mut camera = camera_path(world, arena, uniforms, pixel, (longest.min(2), 0));
-        let response = radiance.integrand().response(pixel, &camera);
         let mut received = Received::new(pixel, splats);
+        let aim = received.aim();
+        let mut camera = camera_path(world, arena, uniforms, aim, (longest.min(2), 0));
+        let response = received.begin_with(radiance.integrand(), &camera);
         let mut add = |by: Technique, value: Vec3| {
             if path.techniques.has(by) {
-                received.add_by(by, pixel, value, value);
+                received.add_own(by, value, value);
             }
         };
         if longest >= 2 && !path.hide_emitters {
@@ -172,12 +173,16 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         let throughput = Estimator::paths(Radiance::throughput(world));
         let mut gatherer = Gatherer { scratch: Scratch::new(world), throughput };
         let map = self.map.read().unwrap_or_else(PoisonError::into_inner);
-        let width = u64::from(world.scene.film.width);
+        let film = &world.scene.film;
         Box::new(move |pixel, sample, splats| {
-            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let mut uniforms = Uniforms::independent(self.seed, stream, u64::from(sample));
+            let (kind, seed) = (SamplerKind::Independent, self.seed);
+            let mut uniforms = Uniforms::of_pixel(kind, seed, pixel, film, sample);
             self.gather(&map, &mut gatherer, &mut uniforms, pixel, splats).to_array()
         })
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        Some(self.world.scene.film.filter)
     }
 
     fn largest_pass(&self) -> u32 {

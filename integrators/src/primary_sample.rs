@@ -11,6 +11,7 @@ use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
 use crate::integrator::Integrator;
 use crate::kind::SceneKind;
 use crate::path::{DIRECT, PathSettings};
+use crate::render::shares::Shares;
 use crate::render::{Chain, MarkovChain, Splats};
 use crate::stored::Stored;
 use crate::strategies::Pixel;
@@ -276,13 +277,24 @@ impl PrimarySample {
         let mut scratch = self.inner.scratch(world);
         let fewest = if self.direct().is_some() { DIRECT + 1 } else { 2 };
         let inner = Bidirectional { fewest_vertices: fewest, ..self.inner };
-        let size = (world.scene.film.width, world.scene.film.height);
+        let film = world.scene.film;
+        let (size, mut shares) = ((film.width, film.height), Shares::default());
         move |uniforms, found| {
             found.clear();
             let pixel = uniforms.pixel(size);
-            let record =
-                |technique, pixel, value, alone| found.push(technique, pixel, value, alone);
-            inner.paths(world, &mut scratch, uniforms, pixel, record);
+            let mut is_begun = false;
+            inner.paths(world, &mut scratch, uniforms, pixel, |it| {
+                let mut add = |receiver, response: f32| {
+                    found.push(it.technique, receiver, it.value * response, it.alone * response);
+                };
+                if !it.is_own {
+                    return film.receivers(it.film).for_each(|(pixel, by)| add(pixel, by));
+                }
+                if !std::mem::replace(&mut is_begun, true) {
+                    world.share(&mut shares, pixel, it.film);
+                }
+                shares.each().for_each(|(pixel, share)| add(pixel, share * shares.total()));
+            });
         }
     }
 }

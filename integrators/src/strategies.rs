@@ -7,6 +7,7 @@ use aether_core::prelude::*;
 use aether_core::{PathView, coin, strategies};
 
 use crate::eye::LENS;
+use crate::film_filter::ImagePoints;
 use crate::kind::{Everything, Facetted, Interface, PhongOf, Presence, SceneKind};
 use crate::lights::{Form, Light};
 use crate::samplers::*;
@@ -32,6 +33,9 @@ const NEAR: f32 = 1.0;
 pub enum Aim {
     /// About a pixel, distributed like its reconstruction filter.
     Pixel(Pixel),
+    /// About a pixel as well, with the density of the points of all pixels of the image, one of each: for samples that count for
+    /// every pixel that sees them ([`ImagePoints`]).
+    Image(Pixel),
     /// Anywhere that the filter of some pixel reaches.
     Film,
     /// Between a pixel and a distance away from a point; near ones are likelier.
@@ -46,7 +50,7 @@ impl Aim {
         match self {
             Aim::Pixel(pixel) => (pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5),
             Aim::About(point) => (point.x, point.y),
-            Aim::Film | Aim::Near(..) => (0.0, 0.0),
+            Aim::Film | Aim::Image(_) | Aim::Near(..) => (0.0, 0.0),
         }
     }
 }
@@ -90,6 +94,7 @@ pub fn sample_camera_direction<K: SceneKind>(
             let around = given(film_near(from, NEAR, far).ok());
             draw(around)
         }
+        (Aim::Image(pixel), _) => draw(ImagePoints::new(world.film_profile(), pixel)),
         (Aim::About(_), _) | (Aim::Pixel(_), Filter::Box) => draw(film_box(x, y)),
         (Aim::Pixel(_), Filter::Tent { radius }) => {
             let right = choose(coin(0.5f32));

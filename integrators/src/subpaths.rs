@@ -10,8 +10,8 @@ use crate::integrand::Radiance;
 use crate::kind::SceneKind;
 use crate::render::Technique;
 use crate::strategies::{
-    Aim, Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
-    sample_camera, sample_camera_direction, sample_light,
+    Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_camera,
+    sample_camera_direction, sample_light,
 };
 use crate::vertex::SceneVertex;
 use crate::world::World;
@@ -163,15 +163,6 @@ pub fn extend<'a, K: SceneKind, S: FromCamera<'a, K>>(
     (size, rr_depth): (usize, u32),
 ) {
     path.append_up_to(size, sample_bsdf(world, rr_depth, None));
-}
-
-/// A camera path as another pixel would make it: from the same eye on only techniques, without a sample.
-pub fn through<'r, 'a, K: SceneKind, S: FromCamera<'a, K>>(
-    world: &'a World<'a, K>,
-    pixel: Pixel,
-    camera: &Path<'r, K, S>,
-) -> Path<'r, K, S> {
-    camera.replaced(1, sample_camera_direction(world, pixel.into()))
 }
 
 /// The eye and what it sees of a path.

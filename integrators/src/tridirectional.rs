@@ -12,8 +12,8 @@ use crate::kind::SceneKind;
 use crate::path::PathSettings;
 use crate::portals::{PortalStrategies, Portals, sample_portal};
 use crate::render::{Splats, Technique};
-use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Scratch, camera_path, extend, first_edge, splits, through};
+use crate::strategies::{Aim, Pixel, sample_bsdf};
+use crate::subpaths::{Scratch, camera_path, extend, splits};
 use crate::world::World;
 
 /// Settings of tridirectional path tracing.
@@ -31,6 +31,7 @@ impl Integrator for Tridirectional {
     where
         Self: 'a;
     const SPLATS: bool = true;
+    const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
         Scratch::new(world)
@@ -47,7 +48,7 @@ impl Integrator for Tridirectional {
         arena.clear();
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
-        let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let mut camera = camera_path(world, arena, uniforms, Aim::Image(pixel), (longest, rr));
         let mut light = arena.sequence();
         light.append(sample_emitter(world));
         light.append(sample_emission_and_openings(world, &self.portals)).sample(uniforms);
@@ -61,43 +62,33 @@ impl Integrator for Tridirectional {
         extend(&mut light, world, (total, rr));
 
         let mut received = Received::new(pixel, splats);
+        let radiance = estimator.integrand();
+        let own = radiance.own_film_point(pixel, &camera);
+        let counts = own.map_or(0.0, |film| received.begin_at(world, film));
         let eye = camera.slice(0..1);
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let lit = |s: usize| light.slice(0..s).reverse();
-            let seen = eye.concat(&lit(length - 1));
-            let passed = eye.concat(&segment).concat(&lit(length.saturating_sub(3)));
-            let has_passed = length >= 3;
-            let reached = if has_passed { passed } else { seen };
-            for receiver in
-                estimator.integrand().receivers(pixel, [first_edge(&seen), first_edge(&reached)])
-            {
-                let view = match receiver == pixel {
-                    true => camera,
-                    false => through(world, receiver, &camera),
-                };
-                let through_portal =
-                    (1..length.saturating_sub(1)).map(|t| Technique::portal(t, length - t - 2));
-                let used = self.path.techniques.among(splits(length).chain(through_portal));
-                let techniques = used.clone().map(|by| match (by.joint, by.light, by.camera) {
-                    (Technique::PORTAL, _, 1) => (passed, world.pixels()),
-                    (Technique::PORTAL, s, t) => {
-                        (view.slice(0..t).concat(&segment).concat(&lit(s)), 1)
-                    }
-                    (_, _, 1) => (seen, world.pixels()),
-                    (_, 1, t) => {
-                        let mut direct = view.slice(0..t);
-                        direct.append(sample_light_and_openings(world, &self.portals));
-                        direct.sample(uniforms);
-                        (direct, 1)
-                    }
-                    (_, s, t) => (view.slice(0..t).concat(&lit(s)), 1),
-                });
-                let techniques = arena.collect_counted(techniques);
-                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let Some(by) = used.clone().nth(found.technique) else { continue };
-                    let response = estimator.integrand().response(receiver, &found.path);
-                    received.add_found(by, receiver, &found, response);
+            let through_portal =
+                (1..length.saturating_sub(1)).map(|t| Technique::portal(t, length - t - 2));
+            let used = self.path.techniques.among(splits(length).chain(through_portal));
+            let techniques = used.clone().map(|by| match (by.joint, by.light, by.camera) {
+                (Technique::PORTAL, s, t) => {
+                    let count = if t == 1 { world.pixels() } else { 1 };
+                    (camera.slice(0..t).concat(&segment).concat(&lit(s)), count)
                 }
+                (_, s, 1) => (eye.concat(&lit(s)), world.pixels()),
+                (_, 1, t) => {
+                    let mut direct = camera.slice(0..t);
+                    direct.append(sample_light_and_openings(world, &self.portals));
+                    direct.sample(uniforms);
+                    (direct, 1)
+                }
+                (_, s, t) => (camera.slice(0..t).concat(&lit(s)), 1),
+            });
+            let techniques = arena.collect_counted(techniques);
+            for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                let Some(by) = used.clone().nth(found.technique) else { continue };
+                received.add_found(radiance, (by, by.camera == 1), &found, counts);
             }
         }
         received.own

@@ -16,11 +16,10 @@ use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
 use crate::photons::{PhotonMap, Placed, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
-use crate::scene::Scene;
-use crate::strategies::Pixel;
+use crate::scene::{Filter, SamplerKind, Scene};
+use crate::strategies::{Aim, Pixel};
 use crate::subpaths::{
-    Path, Scratch, camera_path, connection, extend, first_edge, light_path, light_step, splits,
-    through,
+    Path, Scratch, camera_path, connection, extend, light_path, light_step, splits,
 };
 use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
@@ -155,7 +154,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         arena.clear();
         let (world, rr, radius) = (&self.world, self.settings.path.rr_depth, lights.ends.radius());
         let longest = self.settings.path.most_vertices();
-        let mut camera = camera_path(world, arena, uniforms, pixel, (longest, rr));
+        let mut camera = camera_path(world, arena, uniforms, Aim::Image(pixel), (longest, rr));
         let reached = camera.len();
         let own = &lights.paths[(pixel.1 * world.scene.film.width + pixel.0) as usize];
         let total = (reached + own.len()).min(longest);
@@ -163,33 +162,28 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         let light = self.light(arena, own, total);
 
         let mut received = Received::new(pixel, splats);
+        let radiance = estimator.integrand();
+        let own = radiance.own_film_point(pixel, &camera);
+        let counts = own.map_or(0.0, |film| received.begin_at(world, film));
         let eye = camera.slice(0..1);
         for n in 2 + usize::from(self.settings.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..n - 1).reverse());
-            for receiver in estimator.integrand().receivers(pixel, [first_edge(&seen)]) {
-                let view = match receiver == pixel {
-                    true => camera,
-                    false => through(world, receiver, &camera),
-                };
-                let list = self.techniques(n).map(|by| {
-                    let (mut path, count) = self.made(by, [&view, &light], radius);
-                    match (by.joint, by.light, by.camera) {
-                        (Technique::MERGE, ..) => (path.technique(), count),
-                        (_, _, 1) => (seen, count),
-                        (_, 1, _) => (*path.sample(uniforms), count),
-                        _ => (path, count),
-                    }
-                });
-                let techniques = arena.collect_counted(list);
-                for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    let Some(by) = self.techniques(n).nth(found.technique) else { continue };
-                    let response = estimator.integrand().response(receiver, &found.path);
-                    received.add_found(by, receiver, &found, response);
+            let list = self.techniques(n).map(|by| {
+                let (mut path, count) = self.made(by, [&camera, &light], radius);
+                match (by.joint, by.light, by.camera) {
+                    (Technique::MERGE, ..) => (path.technique(), count),
+                    (_, _, 1) => (seen, count),
+                    (_, 1, _) => (*path.sample(uniforms), count),
+                    _ => (path, count),
                 }
+            });
+            let techniques = arena.collect_counted(list);
+            for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
+                let Some(by) = self.techniques(n).nth(found.technique) else { continue };
+                received.add_found(radiance, (by, by.camera == 1), &found, counts);
             }
         }
 
-        let response = estimator.integrand().response(pixel, &camera);
         for t in 2..=reached.min(longest - 1) {
             let Some(here) = camera.vertex(t - 1) else { break };
             let Some(surface) = here.surface() else { break };
@@ -209,7 +203,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
                 });
                 let techniques = arena.collect_counted(list);
                 for found in estimator.each(combine::<PowerHeuristic, _>(techniques)) {
-                    received.add_found(merged, pixel, &found, response);
+                    received.add_own(merged, found.value * counts, found.alone * counts);
                 }
             });
         }
@@ -221,16 +215,20 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
     fn worker(&self) -> Worker<'_> {
         let lights = self.lights.read().unwrap_or_else(PoisonError::into_inner);
         let mut scratch = Scratch::new(&self.world);
-        let width = u64::from(self.world.scene.film.width);
+        let film = &self.world.scene.film;
         Box::new(move |pixel, sample, splats| {
-            let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let mut uniforms = Uniforms::independent(self.seed, stream, u64::from(sample));
+            let (kind, seed) = (SamplerKind::Independent, self.seed);
+            let mut uniforms = Uniforms::of_pixel(kind, seed, pixel, film, sample);
             self.sample(&lights, &mut scratch, &mut uniforms, pixel, splats).to_array()
         })
     }
 
     fn splats(&self) -> bool {
         true
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        Some(self.world.scene.film.filter)
     }
 
     fn largest_pass(&self) -> u32 {

@@ -1,14 +1,17 @@
 //! A scene with what sampling needs beside it: lights as a discrete distribution, materials, frames.
 
+use aether_core::Sampler;
 use aether_core::prelude::{Direction, Frame, Vec2};
 use glam::Vec3;
 
 use crate::eye::{Lens, ParallelFilm};
-use crate::film_filter::FilterTable;
+use crate::film_filter::{FilmProfile, FilterTable, ImagePoints};
 use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, covers};
 use crate::lights::{AreaLight, Form, Lights};
+use crate::render::shares::Shares;
 use crate::scattering::{Material, Scattering};
 use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
+use crate::strategies::Pixel;
 use crate::vertex::{Eye, Place, SceneVertex, Seen, SkyOf, Surface};
 
 /// A scene ready for the strategies.
@@ -33,6 +36,8 @@ pub struct World<'s, K: SceneKind = Everything> {
     parallel: Option<With<K::Orthographic, ParallelFilm>>,
     /// How film points are drawn if the filter has negative lobes.
     filter_table: Option<FilterTable>,
+    /// How film points are drawn that count for all pixels, if the filter is no box.
+    film_profile: Option<FilmProfile>,
 }
 
 impl<'s, K: SceneKind> World<'s, K> {
@@ -63,6 +68,7 @@ impl<'s, K: SceneKind> World<'s, K> {
         let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
         let filter_table = K::SignedFilter::VALUE.and_then(|_| FilterTable::new(scene.film.filter));
+        let film_profile = FilmProfile::new(scene.film.filter);
         Ok(World {
             scene,
             lights,
@@ -74,6 +80,7 @@ impl<'s, K: SceneKind> World<'s, K> {
             lens,
             parallel,
             filter_table,
+            film_profile,
         })
     }
 
@@ -93,6 +100,33 @@ impl<'s, K: SceneKind> World<'s, K> {
     #[inline]
     pub fn filter_table(&self) -> Option<&FilterTable> {
         K::SignedFilter::VALUE.and(self.filter_table.as_ref())
+    }
+
+    /// How film points are drawn that count for all pixels, if the filter is no box.
+    #[inline]
+    pub fn film_profile(&self) -> Option<&FilmProfile> {
+        self.film_profile.as_ref()
+    }
+
+    /// What a sample that is made for all pixels ([`ImagePoints`]) counts at a film point if it is for its own pixel alone:
+    /// the value of its filter, over its part in the densities of all.
+    pub fn counts_alone(&self, pixel: Pixel, point: Vec2<f32>) -> f32 {
+        let film = &self.scene.film;
+        if film.filter == Filter::Box {
+            // Rounding may have moved the point to the next pixel.
+            return 1.0;
+        }
+        let points = ImagePoints::new(self.film_profile(), pixel);
+        let own = points.own().pdf(&point).value();
+        let all = points.pdf(&point).value();
+        if own > 0.0 { film.response(pixel, point) * all / own } else { 0.0 }
+    }
+
+    /// Has shares be those of a sample of a pixel that is made for all, at a film point.
+    pub fn share(&self, shares: &mut Shares, pixel: Pixel, point: Vec2<f32>) {
+        shares.move_to(&self.scene.film, pixel, point);
+        let total = shares.total();
+        shares.count_own(|| self.counts_alone(pixel, point) / total);
     }
 
     /// The eye of a camera without a lens.

@@ -15,7 +15,7 @@ use super::{Failure, INTERRUPTED, print, warn};
 use crate::aovs::aovs;
 use crate::convergence::reference::crop_text;
 use crate::gradient_domain::reconstructed;
-use crate::image::exr::{Attribute, Exr};
+use crate::image::exr::{Attribute, CORRELATION, Exr};
 use crate::image::{RgbImage, check_writable, png};
 use crate::poisson::Reconstruction;
 use crate::render::Layer;
@@ -247,6 +247,9 @@ fn attributes(
     ]);
     if most != fewest {
         attributes.insert("samplesMost", count(most));
+    }
+    if rendered.film.correlation() != 1.0 {
+        attributes.insert(CORRELATION, Attribute::Number(rendered.film.correlation()));
     }
     attributes.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -6,7 +6,8 @@
 //! among all blocks and channels, whatever their dependence.
 //!
 //! Pixels are taken as independent, which holds for a box filter and for filter importance
-//! sampling, but not where one sample is spread over several pixels.
+//! sampling. Where one sample is shared among several pixels, their variances are to be given times
+//! [`Film::correlation`](crate::render::Film::correlation).
 
 use super::{ImageError, RgbImage};
 

@@ -46,10 +46,11 @@ pub struct Comparison {
 /// If they differ in size, have no pixels, or no pixel is finite in both.
 pub fn compare(image: &Exr, reference: &Exr) -> Result<Comparison, ImageError> {
     let mut comparison = compare_pixels(&image.rgb, &reference.rgb)?;
-    if let (Some(variance), Some(reference_variance)) = (&image.variance, &reference.variance) {
+    let variances = [image, reference].map(Exr::variance_in_means);
+    if let [Some(variance), Some(reference_variance)] = variances {
         let options = BlockTestOptions::default();
         let (a, b) = (&image.rgb, &reference.rgb);
-        let test = block_z_test(a, variance, b, reference_variance, &options)?;
+        let test = block_z_test(a, &variance, b, &reference_variance, &options)?;
         comparison.block_test = Some(test);
     }
     Ok(comparison)

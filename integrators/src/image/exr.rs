@@ -45,7 +45,22 @@ pub struct Exr {
     pub attributes: BTreeMap<String, Attribute>,
 }
 
+/// The attribute that tells by what the variance of the mean of many pixels is larger than that of pixels that know nothing of
+/// each other.
+pub const CORRELATION: &str = "correlation";
+
 impl Exr {
+    /// The variance of each pixel as it is for the mean of many of them.
+    pub fn variance_in_means(&self) -> Option<RgbImage> {
+        let factor = match self.attributes.get(CORRELATION) {
+            Some(Attribute::Number(factor)) => *factor as f32,
+            _ => 1.0,
+        };
+        let mut variance = self.variance.clone()?;
+        variance.pixels_mut().iter_mut().for_each(|pixel| *pixel = pixel.map(|v| v * factor));
+        Some(variance)
+    }
+
     /// Writes the file at once or not at all: a crash never leaves a broken file.
     ///
     /// # Errors

@@ -7,12 +7,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::film::{Film, PixelEstimate, relative_error};
+use super::gathered::Gathered;
 use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
-use super::splats::SplatSums;
+use super::splats::{MOST, SplatSums};
 use super::windows::{Batches, WINDOW, decides_at, window_errors};
 use super::{AnyKernel, Budget, Chain, ErrorBudget, Layer, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
+use crate::scene::Filter;
 use crate::work::{Work, threads};
 
 mod state;
@@ -90,6 +92,8 @@ struct Job<'a> {
     invalid: AtomicU64,
     /// What samples add to other pixels, if they do.
     splats: Option<Mutex<SplatSums>>,
+    /// By what samples are shared among pixels, if they are.
+    filter: Option<Filter>,
     layered: usize,
     size: (u32, u32),
 }
@@ -103,7 +107,11 @@ impl<'a> Job<'a> {
         settings: &RenderSettings,
         observer: &'a dyn Observer,
     ) -> Self {
-        let has_splats = kernel.splats() || settings.layered > 0;
+        // Pixels whose samples end early go without those of others.
+        let is_adaptive = matches!(settings.budget, Budget::Error(limit) if limit.adaptive);
+        let is_shared = |filter: &Filter| filter.is_shared() && (kernel.splats() || !is_adaptive);
+        let filter = kernel.filter().filter(is_shared);
+        let has_splats = kernel.splats() || settings.layered > 0 || filter.is_some();
         let cores = || std::thread::available_parallelism().map_or(1, |n| n.get());
         Job {
             kernel,
@@ -120,7 +128,11 @@ impl<'a> Job<'a> {
             batches: Batches::default(),
             good_enough: false,
             invalid: AtomicU64::new(0),
-            splats: has_splats.then(|| Mutex::new(SplatSums::new(settings.size))),
+            splats: has_splats.then(|| {
+                let sums = SplatSums::new(settings.size);
+                Mutex::new(if filter.is_some() { sums.with_shares() } else { sums })
+            }),
+            filter,
             layered: settings.layered,
             size: settings.size,
         }
@@ -231,6 +243,11 @@ impl<'a> Job<'a> {
         }
         let (target, mut moved) = (self.done + samples, false);
         let (mut invalid, mut splats) = (0, Splats::new(self.layered));
+        splats.is_shared = self.filter.is_some();
+        let mut gathered = self.filter.map(|filter| {
+            let rows = tile.pixels.len() as u32 / tile.width;
+            Gathered::new(filter, self.size, tile.origin, (tile.width, rows))
+        });
         for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
                 break;
@@ -240,10 +257,25 @@ impl<'a> Job<'a> {
             let begin = pixel.count();
             moved |= begin < target;
             for number in begin..target {
+                splats.begin();
                 let value = worker(position, number, &mut splats);
-                let valid = value.iter().all(|v| v.is_finite());
-                let value = if valid { value } else { [0.0; 3] };
+                // What others get a share of may not be beyond all measure.
+                let most = if splats.shares().is_some() { MOST } else { f32::MAX };
+                let valid = value.iter().all(|v| v.abs() <= most);
+                let mut value = if valid { value } else { [0.0; 3] };
                 invalid += u64::from(!valid);
+                match (&mut gathered, splats.shares()) {
+                    (Some(gathered), Some(shares)) => {
+                        gathered.add(shares, value);
+                        let counts = shares.own().map_or(1.0, |(_, counts)| counts);
+                        value = value.map(|v| v * counts);
+                        if gathered.is_full() {
+                            self.hand_over_gathered(gathered);
+                        }
+                    }
+                    (Some(_), None) => splats.add(position, value),
+                    _ => {}
+                }
                 match &mut tile.chain {
                     None => pixel.add(value),
                     Some(chain) => {
@@ -257,6 +289,7 @@ impl<'a> Job<'a> {
             }
         }
         self.hand_over(&mut splats);
+        gathered.iter_mut().for_each(|gathered| self.hand_over_gathered(gathered));
         self.invalid.fetch_add(invalid, Ordering::Relaxed);
         moved
     }
@@ -264,6 +297,12 @@ impl<'a> Job<'a> {
     fn hand_over(&self, splats: &mut Splats) {
         if let (Some(sums), false) = (&self.splats, splats.is_empty()) {
             lock(sums).take(splats);
+        }
+    }
+
+    fn hand_over_gathered(&self, gathered: &mut Gathered) {
+        if let Some(sums) = &self.splats {
+            gathered.hand_over(&mut lock(sums));
         }
     }
 
@@ -362,10 +401,18 @@ impl<'a> Job<'a> {
                 *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
             }
         }
-        if let Some(sums) = &self.splats {
-            let (samples, sums) = (self.samples(), lock(sums));
-            film.set_splats(|pixel| sums.estimate(pixel, samples));
+        let Some(sums) = &self.splats else { return film };
+        let (samples, sums) = (self.samples(), lock(sums));
+        let mut own = Vec::new();
+        if let Some(filter) = self.filter {
+            (film, own) = film.shared(filter);
         }
+        film.set_splats(|pixel| {
+            let [mut mean, variance] = sums.estimate(pixel, samples);
+            let shared = own.get(pixel).map_or([0.0; 3], |samples| sums.shared(pixel, *samples));
+            mean.iter_mut().zip(shared).for_each(|(mean, shared)| *mean += shared);
+            [mean, variance]
+        });
         film
     }
 }

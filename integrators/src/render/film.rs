@@ -2,7 +2,9 @@
 
 use std::io::{self, Read, Write};
 
+use super::shares::{Expected, is_alone};
 use crate::image::RgbImage;
+use crate::scene::Filter;
 use crate::stored::Stored;
 
 /// The running mean and variance of the samples of one pixel (Welford's algorithm, in f64).
@@ -80,13 +82,14 @@ pub struct Film {
     width: u32,
     height: u32,
     pixels: Vec<PixelEstimate>,
+    correlation: f64,
 }
 
 impl Film {
     /// A film of `size` (columns, rows) without samples.
     pub fn new(size: (u32, u32)) -> Self {
         let pixels = vec![PixelEstimate::default(); size.0 as usize * size.1 as usize];
-        Self { width: size.0, height: size.1, pixels }
+        Self { width: size.0, height: size.1, pixels, correlation: 1.0 }
     }
 
     /// Columns and rows.
@@ -116,10 +119,46 @@ impl Film {
         }
     }
 
+    /// The film of an image whose samples are shared among pixels by a filter, but for what they add up to; and how many samples
+    /// that is of, for each pixel. The variance is that of the samples: each pixel has its share of it
+    /// from every sample that counts for it, as if these differed as those in the middle of its own do.
+    pub(super) fn shared(mut self, filter: Filter) -> (Self, Vec<f64>) {
+        let [share, square] = [1, 2].map(|power| Expected::power(filter, power));
+        let spread = |expected: &Expected, of: &dyn Fn(&PixelEstimate) -> [f64; 3]| {
+            let values: Vec<_> = self.pixels.iter().map(of).collect();
+            expected.spread(self.size(), &values)
+        };
+        let variances = spread(&square, &|pixel| pixel.variance_of_mean().unwrap_or_default());
+        // Numbers differ where a render was cut short.
+        let counts = spread(&share, &|pixel| [f64::from(pixel.count), 1.0, 0.0]);
+        // All that samples add up to has their variance, however it is shared.
+        self.correlation = share.total().powi(2) / square.total();
+        let (size, mut samples) = (self.size(), Vec::new());
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            let n = f64::from(pixel.count);
+            pixel.mean = [0.0; 3];
+            let place = (index as u32 % size.0, index as u32 / size.0);
+            if is_alone(filter, size, place) {
+                samples.push(n);
+            } else {
+                let [count, all, _] = counts[index];
+                samples.push(count / all);
+                pixel.spread = variances[index].map(|v| v * n * (n - 1.0));
+            }
+        }
+        (self, samples)
+    }
+
     /// The smallest and the largest number of samples of a pixel.
     pub fn samples(&self) -> (u32, u32) {
         let counts = || self.pixels.iter().map(PixelEstimate::count);
         (counts().min().unwrap_or(0), counts().max().unwrap_or(0))
+    }
+
+    /// By what the variance of the mean of many pixels is larger than that of pixels that know nothing of each other: 1, unless
+    /// samples are shared among pixels ([`shares`](super::shares)).
+    pub fn correlation(&self) -> f64 {
+        self.correlation
     }
 
     /// The mean of each pixel; black where there is no sample yet.

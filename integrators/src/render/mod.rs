@@ -7,7 +7,8 @@
 //! kernel alone and not on threads, tiles, passes or time.
 //!
 //! Contributions to other pixels (of paths from lights) are added up exactly ([`splats`]), so that
-//! their order does not matter either.
+//! their order does not matter either. Where the reconstruction filter is wider than a pixel, samples are shared among
+//! pixels ([`shares`]).
 //!
 //! - [`render`]: the engine; [`PixelKernel`]: what it evaluates; [`resume`]: how it goes on.
 //! - [`checkpoint`]: files that keep the state of a render.
@@ -18,9 +19,11 @@ pub mod checkpoint;
 pub mod film;
 pub mod layers;
 pub mod progress;
+pub mod shares;
 pub mod splats;
 
 mod engine;
+mod gathered;
 mod passes;
 mod windows;
 
@@ -32,6 +35,7 @@ pub use windows::WINDOW;
 
 use std::io::{self, Read, Write};
 
+use crate::scene::Filter;
 use crate::work::Work;
 
 /// An estimator of the pixels of an image.
@@ -133,6 +137,13 @@ pub trait AnyKernel: Sync {
     /// Whether samples contribute to other pixels.
     fn splats(&self) -> bool {
         false
+    }
+
+    /// The reconstruction filter, if samples say where on the film they lie ([`Splats::lie`]): where it is wider than a
+    /// pixel, they are shared among the pixels that it reaches ([`shares`]). Their values are then those of their film points,
+    /// times Σ_j |f_j|; all samples with the same number should lie at the same place of their pixels.
+    fn filter(&self) -> Option<Filter> {
+        None
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read, Write};
 
+use super::shares::Shares;
 use crate::stored::{Stored, malformed};
 
 /// A way to make paths of some length.
@@ -100,12 +101,33 @@ pub struct Splats {
     waiting: Vec<Splat>,
     /// The most vertices of paths whose techniques have layers of their own.
     pub layered: usize,
+    /// Whether samples are shared among pixels.
+    pub is_shared: bool,
+    /// Those of the sample under way, if it is known where it lies.
+    shares: Shares,
+    lies: bool,
 }
 
 impl Splats {
     /// Without any, for techniques of paths with up to so many vertices to have layers.
     pub fn new(layered: usize) -> Self {
         Splats { layered, ..Splats::default() }
+    }
+
+    /// Begins a sample, of which nothing is known.
+    pub fn begin(&mut self) {
+        self.lies = false;
+    }
+
+    /// The sample under way lies at a film point: what pixels have in it, to be moved there, if samples are shared.
+    pub fn lie(&mut self) -> Option<&mut Shares> {
+        self.lies = self.is_shared;
+        self.is_shared.then_some(&mut self.shares)
+    }
+
+    /// What pixels have in the sample under way, if it is shared among them.
+    pub fn shares(&self) -> Option<&Shares> {
+        self.lies.then_some(&self.shares)
     }
 
     /// Adds to a pixel, which must lie in the image. Each sample of a pixel is to add its share of the
@@ -122,6 +144,18 @@ impl Splats {
                 self.add_to(Layer::Technique { weighted, technique }, pixel, value);
             }
         }
+    }
+
+    /// [`Splats::add_by`] for a sample of a pixel: to all pixels that have a share of it, if it is shared.
+    pub fn share_by(&mut self, technique: Technique, own: (u32, u32), values: [[f32; 3]; 2]) {
+        if !self.lies || technique.vertices > self.layered {
+            return self.add_by(technique, own, values);
+        }
+        let shares = std::mem::take(&mut self.shares);
+        for (pixel, share) in shares.each() {
+            self.add_by(technique, pixel, values.map(|value| value.map(|v| v * share)));
+        }
+        self.shares = shares;
     }
 
     /// [`Splats::add`] to a layer.
@@ -154,6 +188,8 @@ impl Splats {
 pub struct SplatSums {
     width: usize,
     sums: Vec<[[i128; 3]; 2]>,
+    /// Of samples that are shared among pixels; empty if there are none. Their squares would tell nothing.
+    shared: Vec<[i128; 3]>,
     layers: BTreeMap<Layer, Vec<[[i128; 3]; 2]>>,
     invalid: u64,
 }
@@ -164,14 +200,19 @@ pub const BYTES_OF_A_SUM: u64 = size_of::<[[i128; 3]; 2]>() as u64;
 /// One, in the units of the sums.
 const ONE: f64 = 18_446_744_073_709_551_616.0;
 /// What a contribution may be at most.
-const MOST: f32 = 1e15;
+pub(super) const MOST: f32 = 1e15;
 
 impl SplatSums {
     /// For an image of this size (columns, rows).
     pub fn new(size: (u32, u32)) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
         let (sums, layers) = (vec![[[0; 3]; 2]; pixels], BTreeMap::new());
-        SplatSums { width: size.0 as usize, sums, layers, invalid: 0 }
+        SplatSums { width: size.0 as usize, sums, shared: Vec::new(), layers, invalid: 0 }
+    }
+
+    /// The same, for shares in samples too.
+    pub(super) fn with_shares(self) -> Self {
+        SplatSums { shared: vec![[0; 3]; self.sums.len()], ..self }
     }
 
     /// Takes over what waits.
@@ -193,6 +234,20 @@ impl SplatSums {
                 squares[c] = squares[c].saturating_add((value * value * ONE) as i128);
             }
         }
+    }
+
+    /// Adds to a pixel what samples that are shared among pixels have added up to, for each channel in parts, which are
+    /// multiples of the unit of these sums.
+    pub(super) fn gather(&mut self, (x, y): (u32, u32), parts: [[f64; 3]; 3]) {
+        let sums = &mut self.shared[y as usize * self.width + x as usize];
+        for (sum, parts) in sums.iter_mut().zip(parts) {
+            *sum += parts.iter().map(|part| (part * ONE) as i128).sum::<i128>();
+        }
+    }
+
+    /// What shared samples add to the mean of a pixel, if it has shares of so many.
+    pub(super) fn shared(&self, pixel: usize, samples: f64) -> [f64; 3] {
+        estimate([self.shared[pixel], [0; 3]], samples)[0]
     }
 
     /// Contributions that were NaN, infinite or beyond all measure, and were left out.
@@ -228,6 +283,7 @@ impl Stored for SplatSums {
     fn store(&self, to: &mut dyn Write) -> io::Result<()> {
         (self.width, self.invalid, self.layers.len()).store(to)?;
         self.sums.store(to)?;
+        self.shared.store(to)?;
         self.layers.iter().try_for_each(|(layer, sums)| {
             layer.store(to)?;
             sums.store(to)
@@ -236,13 +292,13 @@ impl Stored for SplatSums {
 
     fn load(from: &mut dyn Read) -> io::Result<Self> {
         let (width, invalid, layers) = <(usize, u64, usize)>::load(from)?;
-        let sums: Vec<_> = Stored::load(from)?;
+        let (sums, shared): (Vec<_>, Vec<_>) = Stored::load(from)?;
         let layers =
             (0..layers).map(|_| Stored::load(from)).collect::<io::Result<BTreeMap<_, _>>>()?;
         if layers.values().any(|layer: &Vec<_>| layer.len() != sums.len()) {
             return Err(malformed("a layer has another size than the image"));
         }
-        Ok(SplatSums { width, sums, layers, invalid })
+        Ok(SplatSums { width, sums, shared, layers, invalid })
     }
 }
 

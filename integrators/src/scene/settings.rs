@@ -2,7 +2,11 @@
 
 use std::str::FromStr;
 
+use aether_core::prelude::Vec2;
+
 use super::error::Place;
+use crate::render::shares::Reached;
+use crate::strategies::Pixel;
 
 /// A reconstruction filter, as in Mitsuba 3.9.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +42,14 @@ impl Filter {
     /// Whether it has negative lobes, so that it is no density up to a factor.
     pub fn is_signed(self) -> bool {
         matches!(self, Self::Cubic { .. } | Self::Lanczos { .. })
+    }
+
+    /// Whether samples are shared among the pixels that it reaches ([`shares`](crate::render::shares)).
+    ///
+    /// With negative lobes the weights of a lattice would not add up to one, and all pixels would be too bright or too
+    /// dark at once.
+    pub fn is_shared(self) -> bool {
+        self.radius() > 0.5 && !self.is_signed()
     }
 
     /// Where the filter becomes 0, in pixels along each axis.
@@ -107,6 +119,25 @@ pub struct Film {
     pub height: u32,
     /// The reconstruction filter.
     pub filter: Filter,
+}
+
+impl Film {
+    /// The pixels whose filters reach a film point, in pixels.
+    pub fn reached(&self, point: Vec2<f32>) -> Reached {
+        Reached::by(self.filter, (self.width, self.height), [point.x, point.y])
+    }
+
+    /// The value of a pixel's filter at a film point.
+    pub fn response(&self, pixel: Pixel, point: Vec2<f32>) -> f32 {
+        let along = |x: f32, pixel: u32| self.filter.profile(x - (pixel as f32 + 0.5));
+        along(point.x, pixel.0) * along(point.y, pixel.1)
+    }
+
+    /// The pixels whose filters reach a film point, each with the value of its filter there.
+    pub fn receivers(&self, point: Vec2<f32>) -> impl Iterator<Item = (Pixel, f32)> {
+        let film = *self;
+        self.reached(point).pixels().map(move |pixel| (pixel, film.response(pixel, point)))
+    }
 }
 
 /// Where the uniforms come from.

@@ -2,9 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use aether_core::{
-    Conditional, Drawn, PathView, Pcg32, Reads, Strategy, UniformSource, strategies,
-};
+use aether_core::{Conditional, Drawn, PathView, Reads, Strategy, UniformSource, strategies};
 use integrators::image::RgbImage;
 use integrators::image::block_test::{BlockScore, BlockTestOptions, block_scores};
 use integrators::image::exr::Exr;
@@ -12,11 +10,12 @@ use integrators::integrator::Received;
 use integrators::kind::DiffuseRooms;
 use integrators::path::{PathSettings, Techniques, trace};
 use integrators::render::{AnyKernel, Film, Splats, Worker};
-use integrators::scene::{Bsdf, SamplerKind, Scene};
+use integrators::scene::{Bsdf, Filter, SamplerKind, Scene};
 use integrators::strategies::{
     Pixel, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_light,
 };
 use integrators::subpaths::Scratch;
+use integrators::uniforms::Uniforms;
 use integrators::vertex::SceneVertex;
 use integrators::world::World;
 
@@ -86,7 +85,9 @@ pub fn path_traced(
 /// If the sizes differ or a pixel has fewer than two samples.
 pub fn scores(film: &Film, reference: &Reference) -> Vec<BlockScore> {
     let image = film.image();
-    let variance = film.variance().expect("two samples a pixel");
+    let mut variance = film.variance().expect("two samples a pixel");
+    let correlation = film.correlation() as f32;
+    variance.pixels_mut().iter_mut().for_each(|pixel| *pixel = pixel.map(|v| v * correlation));
     let Reference { rgb, variance: noise } = reference;
     let blocks = score([&image, &variance, rgb, noise], 8);
     let mean = score([&image, &variance, rgb, noise], image.width().max(image.height()));
@@ -207,8 +208,8 @@ impl<'s> MisjudgingTracer<'s> {
         let light = Misjudged { strategy: sample_light(world), factor: self.light_factor };
         let scatter = Misjudged { strategy: scatter, factor: self.scatter_factor };
         let techniques = Techniques { scatter: scatter.into(), endings: &[&[], &[light.into()]] };
-        let stream = u64::from(pixel.1) * u64::from(world.scene.film.width) + u64::from(pixel.0);
-        let mut uniforms = Pcg32::new(self.seed, stream, u64::from(sample));
+        let (kind, film) = (SamplerKind::Independent, &world.scene.film);
+        let mut uniforms = Uniforms::of_pixel(kind, self.seed, pixel, film, sample);
         let mut received = Received::new(pixel, splats);
         trace(world, &self.settings, &techniques, scratch, &mut uniforms, &mut received);
         received.own.to_array()
@@ -219,5 +220,9 @@ impl AnyKernel for MisjudgingTracer<'_> {
     fn worker(&self) -> Worker<'_> {
         let mut scratch = Scratch::new(&self.world);
         Box::new(move |pixel, sample, splats| self.sample(&mut scratch, pixel, sample, splats))
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        Some(self.world.scene.film.filter)
     }
 }

@@ -1,9 +1,15 @@
 //! The engine with kernels whose answers are known.
 
 use super::*;
+use crate::film_filter::{FilmProfile, PixelPoints};
 use crate::render::progress::StateWriter;
 use crate::render::{MarkovChain, PixelKernel};
+use crate::scene::SamplerKind;
 use crate::stored::Stored;
+use crate::uniforms::Uniforms;
+use crate::world::profile_integral;
+use aether_core::sequence::first_block;
+use aether_core::{Sampler, UniformSource};
 use std::io::Write;
 use std::sync::atomic::AtomicU32;
 
@@ -230,6 +236,98 @@ impl AnyKernel for Splashing {
     }
 }
 
+/// Shares samples of a picture by a filter: sin(x) + 2 cos(y) + noise, brighter in the third channel.
+struct Blurred(Filter);
+
+impl Blurred {
+    fn picture(x: f64, y: f64) -> f64 {
+        (0.7 * x).sin() + 2.0 * (0.9 * y).cos() + 4.0
+    }
+
+    /// What a pixel is to be.
+    fn expected(&self, pixel: (u32, u32)) -> f64 {
+        const STEPS: u32 = 96;
+        let radius = f64::from(self.0.radius());
+        let at = |k: u32| radius * (2.0 * (f64::from(k) + 0.5) / f64::from(STEPS) - 1.0);
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
+            let [dx, dy] = [i, j].map(at);
+            let weight = f64::from(self.0.profile(dx as f32) * self.0.profile(dy as f32));
+            let [x, y] = [pixel.0, pixel.1].map(|k| f64::from(k) + 0.5);
+            sum += weight * Self::picture(x + dx, y + dy);
+            all += weight;
+        }
+        sum / all
+    }
+}
+
+impl AnyKernel for Blurred {
+    fn worker(&self) -> Worker<'_> {
+        let profile = FilmProfile::new(self.0);
+        Box::new(move |pixel, number, splats| {
+            let film = &crate::scene::Film { width: 37, height: 21, filter: self.0 };
+            let mut uniforms = Uniforms::of_pixel(SamplerKind::Independent, 3, pixel, film, number);
+            let mut draw = |block| {
+                uniforms.start(block);
+                [uniforms.next(), uniforms.next()]
+            };
+            let (u, [noise, _]) = (draw(first_block(1)), draw(first_block(2)));
+            let point = PixelPoints::new(profile.as_ref(), pixel).sample(u);
+            let of = |x: f32, pixel: u32| self.0.profile(x - (pixel as f32 + 0.5));
+            let own = of(point.x, pixel.0) * of(point.y, pixel.1);
+            splats.begin();
+            if own == 0.0 {
+                return [0.0; 3];
+            }
+            let counts = splats.lie().map_or(own, |shares| {
+                shares.move_to(film, pixel, *point);
+                own.abs()
+            });
+            let picture = Blurred::picture(point.x.into(), point.y.into()) as f32;
+            let integral = profile_integral(self.0).powi(2);
+            let value = (picture + noise - 0.5) * counts / (point.pdf().value() * integral);
+            [value, 0.0, 10.0 * value]
+        })
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        Some(self.0)
+    }
+}
+
+#[test]
+fn shared_samples_have_the_mean_and_about_the_variance_that_they_should() {
+    let filters = [
+        Filter::Tent { radius: 1.0 },
+        Filter::Tent { radius: 2.3 },
+        Filter::Gaussian { stddev: 0.5 },
+        // Not shared.
+        Filter::Cubic { b: 1.0 / 3.0, c: 1.0 / 3.0 },
+    ];
+    for filter in filters {
+        let kernel = Blurred(filter);
+        let film = render(&kernel, &settings(4000, 2), &()).film;
+        let variance = film.variance().unwrap();
+        let (mut squares, mut count) = (0.0, 0.0);
+        for y in 0..21u32 {
+            for x in 0..37u32 {
+                let expected = kernel.expected((x, y));
+                let found = film.pixels()[(y * 37 + x) as usize].mean()[0];
+                let spread = f64::from(variance.pixel(x as usize, y as usize)[0]);
+                let z = (found - expected) / spread.sqrt();
+                squares += z * z;
+                count += 1.0;
+                // Of 3108 numbers.
+                assert!(z.abs() < 6.0, "{filter:?}, pixel {x}, {y}: {found} {expected} {z}");
+            }
+        }
+        // The picture differs over a filter more than the lattice of samples shows.
+        let mean_square: f64 = squares / count;
+        println!("{filter:?}: {mean_square}");
+        assert!((0.05..1.2).contains(&mean_square), "{filter:?}: {mean_square}");
+    }
+}
+
 /// A chain whose next state depends on the one before, and how many steps all have taken.
 #[derive(Default)]
 struct Wandering(AtomicU64);
@@ -315,9 +413,10 @@ fn a_render_goes_on_from_every_state_to_the_same_image() {
     let limit = ErrorBudget { target: 0.05, samples: 600, seconds: 1e9, adaptive: true };
     let [uneven, all] = [true, false].map(|adaptive| ErrorBudget { adaptive, ..limit });
     type Make = fn() -> Box<dyn AnyKernel>;
-    let cases: [(Make, Budget); 5] = [
+    let cases: [(Make, Budget); 6] = [
         (|| Box::new(Noise), Budget::Samples(23)),
         (|| Box::new(Splashing), Budget::Samples(23)),
+        (|| Box::new(Blurred(Filter::Gaussian { stddev: 0.5 })), Budget::Samples(23)),
         (|| Box::<Wandering>::default(), Budget::Samples(23)),
         (|| Box::new(Uneven), Budget::Error(uneven)),
         (|| Box::<Wandering>::default(), Budget::Error(all)),
