@@ -118,7 +118,6 @@ fn compare(seed: u64, length: usize) -> [usize; 3] {
     let estimator: Estimator<One, Factors<f32>> = Estimator::paths(One);
     let connections = Connections {
         lengths: length..=length,
-        replaced: None,
         ending: None::<&Step>,
         fewest_ending: 1,
         samples: |_, _| 1,

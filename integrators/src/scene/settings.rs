@@ -74,8 +74,8 @@ impl Filter {
             Self::Box => 1.0,
             Self::Tent { radius } => 1.0 - x / radius,
             Self::Gaussian { stddev } => {
-                let bell = |x: f32| (-0.5 * (x / stddev) * (x / stddev)).exp();
-                (bell(x) - bell(4.0 * stddev)).max(0.0)
+                let bell = |deviations: f32| (-0.5 * deviations * deviations).exp();
+                (bell(x / stddev) - bell(4.0)).max(0.0)
             }
             // Mitchell and Netravali 1988, Eq. 8.
             Self::Cubic { b, c } if x < 1.0 => {
