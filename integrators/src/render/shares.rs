@@ -53,12 +53,6 @@ impl Reached {
     pub fn pixels(self) -> impl Iterator<Item = Pixel> {
         (0..self.count()).map(move |k| self.pixel(k))
     }
-
-    /// Whether a pixel is among them.
-    pub fn has(&self, (x, y): Pixel) -> bool {
-        // What lies before the first is very far behind it.
-        x.wrapping_sub(self.first.0) < self.columns && y.wrapping_sub(self.first.1) < self.rows
-    }
 }
 
 /// The pixels along one axis, of an image without end, whose filters reach a point of it, so many pixels far: the first, and
