@@ -97,16 +97,19 @@ impl Shares {
         let Film { width, height, filter } = *film;
         let along = |weights: &mut Vec<f32>, x: f32, size: u32| {
             let (first, count) = reached_along(filter.radius(), x);
-            let profile = |pixel: i32| filter.profile(x - pixel as f32 - 0.5);
-            let all = first..first + count as i32;
-            let total: f32 = all.map(|pixel| profile(pixel).abs()).sum();
-            let inner = inner(filter, size);
-            let all = first.max(inner.start as i32)..(first + count as i32).min(inner.end as i32);
+            let (inner, mut total) = (inner(filter, size), 0.0);
             weights.clear();
-            if total > 0.0 {
-                weights.extend(all.clone().map(|pixel| profile(pixel) / total));
+            for pixel in first..first + count as i32 {
+                let value = filter.profile(x - pixel as f32 - 0.5);
+                total += value.abs();
+                if (inner.start as i32..inner.end as i32).contains(&pixel) {
+                    weights.push(value);
+                }
             }
-            (all.start as u32, total)
+            if total > 0.0 {
+                weights.iter_mut().for_each(|weight| *weight /= total);
+            }
+            (first.max(inner.start as i32) as u32, total)
         };
         let (x, columns) = along(&mut self.across, point.x, width);
         let (y, rows) = along(&mut self.down, point.y, height);
