@@ -6,13 +6,15 @@ use aether_core::tables::cells::{StretchedSquare, stretched_square};
 use aether_core::tables::{Axis, Piecewise, PiecewiseLinear1D, PiecewiseLinear2D, Rows};
 use aether_core::{PdfOf, Then};
 
-use crate::render::shares::reached_along;
 use crate::samplers::{FilmBox, film_box};
 use crate::scene::Filter;
 use crate::strategies::Pixel;
 
 /// Cells of the table for each pixel.
 const CELLS: u32 = 16;
+
+/// Cells of the table of a profile for each pixel.
+const PERIOD: usize = 32;
 
 /// The density of film points that follows the absolute value of a filter, about the centre of a pixel.
 /// A sample then counts with the sign of the filter, and nearly always with the same weight.
@@ -58,6 +60,8 @@ impl FilterTable {
 pub struct FilmProfile {
     table: PiecewiseLinear1D<f32>,
     radius: f32,
+    /// The sum over all pixels, between the ends of the densities of two that are next to each other.
+    period: PiecewiseLinear1D<f32>,
 }
 
 impl FilmProfile {
@@ -66,19 +70,31 @@ impl FilmProfile {
         if filter == Filter::Box {
             return None;
         }
-        let radius = filter.radius();
-        // Of filters that reach over whole pixels the middle, the ends of pieces and the zeros are nodes.
-        let half = (2.0 * CELLS as f32 * radius).ceil() as u32;
-        let at = |node: u32| radius * (node as f32 / half as f32 - 1.0);
+        // A pixel is a whole number of cells. Of filters that reach over whole pixels the middle, the ends of pieces and
+        // the zeros are nodes.
+        let half = (PERIOD as f32 * filter.radius()).ceil() as usize;
+        let radius = half as f32 / PERIOD as f32;
+        let at = |node: usize| node as f32 / PERIOD as f32 - radius;
         let values: Vec<f32> = (0..=2 * half).map(|k| filter.profile(at(k)).abs()).collect();
-        let axis = Axis::even(-radius, radius, values.len() - 1).ok()?;
+        let axis = Axis::even(-radius, radius, 2 * half).ok()?;
         let table = PiecewiseLinear1D::on(axis, &values).ok()?;
-        Some(FilmProfile { table, radius })
+        // Sums of polygons with nodes at the same places are such polygons.
+        let sum = |node: usize| values.iter().skip(node % PERIOD).step_by(PERIOD).sum();
+        let sums: Vec<f32> = (0..=PERIOD).map(sum).collect();
+        let period = PiecewiseLinear1D::new(&sums).ok()?;
+        Some(FilmProfile { table, radius, period })
     }
 
     #[inline]
     fn density(&self, x: f32) -> f32 {
         self.table.sampler().pdf(&x).value()
+    }
+
+    /// The sum of the densities about the centres of all pixels.
+    #[inline]
+    fn density_of_all(&self, x: f32) -> f32 {
+        let x = x - 0.5 + self.radius;
+        self.period.sampler().pdf(&(x - x.floor())).value()
     }
 }
 
@@ -170,18 +186,18 @@ impl Sampler<f32> for ImagePoints<'_> {
     fn pdf(&self, point: &Vec2<f32>) -> PdfOf<Self, f32> {
         // Wherever a point lies, it is in the square of one pixel.
         let Some(profile) = self.0.profile else { return Density::new(1.0) };
-        let along = |x: f32| {
-            let (first, count) = reached_along(profile.radius, x);
-            let density = |k: u32| profile.density(x - ((first + k as i32) as f32 + 0.5));
-            (0..count).map(density).sum::<f32>()
-        };
-        Density::new(along(point.x) * along(point.y))
+        Density::new(profile.density_of_all(point.x) * profile.density_of_all(point.y))
     }
 
     #[inline]
     fn pdf_of_uniforms(&self, u: [f32; 2]) -> PdfOf<Self, f32> {
+        self.forward_with_pdf(u).2
+    }
+
+    #[inline]
+    fn forward_with_pdf(&self, u: [f32; 2]) -> (Vec2<f32>, bool, PdfOf<Self, f32>) {
         let (point, exists) = self.forward(u);
-        if exists { self.pdf(&point) } else { Density::ZERO }
+        (point, exists, if exists { self.pdf(&point) } else { Density::ZERO })
     }
 
     fn preimages(&self, point: &Vec2<f32>, visit: impl FnMut([f32; 2], bool)) {

@@ -13,6 +13,8 @@ pub struct Axis<R = f64> {
     /// One more than there are bins.
     knots: Box<[R]>,
     slack: R,
+    /// Bins per length, on average.
+    scale: R,
 }
 
 impl<R: Scalar> Axis<R> {
@@ -38,7 +40,8 @@ impl<R: Scalar> Axis<R> {
             return Err(wrong(knots.len() - 1, *last));
         }
         let slack = R::of(SLACK) * R::EPSILON * first.abs().max(last.abs());
-        Ok(Axis { knots: knots.into(), slack })
+        let scale = R::of((knots.len() - 1) as f64) / (*last - *first);
+        Ok(Axis { knots: knots.into(), slack, scale })
     }
 
     /// `bins` equal bins from `low` to `high`.
@@ -96,7 +99,7 @@ impl<R: Scalar> Axis<R> {
         if !(x >= self.knots[0] - self.slack && x <= self.knots[bins] + self.slack) {
             return [None, None];
         }
-        let index = self.knots.partition_point(|knot| *knot <= x).clamp(1, bins) - 1;
+        let index = self.bin_of(x);
         let (low, high) = self.bin(index);
         let beside = if x - low <= self.slack {
             index.checked_sub(1)
@@ -108,6 +111,16 @@ impl<R: Scalar> Axis<R> {
         [Some(index), beside]
     }
 
+    /// The bin that a number lies in, of one outside the nearest.
+    #[inline]
+    fn bin_of(&self, x: R) -> usize {
+        let bins = self.bins();
+        // Of equal bins the number is all but known; rounding, and other bins, take a search.
+        let guess = ((x - self.knots[0]) * self.scale).to_f64() as usize;
+        let is_found = guess < bins && self.knots[guess] <= x && x < self.knots[guess + 1];
+        if is_found { guess } else { self.knots.partition_point(|k| *k <= x).clamp(1, bins) - 1 }
+    }
+
     /// The number in a bin that is nearest to `x`.
     ///
     /// # Panics
@@ -116,5 +129,23 @@ impl<R: Scalar> Axis<R> {
     pub fn confine(&self, index: usize, x: R) -> R {
         let (low, high) = self.bin(index);
         x.max(low).min(high.next_below())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_lies_in_the_bin_between_the_knots_around_it() {
+        let uneven = [-3.0f32, -1.0, -0.999, 0.0, 1e-9, 0.25, 7.0, 1e4];
+        for axis in [Axis::even(-0.3f32, 1.7, 97).unwrap(), Axis::new(&uneven).unwrap()] {
+            let near = |x: f32| [x.next_down(), x, x.next_up(), x + 1e-3];
+            for x in axis.knots.iter().flat_map(|x| near(*x)) {
+                let inside = x.clamp(axis.knots[0], axis.knots[axis.bins()].next_down());
+                let expected = (0..axis.bins()).find(|k| inside < axis.bin(*k).1);
+                assert_eq!(Some(axis.bin_of(x)), expected, "{x}");
+            }
+        }
     }
 }
