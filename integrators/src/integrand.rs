@@ -167,8 +167,12 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         pixel: Pixel,
         path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> Option<Vec2<f32>> {
-        let film = self.film_point(path).filter(|_| self.response(pixel, path) != 0.0)?;
-        let reach = self.world.scene.film.filter.radius();
+        let (eye, seen) = (path.vertex(0)?, path.vertex(1)?);
+        let sight = self.sight(&eye, &seen)?;
+        if self.response_at(pixel, &sight, [&eye, &seen]) == 0.0 {
+            return None;
+        }
+        let (film, reach) = (sight.film, self.world.scene.film.filter.radius());
         let near = |x: f32, pixel: u32| {
             let centre = pixel as f32 + 0.5;
             x.clamp(centre - reach, centre + reach)

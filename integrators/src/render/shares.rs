@@ -18,6 +18,9 @@ use aether_core::prelude::Vec2;
 use crate::scene::{Film, Filter};
 use crate::strategies::Pixel;
 
+/// What lies further from an image than so many pixels is as far away.
+const MOST_PIXELS: f32 = 1e9;
+
 /// The pixels whose filters reach a point of the film: a rectangle of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reached {
@@ -29,11 +32,11 @@ pub struct Reached {
 impl Reached {
     /// Those that reach a film point, in pixels, of an image of this size (columns, rows).
     pub fn by(filter: Filter, (width, height): (u32, u32), [x, y]: [f32; 2]) -> Self {
-        let reach = filter.radius();
         let along = |x: f32, size: u32| {
-            let first = (x - reach - 0.5).ceil().max(0.0) as u32;
-            let end = ((x + reach - 0.5).floor() + 1.0).clamp(0.0, size as f32) as u32;
-            (first, end.saturating_sub(first))
+            let (first, count) = reached_along(filter.radius(), x);
+            let [first, end] =
+                [first, first + count as i32].map(|k| k.clamp(0, size as i32) as u32);
+            (first, end - first)
         };
         let ((x, columns), (y, rows)) = (along(x, width), along(y, height));
         Reached { first: (x, y), columns, rows }
@@ -58,9 +61,12 @@ impl Reached {
 /// The pixels along one axis, of an image without end, whose filters reach a point of it, so many pixels far: the first, and
 /// how many there are.
 #[inline]
-pub fn reached_along(reach: f32, x: f32) -> (i32, u32) {
-    let first = (x - reach - 0.5).ceil() as i32;
-    let last = (x + reach - 0.5).floor() as i32;
+fn reached_along(reach: f32, x: f32) -> (i32, u32) {
+    let x = x.clamp(-MOST_PIXELS, MOST_PIXELS);
+    // Not every machine rounds down in one instruction.
+    let floor = |x: f32| x as i32 - i32::from(x < x as i32 as f32);
+    let first = -floor(-(x - reach - 0.5));
+    let last = floor(x + reach - 0.5);
     (first, (last + 1 - first).max(0) as u32)
 }
 
