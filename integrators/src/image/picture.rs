@@ -52,6 +52,31 @@ impl Picture {
         self.nth(y * self.width + x)
     }
 
+    /// The colours in two columns of two rows, from left to right and from top to bottom.
+    ///
+    /// # Panics
+    /// If one of them is outside the picture.
+    #[inline]
+    pub fn square(&self, [left, right]: [usize; 2], rows: [usize; 2]) -> [[[f32; 3]; 2]; 2] {
+        assert!(left.max(right) < self.width, "columns of a picture {} texels wide", self.width);
+        let [upper, lower] = rows.map(|y| y * self.width);
+        // What texels are is asked once.
+        match &self.texels {
+            Texels::Codes(codes, values) => {
+                let at = |index: usize| {
+                    let [r, g, b] = codes[index].map(usize::from);
+                    [values[r], values[g], values[b]]
+                };
+                let row = |first: usize| [at(first + left), at(first + right)];
+                [row(upper), row(lower)]
+            }
+            Texels::Numbers(numbers) => {
+                let row = |first: usize| [numbers[first + left], numbers[first + right]];
+                [row(upper), row(lower)]
+            }
+        }
+    }
+
     #[inline]
     fn nth(&self, index: usize) -> [f32; 3] {
         match &self.texels {
@@ -93,6 +118,7 @@ mod tests {
         assert_eq!(Picture::new((2, 2), codes.clone()), None);
         let picture = Picture::new((2, 1), codes).unwrap();
         assert_eq!((picture.texel(0, 0), picture.texel(1, 0)), ([0.0, 0.2, 1.0], [1.0, 0.0, 0.0]));
+        assert_eq!(picture.square([1, 0], [0, 0]), [[picture.texel(1, 0), picture.texel(0, 0)]; 2]);
         let image = picture.clone().into_image();
         assert_eq!(image.pixels(), picture.texels().collect::<Vec<_>>());
         assert_eq!(Picture::from(image.clone()).into_image(), image);

@@ -225,7 +225,7 @@ impl Texture {
             return Vec2::ZERO;
         }
         let size = Vec2::new(image.width() as f32, image.height() as f32);
-        let (texels, t) = around(image, *wrap, uv * size);
+        let (texels, t) = around(image, *wrap, in_texels(image, *wrap, uv));
         let [[a, b], [c, d]] = texels.map(|row| row.map(luminance));
         let mix = |p: f32, q: f32, t: f32| p + t * (q - p);
         let slope = Vec2::new(mix(b - a, d - c, t.y), mix(c - a, d - b, t.x)) * size;
@@ -282,7 +282,7 @@ fn kind_of_square(uv: Vec2) -> usize {
 
 /// The colour of a picture at a point.
 fn picture_at(image: &Picture, interpolation: Interpolation, wrap: Wrap, uv: Vec2) -> Vec3 {
-    let at = uv * Vec2::new(image.width() as f32, image.height() as f32);
+    let at = in_texels(image, wrap, uv);
     if interpolation == Interpolation::Nearest {
         let [(x, _), (y, _)] = at.to_array().map(whole);
         let (x, y) = (wrapped(x, image.width(), wrap), wrapped(y, image.height(), wrap));
@@ -293,17 +293,36 @@ fn picture_at(image: &Picture, interpolation: Interpolation, wrap: Wrap, uv: Vec
     upper.lerp(lower, t.y)
 }
 
+/// A point in texels, of a picture that is repeated in the first one.
+#[inline]
+fn in_texels(image: &Picture, wrap: Wrap, uv: Vec2) -> Vec2 {
+    // There indices mostly lie inside, and need no division.
+    let uv = if wrap == Wrap::Repeat { Vec2::from(uv.to_array().map(|x| whole(x).1)) } else { uv };
+    uv * Vec2::new(image.width() as f32, image.height() as f32)
+}
+
 /// The two rows of two texels between whose centres a point lies, which is given in texels, and how far it is from the
 /// first to the last.
+#[inline]
 fn around(image: &Picture, wrap: Wrap, at: Vec2) -> ([[Vec3; 2]; 2], Vec2) {
     let [(x, right), (y, below)] = (at - 0.5).to_array().map(whole);
-    let columns = [x, x + 1].map(|x| wrapped(x, image.width(), wrap));
-    let rows = [y, y + 1].map(|y| wrapped(y, image.height(), wrap));
-    let texels = rows.map(|y| columns.map(|x| Vec3::from(image.texel(x, y))));
-    (texels, Vec2::new(right, below))
+    let columns = neighbours(x, image.width(), wrap);
+    let [[a, b], [c, d]] = image.square(columns, neighbours(y, image.height(), wrap));
+    ([[a.into(), b.into()], [c.into(), d.into()]], Vec2::new(right, below))
+}
+
+/// The indices of two texels next to each other, given that of the first, which may lie outside.
+#[inline]
+fn neighbours(i: i32, count: usize, wrap: Wrap) -> [usize; 2] {
+    let next = i + 1;
+    if i >= 0 && (next as usize) < count {
+        return [i as usize, next as usize];
+    }
+    [wrapped(i, count, wrap), wrapped(next, count, wrap)]
 }
 
 /// The whole number below, and what is above it; far away, where there is nothing to interpolate, some number.
+#[inline]
 fn whole(x: f32) -> (i32, f32) {
     const FAR: f32 = (1 << 30) as f32;
     let x = x.clamp(-FAR, FAR);
