@@ -19,7 +19,7 @@ pub trait Map<R: Real>: Copy {
     /// The image of `x`, and whether there is one.
     fn forward(&self, x: &Self::Source) -> (Self::Target, R::Mask);
 
-    /// Calls `visit` with every preimage of `y` (where the mask holds).
+    /// Calls `visit` with every preimage of `y` (where the mask holds, and then its coordinates are finite).
     fn preimages(&self, y: &Self::Target, visit: impl FnMut(Self::Source, R::Mask));
 
     /// The preimages of a point whose coordinates are known to within `errors`, each with bounds for the errors that
@@ -143,7 +143,7 @@ pub(crate) fn by_way_of<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>>(
     if !valid.any() {
         return R::ZERO;
     }
-    pulled(sampler.pdf_as_is(x).value(), map, (x, y), valid)
+    pulled(sampler.pdf_of_finite(x).value(), map, (x, y), valid)
 }
 
 /// The density at `y` by way of a preimage `x` at which it is `p`.

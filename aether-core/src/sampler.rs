@@ -102,6 +102,13 @@ pub trait Sampler<R: Real>: Copy {
         self.pdf(x)
     }
 
+    /// [`Sampler::pdf_as_is`] of a point whose coordinates are known to be finite, as those of a preimage are: what depends on
+    /// some of them does not ask for the others.
+    #[inline(always)]
+    fn pdf_of_finite(&self, x: &Self::Point) -> PdfOf<Self, R> {
+        self.pdf_as_is(x)
+    }
+
     /// The density at a point whose coordinates are known to within `errors`: one that lies outside of the support by
     /// no more than that counts as inside. A map that comes after a sampler asks this about points that it has
     /// computed. A sampler without an answer of its own takes the point as it is.

@@ -191,6 +191,10 @@ impl tests::twins::pairs::Visitor for Same {
             self.expect(name, "density", x, [derived.pdf(&x).value(), by_hand.pdf(&x)]);
             let stray: S::Point = numbers.stray();
             self.expect(name, "density", stray, [derived.pdf(&stray).value(), by_hand.pdf(&stray)]);
+            for point in [x, stray] {
+                let told = [derived.pdf_of_finite(&point), derived.pdf_as_is(&point)];
+                self.expect(name, "density of what is finite", point, told.map(|p| p.value()));
+            }
             let mut broken: Vec<f64> = ours.as_ref().to_vec();
             let place = i % broken.len();
             broken[place] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][i % 3];

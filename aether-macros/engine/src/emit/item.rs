@@ -112,6 +112,11 @@ impl Emitter<'_> {
     pub(super) fn generics(&self) -> TokenStream {
         if self.is_generic() { quote!(<R>) } else { quote!() }
     }
+    /// What declares the number type for the type, and for each of its methods where the type says nothing of it.
+    pub(super) fn bounds(&self) -> (Option<TokenStream>, Option<TokenStream>) {
+        let bounds = quote!(<R: Real>);
+        if self.is_generic() { (Some(bounds), None) } else { (None, Some(bounds)) }
+    }
     fn is_generic(&self) -> bool {
         self.signature().params.iter().any(|p| p.kind != ParamKind::Identity)
             || !self.parsed.constants.is_empty()

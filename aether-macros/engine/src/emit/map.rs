@@ -1,9 +1,10 @@
 //! `impl Map`.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point, point_type};
+use crate::expr::Id;
 use crate::parse::{Source, Space};
 
 /// The implementation of the trait for a map whose inverse was derived.
@@ -130,6 +131,14 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
                 let ok = ok.and(::aether_core::support::member::<R, #m, #s>(ok, &p, &x, #member::<R::Lane>));
             }
         });
+        // What is made of finite numbers between bounds is finite.
+        let g = &place.problem.graph;
+        let is_bounded = |u: &Id| g.range(*u).lo.is_finite() && g.range(*u).hi.is_finite();
+        let open = (0..n).filter(|i| !is_bounded(&place.preimage.unknowns[*i]));
+        let open: Vec<Literal> = open.map(Literal::usize_unsuffixed).collect();
+        let count = open.len();
+        let finite = (count > 0)
+            .then(|| quote!(.and(::aether_core::support::finite::<R, #count>(&[#(u[#open]),*]))));
         quote! {
             {
                 let (checked, _, ok, _) = #support::<R>(&p, &x);
@@ -137,7 +146,7 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
                 #membership
                 if ok.any() {
                     let u = #inverse::<R>(&p, &x);
-                    visit(#made, #bounds ok.and(::aether_core::support::finite::<R, #n>(&u)));
+                    visit(#made, #bounds ok #finite);
                 }
             }
         }

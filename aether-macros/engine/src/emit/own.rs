@@ -46,10 +46,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     let (n, _, _) = e.sizes();
     let (parameters, density) = (e.parameters(), at_the_point(e));
     let told = e.is_whole().then(|| quote!(d: R,));
-    // Without parameters the type says nothing of the precision.
-    let bounds = quote!(<R: Real>);
-    let (outside, inside) =
-        if args.is_empty() { (None, Some(bounds)) } else { (Some(bounds), None) };
+    let (outside, inside) = e.bounds();
     Some(quote! {
         impl #outside #ty #args {
             #[inline(always)]

@@ -22,12 +22,13 @@ fn is_quick(e: &Emitter) -> bool {
     e.support.is_none() && !places.is_empty() && places.iter().all(|p| is_unguarded(*p))
 }
 
-/// The density at `point`, if there is a quick way; points that are not plain are left to [`anywhere`].
+/// The density at `point`, if there is a quick way; points that are not plain are left to [`anywhere`]. `belongs` tells whether
+/// it belongs to the space.
 pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     if !is_quick(e) {
         return None;
     }
-    let (belongs, places) = (e.belongs(), e.places());
+    let places = e.places();
     let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
     let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
     // What is read again after calls of functions need not be kept over them.
@@ -37,7 +38,6 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     });
     let elsewhere = belongs_first(e, &places).then(elsewhere);
     Some(quote! {
-        let belongs = || -> R::Mask { #belongs };
         'quick: {
             #elsewhere
             let mut sum = R::ZERO;
@@ -48,6 +48,20 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
             sum
         }
     })
+}
+
+/// Whether [`density`] asks of coordinates that it does not depend on whether they are finite, and nothing else of the space.
+pub(super) fn asks_of_others(e: &Emitter) -> bool {
+    let (_, m, _) = e.sizes();
+    let depends = |place: &Place, i: usize| {
+        place.problem.graph.deps(place.preimage.density) & leaf_bit(Leaf::Out(i as u8)) != 0
+    };
+    let places = e.places();
+    let others = (0..m).any(|i| !places.iter().any(|place| depends(place, i)));
+    others
+        && is_quick(e)
+        && !e.has_surfaces()
+        && !places.iter().all(|place| tells_finite(e, *place))
 }
 
 /// Whether it is looked first if a point belongs to the space: on another surface there is no preimage to look for, and of

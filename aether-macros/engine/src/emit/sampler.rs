@@ -17,7 +17,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let parameters = e.parameters();
     let point_ty = point_type(&e.signature().space);
     let forward = forward(e);
-    let density = density(e);
+    let [density, where_finite, of_finite] = density(e);
     let anywhere = quick::anywhere(e);
     let own = own_density(e);
     let both = forward_with_density(e);
@@ -31,6 +31,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
         #exceptions
         #anywhere
         #density_of
+        #where_finite
 
         #[automatically_derived]
         impl<R: Real> ::aether_core::Sampler<R> for #ty #args {
@@ -45,10 +46,10 @@ pub fn implementation(e: &Emitter) -> TokenStream {
 
             #[inline(always)]
             fn pdf(&self, point: &Self::Point) -> ::aether_core::PdfOf<Self, R> {
-                #parameters
-                let x = #coordinates;
-                ::aether_core::Density::new({ #density })
+                #density
             }
+
+            #of_finite
 
             #near
 
@@ -440,14 +441,53 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], asked: Asked) -> Token
     }
 }
 
-/// The density at `point`, as a number.
-fn density(e: &Emitter) -> TokenStream {
-    let belongs = e.belongs();
-    if let Some(support) = e.support {
-        let (test, value) = (support.test(), support.value());
-        return support.where_it_belongs(e, &quote!(R::select(belongs #test, #value, R::ZERO)));
-    }
-    quick::density(e).unwrap_or_else(|| quote!(pdf_anywhere::<R>(p, x, #belongs, None)))
+/// The density at `point`; the method that tells it, if it is one of its own; and that for points whose coordinates are finite, if
+/// it is another.
+fn density(e: &Emitter) -> [TokenStream; 3] {
+    let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
+    let density = match (e.support, quick::density(e)) {
+        (Some(support), _) => {
+            let (test, value) = (support.test(), support.value());
+            support.where_it_belongs(e, &quote!(R::select(belongs #test, #value, R::ZERO)))
+        }
+        (None, Some(quick)) if quick::asks_of_others(e) => return density_where(e, &quick),
+        (None, Some(quick)) => quote!(let belongs = || -> R::Mask { #belongs }; #quick),
+        (None, None) => quote!(pdf_anywhere::<R>(p, x, #belongs, None)),
+    };
+    let density = quote! {
+        #parameters
+        let x = #coordinates;
+        ::aether_core::Density::new({ #density })
+    };
+    [density, quote!(), quote!()]
+}
+
+/// The same by a method that is told whether the point belongs to the space.
+fn density_where(e: &Emitter, quick: &TokenStream) -> [TokenStream; 3] {
+    let (parameters, coordinates, belongs) = (e.parameters(), e.coordinates(), e.belongs());
+    let (ty, args, point) = (e.density_type(), e.generics(), point_type(&e.signature().space));
+    let (outside, inside) = e.bounds();
+    let method = quote! {
+        impl #outside #ty #args {
+            #[inline(always)]
+            fn density_where #inside(&self, point: &#point, belongs: impl Fn() -> R::Mask) -> ::aether_core::PdfOf<Self, R> {
+                #parameters
+                let x = #coordinates;
+                ::aether_core::Density::new(#quick)
+            }
+        }
+    };
+    let density = quote! {
+        let x = #coordinates;
+        self.density_where(point, || #belongs)
+    };
+    let of_finite = quote! {
+        #[inline(always)]
+        fn pdf_of_finite(&self, point: &Self::Point) -> ::aether_core::PdfOf<Self, R> {
+            self.density_where(point, || <R::Mask as Mask>::TRUE)
+        }
+    };
+    [density, method, of_finite]
 }
 
 /// [`pdf_near`](::aether_core::Sampler::pdf_near), unless every point of the space has a density.

@@ -176,17 +176,13 @@ impl<'a> Body<'a> {
                 Value::Vector(v)
             }
             ParamKind::Mat3 | ParamKind::Frame => {
+                let is_frame = p.kind == ParamKind::Frame;
+                let range = if is_frame { Interval::new(-1.0, 1.0) } else { Interval::ALL };
                 let columns: [Vec<Id>; 3] = ["x", "y", "z"].map(|c| {
-                    (0..3)
-                        .map(|i| {
-                            self.scalar_param(
-                                &format!("{name}.{c}{}", ["x", "y", "z"][i]),
-                                Interval::ALL,
-                            )
-                        })
-                        .collect()
+                    let element = |i: usize| format!("{name}.{c}{}", ["x", "y", "z"][i]);
+                    (0..3).map(|i| self.scalar_param(&element(i), range)).collect()
                 });
-                if p.kind == ParamKind::Frame {
+                if is_frame {
                     kinds.push(Kind::Frame);
                     frames.push([0, 1, 2].map(|c| [columns[c][0], columns[c][1], columns[c][2]]));
                 } else {

@@ -45,10 +45,28 @@ pub(crate) fn linear_system(
                 continue;
             }
             let Some((values, unused)) = solve_matrix(g, &matrix, &known, frames) else { continue };
-            return Some(vec![replace(g, state, &members, &atoms, &values, &unused)]);
+            let mut next = replace(g, state, &members, &atoms, &values, &unused);
+            if is_turned(g, &matrix, &known, &values)
+                && g.units().iter().any(|u| u[..] == known[..])
+            {
+                let squares: Vec<(Q, Id)> =
+                    atoms.iter().map(|&atom| (Q::ONE, g.powi(atom, 2))).collect();
+                let (length, one) = (g.plain_sum(&squares), g.int(1));
+                next.equations.retain(|e| e.modulo_turn || (e.rhs, e.known) != (length, one));
+            }
+            return Some(vec![next]);
         }
     }
     None
+}
+
+/// Whether the transpose of a matrix has solved a system: then it is a frame, and what is found is as long as what is known.
+fn is_turned(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id], values: &[Id]) -> bool {
+    matrix.len() == values.len()
+        && values.iter().enumerate().all(|(j, &value)| {
+            let column: Vec<Id> = matrix.iter().map(|row| row[j]).collect();
+            dot(g, &column, known) == value
+        })
 }
 
 fn replace(
@@ -352,4 +370,30 @@ pub fn cross(g: &mut Graph, a: &[Id], b: &[Id]) -> Vec<Id> {
             g.sub(p, q)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::interpret::Item;
+
+    #[test]
+    fn a_direction_that_a_frame_has_turned_is_not_asked_for_its_length() {
+        let derived = |text: &str| {
+            Item::new(Default::default(), text.parse().unwrap(), false).unwrap().derived
+        };
+        for body in ["frame.to_world(w)", "frame.to_local(w)"] {
+            let text = format!(
+                "fn turned(w: Direction, frame: Frame) -> Direction {{ Direction::from_vec({body}) }}"
+            );
+            let [turned] = &derived(&text)[..] else { panic!("one piece") };
+            assert!(turned.preimages[0].conditions.is_empty(), "{body}");
+        }
+        // Of any other matrix it has to be found out.
+        let text = "fn stretched(w: Direction, s: f64) -> Surface {
+            Surface::new(s * w.x, s * w.y, w.z)
+        }";
+        let [stretched] = &derived(text)[..] else { panic!("one piece") };
+        let told = !stretched.preimages[0].conditions.is_empty() || stretched.check_forward;
+        assert!(told);
+    }
 }
