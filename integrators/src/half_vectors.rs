@@ -29,8 +29,8 @@ impl HalfVector {
         width: f32,
     ) -> Option<Self> {
         let scattering = world.scattering(here, before)?;
-        let (view, along) = (scattering.pose.view, next.direction_from(here.position));
-        let w = Direction::from_vec(scattering.pose.frame.to_local(along));
+        let (view, along) = (scattering.pose.view(), next.direction_from(here.position));
+        let w = Direction::from_vec(scattering.pose.frame().to_local(along));
         let refracts = w.z < 0.0;
         let mut middle = None;
         let found = |h: Direction<f32>, exists: bool| {
@@ -63,7 +63,7 @@ pub fn sample_half_vector<K: SceneKind>(
     let here = given(path.last());
     let before = given(path.back(1));
     let scattering = given(world.scattering(&here, &before));
-    let (frame, view) = (scattering.pose.frame, scattering.pose.view);
+    let (frame, view) = (scattering.pose.frame(), scattering.pose.view());
     let square = given(square_of_directions(half.width).ok());
     let local = draw(square);
     let m = rotate(Frame::around(half.about)).apply(&local);

@@ -164,43 +164,43 @@ pub fn sample_bsdf<K: SceneKind>(
         scattering.leading_to(Some(v.direction_from(here.position)))
     });
     let pose = scattering.pose_of(lobe.part);
-    let (frame, view) = (pose.frame, pose.view);
     let w = match lobe.lobe {
         Lobe::Nothing => return stop(),
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let fixed = given(scattering.direction(&lobe));
             let local = atom(fixed, scattering.measure(&lobe.lobe, fixed));
-            rotate(frame).apply(&local)
+            rotate(pose.frame()).apply(&local)
         }
         Lobe::Matte(_) => {
             let local = draw(cosine_hemisphere());
-            rotate(frame).apply(&local)
+            rotate(pose.frame()).apply(&local)
         }
         Lobe::Glossy(exponent) => {
             let lobe = given(power_lobe(PhongOf::<K>::get(exponent)).ok());
             let local = draw(lobe);
             let about = Frame::around(pose.mirrored());
-            rotate(frame).apply(&rotate(about).apply(&local))
+            rotate(pose.frame()).apply(&rotate(about).apply(&local))
         }
         Lobe::Facets(facets) => {
-            let roughness = Facetted::<K>::get(facets);
+            let (roughness, view) = (Facetted::<K>::get(facets), pose.view());
             let normals = given(HalfVectors::new(&roughness, view));
             let m = draw(normals);
-            rotate(frame).apply(&reflect(view).apply(&m))
+            rotate(pose.frame()).apply(&reflect(view).apply(&m))
         }
         Lobe::Interface(interface) => {
             let (roughness, eta) = Interface::<K>::get(interface);
+            let view = pose.view();
             let normals = given(HalfVectors::new(&roughness, view));
             let m = draw(normals);
             let reflects = choose(coin(fresnel::dielectric(m.dot(view).clamp(0.0, 1.0), eta).0));
             if reflects {
-                rotate(frame).apply(&reflect(view).apply(&m))
+                rotate(pose.frame()).apply(&reflect(view).apply(&m))
             } else if eta >= 1.0 {
                 let refraction = given(refract_in(view, 1.0 / eta).ok());
-                rotate(frame).apply(&refraction.apply(&m))
+                rotate(pose.frame()).apply(&refraction.apply(&m))
             } else {
                 let refraction = given(refract_out(view, 1.0 / eta).ok());
-                rotate(frame).apply(&refraction.apply(&m))
+                rotate(pose.frame()).apply(&refraction.apply(&m))
             }
         }
     };

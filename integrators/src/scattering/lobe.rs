@@ -160,7 +160,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     }
 
     fn bits_leading_to(&self, w: Option<Vec3>) -> u32 {
-        let w = w.map(|w| Vec3::from(self.pose.frame.to_local(w)));
+        let w = w.map(|w| Vec3::from(self.pose.frame().to_local(w)));
         let (mut wide, mut nearest) = (0, 0);
         let mut least: Option<(f32, Vec3)> = None;
         for index in 0..self.count() {
@@ -227,8 +227,8 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
                 if !self.side.varied {
                     return Some(direction);
                 }
-                let world = pose.frame.to_world(direction);
-                return Some(self.pose.frame.to_local(world).into());
+                let world = pose.frame().to_world(direction);
+                return Some(self.pose.frame().to_local(world).into());
             }
             left -= count(&layer.model);
         }

@@ -250,7 +250,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
     /// About what the surface scatters of the light that arrives: the probability to go on after
     /// Russian roulette.
     pub fn albedo(&self) -> Vec3 {
-        let parts = self.mixed(|model, pose| self.model_albedo(model, pose.view.z));
+        let parts = self.mixed(|model, pose| self.model_albedo(model, pose.view_cosine()));
         parts + Vec3::splat(self.shares().holes.light)
     }
 
@@ -299,7 +299,7 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         if !pose.is_seen() {
             return Some(Weighted::new(Lobe::Nothing, Vec3::ZERO, 0.0));
         }
-        let cosine = pose.view.z;
+        let cosine = pose.view_cosine();
         match model {
             Model::Black => None,
             Model::Diffuse(_) => matte(1.0),

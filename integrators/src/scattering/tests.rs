@@ -137,7 +137,7 @@ fn atoms_are_reciprocal() {
             let Some(s) = scattering(&material, v) else { return Vec::new() };
             let lobes = (0..s.count()).filter_map(|i| s.lobe(i));
             let with = |lobe| {
-                let w: Vec3 = s.pose.frame.to_world(s.direction(&lobe)?).into();
+                let w: Vec3 = s.pose.frame().to_world(s.direction(&lobe)?).into();
                 Some((w, lobe.coefficient * squared(w) / squared(v)))
             };
             lobes.filter_map(with).collect()
@@ -177,7 +177,7 @@ fn chances_add_up_to_one() {
             // Light that passes unchanged, or in one direction, is found by that direction.
             for lobe in lobes.filter(|lobe| lobe.lobe.is_atom()) {
                 let w = s.direction(&lobe).expect("an atom has a direction");
-                let atoms = s.atoms(s.pose.frame.to_world(w).into());
+                let atoms = s.atoms(s.pose.frame().to_world(w).into());
                 let expected = lobe.coefficient * s.measure(&lobe.lobe, w);
                 assert!(
                     (atoms - expected).abs().max_element() < 1e-6
@@ -263,7 +263,7 @@ fn parts_of_mixtures_are_turned_by_themselves() {
             for index in 0..part.count() {
                 let lobe = part.lobe(index).expect("there are so many");
                 let Some(local) = part.direction(&lobe) else { continue };
-                let along = Vec3::from(part.pose.frame.to_world(Vec3::from(local.vec())));
+                let along = Vec3::from(part.pose.frame().to_world(Vec3::from(local.vec())));
                 let (found, expected) = (s.atoms(along), *share * part.atoms(along));
                 assert!((found - expected).abs().max_element() < 1e-5, "{found} {expected} {v}");
                 lit += u32::from(expected != Vec3::ZERO);

@@ -15,17 +15,24 @@ impl<K: SceneKind> Scattering<'_, K> {
     /// coordinates, of unit length), times its cosine with the shading normal.
     pub fn value(&self, w: Vec3) -> Vec3 {
         self.mixed(|model, pose| {
-            let local = Direction::from_unit(pose.frame.to_local(w));
-            self.model_value(model, pose.view, local) * pose.unhidden(w)
+            let value = match model {
+                // Needs no frame.
+                Model::Diffuse(matte) if pose.cosine(w) > 0.0 => {
+                    self.colour(&matte.get().reflectance) * (FRAC_1_PI * pose.cosine(w))
+                }
+                Model::Diffuse(_) => Vec3::ZERO,
+                _ => {
+                    let local = Direction::from_unit(pose.frame().to_local(w));
+                    self.model_value(model, pose.view(), local)
+                }
+            };
+            value * pose.unhidden(w)
         })
     }
 
     #[inline]
     fn model_value(&self, model: &Model<K>, view: Direction<f32>, w: Direction<f32>) -> Vec3 {
         match model {
-            Model::Diffuse(matte) if w.z > 0.0 => {
-                self.colour(&matte.get().reflectance) * (FRAC_1_PI * w.z)
-            }
             Model::Plastic(plastic) if w.z > 0.0 => {
                 let (plastic, inside) = PlasticOf::<K>::get_ref(plastic);
                 let passes = |c: f32| 1.0 - fresnel::dielectric(c, plastic.eta).0;

@@ -92,8 +92,7 @@ fn leads_to<K: SceneKind>(
     there: &SceneVertex<K>,
 ) -> f32 {
     let w = there.direction_from(here.position);
-    let local = scattering.pose.frame.to_local(aether_core::Vec3::from(w)).into();
-    scattering_density(scattering, local) * per_area(here.position, there)
+    scattering_density(scattering, w) * per_area(here.position, there)
 }
 
 /// The density per area with which a path that comes from `from` scatters at `here` to `there`.

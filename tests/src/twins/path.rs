@@ -188,9 +188,9 @@ pub(super) fn scatter<K: SceneKind>(
             Vec3::new(r * c, r * s, (1.0 - u).sqrt())
         }
         Lobe::Facets(facets) => {
-            let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.pose.view)?;
+            let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.pose.view())?;
             let sample =
-                normals.then(reflect(scattering.pose.view)).sample(draw_uniforms(uniforms));
+                normals.then(reflect(scattering.pose.view())).sample(draw_uniforms(uniforms));
             if !sample.is_valid() {
                 return None;
             }
@@ -199,30 +199,31 @@ pub(super) fn scatter<K: SceneKind>(
         Lobe::Mirror(_) | Lobe::Refraction(_) | Lobe::Passage(_) => {
             let direction = scattering.direction(&choice.item)?;
             let coefficient = choice.item.coefficient;
-            let w = to_world(&scattering.pose.frame, direction.vec().into());
+            let w = to_world(&scattering.pose.frame(), direction.vec().into());
             let weight = coefficient / choice.probability;
             return Some(Scattered { w, density: None, weight });
         }
         Lobe::Nothing | Lobe::Glossy(_) | Lobe::Interface(_) => return None,
     };
-    let w = to_world(&scattering.pose.frame, local);
-    let density = scattering_density(scattering, local);
+    let w = to_world(&scattering.pose.frame(), local);
+    let density = scattering_density(scattering, w.vec().into());
     let value = scattering.value(w.vec().into());
     let usable = density > 0.0 && value != Vec3::ZERO;
     usable.then(|| Scattered { w, density: Some(density), weight: value / density })
 }
 
-/// The density of a direction of the frame in solid angle, by all lobes.
-pub(super) fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, local: Vec3) -> f32 {
+/// The density of a direction, of unit length, in solid angle, by all lobes.
+pub(super) fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, w: Vec3) -> f32 {
     count_densities(1);
+    let pose = &scattering.pose;
     let density = |index: usize| {
         let weighted = scattering.lobe(index)?;
         let density = match weighted.lobe {
-            Lobe::Matte(_) => FRAC_1_PI * local.z.max(0.0),
+            Lobe::Matte(_) => FRAC_1_PI * pose.cosine(w).max(0.0),
             Lobe::Facets(facets) => {
-                let normals = HalfVectors::new(&Facetted::<K>::get(facets), scattering.pose.view)?;
-                let w = Direction::from_unit(local.into());
-                normals.then(reflect(scattering.pose.view)).pdf(&w).value()
+                let normals = HalfVectors::new(&Facetted::<K>::get(facets), pose.view())?;
+                let w = Direction::from_unit(pose.frame().to_local(w));
+                normals.then(reflect(pose.view())).pdf(&w).value()
             }
             _ => 0.0,
         };
@@ -247,10 +248,7 @@ fn direct<K: SceneKind>(
     if value == Vec3::ZERO || !world.visible(here, &vertex) {
         return Vec3::ZERO;
     }
-    let by_scattering = scattering_density(
-        scattering,
-        scattering.pose.frame.to_local(aether_core::Vec3::from(w)).into(),
-    );
+    let by_scattering = scattering_density(scattering, w);
     let ratio = survival * by_scattering / density;
     value / (density * (1.0 + ratio * ratio))
 }
