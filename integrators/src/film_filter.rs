@@ -64,6 +64,12 @@ pub struct FilmProfile {
     period: PiecewiseLinear1D<f32>,
 }
 
+/// How far from the centre of a pixel, along either axis, a film point of one of its samples lies at most that counts for all
+/// pixels which see it: as far as the filter, up to whole cells of a table.
+pub fn drawn_radius(filter: Filter) -> f32 {
+    (PERIOD as f32 * filter.radius()).ceil() / PERIOD as f32
+}
+
 impl FilmProfile {
     /// That of a filter; `None` for a box, which needs no table.
     pub fn new(filter: Filter) -> Option<Self> {
@@ -72,8 +78,8 @@ impl FilmProfile {
         }
         // A pixel is a whole number of cells. Of filters that reach over whole pixels the middle, the ends of pieces and
         // the zeros are nodes.
-        let half = (PERIOD as f32 * filter.radius()).ceil() as usize;
-        let radius = half as f32 / PERIOD as f32;
+        let radius = drawn_radius(filter);
+        let half = (PERIOD as f32 * radius) as usize;
         let at = |node: usize| node as f32 / PERIOD as f32 - radius;
         let values: Vec<f32> = (0..=2 * half).map(|k| filter.profile(at(k)).abs()).collect();
         let axis = Axis::even(-radius, radius, 2 * half).ok()?;
@@ -83,6 +89,12 @@ impl FilmProfile {
         let sums: Vec<f32> = (0..=PERIOD).map(sum).collect();
         let period = PiecewiseLinear1D::new(&sums).ok()?;
         Some(FilmProfile { table, radius, period })
+    }
+
+    /// [`drawn_radius`] of the filter.
+    #[inline]
+    pub fn radius(&self) -> f32 {
+        self.radius
     }
 
     #[inline]

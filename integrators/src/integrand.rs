@@ -7,6 +7,7 @@ use aether_core::strategy::{Dirac, Strategy};
 use aether_core::{Includes, PathIntegrand, PathView, RandomSequence, Vertex};
 use glam::Vec3;
 
+use crate::film_filter::FilmProfile;
 use crate::kind::{Everything, SceneKind};
 use crate::scene::vectors::is_finite;
 use crate::scene::{Bounds, MARGIN};
@@ -161,23 +162,26 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         Some(self.sight(&path.vertex(0)?, &path.vertex(1)?)?.film)
     }
 
-    /// The same, if the filter of a pixel reaches it, as it does to within rounding.
+    /// The same, if it is one that is drawn for a pixel ([`drawn_radius`](crate::film_filter::drawn_radius)), as it is to within rounding. Whether the pixel's own
+    /// filter reaches so far does not matter: another's may.
     pub fn own_film_point<S: Strategy<SceneVertex<K>>>(
         &self,
         pixel: Pixel,
         path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> Option<Vec2<f32>> {
         let (eye, seen) = (path.vertex(0)?, path.vertex(1)?);
-        let sight = self.sight(&eye, &seen)?;
-        if self.response_at(pixel, &sight, [&eye, &seen]) == 0.0 {
-            return None;
-        }
-        let (film, reach) = (sight.film, self.world.scene.film.filter.radius());
-        let near = |x: f32, pixel: u32| {
-            let centre = pixel as f32 + 0.5;
-            x.clamp(centre - reach, centre + reach)
+        let film = self.sight(&eye, &seen)?.film;
+        let centre = Vec2::new(pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
+        let reach = self.world.film_profile().map_or(0.5, FilmProfile::radius);
+        // A point on the rim may come back on the other side of it.
+        let near = |x: f32, centre: f32, error: &dyn Fn() -> f32| {
+            let off = (x - centre).abs();
+            let is_near = off <= reach || off <= reach + error();
+            is_near.then(|| x.clamp(centre - reach, centre + reach))
         };
-        Some(Vec2::new(near(film.x, pixel.0), near(film.y, pixel.1)))
+        let error = || self.film_error(&eye, &seen, [film, centre]);
+        let across = near(film.x, centre.x, &|| error().x)?;
+        Some(Vec2::new(across, near(film.y, centre.y, &|| error().y)?))
     }
 
     /// [`Radiance::response`] for an eye and what it sees.
@@ -351,5 +355,33 @@ impl<K: SceneKind> PathIntegrand for Radiance<'_, '_, K> {
             [Some(last), Some(before)] if last.is_light() => self.world.emitted(last, before),
             _ => Vec3::ZERO,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::path::PathArena;
+    use crate::scene::{Filter, Scene};
+    use crate::strategies::Aim;
+    use crate::subpaths::camera_path;
+
+    #[test]
+    fn film_points_beyond_the_filter_of_their_own_pixel_count_for_others() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/scenes/tent-filter.xml");
+        let mut scene = Scene::load(file.as_ref(), &[]).unwrap();
+        // No whole number of cells of the table that film points are drawn by.
+        scene.film.filter = Filter::Tent { radius: 2.3 };
+        let world = World::<Everything>::new(&scene).unwrap();
+        let (radiance, arena, pixel) = (Radiance::new(&world), PathArena::new(), (30, 33));
+        let last = 1.0 - f32::EPSILON / 2.0;
+        let path = camera_path(&world, &arena, &mut || last, Aim::Image(pixel), (2, 5));
+        let film = radiance.film_point(&path).unwrap();
+        assert!(film.x > 30.5 + 2.3 && film.y > 33.5 + 2.3, "{film:?}");
+        assert_eq!(radiance.response(pixel, &path), 0.0);
+        let own = radiance.own_film_point(pixel, &path);
+        assert!(own.is_some_and(|own| (own.x - film.x).abs().max((own.y - film.y).abs()) < 1e-4));
+        // What is drawn for another pixel is none.
+        assert_eq!(radiance.own_film_point((35, 33), &path), None);
     }
 }

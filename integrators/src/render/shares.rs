@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use aether_core::prelude::Vec2;
 
+use crate::film_filter::drawn_radius;
 use crate::scene::{Film, Filter};
 use crate::strategies::Pixel;
 
@@ -192,7 +193,7 @@ impl Expected {
 
     /// How many pixels away what a sample of a pixel reaches is at most.
     pub fn reach(filter: Filter) -> u32 {
-        (2.0 * filter.radius()).ceil() as u32
+        (filter.radius() + drawn_radius(filter)).ceil() as u32
     }
 
     /// For each pixel of an image the sum over all pixels of what they have times what is expected.
