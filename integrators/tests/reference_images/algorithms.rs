@@ -158,7 +158,7 @@ fn tridirectional_path_tracing_agrees_with_the_stored_images() {
 }
 
 /// Every integrator with every scene that it can render: matte, smooth normals, glossy, a caustic of glass, a mirror, a
-/// small light, one that is near, an environment, a room behind a portal.
+/// small light, one that is near, an environment, a room behind a portal, filters that are wider than a pixel.
 #[test]
 #[ignore = "takes minutes: cargo test -p integrators --test reference_images -- --ignored"]
 fn every_unbiased_integrator_agrees_with_the_stored_image_of_every_scene() {
@@ -168,6 +168,8 @@ fn every_unbiased_integrator_agrees_with_the_stored_image_of_every_scene() {
         "models/near-lamp",
         "models/roughconductor-ggx",
         "models/portal-room",
+        "tent-filter",
+        "gaussian-filter",
     ];
     let smooth = ["models/smooth", "models/envmap", "models/dielectric", "models/mirror"];
     let mut p = Vec::new();
