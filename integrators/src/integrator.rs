@@ -65,7 +65,6 @@ pub struct Received<'s> {
 impl<'s> Received<'s> {
     /// Nothing so far, of a sample of a pixel.
     pub fn new(pixel: Pixel, splats: &'s mut Splats) -> Self {
-        splats.begin();
         Received { pixel, own: Vec3::ZERO, splats }
     }
 
@@ -95,6 +94,16 @@ impl<'s> Received<'s> {
         if !self.is_shared() {
             return radiance.response(self.pixel, camera);
         }
+        self.begin_for_all(radiance, camera)
+    }
+
+    /// The same where a camera path is made for all pixels that see its film point ([`Aim::Image`]), whether it is shared among
+    /// them or not.
+    pub fn begin_for_all<K: SceneKind, S: Strategy<SceneVertex<K>>>(
+        &mut self,
+        radiance: &Radiance<'_, '_, K>,
+        camera: &RandomSequence<'_, SceneVertex<K>, S>,
+    ) -> f32 {
         let own = radiance.own_film_point(self.pixel, camera);
         own.map_or(0.0, |film| self.begin_at(radiance.world(), film))
     }

@@ -63,8 +63,7 @@ impl Integrator for Tridirectional {
 
         let mut received = Received::new(pixel, splats);
         let radiance = estimator.integrand();
-        let own = radiance.own_film_point(pixel, &camera);
-        let counts = own.map_or(0.0, |film| received.begin_at(world, film));
+        let counts = received.begin_for_all(radiance, &camera);
         let eye = camera.slice(0..1);
         for length in 2 + usize::from(self.path.hide_emitters)..=total {
             let lit = |s: usize| light.slice(0..s).reverse();

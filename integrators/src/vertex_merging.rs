@@ -163,8 +163,7 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
 
         let mut received = Received::new(pixel, splats);
         let radiance = estimator.integrand();
-        let own = radiance.own_film_point(pixel, &camera);
-        let counts = own.map_or(0.0, |film| received.begin_at(world, film));
+        let counts = received.begin_for_all(radiance, &camera);
         let eye = camera.slice(0..1);
         for n in 2 + usize::from(self.settings.path.hide_emitters)..=total {
             let seen = eye.concat(&light.slice(0..n - 1).reverse());

@@ -115,7 +115,7 @@ impl Splats {
     }
 
     /// Begins a sample, of which nothing is known.
-    pub fn begin(&mut self) {
+    pub(super) fn begin(&mut self) {
         self.lies = false;
     }
 

@@ -275,7 +275,6 @@ impl AnyKernel for Blurred {
             let point = PixelPoints::new(profile.as_ref(), pixel).sample(u);
             let of = |x: f32, pixel: u32| self.0.profile(x - (pixel as f32 + 0.5));
             let own = of(point.x, pixel.0) * of(point.y, pixel.1);
-            splats.begin();
             if own == 0.0 {
                 return [0.0; 3];
             }
