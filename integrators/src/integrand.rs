@@ -162,8 +162,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         Some(self.sight(&path.vertex(0)?, &path.vertex(1)?)?.film)
     }
 
-    /// The same, if it is one that is drawn for a pixel ([`drawn_radius`](crate::film_filter::drawn_radius)), as it is to within rounding. Whether the pixel's own
-    /// filter reaches so far does not matter: another's may.
+    /// The same, if it is one that is drawn for a pixel ([`FilmProfile::radius`]), as it is to within rounding. Whether the
+    /// pixel's own filter reaches so far does not matter: another's may.
     pub fn own_film_point<S: Strategy<SceneVertex<K>>>(
         &self,
         pixel: Pixel,

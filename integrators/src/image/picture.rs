@@ -63,10 +63,7 @@ impl Picture {
         // What texels are is asked once.
         match &self.texels {
             Texels::Codes(codes, values) => {
-                let at = |index: usize| {
-                    let [r, g, b] = codes[index].map(usize::from);
-                    [values[r], values[g], values[b]]
-                };
+                let at = |index: usize| decoded(codes[index], values);
                 let row = |first: usize| [at(first + left), at(first + right)];
                 [row(upper), row(lower)]
             }
@@ -80,7 +77,7 @@ impl Picture {
     #[inline]
     fn nth(&self, index: usize) -> [f32; 3] {
         match &self.texels {
-            Texels::Codes(codes, values) => codes[index].map(|code| values[usize::from(code)]),
+            Texels::Codes(codes, values) => decoded(codes[index], values),
             Texels::Numbers(numbers) => numbers[index],
         }
     }
@@ -99,6 +96,13 @@ impl Picture {
         };
         RgbImage { width, height, pixels }
     }
+}
+
+/// The values of codes.
+#[inline(always)]
+fn decoded(codes: [u8; 3], values: &[f32; 256]) -> [f32; 3] {
+    let [r, g, b] = codes.map(usize::from);
+    [values[r], values[g], values[b]]
 }
 
 impl From<RgbImage> for Picture {

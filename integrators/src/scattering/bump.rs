@@ -19,9 +19,10 @@ pub struct Bumped {
 }
 
 impl Bumped {
-    /// The share of light from `w`, whose cosine with the turned normal is `turned`, that reaches the surface. None, where it comes from behind the surface but
-    /// not from behind the turned one, or the other way round. Besides, where shadows are asked for, turned
-    /// normals shade each other as those of GGX facets would (Estevez, Lecocq and Stein 2019).
+    /// The share of light from `w`, whose cosine with the turned normal is `turned`, that reaches the surface. None,
+    /// where it comes from behind the surface but not from behind the turned one, or the other way round. Besides,
+    /// where shadows are asked for, turned normals shade each other as those of GGX facets would (Estevez, Lecocq and
+    /// Stein 2019).
     pub fn unhidden(&self, w: Vec3, turned: f32) -> f32 {
         let cosine = self.normal.dot(w);
         if cosine * turned <= 0.0 {
