@@ -25,6 +25,7 @@ pub use differences::Shifts;
 pub use endings::{Ending, Endings};
 use joints::Carried;
 pub(crate) use joints::Joints;
+pub use steps::Steps;
 pub use value::Value;
 
 /// The precision of an integrand.

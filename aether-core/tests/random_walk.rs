@@ -7,7 +7,7 @@ mod world;
 
 use std::ops::RangeInclusive;
 
-use aether_core::estimator::{Ending, Endings, Factors};
+use aether_core::estimator::{Ending, Endings, Factors, Steps};
 use aether_core::{
     Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
     RandomSequence, UniformSource, combine, combine_with,
@@ -150,21 +150,15 @@ fn endings_contribute_what_their_paths_do() {
     assert!(found.iter().all(|count| *count > 1000), "{found:?}");
 }
 
-/// The contributions of a walk that goes on from the camera, which is sampled before or not, and is not kept, in some
-/// ways to end it.
-fn walked<'w>(world: &'w World, (seed, sampled): (u64, bool), ways: &[&[Ways<'w>]]) -> Vec<Found> {
+/// The contributions of a walk from the camera that is not kept, in some ways to end it. Its first strategies are told.
+fn walked<'w>(world: &'w World, (seed, first): (u64, usize), ways: &[&[Ways<'w>]]) -> Vec<Found> {
     let (arena, estimator) = (Arena::new(), Estimator::paths(Seen(world)));
     let mut uniforms = Pcg32::new(1, 0, seed);
-    let mut start = arena.sequence();
-    start.append(Camera);
-    if sampled {
-        start.sample(&mut uniforms);
-    } else {
-        start.append(Step(world));
-    }
-    let (endings, mut all) = (Endings { lengths: 3..=6, ways, is_used }, Vec::new());
     let step = Ways::from(Step(world));
-    estimator.walk(&start, &step, &endings, &PowerHeuristic, &mut uniforms, |end| {
+    let strategies = [Ways::from(Camera), step];
+    let steps = Steps { first: &strategies[..first], then: &step };
+    let (endings, mut all) = (Endings { lengths: 3..=6, ways, is_used }, Vec::new());
+    estimator.walk(&arena, &steps, &endings, &PowerHeuristic, &mut uniforms, |end| {
         all.push(numbered(ways, &end));
     });
     all
@@ -179,8 +173,8 @@ fn walks_that_are_not_kept_contribute_the_same() {
     let mut more = 0;
     for (seed, ways) in (0..2000).flat_map(|seed| [(seed, short), (seed, long)]) {
         let made = ended_at_once(&world, seed, &ways);
-        let went_on = walked(&world, (seed, true), &ways);
-        assert_eq!(walked(&world, (seed, false), &ways), went_on);
+        let went_on = walked(&world, (seed, 1), &ways);
+        assert_eq!(walked(&world, (seed, 2), &ways), went_on);
         // Behind the end of a walk, an ending of several steps may find something yet.
         assert!(ways[2].len() > 1 || went_on.len() == made.len(), "{went_on:?} {made:?}");
         assert!(went_on.starts_with(&made), "{went_on:?} {made:?}");

@@ -11,7 +11,7 @@ use crate::film_filter::FilmProfile;
 use crate::kind::{Everything, SceneKind};
 use crate::scene::vectors::is_finite;
 use crate::scene::{Bounds, MARGIN};
-use crate::strategies::Pixel;
+use crate::strategies::{Aim, Pixel};
 use crate::vertex::{Place, SceneVertex};
 use crate::world::World;
 
@@ -28,8 +28,10 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     most_geometry: f32,
     /// Whether paths end with what their last vertex emits.
     emission: bool,
-    /// The pixel whose filter weighs what an eye sees.
-    pixel: Option<Pixel>,
+    /// What film points are drawn for, if paths are estimated for that alone.
+    aim: Option<Aim>,
+    /// Where the path that is drawn for a pixel of an image is seen.
+    drawn: Cell<Option<Vec2<f32>>>,
     /// What was seen last, each at a place that follows from its position.
     sights: [Cell<Option<Seen>>; SIGHTS],
 }
@@ -74,7 +76,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The integrand of a scene.
     pub fn new(world: &'w World<'s, K>) -> Self {
         let sights = [const { Cell::new(None) }; SIGHTS];
-        Radiance { world, most_geometry: f32::INFINITY, emission: true, pixel: None, sights }
+        let (most_geometry, emission, drawn) = (f32::INFINITY, true, Cell::new(None));
+        Radiance { world, most_geometry, emission, aim: None, drawn, sights }
     }
 
     /// The integrand with the geometry terms of edges that no ray has found cut off: biased, but without the
@@ -89,23 +92,36 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         Radiance { emission: false, ..Radiance::new(world) }
     }
 
-    /// Has the importance be that of the filter of a pixel from now on, instead of one: of paths that are estimated
-    /// for that pixel alone. With `None` it is one again.
-    pub fn aim(&mut self, pixel: Option<Pixel>) {
-        self.pixel = pixel;
+    /// Has the importance be that of what film points are drawn for from now on, of paths that are estimated for that alone:
+    /// [`Aim::Pixel`] for the filter of a pixel; [`Aim::Image`] for one, but for points that are not drawn for that pixel
+    /// ([`FilmProfile::radius`]). With `None` it is one again.
+    pub fn aim(&mut self, aim: Option<Aim>) {
+        self.aim = aim;
     }
 
-    /// The importance that the eye sends to what it sees, for a filter of one or of a pixel: per film area (and lens area),
-    /// brought to the measure of the vertex by the derived change of measure, so that cosines and distances
+    /// The film point of what was seen last for [`Aim::Image`], if it is one that is drawn for the pixel.
+    pub fn drawn_film_point(&self) -> Option<Vec2<f32>> {
+        self.drawn.get()
+    }
+
+    /// The importance that the eye sends to what it sees, for a filter of one or of what is aimed at: per film area (and lens
+    /// area), brought to the measure of the vertex by the derived change of measure, so that cosines and distances
     /// are included. Zero for what it does not see, visibility aside.
     fn importance(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> f32 {
-        // What is seen by a path of one pixel alone is not asked for again.
-        let sight = match self.pixel {
+        // What is seen by a path of one sample alone is not asked for again.
+        let sight = match self.aim {
             Some(_) => self.found(eye, seen),
             None => self.sight(eye, seen),
         };
         let Some(sight) = sight else { return 0.0 };
-        let response = self.pixel.map_or(1.0, |pixel| self.response_at(pixel, &sight, [eye, seen]));
+        let response = match self.aim {
+            Some(Aim::Pixel(pixel)) => self.response_at(pixel, &sight, [eye, seen]),
+            Some(Aim::Image(pixel)) => {
+                self.drawn.set(self.drawn_for(pixel, &sight, [eye, seen]));
+                f32::from(u8::from(self.drawn.get().is_some()))
+            }
+            _ => 1.0,
+        };
         response * (self.world.filter_scale / sight.change)
     }
 
@@ -170,7 +186,16 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         path: &RandomSequence<'_, SceneVertex<K>, S>,
     ) -> Option<Vec2<f32>> {
         let (eye, seen) = (path.vertex(0)?, path.vertex(1)?);
-        let film = self.sight(&eye, &seen)?.film;
+        self.drawn_for(pixel, &self.sight(&eye, &seen)?, [&eye, &seen])
+    }
+
+    /// [`Radiance::own_film_point`] for an eye and what it sees.
+    fn drawn_for(
+        &self,
+        pixel: Pixel,
+        &Sight { film, .. }: &Sight,
+        [eye, seen]: [&SceneVertex<K>; 2],
+    ) -> Option<Vec2<f32>> {
         let centre = Vec2::new(pixel.0 as f32 + 0.5, pixel.1 as f32 + 0.5);
         let reach = self.world.film_profile().map_or(0.5, FilmProfile::radius);
         // A point on the rim may come back on the other side of it.
@@ -179,7 +204,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             let is_near = off <= reach || off <= reach + error();
             is_near.then(|| x.clamp(centre - reach, centre + reach))
         };
-        let error = || self.film_error(&eye, &seen, [film, centre]);
+        let error = || self.film_error(eye, seen, [film, centre]);
         let across = near(film.x, centre.x, &|| error().x)?;
         Some(Vec2::new(across, near(film.y, centre.y, &|| error().y)?))
     }
@@ -363,7 +388,6 @@ mod tests {
     use super::*;
     use crate::path::PathArena;
     use crate::scene::{Filter, Scene};
-    use crate::strategies::Aim;
     use crate::subpaths::camera_path;
 
     #[test]

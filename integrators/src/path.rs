@@ -1,6 +1,6 @@
 //! The path tracer with next-event estimation (Aether 2017, Figure 5).
 
-use aether_core::estimator::Endings;
+use aether_core::estimator::{Endings, Steps};
 use aether_core::{Arena, PowerHeuristic, Strategy, UniformSource};
 use glam::Vec3;
 
@@ -109,22 +109,19 @@ pub fn trace<'a, K, S>(
         + From<SampleCameraDirection<'a, 'a, K>>,
 {
     arena.clear();
-    let pixel = received.pixel();
-    let mut camera = arena.sequence();
-    camera.append(sample_camera(world));
-    camera.append(sample_camera_direction(world, received.aim()));
+    let camera =
+        [sample_camera(world).into(), sample_camera_direction(world, received.aim()).into()];
+    let steps = Steps { first: &camera, then: scatter };
     let endings = settings.endings(endings);
-    let mut counts = 1.0;
-    if received.is_shared() {
-        camera.sample(uniforms);
-        counts = received.begin_with(estimator.integrand(), &camera);
-    } else {
-        estimator.integrand_mut().aim(Some(pixel));
-    }
-    if counts == 0.0 {
-        return;
-    }
-    estimator.walk(&camera, scatter, &endings, &PowerHeuristic, uniforms, |path| {
+    estimator.integrand_mut().aim(Some(received.aim()));
+    let radiance = estimator.integrand();
+    let mut counts = None;
+    estimator.walk(arena, &steps, &endings, &PowerHeuristic, uniforms, |path| {
+        // Where the sample lies on the film is known once it has found something.
+        let counts = *counts.get_or_insert_with(|| match radiance.drawn_film_point() {
+            Some(film) if received.is_shared() => received.begin_at(world, film),
+            _ => 1.0,
+        });
         let [value, alone] = [path.value, path.alone].map(|value| value * counts);
         received.add_own(ended(path.length, path.steps), value, alone);
     });

@@ -4,7 +4,7 @@ use crate::combine::Heuristic;
 use crate::estimator::endings::taken;
 use crate::estimator::last::{Found, Ways};
 use crate::estimator::sides::{Next, Side, Sides};
-use crate::estimator::steps::{Fork, RING, Walk, bits};
+use crate::estimator::steps::{Course, Fork, RING, Walk, bits};
 use crate::estimator::{Ending, Endings, Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::sequence::RandomSequence;
 use crate::shift::{AT_HAND, Shift};
@@ -25,8 +25,9 @@ pub struct Shifts<M, F, const N: usize> {
 }
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
-    /// [`Estimator::walk`], and of each shift an estimate of how much more all shifted paths carry than these (Kettunen
-    /// et al. 2015): the sum over paths of (f(T x) |∂T x/∂x| − f(x)) × weight / p, zero for a shift that is `None`.
+    /// Goes on from the end of a path with a step again and again, as [`Estimator::walk`] does with its steps, once those that
+    /// the path has but has not taken yet are taken. Estimates all paths along this walk, and of each shift how much more
+    /// all shifted paths carry than these (Kettunen et al. 2015): the sum over paths of (f(T x) |∂T x/∂x| − f(x)) × weight / p, zero for a shift that is `None`.
     ///
     /// A pair of a path and its shifted one could have been made from either of the two, in each way that
     /// `endings` uses: its weight is that of a heuristic over all of these. A path that has no shifted one has
@@ -56,7 +57,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         F: Fn(&I::Vertex, &I::Vertex) -> bool,
     {
         let is_short = |shift: &M| shift.reads() <= AT_HAND;
-        if self.is_short(start, Some(step), endings) && shifts.shifts.iter().flatten().all(is_short)
+        if self.is_short(start, &[core::slice::from_ref(step)], endings)
+            && shifts.shifts.iter().flatten().all(is_short)
         {
             return self
                 .differences_at_last(start, step, endings, shifts, heuristic, uniforms, visit);

@@ -3,10 +3,10 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
-use crate::estimator::steps::{Fork, MOST_WAYS, RING, Walk};
+use crate::estimator::steps::{Ahead, Course, Fork, MOST_WAYS, RING, Steps, Walk, bits};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
-use crate::sequence::{LAST, RandomSequence};
+use crate::sequence::{Arena, LAST, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -80,24 +80,25 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        if self.is_short(walk, None, endings) {
-            self.last_steps(walk, None, endings, heuristic, uniforms, visit);
+        if self.is_short(walk, &[], endings) {
+            let tape = &walk.arena.tape.unfolded();
+            let course = Walk::new(walk, None, tape);
+            self.last_steps(&course, endings, heuristic, uniforms, visit);
         } else {
             self.last_sequences(walk, endings, heuristic, uniforms, visit);
         }
     }
 
-    /// Goes on from the end of a path with a strategy, until that finds nothing more or paths would be longer than the
+    /// Takes the steps of a new path of an arena, until one finds nothing or paths would be longer than the
     /// endings ask for, and estimates all paths along this walk: [`Estimator::endings`], whose terms for `visit` hold here.
-    /// Steps that the path has but has not taken yet are taken first.
     ///
     /// The same numbers are drawn as for a walk that is made first, by a source that tells blocks of dimensions apart
     /// ([`UniformSource::start`]). But vertices are not kept longer than they are read, and the walk ends where
     /// nothing is carried on.
     pub fn walk<'t, S, P, H, U>(
         &self,
-        start: &RandomSequence<'_, I::Vertex, S>,
-        step: &S,
+        arena: &Arena<I::Vertex, S>,
+        steps: &Steps<'_, S>,
         endings: &Endings<'t, S, P>,
         heuristic: &H,
         uniforms: &mut U,
@@ -108,28 +109,35 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        if self.is_short(start, Some(step), endings) {
-            return self.last_steps(start, Some(step), endings, heuristic, uniforms, visit);
+        let (mut sequence, &Steps { first, then }) = (arena.sequence(), steps);
+        let others = [first, core::slice::from_ref(then)];
+        if self.is_short(&sequence, &others, endings) {
+            let course = Ahead { sequence, steps };
+            return self.last_steps(&course, endings, heuristic, uniforms, visit);
         }
-        let walk = taken(start, step, endings, uniforms);
+        for step in first {
+            sequence.append(step.clone());
+        }
+        let walk = taken(&sequence, then, endings, uniforms);
         self.last_sequences(&walk, endings, heuristic, uniforms, visit);
     }
 
-    /// Whether paths along a walk need not be made to be estimated: ways to end them have one step at most, and no more
-    /// vertices are read than are at hand.
+    /// Whether paths along a walk and `others`, steps that it is to take, need not be made to be estimated: ways to end them
+    /// have one step at most, and no more vertices are read than are at hand.
+    #[inline(always)]
     pub(super) fn is_short<S: Strategy<I::Vertex>, P>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
-        step: Option<&S>,
+        others: &[&[S]],
         endings: &Endings<'_, S, P>,
     ) -> bool {
-        let steps = || endings.ways.iter().copied().flatten().chain(step);
+        let mut steps = endings.ways.iter().chain(others).copied().flatten();
         S::VERTICES == 1
             && endings.ways.iter().all(|steps| steps.len() <= 1)
             && endings.ways.len() <= MOST_WAYS
             && self.reads() <= LAST
             && walk.arena.most_read.get() <= LAST
-            && steps().all(|step| step.reads().vertices <= LAST)
+            && steps.all(|step| step.reads().vertices <= LAST)
             && walk.is_run()
     }
 
@@ -163,11 +171,11 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         }
     }
 
-    /// The same of ways of at most one step, along a walk that is one run, and that a step goes on with.
+    /// The same of ways of at most one step.
+    #[inline(always)]
     fn last_steps<'t, S, P, H, U>(
         &self,
-        walk: &RandomSequence<'_, I::Vertex, S>,
-        step: Option<&S>,
+        course: &impl Course<I::Vertex, S>,
         endings: &Endings<'t, S, P>,
         heuristic: &H,
         uniforms: &mut U,
@@ -178,27 +186,22 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>>,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        let tape = &walk.arena.tape.unfolded();
-        let steps = Walk::new(walk, step, tape);
         // f / p of the vertices before the last one, and the last ones with it.
         let (mut carried, mut recent, mut length) = (I::Value::one(), [None; RING], 0);
         while length < *endings.lengths.end() {
             length += 1;
             let fork = Fork::new(&recent, length - 1);
-            let Some(own) = steps.strategy(length - 1) else { break };
-            let drawn = steps.draw(length - 1, own, &fork, uniforms);
+            let Some(own) = course.strategy(length - 1) else { break };
+            let drawn = course.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
-            let is_used = |steps: &[S]| asked && endings.has(length, steps);
-            for (way, steps) in endings.ways.iter().copied().enumerate() {
-                if !is_used(steps) {
-                    continue;
-                }
-                let other = &mut None;
+            let used = if asked { endings.used(length) } else { 0 };
+            for way in bits(used) {
+                let (steps, other) = (endings.ways[way], &mut None);
                 let (last, met) = match steps.first() {
                     None => (&drawn, met),
                     Some(step) => {
-                        uniforms.start(walk.block_after(length - 1));
+                        uniforms.start(course.block_after(length - 1));
                         *other = fork.draw(step, uniforms);
                         let met = other.as_ref();
                         (&*other, met.and_then(|last| self.met(&fork, step, last, carried)))
@@ -210,14 +213,11 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     continue;
                 }
                 let (mut ratios, mut count, mut index) = ([RealOf::<I>::ONE; MOST_WAYS], 0, 0);
-                for (other, steps) in endings.ways.iter().enumerate() {
-                    if !is_used(steps) {
-                        continue;
-                    }
+                for other in bits(used) {
                     if other == way {
                         index = count;
                     } else {
-                        let strategy = steps.first().unwrap_or(own);
+                        let strategy = endings.ways[other].first().unwrap_or(own);
                         ratios[count] = fork.density(strategy, last) / met.density;
                     }
                     count += 1;

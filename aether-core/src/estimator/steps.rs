@@ -7,6 +7,26 @@ use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
 
+/// What a walk is made of, one step after the other.
+pub(super) trait Course<V: Vertex, S: Strategy<V>> {
+    /// The strategy of a step, if there are so many.
+    fn strategy(&self, i: usize) -> Option<&S>;
+
+    /// The vertex that a step, whose strategy this is, has found, or finds after those that are at hand.
+    fn draw<U>(
+        &self,
+        i: usize,
+        strategy: &S,
+        fork: &Fork<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>>
+    where
+        U: UniformSource<V::Real> + ?Sized;
+
+    /// The block of sampling dimensions of what is appended to the first `len` steps.
+    fn block_after(&self, len: usize) -> u32;
+}
+
 /// The steps of a walk that is one run, and the one that it goes on with.
 pub(super) struct Walk<'w, 't, V: Vertex, S> {
     walk: &'w RandomSequence<'t, V, S>,
@@ -25,19 +45,19 @@ impl<'w, 't, V: Vertex, S: Strategy<V>> Walk<'w, 't, V, S> {
     ) -> Self {
         Walk { walk, step, tape, strategies: walk.arena.strategies.borrow() }
     }
+}
 
-    /// The strategy of a step.
+impl<V: Vertex, S: Strategy<V>> Course<V, S> for Walk<'_, '_, V, S> {
     #[inline(always)]
-    pub fn strategy(&self, i: usize) -> Option<&S> {
+    fn strategy(&self, i: usize) -> Option<&S> {
         if i >= self.walk.size() {
             return self.step;
         }
         Some(&self.strategies[self.tape.way(self.walk.handle.place, i).strategy() as usize])
     }
 
-    /// The vertex that a step, whose strategy this is, has found, or finds after those that are at hand.
     #[inline(always)]
-    pub fn draw<U>(
+    fn draw<U>(
         &self,
         i: usize,
         strategy: &S,
@@ -57,6 +77,55 @@ impl<'w, 't, V: Vertex, S: Strategy<V>> Walk<'w, 't, V, S> {
         }
         uniforms.start(if pending { self.tape.block(place, i) } else { walk.block_at(i) });
         fork.draw(strategy, uniforms)
+    }
+
+    #[inline(always)]
+    fn block_after(&self, len: usize) -> u32 {
+        self.walk.block_after(len)
+    }
+}
+
+/// The strategies of a walk.
+#[derive(Clone, Copy, Debug)]
+pub struct Steps<'t, S> {
+    /// Those of its first vertices.
+    pub first: &'t [S],
+    /// The one that it goes on with.
+    pub then: &'t S,
+}
+
+/// Steps that are all taken on the way, with the numbers that a sequence would draw.
+pub(super) struct Ahead<'w, 't, V: Vertex, S> {
+    /// The sequence, without any step.
+    pub sequence: RandomSequence<'t, V, S>,
+    /// The steps.
+    pub steps: &'w Steps<'w, S>,
+}
+
+impl<V: Vertex, S: Strategy<V>> Course<V, S> for Ahead<'_, '_, V, S> {
+    #[inline(always)]
+    fn strategy(&self, i: usize) -> Option<&S> {
+        Some(self.steps.first.get(i).unwrap_or(self.steps.then))
+    }
+
+    #[inline(always)]
+    fn draw<U>(
+        &self,
+        i: usize,
+        strategy: &S,
+        fork: &Fork<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>>
+    where
+        U: UniformSource<V::Real> + ?Sized,
+    {
+        uniforms.start(self.sequence.block_at(i));
+        fork.draw(strategy, uniforms)
+    }
+
+    #[inline(always)]
+    fn block_after(&self, len: usize) -> u32 {
+        self.sequence.block_after(len)
     }
 }
 
