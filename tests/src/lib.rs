@@ -18,7 +18,6 @@ pub mod registry;
 pub mod stability;
 pub mod textbook;
 pub mod twins;
-pub mod wavefront;
 
 /// The front page: its examples are tests.
 #[cfg(doctest)]

@@ -28,8 +28,8 @@ use integrators::world::World;
 pub struct PathByHand(pub PathSettings);
 
 /// Numbers of the blocks of sampling dimensions for a vertex: by scattering, and on a light.
-pub(crate) const BLOCKS: u32 = 8;
-pub(crate) const TO_LIGHT: u32 = 1;
+pub(super) const BLOCKS: u32 = 8;
+pub(super) const TO_LIGHT: u32 = 1;
 
 /// Whether a scene has no more than this path tracer knows: a pinhole, a filter that is nowhere negative, and lights
 /// that are triangles or spheres.
@@ -47,18 +47,18 @@ pub fn supports(scene: &Scene) -> bool {
 }
 
 /// A direction that scattering has found, and what it carries.
-pub(crate) struct Scattered {
-    pub(crate) w: Direction<f32>,
+pub(super) struct Scattered {
+    pub(super) w: Direction<f32>,
     /// Density in solid angle; of an atom, nothing.
-    pub(crate) density: Option<f32>,
+    pub(super) density: Option<f32>,
     /// Scattering and cosine over density or probability.
-    pub(crate) weight: Vec3,
+    pub(super) weight: Vec3,
 }
 
 /// A point of a light, and the density of its direction in solid angle.
-pub(crate) struct Lit<K: SceneKind> {
-    pub(crate) vertex: SceneVertex<K>,
-    pub(crate) density: f32,
+pub(super) struct Lit<K: SceneKind> {
+    pub(super) vertex: SceneVertex<K>,
+    pub(super) density: f32,
 }
 
 impl Integrator for PathByHand {
@@ -94,7 +94,7 @@ impl Integrator for PathByHand {
             };
             let block = BLOCKS * length as u32;
             uniforms.start(block + TO_LIGHT);
-            radiance += throughput * direct_from(world, &here, &scattering, survival, uniforms);
+            radiance += throughput * direct(world, &here, &scattering, survival, uniforms);
             uniforms.start(block);
             // Choices take a number each, whatever they are between.
             if uniforms.next() >= survival {
@@ -175,7 +175,7 @@ pub(super) fn meet<K: SceneKind>(
 }
 
 /// A direction by one of the lobes.
-pub(crate) fn scatter<K: SceneKind>(
+pub(super) fn scatter<K: SceneKind>(
     scattering: &Scattering<'_, K>,
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Scattered> {
@@ -233,7 +233,7 @@ pub(super) fn scattering_density<K: SceneKind>(scattering: &Scattering<'_, K>, w
 }
 
 /// What a light contributes directly, weighed against finding it by scattering.
-pub(crate) fn direct_from<K: SceneKind>(
+fn direct<K: SceneKind>(
     world: &World<'_, K>,
     here: &SceneVertex<K>,
     scattering: &Scattering<'_, K>,
@@ -263,19 +263,10 @@ pub(super) fn sample_light<K: SceneKind>(
     count_densities(1);
     let choice = lights.sample(uniforms.next());
     let Light::Area(light) = choice.item else { return None };
-    sample_point(world, here, (K::Area::get_ref(light), choice.probability), uniforms)
-}
-
-/// A point of a light that is chosen with a probability.
-pub(crate) fn sample_point<K: SceneKind>(
-    world: &World<'_, K>,
-    here: &SceneVertex<K>,
-    (light, probability): (&AreaLight, f32),
-    uniforms: &mut impl UniformSource<f32>,
-) -> Option<Lit<K>> {
+    let light = K::Area::get_ref(light);
     let through = |w: Direction<f32>, density: f32| {
         let vertex = SceneVertex::on(world.lit(light, here, &w)?);
-        Some(Lit { vertex, density: probability * density })
+        Some(Lit { vertex, density: choice.probability * density })
     };
     match light.shape {
         Form::Rectangle(rectangle) => {
@@ -290,7 +281,7 @@ pub(crate) fn sample_point<K: SceneKind>(
             let [u, v]: [f32; 2] = draw_uniforms(uniforms);
             let point = rectangle.corner + u * rectangle.a + v * rectangle.b;
             let vertex = SceneVertex::on(world.light_surface(light, point));
-            let density = probability * by_area(light, here, &vertex);
+            let density = choice.probability * by_area(light, here, &vertex);
             (density > 0.0).then_some(Lit { vertex, density })
         }
         Form::Single(Primitive::Triangle { v0, v1, v2 }) => {
@@ -308,7 +299,7 @@ pub(crate) fn sample_point<K: SceneKind>(
             let s = u.sqrt();
             let point = v0 + s * (1.0 - v) * (v1 - v0) + s * v * (v2 - v0);
             let vertex = SceneVertex::on(world.light_surface(light, point));
-            let density = probability * by_area(light, here, &vertex);
+            let density = choice.probability * by_area(light, here, &vertex);
             (density > 0.0).then_some(Lit { vertex, density })
         }
         Form::Single(Primitive::Sphere { center, radius, .. }) => {
@@ -331,7 +322,7 @@ fn by_area<K: SceneKind>(light: &AreaLight, here: &SceneVertex<K>, there: &Scene
 }
 
 /// The density in solid angle with which [`sample_light`] finds a vertex.
-pub(crate) fn light_density<K: SceneKind>(
+pub(super) fn light_density<K: SceneKind>(
     world: &World<'_, K>,
     here: &SceneVertex<K>,
     there: &SceneVertex<K>,
