@@ -80,6 +80,14 @@ impl UniformSource<f32> for Uniforms {
     }
 
     #[inline]
+    fn choice(&mut self) -> f32 {
+        match &mut self.source {
+            Source::Independent(source) => source.choice(),
+            Source::Stratified(source) => source.choice(),
+        }
+    }
+
+    #[inline]
     fn start(&mut self, block: u32) {
         if let Some(other) = &mut self.other
             && (block == FILM) != self.is_on_film

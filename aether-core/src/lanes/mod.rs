@@ -323,6 +323,9 @@ impl<S: UniformSource<f32>> UniformSource<Lanes> for [S; 8] {
     fn next(&mut self) -> Lanes {
         Lanes::new(self.each_mut().map(UniformSource::next))
     }
+    fn choice(&mut self) -> Lanes {
+        Lanes::new(self.each_mut().map(UniformSource::choice))
+    }
     fn start(&mut self, block: u32) {
         self.iter_mut().for_each(|source| source.start(block));
     }

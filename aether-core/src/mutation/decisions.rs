@@ -129,7 +129,7 @@ impl<'d, R: Scalar> Decisions<'d, R> {
             return None;
         }
         let choice = match &mut self.mode {
-            Mode::Draw(uniforms) => distribution.sample(uniforms.next()),
+            Mode::Draw(uniforms) => distribution.sample(uniforms.choice()),
             Mode::Replay { decided, .. } => match replayed(decided, self.count, distribution) {
                 Some(choice) => choice,
                 None => {
@@ -173,7 +173,7 @@ impl<'d, R: Scalar> Decisions<'d, R> {
         }
         let (index, probability) = match &mut self.mode {
             Mode::Draw(uniforms) => {
-                let choice = Weights::new(count, weight)?.sample(uniforms.next());
+                let choice = Weights::new(count, weight)?.sample(uniforms.choice());
                 (choice.item, choice.probability)
             }
             Mode::Replay { decided, .. } => {

@@ -125,6 +125,9 @@ impl<R: crate::real::Real, U: UniformSource<R> + ?Sized> UniformSource<R> for Bo
     fn next(&mut self) -> R {
         self.0.next()
     }
+    fn choice(&mut self) -> R {
+        self.0.choice()
+    }
     fn start(&mut self, block: u32) {
         self.0.start(block);
     }

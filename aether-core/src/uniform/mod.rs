@@ -30,6 +30,13 @@ pub trait UniformSource<R: Real> {
     /// The next uniform, in [0, 1): never one, not even after rounding to `R`.
     fn next(&mut self) -> R;
 
+    /// The next uniform that chooses between several things: strategies take those of `choose` here, and what a sampler
+    /// draws from [`UniformSource::next`]. A source that has no notion of dimensions need not tell them apart.
+    #[inline]
+    fn choice(&mut self) -> R {
+        self.next()
+    }
+
     /// Begins a numbered block of sampling dimensions, so that the numbering follows the structure
     /// of a path and not the order of execution: the same block of the same sample always yields
     /// the same numbers. A source that has no notion of dimensions may ignore it.

@@ -40,6 +40,10 @@ impl<R: Real, U: UniformSource<R> + ?Sized> UniformSource<R> for Piece<'_, U> {
         self.source.next()
     }
 
+    fn choice(&mut self) -> R {
+        self.source.choice()
+    }
+
     fn start(&mut self, block: u32) {
         self.source.start(block.wrapping_add(self.beyond));
     }

@@ -7,9 +7,9 @@ use crate::real::Single;
 /// How many dimensions are stratified jointly; later ones are padded with shuffled copies.
 const JOINT: usize = 4;
 
-/// Which dimension of the sequence each number of a group is of. The first two are the best pair of all, and a block
-/// mostly begins with a choice, on which less depends than on the pair behind it.
-const ORDER: [usize; JOINT] = [2, 0, 1, 3];
+/// How many numbers that are drawn, and how many that choose, are of the first group of a block. The sequence's first two
+/// dimensions are the best pair of all, and a sampler mostly draws two numbers, on which more depends than on choices.
+const FIRST: u32 = JOINT as u32 / 2;
 
 /// Primitive polynomials (degree, inner coefficients) and initial direction integers of dimensions
 /// 2 to 4 of Joe and Kuo's table (2008).
@@ -65,7 +65,7 @@ const fn nibbles() -> [[[u32; JOINT]; 16]; 8] {
         while bit < 4 {
             if (value >> bit) & 1 == 1 {
                 all[nibble][value][number] ^=
-                    DIRECTIONS[ORDER[number]][31 - (4 * nibble + bit)].reverse_bits();
+                    DIRECTIONS[number][31 - (4 * nibble + bit)].reverse_bits();
             }
             bit += 1;
         }
@@ -103,8 +103,9 @@ fn owen(mut x: u32, seed: u32) -> u32 {
 /// dimensions, streams and groups are independent of each other. Up to 2^32 samples a stream.
 ///
 /// A block starts a new group, so that each block has its own well-distributed dimensions whatever
-/// the blocks before it consumed. Of a group, the second and third number are the sequence's first two
-/// dimensions, of which 2^k samples have one point in each elementary interval.
+/// the blocks before it consumed. The first two numbers that are drawn are the sequence's first two
+/// dimensions, of which 2^k samples have one point in each elementary interval; the first two that choose
+/// ([`UniformSource::choice`]) are the other two.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Sobol {
     /// What the randomisations of this seed and stream share.
@@ -112,9 +113,12 @@ pub struct Sobol {
     /// The number of the sample, with its bits in opposite order.
     sample: u32,
     block: u32,
-    /// Dimensions drawn since the block began.
+    /// Numbers drawn since the block began, and numbers that chose.
     drawn: u32,
-    /// The shuffled number of the sample in the current group, also reversed.
+    chosen: u32,
+    /// The current group of the block, or [`NONE`].
+    group: u32,
+    /// The shuffled number of the sample in it, also reversed.
     index: u32,
     /// Randomisations of the group's dimensions, of two each.
     pairs: [u64; JOINT / 2],
@@ -126,14 +130,17 @@ impl Sobol {
     /// The point number `sample` of the stream (say, the pixel).
     pub fn new(seed: u64, stream: u64, sample: u32) -> Self {
         let (key, sample) = (first_of(combine(seed, stream)), sample.reverse_bits());
-        Sobol { key, sample, block: 0, drawn: 0, index: 0, pairs: [0; 2], point: [0; JOINT] }
+        let (block, group, index) = (0, NONE, 0);
+        let (pairs, point) = ([0; JOINT / 2], [0; JOINT]);
+        Sobol { key, sample, block, drawn: 0, chosen: 0, group, index, pairs, point }
     }
 
-    /// Shuffles the sample index for the group that starts at the next dimension, and finds its point: in all dimensions
+    /// Shuffles the sample index for a group, and finds its point: in all dimensions
     /// at once, as mostly several are drawn, and none waits for another.
     #[inline]
-    fn begin_group(&mut self) {
-        let group = with_second(self.key, u64::from(self.block) << 32 | u64::from(self.drawn));
+    fn begin_group(&mut self, group: u32) {
+        self.group = group;
+        let group = with_second(self.key, u64::from(self.block) << 32 | u64::from(group));
         // As a binary fraction: aligned runs of 2^k samples stay aligned runs.
         self.index = owen(self.sample, (group >> 32) as u32);
         let pairs @ [a, b] = [1, 3].map(|number| mix(group.wrapping_add(number)));
@@ -145,14 +152,29 @@ impl Sobol {
     }
 }
 
-impl<R: Single> UniformSource<R> for Sobol {
-    #[inline]
-    fn next(&mut self) -> R {
-        let number = self.drawn as usize % JOINT;
-        if number == 0 {
-            self.begin_group();
+/// No group.
+const NONE: u32 = u32::MAX;
+
+/// Which group the number `index` of one of the two sorts is of, and which dimension: the first two of either share the first
+/// group, and all others have groups of their own.
+#[inline(always)]
+fn place(index: u32, chooses: bool) -> (u32, usize) {
+    match index.checked_sub(FIRST) {
+        None => (0, (index + if chooses { FIRST } else { 0 }) as usize),
+        Some(beyond) => {
+            let group = 2 + 2 * (beyond / JOINT as u32) + u32::from(chooses);
+            (group, beyond as usize % JOINT)
         }
-        self.drawn += 1;
+    }
+}
+
+impl Sobol {
+    /// The number of a dimension of a group.
+    #[inline]
+    fn number<R: Single>(&mut self, (group, number): (u32, usize)) -> R {
+        if self.group != group {
+            self.begin_group(group);
+        }
         let high = self.point[number];
         // Scrambling goes on for ever: the bits below the 32nd are random. Mostly single precision has none of them.
         let is_enough = size_of::<R>() <= 4 && high >= 1 << 24;
@@ -164,11 +186,24 @@ impl<R: Single> UniformSource<R> for Sobol {
         };
         unit(u64::from(high) << 32 | low)
     }
+}
+
+impl<R: Single> UniformSource<R> for Sobol {
+    #[inline]
+    fn next(&mut self) -> R {
+        self.drawn += 1;
+        self.number(place(self.drawn - 1, false))
+    }
+
+    #[inline]
+    fn choice(&mut self) -> R {
+        self.chosen += 1;
+        self.number(place(self.chosen - 1, true))
+    }
 
     #[inline]
     fn start(&mut self, block: u32) {
-        self.block = block;
-        self.drawn = 0;
+        (self.block, self.drawn, self.chosen, self.group) = (block, 0, 0, NONE);
     }
 }
 
@@ -189,9 +224,9 @@ mod tests {
             [0_u32, 1, 2, 3, 4, 5, 6, 7]
                 .map(|k| reversed_sobol((k ^ (k >> 1)).reverse_bits())[number].reverse_bits() >> 29)
         };
-        assert_eq!(eighths(1), [0, 4, 6, 2, 3, 7, 5, 1]);
-        assert_eq!(eighths(2), [0, 4, 2, 6, 3, 7, 1, 5]);
-        assert_eq!(eighths(0), [0, 4, 2, 6, 5, 1, 7, 3]);
+        assert_eq!(eighths(0), [0, 4, 6, 2, 3, 7, 5, 1]);
+        assert_eq!(eighths(1), [0, 4, 2, 6, 3, 7, 1, 5]);
+        assert_eq!(eighths(2), [0, 4, 2, 6, 5, 1, 7, 3]);
     }
 
     #[test]
@@ -202,7 +237,7 @@ mod tests {
                 let (columns, rows) = ((1 << bits) as f64, (1 << (8 - bits)) as f64);
                 let mut count = [0; 256];
                 // Of the sequence's first two dimensions.
-                for [_, x, y, ..] in &points {
+                for [x, y, ..] in &points {
                     count[((x * columns).floor() * rows + (y * rows).floor()) as usize] += 1;
                 }
                 assert_eq!(count, [1; 256], "{columns} x {rows} intervals");
@@ -213,6 +248,36 @@ mod tests {
                 points.iter().for_each(|p| count[(p[d] * 256.0) as usize] += 1);
                 assert_eq!(count, [1; 256], "dimension {d}");
             }
+        }
+    }
+
+    /// Numbers of a block in some order: those that choose, and those that are drawn.
+    fn numbers(sample: u32, chooses: [bool; 8]) -> [Vec<f64>; 2] {
+        let mut source = Sobol::new(4, 5, sample);
+        UniformSource::<f64>::start(&mut source, 6);
+        let mut found = [Vec::new(), Vec::new()];
+        for chooses in chooses {
+            let number = if chooses { source.choice() } else { source.next() };
+            found[usize::from(!chooses)].push(number);
+        }
+        found
+    }
+
+    #[test]
+    fn numbers_that_choose_are_others_and_as_well_distributed() {
+        let (t, f) = (true, false);
+        let (mixed, apart) = ([t, f, t, t, f, f, f, t], [f, f, f, f, t, t, t, t]);
+        let points: Vec<_> = (0..256).map(|k| numbers(k, mixed)).collect();
+        for (k, point) in (0..).zip(&points) {
+            assert_eq!(*point, numbers(k, apart));
+            let mut all: Vec<f64> = point.concat();
+            all.sort_by(f64::total_cmp);
+            assert!(all.windows(2).all(|pair| pair[0] < pair[1]), "{point:?}");
+        }
+        for (sort, d) in [(0, 0), (0, 1), (0, 2), (0, 3), (1, 0), (1, 3)] {
+            let mut count = [0; 256];
+            points.iter().for_each(|p| count[(p[sort][d] * 256.0) as usize] += 1);
+            assert_eq!(count, [1; 256], "sort {sort}, dimension {d}");
         }
     }
 

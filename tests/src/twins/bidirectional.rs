@@ -157,7 +157,7 @@ fn extend<'a, K: SceneKind>(
         let Some(scattering) = end.scattering else { return };
         uniforms.start(BLOCKS * piece.len() as u32 + block);
         // The number that Russian roulette takes.
-        uniforms.next();
+        uniforms.choice();
         let Some(scattered) = scatter(&scattering, uniforms) else { return };
         let Some(density) = scattered.density else { return };
         let Some(vertex) = meet(world, &end.vertex, &scattered.w) else { return };
@@ -230,7 +230,7 @@ fn begin<'a, K: SceneKind>(
     world: &'a World<'a, K>,
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<End<'a, K>> {
-    let choice = world.lights.choice.as_ref()?.sample(uniforms.next());
+    let choice = world.lights.choice.as_ref()?.sample(uniforms.choice());
     let Light::Area(light) = choice.item else { return None };
     let light: &AreaLight = K::Area::get_ref(light);
     let [u, v]: [f32; 2] = draw_uniforms(uniforms);

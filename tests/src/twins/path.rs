@@ -97,7 +97,7 @@ impl Integrator for PathByHand {
             radiance += throughput * direct(world, &here, &scattering, survival, uniforms);
             uniforms.start(block);
             // Choices take a number each, whatever they are between.
-            if uniforms.next() >= survival {
+            if uniforms.choice() >= survival {
                 break;
             }
             let Some(scattered) = scatter(&scattering, uniforms) else { break };
@@ -133,7 +133,7 @@ pub(super) fn camera_direction<K: SceneKind>(
             (u - 0.5, v - 0.5)
         }
         Filter::Tent { radius } => {
-            let [right, below]: [f32; 2] = draw_uniforms(uniforms);
+            let [right, below] = [(); 2].map(|()| uniforms.choice());
             let [u, v]: [f32; 2] = draw_uniforms(uniforms);
             let signed = |first: bool| if first { radius } else { -radius };
             (
@@ -179,7 +179,7 @@ pub(super) fn scatter<K: SceneKind>(
     scattering: &Scattering<'_, K>,
     uniforms: &mut impl UniformSource<f32>,
 ) -> Option<Scattered> {
-    let choice = scattering.lobes(None).sample(uniforms.next());
+    let choice = scattering.lobes(None).sample(uniforms.choice());
     let local: Vec3 = match choice.item.lobe {
         Lobe::Matte(_) => {
             let [u, v]: [f32; 2] = draw_uniforms(uniforms);
@@ -261,7 +261,7 @@ pub(super) fn sample_light<K: SceneKind>(
 ) -> Option<Lit<K>> {
     let lights = world.lights.seen_from(here)?;
     count_densities(1);
-    let choice = lights.sample(uniforms.next());
+    let choice = lights.sample(uniforms.choice());
     let Light::Area(light) = choice.item else { return None };
     let light = K::Area::get_ref(light);
     let through = |w: Direction<f32>, density: f32| {

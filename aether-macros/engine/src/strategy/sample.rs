@@ -210,7 +210,7 @@ impl Emitter<'_> {
                     let distribution = #distribution;
                     let choice = ::aether_core::Discrete::<#real>::sample(
                         &distribution,
-                        ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
+                        ::aether_core::UniformSource::<#real>::choice(&mut *uniforms),
                     );
                     taken[#number] = choice.index;
                     #several
@@ -234,7 +234,7 @@ impl Emitter<'_> {
                 quote_spanned! {site=>
                     let (choice, outcome) = #outcome(
                         &#distribution,
-                        ::aether_core::UniformSource::<#real>::next(&mut *uniforms),
+                        ::aether_core::UniformSource::<#real>::choice(&mut *uniforms),
                     );
                     taken[#number] = choice.index;
                     #several
