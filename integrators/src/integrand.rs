@@ -97,9 +97,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// ([`FilmProfile::radius`]). With `None` it is one again.
     pub fn aim(&mut self, aim: Option<Aim>) {
         self.aim = aim;
+        self.drawn.set(None);
     }
 
-    /// The film point of what was seen last for [`Aim::Image`], if it is one that is drawn for the pixel.
+    /// The film point of what was seen last since [`Radiance::aim`] for [`Aim::Image`], if it is one that is drawn for the
+    /// pixel.
     pub fn drawn_film_point(&self) -> Option<Vec2<f32>> {
         self.drawn.get()
     }
