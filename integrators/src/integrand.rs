@@ -119,8 +119,9 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         let response = match self.aim {
             Some(Aim::Pixel(pixel)) => self.response_at(pixel, &sight, [eye, seen]),
             Some(Aim::Image(pixel)) => {
-                self.drawn.set(self.drawn_for(pixel, &sight, [eye, seen]));
-                f32::from(u8::from(self.drawn.get().is_some()))
+                let drawn = self.drawn_for(pixel, &sight, [eye, seen]);
+                self.drawn.set(drawn);
+                drawn.map_or(0.0, |_| 1.0)
             }
             _ => 1.0,
         };

@@ -109,18 +109,17 @@ pub fn trace<'a, K, S>(
         + From<SampleCameraDirection<'a, 'a, K>>,
 {
     arena.clear();
-    let camera =
-        [sample_camera(world).into(), sample_camera_direction(world, received.aim()).into()];
+    let aim = received.aim();
+    let camera = [sample_camera(world).into(), sample_camera_direction(world, aim).into()];
     let steps = Steps { first: &camera, then: scatter };
     let endings = settings.endings(endings);
-    estimator.integrand_mut().aim(Some(received.aim()));
+    estimator.integrand_mut().aim(Some(aim));
     let radiance = estimator.integrand();
     let mut counts = None;
     estimator.walk(arena, &steps, &endings, &PowerHeuristic, uniforms, |path| {
         // Where the sample lies on the film is known once it has found something.
-        let counts = *counts.get_or_insert_with(|| match radiance.drawn_film_point() {
-            Some(film) if received.is_shared() => received.begin_at(world, film),
-            _ => 1.0,
+        let counts = *counts.get_or_insert_with(|| {
+            radiance.drawn_film_point().map_or(1.0, |film| received.begin_at(world, film))
         });
         let [value, alone] = [path.value, path.alone].map(|value| value * counts);
         received.add_own(ended(path.length, path.steps), value, alone);

@@ -4,7 +4,7 @@ use crate::combine::Heuristic;
 use crate::estimator::endings::taken;
 use crate::estimator::last::{Found, Ways};
 use crate::estimator::sides::{Next, Side, Sides};
-use crate::estimator::steps::{Course, Fork, RING, Walk, bits};
+use crate::estimator::steps::{Fork, RING, Steps, Walk, bits};
 use crate::estimator::{Ending, Endings, Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::sequence::RandomSequence;
 use crate::shift::{AT_HAND, Shift};
@@ -27,7 +27,8 @@ pub struct Shifts<M, F, const N: usize> {
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// Goes on from the end of a path with a step again and again, as [`Estimator::walk`] does with its steps, once those that
     /// the path has but has not taken yet are taken. Estimates all paths along this walk, and of each shift how much more
-    /// all shifted paths carry than these (Kettunen et al. 2015): the sum over paths of (f(T x) |∂T x/∂x| − f(x)) × weight / p, zero for a shift that is `None`.
+    /// all shifted paths carry than these (Kettunen et al. 2015): the sum over paths of
+    /// (f(T x) |∂T x/∂x| − f(x)) × weight / p, zero for a shift that is `None`.
     ///
     /// A pair of a path and its shifted one could have been made from either of the two, in each way that
     /// `endings` uses: its weight is that of a heuristic over all of these. A path that has no shifted one has
@@ -57,11 +58,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         F: Fn(&I::Vertex, &I::Vertex) -> bool,
     {
         let is_short = |shift: &M| shift.reads() <= AT_HAND;
-        if self.is_short(start, &[core::slice::from_ref(step)], endings)
+        let steps = Steps { first: &[], then: step };
+        if self.is_short(start, Some(&steps), endings)
             && shifts.shifts.iter().flatten().all(is_short)
         {
             return self
-                .differences_at_last(start, step, endings, shifts, heuristic, uniforms, visit);
+                .differences_at_last(start, &steps, endings, shifts, heuristic, uniforms, visit);
         }
         let walk = taken(start, step, endings, uniforms);
         self.differences_of_sequences(&walk, endings, shifts, heuristic, uniforms, visit)
@@ -72,7 +74,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     fn differences_at_last<'t, S, P, H, U, M, F, const N: usize>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
-        step: &S,
+        steps: &Steps<'_, S>,
         endings: &Endings<'t, S, P>,
         shifts: &Shifts<M, F, N>,
         heuristic: &H,
@@ -88,7 +90,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         F: Fn(&I::Vertex, &I::Vertex) -> bool,
     {
         let tape = &walk.arena.tape.unfolded();
-        let steps = Walk::new(walk, Some(step), tape);
+        let steps = Walk::made(walk, tape, Some(steps));
         let pairs = Sides { estimator: self, sees: &shifts.sees };
         let mut sides = shifts.shifts.each_ref().map(|shift| shift.as_ref().map(Side::new));
         let (mut carried, mut recent, mut length) = (I::Value::one(), [None; RING], 0);

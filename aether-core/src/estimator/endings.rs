@@ -3,7 +3,7 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
-use crate::estimator::steps::{Ahead, Course, Fork, MOST_WAYS, RING, Steps, Walk, bits};
+use crate::estimator::steps::{Fork, MOST_WAYS, RING, Steps, Walk, bits};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
 use crate::real::Real;
 use crate::sequence::{Arena, LAST, RandomSequence};
@@ -80,10 +80,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        if self.is_short(walk, &[], endings) {
+        if self.is_short(walk, None, endings) {
             let tape = &walk.arena.tape.unfolded();
-            let course = Walk::new(walk, None, tape);
-            self.last_steps(&course, endings, heuristic, uniforms, visit);
+            self.last_steps(&Walk::made(walk, tape, None), endings, heuristic, uniforms, visit);
         } else {
             self.last_sequences(walk, endings, heuristic, uniforms, visit);
         }
@@ -109,29 +108,29 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         H: Heuristic<RealOf<I>> + Clone,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
-        let (mut sequence, &Steps { first, then }) = (arena.sequence(), steps);
-        let others = [first, core::slice::from_ref(then)];
-        if self.is_short(&sequence, &others, endings) {
-            let course = Ahead { sequence, steps };
-            return self.last_steps(&course, endings, heuristic, uniforms, visit);
+        let mut start = arena.sequence();
+        if self.is_short(&start, Some(steps), endings) {
+            let walk = Walk::new(&start, steps);
+            return self.last_steps(&walk, endings, heuristic, uniforms, visit);
         }
-        for step in first {
-            sequence.append(step.clone());
+        for step in steps.first {
+            start.append(step.clone());
         }
-        let walk = taken(&sequence, then, endings, uniforms);
+        let walk = taken(&start, steps.then, endings, uniforms);
         self.last_sequences(&walk, endings, heuristic, uniforms, visit);
     }
 
-    /// Whether paths along a walk and `others`, steps that it is to take, need not be made to be estimated: ways to end them
+    /// Whether paths along a walk, and steps that it is to take, need not be made to be estimated: ways to end them
     /// have one step at most, and no more vertices are read than are at hand.
     #[inline(always)]
     pub(super) fn is_short<S: Strategy<I::Vertex>, P>(
         &self,
         walk: &RandomSequence<'_, I::Vertex, S>,
-        others: &[&[S]],
+        steps: Option<&Steps<'_, S>>,
         endings: &Endings<'_, S, P>,
     ) -> bool {
-        let mut steps = endings.ways.iter().chain(others).copied().flatten();
+        let others = steps.into_iter().flat_map(|steps| steps.first.iter().chain([steps.then]));
+        let mut steps = endings.ways.iter().copied().flatten().chain(others);
         S::VERTICES == 1
             && endings.ways.iter().all(|steps| steps.len() <= 1)
             && endings.ways.len() <= MOST_WAYS
@@ -175,7 +174,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     #[inline(always)]
     fn last_steps<'t, S, P, H, U>(
         &self,
-        course: &impl Course<I::Vertex, S>,
+        walk: &Walk<'_, '_, I::Vertex, S>,
         endings: &Endings<'t, S, P>,
         heuristic: &H,
         uniforms: &mut U,
@@ -191,8 +190,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         while length < *endings.lengths.end() {
             length += 1;
             let fork = Fork::new(&recent, length - 1);
-            let Some(own) = course.strategy(length - 1) else { break };
-            let drawn = course.draw(length - 1, own, &fork, uniforms);
+            let Some(own) = walk.strategy(length - 1) else { break };
+            let drawn = walk.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
             let used = if asked { endings.used(length) } else { 0 };
@@ -201,7 +200,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 let (last, met) = match steps.first() {
                     None => (&drawn, met),
                     Some(step) => {
-                        uniforms.start(course.block_after(length - 1));
+                        uniforms.start(walk.block_after(length - 1));
                         *other = fork.draw(step, uniforms);
                         let met = other.as_ref();
                         (&*other, met.and_then(|last| self.met(&fork, step, last, carried)))

@@ -7,85 +7,7 @@ use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
 
-/// What a walk is made of, one step after the other.
-pub(super) trait Course<V: Vertex, S: Strategy<V>> {
-    /// The strategy of a step, if there are so many.
-    fn strategy(&self, i: usize) -> Option<&S>;
-
-    /// The vertex that a step, whose strategy this is, has found, or finds after those that are at hand.
-    fn draw<U>(
-        &self,
-        i: usize,
-        strategy: &S,
-        fork: &Fork<'_, V>,
-        uniforms: &mut U,
-    ) -> Option<Drawn<V>>
-    where
-        U: UniformSource<V::Real> + ?Sized;
-
-    /// The block of sampling dimensions of what is appended to the first `len` steps.
-    fn block_after(&self, len: usize) -> u32;
-}
-
-/// The steps of a walk that is one run, and the one that it goes on with.
-pub(super) struct Walk<'w, 't, V: Vertex, S> {
-    walk: &'w RandomSequence<'t, V, S>,
-    step: Option<&'w S>,
-    tape: &'w Unfolded<'t, V>,
-    strategies: Ref<'t, Vec<S>>,
-}
-
-impl<'w, 't, V: Vertex, S: Strategy<V>> Walk<'w, 't, V, S> {
-    /// The steps of a walk on a tape, and then others.
-    #[inline(always)]
-    pub fn new(
-        walk: &'w RandomSequence<'t, V, S>,
-        step: Option<&'w S>,
-        tape: &'w Unfolded<'t, V>,
-    ) -> Self {
-        Walk { walk, step, tape, strategies: walk.arena.strategies.borrow() }
-    }
-}
-
-impl<V: Vertex, S: Strategy<V>> Course<V, S> for Walk<'_, '_, V, S> {
-    #[inline(always)]
-    fn strategy(&self, i: usize) -> Option<&S> {
-        if i >= self.walk.size() {
-            return self.step;
-        }
-        Some(&self.strategies[self.tape.way(self.walk.handle.place, i).strategy() as usize])
-    }
-
-    #[inline(always)]
-    fn draw<U>(
-        &self,
-        i: usize,
-        strategy: &S,
-        fork: &Fork<'_, V>,
-        uniforms: &mut U,
-    ) -> Option<Drawn<V>>
-    where
-        U: UniformSource<V::Real> + ?Sized,
-    {
-        let (walk, place) = (self.walk, self.walk.handle.place);
-        if i < walk.len() {
-            return kept(walk, self.tape, i);
-        }
-        let pending = i < walk.size();
-        if pending && (self.step.is_none() || walk.handle.ended) {
-            return None;
-        }
-        uniforms.start(if pending { self.tape.block(place, i) } else { walk.block_at(i) });
-        fork.draw(strategy, uniforms)
-    }
-
-    #[inline(always)]
-    fn block_after(&self, len: usize) -> u32 {
-        self.walk.block_after(len)
-    }
-}
-
-/// The strategies of a walk.
+/// The strategies of the steps that a walk is to take.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps<'t, S> {
     /// Those of its first vertices.
@@ -94,22 +16,56 @@ pub struct Steps<'t, S> {
     pub then: &'t S,
 }
 
-/// Steps that are all taken on the way, with the numbers that a sequence would draw.
-pub(super) struct Ahead<'w, 't, V: Vertex, S> {
-    /// The sequence, without any step.
-    pub sequence: RandomSequence<'t, V, S>,
-    /// The steps.
-    pub steps: &'w Steps<'w, S>,
+/// The steps of a walk that is one run, and those that it goes on with.
+pub(super) struct Walk<'w, 't, V: Vertex, S> {
+    walk: &'w RandomSequence<'t, V, S>,
+    /// Where the walk's own steps are, and their strategies, if it has any.
+    own: Option<(&'w Unfolded<'t, V>, Ref<'t, Vec<S>>)>,
+    steps: Option<&'w Steps<'w, S>>,
 }
 
-impl<V: Vertex, S: Strategy<V>> Course<V, S> for Ahead<'_, '_, V, S> {
+impl<'w, 't, V: Vertex, S: Strategy<V>> Walk<'w, 't, V, S> {
+    /// The steps of a walk on a tape, and then others.
     #[inline(always)]
-    fn strategy(&self, i: usize) -> Option<&S> {
-        Some(self.steps.first.get(i).unwrap_or(self.steps.then))
+    pub fn made(
+        walk: &'w RandomSequence<'t, V, S>,
+        tape: &'w Unfolded<'t, V>,
+        steps: Option<&'w Steps<'w, S>>,
+    ) -> Self {
+        Walk { walk, own: Some((tape, walk.arena.strategies.borrow())), steps }
     }
 
+    /// Steps of a walk that has none yet.
     #[inline(always)]
-    fn draw<U>(
+    pub fn new(walk: &'w RandomSequence<'t, V, S>, steps: &'w Steps<'w, S>) -> Self {
+        Walk { walk, own: None, steps: Some(steps) }
+    }
+
+    /// The strategy of a step.
+    #[inline(always)]
+    pub fn strategy(&self, i: usize) -> Option<&S> {
+        let beyond = match &self.own {
+            Some((tape, strategies)) => match i.checked_sub(self.walk.size()) {
+                Some(beyond) => beyond,
+                None => {
+                    let way = tape.way(self.walk.handle.place, i);
+                    return Some(&strategies[way.strategy() as usize]);
+                }
+            },
+            None => i,
+        };
+        self.steps.map(|steps| steps.first.get(beyond).unwrap_or(steps.then))
+    }
+
+    /// The block of sampling dimensions of what is appended to the first `len` steps.
+    #[inline(always)]
+    pub fn block_after(&self, len: usize) -> u32 {
+        self.walk.block_after(len)
+    }
+
+    /// The vertex that a step, whose strategy this is, has found, or finds after those that are at hand.
+    #[inline(always)]
+    pub fn draw<U>(
         &self,
         i: usize,
         strategy: &S,
@@ -119,13 +75,19 @@ impl<V: Vertex, S: Strategy<V>> Course<V, S> for Ahead<'_, '_, V, S> {
     where
         U: UniformSource<V::Real> + ?Sized,
     {
-        uniforms.start(self.sequence.block_at(i));
+        let walk = self.walk;
+        let block = match &self.own {
+            Some((tape, _)) if i < walk.len() => return kept(walk, tape, i),
+            Some((tape, _)) if i < walk.size() => {
+                if self.steps.is_none() || walk.handle.ended {
+                    return None;
+                }
+                tape.block(walk.handle.place, i)
+            }
+            _ => walk.block_at(i),
+        };
+        uniforms.start(block);
         fork.draw(strategy, uniforms)
-    }
-
-    #[inline(always)]
-    fn block_after(&self, len: usize) -> u32 {
-        self.sequence.block_after(len)
     }
 }
 
