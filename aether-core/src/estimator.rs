@@ -18,6 +18,7 @@ mod last;
 mod made_pairs;
 mod sides;
 mod steps;
+mod techniques;
 mod value;
 
 pub use connections::{Connected, Connections};
@@ -26,6 +27,7 @@ pub use endings::{Ending, Endings};
 use joints::Carried;
 pub(crate) use joints::Joints;
 pub use steps::Steps;
+pub use techniques::Techniques;
 pub use value::Value;
 
 /// The precision of an integrand.

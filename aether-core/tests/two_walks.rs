@@ -2,7 +2,7 @@
 
 mod world;
 
-use aether_core::estimator::{Connected, Connections, Factors};
+use aether_core::estimator::{Connected, Connections, Factors, Techniques};
 use aether_core::sequence::PathView;
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
 use aether_core::{
@@ -167,8 +167,7 @@ fn walk<'a, 'w>(
 fn one_by_one<I: PathIntegrand<Vertex = Spot, Value = f64>, S: Strategy<Spot>, H>(
     estimator: &Estimator<I, Factors<f64>>,
     [first, second]: [&RandomSequence<'_, Spot, S>; 2],
-    connections: &Connections<'_, S, impl Fn(usize, usize) -> usize, impl Fn(usize, usize) -> bool>,
-    heuristic: &H,
+    connections: &Connections<'_, S, f64, H, impl Fn(usize, usize) -> bool>,
     uniforms: &mut Pcg32,
 ) -> Vec<Connected<f64>>
 where
@@ -176,7 +175,7 @@ where
 {
     let mut connected = Vec::new();
     for n in connections.lengths.clone().filter(|n| *n > 0) {
-        let samples = |by: usize| (connections.samples)(n, by);
+        let samples = |by: usize| connections.techniques.samples(n, by);
         let ends = |by: usize| {
             connections.ending.is_some() && by + 1 == n && n >= connections.fewest_ending
         };
@@ -200,7 +199,7 @@ where
                 (path, samples(*by))
             })
             .collect();
-        let all = estimator.each(combine_with(heuristic.clone(), &paths));
+        let all = estimator.each(combine_with(connections.techniques.heuristic().clone(), &paths));
         connected.extend(all.map(|found| Connected {
             length: n,
             first: used[found.technique],
@@ -240,21 +239,23 @@ fn found<H: Separable<f64> + Clone>(
     let first = walk(&arena, (Camera.into(), step), size, uniforms);
     let second = walk(&arena, (Light(world).into(), step), size, uniforms);
     let mut all = Vec::new();
+    let mut techniques = Techniques::new(heuristic.clone());
+    techniques.reach(longest, |length, first| match first {
+        // The eye is where it is: another walk does not find it.
+        0 => 3,
+        // One technique is not used.
+        3 if length == 5 => 0,
+        1 => 7,
+        _ if first == length => 1,
+        _ => 2,
+    });
     for _ in 0..2 {
         let mut estimate = |lengths: std::ops::RangeInclusive<usize>| {
             let connections = Connections {
                 lengths,
                 ending: ending.as_ref(),
                 fewest_ending: 3,
-                samples: |length: usize, first: usize| match first {
-                    // The eye is where it is: another walk does not find it.
-                    0 => 3,
-                    // One technique is not used.
-                    3 if length == 5 => 0,
-                    1 => 7,
-                    _ if first == length => 1,
-                    _ => 2,
-                },
+                techniques: &techniques,
                 is_drawn: |length: usize, first: usize| first != 2 || length != 4,
             };
             let pieces = [&first, &second];
@@ -262,10 +263,10 @@ fn found<H: Separable<f64> + Clone>(
                 all.push((found.length, found.first, found.value, found.alone));
             };
             if by == By::Paths {
-                let found = one_by_one(&estimator, pieces, &connections, heuristic, uniforms);
+                let found = one_by_one(&estimator, pieces, &connections, uniforms);
                 return found.into_iter().for_each(&mut keep);
             }
-            estimator.connections(pieces, &connections, heuristic, uniforms, keep);
+            estimator.connections(pieces, &connections, uniforms, keep);
         };
         match by {
             By::Lengths => (0..=longest).for_each(|length| estimate(length..=length)),
@@ -330,17 +331,19 @@ fn assert_alike<'w, I: PathIntegrand<Vertex = Spot, Value = f64>>(
     (heuristic, most, fewest): (&(impl Separable<f64> + Clone), usize, usize),
     uniforms: &mut Pcg32,
 ) -> usize {
+    let mut techniques = Techniques::new(heuristic.clone());
+    techniques.reach(7, |_, first| 1 + first % most);
     let connections = Connections {
         lengths: fewest..=7,
         ending: ending.as_ref(),
         fewest_ending: 1,
-        samples: |_, first| 1 + first % most,
+        techniques: &techniques,
         is_drawn: |_, _| true,
     };
     let mut found = Vec::new();
     let keep = |path: Connected<f64>| found.push(path);
-    estimator.connections(walks, &connections, heuristic, uniforms, keep);
-    let expected = one_by_one(estimator, walks, &connections, heuristic, uniforms);
+    estimator.connections(walks, &connections, uniforms, keep);
+    let expected = one_by_one(estimator, walks, &connections, uniforms);
     assert_eq!(found.len(), expected.len());
     for (a, b) in found.iter().zip(&expected) {
         let is_near = |x: f64, y: f64| (x - y).abs() <= 1e-12 * y.abs();

@@ -1,7 +1,7 @@
 //! Weights of paths that are made of pieces of two walks, where densities go from zero to infinity and paths have a
 //! thousand vertices, in single precision, against sums of logarithms.
 
-use aether_core::estimator::{Connections, Factors};
+use aether_core::estimator::{Connections, Factors, Techniques};
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy, Vertex};
 use aether_core::{
     Arena, Estimator, PathIntegrand, PathView, Pcg32, PowerHeuristic, RandomSequence, UniformSource,
@@ -116,16 +116,18 @@ fn compare(seed: u64, length: usize) -> [usize; 3] {
     };
     let walks: [RandomSequence<'_, Spot, Step>; 2] = [walk(0), walk(1)];
     let estimator: Estimator<One, Factors<f32>> = Estimator::paths(One);
+    let mut techniques = Techniques::new(PowerHeuristic);
+    techniques.reach(length, |_, _| 1);
     let connections = Connections {
         lengths: length..=length,
         ending: None::<&Step>,
         fewest_ending: 1,
-        samples: |_, _| 1,
+        techniques: &techniques,
         is_drawn: |_, _| true,
     };
     let mut weights = vec![None; length + 1];
     let pieces = [&walks[0], &walks[1]];
-    estimator.connections(pieces, &connections, &PowerHeuristic, uniforms, |found| {
+    estimator.connections(pieces, &connections, uniforms, |found| {
         assert_eq!(found.alone, 1.0);
         weights[found.first] = Some(f64::from(found.value));
     });

@@ -6,7 +6,7 @@
 //! the image, so that weights are the same for all pixels. A sample may have several
 //! light paths: then what needs one has so many samples.
 
-use aether_core::estimator::Connections;
+use aether_core::estimator::{Connections, Techniques};
 use aether_core::prelude::Vec2;
 use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource};
@@ -60,6 +60,7 @@ fn worth(length: usize, first: usize) -> usize {
 /// What one thread reuses from sample to sample.
 pub struct BidirectionalScratch<'a, K: SceneKind> {
     paths: Scratch<'a, K, LightStrategies<'a, K>>,
+    techniques: Techniques<f32, PowerHeuristic>,
     /// Where the eye sees the light path, by the number of vertices of the path that joins both.
     films: Vec<Option<Vec2<f32>>>,
 }
@@ -85,7 +86,8 @@ impl Integrator for Bidirectional {
     const SHARES: bool = true;
 
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K> {
-        BidirectionalScratch { paths: Scratch::new(world), films: Vec::new() }
+        let techniques = Techniques::new(PowerHeuristic);
+        BidirectionalScratch { paths: Scratch::new(world), techniques, films: Vec::new() }
     }
 
     fn sample<'a, K: SceneKind>(
@@ -121,7 +123,8 @@ impl Bidirectional {
         pixel: Pixel,
         mut record: impl FnMut(Found),
     ) {
-        let BidirectionalScratch { paths: Scratch { arena, estimator }, films } = scratch;
+        let BidirectionalScratch { paths: Scratch { arena, estimator }, techniques, films } =
+            scratch;
         arena.clear();
         let rr = self.path.rr_depth;
         let longest = self.path.most_vertices();
@@ -131,15 +134,6 @@ impl Bidirectional {
         let count = self.light_paths.max(1) as usize;
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
-        let by = |length: usize, first: usize| Technique::edge(first, length - first);
-        let from_lights = count * world.pixels();
-        let samples = |length: usize, first: usize| match first {
-            0 => 0,
-            _ if !self.path.techniques.has(by(length, first)) => 0,
-            1 => from_lights,
-            _ if first == length => 1,
-            _ => count * worth(length, first),
-        };
         for number in 0..count {
             let uniforms = &mut Piece::new(uniforms, number as u32);
             let mut camera = seen_by;
@@ -148,6 +142,7 @@ impl Bidirectional {
             let total = (camera.len() + light.len()).min(longest);
             extend(&mut camera, world, (total, rr));
             extend(&mut light, world, (total, rr));
+            techniques.reach(total, |length, first| self.samples(world.pixels(), length, first));
             let eye = camera.vertex(0);
             films.clear();
             films.extend((0..total + 1).map(|length| {
@@ -160,25 +155,32 @@ impl Bidirectional {
                 lengths: fewest..=total,
                 ending: Some(&ending),
                 fewest_ending: 3,
-                samples,
+                techniques,
                 is_drawn: |length, first| {
                     film(length, first).is_some() && (first < length || number == 0)
                 },
             };
-            estimator.connections(
-                [&camera, &light],
-                &connections,
-                &PowerHeuristic,
-                uniforms,
-                |it| {
-                    let Some(film) = film(it.length, it.first) else { return };
-                    // There is one sample where several are weighed.
-                    let counts = worth(it.length, it.first) as f32;
-                    let [value, alone] = [it.value, it.alone].map(|v| v * counts);
-                    let technique = by(it.length, it.first);
-                    record(Found { technique, film, is_own: it.first > 1, value, alone });
-                },
-            );
+            estimator.connections([&camera, &light], &connections, uniforms, |it| {
+                let Some(film) = film(it.length, it.first) else { return };
+                // There is one sample where several are weighed.
+                let counts = worth(it.length, it.first) as f32;
+                let [value, alone] = [it.value, it.alone].map(|v| v * counts);
+                let technique = Technique::edge(it.first, it.length - it.first);
+                record(Found { technique, film, is_own: it.first > 1, value, alone });
+            });
+        }
+    }
+
+    /// As how many samples of an image with so many pixels a technique counts that makes paths of so many vertices, of
+    /// which the first ones, so many, are of the camera.
+    fn samples(&self, pixels: usize, length: usize, first: usize) -> usize {
+        let count = self.light_paths.max(1) as usize;
+        match first {
+            0 => 0,
+            _ if !self.path.techniques.has(Technique::edge(first, length - first)) => 0,
+            1 => count * pixels,
+            _ if first == length => 1,
+            _ => count * worth(length, first),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use aether_core::estimator::{Connections, Contribution, Estimator, Factors};
+use aether_core::estimator::{Connections, Contribution, Estimator, Factors, Techniques};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
 use aether_core::uniform::Sobol;
 use aether_core::{
@@ -126,6 +126,7 @@ impl Metropolis {
         &self,
         world: &'a World<'a, K>,
         scratch: &mut Scratch<'a, K, MutationStrategies<'a, K>>,
+        techniques: &mut Techniques<f32, PowerHeuristic>,
         uniforms: &mut impl UniformSource<f32>,
     ) -> f32 {
         let mut sum = 0.0;
@@ -139,19 +140,19 @@ impl Metropolis {
         let by_camera = first_edge(&camera.slice(0..camera.len().min(2)));
         let eye = camera.vertex(0);
         let look = sample_light(world).into();
+        techniques.reach(total, |length, first| {
+            let technique = || Technique::edge(first, length - first);
+            usize::from(first > 0 && self.path.techniques.has(technique()))
+        });
         let connections = Connections {
             lengths: *self.lengths().start()..=total,
             ending: Some(&look),
             fewest_ending: 3,
-            samples: |length: usize, first: usize| {
-                let used =
-                    first > 0 && self.path.techniques.has(Technique::edge(first, length - first));
-                usize::from(used)
-            },
+            techniques,
             is_drawn: |_, _| true,
         };
         let walks = [&camera, &light];
-        estimator.connections(walks, &connections, &PowerHeuristic, uniforms, |found| {
+        estimator.connections(walks, &connections, uniforms, |found| {
             let seen = match found.first {
                 1 => eye.zip(light.vertex(found.length - 2)).map(|(eye, seen)| [eye, seen]),
                 _ => by_camera,
@@ -310,10 +311,10 @@ impl ChainIntegrator for Metropolis {
         world: &'a World<'a, K>,
         seed: u64,
     ) -> impl FnMut(usize) -> f32 {
-        let mut scratch = Scratch::new(world);
+        let (mut scratch, mut techniques) = (Scratch::new(world), Techniques::new(PowerHeuristic));
         move |candidate| {
-            let sum =
-                self.brightness_of_seeds(world, &mut scratch, &mut uniforms_of(seed, candidate));
+            let uniforms = &mut uniforms_of(seed, candidate);
+            let sum = self.brightness_of_seeds(world, &mut scratch, &mut techniques, uniforms);
             // The steps of a sample of the image are as many as pixels.
             sum / world.pixels() as f32
         }
@@ -529,12 +530,15 @@ mod tests {
         let world: World<'_, Everything> = World::new(&scene).unwrap();
         let metropolis = Metropolis::new(PathSettings::new(&scene));
         let mut scratch = Scratch::new(&world);
+        let mut techniques = Techniques::new(PowerHeuristic);
         let mut bright = 0;
         for candidate in 0..6000 {
             let uniforms = || uniforms_of(5, candidate);
             let mut sum = 0.0;
             metropolis.seeds(&world, &mut scratch, &mut uniforms(), |b, _| sum += b);
-            let found = metropolis.brightness_of_seeds(&world, &mut scratch, &mut uniforms());
+            let (scratch, techniques) = (&mut scratch, &mut techniques);
+            let found =
+                metropolis.brightness_of_seeds(&world, scratch, techniques, &mut uniforms());
             let error = 1e-4 * sum + f32::MIN_POSITIVE;
             assert!((found - sum).abs() <= error, "{candidate}: {found} {sum}");
             bright += usize::from(sum > 0.0);

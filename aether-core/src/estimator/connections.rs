@@ -4,25 +4,26 @@ use core::ops::RangeInclusive;
 
 use crate::combine::{Separable, combine_with};
 use crate::estimator::joints::Pieces;
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Techniques};
+use crate::real::Scalar;
 use crate::sequence::{PathView, Place, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
 /// How paths are made of a piece of each of two walks, from either end.
 #[derive(Clone, Debug)]
-pub struct Connections<'t, S, N, D> {
-    /// The numbers of vertices that paths may have.
+pub struct Connections<'t, S, R, H, D> {
+    /// The numbers of vertices that paths may have. There are none of paths for which no techniques are known.
     pub lengths: RangeInclusive<usize>,
     /// What draws the last vertex where all others are of the first walk, in place of the first vertex of the second
     /// walk: next-event estimation.
     pub ending: Option<&'t S>,
     /// How many vertices paths have at least that end so.
     pub fewest_ending: usize,
-    /// How many samples the technique takes that makes paths with so many vertices, the first number, of which so many
-    /// are of the first walk, the second one; none if it is not used.
-    pub samples: N,
-    /// Whether such paths are made: otherwise theirs is only a technique that others are weighed against.
+    /// How many samples techniques take, and how they are combined.
+    pub techniques: &'t Techniques<R, H>,
+    /// Whether paths with so many vertices, the first number, are made of which so many are of the first walk, the second
+    /// one: otherwise theirs is only a technique that others are weighed against.
     pub is_drawn: D,
 }
 
@@ -39,11 +40,17 @@ pub struct Connected<T> {
     pub alone: T,
 }
 
-impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'_, S, N, D> {
-    /// Whether the last vertex of paths with so many vertices is drawn after so many of the first walk.
+impl<S, R: Scalar, H: Separable<R>, D: Fn(usize, usize) -> bool> Connections<'_, S, R, H, D> {
+    /// Whether the last vertex of paths with so many vertices is drawn, where all others are of the first walk.
     #[inline(always)]
-    pub(super) fn ends_after(&self, length: usize, first: usize) -> bool {
-        first + 1 == length && length >= self.fewest_ending && self.ending.is_some()
+    pub(super) fn end(&self, length: usize) -> bool {
+        length >= self.fewest_ending.max(1) && self.ending.is_some()
+    }
+
+    /// How many vertices paths have at most, if they can be no longer than so much.
+    pub(super) fn longest(&self, most: usize) -> usize {
+        let known = self.techniques.longest().unwrap_or(0);
+        most.min(known).min(*self.lengths.end())
     }
 
     /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
@@ -59,9 +66,9 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
         U: UniformSource<V::Real> + ?Sized,
     {
         let (strategy, first) = (self.ending?, length.checked_sub(1)?);
-        let is_used = self.ends_after(length, first)
+        let is_used = self.end(length)
             && first <= walk.len()
-            && (self.samples)(length, first) > 0
+            && self.techniques.samples(length, first) > 0
             && (self.is_drawn)(length, first);
         if !is_used {
             return None;
@@ -74,9 +81,9 @@ impl<S, N: Fn(usize, usize) -> usize, D: Fn(usize, usize) -> bool> Connections<'
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// Estimates all paths that consist of the first vertices of one walk and, in opposite order, the first ones of
-    /// another. The ways to make a path are combined by a heuristic, and `visit` is given the paths that contribute; it
-    /// must not use the arena of the walks, which keeps the vertices that are drawn here. The functions in `connections`
-    /// may be called several times.
+    /// another. The ways to make a path are combined by the heuristic of the techniques, and `visit` is given the paths that
+    /// contribute; it must not use the arena of the walks, which keeps the vertices that are drawn here. `is_drawn` may be
+    /// called several times for a path.
     ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the one walk, each concatenated with a reversed
     /// slice of the other or ended by a strategy of its own, for each length; and the same numbers are drawn, by a source
@@ -84,18 +91,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// nothing leads in a single direction, none of these paths is made, and the weight of each follows from sums over
     /// the techniques along either walk: it costs the same however long the path is (as in Georgiev, "Implementing Vertex
     /// Connection and Merging", 2012).
-    pub fn connections<S, N, D, H, U>(
+    pub fn connections<S, H, D, U>(
         &self,
         walks: [&RandomSequence<'_, I::Vertex, S>; 2],
-        connections: &Connections<'_, S, N, D>,
-        heuristic: &H,
+        connections: &Connections<'_, S, RealOf<I>, H, D>,
         uniforms: &mut U,
         mut visit: impl FnMut(Connected<I::Value>),
     ) where
         S: Strategy<I::Vertex>,
-        N: Fn(usize, usize) -> usize,
-        D: Fn(usize, usize) -> bool,
         H: Separable<RealOf<I>> + Clone,
+        D: Fn(usize, usize) -> bool,
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let [first, second] = walks;
@@ -105,46 +110,38 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         let arena = first.arena;
         self.remember(arena.contents());
         draw_lasts(first, connections, uniforms);
-        if Pieces::<I, S, N, D, H>::are_plain(self, walks, connections) {
+        if Pieces::<I, S, H, D>::are_plain(self, walks, connections) {
             let tape = arena.tape.unfolded();
-            let pieces = Pieces::new(self, walks, connections, heuristic, &tape);
+            let pieces = Pieces::new(self, walks, connections, &tape);
             if let Some(mut pieces) = pieces {
                 return pieces.visit(&mut visit);
             }
         }
-        let longest = (first.size() + second.size() + 1).min(*connections.lengths.end());
+        let longest = connections.longest(first.size() + second.size() + 1);
         let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
         for length in (*connections.lengths.start()).max(1)..=longest {
             let last = lasts.get(length).copied().flatten();
             let drawn =
                 last.and_then(|at| arena.tape.unfolded().drawn(Place::new(at as usize, 1), 0));
-            self.connected_paths(
-                (length, drawn),
-                [first, second],
-                connections,
-                heuristic,
-                &mut visit,
-            );
+            self.connected_paths((length, drawn), [first, second], connections, &mut visit);
         }
         arena.joints.borrow_mut().lasts = lasts;
     }
 
     /// The same of one length by paths that are made, with what was drawn as the last vertex of one of them.
-    fn connected_paths<S, N, D, H>(
+    fn connected_paths<S, H, D>(
         &self,
         (length, drawn): (usize, Option<Drawn<I::Vertex>>),
         [first, second]: [&RandomSequence<'_, I::Vertex, S>; 2],
-        connections: &Connections<'_, S, N, D>,
-        heuristic: &H,
+        connections: &Connections<'_, S, RealOf<I>, H, D>,
         visit: &mut impl FnMut(Connected<I::Value>),
     ) where
         S: Strategy<I::Vertex>,
-        N: Fn(usize, usize) -> usize,
-        D: Fn(usize, usize) -> bool,
         H: Separable<RealOf<I>> + Clone,
+        D: Fn(usize, usize) -> bool,
     {
-        let samples = |by: usize| (connections.samples)(length, by);
-        let ends = |by: usize| connections.ends_after(length, by);
+        let samples = |by: usize| connections.techniques.samples(length, by);
+        let ends = |by: usize| by + 1 == length && connections.end(length);
         let used = (0..=length)
             .filter(|by| *by <= first.size() && samples(*by) > 0)
             .filter(|by| ends(*by) || length - by <= second.size());
@@ -157,7 +154,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let is_drawn = (connections.is_drawn)(length, by);
             (if is_drawn { path } else { path.technique() }, samples(by))
         }));
-        for found in self.each(combine_with(heuristic.clone(), paths)) {
+        let heuristic = connections.techniques.heuristic().clone();
+        for found in self.each(combine_with(heuristic, paths)) {
             if let Some(first) = used.clone().nth(found.technique) {
                 visit(Connected { length, first, value: found.value, alone: found.alone });
             }
@@ -166,14 +164,14 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
 }
 
 /// Draws last vertices for themselves, and keeps them on the tape.
-fn draw_lasts<V, S, N, D, U>(
+fn draw_lasts<V, S, H, D, U>(
     walk: &RandomSequence<'_, V, S>,
-    connections: &Connections<'_, S, N, D>,
+    connections: &Connections<'_, S, V::Real, H, D>,
     uniforms: &mut U,
 ) where
     V: Vertex,
     S: Strategy<V>,
-    N: Fn(usize, usize) -> usize,
+    H: Separable<V::Real>,
     D: Fn(usize, usize) -> bool,
     U: UniformSource<V::Real> + ?Sized,
 {
@@ -181,7 +179,7 @@ fn draw_lasts<V, S, N, D, U>(
     let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
     lasts.clear();
     if connections.ending.is_some() {
-        let longest = (walk.len() + 1).min(*connections.lengths.end());
+        let longest = connections.longest(walk.len() + 1);
         lasts.extend((0..longest + 1).map(|length| {
             let is_asked = connections.lengths.contains(&length);
             let drawn = if is_asked { connections.draw(length, walk, uniforms) } else { None };

@@ -14,6 +14,7 @@ use core::cell::{Ref, RefMut};
 
 use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
+use crate::estimator::techniques::Technique;
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_usable, per};
 use crate::path_density::PathDensity;
 use crate::real::Real;
@@ -23,7 +24,7 @@ use crate::sequence::{
 };
 use crate::strategy::{Dirac, Strategy};
 pub(crate) use known::Joints;
-use known::{Question, Stop, Sum};
+use known::{Question, Stop};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -124,9 +125,9 @@ impl<V> Joined<'_, V> {
 }
 
 /// Two walks whose pieces are joined to paths.
-pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
+pub(super) struct Pieces<'r, I: PathIntegrand, S, H, D> {
     estimator: &'r Estimator<I, Factors<I::Value>>,
-    connections: &'r Connections<'r, S, N, D>,
+    connections: &'r Connections<'r, S, RealOf<I>, H, D>,
     heuristic: &'r H,
     arena: &'r Arena<I::Vertex, S>,
     tape: &'r Unfolded<'r, I::Vertex>,
@@ -134,24 +135,26 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, N, D, H> {
     walks: [Walk; 2],
     /// The strategy that draws last vertices for themselves.
     ending: u32,
+    /// The techniques of paths of the length in question, and whether the last vertex is drawn for itself by one of them.
+    row: &'r [Technique<RealOf<I>>],
+    ends: bool,
     joints: RefMut<'r, Joints<RealOf<I>>>,
     /// What all paths share that begin with so many vertices of the first walk, or end with so many of the second one.
     carried: [Carried<I::Value>; 2],
 }
 
-impl<'r, I, S, N, D, H> Pieces<'r, I, S, N, D, H>
+impl<'r, I, S, H, D> Pieces<'r, I, S, H, D>
 where
     I: PathIntegrand,
     S: Strategy<I::Vertex>,
-    N: Fn(usize, usize) -> usize,
-    D: Fn(usize, usize) -> bool,
     H: Separable<RealOf<I>>,
+    D: Fn(usize, usize) -> bool,
 {
     /// Whether paths need not be made to weigh them.
     pub fn are_plain(
         estimator: &Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'_, I::Vertex, S>; 2],
-        connections: &Connections<'_, S, N, D>,
+        connections: &Connections<'_, S, RealOf<I>, H, D>,
     ) -> bool {
         let arena = walks[0].arena;
         S::VERTICES == 1
@@ -166,8 +169,7 @@ where
     pub fn new(
         estimator: &'r Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
-        connections: &'r Connections<'r, S, N, D>,
-        heuristic: &'r H,
+        connections: &'r Connections<'r, S, RealOf<I>, H, D>,
         tape: &'r Unfolded<'r, I::Vertex>,
     ) -> Option<Self> {
         let arena = walks[0].arena;
@@ -177,25 +179,20 @@ where
         let mut pieces = Pieces {
             estimator,
             connections,
-            heuristic,
+            heuristic: connections.techniques.heuristic(),
             arena,
             tape,
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
             walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len() }),
             ending: ending.unwrap_or(u32::MAX),
+            row: &[],
+            ends: false,
             joints,
             carried,
         };
-        // Terms of products are products: a heuristic is known by one of them.
-        let two = heuristic.term(PathDensity::new(RealOf::<I>::of(2.0)));
-        let is_other = core::mem::replace(&mut pieces.joints.two, two) != two;
         for end in [End::First, End::Second] {
             pieces.learn(end);
-            let sums = &mut pieces.joints.sides[end as usize].sums;
-            if is_other || sums.is_empty() {
-                sums.clear();
-                sums.push(Sum { sum: PathDensity::ZERO, of: (PathDensity::ZERO, None) });
-            }
+            pieces.joints.sides[end as usize].forget_sums();
         }
         pieces.carry().then_some(pieces)
     }
@@ -226,14 +223,17 @@ where
             Stop { id, visible, fixed, own: PathDensity::new(own) }
         }));
         side.questions.clear();
-        side.questions.extend((0..place.len as usize).map(|k| {
+        side.steady.clear();
+        for k in 0..place.len as usize {
             let id = tape.way(place, k).strategy();
             let strategy = &strategies[id as usize];
-            (id << 1 | end as u32, length_class(strategy, strategy.reads(), k))
-        }));
+            let question = (id << 1 | end as u32, length_class(strategy, strategy.reads(), k));
+            let is_steady = side.questions.last() == Some(&question);
+            side.steady.push(if is_steady { side.steady[k - 1] } else { k as u32 });
+            side.questions.push(question);
+        }
         side.ratios.clear();
         side.ratios.resize(len, [None; 2]);
-        side.sums.clear();
         side.ending = None;
     }
 
@@ -280,27 +280,27 @@ where
 
     /// Visits the paths that contribute.
     pub fn visit(&mut self, visit: &mut impl FnMut(Connected<I::Value>)) {
-        let lengths = &self.connections.lengths;
         // A last vertex may be drawn behind all of the first walk.
-        let longest = self.walks[0].len + self.walks[1].len.max(1);
-        for length in (*lengths.start()).max(1)..=longest.min(*lengths.end()) {
+        let longest = self.connections.longest(self.walks[0].len + self.walks[1].len.max(1));
+        for length in (*self.connections.lengths.start()).max(1)..=longest {
+            self.row = self.connections.techniques.row(length);
+            self.ends = self.connections.end(length);
             self.visit_length(length, visit);
         }
     }
 
     /// Visits the paths with so many vertices that contribute.
     fn visit_length(&mut self, length: usize, visit: &mut impl FnMut(Connected<I::Value>)) {
-        let connections = self.connections;
         let ([first, second], mut is_summed_up) = (self.walks, false);
         for first in length.saturating_sub(second.len.max(1))..first.len.min(length) + 1 {
-            let ends = connections.ends_after(length, first);
-            let last = if ends { self.last_of(length) } else { None };
-            let exists = if ends { last.is_some() } else { first + second.len >= length };
-            if !exists || !(connections.is_drawn)(length, first) {
+            let Technique { samples, mass } = self.row[first];
+            if samples == 0 {
                 continue;
             }
-            let samples = (connections.samples)(length, first);
-            if samples == 0 {
+            let ends = self.ends && first + 1 == length;
+            let last = if ends { self.last_of(length) } else { None };
+            let exists = if ends { last.is_some() } else { first + second.len >= length };
+            if !exists || !(self.connections.is_drawn)(length, first) {
                 continue;
             }
             let joined = self.joined(Joint { length, first, last });
@@ -309,11 +309,10 @@ where
                 continue;
             }
             if !is_summed_up {
-                self.weigh_samples(length);
                 self.sum_up(length);
                 is_summed_up = true;
             }
-            let others = self.others(&joined) / self.joints.masses[first];
+            let others = self.others(&joined) / mass;
             let weight = (PathDensity::ONE / (PathDensity::ONE + others)).value();
             let alone = value.over(RealOf::<I>::of(samples as f64));
             visit(Connected { length, first, value: alone.times(weight), alone });
@@ -412,7 +411,7 @@ where
     }
 }
 
-impl<I: PathIntegrand, S, N, D, H> Drop for Pieces<'_, I, S, N, D, H> {
+impl<I: PathIntegrand, S, H, D> Drop for Pieces<'_, I, S, H, D> {
     /// Gives back what was borrowed of the estimator.
     fn drop(&mut self) {
         self.estimator.factors.borrow_mut().carried = core::mem::take(&mut self.carried);

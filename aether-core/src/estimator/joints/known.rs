@@ -32,36 +32,40 @@ pub(super) struct Side<R> {
     pub stops: Vec<Stop<R>>,
     /// How each of its steps makes a vertex, or would.
     pub questions: Vec<Question>,
+    /// The first one of those up to each step that make their vertices alike.
+    pub steady: Vec<u32>,
     /// The densities with which the other walk would have made each vertex, over that of its own walk, and how it would,
     /// for the two ways that were asked for last: as far as they depend on vertices of this walk alone.
     pub ratios: Vec<[Answer<R>; 2]>,
     /// Of the second walk: how its first vertex would be drawn for itself after the next ones, and with which density.
     pub ending: Answer<R>,
     /// Sums over the techniques that join a path before a vertex, by its number; the first one is zero.
-    pub sums: Vec<Sum<R>>,
+    pub sums: Vec<PathDensity<R>>,
+    /// The length of the paths whose sums they are.
+    pub summed: usize,
 }
 
-/// A sum over techniques, and what it follows from beside the sum before: the term of the last one, and how the other
-/// walk would make the vertex before. Paths of several lengths mostly share it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sum<R> {
-    /// The sum.
-    pub sum: PathDensity<R>,
-    /// What it follows from.
-    pub of: (PathDensity<R>, Option<Question>),
+impl<R: Scalar> Side<R> {
+    /// Leaves no sum but the first one.
+    pub fn forget_sums(&mut self) {
+        self.sums.clear();
+        self.sums.push(PathDensity::ZERO);
+    }
+
+    /// Whether the `count` steps up to one make their vertices as each of them does for a vertex before.
+    #[inline]
+    pub fn is_steady(&self, step: usize, count: usize) -> bool {
+        self.steady.get(step).is_some_and(|first| *first as usize + count <= step)
+    }
 }
 
 /// What an arena remembers of how the vertices of walks could have been made.
 #[derive(Clone, Debug)]
 pub(crate) struct Joints<R> {
-    /// The terms of the numbers of samples of all techniques, by the number of vertices of the first walk.
-    pub(super) masses: Vec<PathDensity<R>>,
     /// The two walks that were asked for last.
     pub(super) sides: [Side<R>; 2],
     /// Where the last vertices are that were drawn for themselves, by the length of the path.
     pub(crate) lasts: Vec<Option<u32>>,
-    /// The term of two, for the heuristic that was asked for last.
-    pub(super) two: PathDensity<R>,
 }
 
 impl<R: Scalar> Joints<R> {
@@ -70,16 +74,13 @@ impl<R: Scalar> Joints<R> {
             walk: None,
             stops: Vec::new(),
             questions: Vec::new(),
+            steady: Vec::new(),
             ratios: Vec::new(),
             ending: None,
             sums: Vec::new(),
+            summed: 0,
         };
-        Joints {
-            masses: Vec::new(),
-            sides: [side(), side()],
-            lasts: Vec::new(),
-            two: PathDensity::ZERO,
-        }
+        Joints { sides: [side(), side()], lasts: Vec::new() }
     }
 
     pub fn clear(&mut self) {

@@ -1,29 +1,27 @@
 //! The weights of paths of two pieces: sums over the techniques that would have joined them elsewhere.
 
-use super::known::{Question, Sum};
+use super::known::Question;
 use super::{DensityOf, End, Joined, Joint, Pieces, READS};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
-use crate::real::Real;
 use crate::sequence::{PathView, Place};
 use crate::strategy::{Dirac, Strategy, Vertex};
 use crate::work::count_densities;
 
-impl<'r, I, S, N, D, H> Pieces<'r, I, S, N, D, H>
+impl<'r, I, S, H, D> Pieces<'r, I, S, H, D>
 where
     I: PathIntegrand,
     S: Strategy<I::Vertex>,
-    N: Fn(usize, usize) -> usize,
-    D: Fn(usize, usize) -> bool,
     H: Separable<RealOf<I>>,
+    D: Fn(usize, usize) -> bool,
 {
     /// The terms of all other techniques, relative to that of a sample of the technique that made a path.
     pub(super) fn others(&self, joined: &Joined<'_, I::Vertex>) -> DensityOf<I> {
         let Joint { length: n, first, last } = joined.joint;
         if last.is_some() {
             let own = self.density_of_last(joined);
-            let mut sum = self.joints.masses[n];
+            let mut sum = self.row[n].mass;
             if !sum.is_zero() {
                 let density = self.near_by_step(joined, End::First, n - 1);
                 sum = sum * self.heuristic.term(density / own);
@@ -39,19 +37,20 @@ where
         if first < n {
             return ahead + self.chain(joined, End::Second, n - first);
         }
-        if !self.connections.ends_after(n, n - 1) || self.joints.masses[n - 1].is_zero() {
+        let mass = self.row[n - 1].mass;
+        if !self.ends || mass.is_zero() {
             return ahead;
         }
         let density = self.near(joined, End::First, n - 1, self.ending);
         let own = self.own(End::First, n - 1);
-        ahead + self.joints.masses[n - 1] * self.heuristic.term(density / own)
+        ahead + mass * self.heuristic.term(density / own)
     }
 
     /// The sum of the techniques that join a path before the end of a piece of `len` vertices. What it starts from is
     /// that of those that do before the last vertices of the piece, for which alone the joint matters.
     fn chain(&self, joined: &Joined<'_, I::Vertex>, end: End, len: usize) -> DensityOf<I> {
         let (start, far) = (len.saturating_sub(READS), len > READS);
-        let mut sum = self.joints.sides[end as usize].sums[start].sum;
+        let mut sum = self.joints.sides[end as usize].sums[start];
         for k in start..len {
             let ending = |i: usize| match far {
                 true => self.far_ending(),
@@ -74,22 +73,6 @@ where
         self.joints.sides[End::Second as usize].ending.map_or(PathDensity::ZERO, |(_, known)| known)
     }
 
-    /// The masses of all techniques of paths with so many vertices.
-    pub(super) fn weigh_samples(&mut self, length: usize) {
-        let (connections, heuristic) = (self.connections, self.heuristic);
-        let (mut count, mut mass) = (0, PathDensity::ZERO);
-        let masses = &mut self.joints.masses;
-        masses.resize(length + 1, PathDensity::ZERO);
-        for (first, place) in masses.iter_mut().enumerate() {
-            let samples = (connections.samples)(length, first);
-            if samples != count {
-                let number = PathDensity::new(RealOf::<I>::of(samples as f64));
-                (count, mass) = (samples, heuristic.term(number));
-            }
-            *place = mass;
-        }
-    }
-
     /// The sums of all but the last two vertices of either walk, for paths with so many vertices.
     pub(super) fn sum_up(&mut self, n: usize) {
         for end in [End::First, End::Second] {
@@ -97,39 +80,57 @@ where
             // Of the other piece only the length matters.
             let first = if end == End::First { len } else { n - len };
             let joint = Joint { length: n, first, last: None };
-            if end == End::Second && len > READS && self.connections.ends_after(n, n - 1) {
-                let question = self.asked(self.ending, End::First, n - 1);
-                let known = self.joints.sides[end as usize].ending;
-                if known.is_none_or(|(asked, _)| asked != question) {
-                    let density = self.density(joint, End::First, n - 1, question);
-                    self.joints.sides[end as usize].ending = Some((question, density));
-                }
+            let far = len.saturating_sub(READS);
+            let is_ending_known = end == End::First || far == 0 || self.know_ending(joint);
+            if !is_ending_known || !self.is_as_before(n, end) {
+                self.joints.sides[end as usize].forget_sums();
             }
-            self.sum_up_side(joint, end, len.saturating_sub(READS));
+            for k in self.joints.sides[end as usize].sums.len()..far + 1 {
+                let sum = self.sum_behind(joint, end, k - 1);
+                self.joints.sides[end as usize].sums.push(sum);
+            }
+            self.joints.sides[end as usize].summed = n;
         }
     }
 
-    /// The sums of one walk up to `len` vertices, as far as they are not those of other paths.
-    fn sum_up_side(&mut self, joint: Joint, end: End, len: usize) {
-        let (mut sum, mut is_known) = (PathDensity::ZERO, true);
-        let mut sums = core::mem::take(&mut self.joints.sides[end as usize].sums);
-        for k in 0..len {
-            let mass = self.mass(joint.length, end, k, |_| self.far_ending());
-            let question = self.question(joint, end.other(), joint.index(end, k));
-            match sums.get(k + 1) {
-                Some(known) if is_known && known.of == (mass, question) => sum = known.sum,
-                _ => {
-                    is_known = false;
-                    sums.truncate(k + 1);
-                    sum = mass + sum;
-                    if !sum.is_zero() {
-                        sum = sum * self.heuristic.term(self.ratio(joint, end, k, question));
-                    }
-                    sums.push(Sum { sum, of: (mass, question) });
-                }
-            }
+    /// Whether the sums of a side that are known are those of paths with n vertices.
+    fn is_as_before(&self, n: usize, end: End) -> bool {
+        let [side, other] = [end, end.other()].map(|end| &self.joints.sides[end as usize]);
+        let (known, likeness) = (side.sums.len() - 1, self.connections.techniques.likeness(n));
+        let alike = if end == End::First { likeness.ahead } else { likeness.behind };
+        known == 0
+            || side.summed + 1 == n
+                && known <= alike
+                && other.is_steady(n - 1, known)
+                && self.ends == self.connections.end(n - 1)
+    }
+
+    /// Finds the density of the first vertex of the second walk as one that is drawn for itself, far from the joint;
+    /// returns whether it was known.
+    fn know_ending(&mut self, joint: Joint) -> bool {
+        let n = joint.length;
+        if !self.ends {
+            return true;
         }
-        self.joints.sides[end as usize].sums = sums;
+        let question = self.asked(self.ending, End::First, n - 1);
+        let known = self.joints.sides[End::Second as usize].ending;
+        if known.is_some_and(|(asked, _)| asked == question) {
+            return true;
+        }
+        let density = self.density(joint, End::First, n - 1, question);
+        self.joints.sides[End::Second as usize].ending = Some((question, density));
+        false
+    }
+
+    /// The sum behind vertex k of a walk, far from the joint, from that before it.
+    fn sum_behind(&mut self, joint: Joint, end: End, k: usize) -> DensityOf<I> {
+        let before = self.joints.sides[end as usize].sums[k];
+        let sum = self.mass(joint.length, end, k, |_| self.far_ending()) + before;
+        if sum.is_zero() {
+            return sum;
+        }
+        let question = self.question(joint, end.other(), joint.index(end, k));
+        sum * self.heuristic.term(self.ratio(joint, end, k, question))
     }
 
     /// The density with which the other walk would have made vertex k of a piece, far from the joint, over that under its
@@ -171,8 +172,8 @@ where
         ending: impl FnOnce(usize) -> DensityOf<I>,
     ) -> DensityOf<I> {
         let first = if end == End::First { k } else { n - k };
-        let mass = self.joints.masses[first];
-        if mass.is_zero() || !self.connections.ends_after(n, first) {
+        let mass = self.row[first].mass;
+        if !(self.ends && first + 1 == n) || mass.is_zero() {
             return mass;
         }
         if end == End::First {
