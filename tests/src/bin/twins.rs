@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use integrators::work::Work;
 use serde_json::{Value, json};
+use tests::twins::accuracy::EachPair;
 use tests::twins::measure::{
     COUNTING, Counting, EachOperation, INPUTS, Kind, Meter, Timed, Timing, count_instructions,
 };
@@ -88,6 +89,8 @@ fn report(json: bool, names: &[String]) -> Result<(), String> {
     if counts.as_ref().is_some_and(|counts| counts.len() != 2 * meter.rows.len() + 1) {
         return Err("callgrind has counted other loops than were timed".to_owned());
     }
+    let mut pairs = EachPair::new(names);
+    visit_all(&mut pairs).map_err(|e| e.to_string())?;
     let rows: Vec<Value> = meter
         .rows
         .iter()
@@ -97,7 +100,10 @@ fn report(json: bool, names: &[String]) -> Result<(), String> {
                 let empty = counts[0] * row.task.calls as f64 / INPUTS as f64;
                 [1, 2].map(|k| (counts[2 * i + k] - empty) / row.task.calls as f64)
             });
-            object(row, counted)
+            let place = OPERATIONS.iter().position(|operation| *operation == row.task.operation);
+            let errors = pairs.errors.get(&row.task.row).zip(place);
+            let errors = errors.map(|(all, place)| [all.derived[place], all.by_hand[place]]);
+            object(row, counted, errors)
         })
         .collect();
     if json {
@@ -108,8 +114,8 @@ fn report(json: bool, names: &[String]) -> Result<(), String> {
     Ok(())
 }
 
-/// The figures of a pair; instructions are per call.
-fn object(row: &Timed, counted: Option<[f64; 2]>) -> Value {
+/// The figures of a pair; instructions are per call, errors in units over condition numbers.
+fn object(row: &Timed, counted: Option<[f64; 2]>, errors: Option<[f64; 2]>) -> Value {
     let pair = |[derived, by_hand]: [f64; 2]| json!({"derived": derived, "by_hand": by_hand});
     let mut object = json!({
         "kind": "sampler", "row": row.task.row, "name": row.task.name, "operation": row.task.operation,
@@ -117,6 +123,7 @@ fn object(row: &Timed, counted: Option<[f64; 2]>) -> Value {
         "instruction_ratio": counted.map(|[ours, theirs]| ours / theirs),
         "nanoseconds": pair(row.nanoseconds),
         "time_ratio": row.ratio,
+        "error": errors.map(pair),
     });
     if let Kind::Integrator(works) = row.task.kind {
         let each = |count: fn(&Work) -> u64| {
@@ -130,10 +137,37 @@ fn object(row: &Timed, counted: Option<[f64; 2]>) -> Value {
     object
 }
 
+/// The operations of samplers, in the order of their errors.
+const OPERATIONS: [&str; 3] = ["sample", "pdf", "sample+pdf"];
+
+/// How large errors over condition numbers may be, in units, of what keeps its digits.
+const SOUND: f64 = 64.0;
+
+/// The errors of a pair, as they are read.
+fn errors(pair: &Value) -> String {
+    let error = |key: &str| match pair[key].as_f64() {
+        Some(error) if error < 1e4 => format!("{error:.1}"),
+        Some(error) => format!("{error:.0e}"),
+        None => "-".to_owned(),
+    };
+    format!("{} / {}", error("derived"), error("by_hand"))
+}
+
+/// The median ratios of some rows, and the worst.
+fn summary<'r>(what: &str, rows: impl Iterator<Item = &'r Value> + Clone) {
+    for (figure, key) in [("instructions", "instruction_ratio"), ("time", "time_ratio")] {
+        let mut ratios: Vec<f64> = rows.clone().filter_map(|row| row[key].as_f64()).collect();
+        ratios.sort_by(f64::total_cmp);
+        if let (Some(middle), Some(worst)) = (ratios.get(ratios.len() / 2), ratios.last()) {
+            println!("{what}, {figure}: median ratio {middle:.3}, worst {worst:.3}");
+        }
+    }
+}
+
 fn print(rows: &[Value]) {
     println!(
-        "{:<24} {:<10} {:>15} {:>6}   {:>15} {:>6}",
-        "", "", "instructions", "ratio", "nanoseconds", "ratio"
+        "{:<24} {:<10} {:>15} {:>6}   {:>15} {:>6}   {:>15}",
+        "", "", "instructions", "ratio", "nanoseconds", "ratio", "error"
     );
     for row in rows {
         let number = |v: &Value, digits: usize| {
@@ -143,24 +177,29 @@ fn print(rows: &[Value]) {
             format!("{} / {}", number(&row[key]["derived"], 1), number(&row[key]["by_hand"], 1))
         };
         println!(
-            "{:<24} {:<10} {:>15} {:>6}   {:>15} {:>6}",
+            "{:<24} {:<10} {:>15} {:>6}   {:>15} {:>6}   {:>15}",
             row["name"].as_str().unwrap_or_default(),
             row["operation"].as_str().unwrap_or_default(),
             pair("instructions"),
             number(&row["instruction_ratio"], 3),
             pair("nanoseconds"),
             number(&row["time_ratio"], 3),
+            errors(&row["error"]),
         );
     }
+    let of_kind = |kind: &'static str| rows.iter().filter(move |row| row["kind"] == kind);
     for kind in ["sampler", "integrator"] {
-        for (what, key) in [("instructions", "instruction_ratio"), ("time", "time_ratio")] {
-            let of_kind = rows.iter().filter(|row| row["kind"] == kind);
-            let mut ratios: Vec<f64> = of_kind.filter_map(|row| row[key].as_f64()).collect();
-            ratios.sort_by(f64::total_cmp);
-            if let (Some(middle), Some(worst)) = (ratios.get(ratios.len() / 2), ratios.last()) {
-                println!("{kind}, {what}: median ratio {middle:.3}, worst {worst:.3}");
-            }
-        }
+        summary(kind, of_kind(kind));
+    }
+    for operation in OPERATIONS {
+        let alike = of_kind("sampler").filter(|row| row["operation"] == operation);
+        summary(operation, alike.clone());
+        let sound = |row: &&Value| row["error"]["by_hand"].as_f64().is_some_and(|e| e <= SOUND);
+        let what = format!(
+            "{operation}, of {} by hand that keep their digits",
+            alike.clone().filter(sound).count()
+        );
+        summary(&what, alike.filter(sound));
     }
     for row in rows.iter().filter(|row| row["kind"] == "integrator") {
         println!(

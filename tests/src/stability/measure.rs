@@ -211,7 +211,7 @@ fn rounded<R: Scalar>(x: &[f64]) -> Vec<f64> {
 }
 
 /// The parameters that the item is tried with, rounded to the precision, and without those that leave their domain.
-fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
+pub(super) fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
     let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| rounded::<R>(s)).collect();
     sets.retain(|s| legal::<R>(item, s, dropped));
     sets

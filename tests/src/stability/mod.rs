@@ -9,6 +9,7 @@
 //! condition number is what moving each input by half a unit may cost, in units; the density of a sample has that
 //! of its coordinates or that of its uniforms, whichever is larger.
 
+mod beside;
 mod conditions;
 mod few;
 mod judge;
@@ -25,12 +26,14 @@ mod run;
 pub mod stored;
 mod tally;
 
+pub use beside::beside;
 pub use conditions::{Conditions, Differences, Source, Spot};
 pub use few::Few;
 pub use measure::{Row, Settings};
 pub use oracle::{Exact, Format, exact};
 pub use peers::{PeerPoint, peer_points};
 pub use places::{next_to_ends, over, swept};
+pub use probe::{Answer, Question, ask};
 pub use reasons::{REASONS, reason};
 pub use run::{on_all_threads, run};
 pub use tally::Tally;

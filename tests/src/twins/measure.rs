@@ -88,6 +88,12 @@ where
     }
 }
 
+/// Whether a name has one of some parts; if there are none, each is asked for.
+pub fn is_asked(name: &str, parts: &[String]) -> bool {
+    let wanted = |part: &String| name.to_lowercase().contains(&part.to_lowercase());
+    parts.is_empty() || parts.iter().any(wanted)
+}
+
 /// Measures each operation of each pair.
 #[derive(Debug)]
 pub struct EachOperation<'m, M> {
@@ -104,8 +110,7 @@ impl<M: Meter> Visitor for EachOperation<'_, M> {
         S::Point: FromCoordinates<f64> + Copy + Debug,
         H: ByHand<Uniforms = S::Uniforms, Point = S::Point>,
     {
-        let wanted = |part: &String| name.to_lowercase().contains(&part.to_lowercase());
-        if !self.names.is_empty() && !self.names.iter().any(wanted) {
+        if !is_asked(name, &self.names) {
             return;
         }
         let mut numbers = Numbers::new(row);

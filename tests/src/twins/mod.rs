@@ -4,6 +4,7 @@
 //! what it is compared with: the same values on the same inputs, zero outside of the support, on the back
 //! side, and for coordinates that are no finite numbers. The binary `twins` compares instructions and time.
 
+pub mod accuracy;
 pub mod bidirectional;
 pub mod direction;
 pub mod line;
@@ -14,12 +15,42 @@ pub mod plane;
 pub mod renderers;
 pub mod space;
 
+use aether_core::prelude::{Direction, Vec3};
+
+/// A parameter of what is written by hand.
+pub trait Parameter {
+    /// The next one of a list of numbers, which has enough of them.
+    fn next(numbers: &mut impl Iterator<Item = f64>) -> Self;
+}
+
+impl Parameter for f64 {
+    fn next(numbers: &mut impl Iterator<Item = f64>) -> Self {
+        numbers.next().unwrap_or(f64::NAN)
+    }
+}
+
+impl Parameter for Vec3 {
+    fn next(numbers: &mut impl Iterator<Item = f64>) -> Self {
+        let [x, y, z] = core::array::from_fn(|_| f64::next(numbers));
+        Vec3::new(x, y, z)
+    }
+}
+
+impl Parameter for Direction {
+    fn next(numbers: &mut impl Iterator<Item = f64>) -> Self {
+        let Vec3 { x, y, z } = Vec3::next(numbers);
+        Direction::new(x, y, z)
+    }
+}
+
 /// A random variable written by hand.
 pub trait ByHand: Copy {
     /// The uniforms that a sample consumes.
     type Uniforms: Copy;
     /// The space of the samples.
     type Point: Copy;
+    /// The one whose parameters are these numbers, those of the derived sampler in their order.
+    fn with(numbers: &[f64]) -> Self;
     /// The point of some uniforms.
     fn sample(&self, u: Self::Uniforms) -> Self::Point;
     /// The density at any point, in the measure of the space.
@@ -46,6 +77,11 @@ macro_rules! by_hand {
             impl $crate::twins::ByHand for $name {
                 type Uniforms = [f64; $n];
                 type Point = $point;
+                fn with(numbers: &[f64]) -> Self {
+                    #[allow(unused)]
+                    let numbers = &mut numbers.iter().copied();
+                    $name { $($p: <$t as $crate::twins::Parameter>::next(numbers)),* }
+                }
                 #[inline(always)]
                 fn sample(&self, $u: [f64; $n]) -> $point {
                     #[allow(unused_variables)]
