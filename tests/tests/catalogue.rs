@@ -222,6 +222,74 @@ fn twins_written_by_hand_have_the_same_values() -> Result<(), aether_core::Domai
     Ok(())
 }
 
+/// Finds twins that are none of an item with the same numbers as parameters.
+struct Strangers {
+    items: Vec<tests::registry::Item>,
+    found: Vec<&'static str>,
+}
+
+impl tests::twins::pairs::Visitor for Strangers {
+    fn visit<S, H>(&mut self, row: u64, name: &'static str, _: S, _: H)
+    where
+        S: Sampler<f64>,
+        S::Point: tests::points::FromCoordinates<f64> + Copy + std::fmt::Debug,
+        H: tests::twins::ByHand<Uniforms = S::Uniforms, Point = S::Point>,
+    {
+        use aether_core::Uniforms as _;
+        let item = self.items.iter().find(|item| item.row == row).expect("the item");
+        let u = [0.3, 0.65, 0.45];
+        // With extreme parameters, twins may lose their digits, and where a limit is asked for, all.
+        let usual = |x: &f64| *x == 0.0 || (1e-2..=1e2).contains(&x.abs());
+        let mut sets = item.sets.iter().filter(|set| set.iter().all(usual)).peekable();
+        assert!(sets.peek().is_some(), "{name}");
+        let agree = sets.all(|set| {
+            let question =
+                tests::stability::Question { u: u.into_iter().collect(), ..Default::default() };
+            let answers = tests::stability::ask::<f64>(item, set, &[question]);
+            let twin = H::with(set).sample(S::Uniforms::from_fn(|i| u[i])).coordinates();
+            answers[0]
+                .sample
+                .iter()
+                .zip(twin.as_ref())
+                .all(|(x, y)| y.is_nan() || (x - y).abs() < 1e-9 * (1.0 + x.abs()))
+        });
+        if !agree {
+            self.found.push(name);
+        }
+    }
+}
+
+#[test]
+fn twins_take_the_parameters_of_their_items() -> Result<(), aether_core::DomainError> {
+    use tests::twins::pairs::Visitor as _;
+
+    let mut strangers = Strangers { items: tests::registry::items(), found: vec![] };
+    tests::twins::pairs::visit_all(&mut strangers)?;
+    assert!(strangers.found.is_empty(), "{:?}", strangers.found);
+    let (linear, power) =
+        (tests::catalogue::linear(0.4, 1.7)?, tests::twins::line::Power { k: 3.5 });
+    strangers.visit(5, "no twin", linear, power);
+    assert_eq!(strangers.found, ["no twin"]);
+    Ok(())
+}
+
+/// Usual forms of an exponential that is cut off and of a line divide zero by zero where they are level.
+#[test]
+fn digits_that_twins_lose_are_seen() -> Result<(), aether_core::DomainError> {
+    let names = ["exponential", "linear"].map(str::to_owned);
+    let mut pairs = tests::twins::accuracy::EachPair::new(&names);
+    tests::twins::pairs::visit_all(&mut pairs)?;
+    let rows: Vec<u64> = pairs.errors.keys().copied().collect();
+    assert!(rows.starts_with(&[3, 4, 5]), "{rows:?}");
+    for (row, loses) in [(3, false), (4, true), (5, true)] {
+        let errors = &pairs.errors[&row];
+        assert!(errors.derived.iter().all(|error| *error < 4.0), "row {row}: {errors:?}");
+        assert_eq!(errors.by_hand[0] > 1e6, loses, "row {row}: {errors:?}");
+        assert!(loses || errors.by_hand.iter().all(|error| *error < 4.0), "{errors:?}");
+    }
+    Ok(())
+}
+
 /// Both draw the same numbers and make the same connections, so that each sample is compared with itself: any
 /// wrong weight shows. The piece by hand needs, for each vertex, its density and the reverse one of the vertex
 /// before, and for each connection that carries light both of both ends. The other counts every conditional

@@ -193,13 +193,20 @@ fn print(rows: &[Value]) {
     }
     for operation in OPERATIONS {
         let alike = of_kind("sampler").filter(|row| row["operation"] == operation);
-        summary(operation, alike.clone());
-        let sound = |row: &&Value| row["error"]["by_hand"].as_f64().is_some_and(|e| e <= SOUND);
-        let what = format!(
-            "{operation}, of {} by hand that keep their digits",
-            alike.clone().filter(sound).count()
+        let keeps = |row: &Value, which: &str| {
+            row["error"][which].as_f64().is_some_and(|error| error <= SOUND)
+        };
+        let [all, derived, by_hand] = [
+            alike.clone().count(),
+            alike.clone().filter(|row| keeps(row, "derived")).count(),
+            alike.clone().filter(|row| keeps(row, "by_hand")).count(),
+        ];
+        println!("{operation}: of {all}, {derived} keep their digits, and {by_hand} by hand");
+        summary("  all", alike.clone());
+        summary(
+            "  where the one by hand keeps its digits",
+            alike.filter(|row| keeps(row, "by_hand")),
         );
-        summary(&what, alike.filter(sound));
     }
     for row in rows.iter().filter(|row| row["kind"] == "integrator") {
         println!(
