@@ -148,7 +148,7 @@ impl Bidirectional {
             films.extend((0..total + 1).map(|length| {
                 let seen = light.vertex(length.checked_sub(2)?)?;
                 let film = radiance.sight(eye.as_ref()?, &seen)?.film;
-                (world.scene.film.reached(film).count() > 0).then_some(film)
+                world.scene.film.is_near(film).then_some(film)
             }));
             let film = |length: usize, first: usize| if first == 1 { films[length] } else { own };
             let connections = Connections {

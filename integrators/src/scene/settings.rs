@@ -127,6 +127,14 @@ impl Film {
         Reached::by(self.filter, (self.width, self.height), [point.x, point.y])
     }
 
+    /// Whether a film point lies so near to the image that the filter of a pixel may reach it.
+    #[inline]
+    pub fn is_near(&self, point: Vec2<f32>) -> bool {
+        let beyond = self.filter.radius() - 0.5;
+        let along = |x: f32, size: u32| -beyond <= x && x <= size as f32 + beyond;
+        along(point.x, self.width) && along(point.y, self.height)
+    }
+
     /// The value of a pixel's filter at a film point.
     pub fn response(&self, pixel: Pixel, point: Vec2<f32>) -> f32 {
         let along = |x: f32, pixel: u32| self.filter.profile(x - (pixel as f32 + 0.5));

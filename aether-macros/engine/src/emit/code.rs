@@ -398,6 +398,7 @@ impl<'a> Code<'a> {
         }
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
+        let side = self.side_of_roots(factors);
         let shared = self.graph.shared_powers(factors);
         parts.top.extend(shared.iter().map(|&power| {
             self.power_of_quotient(factors, |q| Some(power) == power_below(q, &shared), power)
@@ -420,7 +421,14 @@ impl<'a> Code<'a> {
                     let root = self.root(*b, &base);
                     parts.push_whole(root, q.is_negative());
                 }
-                Some(q) => parts.push(&base, q),
+                Some(q) => {
+                    let is_number = half(e) && self.graph.deps(*b) == 0;
+                    let side = side.filter(|_| is_number).unwrap_or(Q::ZERO);
+                    match q.add(side.neg()) {
+                        Some(rest) => [side, rest].iter().for_each(|q| parts.push(&base, *q)),
+                        None => parts.push(&base, q),
+                    }
+                }
                 None => match self.power(*b, *e) {
                     Some(power) => parts.top.push(power),
                     None => {
@@ -482,6 +490,18 @@ impl<'a> Code<'a> {
                 quote!(#value.abs())
             }
         }
+    }
+
+    /// The root, above or below the line, that all factors have which are no numbers and have one: with numbers on the
+    /// same side there is one root, and the same where else the product occurs, instead of a quotient of two.
+    fn side_of_roots(&self, factors: &[(Id, Id)]) -> Option<Q> {
+        let exponents = factors.iter().filter(|(b, _)| self.graph.deps(*b) != 0);
+        let mut halves = exponents
+            .filter_map(|(_, e)| self.graph.as_number(*e).filter(|q| q.den() == 2))
+            .map(|q| q.is_negative());
+        let first = halves.next()?;
+        let side = if first { Q::HALF.neg() } else { Q::HALF };
+        halves.all(|below| below == first).then_some(side)
     }
 
     /// One more power, a root by itself.
@@ -591,6 +611,7 @@ impl Parts {
             (&mut self.top, q, &mut self.root_top)
         };
         match (rest.num(), rest.den()) {
+            (0, _) => {}
             (n, 1) => whole.push(integer_power(base, n)),
             (1, 2) => root.push(base.clone()),
             (n, 2) => {
