@@ -273,7 +273,7 @@ fn twins_take_the_parameters_of_their_items() -> Result<(), aether_core::DomainE
     Ok(())
 }
 
-/// Usual forms of an exponential that is cut off and of a line divide zero by zero where they are level.
+/// Usual forms of an exponential that is cut off and of a line divide zero by zero where there is only a limit.
 #[test]
 fn digits_that_twins_lose_are_seen() -> Result<(), aether_core::DomainError> {
     let names = ["exponential", "linear"].map(str::to_owned);
