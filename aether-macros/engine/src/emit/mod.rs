@@ -23,6 +23,7 @@ mod quick;
 mod sampler;
 mod tame;
 pub mod text;
+mod ways;
 mod whole;
 
 pub use documentation::Texts;
