@@ -7,7 +7,7 @@ use syn::parse::{Parse, ParseStream};
 
 use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
-use crate::emit::{Emitter, Support, Texts, compose};
+use crate::emit::{Emitter, Support, Texts, Ways, compose};
 use crate::interpret::Item;
 use crate::parse::{Options, ParamKind, signature};
 
@@ -67,6 +67,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             texts: &texts,
             options: &options,
             support,
+            ways: Ways::of(&parsed),
             meeting: Default::default(),
         };
         if options.explain || explained(&parsed.signature.name.to_string()) {

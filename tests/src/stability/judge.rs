@@ -6,8 +6,9 @@ use super::conditions::{Conditions, Spot};
 use super::few::Few;
 use super::lazy::Lazy;
 use super::measure::Row;
-use super::oracle::{Exact, Format};
-use super::probe::Answer;
+use super::oracle::{Exact, Format, exact};
+use super::probe::{Answer, Question};
+use crate::precise::Precise;
 use crate::registry::{Item, rounded};
 use crate::textbook::textbook;
 
@@ -43,7 +44,25 @@ pub struct Judge<'a> {
     pub by_hand: bool,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    /// At uniforms, with the exact values there.
+    pub fn at<R: Scalar>(
+        item: &'a Item,
+        numbers: &'a [f64],
+        u: &'a [f64],
+        origin: Origin,
+        by_hand: bool,
+    ) -> Self {
+        let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
+        let (exact, format) = (exact(item, numbers, &precise), Format::of::<R>());
+        Judge { item, numbers, u, exact, format, origin, by_hand }
+    }
+
+    /// What is asked there, of the uniforms and of the exact sample, rounded.
+    pub fn question<R: Scalar>(&self) -> Question {
+        Question { u: Few::new(self.u), x: Some(Self::rounded::<R>(&self.exact)) }
+    }
+
     /// The exact sample, rounded: a point to ask about.
     pub fn rounded<R: Scalar>(exact: &Option<Exact>) -> Few<f64> {
         let Some(exact) = exact else { return Few::default() };

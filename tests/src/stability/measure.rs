@@ -165,22 +165,33 @@ pub fn chosen<R: Scalar>(item: &Item, reference: &[PointEntry], sweep: bool) -> 
             peer::<R>(&mut row, item, &point, &format);
         }
     }
-    let sets = sets::<R>(item, &mut row.dropped);
-    let Some(dimensions) = sets.first().and_then(|s| dimensions::<R>(item, s)) else { return row };
-    for set in &sets {
-        for u in next_to_ends::<R>(dimensions, true) {
-            one::<R>(&mut row, item, set, &u, Origin::Swept, true);
-        }
-    }
-    if sweep {
-        let swept: Vec<Vec<f64>> = swept(item).iter().map(|s| rounded::<R>(s)).collect();
-        for set in swept.iter().filter(|s| legal::<R>(item, s, &mut vec![])) {
-            for u in next_to_ends::<R>(dimensions, false) {
-                one::<R>(&mut row, item, set, &u, Origin::Swept, true);
-            }
-        }
-    }
+    let mut dropped = core::mem::take(&mut row.dropped);
+    next_to_all_ends::<R>(item, sweep, &mut dropped, |numbers, u| {
+        one::<R>(&mut row, item, numbers, u, Origin::Swept, true);
+    });
+    row.dropped = dropped;
     row
+}
+
+/// Calls `visit` with parameters and uniforms next to all ends: with the parameters that the item is tried with, and, if
+/// they are to be swept, with others over their domains.
+pub(super) fn next_to_all_ends<R: Scalar>(
+    item: &Item,
+    sweep: bool,
+    dropped: &mut Vec<String>,
+    mut visit: impl FnMut(&[f64], &[f64]),
+) {
+    let sets = sets::<R>(item, dropped);
+    let Some(dimensions) = sets.first().and_then(|s| dimensions::<R>(item, s)) else { return };
+    let mut each = |set: &[f64], dense: bool| {
+        next_to_ends::<R>(dimensions, dense).iter().for_each(|u| visit(set, u));
+    };
+    sets.iter().for_each(|set| each(set, true));
+    if sweep {
+        let swept = swept(item).into_iter().map(|set| rounded::<R>(&set));
+        let legal = swept.filter(|set| legal::<R>(item, set, &mut vec![]));
+        legal.for_each(|set| each(&set, false));
+    }
 }
 
 /// Some of its random points, to be merged with what was found at the chosen ones: those of the stream `part`, the
@@ -211,7 +222,7 @@ fn rounded<R: Scalar>(x: &[f64]) -> Vec<f64> {
 }
 
 /// The parameters that the item is tried with, rounded to the precision, and without those that leave their domain.
-pub(super) fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
+fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
     let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| rounded::<R>(s)).collect();
     sets.retain(|s| legal::<R>(item, s, dropped));
     sets
@@ -268,10 +279,8 @@ fn one<R: Scalar>(
     origin: Origin,
     by_hand: bool,
 ) {
-    let precise: Vec<Precise> = u.iter().map(|u| Precise::f64(*u)).collect();
-    let exact = exact(item, numbers, &precise);
-    let x = Judge::rounded::<R>(&exact);
-    let found = ask::<R>(item, numbers, &[Question { u: Few::new(u), x: Some(x) }]);
-    let judge = Judge { item, numbers, u, exact, format: Format::of::<R>(), origin, by_hand };
-    found.iter().for_each(|found| judge.enter::<R>(row, found, &x));
+    let judge = Judge::at::<R>(item, numbers, u, origin, by_hand);
+    let question = judge.question::<R>();
+    let found = ask::<R>(item, numbers, &[question]);
+    found.iter().for_each(|found| judge.enter::<R>(row, found, &question.x.unwrap_or_default()));
 }

@@ -48,11 +48,11 @@ impl Visitor for EachPair {
         let is_asked = super::measure::is_asked(name, &self.names);
         let item = self.items.iter().find(|item| item.row == row);
         if let Some(item) = item.filter(|_| is_asked) {
-            let derived = beside(item, |numbers, question| {
-                ask::<f64>(item, numbers, &[*question]).first().copied()
+            let rows = beside(item, |numbers, question| {
+                let derived = ask::<f64>(item, numbers, &[*question]).first().copied();
+                [derived, Some(says::<S, H>(numbers, question))]
             });
-            let by_hand = beside(item, |numbers, question| Some(says::<S, H>(numbers, question)));
-            let [derived, by_hand] = [derived, by_hand].map(worst);
+            let [derived, by_hand] = rows.map(worst);
             self.errors.insert(row, Errors { derived, by_hand });
         }
     }

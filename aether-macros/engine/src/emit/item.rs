@@ -6,6 +6,7 @@ use syn::ItemFn;
 
 use super::documentation::{Texts, measures};
 use super::interface::{bound, hidden_body, interface, type_name};
+use super::ways::Ways;
 use super::whole::Support;
 use crate::derive::{Atom, Derived};
 use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
@@ -26,6 +27,8 @@ pub struct Emitter<'a> {
     pub options: &'a Options,
     /// The support of a uniform density, if it is one of a few.
     pub support: Option<Support>,
+    /// The branches that lead to the pieces, if they are told by them.
+    pub ways: Option<Ways>,
     /// Which pieces meet, as far as it was asked.
     pub meeting: super::meeting::Known,
 }

@@ -28,4 +28,5 @@ mod whole;
 
 pub use documentation::Texts;
 pub use item::Emitter;
+pub use ways::Ways;
 pub use whole::Support;

@@ -13,7 +13,6 @@ use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
 use super::plainly::plainly;
 use super::tame::Tame;
-use super::ways::Ways;
 use crate::derive::{Derived, Preimage, Problem, Target};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Piece, Test};
@@ -101,20 +100,14 @@ impl<'a> Emitter<'a> {
         if !self.is_whole() {
             functions.extend(self.whole());
         }
-        functions.extend(self.ways().map(|ways| ways.functions(self)));
+        functions.extend(self.ways.as_ref().map(|ways| ways.functions(self)));
         functions
-    }
-
-    /// The branches that lead to pieces, if there are more than two and every way leads to one of them.
-    fn ways(&self) -> Option<Ways> {
-        let pieces = &self.parsed.pieces;
-        if self.parsed.total && pieces.len() > 2 { Ways::of(pieces) } else { None }
     }
 
     /// What is done in each piece that uniforms `u` take, where `taken` says which of them do. Where every way leads to
     /// a point, the last one is that of those that take no other.
     pub(super) fn by_piece(&self, then: impl Fn(usize) -> TokenStream) -> TokenStream {
-        if let Some(ways) = self.ways() {
+        if let Some(ways) = &self.ways {
             let branches = ways.code(&then);
             return quote! {
                 let left = <R::Mask as Mask>::TRUE;

@@ -9,11 +9,11 @@ use super::code::Code;
 use super::item::Emitter;
 use super::pieces::{input, passed};
 use crate::expr::{Graph, Id, Leaf};
-use crate::parse::Piece;
+use crate::parse::{Parsed, Piece};
 
 /// The branches that lead to pieces.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Ways {
+pub enum Ways {
     /// The piece with this number.
     Piece(usize),
     /// Those that pass a test of a piece (numbers of both) go on otherwise than those that do not.
@@ -24,9 +24,14 @@ pub(super) enum Ways {
 type Tests = Vec<(Id, bool)>;
 
 impl Ways {
+    /// The branches that lead to the pieces of an item, if there are more than two and every way leads to one of them.
+    pub fn of(parsed: &Parsed) -> Option<Ways> {
+        if parsed.total && parsed.pieces.len() > 2 { Ways::to(&parsed.pieces) } else { None }
+    }
+
     /// The branches of pieces in the order in which they were followed, where each way leads to a piece; `None` where it is not
     /// seen that one test is what another is not.
-    pub fn of(pieces: &[Piece]) -> Option<Ways> {
+    fn to(pieces: &[Piece]) -> Option<Ways> {
         let mut g = pieces.first()?.graph.clone();
         let tests = pieces.iter().map(|piece| {
             let tests = piece.tests.iter().map(|test| {
@@ -58,7 +63,7 @@ impl Ways {
     }
 
     /// What is done in each piece that those of `left` take, where `taken` says which do.
-    pub fn code(&self, then: &impl Fn(usize) -> TokenStream) -> TokenStream {
+    pub(super) fn code(&self, then: &impl Fn(usize) -> TokenStream) -> TokenStream {
         match self {
             Ways::Piece(j) => {
                 let then = then(*j);
@@ -80,7 +85,7 @@ impl Ways {
     }
 
     /// The functions of the tests.
-    pub fn functions(&self, e: &Emitter) -> TokenStream {
+    pub(super) fn functions(&self, e: &Emitter) -> TokenStream {
         let Ways::Fork(j, k, ways) = self else { return TokenStream::new() };
         let (n, _, p) = e.sizes();
         let (piece, name) = (&e.parsed.pieces[*j], name(*j, *k));
@@ -127,12 +132,12 @@ mod tests {
             Vec2::new(x, if b < 0.5 * a { b } else { 3.0 * b - a })",
         );
         let expected = fork(0, 0, fork(0, 1, Piece(0), Piece(1)), fork(2, 1, Piece(2), Piece(3)));
-        assert_eq!(Ways::of(&four), Some(expected));
+        assert_eq!(Ways::to(&four), Some(expected));
         let three = pieces(
             "Vec2::new(u[0], if u[0] < 0.2 { u[1] } else if u[0] < 0.7 { 2.0 * u[1] } else { 5.0 * u[1] })",
         );
-        assert_eq!(Ways::of(&three), Some(fork(0, 0, Piece(0), fork(1, 1, Piece(1), Piece(2)))));
+        assert_eq!(Ways::to(&three), Some(fork(0, 0, Piece(0), fork(1, 1, Piece(1), Piece(2)))));
         // Nothing tells that those which take no other way take the last one that is left.
-        assert_eq!(Ways::of(&four[..3]), None);
+        assert_eq!(Ways::to(&four[..3]), None);
     }
 }
