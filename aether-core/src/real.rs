@@ -167,6 +167,18 @@ pub trait Real:
     fn cos(self) -> Self;
     /// Tangent of an angle in radians.
     fn tan(self) -> Self;
+    /// sin(π self) and cos(π self), accurate next to their zeros: 2 is a turn, and subtracted without rounding.
+    fn sin_cos_pi(self) -> (Self, Self);
+    /// sin(π self), accurate next to its zeros.
+    #[inline(always)]
+    fn sin_pi(self) -> Self {
+        self.sin_cos_pi().0
+    }
+    /// cos(π self), accurate next to its zeros.
+    #[inline(always)]
+    fn cos_pi(self) -> Self {
+        self.sin_cos_pi().1
+    }
     /// Inverse sine, in [-π/2, π/2].
     fn asin(self) -> Self;
     /// Inverse cosine, in [0, π].
@@ -335,8 +347,13 @@ macro_rules! host {
 #[cfg(feature = "portable")]
 impl_real! { f32; crate::kernels::single_precision! { f32 } }
 #[cfg(not(feature = "portable"))]
-impl_real! { f32; host! { f32 } }
-impl_real! { f64; host! { f64 } }
+impl_real! { f32; host! { f32 } crate::kernels::single_turns! { f32 } }
+impl_real! { f64; host! { f64 }
+    #[inline(always)]
+    fn sin_cos_pi(self) -> (f64, f64) {
+        crate::kernels::sin_cos_pi_double(self)
+    }
+}
 
 #[cfg(test)]
 mod tests {

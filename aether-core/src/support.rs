@@ -38,56 +38,6 @@ pub fn turn_to<R: Real>(angle: R, middle: R) -> R {
     R::select(turns.lt(R::ZERO).or(turns.gt(R::ZERO)), angle - tau * turns, angle)
 }
 
-/// How many quarters of a turn are next to π x, and the angle that is left: exactly reduced to an eighth of a turn.
-#[inline(always)]
-fn quarters<R: Real>(x: R) -> (R, R) {
-    let n = (x + x + R::of(0.5)).floor();
-    (n, R::of(core::f64::consts::PI) * (x - n * R::of(0.5)))
-}
-
-/// What is left of quarters of a turn without whole turns, as a fraction of one: no rounding anywhere.
-#[inline(always)]
-fn without_turns<R: Real>(quarters: R) -> R {
-    let turns = quarters * R::of(0.25);
-    turns - turns.floor()
-}
-
-/// sin(π x + quarter · π / 2).
-#[inline(always)]
-fn half_turns<R: Real>(x: R, quarter: f64) -> R {
-    let (n, r) = quarters(x);
-    let rest = without_turns(n + R::of(quarter));
-    let minus = rest.ge(R::of(0.5));
-    let odd = R::select(minus, rest - R::of(0.5), rest).ge(R::of(0.25));
-    let v = either(odd, || r.cos(), || r.sin());
-    R::select(minus, -v, v)
-}
-
-/// sin(π x), accurate near its zeros.
-#[inline(always)]
-pub fn sin_pi<R: Real>(x: R) -> R {
-    half_turns(x, 0.0)
-}
-
-/// cos(π x), accurate near its zeros.
-#[inline(always)]
-pub fn cos_pi<R: Real>(x: R) -> R {
-    half_turns(x, 1.0)
-}
-
-/// Both.
-#[inline(always)]
-pub fn sin_cos_pi<R: Real>(x: R) -> (R, R) {
-    let (n, r) = quarters(x);
-    let rest = without_turns(n);
-    let (sine, cosine) = (r.sin(), r.cos());
-    let below = rest.ge(R::of(0.5));
-    let left = rest.ge(R::of(0.25)).and(rest.lt(R::of(0.75)));
-    let odd = R::select(below, rest - R::of(0.5), rest).ge(R::of(0.25));
-    let [y, x] = [R::select(odd, cosine, sine), R::select(odd, sine, cosine)];
-    (R::select(below, -y, y), R::select(left, -x, x))
-}
-
 /// `yes` where the mask is true, `no` elsewhere; a side that no lane takes is not computed.
 #[inline(always)]
 pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce() -> R) -> R {
@@ -517,22 +467,6 @@ mod tests {
         assert!(far(1.001) && far(-2.001) && far(f64::INFINITY));
         // An end of zero is as uncertain as the other one is large.
         assert!(!far_from(-1e-3_f32, 0.0, 1.0) && far_from(-1.0_f32, 0.0, 1.0));
-    }
-
-    #[test]
-    fn sines_and_cosines_are_the_same_together() {
-        for i in -40..40 {
-            let x = f64::from(i) / 8.0;
-            for x in [x - 1e-9, x, x + 0.03, f64::NAN, f64::INFINITY] {
-                let bits = |(sine, cosine): (f64, f64)| [sine.to_bits(), cosine.to_bits()];
-                let (together, apart) = (sin_cos_pi(x), (sin_pi(x), cos_pi(x)));
-                let undetermined = !x.is_finite() && together.0.is_nan() && together.1.is_nan();
-                assert!(
-                    undetermined || bits(together) == bits(apart),
-                    "{x}: {together:?} {apart:?}"
-                );
-            }
-        }
     }
 
     #[test]

@@ -82,6 +82,39 @@ functions! {
     atanh libm::atanh;
 }
 
+#[test]
+fn fractions_of_a_turn() {
+    // Reduced to an eighth of a turn without rounding, in double precision.
+    let quarters = |x: f64, quarter: f64| {
+        let x = x % 2.0;
+        let n = (2.0 * x).round();
+        let angle = core::f64::consts::PI * (x - 0.5 * n);
+        match (n + quarter).rem_euclid(4.0) {
+            0.0 => libm::sin(angle),
+            1.0 => libm::cos(angle),
+            2.0 => -libm::sin(angle),
+            3.0 => -libm::cos(angle),
+            _ => f64::NAN,
+        }
+    };
+    for (quarter, function) in
+        [(0.0, <Lanes as Real>::sin_pi as fn(Lanes) -> Lanes), (1.0, Lanes::cos_pi)]
+    {
+        for eight in sweep().collect::<Vec<f32>>().as_chunks::<8>().0 {
+            for (x, y) in eight.iter().zip(function(Lanes::new(*eight)).to_array()) {
+                let exact = quarters(f64::from(*x), quarter);
+                // The sign of zero is that of the side that rounding would have to come from.
+                let error = if exact == 0.0 { f64::from(y) } else { ulps(y, exact) };
+                assert!(error <= BOUND, "{x:e} at {quarter}: {y:e}, {exact:e}: {error} ulp");
+                // A single number has the bits of a lane.
+                let (sine, cosine) = x.sin_cos_pi();
+                let one = if quarter == 0.0 { sine } else { cosine };
+                assert!(one.to_bits() == y.to_bits() || one.is_nan() && y.is_nan(), "{x:e}");
+            }
+        }
+    }
+}
+
 /// That of the crate `libm` is some number below one.
 fn acosh_or_nan(x: f64) -> f64 {
     if x < 1.0 { f64::NAN } else { libm::acosh(x) }

@@ -250,6 +250,18 @@ impl Real for Precise {
     forward! {
         abs floor sqrt cbrt exp exp_m1 ln ln_1p sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
     }
+    fn sin_cos_pi(self) -> (Self, Self) {
+        let n = (self + self + p(0.5)).floor();
+        let rest = Precise(Number::pi()) * (self - n * p(0.5));
+        let (sin, cos) = (rest.sin(), rest.cos());
+        // A number of quarters beyond all integers is a multiple of four.
+        match (n.to_f64() as i64).rem_euclid(4) {
+            0 => (sin, cos),
+            1 => (cos, -sin),
+            2 => (-sin, -cos),
+            _ => (-cos, sin),
+        }
+    }
     fn powf(self, exponent: Self) -> Self {
         Precise(Number::powf(self.0, exponent.0))
     }
@@ -395,6 +407,10 @@ impl Real for Dual {
         acosh: |x, y| ((x - Precise::ONE) * (x + Precise::ONE)).sqrt().recip();
         atanh: |x, y| ((Precise::ONE - x) * (Precise::ONE + x)).recip();
     }
+    fn sin_cos_pi(self) -> (Self, Self) {
+        let ((sin, cos), pi) = (self.value.sin_cos_pi(), Precise(Number::pi()));
+        (self.chain(sin, pi * cos), self.chain(cos, -(pi * sin)))
+    }
     fn powf(self, exponent: Self) -> Self {
         let (x, e) = (self.value, exponent.value);
         let value = x.powf(e);
@@ -423,5 +439,57 @@ impl Real for Dual {
         let parameters: Vec<Precise> = parameters.iter().map(|p| p.value).collect();
         let value = special(F::NAME, &parameters, x.value);
         x.chain(value, special_slope(F::NAME, &parameters, x.value, value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fractions_of_a_turn_in_double_precision() {
+        let mut worst = [0.0f64; 2];
+        for i in 0..200_000 {
+            // All eighths of a turn, angles next to their ends, and small ones.
+            let even = (f64::from(i) * 0.618_033_988_749_894_9).fract() * 4.0 - 2.0;
+            let small = even * (-f64::from(i % 600)).exp();
+            let near = f64::from(i % 17) / 4.0 - 2.0 + small * 1e-3;
+            for x in [even, small, near] {
+                let (found, exact) = (x.sin_cos_pi(), Precise::f64(x).sin_cos_pi());
+                for (worst, (y, z)) in
+                    worst.iter_mut().zip([(found.0, exact.0), (found.1, exact.1)])
+                {
+                    let size = z.to_f64().abs();
+                    let ulp = size.next_up() - size;
+                    let error = (Precise::f64(y) - z).to_f64().abs() / ulp;
+                    *worst = worst.max(error);
+                }
+            }
+        }
+        println!("{worst:?} units in the last place");
+        assert!(worst[0] < 1.7 && worst[1] < 1.7, "{worst:?}");
+    }
+
+    #[test]
+    fn fractions_of_a_turn_at_the_ends_of_doubles() {
+        for k in -9_i32..9 {
+            let x = f64::from(k) / 2.0;
+            let (sin, cos) = x.sin_cos_pi();
+            let (sine, cosine) =
+                [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][k.rem_euclid(4) as usize];
+            assert!(sin == sine && cos == cosine, "{x}: {sin}, {cos}");
+        }
+        // Odd, even, and with a half, where sums with these are rounded.
+        let large = 2f64.powi(50);
+        assert_eq!((large + 1.0).sin_cos_pi().1, -1.0);
+        assert_eq!((2.0 * large).sin_cos_pi().1, 1.0);
+        assert_eq!((large + 0.5).sin_pi(), 1.0);
+        assert_eq!((-f64::MAX).cos_pi(), 1.0);
+        for x in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+            assert!(x.sin_pi().is_nan() && x.cos_pi().is_nan());
+        }
+        assert!(
+            (-0.0f64).sin_pi().is_sign_negative() && f64::MIN_POSITIVE.sin_pi() > f64::MIN_POSITIVE
+        );
     }
 }

@@ -8,7 +8,8 @@
 //! bits on every machine, and in every lane.
 //!
 //! `Lanes` computes with them. `f32` does with the feature `portable` only: for one number, the tables
-//! and fused operations of a good host library are faster.
+//! and fused operations of a good host library are faster. Sines and cosines of fractions of a turn, which hosts do not have,
+//! are those of `turns.rs` in every type, also in double precision.
 //!
 //! Reductions: n π/2 is subtracted from angles, n ln 2 from exponents (Cody and Waite 1980); logarithms
 //! are 2 atanh((m - 1) / (m + 1)) of the mantissa m in [1/√2, √2]; an inverse tangent is that of
@@ -17,11 +18,13 @@
 
 mod circular;
 mod exponential;
+mod turns;
 
 pub(crate) use circular::{acos, asin, atan, atan2, cos, sin, tan};
 pub(crate) use exponential::{
     acosh, asinh, atanh, cbrt, cosh, exp, exp_m1, hypot, ln, ln_1p, powf, sinh, tanh,
 };
+pub(crate) use turns::{sin_cos_pi, sin_cos_pi_double};
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -58,6 +61,9 @@ pub(crate) trait Double:
     fn mantissa_exponent(self) -> (Self, Self);
     /// `f(x)` where the mask is true, else `self`.
     fn replace(self, mask: Self::Mask, x: Self, f: fn(f64) -> f64) -> Self;
+    /// The sine and cosine of an angle, turned on by as many quarters of a turn as the last two bits of `quarters`
+    /// count.
+    fn turned(quarters: Self, sin: Self, cos: Self) -> (Self, Self);
 
     /// The whole number nearest to `self`, if that is below 2^51 in magnitude.
     #[inline(always)]
@@ -146,6 +152,14 @@ impl Double for f64 {
     fn replace(self, mask: bool, x: f64, f: fn(f64) -> f64) -> f64 {
         if mask { outside(x, f) } else { self }
     }
+    #[inline(always)]
+    fn turned(quarters: f64, sin: f64, cos: f64) -> (f64, f64) {
+        let (n, sin, cos) = (quarters.to_bits(), sin.to_bits(), cos.to_bits());
+        let exchanged = (sin ^ cos) & (n & 1).wrapping_neg();
+        let sin = sin ^ exchanged ^ ((n & 2) << 62);
+        let cos = cos ^ exchanged ^ ((n.wrapping_add(1) & 2) << 62);
+        (f64::from_bits(sin), f64::from_bits(cos))
+    }
 }
 
 /// 3/2 2^52: the sum with a small number is a whole number, its lowest bits those of the nearest one.
@@ -210,6 +224,7 @@ macro_rules! single_precision {
         fn powi(self, exponent: i32) -> $t {
             crate::kernels::powi(self, exponent)
         }
+        crate::kernels::single_turns! { $t }
     };
     ($t:ident: $($unary:ident)*; $($binary:ident($argument:ident))*) => {
         $(#[inline]
@@ -228,6 +243,20 @@ macro_rules! single_precision {
     };
 }
 pub(crate) use single_precision;
+
+/// Sines and cosines of fractions of a turn for such a type, or for `f32` with the functions of the host.
+macro_rules! single_turns {
+    ($t:ident) => {
+        #[inline(always)]
+        fn sin_cos_pi(self) -> ($t, $t) {
+            let wide = crate::kernels::SinglePrecision::widen(self);
+            let (sin, cos) = crate::kernels::sin_cos_pi(wide);
+            let narrow = |x| crate::kernels::SinglePrecision::narrow(x);
+            (narrow(sin), narrow(cos))
+        }
+    };
+}
+pub(crate) use single_turns;
 
 /// A number in single precision.
 pub(crate) trait SinglePrecision {

@@ -111,6 +111,15 @@ impl Double for Eight {
     fn replace(self, mask: EightMask, x: Self, f: fn(f64) -> f64) -> Self {
         if mask.any() { each(self, mask, x, f) } else { self }
     }
+    #[inline(always)]
+    fn turned(quarters: Self, sin: Self, cos: Self) -> (Self, Self) {
+        let (n, sin, cos) = (quarters.0.to_bits(), sin.0.to_bits(), cos.0.to_bits());
+        let [zero, one, two] = [0, 1, 2].map(u64x8::splat);
+        let exchanged = (sin ^ cos) & (zero - (n & one));
+        let sin = sin ^ exchanged ^ ((n & two) << 62);
+        let cos = cos ^ exchanged ^ (((n + one) & two) << 62);
+        (Eight(f64x8::from_bits(sin)), Eight(f64x8::from_bits(cos)))
+    }
 }
 
 /// [`outside`] where the mask is true.

@@ -9,6 +9,7 @@ mod continuity;
 mod density;
 mod enclosed;
 mod factored;
+mod fractions;
 mod gaps;
 mod holding;
 mod joint;
@@ -44,6 +45,7 @@ use crate::stabilise::stabilise_point;
 pub use atoms::{Atom, atoms};
 pub use borders::Border;
 pub use continuity::Limit;
+pub(crate) use fractions::by_fractions;
 pub use signs::Signs;
 
 use borders::find_borders;

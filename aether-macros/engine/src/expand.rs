@@ -5,6 +5,7 @@ use quote::quote;
 use syn::ItemFn;
 use syn::parse::{Parse, ParseStream};
 
+use crate::derive::by_fractions;
 use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
 use crate::emit::{Emitter, Support, Texts, Ways, compose};
@@ -57,8 +58,11 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         }
         let item = Item::compile(&function, signature, &options, &mut errors)?;
         let support = Support::of(&item);
-        let Item { mut parsed, derived, atoms } = item;
+        let Item { mut parsed, mut derived, atoms } = item;
         let texts = Texts::new(&mut parsed.pieces, &derived, &atoms);
+        for (piece, derived) in parsed.pieces.iter_mut().zip(&mut derived) {
+            by_fractions(&mut piece.problem.graph, derived);
+        }
         let emitter = Emitter {
             item: &function,
             parsed: &parsed,

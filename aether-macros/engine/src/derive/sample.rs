@@ -95,7 +95,7 @@ fn by_its_angles(g: &mut Graph, id: Id, others: &[Id]) -> Id {
 }
 
 /// The sines and cosines in expressions.
-fn angles(g: &Graph, roots: &[Id]) -> Vec<Id> {
+pub(super) fn angles(g: &Graph, roots: &[Id]) -> Vec<Id> {
     let (mut open, mut seen, mut found) = (roots.to_vec(), Set::default(), Vec::new());
     while let Some(id) = open.pop() {
         if !seen.insert(id) {

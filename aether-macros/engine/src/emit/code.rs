@@ -141,7 +141,7 @@ impl<'a> Code<'a> {
             return self.write(partner, &self.expression(partner));
         };
         let fraction = self.reference(fraction);
-        let both = self.named(&quote!(::aether_core::support::sin_cos_pi(#fraction)));
+        let both = self.named(&quote!(#fraction.sin_cos_pi()));
         for (i, id) in pair.into_iter().enumerate() {
             let i = Literal::usize_unsuffixed(i);
             self.write(id, &quote!(#both.#i));
@@ -297,8 +297,8 @@ impl<'a> Code<'a> {
                         let middle = self.reference(args[1]);
                         quote!(::aether_core::support::turn_to(#a, #middle))
                     }
-                    Fun::SinPi => quote!(::aether_core::support::sin_pi(#a)),
-                    Fun::CosPi => quote!(::aether_core::support::cos_pi(#a)),
+                    Fun::SinPi => quote!(#a.sin_pi()),
+                    Fun::CosPi => quote!(#a.cos_pi()),
                     Fun::Sign => quote!(R::ONE.copysign(#a)),
                     _ => match special(*f) {
                         Some(name) => {
