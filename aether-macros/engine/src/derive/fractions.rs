@@ -6,7 +6,8 @@
 
 use super::Derived;
 use super::sample::angles;
-use crate::expr::{Graph, Id};
+use crate::expr::{Graph, Id, children};
+use crate::hash::Set;
 use crate::stabilise::of_turn;
 
 /// What was derived with all sines and cosines of multiples of π by the functions that are made for these.
@@ -27,8 +28,25 @@ pub(crate) fn by_fractions(g: &mut Graph, derived: &mut Derived) {
 
 fn rewritten(g: &mut Graph, id: Id) -> Id {
     let of_angles = angles(g, &[id]).into_iter();
-    let turns = of_angles.filter_map(|angle| Some((angle, of_turn(g, angle)?))).collect();
+    let turns = of_angles.filter_map(|angle| Some((angle, plainly(g, angle)?))).collect();
     g.substitute(id, &turns)
+}
+
+/// The same of a fraction that π has left for good. Of an angle such as acos(x) + 2 π / 3 it has not: what is divided by π
+/// is rounded once more than the angle.
+fn plainly(g: &mut Graph, angle: Id) -> Option<Id> {
+    let turn = of_turn(g, angle)?;
+    let pi = g.pi();
+    let (mut open, mut seen) = (children(g.node(turn)), Set::default());
+    while let Some(id) = open.pop() {
+        if id == pi {
+            return None;
+        }
+        if seen.insert(id) {
+            open.extend(children(g.node(id)));
+        }
+    }
+    Some(turn)
 }
 
 #[cfg(test)]
@@ -53,5 +71,9 @@ mod tests {
         let expected = g.product(&[sine, cosine, unknown].map(|f| (f, one)));
         assert_eq!(rewritten(&mut g, product), expected);
         assert_eq!(rewritten(&mut g, unknown), unknown);
+        // An angle of which π is a part stays one.
+        let beside = g.add(other, angle);
+        let sine = g.call(Fun::Sin, &[beside]);
+        assert_eq!(rewritten(&mut g, sine), sine);
     }
 }
