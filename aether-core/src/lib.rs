@@ -51,7 +51,11 @@ pub mod estimator;
 pub mod forms;
 pub mod guide;
 pub mod joint;
-#[cfg(any(feature = "wide", feature = "portable"))]
+// Without lanes only fractions of a turn are computed by them.
+#[cfg_attr(
+    not(any(feature = "wide", feature = "portable")),
+    allow(dead_code, unused_imports, unused_macros)
+)]
 mod kernels;
 #[cfg(feature = "wide")]
 pub mod lanes;
