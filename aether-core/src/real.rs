@@ -347,7 +347,12 @@ macro_rules! host {
 #[cfg(feature = "portable")]
 impl_real! { f32; crate::kernels::single_precision! { f32 } }
 #[cfg(not(feature = "portable"))]
-impl_real! { f32; host! { f32 } crate::kernels::single_turns! { f32 } }
+impl_real! { f32; host! { f32 }
+    #[inline(always)]
+    fn sin_cos_pi(self) -> (f32, f32) {
+        crate::kernels::sin_cos_pi(self)
+    }
+}
 impl_real! { f64; host! { f64 }
     #[inline(always)]
     fn sin_cos_pi(self) -> (f64, f64) {

@@ -224,7 +224,10 @@ macro_rules! single_precision {
         fn powi(self, exponent: i32) -> $t {
             crate::kernels::powi(self, exponent)
         }
-        crate::kernels::single_turns! { $t }
+        #[inline(always)]
+        fn sin_cos_pi(self) -> ($t, $t) {
+            crate::kernels::sin_cos_pi(self)
+        }
     };
     ($t:ident: $($unary:ident)*; $($binary:ident($argument:ident))*) => {
         $(#[inline]
@@ -243,20 +246,6 @@ macro_rules! single_precision {
     };
 }
 pub(crate) use single_precision;
-
-/// Sines and cosines of fractions of a turn for such a type, or for `f32` with the functions of the host.
-macro_rules! single_turns {
-    ($t:ident) => {
-        #[inline(always)]
-        fn sin_cos_pi(self) -> ($t, $t) {
-            let wide = crate::kernels::SinglePrecision::widen(self);
-            let (sin, cos) = crate::kernels::sin_cos_pi(wide);
-            let narrow = |x| crate::kernels::SinglePrecision::narrow(x);
-            (narrow(sin), narrow(cos))
-        }
-    };
-}
-pub(crate) use single_turns;
 
 /// A number in single precision.
 pub(crate) trait SinglePrecision {

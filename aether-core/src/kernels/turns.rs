@@ -4,7 +4,7 @@
 //! eighth of a turn. One polynomial each, then the quarters exchange the two and their signs, without branches:
 //! which quarter an angle lies in is as good as random. The only branch is that for |x| >= 2^50.
 
-use super::{Double, polynomial};
+use super::{Double, SinglePrecision, polynomial};
 
 /// (sin(π r) / r - π) / r² in r², for |r| <= 1/4, to 2^-36 of the sine.
 const SIN: [f64; 4] =
@@ -48,15 +48,16 @@ const SHIFT: f64 = 3_377_699_720_527_872.0;
 /// From here on the sum is rounded to something else.
 const LARGE: f64 = 1_125_899_906_842_624.0;
 
-/// sin(π x) and cos(π x), for results in single precision.
+/// sin(π x) and cos(π x) in single precision, rounded once.
 #[inline(always)]
-pub(crate) fn sin_cos_pi<D: Double>(x: D) -> (D, D) {
-    by_quarters(x, |r| {
+pub(crate) fn sin_cos_pi<S: SinglePrecision>(x: S) -> (S, S) {
+    let (sin, cos) = by_quarters(x.widen(), |r| {
         let z = r * r;
-        let sin = r * (D::of(PI) + z * polynomial(&SIN, z));
-        let cos = (D::of(1.0) - D::of(HALF_SQUARE) * z) + z * z * polynomial(&COS, z);
+        let sin = r * (S::Wide::of(PI) + z * polynomial(&SIN, z));
+        let cos = (S::Wide::of(1.0) - S::Wide::of(HALF_SQUARE) * z) + z * z * polynomial(&COS, z);
         (sin, cos)
-    })
+    });
+    (S::narrow(sin), S::narrow(cos))
 }
 
 /// sin(π x) and cos(π x), to 1.6 units in the last place of double precision, and mostly to less than one.

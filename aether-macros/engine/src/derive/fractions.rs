@@ -32,7 +32,7 @@ fn rewritten(g: &mut Graph, id: Id) -> Id {
     g.substitute(id, &turns)
 }
 
-/// The same of a fraction that π has left for good. Of an angle such as acos(x) + 2 π / 3 it has not: what is divided by π
+/// A sine or cosine by a fraction that π has left for good. Of an angle such as acos(x) + 2 π / 3 it has not: what is divided by π
 /// is rounded once more than the angle.
 fn plainly(g: &mut Graph, angle: Id) -> Option<Id> {
     let turn = of_turn(g, angle)?;
