@@ -12,6 +12,7 @@ mod factored;
 mod fractions;
 mod gaps;
 mod holding;
+mod implied;
 mod joint;
 mod limits;
 mod line;
@@ -48,6 +49,7 @@ pub use continuity::Limit;
 pub(crate) use fractions::by_fractions;
 pub use signs::Signs;
 
+pub use back::Image;
 use borders::find_borders;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish};
@@ -162,7 +164,7 @@ pub struct Preimage {
     /// The density of a sampler's point by way of this preimage.
     pub density: Id,
     /// The image of the unknowns, where that has to be compared with the point, if it is short.
-    pub back: Option<Vec<Id>>,
+    pub back: Option<Image>,
     /// For each unknown, where a coordinate by itself tells whether it lies in [0, 1].
     pub borders: Vec<Option<Border>>,
     /// For each unknown, the signs that tell whether it lies in [0, 1), if these are shorter.
@@ -362,7 +364,14 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
             finish(problem, s, (density, &sums), &cases, &mut out_points, conditions);
         if check_forward {
             let made = (&forward[..], &preimage.unknowns[..]);
-            preimage.back = back::back(problem, made, s, &cases, &mut out_points);
+            if let Some(image) = back::back(problem, made, s, &cases, &mut out_points) {
+                let asked = image.conditions.iter().filter(|c| !preimage.conditions.contains(c));
+                let asked: Vec<Id> = asked.copied().collect();
+                for list in [&mut preimage.conditions, &mut preimage.open, &mut preimage.asked] {
+                    list.extend(&asked);
+                }
+                preimage.back = Some(image);
+            }
         }
         keep_ranges(problem, s, &preimage.tested);
         preimages.push(preimage);

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::cases::Case;
-use super::density::pick;
+use super::density::{pick, recognised};
+use super::holding::never_negative;
+use super::implied::implied;
 use crate::expr::{Graph, Id, Leaf, Node};
 use crate::jacobian::{cost_together, simplify};
 use crate::measure::Measure;
@@ -30,15 +32,58 @@ fn terms(g: &Graph, id: Id) -> usize {
     }
 }
 
-/// Each coordinate of the image of the unknowns that a point has; `None` where that costs as much as to compute
-/// the unknowns and to map them.
+/// The image of the unknowns that a point has.
+pub struct Image {
+    /// Its coordinates.
+    pub coordinates: Vec<Id>,
+    /// Quotients that several products among these have as factors.
+    pub shared: Vec<Id>,
+    /// What must not be negative for these to be it.
+    pub conditions: Vec<Id>,
+}
+
+impl Image {
+    /// All that is computed to have it.
+    pub(super) fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
+        self.coordinates.iter_mut().chain(&mut self.shared)
+    }
+}
+
+/// The quotients that products among some expressions have in common, the longest first.
+fn shared(g: &mut Graph, ids: &[Id]) -> Vec<Id> {
+    let mut products: Vec<Vec<(Id, Id)>> = Vec::new();
+    for &id in ids {
+        let terms = match g.node(id) {
+            Node::Sum(_, terms) => terms.iter().map(|(_, term)| *term).collect(),
+            _ => vec![id],
+        };
+        products.extend(terms.into_iter().map(|term| g.factors(term)));
+    }
+    let mut found: Vec<Vec<(Id, Id)>> = Vec::new();
+    for (i, one) in products.iter().enumerate() {
+        for other in &products[..i] {
+            let common: Vec<(Id, Id)> = one.iter().filter(|f| other.contains(f)).copied().collect();
+            let divides = |(_, e): &(Id, Id)| g.as_number(*e).is_some_and(Q::is_negative);
+            if common.len() > 1 && common.len() < one.len() && common.iter().any(divides) {
+                found.push(common);
+            }
+        }
+    }
+    found.sort_by_key(|common| std::cmp::Reverse(common.len()));
+    found.dedup();
+    found.iter().map(|common| g.product(common)).collect()
+}
+
+/// The image of the unknowns that a point has; `None` where that costs as much as to compute the unknowns and to map
+/// them.
 pub(super) fn back(
     problem: &mut Problem,
     (forward, unknowns): (&[Id], &[Id]),
     solution: &Solution,
     cases: &[Case],
     measure: &mut Measure,
-) -> Option<Vec<Id>> {
+) -> Option<Image> {
+    let implied = implied(problem, solution, cases);
     let g = &mut problem.graph;
     let mut values: BTreeMap<Id, Id> =
         problem.unknowns.iter().map(|leaf| (g.get_leaf(*leaf), solution.unknowns[leaf])).collect();
@@ -47,29 +92,44 @@ pub(super) fn back(
         let rest = g.sum(Q::ONE, &[(Q::int(-1), unknown)]);
         values.extend(complement(g, value).map(|known| (rest, known)));
     }
-    let mut images = Vec::new();
-    for (i, (&written, &stable)) in problem.outputs.iter().zip(forward).enumerate() {
-        let truth: Vec<f64> = cases.iter().map(|c| c.outs[i]).collect();
-        let mut forms = Vec::new();
-        for form in [written, stable] {
-            let image = g.substitute(form, &values);
-            let image = solution.spell_out(g, image);
-            forms.extend([image, simplify(g, image, None)]);
+    let conditions: Vec<Id> = solution.conditions.iter().map(|c| c.0).collect();
+    let conditions: Vec<Id> = conditions.into_iter().filter(|&c| !never_negative(g, c)).collect();
+    let ways = [(BTreeMap::new(), vec![]), (implied, conditions)];
+    let mut images = vec![];
+    for (known, conditions) in ways {
+        let mut coordinates = Vec::new();
+        for (i, (&written, &stable)) in problem.outputs.iter().zip(forward).enumerate() {
+            let truth: Vec<f64> = cases.iter().map(|c| c.outs[i]).collect();
+            let mut forms = Vec::new();
+            for form in [written, stable] {
+                let form = recognised(g, form, &known);
+                let image = g.substitute(form, &values);
+                let image = solution.spell_out(g, image);
+                forms.extend([image, simplify(g, image, None)]);
+            }
+            forms.sort_unstable();
+            forms.dedup();
+            coordinates.push(pick(g, &forms, &truth, measure).0);
         }
-        forms.sort_unstable();
-        forms.dedup();
-        images.push(pick(g, &forms, &truth, measure).0);
+        let shared = shared(g, &coordinates);
+        images.push(Image { coordinates, conditions, shared });
     }
+    let cost = |g: &Graph, image: &Image| {
+        cost_together(g, &[&image.coordinates[..], &image.conditions].concat())
+    };
+    let image = images.into_iter().min_by_key(|image| cost(g, image))?;
     let trivial = |(i, id): (usize, &Id)| *id == g.get_leaf(Leaf::Out(i as u8));
-    let identity = images.iter().enumerate().all(trivial);
+    let identity = image.coordinates.iter().enumerate().all(trivial);
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
-    let shorter = cost_together(g, &images) < cost_together(g, &otherwise);
-    (!identity && shorter).then_some(images)
+    let shorter = cost(g, &image) < cost_together(g, &otherwise);
+    (!identity && shorter).then_some(image)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eval::Evaluator;
+    use crate::interpret::Item;
     use crate::interval::Interval;
 
     #[test]
@@ -90,5 +150,71 @@ mod tests {
         let whole = g.add(part, d);
         let (x, rest) = (g.div(part, whole), g.div(d, whole));
         assert_eq!(complement(&mut g, x), Some(rest));
+    }
+
+    /// The image that a point has, and whether conditions hold.
+    fn image(item: &Item, p: &[f64], point: [f64; 3]) -> ([f64; 3], bool) {
+        let g = &item.parsed.pieces[0].problem.graph;
+        let Some(image) = &item.derived[0].preimages[0].back else { panic!("no image") };
+        let at = |leaf| match leaf {
+            Leaf::Param(i) => p[usize::from(i)],
+            Leaf::Out(i) => point[usize::from(i)],
+            _ => f64::NAN,
+        };
+        let mut e = Evaluator::<f64>::new(g, &at);
+        let coordinates = std::array::from_fn(|i| e.value(image.coordinates[i]));
+        (coordinates, image.conditions.iter().all(|id| e.value(*id) >= 0.0))
+    }
+
+    fn item(text: &str) -> Item {
+        Item::new(Default::default(), text.parse().unwrap(), true).unwrap()
+    }
+
+    fn close(a: [f64; 3], b: [f64; 3]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15)
+    }
+
+    #[test]
+    fn the_image_of_a_triangle_is_a_sum_of_edges_where_it_is_no_reflection() {
+        let triangle = item(
+            "fn triangle(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Surface {
+                let s = (1.0 - u[0]).sqrt();
+                Surface::from_vec(a + s * (1.0 - u[1]) * (b - a) + s * u[1] * (c - a))
+            }",
+        );
+        let p = [0.1, 0.2, 0.3, 1.1, 0.2, 0.3, 0.1, 2.2, 0.3];
+        // Above the triangle, its foot; on the other side of the first corner the uniforms are the same.
+        for (x, y, lies) in [(0.3, 0.4, true), (-0.3, -0.4, false)] {
+            let (foot, plain) = image(&triangle, &p, [0.1 + x, 0.2 + y, 7.0]);
+            assert!(close(foot, [0.1 + x, 0.2 + y, 0.3]) && plain == lies, "{foot:?}, {plain}");
+        }
+    }
+
+    #[test]
+    fn what_holds_on_a_manifold_alone_is_no_part_of_images() {
+        let sphere = item(
+            "fn sphere(u: [Uniform; 2], r: f64) -> Surface {
+                let z = 1.0 - 2.0 * u[0];
+                let s = (1.0 - z * z).sqrt();
+                let phi = TAU * u[1];
+                Surface::new(r * s * phi.cos(), r * s * phi.sin(), r * z)
+            }",
+        );
+        // At this height, in this direction from the axis.
+        let (found, _) = image(&sphere, &[2.0], [0.3, 0.4, 1.0]);
+        let s = 3.0f64.sqrt();
+        assert!(close(found, [0.6 * s, 0.8 * s, 1.0]), "{found:?}");
+    }
+
+    #[test]
+    fn products_share_their_longest_quotients() {
+        let mut g = Graph::new();
+        let [a, b, c, d] =
+            [0, 1, 2, 3].map(|i| g.leaf(Leaf::Out(i), "x", Interval::new(-9.0, 9.0)));
+        let bc = g.div(b, c);
+        let [abc, dbc, bbc] = [a, d, b].map(|factor| g.mul(factor, bc));
+        let sum = g.add(abc, dbc);
+        assert_eq!(shared(&mut g, &[sum, bbc, a]), [bc]);
+        assert_eq!(shared(&mut g, &[abc, bc]), []);
     }
 }

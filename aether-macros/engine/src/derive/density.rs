@@ -13,6 +13,7 @@ use super::units::{Stretched, by_the_other_side, by_the_others};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
+use crate::hash::Set;
 use crate::jacobian::{cost, cost_together, simplify};
 use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
@@ -49,8 +50,26 @@ pub(super) fn pick(
             scored.retain(|s| good(s.1.parts()[part]));
         }
     }
-    let best = scored.iter().min_by_key(|s| s.2);
+    // Of those that cost the same, one that multiplies by fewer numbers.
+    let least = scored.iter().map(|s| s.2).min();
+    scored.retain(|s| Some(s.2) == least);
+    let best = scored.iter().min_by_key(|s| coefficients(g, s.0));
     best.map_or((candidates[0], f64::INFINITY), |s| (s.0, s.1.worst()))
+}
+
+/// How many terms of sums are multiplied by a number.
+fn coefficients(g: &Graph, id: Id) -> usize {
+    let (mut open, mut seen, mut count) = (vec![id], Set::default(), 0);
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        if let Node::Sum(_, terms) = g.node(id) {
+            count += terms.iter().filter(|(q, _)| q.abs() != Q::ONE).count();
+        }
+        open.extend(children(g.node(id)));
+    }
+    count
 }
 
 /// Coordinates one by one in their most accurate form: as written, tidied or stabilised.
@@ -268,7 +287,7 @@ fn divides_by_zero(g: &Graph, id: Id) -> bool {
 
 /// An expression with what a solution knows of more than single unknowns put in, the longest first:
 /// it must be done while the unknowns that it is recognised by are there.
-fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
+pub(super) fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
     let mut composed = known.clone();
     composed.retain(|id, _| !matches!(g.node(*id), Node::Leaf(_)));
     let mut longest: Vec<(Id, Id)> = composed.iter().map(|(part, value)| (*part, *value)).collect();

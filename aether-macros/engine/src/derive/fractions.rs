@@ -4,8 +4,8 @@
 //! fraction of a turn, so that they are faster and closer than those of an angle to which π was multiplied. The solver and the
 //! texts for the user know angles; what is emitted does not need them.
 
-use super::Derived;
 use super::sample::angles;
+use super::{Derived, Image};
 use crate::expr::{Graph, Id, children};
 use crate::hash::Set;
 use crate::stabilise::of_turn;
@@ -17,7 +17,7 @@ pub(crate) fn by_fractions(g: &mut Graph, derived: &mut Derived) {
         *id = rewritten(g, *id);
     }
     for preimage in preimages {
-        for id in preimage.back.iter_mut().flatten() {
+        for id in preimage.back.iter_mut().flat_map(Image::expressions) {
             *id = rewritten(g, *id);
         }
         for id in preimage.expressions() {

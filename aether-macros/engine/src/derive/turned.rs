@@ -86,8 +86,10 @@ impl Turned {
                 g.assume(*id, range);
             }
             if let Some(image) = &mut preimage.back {
-                *image = image.iter().map(|&id| g.substitute(id, &values)).collect();
-                *image = self.sum(g, image);
+                for id in image.shared.iter_mut().chain(&mut image.coordinates) {
+                    *id = g.substitute(*id, &values);
+                }
+                image.coordinates = self.sum(g, &image.coordinates);
             }
         }
         derived.forward = self.sum(g, &derived.forward);

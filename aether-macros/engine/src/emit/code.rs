@@ -27,6 +27,8 @@ pub struct Code<'a> {
     partners: HashMap<Id, Id>,
     /// Whether roots are those of a map, which exist but for rounding.
     lenient: bool,
+    /// Products that others are written by which have all their factors.
+    shared: &'a [Id],
 }
 
 impl<'a> Code<'a> {
@@ -42,7 +44,17 @@ impl<'a> Code<'a> {
             rescued: HashMap::new(),
             partners: HashMap::new(),
             lenient: false,
+            shared: &[],
         }
+    }
+
+    /// The same where products that have all factors of one of some others are written by way of that.
+    pub fn sharing(
+        graph: &'a Graph,
+        input: &'a dyn Fn(Leaf) -> TokenStream,
+        shared: &'a [Id],
+    ) -> Self {
+        Code { shared, ..Code::new(graph, input) }
     }
 
     /// The same for a map, whose roots exist but for rounding.
@@ -111,11 +123,14 @@ impl<'a> Code<'a> {
                         super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
                     );
                 }
-                node => match self.multiple(id) {
-                    Some((_, factors)) => {
+                node => match (self.multiple(id), self.by_shared(id)) {
+                    (Some((_, factors)), _) => {
                         open.extend(factors.iter().flat_map(|(b, e)| [(*b, false), (*e, false)]));
                     }
-                    None => open.extend(children(node).into_iter().map(|c| (c, false))),
+                    (_, Some(factors)) => {
+                        open.extend(factors.iter().flat_map(|(b, e)| [(*b, false), (*e, false)]));
+                    }
+                    _ => open.extend(children(node).into_iter().map(|c| (c, false))),
                 },
             }
         }
@@ -243,6 +258,19 @@ impl<'a> Code<'a> {
         self.graph.deps(*base) == 0 && self.graph.as_number(*exponent).is_some_and(small)
     }
 
+    /// The factors of a product with one of the shared products in place of its factors, if it has all of them.
+    fn by_shared(&self, id: Id) -> Option<Vec<(Id, Id)>> {
+        let Node::Product(factors) = self.graph.node(id) else { return None };
+        self.shared.iter().filter(|&&shared| shared != id).find_map(|&shared| {
+            let Node::Product(parts) = self.graph.node(shared) else { return None };
+            let is_one = |e: &Id| self.graph.as_number(*e) == Some(Q::ONE);
+            let one = parts.iter().map(|(_, e)| *e).find(is_one)?;
+            let rest = factors.iter().filter(|f| !parts.contains(f)).copied();
+            let whole = parts.iter().all(|part| factors.contains(part));
+            whole.then(|| rest.chain([(shared, one)]).collect())
+        })
+    }
+
     /// The name or the literal of an expression that has been written.
     pub(super) fn reference(&self, id: Id) -> TokenStream {
         self.known(id).unwrap_or_else(|| unreachable!("children are written before their parents"))
@@ -268,7 +296,10 @@ impl<'a> Code<'a> {
                 Some((q, factors)) => self.product(q, factors),
                 None => self.sum(*c, terms),
             },
-            Node::Product(factors) => self.product(Q::ONE, factors),
+            Node::Product(factors) => match self.by_shared(id) {
+                Some(factors) => self.product(Q::ONE, &factors),
+                None => self.product(Q::ONE, factors),
+            },
             Node::Call(f, args) => {
                 let a = self.reference(args[0]);
                 match f {
@@ -328,7 +359,8 @@ impl<'a> Code<'a> {
         let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
         let (powers, rescued) = (self.powers.clone(), self.rescued.clone());
         let (lets, partners) = (TokenStream::new(), HashMap::new());
-        Code { graph, input, lets, names, named, powers, rescued, partners, lenient }
+        let shared = self.shared;
+        Code { graph, input, lets, names, named, powers, rescued, partners, lenient, shared }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -342,7 +374,7 @@ impl<'a> Code<'a> {
     fn sum(&self, c: Q, terms: &[(Q, Id)]) -> TokenStream {
         // One factor of many terms is a factor of their sum.
         let size = terms.first().map_or(Q::ONE, |(q, _)| q.abs());
-        let alike = c.is_zero() && terms.len() > 2 && terms.iter().all(|(q, _)| q.abs() == size);
+        let alike = c.is_zero() && terms.len() > 1 && terms.iter().all(|(q, _)| q.abs() == size);
         if alike && size != Q::ONE {
             let sign = |q: Q| if q.is_negative() { Q::int(-1) } else { Q::ONE };
             let signs: Vec<(Q, Id)> = terms.iter().map(|&(q, t)| (sign(q), t)).collect();

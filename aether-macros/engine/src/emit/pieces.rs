@@ -332,10 +332,11 @@ impl<'a> Emitter<'a> {
             quote!(R::ZERO)
         };
         let plainly = is_unguarded(place).then(|| plainly(self, place, &least));
-        let back = preimage.back.as_ref().map(|images| {
+        let back = preimage.back.as_ref().map(|image| {
             let name = format_ident!("back_{}", place.number);
-            let mut code = Code::new(g, &at);
-            let values: Vec<TokenStream> = images.iter().map(|&id| code.value(id)).collect();
+            let mut code = Code::sharing(g, &at, &image.shared);
+            let values: Vec<TokenStream> =
+                image.coordinates.iter().map(|&id| code.value(id)).collect();
             let lets = code.statements();
             quote! {
                 /// The image of the unknowns.

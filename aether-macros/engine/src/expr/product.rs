@@ -143,6 +143,11 @@ impl Graph {
                 match together[..] {
                     [] => {}
                     [(b, e)] if e == one => out.push(b, exp),
+                    // Under a root an odd power is that of something positive, or no number.
+                    [(b, e)] if self.is_odd_under_a_root(e, exp) => {
+                        let e = self.mul(e, exp);
+                        out.push(b, e);
+                    }
                     _ => {
                         let whole = self.intern(Node::Product(together));
                         out.push(whole, exp);
@@ -170,6 +175,12 @@ impl Graph {
             }
             _ => out.push(base, exp),
         }
+    }
+
+    fn is_odd_under_a_root(&self, e: Id, exp: Id) -> bool {
+        let odd = |q: Q| q.is_int() && !q.is_even();
+        let [inner, outer] = [e, exp].map(|e| self.as_number(e));
+        inner.is_some_and(odd) && outer.is_some_and(|q| q.den() == 2)
     }
 
     /// (b^e)^exp as a single power, where that is valid.
@@ -274,5 +285,31 @@ impl Collect {
             }
         }
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn a_root_of_an_odd_power_is_a_power() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", Interval::ALL);
+        let half = |n| Q::new(n, 2).unwrap();
+        for n in [-3, -1, 3] {
+            let power = g.powi(x, n);
+            let root = g.sqrt(power);
+            let exponent = g.number(half(n.into()));
+            assert_eq!(root, g.pow(x, exponent));
+        }
+        // The root of a square is a size, and a cube may be that of something negative.
+        let square = g.powi(x, 2);
+        let (root, size) = (g.sqrt(square), g.call(Fun::Abs, &[x]));
+        assert_eq!(root, size);
+        let (cube, third) = (g.powi(x, 3), g.number(Q::new(1, 3).unwrap()));
+        assert_ne!(g.pow(cube, third), x);
     }
 }
