@@ -117,12 +117,13 @@ pub(super) fn back(
     let cost = |g: &Graph, image: &Image| {
         cost_together(g, &[&image.coordinates[..], &image.conditions].concat())
     };
+    // What would be the point itself tells nothing of it.
+    let point: Vec<Id> = (0..forward.len()).map(|i| g.get_leaf(Leaf::Out(i as u8))).collect();
+    images.retain(|image| image.coordinates != point);
     let image = images.into_iter().min_by_key(|image| cost(g, image))?;
-    let trivial = |(i, id): (usize, &Id)| *id == g.get_leaf(Leaf::Out(i as u8));
-    let identity = image.coordinates.iter().enumerate().all(trivial);
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
     let shorter = cost(g, &image) < cost_together(g, &otherwise);
-    (!identity && shorter).then_some(image)
+    shorter.then_some(image)
 }
 
 #[cfg(test)]
