@@ -230,13 +230,16 @@ impl<'a> Code<'a> {
         written.map(|(.., name)| name.clone())
     }
 
-    /// A multiple of a product with a constant that is rounded anyway, such as 2 π u: one number times the rest.
+    /// A multiple of a product with a constant that is rounded anyway, such as 2 π u, one number times the rest; or of one
+    /// that is all below the line, the number over the rest.
     fn multiple(&self, id: Id) -> Option<(Q, &'a [(Id, Id)])> {
         let Node::Sum(c, terms) = self.graph.node(id) else { return None };
         let [(q, term)] = terms[..] else { return None };
         let Node::Product(factors) = self.graph.node(term) else { return None };
         let written = self.names.contains_key(&term);
-        (c.is_zero() && !written && self.constant(factors).is_some()).then_some((q, factors))
+        let is_below = |(_, e): &(Id, Id)| self.graph.as_number(*e).is_some_and(Q::is_negative);
+        let is_one = self.constant(factors).is_some() || factors.iter().all(is_below);
+        (c.is_zero() && !written && is_one).then_some((q, factors))
     }
 
     /// The numbers among some factors as one, if one of them has to be rounded.
@@ -427,6 +430,8 @@ impl<'a> Code<'a> {
         if let Some(constant) = constant {
             let scale = <Dd as Number>::from_ratio(q.num(), q.den());
             parts.top.push(number((constant * scale).to_f64()));
+        } else if q != Q::ONE {
+            parts.top.push(number(q.to_f64()));
         }
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
         let roots = factors.iter().filter(|(_, e)| half(e)).count();
