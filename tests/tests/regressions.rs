@@ -324,6 +324,22 @@ fn a_point_inside_the_ball_is_no_direction() {
     assert!(Direction::try_new(f64::NAN, 0.0, 1.0).is_none());
 }
 
+/// The root that its uniforms are found by has forgotten on which side of the first corner a point lies.
+#[test]
+fn a_triangle_does_not_reach_beyond_its_first_corner() {
+    let (a, e, f) =
+        (Vec3::new(0.5, 1.0, -2.0), Vec3::new(1.0, 0.5, 0.0), Vec3::new(-0.5, 1.0, 2.0));
+    let whole = triangle(a, a + e, a + f);
+    let area = 0.5 * e.cross(f).length();
+    for (p, q) in [(0.25, 0.5), (0.5, 0.25), (0.125, 0.125)] {
+        let at = |p: f64, q: f64| whole.pdf(&Surface::from_vec(a + p * e + q * f)).value();
+        close(at(p, q), 1.0 / area);
+        for (p, q) in [(-p, -q), (-p, q), (p, -q), (1.0 - 0.25 * p, 1.0 - 0.25 * q)] {
+            assert_eq!(at(p, q), 0.0, "{p} {q}");
+        }
+    }
+}
+
 #[test]
 fn a_small_triangle_does_not_reach_beyond_its_plane() {
     let (a, e) = (Vec3::new(3.0, -1.0, 2.0), 1e-4);

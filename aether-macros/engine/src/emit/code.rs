@@ -379,10 +379,13 @@ impl<'a> Code<'a> {
         let size = terms.first().map_or(Q::ONE, |(q, _)| q.abs());
         let alike = c.is_zero() && terms.len() > 1 && terms.iter().all(|(q, _)| q.abs() == size);
         if alike && size != Q::ONE {
-            let sign = |q: Q| if q.is_negative() { Q::int(-1) } else { Q::ONE };
+            // A sum of negative terms is a negative sum.
+            let negative = terms.iter().all(|(q, _)| q.is_negative());
+            let sign = |q: Q| if q.is_negative() == negative { Q::ONE } else { Q::int(-1) };
             let signs: Vec<(Q, Id)> = terms.iter().map(|&(q, t)| (sign(q), t)).collect();
             let sum = self.sum(c, &signs);
-            return times(size, &quote!((#sum)));
+            let sum = times(size, &quote!((#sum)));
+            return if negative { quote!(-(#sum)) } else { sum };
         }
         // In the order in which forms were measured: (1 - u) + u p is not (1 + u p) - u.
         let mut out: Option<TokenStream> = None;
