@@ -283,6 +283,7 @@ pub fn cost_together(g: &Graph, ids: &[Id]) -> usize {
             continue;
         }
         total += match g.node(id) {
+            Node::Call(Fun::Abs, _) => 1,
             Node::Call(..) => 12,
             Node::If(..) => 2,
             // Each of its steps computes the body once.

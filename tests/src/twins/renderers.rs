@@ -13,7 +13,7 @@ use integrators::selection::Selection;
 use integrators::work::Work;
 
 use super::bidirectional::{BidirectionalByHand, supports};
-use super::measure::{Kind, Meter, Task};
+use super::measure::{Kind, Meter, Task, is_asked};
 use super::path::PathByHand;
 
 /// How many pixels along each side are looked at, and samples of each.
@@ -147,7 +147,7 @@ fn pair<K: SceneKind>(
     derived: Algorithm,
     by_hand: impl Integrator,
 ) -> Result<(), String> {
-    if !names.is_empty() && !names.iter().any(|part| name.contains(part.as_str())) {
+    if !is_asked(name, names) {
         return Ok(());
     }
     let [derived, by_hand] = kernels::<K>(scene, derived, by_hand)?;

@@ -101,8 +101,8 @@ pub(super) fn back(
         for (i, (&written, &stable)) in problem.outputs.iter().zip(forward).enumerate() {
             let truth: Vec<f64> = cases.iter().map(|c| c.outs[i]).collect();
             let mut forms = Vec::new();
-            for form in [written, stable] {
-                let form = recognised(g, form, &known);
+            let known = [written, stable].map(|form| recognised(g, form, &known));
+            for form in known.concat() {
                 let image = g.substitute(form, &values);
                 let image = solution.spell_out(g, image);
                 forms.extend([image, simplify(g, image, None)]);

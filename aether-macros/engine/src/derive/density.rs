@@ -178,12 +178,13 @@ pub(super) fn density(
         let p = g.powi(v, -1);
         let p = names.iter().fold(p, |p, &(name, value)| g.replace_part(p, value, name));
         for map in [&s.known, &only] {
-            let known = recognised(g, p, map);
-            let mut direct = g.substitute(known, map);
-            direct = g.substitute(direct, &only);
-            let tidy = simplify(g, direct, None);
-            candidates.push(s.spell_out(g, direct));
-            candidates.push(s.spell_out(g, tidy));
+            for known in recognised(g, p, map) {
+                let mut direct = g.substitute(known, map);
+                direct = g.substitute(direct, &only);
+                let tidy = simplify(g, direct, None);
+                candidates.push(s.spell_out(g, direct));
+                candidates.push(s.spell_out(g, tidy));
+            }
         }
     }
     if let Some(&first) = candidates.first() {
@@ -286,20 +287,27 @@ fn divides_by_zero(g: &Graph, id: Id) -> bool {
 }
 
 /// An expression with what a solution knows of more than single unknowns put in, the longest first:
-/// it must be done while the unknowns that it is recognised by are there.
-pub(super) fn recognised(g: &mut Graph, mut id: Id, known: &BTreeMap<Id, Id>) -> Id {
+/// it must be done while the unknowns that it is recognised by are there. It may also be recognised by its powers, which
+/// is another form if there are any.
+pub(super) fn recognised(g: &mut Graph, written: Id, known: &BTreeMap<Id, Id>) -> Vec<Id> {
     let mut composed = known.clone();
     composed.retain(|id, _| !matches!(g.node(*id), Node::Leaf(_)));
     let mut longest: Vec<(Id, Id)> = composed.iter().map(|(part, value)| (*part, *value)).collect();
     longest.sort_by_key(|(part, _)| std::cmp::Reverse(cost(g, *part)));
-    // What one replacement uncovers another may know.
-    for _ in 0..2 {
-        for &(part, value) in &longest {
-            id = g.replace_part(id, part, value);
+    let mut forms = Vec::new();
+    for by in [Graph::replace_part, Graph::replace_powers] {
+        let mut id = written;
+        // What one replacement uncovers another may know.
+        for _ in 0..2 {
+            for &(part, value) in &longest {
+                id = by(g, id, part, value);
+            }
+            id = g.substitute(id, &composed);
         }
-        id = g.substitute(id, &composed);
+        forms.push(id);
     }
-    id
+    forms.dedup();
+    forms
 }
 
 /// A product with the differences between one and shares of a whole, a / (a + b) - 1, as shares.

@@ -92,29 +92,32 @@ impl Graph {
     /// multiple of it among the terms of a sum.
     pub fn replace_part(&mut self, id: Id, part: Id, value: Id) -> Id {
         let mut memo = Map::from_iter([(part, value)]);
-        self.replace_memo(id, part, value, &mut memo)
+        self.replace_memo(id, (part, value, false), &mut memo)
     }
 
-    fn replace_memo(&mut self, id: Id, part: Id, value: Id, memo: &mut Map<Id, Id>) -> Id {
+    /// The same also where integer powers of it are factors.
+    pub fn replace_powers(&mut self, id: Id, part: Id, value: Id) -> Id {
+        let mut memo = Map::from_iter([(part, value)]);
+        self.replace_memo(id, (part, value, true), &mut memo)
+    }
+
+    fn replace_memo(&mut self, id: Id, what: (Id, Id, bool), memo: &mut Map<Id, Id>) -> Id {
         if let Some(&r) = memo.get(&id) {
             return r;
         }
         // What knows less than the part cannot contain it.
-        if self.deps(part) & !self.deps(id) != 0 {
+        if self.deps(what.0) & !self.deps(id) != 0 {
             return id;
         }
-        let taken = self.take_part(id, part, value);
+        let taken = self.take_part(id, what);
         let r = match self.node(taken.unwrap_or(id)).clone() {
             Node::Sum(c, terms) => {
-                let t: Vec<_> = terms
-                    .iter()
-                    .map(|&(q, t)| (q, self.replace_memo(t, part, value, memo)))
-                    .collect();
+                let t: Vec<_> =
+                    terms.iter().map(|&(q, t)| (q, self.replace_memo(t, what, memo))).collect();
                 self.sum(c, &t)
             }
             Node::Product(factors) => {
-                let replaced =
-                    |g: &mut Graph, id, memo: &mut _| g.replace_memo(id, part, value, memo);
+                let replaced = |g: &mut Graph, id, memo: &mut _| g.replace_memo(id, what, memo);
                 let f: Vec<_> = factors
                     .iter()
                     .map(|&(b, e)| (replaced(self, b, memo), replaced(self, e, memo)))
@@ -122,8 +125,7 @@ impl Graph {
                 self.product(&f)
             }
             Node::Call(f, args) => {
-                let a: Vec<_> =
-                    args.iter().map(|&a| self.replace_memo(a, part, value, memo)).collect();
+                let a: Vec<_> = args.iter().map(|&a| self.replace_memo(a, what, memo)).collect();
                 self.call(f, &a)
             }
             _ => taken.unwrap_or(id),
@@ -133,12 +135,13 @@ impl Graph {
     }
 
     /// The node with the part taken out of its factors or terms once.
-    fn take_part(&mut self, id: Id, part: Id, value: Id) -> Option<Id> {
+    fn take_part(&mut self, id: Id, (part, value, powers): (Id, Id, bool)) -> Option<Id> {
         match (self.node(id).clone(), self.node(part).clone()) {
-            (Node::Product(whole), Node::Product(p)) if p.iter().all(|f| whole.contains(f)) => {
-                let one = self.int(1);
-                let mut rest: Vec<_> = whole.into_iter().filter(|f| !p.contains(f)).collect();
-                rest.push((value, one));
+            (Node::Product(whole), Node::Product(p)) => {
+                let power = self.power_in(&whole, &p).filter(|q| powers || *q == Q::ONE)?;
+                let is_taken = |(base, _): &(Id, Id)| p.iter().any(|(b, _)| b == base);
+                let mut rest: Vec<_> = whole.into_iter().filter(|f| !is_taken(f)).collect();
+                rest.push((value, self.number(power)));
                 Some(self.product(&rest))
             }
             (Node::Sum(c, whole), Node::Sum(d, p)) if d.is_zero() => {
@@ -156,6 +159,19 @@ impl Graph {
         }
     }
 
+    /// Which integer power of a product some factors have: u (2 - u) is the square of √u √(2 - u).
+    fn power_in(&self, whole: &[(Id, Id)], part: &[(Id, Id)]) -> Option<Q> {
+        if part.iter().all(|factor| whole.contains(factor)) {
+            return Some(Q::ONE);
+        }
+        let power_of = |&(base, e): &(Id, Id)| {
+            let (_, other) = whole.iter().find(|(b, _)| *b == base)?;
+            self.as_number(*other)?.mul(self.as_number(e)?.recip()?).filter(|q| q.is_int())
+        };
+        let power = power_of(part.first()?)?;
+        part.iter().all(|factor| power_of(factor) == Some(power)).then_some(power)
+    }
+
     /// b^e where the map knows b^f for some other rational f: (b^f)^(e/f).
     fn inverse_power(&mut self, b: Id, e: Id, map: &BTreeMap<Id, Id>) -> Option<(Id, Id)> {
         let e = self.as_number(e)?;
@@ -170,5 +186,30 @@ impl Graph {
             }
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn powers_of_what_is_known_are_recognised() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Out(i), "x", Interval::new(0.0, 9.0)));
+        let s = g.leaf(Leaf::Param(0), "s", Interval::new(0.0, 9.0));
+        let ab = g.mul(a, b);
+        let part = g.sqrt(ab);
+        let (whole, square) = (g.mul(ab, c), g.powi(s, 2));
+        assert_eq!(g.replace_part(whole, part, s), whole);
+        let expected = g.mul(square, c);
+        assert_eq!(g.replace_powers(whole, part, s), expected);
+        // No power of both is left alone.
+        let (other, below) = (g.mul(ab, a), g.powi(ab, -1));
+        assert_eq!(g.replace_powers(other, part, s), other);
+        let expected = g.powi(square, -1);
+        assert_eq!(g.replace_powers(below, part, s), expected);
     }
 }
