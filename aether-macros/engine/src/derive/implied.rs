@@ -27,6 +27,11 @@ pub(super) fn implied(
     solution: &Solution,
     cases: &[Case],
 ) -> BTreeMap<Id, Id> {
+    // No direction lies beside the sphere. There the image tells which preimages rounding has made up, and has to be that
+    // of the unknowns as they are.
+    if problem.parts.iter().any(|part| part.target == Target::Direction) {
+        return BTreeMap::new();
+    }
     let g = &mut problem.graph;
     let values: BTreeMap<Id, Id> = problem
         .unknowns
@@ -44,7 +49,7 @@ pub(super) fn implied(
     }
     let conditions: Vec<Id> =
         solution.conditions.iter().map(|c| solution.spell_out(g, c.0)).collect();
-    for case in beside(problem, cases) {
+    for case in beside(cases) {
         let at = |leaf| case.point.input(leaf, &case.exact_outs);
         let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
         let is_inside = values.values().all(|u| (0.0..1.0).contains(&e.value(*u).to_f64()));
@@ -80,7 +85,7 @@ fn same([one, other]: [Dd; 2]) -> bool {
 }
 
 /// Points of the space beside images, and what some of these are with other signs.
-fn beside(problem: &Problem, cases: &[Case]) -> Vec<Case> {
+fn beside(cases: &[Case]) -> Vec<Case> {
     let mut rng = Rng::new(0xbe51de);
     let tried = cases.iter().filter(|c| c.point.interior && !c.point.stress);
     tried
@@ -90,15 +95,7 @@ fn beside(problem: &Problem, cases: &[Case]) -> Vec<Case> {
                 let sign = if rng.uniform() < FLIPPED { -1.0 } else { 1.0 };
                 *x * Dd::from_f64(sign * (1.0 + far * (2.0 * rng.uniform() - 1.0)))
             };
-            let mut outs: Vec<Dd> = case.exact_outs.iter().map(&mut off).collect();
-            for (part, place) in problem.placed() {
-                if part.target == Target::Direction {
-                    let squares = outs[place.clone()].iter().map(|x| *x * *x);
-                    let length = squares.fold(Dd::from_f64(0.0), |sum, x| sum + x).sqrt();
-                    outs[place].iter_mut().for_each(|x| *x = *x / length);
-                }
-            }
-            case.moved_to(outs)
+            case.moved_to(case.exact_outs.iter().map(&mut off).collect())
         })
         .collect()
 }
