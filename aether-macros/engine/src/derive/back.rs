@@ -92,9 +92,13 @@ pub(super) fn back(
         let rest = g.sum(Q::ONE, &[(Q::int(-1), unknown)]);
         values.extend(complement(g, value).map(|known| (rest, known)));
     }
-    let conditions: Vec<Id> = solution.conditions.iter().map(|c| c.0).collect();
-    let conditions: Vec<Id> = conditions.into_iter().filter(|&c| !never_negative(g, c)).collect();
-    let ways = [(BTreeMap::new(), vec![]), (implied, conditions)];
+    let mut ways = vec![(BTreeMap::new(), vec![])];
+    // Where nothing is implied there is no second way.
+    if !implied.is_empty() {
+        let conditions = solution.conditions.iter().map(|c| c.0);
+        let conditions = conditions.filter(|&c| !never_negative(g, c)).collect();
+        ways.push((implied, conditions));
+    }
     let mut images = vec![];
     for (known, conditions) in ways {
         let mut coordinates = Vec::new();

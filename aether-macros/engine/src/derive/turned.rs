@@ -86,7 +86,7 @@ impl Turned {
                 g.assume(*id, range);
             }
             if let Some(image) = &mut preimage.back {
-                for id in image.shared.iter_mut().chain(&mut image.coordinates) {
+                for id in image.expressions() {
                     *id = g.substitute(*id, &values);
                 }
                 image.coordinates = self.sum(g, &image.coordinates);

@@ -123,15 +123,17 @@ impl<'a> Code<'a> {
                         super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
                     );
                 }
-                node => match (self.multiple(id), self.by_shared(id)) {
-                    (Some((_, factors)), _) => {
-                        open.extend(factors.iter().flat_map(|(b, e)| [(*b, false), (*e, false)]));
+                node => {
+                    let multiple = self.multiple(id).map(|(_, factors)| factors.to_vec());
+                    match multiple.or_else(|| self.by_shared(id)) {
+                        Some(factors) => {
+                            open.extend(
+                                factors.into_iter().flat_map(|(b, e)| [(b, false), (e, false)]),
+                            );
+                        }
+                        None => open.extend(children(node).into_iter().map(|c| (c, false))),
                     }
-                    (_, Some(factors)) => {
-                        open.extend(factors.iter().flat_map(|(b, e)| [(*b, false), (*e, false)]));
-                    }
-                    _ => open.extend(children(node).into_iter().map(|c| (c, false))),
-                },
+                }
             }
         }
         self.reference(id)
