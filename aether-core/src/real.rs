@@ -338,8 +338,8 @@ macro_rules! host {
             <$t>::powi(self, exponent)
         }
         forward! { $t:
-            cbrt(); exp(); exp_m1(); ln(); ln_1p(); powf(exponent); sin(); cos(); tan(); asin();
-            acos(); atan(); atan2(x); sinh(); cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
+            cbrt(); exp(); exp_m1(); ln(); ln_1p(); powf(exponent); tan(); asin(); acos(); atan(); sinh();
+            cosh(); tanh(); asinh(); acosh(); atanh(); hypot(other);
         }
     };
 }
@@ -347,13 +347,25 @@ macro_rules! host {
 #[cfg(feature = "portable")]
 impl_real! { f32; crate::kernels::single_precision! { f32 } }
 #[cfg(not(feature = "portable"))]
-impl_real! { f32; host! { f32 }
+impl_real! { f32; host! { f32 } forward! { f32: sin(); cos(); atan2(x); }
     #[inline(always)]
     fn sin_cos_pi(self) -> (f32, f32) {
         crate::kernels::sin_cos_pi(self)
     }
 }
 impl_real! { f64; host! { f64 }
+    #[inline(always)]
+    fn sin(self) -> f64 {
+        crate::kernels::double::sin_cos(self).0
+    }
+    #[inline(always)]
+    fn cos(self) -> f64 {
+        crate::kernels::double::sin_cos(self).1
+    }
+    #[inline(always)]
+    fn atan2(self, x: f64) -> f64 {
+        crate::kernels::double::atan2(self, x)
+    }
     #[inline(always)]
     fn sin_cos_pi(self) -> (f64, f64) {
         crate::kernels::sin_cos_pi_double(self)

@@ -117,6 +117,12 @@ pub fn far_from<R: Real>(x: R, low: R, high: R) -> R::Mask {
     x.lt(low - slack).or(x.gt(high + slack))
 }
 
+/// The same of an interval whose ends come in any order.
+#[inline(always)]
+pub fn far_from_both<R: Real>(x: R, one: R, other: R) -> R::Mask {
+    far_from(x, one.min(other), one.max(other))
+}
+
 /// What is no rounding error any more, relative to one: 2³⁷ roundings, or an eighth.
 #[inline(always)]
 fn rounding_slack<R: Real>() -> R {

@@ -626,3 +626,29 @@ fn what_may_be_less_than_zero_is_as_large_as_what_it_is_the_difference_of() {
     // Not that of what is plainly too long.
     assert!(beyond_a_right_angle(3e-9_f64, 4e-9, 6e-9).sample([0.0]).value().is_nan());
 }
+
+#[test]
+fn ends_may_come_in_any_order() {
+    // Free flight up to d, also backwards.
+    for d in [1.2, -1.2, 1e-9, -1e-9] {
+        let flight = truncated_exponential(0.7, d);
+        let density = |x: f64| (-0.7 * x).exp() * 0.7 / (-0.7 * d).exp_m1().abs();
+        for part in [0.0, 1e-12, 0.3, 1.0 - 1e-12] {
+            close(flight.pdf(&(part * d)).value(), density(part * d));
+        }
+        for part in [-5.0, -0.2, -1e-3, 1.001, 1.2, 7.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(flight.pdf(&(part * d)).value(), 0.0, "{part} of {d}");
+        }
+    }
+    // A root of a uniform lies below one, its inverse above.
+    for (k, inside, outside) in
+        [(2.5, [0.2, 0.999], [1.001, 1.5, -0.2]), (-2.5, [1.001, 40.0], [0.999, 0.2, -3.0])]
+    {
+        for x in inside {
+            close(power(k).pdf(&x).value(), 2.5 * x.powf(k - 1.0));
+        }
+        for x in outside {
+            assert_eq!(power(k).pdf(&x).value(), 0.0, "{x} to {k}");
+        }
+    }
+}

@@ -9,7 +9,7 @@
 //!
 //! `Lanes` computes with them. `f32` does with the feature `portable` only: for one number, the tables
 //! and fused operations of a good host library are faster. Sines and cosines of fractions of a turn, which hosts do not have,
-//! are those of `turns.rs` in every type, also in double precision.
+//! are those of `turns.rs` in every type, also in double precision; `f64` has some others of its own (`double.rs`).
 //!
 //! Reductions: n π/2 is subtracted from angles, n ln 2 from exponents (Cody and Waite 1980); logarithms
 //! are 2 atanh((m - 1) / (m + 1)) of the mantissa m in [1/√2, √2]; an inverse tangent is that of
@@ -17,6 +17,7 @@
 //! are Chebyshev interpolations of the exact functions, computed with 40 digits.
 
 mod circular;
+pub(crate) mod double;
 mod exponential;
 mod turns;
 

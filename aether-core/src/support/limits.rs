@@ -15,7 +15,14 @@ pub fn finite<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
 /// What `value` finds where it is told which lanes have finite numbers.
 #[inline(always)]
 pub fn where_finite<R: Real, const M: usize>(x: &[R; M], value: impl Fn(R::Mask) -> R) -> R {
-    if together(x).all() { value(R::Mask::TRUE) } else { value(each_finite(*x)) }
+    if together(x).all() { value(R::Mask::TRUE) } else { rarely_finite(*x, value) }
+}
+
+/// Apart from what is usual, so that the compiler does not let both end in one place.
+#[cold]
+#[inline(never)]
+fn rarely_finite<R: Real, const M: usize>(x: [R; M], value: impl Fn(R::Mask) -> R) -> R {
+    value(each_finite(x))
 }
 
 /// Whether numbers are finite by their sum, which may overflow.

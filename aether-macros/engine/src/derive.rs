@@ -20,6 +20,7 @@ mod near_one;
 mod opposed;
 mod parts;
 mod regimes;
+mod rooted;
 mod sample;
 mod shares;
 mod signs;

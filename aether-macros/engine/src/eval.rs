@@ -5,7 +5,7 @@ mod memo;
 
 use self::column::{Column, Quotient};
 use self::memo::Memo;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, power_below};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, divided};
 use crate::number::Number;
 use crate::rational::Q;
 
@@ -133,11 +133,13 @@ impl<T: Number, C: Column<T>> Evaluated<'_, T, C> {
             let b = part(b);
             let b = b.as_ref();
             match graph.as_number(e) {
-                Some(q) => match power_below(q, &shared) {
-                    Some(power) => {
-                        let place = shared.iter().position(|p| *p == power).unwrap_or(0);
-                        let times = Q::new(q.num(), power.num()).unwrap_or(q);
-                        quotients[place].push(b, times, like);
+                Some(q) => match divided(q, &shared) {
+                    Some(by) => {
+                        let place = shared.iter().position(|p| *p == by.power).unwrap_or(0);
+                        quotients[place].push(b, by.times, like);
+                        if !by.rest.is_zero() {
+                            quotient.push(b, by.rest, like);
+                        }
                     }
                     None => quotient.push(b, q, like),
                 },

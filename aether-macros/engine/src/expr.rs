@@ -12,7 +12,7 @@ mod root;
 mod substitute;
 mod sum;
 
-pub use power::{Together, power_below};
+pub use power::{Together, divided};
 pub use root::{BOUNDS, Root};
 
 use std::cell::RefCell;

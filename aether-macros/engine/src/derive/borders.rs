@@ -22,8 +22,8 @@ pub struct Border {
     pub coordinate: Id,
     /// Where it goes as the unknown goes to 0, and to 1.
     pub ends: [Limit; 2],
-    /// Whether it rises with the unknown.
-    pub rising: bool,
+    /// Whether it rises with the unknown; `None` where parameters decide.
+    pub rising: Option<bool>,
 }
 
 impl Border {
@@ -39,7 +39,7 @@ impl Border {
 
 /// Finds the borders of the unknowns of a sampler's only preimage, which is that of the solution `s`; `forward` are the
 /// coordinates in another form. Where parameters decide which end is the lower one, the place between them is what is
-/// tested.
+/// tested of a point next to them.
 pub(super) fn find_borders(
     problem: &mut Problem,
     forward: &[Id],
@@ -60,18 +60,19 @@ pub(super) fn find_borders(
             let g = &mut problem.graph;
             let coordinate = g.get_leaf(Leaf::Out(k as u8));
             let (ends, rising) = ends(g, (coordinate, forms), problem.unknowns[i])?;
-            let border = Border { coordinate, ends, rising: rising.unwrap_or(true) };
+            let border = Border { coordinate, ends, rising };
             let held = cases.iter().all(|case| holds(g, &border, case));
-            held.then_some(((i, k), border, rising.is_some()))
+            held.then_some(((i, k), border))
         });
-        let Some(((i, k), border, ordered)) = next else { return };
+        let Some(((i, k), border)) = next else { return };
         told.push(Told { unknown: i, coordinate: k, values: values(&problem.graph, &border) });
-        if ordered {
+        if border.rising.is_some() {
             preimage.borders[i] = Some(border);
         } else if let Some(place) = place(&mut problem.graph, &border)
             && cost(&problem.graph, place) < cost(&problem.graph, preimage.tested[i])
         {
             preimage.tested[i] = place;
+            preimage.borders[i] = Some(border);
         }
     }
 }

@@ -9,7 +9,7 @@ use super::near_one::by_the_rest;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
-use super::units::{Stretched, by_the_other_side, by_the_others};
+use super::units::{Stretched, by_one, by_the_other_side, by_the_others};
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -126,6 +126,13 @@ impl Sums<'_> {
         forms.extend(by_the_rest(g, id));
         forms
     }
+
+    /// Forms of an expression of a direction in which the squares of two coordinates are told by the third.
+    fn by_one(&self, g: &mut Graph, id: Id) -> Vec<Id> {
+        let units = self.units.iter().filter(|_| self.is_direction);
+        let each = units.flat_map(|unit| unit.iter().map(move |&x| (unit, x)));
+        each.filter_map(|(unit, x)| by_one(g, id, unit, x)).collect()
+    }
 }
 
 /// Whether the coordinate itself is a divisor: x^k / x is 0/0 at zero, where x^(k - 1) has a value.
@@ -230,7 +237,9 @@ pub(super) fn density(
     let (mut best, mut error) = pick(g, &all, &truth, measure);
     if cost(g, best) > LONG || error > 64.0 * f64::EPSILON {
         crate::poly::refill_budget(8);
-        all.extend(by_the_inverse(problem, s));
+        let inverse = by_the_inverse(problem, s);
+        all.extend(inverse);
+        all.extend(inverse.into_iter().flat_map(|form| sums.by_one(&mut problem.graph, form)));
         sums.extend(&mut problem.graph, &mut all);
         (best, error) = pick(&mut problem.graph, &all, &truth, measure);
     }

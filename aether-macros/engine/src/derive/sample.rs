@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::factored::factored;
+use super::rooted::by_its_roots;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::{Map, Set};
 use crate::jacobian::cost_together;
@@ -49,7 +50,8 @@ pub(super) fn at_the_sample(
         g.powi(there, -1)
     };
     let short = factored(g, &[own])[0];
-    let mut forms = vec![sample(forward, g), by_its_angles(g, own, forward), short];
+    let rooted = by_its_roots(g, own);
+    let mut forms = vec![sample(forward, g), by_its_angles(g, own, forward), short, rooted];
     forms.push(by_its_angles(g, short, forward));
     let old = measure.errors_of(g, own, own).loss();
     if old.worst() > GOOD && !gaps.is_empty() {

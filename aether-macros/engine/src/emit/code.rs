@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 use super::circular::circular_pairs;
 use super::powers::{Related, related};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, children, power_below};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, children, divided};
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 
@@ -439,12 +439,16 @@ impl<'a> Code<'a> {
             parts.top.push(number(q.to_f64()));
         }
         let half = |e: &Id| self.graph.as_number(*e).is_some_and(|q| q.den() == 2);
-        let roots = factors.iter().filter(|(_, e)| half(e)).count();
+        // One that is known need not be taken together with others.
+        let is_known = |b: &Id| self.rescued.contains_key(b);
+        let roots = factors.iter().filter(|(b, e)| half(e) && !is_known(b)).count();
         let side = self.side_of_roots(factors);
         let shared = self.graph.shared_powers(factors);
-        parts.top.extend(shared.iter().map(|&power| {
-            self.power_of_quotient(factors, |q| Some(power) == power_below(q, &shared), power)
-        }));
+        for &power in &shared {
+            let times = |q| divided(q, &shared).filter(|by| by.power == power).map(|by| by.times);
+            parts.push_whole(self.power_of_quotient(factors, times, power), power.is_negative());
+        }
+        let rest = |q: Q| divided(q, &shared).map(|by| by.rest);
         let sum = self.sum_over_sum(factors);
         for (b, e) in factors {
             if sum == Some(*b) {
@@ -458,8 +462,8 @@ impl<'a> Code<'a> {
                 base = quote!(::aether_core::support::not_negative(#base, || #scale));
             }
             match exponent {
-                Some(q) if power_below(q, &shared).is_some() => {}
-                Some(q) if q.abs() == Q::HALF && roots == 1 => {
+                Some(q) if rest(q).is_some() => rest(q).iter().for_each(|q| parts.push(&base, *q)),
+                Some(q) if q.abs() == Q::HALF && (roots == 1 || is_known(b)) => {
                     let root = self.root(*b, &base);
                     parts.push_whole(root, q.is_negative());
                 }
@@ -567,22 +571,23 @@ impl<'a> Code<'a> {
         above.filter(|_| below && small).map(|(b, _)| *b)
     }
 
-    /// The factors with this power, above and below the line, as a power of the quotient: it stays in range
-    /// where the powers do not. So do those with a multiple of it.
+    /// The factors that have a power so many `times` in them, above and below the line, as that of the quotient: it stays
+    /// in range where the powers do not. It is what stands below the line, if the power is negative.
     fn power_of_quotient(
         &self,
         factors: &[(Id, Id)],
-        is_in: impl Fn(Q) -> bool,
+        times: impl Fn(Q) -> Option<Q>,
         power: Q,
     ) -> TokenStream {
         let mut quotient = Parts::default();
         for (b, e) in factors {
-            if let Some(q) = self.graph.as_number(*e).filter(|&q| is_in(q)) {
-                let times = integer_power(&self.reference(*b), q.num().abs() / power.num());
-                quotient.push_whole(times, q.is_negative());
+            if let Some(times) = self.graph.as_number(*e).and_then(&times) {
+                let all = integer_power(&self.reference(*b), times.num().abs());
+                quotient.push_whole(all, times.is_negative());
             }
         }
-        let (quotient, power_of) = (quotient.finish(), integer_power(&quote!(q), power.num()));
+        let quotient = quotient.finish();
+        let power_of = integer_power(&quote!(q), power.num().abs());
         quote!({ let q = #quotient; #power_of })
     }
 
@@ -806,10 +811,15 @@ mod tests {
     #[test]
     fn exponents_belong_to_one_power() {
         let powers = [2, 4, 3].map(Q::int);
-        assert_eq!(power_below(Q::int(-4), &powers), Some(Q::int(4)));
-        assert_eq!(power_below(Q::int(6), &powers), Some(Q::int(2)));
-        assert_eq!(power_below(Q::int(9), &powers), Some(Q::int(3)));
-        assert_eq!(power_below(Q::int(-1), &powers), None);
-        assert_eq!(power_below(Q::HALF, &powers), None);
+        let by = |exponent| {
+            let by = divided(exponent, &powers)?;
+            Some((by.power.num(), by.times.num(), by.rest.num()))
+        };
+        assert_eq!(by(Q::int(7)), Some((2, 3, 1)));
+        assert_eq!(by(Q::int(-4)), Some((4, -1, 0)));
+        assert_eq!(by(Q::int(6)), Some((2, 3, 0)));
+        assert_eq!(by(Q::int(9)), Some((3, 3, 0)));
+        assert_eq!(by(Q::int(-1)), None);
+        assert_eq!(by(Q::HALF), None);
     }
 }

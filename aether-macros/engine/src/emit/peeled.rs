@@ -148,11 +148,11 @@ fn unknown_power(g: &Graph, id: Id) -> Option<(Id, Id)> {
     (g.as_number(exponent).is_none() && g.range(exponent).lo <= 0.0).then_some((base, exponent))
 }
 
-/// The tests of an unknown, as far as its range leaves them open; `all` asks for both sides.
-pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
+/// The tests of an unknown, as far as its range leaves them open.
+pub(super) fn unit_test(code: &mut Code, id: Id) -> UnitTest {
     let g = code.graph();
     let range = g.range(id);
-    let sides = [all || range.lo < 0.0, all || !range.at_most_one()];
+    let sides = [range.lo < 0.0, !range.at_most_one()];
     let mut peeled = peel(g, id);
     if peeled.bounds[1].is_none() || peeled.bounds[2].is_none() {
         peeled = peel_nothing(id);
@@ -161,9 +161,11 @@ pub(super) fn unit_test(code: &mut Code, id: Id, all: bool) -> UnitTest {
     if let Some((base, exponent)) = unknown_power(g, id) {
         let (base, exponent) = (code.value(base), code.value(exponent));
         // Below one if the base is and the exponent is positive, or if neither is so.
-        let inside =
-            quote!(.and(#base.ge(R::ZERO)).and(((#base - R::ONE) * #exponent).lt(R::ZERO)));
-        return UnitTest { inside, near: None, bounded: None };
+        let beyond = quote!((#base - R::ONE) * #exponent);
+        let inside = quote!(.and(#base.ge(R::ZERO)).and((#beyond).lt(R::ZERO)));
+        let far = number(FAR);
+        let near = quote!(.and(#base.lt(-#far).or((#beyond).gt(#exponent.abs() * #far)).not()));
+        return UnitTest { inside, near: Some(near), bounded: None };
     }
     let value = place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner));
     let above = |bound: f64, equal: bool| match (falling, equal) {

@@ -27,9 +27,9 @@ fn units(place: Place) -> [Vec<usize>; 2] {
 
 fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
     match (&place.preimage.borders[i], &place.preimage.signs[i]) {
-        (Some(border), _) => border_test(code, border),
+        (Some(border), _) => border_test(code, border, place.preimage.tested[i]),
         (None, Some(signs)) => sign_test(code, signs),
-        (None, None) => unit_test(code, place.preimage.tested[i], false),
+        (None, None) => unit_test(code, place.preimage.tested[i]),
     }
 }
 

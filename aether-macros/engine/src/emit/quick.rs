@@ -155,8 +155,8 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
     let elsewhere = (!belongs_first(e, places) && !tells_finite(e, place)).then(elsewhere);
     let again = e.read_again();
-    // Nothing is added to where all others are excluded.
-    let alone = excluding(e, place, places).count() + 1 == places.len();
+    // Nothing is added to where all others are excluded, or come later.
+    let alone = k == 0 || excluding(e, place, places).count() + 1 == places.len();
     let counted = if alone { quote!(sum = #value;) } else { quote!(sum += #value;) };
     let accepted = quote! {
         #elsewhere

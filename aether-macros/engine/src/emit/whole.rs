@@ -103,7 +103,7 @@ impl Support {
             return quote!({ let belongs = <R::Mask as Mask>::TRUE; #density });
         }
         let (_, m, _) = e.sizes();
-        quote!(::aether_core::support::where_finite::<R, #m>(&x, |belongs| #density))
+        quote!(::aether_core::support::where_finite::<R, #m>(&x, move |belongs| #density))
     }
 
     /// Whether a point with finite coordinates `x` belongs to it, where rounding may have moved it.

@@ -23,18 +23,23 @@ impl Together {
 }
 
 impl Graph {
-    /// Integer powers, from squares on, that occur both above and below the line.
+    /// Integer powers, from squares on, that several factors have in them, above and below the line or on the same side:
+    /// that of their product or quotient is shorter and stays in range. It is negative where all are below the line.
     pub fn shared_powers(&self, factors: &[(Id, Id)]) -> Vec<Q> {
-        let below = |(_, e): &(Id, Id)| self.as_number(*e).is_some_and(|q| q.num() < -1);
-        if !factors.iter().any(below) {
-            return vec![];
-        }
-        let exponents: Vec<Q> = factors.iter().filter_map(|(_, e)| self.as_number(*e)).collect();
-        let mut shared = Vec::new();
-        for power in exponents.iter().map(|q| q.abs()).filter(|q| q.is_int() && *q > Q::ONE) {
-            let both = exponents.contains(&power) && exponents.contains(&power.neg());
-            if both && !shared.contains(&power) {
-                shared.push(power);
+        let exponents = factors.iter().filter_map(|&(b, e)| Some((b, self.as_number(e)?)));
+        let large = |q: &Q| q.is_int() && q.abs() > Q::ONE;
+        let exponents: Vec<(Id, Q)> = exponents.filter(|(_, q)| large(q)).collect();
+        let mut shared: Vec<Q> = Vec::new();
+        for &(base, q) in &exponents {
+            let known = |power: &Q| power.abs() == q.abs();
+            // Numbers on one side are a factor by themselves.
+            let within = |&(b, e): &(Id, Q)| {
+                let on_one_side = e.is_negative() == q.is_negative() && e.abs() >= q.abs();
+                b != base && on_one_side && self.deps(b) != 0 && self.deps(base) != 0
+            };
+            let opposite = exponents.iter().any(|(_, e)| *e == q.neg());
+            if (opposite || exponents.iter().any(within)) && !shared.iter().any(known) {
+                shared.push(if opposite { q.abs() } else { q });
             }
         }
         shared
@@ -89,11 +94,28 @@ fn is_short(q: Q) -> bool {
     q.den() <= 2 && q.num().abs() <= 8
 }
 
-/// Which of some powers a whole exponent is a multiple of: of that itself, if it is among them.
-pub fn power_below(exponent: Q, powers: &[Q]) -> Option<Q> {
-    let divides = |power: &Q| exponent.is_int() && exponent.num() % power.num() == 0;
-    let same = powers.iter().find(|&&power| power == exponent.abs());
-    same.or_else(|| powers.iter().find(|power| divides(power))).copied()
+/// A power as another one and what is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Divided {
+    /// The other power.
+    pub power: Q,
+    /// How often it is in there.
+    pub times: Q,
+    /// What is left.
+    pub rest: Q,
+}
+
+/// A whole exponent by one of some powers: by that itself, if it is among them, or one that divides it, or one that is
+/// smaller.
+pub fn divided(exponent: Q, powers: &[Q]) -> Option<Divided> {
+    let by = |power: Q| {
+        let times = Q::int(i64::try_from(exponent.num() / power.num()).ok()?);
+        Some(Divided { power, times, rest: exponent.add(times.mul(power)?.neg())? })
+    };
+    let all: Vec<Divided> = powers.iter().filter_map(|&power| by(power)).collect();
+    let all = || all.iter().copied().filter(|by| exponent.is_int() && !by.times.is_zero());
+    let same = all().find(|by| by.power.abs() == exponent.abs());
+    same.or_else(|| all().find(|by| by.rest.is_zero())).or_else(|| all().next())
 }
 
 #[cfg(test)]
@@ -127,6 +149,16 @@ mod tests {
         let expected = f64::exp(-0.1) / 0.09;
         let value = evaluate::<f64>(&g, id, &at);
         assert!((value / expected - 1.0).abs() < 1e-5, "{value}, {expected}");
+        // Squares on one side are that of a product, also as parts of other powers.
+        let (square, cube) = (g.int(-2), g.int(-3));
+        let below = g.product(&[(a, square), (b, cube)]);
+        let factors = g.factors(below);
+        let shared = g.shared_powers(&factors);
+        assert_eq!(shared, [Q::int(-2)]);
+        let (power, rest) = (Q::int(-2), Q::int(-1));
+        let expected = Divided { power, times: Q::ONE, rest };
+        assert_eq!(divided(Q::int(-3), &shared), Some(expected));
+        assert_eq!(divided(Q::int(1), &shared), None);
         // Powers that do not divide each other are left alone, and so are others.
         let product = g.product(&[(a, above), (b, n)]);
         let factors = g.factors(product);
