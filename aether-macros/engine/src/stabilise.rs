@@ -582,6 +582,11 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let top = g.sum(Q::ZERO, &[(Q::ONE, a2), (q.mul(q)?.neg(), b2)]);
     let top = Expander::new(g).normal_form(top).unwrap_or(top);
     let bottom = g.sum(Q::ZERO, &[(Q::ONE, rest), (q.neg(), root)]);
+    let plain = g.sum(c, terms);
+    // What is long has terms that cancel in other places, which no point that is tried may show.
+    if cost(g, top) > LONGER * cost(g, plain) {
+        return None;
+    }
     let form = g.div(top, bottom);
     let other = g.sum(Q::ZERO, &[(q, root)]);
     let opposed = g.mul(rest, other);
@@ -591,9 +596,11 @@ fn conjugate(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     if g.range(opposed).nonnegative() {
         return None;
     }
-    let plain = g.sum(c, terms);
     Some(g.if_positive(opposed, plain, form))
 }
+
+/// How many times as long as a difference that of its squares may be.
+const LONGER: usize = 3;
 
 /// 1 - a / (1 + a) as 1 / (1 + a): over a sum that divides one of the terms, without multiplying anything out.
 pub(crate) fn over_sum(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
