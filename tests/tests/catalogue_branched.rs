@@ -214,7 +214,7 @@ batteries! { [double single]
     row_66_concentric_hemisphere: concentric_hemisphere();
     row_67_equal_area_octahedral: equal_area_octahedral();
     row_70_seen_triangle: right(seen_triangle(corners()[0], corners()[1], corners()[2]));
-    row_71_seen_rectangle: right(seen_rectangle(0.25, -0.375, 1.25, 0.75, -1.0));
+    row_71_seen_rectangle: right(seen_rectangle(-0.5, -0.375, 1.25, 0.75, -1.0));
     row_75_henyey_greenstein: right(henyey_greenstein(0.75)), right(henyey_greenstein(-0.5));
     row_76_rayleigh: rayleigh();
     row_77_transformed_cosine: transformed_cosine(matrix());
