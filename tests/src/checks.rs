@@ -1,7 +1,8 @@
 //! What tests say of samplers in one line.
 
 use aether_core::battery::{Battery, Report, Space, Verdict};
-use aether_core::{DomainError, Sampler};
+use aether_core::prelude::{Direction, Vec3};
+use aether_core::{DomainError, Sampler, Scalar};
 
 use crate::mutation::OnePercentOff;
 
@@ -54,6 +55,31 @@ pub fn covered_by<S: Sampler<f64>>(
     let off: Report =
         Battery::new(&off).samples(samples).evaluations(evaluations).parametrised(cover).run();
     assert!(off.failures().any(|f| f.check == "mass"), "{off}");
+}
+
+/// The battery for directions in which the rectangle with the corners (x0, y0, z0) and (x1, y1, z0) is seen, over the plane
+/// of the rectangle: there the cubature can end its cells where the rectangle ends. On the sphere its sides lie slanted
+/// in them, and by chance it stays coarse. Twice as much of the plane is looked at as the rectangle has in each direction.
+///
+/// # Panics
+/// If a check fails.
+pub fn seen_in_its_plane<R: Scalar, S>(sampler: &S, [x0, y0, x1, y1, z0]: [f64; 5])
+where
+    S: Sampler<R, Point = Direction<R>>,
+    Direction<R>: Space<R>,
+{
+    let wide = |t: f64, low: f64, high: f64| low + (2.0 * t - 0.5) * (high - low);
+    let cover = |t: &[f64]| {
+        let corner = [wide(t[0], x0, x1), wide(t[1], y0, y1), z0].map(R::of);
+        Direction::from_vec(Vec3::new(corner[0], corner[1], corner[2]).normalize())
+    };
+    let place = |w: &[f64]| {
+        let narrow =
+            |x: f64, low: f64, high: f64| 0.25 + 0.5 * (x * z0 / w[2] - low) / (high - low);
+        vec![narrow(w[0], x0, x1), narrow(w[1], y0, y1)]
+    };
+    let battery = Battery::<_, R>::new(sampler).parametrised(cover).located(place);
+    battery.jumps(0, [0.25, 0.75]).jumps(1, [0.25, 0.75]).run().assert_ok();
 }
 
 /// A module of tests for each line, `name: sampler, sampler, ...;`. The list before says which tests:

@@ -8,7 +8,7 @@ use aether_core::battery::Battery;
 use aether_core::prelude::*;
 use tests::batteries;
 use tests::catalogue::*;
-use tests::checks::right;
+use tests::checks::{right, seen_in_its_plane};
 use tests::compare::{IllConditioned, failures, unnoticed, wrong_densities};
 use tests::reference::{Inputs, Reference};
 
@@ -193,6 +193,15 @@ fn row_101_lines_in_the_plane_of_the_opening() {
 fn row_104_tetrahedron() {
     let [a, b, c, d] = corners::<f64>();
     Battery::new(&tetrahedron(a, b, c, d)).least(1e-30).run().assert_ok();
+}
+
+#[test]
+fn row_71_seen_rectangle_passes_the_battery_in_its_plane() {
+    let corners = [0.25, -0.375, 1.25, 0.75, -1.0];
+    let [x0, y0, x1, y1, z0] = corners;
+    seen_in_its_plane(&right(seen_rectangle(x0, y0, x1, y1, z0)), corners);
+    let [x0, y0, x1, y1, z0] = corners.map(|x| x as f32);
+    seen_in_its_plane(&right(seen_rectangle(x0, y0, x1, y1, z0)), corners);
 }
 
 batteries! { [double single]
