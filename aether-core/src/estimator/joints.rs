@@ -24,7 +24,7 @@ use crate::sequence::{
 };
 use crate::strategy::{Dirac, Strategy};
 pub(crate) use known::Joints;
-use known::{Question, Stop};
+use known::{Question, Stop, Tail};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -222,6 +222,7 @@ where
             let own = tape.own(path, k).unwrap_or_else(|| arena.factor(place, k, path));
             Stop { id, visible, fixed, own: PathDensity::new(own) }
         }));
+        side.find_tails(end);
         side.questions.clear();
         side.steady.clear();
         for k in 0..place.len as usize {
@@ -329,25 +330,23 @@ where
     #[inline]
     fn joined(&self, joint: Joint) -> Joined<'r, I::Vertex> {
         let (tape, [first, second]) = (self.tape, &self.joints.sides);
-        let mut window = Window { vertices: [None; WINDOW], sees_next: 0, fixed: 0 };
-        let mut put = |place: usize, stop: &Stop<RealOf<I>>, neighbour: usize| {
-            window.vertices[place] = tape.vertex_of(stop.id);
-            window.sees_next |= u16::from(stop.visible) << neighbour;
-            window.fixed |= u16::from(stop.fixed) << place;
+        let ahead = &first.tails[joint.first];
+        let behind = match joint.last {
+            Some(_) => &Tail::EMPTY,
+            None => &second.tails[joint.length - joint.first],
         };
-        for (k, stop) in first.stops[..joint.first].iter().rev().take(LAST).enumerate() {
-            put(BEHIND - 1 - k, stop, BEHIND - 2 - k);
-        }
+        let [[a, b, c], [d, e, f]] =
+            [ahead, behind].map(|tail| tail.ids.map(|id| tape.vertex_of(id)));
+        let mut window = Window {
+            vertices: [None, None, c, b, a, d, e, f, None, None],
+            sees_next: ahead.sees_next | behind.sees_next,
+            fixed: ahead.fixed | behind.fixed,
+        };
         if let Some(last) = joint.last {
             let (vertex, visible, dirac) = tape.kept(last as usize);
             window.vertices[BEHIND] = vertex;
             window.sees_next |= u16::from(visible) << (BEHIND - 1);
             window.fixed |= u16::from(dirac == Some(Dirac::Position)) << BEHIND;
-        } else {
-            let behind = &second.stops[..joint.length - joint.first];
-            for (k, stop) in behind.iter().rev().take(LAST).enumerate() {
-                put(BEHIND + k, stop, BEHIND + k);
-            }
         }
         Joined { joint, window }
     }

@@ -1,8 +1,9 @@
 //! What is remembered of two walks, and of how their vertices could have been made.
 
-use super::Walk;
+use super::{BEHIND, End, Walk};
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
+use crate::sequence::{LAST, NONE};
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
@@ -23,6 +24,38 @@ pub(super) struct Stop<R> {
     pub own: PathDensity<R>,
 }
 
+/// What a window shows of a piece of a walk: its last vertices, next to the joint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tail {
+    /// Their ids, beginning at the joint; [`NONE`] where the piece has no more.
+    pub ids: [u32; LAST],
+    /// A bit for each place of the window from which the next one is known to be seen.
+    pub sees_next: u16,
+    /// A bit for each place of the window whose vertex can be nowhere else.
+    pub fixed: u16,
+}
+
+impl Tail {
+    /// That of no vertices.
+    pub const EMPTY: Tail = Tail { ids: [NONE; LAST], sees_next: 0, fixed: 0 };
+
+    /// That of the first vertices of a walk.
+    fn of<R>(stops: &[Stop<R>], end: End) -> Tail {
+        let mut tail = Tail::EMPTY;
+        for (k, stop) in stops.iter().rev().take(LAST).enumerate() {
+            // The edge to the vertex before, which is further away from the joint, has the number of its first place.
+            let (place, edge) = match end {
+                End::First => (BEHIND - 1 - k, BEHIND - 2 - k),
+                End::Second => (BEHIND + k, BEHIND + k),
+            };
+            tail.ids[k] = stop.id;
+            tail.sees_next |= u16::from(stop.visible) << edge;
+            tail.fixed |= u16::from(stop.fixed) << place;
+        }
+        tail
+    }
+}
+
 /// What is known of one of two walks.
 #[derive(Clone, Debug)]
 pub(super) struct Side<R> {
@@ -30,6 +63,8 @@ pub(super) struct Side<R> {
     pub walk: Option<Walk>,
     /// Its vertices.
     pub stops: Vec<Stop<R>>,
+    /// What is next to a joint, by the number of vertices of the piece.
+    pub tails: Vec<Tail>,
     /// How each of its steps makes a vertex, or would.
     pub questions: Vec<Question>,
     /// The first one of those up to each step that make their vertices alike.
@@ -46,6 +81,12 @@ pub(super) struct Side<R> {
 }
 
 impl<R: Scalar> Side<R> {
+    /// Finds what is next to a joint of any piece, now that the vertices are known.
+    pub fn find_tails(&mut self, end: End) {
+        self.tails.clear();
+        self.tails.extend((0..=self.stops.len()).map(|len| Tail::of(&self.stops[..len], end)));
+    }
+
     /// Leaves no sum but the first one.
     pub fn forget_sums(&mut self) {
         self.sums.clear();
@@ -73,6 +114,7 @@ impl<R: Scalar> Joints<R> {
         let side = || Side {
             walk: None,
             stops: Vec::new(),
+            tails: Vec::new(),
             questions: Vec::new(),
             steady: Vec::new(),
             ratios: Vec::new(),
