@@ -58,9 +58,14 @@ pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     if usual.all() { sum.sqrt() } else { scaled_root(sum, scaled) }
 }
 
+/// Takes the closure by value, as what is rare does, and hands it on as one of any type: what follows is compiled once.
 #[cold]
 #[inline(never)]
 fn scaled_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
+    scaled_root_by(sum, &scaled)
+}
+
+fn scaled_root_by<R: Real>(sum: R, scaled: &dyn Fn(R) -> R) -> R {
     let small = sum.lt(R::MIN_POSITIVE / R::EPSILON);
     // Large numbers overflow, if they are multiplied by what brings the smallest ones, or squares of small ones
     // with small factors, up to one.
@@ -215,6 +220,9 @@ pub fn lane<R: Real, const N: usize>(x: &[R; N], i: usize) -> [R::Lane; N] {
     x.map(|x| x.lane(i))
 }
 
+/// A map of uniforms whose errors are known.
+pub type Tracking<'f, T, const N: usize, const M: usize> = &'f dyn Fn(&[T; N]) -> [T; M];
+
 /// Uniforms that count although they came out beyond their interval, and by how much they may be off.
 pub type Rounded<R, const N: usize> = ([R; N], [R; N]);
 
@@ -231,9 +239,17 @@ pub fn recovered<R: Real, const N: usize>(
 }
 
 #[cold]
+#[inline(never)]
 fn recover_lanes<R: Real, const N: usize>(
     wanted: R::Mask,
     recover: impl Fn(usize) -> Option<Rounded<R::Lane, N>>,
+) -> Recovered<R, N> {
+    recover_lanes_by(wanted, &recover)
+}
+
+fn recover_lanes_by<R: Real, const N: usize>(
+    wanted: R::Mask,
+    recover: &dyn Fn(usize) -> Option<Rounded<R::Lane, N>>,
 ) -> Recovered<R, N> {
     let mut found: Recovered<R, N> = None;
     for i in (0..R::LANES).filter(|i| wanted.lane(*i)) {
@@ -294,11 +310,14 @@ pub fn merged<R: Real, const N: usize>(
     match recovered {
         None => plain(),
         Some((_, (u, _))) if !inside.any() => u,
-        Some((mask, (u, _))) => {
-            let plain = plain();
-            core::array::from_fn(|k| R::select(mask, u[k], plain[k]))
-        }
+        Some((mask, (u, _))) => selected(mask, u, plain()),
     }
+}
+
+/// The numbers of one list in some lanes, of the other elsewhere.
+#[inline(always)]
+fn selected<R: Real, const N: usize>(mask: R::Mask, yes: [R; N], no: [R; N]) -> [R; N] {
+    core::array::from_fn(|k| R::select(mask, yes[k], no[k]))
 }
 
 /// By how much the uniforms of two preimages may differ at most, to be taken as one.
@@ -311,7 +330,7 @@ const MOST: f64 = 1.0 / 256.0;
 pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
-    forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
+    forward: Tracking<'_, R::Tracked, N, M>,
 ) -> Option<Rounded<R, N>> {
     let mut undetermined = false;
     let mut tracked = u;
@@ -488,7 +507,7 @@ mod tests {
     fn recovered_in_triangle(x: [f64; 2]) -> Option<Rounded<f64, 2>> {
         let [a, b] = track(&x);
         let s = Bounded::ONE - a;
-        recover::<f64, 2, 2>([s, b / s], &x, |u| [Bounded::ONE - u[0], u[0] * u[1]])
+        recover::<f64, 2, 2>([s, b / s], &x, &|u| [Bounded::ONE - u[0], u[0] * u[1]])
     }
 
     #[test]
@@ -496,7 +515,7 @@ mod tests {
         // A quarter, lost in a difference from a thousand.
         let [x] = track(&[1000.25f64]);
         let place = (x - Bounded::of(1000.0)) * Bounded::of(-4.0) + Bounded::of(1.0);
-        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], |u| *u).unwrap();
+        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], &|u| *u).unwrap();
         assert!(u[0] == 0.0 && bounds[0] > 1e-12 && bounds[0] < 1e-10, "{bounds:?}");
         assert!(same(&[1e-12], &(u, bounds)) && !coincide(&[1e-12], &u));
         assert!(!same(&[1e-9], &(u, bounds)));
@@ -513,6 +532,6 @@ mod tests {
         assert!(recovered_in_triangle([1.0 - f64::EPSILON, 1e-3]).is_none());
         // An infinite number that is known to be one is outside.
         let infinite = [Bounded::exact(f64::INFINITY)];
-        assert!(recover::<f64, 1, 1>(infinite, &[0.0], |_| [Bounded::ZERO]).is_none());
+        assert!(recover::<f64, 1, 1>(infinite, &[0.0], &|_| [Bounded::ZERO]).is_none());
     }
 }

@@ -1,8 +1,13 @@
 //! Values of formulas where they have only a limit, or none. What is mostly true is told by few comparisons; the rare
 //! cases are functions of their own, which take all they need by value, so that the usual way keeps its numbers in registers.
+//! What these do is compiled once for all formulas (`dyn`).
 
 use crate::real::{Mask, Real};
 use crate::sampler::Sampler;
+
+/// A map of parameters and uniforms.
+type Forward<'f, R, const P: usize, const N: usize, const M: usize> =
+    &'f dyn Fn(&[R; P], &[R; N]) -> [R; M];
 
 /// Whether every number is finite: of any other, the difference from itself is no zero.
 #[inline(always)]
@@ -152,7 +157,7 @@ fn rare_density<R: Real, const P: usize, const M: usize>(
     x: [R; M],
     density: impl Fn(&[R; P], &[R; M]) -> R,
 ) -> R {
-    let d = if d.ge(d).all() { d } else { beside(d, p, x, density) };
+    let d = if d.ge(d).all() { d } else { beside_by(d, &p, x, &density) };
     R::select(d.gt(R::ZERO), d, R::ZERO)
 }
 
@@ -164,6 +169,15 @@ fn beside<R: Real, const P: usize, const M: usize>(
     x: [R; M],
     density: impl Fn(&[R; P], &[R; M]) -> R,
 ) -> R {
+    beside_by(d, &p, x, &density)
+}
+
+fn beside_by<R: Real, const P: usize, const M: usize>(
+    d: R,
+    p: &[R; P],
+    x: [R; M],
+    density: &dyn Fn(&[R; P], &[R; M]) -> R,
+) -> R {
     let size = x.iter().fold(R::ZERO, |m, x| m.max(x.abs()));
     let tiny = R::EPSILON * R::EPSILON;
     let tiny = R::select(size.gt(R::ZERO), size * tiny, tiny);
@@ -172,13 +186,13 @@ fn beside<R: Real, const P: usize, const M: usize>(
     for x in &mut moved {
         *x = R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), *x, tiny);
     }
-    let mut first = density(&p, &moved);
+    let mut first = density(p, &moved);
     if first.ge(first).not().any() {
         let step = R::of(8.0) * R::EPSILON * size;
         for (i, x) in moved.iter_mut().enumerate() {
             *x += R::of(i as f64 + 1.0) * step;
         }
-        first = R::select(first.ge(first), first, density(&p, &moved));
+        first = R::select(first.ge(first), first, density(p, &moved));
     }
     R::select(d.ge(d), d, first)
 }
@@ -207,10 +221,20 @@ fn rarely_closed<R: Real, const P: usize, const N: usize, const M: usize>(
     x: [R; M],
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
+    closed_by(wanted, &p, &u, x, &forward)
+}
+
+fn closed_by<R: Real, const P: usize, const N: usize, const M: usize>(
+    wanted: R::Mask,
+    p: &[R; P],
+    u: &[R; N],
+    x: [R; M],
+    forward: Forward<'_, R, P, N, M>,
+) -> ([R; M], R::Mask) {
     if finite(&x).or(wanted.not()).all() {
         return (x, R::Mask::TRUE);
     }
-    let x = from_inside(&p, &u, x, forward);
+    let x = from_inside(p, u, x, forward);
     // A flight that escapes, say, has no value, and so no sample.
     (x, x.iter().fold(R::Mask::TRUE, |known, x| known.and(x.ge(*x))))
 }
@@ -219,7 +243,7 @@ fn from_inside<R: Real, const P: usize, const N: usize, const M: usize>(
     p: &[R; P],
     u: &[R; N],
     x: [R; M],
-    forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
+    forward: Forward<'_, R, P, N, M>,
 ) -> [R; M] {
     // Far below any uniform that a generator makes, far above what underflows when squared.
     let tiny = R::EPSILON * R::EPSILON;

@@ -1,6 +1,6 @@
 //! Whether a point lies on the manifold of a map's images, by its image under a preimage.
 
-use super::{SLACK, lane, unit};
+use super::{SLACK, Tracking, lane, unit};
 use crate::real::{Mask, Real, Single};
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
@@ -16,7 +16,7 @@ pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
 pub fn leads_back<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
-    forward: impl Fn(&[R::Tracked; N]) -> [R::Tracked; M],
+    forward: Tracking<'_, R::Tracked, N, M>,
 ) -> bool {
     let (mut tried, mut unbounded) = (u, false);
     for t in &mut tried {
@@ -128,8 +128,8 @@ mod tests {
         let [near, zero] = [last, 0.0].map(f64::track);
         let rounded = near + f64::track(0.5) * f64::track(f64::EPSILON);
         let unknown = zero / zero;
-        assert!(leads_back::<f64, 2, 2>([rounded, unknown], &x, far));
-        assert!(!leads_back::<f64, 2, 2>([rounded, unknown], &[0.5 * x[0], 0.0], far));
+        assert!(leads_back::<f64, 2, 2>([rounded, unknown], &x, &far));
+        assert!(!leads_back::<f64, 2, 2>([rounded, unknown], &[0.5 * x[0], 0.0], &far));
     }
 
     #[test]

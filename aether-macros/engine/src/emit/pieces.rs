@@ -428,7 +428,7 @@ impl<'a> Emitter<'a> {
                 let (tp, tx) = (::aether_core::support::track(p), #tracked);
                 let tt = #inverse::<R::Tracked>(&tp, &tx);
                 #clamped
-                ::aether_core::support::leads_back::<R, #n, #m>(tt, x, |t| #forward::<R::Tracked>(&tp, t))
+                ::aether_core::support::leads_back::<R, #n, #m>(tt, x, &|t| #forward::<R::Tracked>(&tp, t))
             }
         }
     }

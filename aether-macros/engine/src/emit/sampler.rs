@@ -331,24 +331,28 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     let (n, m, s) = e.sizes();
     let [inverse, rounded, member, support] =
         ["inverse", "rounded", "member", "support"].map(|name| format_ident!("{name}_{k}"));
-    let tested = (!place.preimage.conditions.is_empty()).then(|| {
-        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#support::<R::Tracked>(&tp, &tx).1)))
-    });
+    let tested = (!place.preimage.conditions.is_empty()).then(
+        || quote!(::aether_core::support::admits::<R, _>(#support::<R::Tracked>(&tp, &tx).1)),
+    );
     let [forward, margins, leave, taken] =
         ["forward", "margins", "leave", "taken"].map(|name| format_ident!("{name}_{j}"));
     let tracked = e.tracked();
     let guarded = !place.problem.guards.is_empty();
-    let admitted = guarded.then(|| {
-        quote!(.filter(|_| ::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))))
-    });
-    let membership = place.derived.check_forward.then(|| quote!(.filter(|_| #member::<R>(p, x))));
+    let admitted = guarded
+        .then(|| quote!(::aether_core::support::admits::<R, _>(#margins::<R::Tracked>(&tp, &tt))));
+    let membership = place.derived.check_forward.then(|| quote!(#member::<R>(p, x)));
+    // Statements, because in unoptimised code a chain of closures is long.
+    let checks = tested.into_iter().chain(admitted).chain(membership);
     // Across a jump there is another point: what rounding carried over a border has to lead back.
     let landed = guarded.then(|| {
         quote! {
-            .filter(|(u, _)| #taken::<R>(p, u)
+            let lands = #taken::<R>(p, &u)
                 || ::aether_core::support::leads_back::<R, #n, #m>(
-                    u.map(|u| u.track()), x,
-                    |u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors)))
+                    ::aether_core::support::track(&u), x,
+                    &|u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors));
+            if !lands {
+                return None;
+            }
         }
     });
     quote! {
@@ -360,14 +364,15 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
             let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
-            ::aether_core::support::recover::<R, #n, #m>(tt, x, |t| {
+            let (t, bounds) = ::aether_core::support::recover::<R, #n, #m>(tt, x, &|t| {
                 ::aether_core::support::widened::<R, #m>(#forward::<R::Tracked>(&tp, t), errors)
-            })
-                #tested
-                #admitted
-                #membership
-                .map(|(t, bounds)| (#leave::<R>(p, &t), bounds))
-                #landed
+            })?;
+            #(if !#checks {
+                return None;
+            })*
+            let u = #leave::<R>(p, &t);
+            #landed
+            Some((u, bounds))
         }
     }
 }
@@ -393,13 +398,14 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], asked: Asked) -> Token
         } else {
             [quote!(same), quote!(recovered_as)]
         };
-        let earlier = (other.number < k)
-            .then(|| quote!(|| ::aether_core::support::#as_recovered::<R, #n>(&#recovered, i, u)));
+        let earlier = (other.number < k).then(
+            || quote!(|| ::aether_core::support::#as_recovered::<R, #n>(&#recovered, i, &found)),
+        );
         quote! {
-            .filter(|u| !((#strict.lane(i)
+            #strict.lane(i)
                 && ::aether_core::support::#same(
-                    &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), u))
-                #earlier))
+                    &#leave::<R::Lane>(&p, &#inverse::<R::Lane>(&p, &x)), &found)
+                #earlier
         }
     });
     // Where a whole border leads to one point, as a corner does, the pieces that have it there are one.
@@ -420,23 +426,31 @@ fn recovered(e: &Emitter, place: Place, places: &[Place], asked: Asked) -> Token
         } else {
             quote!(#strict)
         };
-        quote!(.filter(|_| !#is_there.lane(i)))
+        quote!(#is_there.lane(i))
     });
     let alone = (places.len() > 1).then(|| {
-        if asked.own {
-            return quote! {
-                .filter(|_| !::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x)))
-            };
-        }
-        quote! {
-            .filter(|_| !(::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x))
-                && (false #(#others)*)))
-        }
+        let undetermined = quote! {
+            ::aether_core::support::undetermined(&#inverse::<R::Lane>(&p, &x))
+        };
+        if asked.own { undetermined } else { quote!(#undetermined && (false #(#others)*)) }
     });
+    let reasons: Vec<TokenStream> = again.chain(excluded).chain(alone).collect();
+    let found = quote!(#rounded::<R::Lane>(&p, &x, #bounds));
+    // Statements, because in unoptimised code a chain of closures is long.
+    let found = match reasons.is_empty() {
+        true => found,
+        false => quote! {
+            let found = #found?;
+            #(if #reasons {
+                return None;
+            })*
+            Some(found)
+        },
+    };
     quote! {
         let #recovered = ::aether_core::support::recovered::<R, #n>(#open, |i| {
             let (p, x) = (::aether_core::support::lane(&p, i), ::aether_core::support::lane(&x, i));
-            #rounded::<R::Lane>(&p, &x, #bounds) #(#again)* #(#excluded)* #alone
+            #found
         });
     }
 }
