@@ -2,7 +2,7 @@
 
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
-use crate::points::FromCoordinates;
+use crate::points::{FromCoordinates, uniforms};
 use crate::reference::{Inputs, PointEntry};
 use crate::registry::{Visitor, item_of, visit};
 
@@ -48,15 +48,28 @@ impl<R: Scalar> Visitor<R> for Evaluate<'_> {
     where
         S::Point: FromCoordinates<R>,
     {
-        let u = S::Uniforms::from_fn(|i| R::of(self.u.get(i).copied().unwrap_or(0.5)));
-        let sample = sampler.sample(u);
-        let x: Vec<R> = self.x.iter().map(|c| R::of(*c)).collect();
+        let sample = sampler.sample(uniforms(&self.uniforms(S::Uniforms::COUNT)));
+        let x = rounded(self.x);
         Values {
-            sample: sample.coordinates().as_ref().iter().map(|c| c.to_f64()).collect(),
+            sample: plain(sample.coordinates().as_ref()),
             pdf: S::Point::from_coordinates(&x).map(|x| sampler.pdf(&x).value().to_f64()),
             own: sample.pdf().value().to_f64(),
         }
     }
+}
+
+impl Evaluate<'_> {
+    fn uniforms<R: Scalar>(&self, count: usize) -> Vec<R> {
+        (0..count).map(|i| R::of(self.u.get(i).copied().unwrap_or(0.5))).collect()
+    }
+}
+
+fn rounded<R: Scalar>(x: &[f64]) -> Vec<R> {
+    x.iter().map(|x| R::of(*x)).collect()
+}
+
+fn plain<R: Scalar>(x: &[R]) -> Vec<f64> {
+    x.iter().map(|x| x.to_f64()).collect()
 }
 
 /// The errors of the catalogue's sampler at an entry, in the precision `R`.

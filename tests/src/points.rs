@@ -1,7 +1,12 @@
 //! Points of a space from their coordinates.
 
 use aether_core::battery::Space;
-use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Vec2, Vec3};
+use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Uniforms, Vec2, Vec3};
+
+/// Uniforms with these numbers: one function for all samplers that have so many.
+pub fn uniforms<R: Scalar, U: Uniforms<R>>(u: &[R]) -> U {
+    U::from_fn(|i| u[i])
+}
 
 /// A point of a space that can be made of coordinates as they stand.
 pub trait FromCoordinates<R: Scalar>: Space<R> {

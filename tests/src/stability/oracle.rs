@@ -1,10 +1,10 @@
 //! The exact sample and density of uniforms.
 
-use aether_core::{Point, Real, Sampler, Scalar, Uniforms};
+use aether_core::{Point, Real, Sampler, Scalar};
 
 use super::few::Few;
 use super::probe::Answer;
-use crate::points::FromCoordinates;
+use crate::points::{FromCoordinates, uniforms};
 use crate::precise::{Dual, Precise};
 use crate::registry::{Item, Visitor};
 
@@ -128,33 +128,39 @@ impl Visitor<Precise> for Place<'_> {
     where
         S::Point: FromCoordinates<Precise>,
     {
-        let (x, valid) = sampler.forward(S::Uniforms::from_fn(|i| self.u[i]));
+        let (x, valid) = sampler.forward(uniforms(self.u));
         if !valid {
             return None;
         }
-        let mut found: Vec<(f64, Vec<Precise>)> = Vec::new();
+        let mut found = Vec::new();
         if self.several {
-            sampler.preimages(&x, |v, exists| {
-                let v = v.as_ref();
-                let gap = v.iter().zip(self.u).map(|(a, b)| (*a - *b).abs().to_f64());
-                if exists {
-                    found.push((gap.fold(0.0, f64::max), v.to_vec()));
-                }
-            });
+            sampler.preimages(&x, |v, exists| found.extend(exists.then(|| v.as_ref().to_vec())));
         }
         let x = x.coordinates().as_ref().to_vec();
-        // The nearest is the sample itself.
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let others = found.into_iter().skip(1).map(|(_, v)| {
-            let image = sampler.forward(S::Uniforms::from_fn(|i| v[i])).0;
-            let gap: Vec<Precise> =
-                image.coordinates().as_ref().iter().zip(&x).map(|(a, b)| *a - *b).collect();
-            let known = length(&gap).to_f64() <= KNOWN * length(&x).to_f64();
-            known.then_some(v)
-        });
-        let others = others.collect();
+        let image = |v: &[Precise]| sampler.forward(uniforms(v)).0.coordinates().as_ref().to_vec();
+        let others = others(self.u, &x, found, &image);
         Some((x, others))
     }
+}
+
+/// Of the preimages of `x` those that are not `u`; `None` for each that does not lead to `x`.
+fn others(
+    u: &[Precise],
+    x: &[Precise],
+    found: Vec<Vec<Precise>>,
+    image: &dyn Fn(&[Precise]) -> Vec<Precise>,
+) -> Vec<Option<Vec<Precise>>> {
+    let gap =
+        |v: &[Precise]| v.iter().zip(u).map(|(a, b)| (*a - *b).abs().to_f64()).fold(0.0, f64::max);
+    let mut found: Vec<(f64, Vec<Precise>)> = found.into_iter().map(|v| (gap(&v), v)).collect();
+    // The nearest is the sample itself.
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let others = found.into_iter().skip(1).map(|(_, v)| {
+        let gap: Vec<Precise> = image(&v).iter().zip(x).map(|(a, b)| *a - *b).collect();
+        let known = length(&gap).to_f64() <= KNOWN * length(x).to_f64();
+        known.then_some(v)
+    });
+    others.collect()
 }
 
 struct Slope<'a> {
@@ -169,12 +175,22 @@ impl Visitor<Dual> for Slope<'_> {
     where
         S::Point: FromCoordinates<Dual>,
     {
-        let seed = |i| {
-            if i == self.axis { Dual::variable(self.u[i]) } else { Dual::constant(self.u[i]) }
-        };
-        let (x, _) = sampler.forward(S::Uniforms::from_fn(seed));
-        x.coordinates().as_ref().iter().map(|c| c.slope).collect()
+        let (x, _) = sampler.forward(uniforms(&self.seeds()));
+        slopes(x.coordinates().as_ref())
     }
+}
+
+impl Slope<'_> {
+    fn seeds(&self) -> Vec<Dual> {
+        let seed = |(i, u): (usize, &Precise)| {
+            if i == self.axis { Dual::variable(*u) } else { Dual::constant(*u) }
+        };
+        self.u.iter().enumerate().map(seed).collect()
+    }
+}
+
+fn slopes(x: &[Dual]) -> Vec<Precise> {
+    x.iter().map(|c| c.slope).collect()
 }
 
 /// Euclidean length, without overflow.

@@ -3,7 +3,7 @@
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
 use super::few::Few;
-use crate::points::FromCoordinates;
+use crate::points::{FromCoordinates, uniforms};
 use crate::registry::{Item, Visitor};
 
 /// What a sampler with certain parameters is asked.
@@ -58,12 +58,15 @@ fn plain<R: Scalar>(x: &[R]) -> Few<f64> {
     x.iter().map(|x| x.to_f64()).collect()
 }
 
+fn rounded<R: Scalar>(x: &[f64]) -> Few<R> {
+    x.iter().map(|x| R::of(*x)).collect()
+}
+
 fn answer<R: Scalar, S: Sampler<R>>(sampler: S, question: &Question) -> Answer
 where
     S::Point: FromCoordinates<R>,
 {
-    let u = &question.u;
-    let sample = sampler.sample(S::Uniforms::from_fn(|i| R::of(u[i])));
+    let sample = sampler.sample(uniforms(&rounded(&question.u)));
     let mut found = Answer {
         sample: plain(sample.coordinates().as_ref()),
         valid: sample.is_valid(),
@@ -72,26 +75,33 @@ where
     };
     let Some(x) = &question.x else { return found };
     found.at_own = Some(sampler.pdf(&sample).value().to_f64());
-    let x: Few<R> = x.iter().map(|x| R::of(*x)).collect();
-    if let Some(x) = (!x.is_empty()).then(|| S::Point::from_coordinates(&x)).flatten() {
+    let x: Few<R> = rounded(x);
+    let point = if x.is_empty() { None } else { S::Point::from_coordinates(&x) };
+    if let Some(x) = point {
         let pdf = sampler.pdf(&x).value();
         found.pdf = Some(pdf.to_f64());
         let normal = pdf.gt(R::MIN_POSITIVE) && pdf.lt(R::INFINITY);
-        found.log_pdf = (!normal).then(|| sampler.log_pdf(&x).to_f64());
-        let mut nearest = f64::INFINITY;
+        if !normal {
+            found.log_pdf = Some(sampler.log_pdf(&x).to_f64());
+        }
         sampler.preimages(&x, |v, exists| {
             if exists {
-                let v = plain(v.as_ref());
-                found.nan |= v.iter().any(|v| v.is_nan());
-                let gap = v.iter().zip(u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-                if found.back.is_none() || gap < nearest {
-                    nearest = gap;
-                    found.back = Some(v);
-                }
+                found.has_preimage(plain(v.as_ref()), &question.u);
             }
         });
     }
     found
+}
+
+impl Answer {
+    /// Keeps a preimage if it is nearer to the uniforms than the one that is known.
+    fn has_preimage(&mut self, v: Few<f64>, u: &[f64]) {
+        self.nan |= v.iter().any(|v| v.is_nan());
+        let gap = |v: &[f64]| v.iter().zip(u).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if self.back.is_none_or(|known| gap(&v) < gap(&known)) {
+            self.back = Some(v);
+        }
+    }
 }
 
 /// How many uniforms a sampler has; none if the parameters are not in their domain.
