@@ -25,7 +25,7 @@ pub(super) struct Stop<R> {
 }
 
 /// What a window shows of a piece of a walk: its last vertices, next to the joint.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tail {
     /// Their ids, beginning at the joint; [`NONE`] where the piece has no more.
     pub ids: [u32; LAST],
@@ -39,22 +39,30 @@ impl Tail {
     /// That of no vertices.
     pub const EMPTY: Tail = Tail { ids: [NONE; LAST], sees_next: 0, fixed: 0 };
 
-    /// That of the first vertices of a walk.
-    fn of<R>(stops: &[Stop<R>], end: End) -> Tail {
-        let mut tail = Tail::EMPTY;
-        for (k, stop) in stops.iter().rev().take(LAST).enumerate() {
-            // The edge to the vertex before, which is further away from the joint, has the number of its first place.
-            let (place, edge) = match end {
-                End::First => (BEHIND - 1 - k, BEHIND - 2 - k),
-                End::Second => (BEHIND + k, BEHIND + k),
-            };
-            tail.ids[k] = stop.id;
-            tail.sees_next |= u16::from(stop.visible) << edge;
-            tail.fixed |= u16::from(stop.fixed) << place;
+    /// That of a piece with one more vertex.
+    fn then<R>(&self, stop: &Stop<R>, end: End) -> Tail {
+        let [first, second, _] = self.ids;
+        let (visible, fixed) = (u16::from(stop.visible), u16::from(stop.fixed));
+        // What was next to the joint moves away from it. The edge to the vertex before, which is further away, has the number
+        // of its first place.
+        let moved = |bits: u16, next: u16, at: usize| match end {
+            End::First => (bits >> 1 | next << at) & PLACES << (at + 1 - LAST),
+            End::Second => (bits << 1 | next << at) & PLACES << at,
+        };
+        let (place, edge) = match end {
+            End::First => (BEHIND - 1, BEHIND - 2),
+            End::Second => (BEHIND, BEHIND),
+        };
+        Tail {
+            ids: [stop.id, first, second],
+            sees_next: moved(self.sees_next, visible, edge),
+            fixed: moved(self.fixed, fixed, place),
         }
-        tail
     }
 }
+
+/// A bit for each vertex of a tail.
+const PLACES: u16 = (1 << LAST) - 1;
 
 /// What is known of one of two walks.
 #[derive(Clone, Debug)]
@@ -84,7 +92,12 @@ impl<R: Scalar> Side<R> {
     /// Finds what is next to a joint of any piece, now that the vertices are known.
     pub fn find_tails(&mut self, end: End) {
         self.tails.clear();
-        self.tails.extend((0..=self.stops.len()).map(|len| Tail::of(&self.stops[..len], end)));
+        let mut tail = Tail::EMPTY;
+        self.tails.push(tail);
+        for stop in &self.stops {
+            tail = tail.then(stop, end);
+            self.tails.push(tail);
+        }
     }
 
     /// Leaves no sum but the first one.
@@ -127,5 +140,39 @@ impl<R: Scalar> Joints<R> {
 
     pub fn clear(&mut self) {
         self.sides.iter_mut().for_each(|side| side.walk = None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_are_the_last_vertices_of_pieces() {
+        let stop = |k: u32| Stop {
+            id: k,
+            visible: k % 2 == 1,
+            fixed: k % 3 == 1,
+            own: PathDensity::<f32>::ONE,
+        };
+        for end in [End::First, End::Second] {
+            let [mut side, _] = Joints::new().sides;
+            side.stops.extend((0..7).map(stop));
+            side.find_tails(end);
+            assert_eq!(side.tails.len(), 8);
+            for (len, tail) in side.tails.iter().enumerate() {
+                let mut expected = Tail::EMPTY;
+                for (j, stop) in side.stops[..len].iter().rev().take(LAST).enumerate() {
+                    let (place, edge) = match end {
+                        End::First => (BEHIND - 1 - j, BEHIND - 2 - j),
+                        End::Second => (BEHIND + j, BEHIND + j),
+                    };
+                    expected.ids[j] = stop.id;
+                    expected.sees_next |= u16::from(stop.visible) << edge;
+                    expected.fixed |= u16::from(stop.fixed) << place;
+                }
+                assert_eq!(*tail, expected, "{len}");
+            }
+        }
     }
 }
