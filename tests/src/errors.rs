@@ -2,7 +2,7 @@
 
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
-use crate::points::{FromCoordinates, uniforms};
+use crate::points::{FromCoordinates, plain, rounded, uniforms};
 use crate::reference::{Inputs, PointEntry};
 use crate::registry::{Visitor, item_of, visit};
 
@@ -49,7 +49,7 @@ impl<R: Scalar> Visitor<R> for Evaluate<'_> {
         S::Point: FromCoordinates<R>,
     {
         let sample = sampler.sample(uniforms(&self.uniforms(S::Uniforms::COUNT)));
-        let x = rounded(self.x);
+        let x: Vec<R> = rounded(self.x);
         Values {
             sample: plain(sample.coordinates().as_ref()),
             pdf: S::Point::from_coordinates(&x).map(|x| sampler.pdf(&x).value().to_f64()),
@@ -62,14 +62,6 @@ impl Evaluate<'_> {
     fn uniforms<R: Scalar>(&self, count: usize) -> Vec<R> {
         (0..count).map(|i| R::of(self.u.get(i).copied().unwrap_or(0.5))).collect()
     }
-}
-
-fn rounded<R: Scalar>(x: &[f64]) -> Vec<R> {
-    x.iter().map(|x| R::of(*x)).collect()
-}
-
-fn plain<R: Scalar>(x: &[R]) -> Vec<f64> {
-    x.iter().map(|x| x.to_f64()).collect()
 }
 
 /// The errors of the catalogue's sampler at an entry, in the precision `R`.

@@ -8,6 +8,16 @@ pub fn uniforms<R: Scalar, U: Uniforms<R>>(u: &[R]) -> U {
     U::from_fn(|i| u[i])
 }
 
+/// Numbers in the precision of `R`.
+pub fn rounded<R: Scalar, C: FromIterator<R>>(x: &[f64]) -> C {
+    x.iter().map(|x| R::of(*x)).collect()
+}
+
+/// The same the other way.
+pub fn plain<R: Scalar, C: FromIterator<f64>>(x: &[R]) -> C {
+    x.iter().map(|x| x.to_f64()).collect()
+}
+
 /// A point of a space that can be made of coordinates as they stand.
 pub trait FromCoordinates<R: Scalar>: Space<R> {
     /// The point; `None` if the space has no point with these coordinates.

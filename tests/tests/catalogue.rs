@@ -235,7 +235,6 @@ impl tests::twins::pairs::Visitor for Strangers {
         S::Point: tests::points::FromCoordinates<f64> + Copy + std::fmt::Debug,
         H: tests::twins::ByHand<Uniforms = S::Uniforms, Point = S::Point>,
     {
-        use aether_core::Uniforms as _;
         let item = self.items.iter().find(|item| item.row == row).expect("the item");
         let u = [0.3, 0.65, 0.45];
         // With extreme parameters, twins may lose their digits, and where a limit is asked for, all.
@@ -246,7 +245,7 @@ impl tests::twins::pairs::Visitor for Strangers {
             let question =
                 tests::stability::Question { u: u.into_iter().collect(), ..Default::default() };
             let answers = tests::stability::ask::<f64>(item, set, &[question]);
-            let twin = H::with(set).sample(S::Uniforms::from_fn(|i| u[i])).coordinates();
+            let twin = H::with(set).sample(tests::points::uniforms(&u)).coordinates();
             answers[0]
                 .sample
                 .iter()

@@ -3,13 +3,13 @@
 //! The seed is fixed, so that a right build passes always; tolerances leave a factor of a hundred
 //! to the errors that the difference quotients have.
 
-use aether_core::Uniforms;
 use aether_core::battery::Space;
 use aether_core::prelude::*;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, RngSeed};
 use tests::catalogue::*;
 use tests::mutation::OnePercentOff;
+use tests::points::uniforms;
 
 fn settings() -> ProptestConfig {
     ProptestConfig {
@@ -22,7 +22,7 @@ fn settings() -> ProptestConfig {
 }
 
 fn coordinates<S: Sampler<f64>>(sampler: &S, u: &[f64]) -> Vec<f64> {
-    let x = sampler.sample(S::Uniforms::from_fn(|i| u[i])).value();
+    let x = sampler.sample(uniforms(u)).value();
     x.coordinates().as_ref().to_vec()
 }
 
@@ -67,7 +67,7 @@ fn stretch<S: Sampler<f64>>(sampler: &S, u: &[f64]) -> f64 {
 
 /// What is wrong with an injective sampler at `u`, if anything.
 fn flaw<S: Sampler<f64>>(sampler: &S, u: &[f64]) -> Result<(), TestCaseError> {
-    let sample = sampler.sample(S::Uniforms::from_fn(|i| u[i]));
+    let sample = sampler.sample(uniforms(u));
     let (own, found) = (sample.pdf().value(), sampler.pdf(&sample).value());
     let expected = 1.0 / stretch(sampler, u);
     let near = |p: f64, tolerance: f64| (p - expected).abs() <= tolerance * expected;

@@ -31,6 +31,7 @@ use aether_core::battery::{Kind, Space};
 use aether_core::prelude::*;
 use aether_core::{Pcg32, Uniforms, draw_uniforms};
 use tests::forward::{Search, distance, norm, volume};
+use tests::points::uniforms;
 
 type Function<T> = Box<dyn Fn(&[f64]) -> T>;
 
@@ -59,7 +60,6 @@ where
     S: Sampler<f64> + 'static,
     S::Point: Space<f64> + 'static,
 {
-    let uniforms = |u: &[f64]| S::Uniforms::from_fn(|i| u[i]);
     let model = sampler.sample(S::Uniforms::from_fn(|_| 0.3)).value();
     Case {
         name,

@@ -3,7 +3,7 @@
 use aether_core::{Point, Sampler, Scalar, Uniforms};
 
 use super::few::Few;
-use crate::points::{FromCoordinates, uniforms};
+use crate::points::{FromCoordinates, plain, rounded, uniforms};
 use crate::registry::{Item, Visitor};
 
 /// What a sampler with certain parameters is asked.
@@ -54,19 +54,12 @@ impl<R: Scalar> Visitor<R> for Ask<'_> {
     }
 }
 
-fn plain<R: Scalar>(x: &[R]) -> Few<f64> {
-    x.iter().map(|x| x.to_f64()).collect()
-}
-
-fn rounded<R: Scalar>(x: &[f64]) -> Few<R> {
-    x.iter().map(|x| R::of(*x)).collect()
-}
-
 fn answer<R: Scalar, S: Sampler<R>>(sampler: S, question: &Question) -> Answer
 where
     S::Point: FromCoordinates<R>,
 {
-    let sample = sampler.sample(uniforms(&rounded(&question.u)));
+    let u: Few<R> = rounded(&question.u);
+    let sample = sampler.sample(uniforms(&u));
     let mut found = Answer {
         sample: plain(sample.coordinates().as_ref()),
         valid: sample.is_valid(),

@@ -3,11 +3,11 @@
 use core::fmt::Debug;
 use std::collections::BTreeMap;
 
-use aether_core::{Point, Sampler, Uniforms};
+use aether_core::{Point, Sampler};
 
 use super::ByHand;
 use super::pairs::Visitor;
-use crate::points::FromCoordinates;
+use crate::points::{FromCoordinates, uniforms};
 use crate::registry::{Item, items};
 use crate::stability::{Answer, Question, Row, ask, beside};
 
@@ -66,7 +66,7 @@ where
     H: ByHand<Uniforms = S::Uniforms, Point = S::Point>,
 {
     let twin = H::with(numbers);
-    let u = || S::Uniforms::from_fn(|i| question.u[i]);
+    let u = || uniforms(&question.u);
     let (sample, own) = twin.draw(u());
     let coordinates = |x: &S::Point| x.coordinates().as_ref().iter().copied().collect();
     let point = |x: &[f64]| (!x.is_empty()).then(|| S::Point::from_coordinates(x)).flatten();
