@@ -406,6 +406,7 @@ impl<'a> Job<'a> {
         let mut own = Vec::new();
         if let Some(filter) = self.filter {
             (film, own) = film.shared(filter);
+            film.limit_variance(|pixel| sums.shared_at_most(pixel, own[pixel]));
         }
         film.set_splats(|pixel| {
             let [mut mean, variance] = sums.estimate(pixel, samples);

@@ -121,7 +121,8 @@ impl Film {
 
     /// The film of an image whose samples are shared among pixels by a filter, but for what they add up to; and how many samples
     /// that is of, for each pixel. The variance is that of the samples: each pixel has its share of it
-    /// from every sample that counts for it, as if these differed as those in the middle of its own do.
+    /// from every sample that counts for it, as if these differed as those in the middle of its own do. Beside a small lamp that is
+    /// too much ([`Film::limit_variance`]).
     pub(super) fn shared(mut self, filter: Filter) -> (Self, Vec<f64>) {
         let [share, square] = [1, 2].map(|power| Expected::power(filter, power));
         let spread = |expected: &Expected, of: &dyn Fn(&PixelEstimate) -> [f64; 3]| {
@@ -147,6 +148,16 @@ impl Film {
             }
         }
         (self, samples)
+    }
+
+    /// Has the variance of the mean of no pixel be more than something, by its number, what splats add aside.
+    pub(super) fn limit_variance(&mut self, most: impl Fn(usize) -> [f64; 3]) {
+        for (index, pixel) in self.pixels.iter_mut().enumerate() {
+            let n = f64::from(pixel.count);
+            for (spread, most) in pixel.spread.iter_mut().zip(most(index)) {
+                *spread = spread.min(most * n * (n - 1.0));
+            }
+        }
     }
 
     /// The smallest and the largest number of samples of a pixel.

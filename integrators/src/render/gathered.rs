@@ -12,6 +12,15 @@ use crate::strategies::Pixel;
 /// The units of the parts. The last is all that is kept of a number.
 const UNITS: [f64; 3] = [pow2(12), pow2(-20), pow2(-60)];
 
+/// The same for squares: they are at most [`MOST_SQUARE`], and say less when they are small.
+const SQUARE_UNITS: [f64; 3] = [pow2(32), pow2(-6), SQUARE_UNIT];
+
+/// Each square is rounded upwards, by at most twice as much.
+pub(super) const SQUARE_UNIT: f64 = pow2(-44);
+
+/// What no larger square is told from.
+pub(super) const MOST_SQUARE: f64 = pow2(70);
+
 /// How many numbers can be added to each sum: 2⁵⁰ at most each, of which the first part has 38 bits.
 const MOST_ADDED: u32 = 1 << 13;
 
@@ -19,10 +28,10 @@ const fn pow2(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// A number, at most 2⁵⁰, as a sum of multiples of the units.
+/// A number, at most 2³⁸ of the first unit, as a sum of multiples of the units.
 #[inline(always)]
-fn parts(mut number: f64) -> [f64; 3] {
-    UNITS.map(|unit| {
+fn parts(mut number: f64, units: [f64; 3]) -> [f64; 3] {
+    units.map(|unit| {
         // What is added leaves no room for digits below the unit.
         let large = 1.5 * unit / f64::EPSILON;
         let part = number + large - large;
@@ -31,11 +40,18 @@ fn parts(mut number: f64) -> [f64; 3] {
     })
 }
 
+/// For each channel the parts of the sum of some numbers, and of the sum of their squares.
+pub(super) type Parts = [[[f64; 3]; 3]; 2];
+
 /// Adds a number for each channel.
 #[inline(always)]
-fn add(sums: &mut [[f64; 3]; 3], numbers: [f64; 3]) {
-    for (sum, number) in sums.iter_mut().zip(numbers) {
-        sum.iter_mut().zip(parts(number)).for_each(|(sum, part)| *sum += part);
+fn add([sums, squares]: &mut Parts, numbers: [f64; 3]) {
+    let add = |sum: &mut [f64; 3], parts: [f64; 3]| {
+        sum.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+    };
+    for ((sum, square), number) in sums.iter_mut().zip(squares).zip(numbers) {
+        add(sum, parts(number, UNITS));
+        add(square, parts((number * number + SQUARE_UNIT).min(MOST_SQUARE), SQUARE_UNITS));
     }
 }
 
@@ -44,8 +60,7 @@ fn add(sums: &mut [[f64; 3]; 3], numbers: [f64; 3]) {
 pub(super) struct Gathered {
     first: Pixel,
     width: usize,
-    /// For each channel the parts of its sum.
-    sums: Vec<[[f64; 3]; 3]>,
+    sums: Vec<Parts>,
     added: u32,
 }
 
@@ -61,7 +76,7 @@ impl Gathered {
         let first = (x.saturating_sub(reach), y.saturating_sub(reach));
         let end = (size.0.min(x + columns + reach), size.1.min(y + rows + reach));
         let [width, height] = [end.0 - first.0, end.1 - first.1].map(|n| n as usize);
-        Gathered { first, width, sums: vec![[[0.0; 3]; 3]; width * height], added: 0 }
+        Gathered { first, width, sums: vec![Parts::default(); width * height], added: 0 }
     }
 
     fn index(&self, (x, y): Pixel) -> usize {
@@ -117,7 +132,7 @@ mod tests {
     #[test]
     fn parts_add_up_to_the_number() {
         for number in [0.0, 1.0, -0.1, 1e15, -1e15 / 3.0, 2f64.powi(-60), 4096.0 + 1e-7, 1e-9] {
-            let parts = parts(number);
+            let parts = parts(number, UNITS);
             let rest = number - parts[0] - parts[1] - parts[2];
             assert!(rest.abs() <= UNITS[2] / 2.0, "{number}: {parts:?}");
             for (part, unit) in parts.iter().zip(UNITS) {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read, Write};
 
+use super::gathered::{MOST_SQUARE, Parts, SQUARE_UNIT};
 use super::shares::Shares;
 use crate::stored::{Stored, malformed};
 
@@ -188,8 +189,8 @@ impl Splats {
 pub struct SplatSums {
     width: usize,
     sums: Vec<[[i128; 3]; 2]>,
-    /// Of samples that are shared among pixels; empty if there are none. Their squares would tell nothing.
-    shared: Vec<[i128; 3]>,
+    /// Of samples that are shared among pixels; empty if there are none. Squares are in units of their own.
+    shared: Vec<[[i128; 3]; 2]>,
     layers: BTreeMap<Layer, Vec<[[i128; 3]; 2]>>,
     invalid: u64,
 }
@@ -212,7 +213,7 @@ impl SplatSums {
 
     /// The same, for shares in samples too.
     pub(super) fn with_shares(self) -> Self {
-        SplatSums { shared: vec![[0; 3]; self.sums.len()], ..self }
+        SplatSums { shared: vec![[[0; 3]; 2]; self.sums.len()], ..self }
     }
 
     /// Takes over what waits.
@@ -236,18 +237,30 @@ impl SplatSums {
         }
     }
 
-    /// Adds to a pixel what samples that are shared among pixels have added up to, for each channel in parts, which are
-    /// multiples of the unit of these sums.
-    pub(super) fn gather(&mut self, (x, y): (u32, u32), parts: [[f64; 3]; 3]) {
+    /// Adds to a pixel what samples that are shared among pixels have added up to, and their squares, in parts that are
+    /// multiples of the units of these sums.
+    pub(super) fn gather(&mut self, (x, y): (u32, u32), parts: Parts) {
         let sums = &mut self.shared[y as usize * self.width + x as usize];
-        for (sum, parts) in sums.iter_mut().zip(parts) {
-            *sum += parts.iter().map(|part| (part * ONE) as i128).sum::<i128>();
+        for ((sums, parts), one) in sums.iter_mut().zip(parts).zip([ONE, 1.0 / SQUARE_UNIT]) {
+            for (sum, parts) in sums.iter_mut().zip(parts) {
+                let more = parts.iter().map(|part| (part * one) as i128).sum();
+                *sum = sum.saturating_add(more);
+            }
         }
     }
 
     /// What shared samples add to the mean of a pixel, if it has shares of so many.
     pub(super) fn shared(&self, pixel: usize, samples: f64) -> [f64; 3] {
-        estimate([self.shared[pixel], [0; 3]], samples)[0]
+        estimate([self.shared[pixel][0], [0; 3]], samples)[0]
+    }
+
+    /// What the variance of the mean of a pixel with shares of so many samples is at most, if each adds a number that knows
+    /// nothing of the others: the sum of squares. Infinite if a square was too large to be told.
+    pub(super) fn shared_at_most(&self, pixel: usize, samples: f64) -> [f64; 3] {
+        self.shared[pixel][1].map(|squares| {
+            let squares = squares as f64 * SQUARE_UNIT;
+            if squares < MOST_SQUARE { squares / (samples * samples) } else { f64::INFINITY }
+        })
     }
 
     /// Contributions that were NaN, infinite or beyond all measure, and were left out.
