@@ -19,6 +19,7 @@ import sys
 import tempfile
 
 import mitsuba as mi
+from scene_files import opened
 
 mi.set_variant("llvm_ad_rgb")
 mi.set_log_level(mi.LogLevel.Error)
@@ -45,16 +46,6 @@ def aether(options, integrator, spp, *more, parts=("",)):
         command += ["--portal", "opening"] if options.opening else []
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         return [read(out.with_name(f"out{part}.exr")) for part in parts]
-
-
-def opened(scene, shape, directory):
-    """A copy of a scene file with one more shape, beside links to all that the file may name."""
-    for other in scene.parent.iterdir():
-        if other.name != scene.name:
-            (directory / other.name).symlink_to(other)
-    copy = directory / scene.name
-    copy.write_text(scene.read_text().replace("</scene>", f"{shape}</scene>"))
-    return copy
 
 
 def modern(text):
