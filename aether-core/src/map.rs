@@ -251,15 +251,20 @@ impl<R: Real, S: Sampler<R>, M: Map<R, Source = S::Point>> Sampler<R> for Then<S
 
     #[inline(always)]
     fn pdf_of_uniforms(&self, u: S::Uniforms) -> PdfOf<Self, R> {
-        let x = self.first.forward(u).0;
-        let y = self.second.forward(&x).0;
-        let p = self.first.pdf_of_uniforms(u).value() / self.second.jacobian(&x);
+        self.forward_with_pdf(u).2
+    }
+
+    #[inline(always)]
+    fn forward_with_pdf(&self, u: S::Uniforms) -> (M::Target, R::Mask, PdfOf<Self, R>) {
+        let (x, sampled, p) = self.first.forward_with_pdf(u);
+        let (y, mapped) = self.second.forward(&x);
+        let p = p.value() / self.second.jacobian(&x);
         let mut sum = R::select(p.ge(R::ZERO), p, R::ZERO);
         // Other points that have the same image only inversion finds.
         other_preimages(&self.second, &x, &y, |z, valid| {
             sum += by_way_of(&self.first, &self.second, (&z, &y), valid);
         });
-        Density::new(sum)
+        (y, sampled.and(mapped), Density::new(sum))
     }
 
     #[inline(always)]

@@ -35,8 +35,8 @@ pub trait Components<R: Scalar>: Copy {
     fn pdf_near(&self, index: usize, x: &Self::Point, errors: Errors<'_, Self::Point, R>) -> R;
     /// [`Sampler::log_pdf`] of one of them.
     fn log_pdf(&self, index: usize, x: &Self::Point) -> R;
-    /// [`Sampler::pdf_of_uniforms`] of one of them.
-    fn pdf_of_uniforms(&self, index: usize, u: Self::Uniforms) -> R;
+    /// [`Sampler::forward_with_pdf`] of one of them.
+    fn forward_with_pdf(&self, index: usize, u: Self::Uniforms) -> (Self::Point, bool, R);
     /// [`Sampler::preimages`] of one of them.
     fn preimages(&self, index: usize, x: &Self::Point, visit: impl FnMut(Self::Uniforms, bool));
 }
@@ -161,14 +161,18 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
     }
 
     fn pdf_of_uniforms(&self, u: C::Uniforms) -> PdfOf<Self, R> {
+        self.forward_with_pdf(u).2
+    }
+
+    fn forward_with_pdf(&self, u: C::Uniforms) -> (C::Point, bool, PdfOf<Self, R>) {
         let (picked, p, rest) = self.pick(u);
-        let (x, valid) = self.components.forward(picked, rest);
+        let (x, valid, own) = self.components.forward_with_pdf(picked, rest);
         if !valid {
-            return Density::ZERO;
+            return (x, false, Density::ZERO);
         }
         let others = self.possible().filter(|(i, _)| *i != picked);
         let others: R = others.map(|(i, p)| p * self.components.pdf_as_is(i, &x)).sum();
-        Density::new(p * self.components.pdf_of_uniforms(picked, rest) + others)
+        (x, true, Density::new(p * own + others))
     }
 
     fn preimages(&self, x: &C::Point, mut visit: impl FnMut(C::Uniforms, bool)) {
@@ -180,6 +184,12 @@ impl<R: Scalar, C: Components<R>, D: Inversion<R> + Copy> Sampler<R> for Mixture
             });
         }
     }
+}
+
+/// A point with its density as a number.
+#[inline(always)]
+fn with_value<P, M, R: Scalar>((x, valid, p): (P, bool, Density<M, R>)) -> (P, bool, R) {
+    (x, valid, p.value())
 }
 
 macro_rules! indexed {
@@ -205,8 +215,8 @@ macro_rules! indexed {
             fn log_pdf(&self, index: usize, x: &S::Point) -> R {
                 self[index].log_pdf(x)
             }
-            fn pdf_of_uniforms(&self, index: usize, u: S::Uniforms) -> R {
-                self[index].pdf_of_uniforms(u).value()
+            fn forward_with_pdf(&self, index: usize, u: S::Uniforms) -> (S::Point, bool, R) {
+                with_value(self[index].forward_with_pdf(u))
             }
             fn preimages(&self, index: usize, x: &S::Point, visit: impl FnMut(S::Uniforms, bool)) {
                 self[index].preimages(x, visit);
@@ -274,11 +284,15 @@ macro_rules! tuples {
                     _ => self.$l.log_pdf(x),
                 }
             }
-            fn pdf_of_uniforms(&self, index: usize, u: Self::Uniforms) -> R {
+            fn forward_with_pdf(
+                &self,
+                index: usize,
+                u: Self::Uniforms,
+            ) -> (Self::Point, bool, R) {
                 match index {
-                    0 => self.0.pdf_of_uniforms(u).value(),
-                    $($i => self.$i.pdf_of_uniforms(u).value(),)*
-                    _ => self.$l.pdf_of_uniforms(u).value(),
+                    0 => with_value(self.0.forward_with_pdf(u)),
+                    $($i => with_value(self.$i.forward_with_pdf(u)),)*
+                    _ => with_value(self.$l.forward_with_pdf(u)),
                 }
             }
             fn preimages(

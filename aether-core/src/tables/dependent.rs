@@ -63,10 +63,17 @@ where
 
     #[inline]
     fn pdf_of_uniforms(&self, u: [R; 2]) -> PdfOf<Self, R> {
-        let y = self.y.forward([u[1]]).0;
-        let Some(member) = self.x.given(y) else { return Density::ZERO };
-        let first = self.y.pdf_of_uniforms([u[1]]).value();
-        Density::new(first * member.pdf_of_uniforms([u[0]]).value())
+        self.forward_with_pdf(u).2
+    }
+
+    #[inline]
+    fn forward_with_pdf(&self, u: [R; 2]) -> (Vec2<R>, bool, PdfOf<Self, R>) {
+        let (y, first, p) = self.y.forward_with_pdf([u[1]]);
+        let Some(member) = self.x.given(y) else {
+            return (Vec2::new(R::ZERO, y), false, Density::ZERO);
+        };
+        let (x, second, q) = member.forward_with_pdf([u[0]]);
+        (Vec2::new(x, y), first && second, Density::new(p.value() * q.value()))
     }
 
     #[inline]

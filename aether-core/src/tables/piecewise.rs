@@ -98,6 +98,15 @@ impl<R: Scalar, P: Pieces<R>> Sampler<R> for Piecewise<P> {
     }
 
     #[inline]
+    fn forward_with_pdf(&self, u: Self::Uniforms) -> (Self::Point, bool, PdfOf<Self, R>) {
+        let (choice, rest) = self.0.choice().sample_reuse(u.as_ref()[P::AXIS]);
+        let piece = self.0.piece(choice.index);
+        let (x, valid, inside) = piece.forward_with_pdf(replaced(u, P::AXIS, rest));
+        let density = Density::new(choice.probability * inside.value());
+        (self.0.confine(choice.index, &x), valid, density)
+    }
+
+    #[inline]
     fn preimages(&self, x: &Self::Point, mut visit: impl FnMut(Self::Uniforms, bool)) {
         self.find(x, |index, _, piece, x| {
             let mut any = false;

@@ -17,6 +17,7 @@ pub struct Warp<S>(pub S);
 impl<R: Real, S: Sampler<R, Uniforms = [R; 2]>> Map<R> for Warp<S> {
     type Source = Vec2<R>;
     type Target = S::Point;
+    const INJECTIVE: bool = true;
 
     #[inline]
     fn forward(&self, x: &Vec2<R>) -> (S::Point, R::Mask) {

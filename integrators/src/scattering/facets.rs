@@ -174,6 +174,11 @@ impl Sampler<f32> for HalfVectors {
     }
 
     #[inline]
+    fn forward_with_pdf(&self, u: [f32; 2]) -> (Direction<f32>, bool, PdfOf<Self, f32>) {
+        inside!(self, sampler => sampler.forward_with_pdf(u))
+    }
+
+    #[inline]
     fn preimages(&self, x: &Direction<f32>, visit: impl FnMut([f32; 2], bool)) {
         inside!(self, sampler => sampler.preimages(x, visit));
     }
