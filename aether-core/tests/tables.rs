@@ -229,7 +229,7 @@ fn extreme_uniforms() -> impl Iterator<Item = f64> {
         .filter(|u| (0.0..1.0).contains(u))
 }
 
-/// Every sample lies in a piece with mass, has a density, and is found again.
+/// Every sample lies in a piece with mass, has a density, also when both are asked for at once, and is found again.
 fn sound<S: Sampler<f64>>(sampler: &S, u: impl Fn(f64) -> S::Uniforms) {
     sound_to(1e-12, sampler, u);
 }
@@ -242,6 +242,9 @@ fn sound_to<S: Sampler<f64>>(tolerance: f64, sampler: &S, u: impl Fn(f64) -> S::
             continue;
         }
         let (own, p) = (sample.pdf().value(), sampler.pdf(&sample).value());
+        let (point, valid, density) = sampler.forward_with_pdf(u(t));
+        assert!(valid && density.value() == own, "{density:?} {own} at {t}");
+        assert_eq!(point.coordinates().as_ref(), sample.coordinates().as_ref());
         // A direction is rounded relative to its length, and its density goes by its distance from the pole.
         let pole = match sample.coordinates().as_ref() {
             [x, y, _] => x.hypot(*y),

@@ -315,8 +315,13 @@ mod tests {
                 continue;
             }
             let value = rough.visible(v, m) * m.dot(v) * rough.distribution(m) / v.z;
-            let weight = value / normals.pdf_of_uniforms(u).value();
+            let density = normals.pdf_of_uniforms(u).value();
+            let weight = value / density;
             assert!(weight <= 1.05, "{weight} for {rough:?} from {v:?} at {u:?}");
+            let (same, valid, at_once) = normals.forward_with_pdf(u);
+            let off = (at_once.value() - density).abs();
+            assert!(valid && off <= 1e-6 * density, "{at_once:?} for {density}");
+            assert_eq!(same.vec(), m.vec());
         }
     }
 
