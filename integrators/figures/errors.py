@@ -21,8 +21,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 PROJECT = HERE.parents[1]
 MODELS = "tests/scenes/models"
 ALL = "path,bdpt,ptracer,vcm,gdpt,mlt,pssmlt,vpl"
-# What sky shines through an opening has neither light tracing nor virtual lights.
-SKY = "path,bdpt,tridir,gdpt,mlt,pssmlt"
+# Where most light comes through a small opening; what begins at lights hardly finds it.
+OPENING = "path,bdpt,tridir,gdpt,mlt,pssmlt"
 MITSUBA = ["--against", "mitsuba"]
 ALONE = ["--variant", "bsdf only=path --techniques 0:*", "--variant", "light only=path --techniques 1:*"]
 
@@ -38,9 +38,9 @@ SCENES = [
     ("veach-ajar", "veach-ajar/scene.xml", "64x36", 3, ALL, MITSUBA),
     ("cornell-box", "cornell-box/scene.xml", "48x48", 1.5, ALL, MITSUBA),
     ("box", PROJECT / "tests/scenes/cornell-box.xml", "48x48", 1.5, ALL, MITSUBA),
-    ("daylight", PROJECT / MODELS / "daylight-tridir.xml", "48x48", 1.5, SKY, ["--reference-by", "tridir", *MITSUBA]),
+    ("daylight", PROJECT / MODELS / "daylight-tridir.xml", "48x48", 1.5, OPENING, ["--reference-by", "tridir", *MITSUBA]),
     ("portal-room", PROJECT / MODELS / "portal-room-tridir.xml", "48x48", 1.5, f"{ALL},tridir", MITSUBA),
-    ("keyhole", "aether-authors/cbox/cbox_tridir.xml", "48x48", 1.5, SKY, ["--portal", "opening", "--reference-by", "bdpt,tridir"]),
+    ("keyhole", "aether-authors/cbox/cbox_tridir.xml", "48x48", 1.5, OPENING, ["--portal", "opening", "--reference-by", "bdpt,tridir"]),
 ]
 
 
