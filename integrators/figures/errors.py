@@ -30,17 +30,19 @@ ALONE = ["--variant", "bsdf only=path --techniques 0:*", "--variant", "light onl
 KEYHOLE = """<shape type="serialized" id="opening"><string name="filename" value="cornell_box_keyhole.serialized"/>
     <integer name="shapeIndex" value="0"/></shape>"""
 
-# Name, file (of the project or of SCENES), size, seconds, integrators, and what else the measurement is asked for. A
-# path tracer is no part of the truth where it hardly ever finds the light.
+THROUGH_KEYHOLE = ["--portal", "opening", "--reference-by", "bdpt,tridir"]
+
+# Name, file (of the project or of SCENES), a shape that it has besides, size, seconds, integrators, and what else the
+# measurement is asked for. A path tracer is no part of the truth where it hardly ever finds the light.
 SCENES = [
-    ("veach-mis", "veach-mis/scene.xml", "64x36", 1.5, ALL, [*ALONE, *MITSUBA]),
-    ("veach-bidir", "veach-bidir/scene.xml", "64x36", 1.5, ALL, ["--reference-by", "bdpt", *MITSUBA]),
-    ("veach-ajar", "veach-ajar/scene.xml", "64x36", 3, ALL, MITSUBA),
-    ("cornell-box", "cornell-box/scene.xml", "48x48", 1.5, ALL, MITSUBA),
-    ("box", PROJECT / "tests/scenes/cornell-box.xml", "48x48", 1.5, ALL, MITSUBA),
-    ("daylight", PROJECT / MODELS / "daylight-tridir.xml", "48x48", 1.5, OPENING, ["--reference-by", "tridir", *MITSUBA]),
-    ("portal-room", PROJECT / MODELS / "portal-room-tridir.xml", "48x48", 1.5, f"{ALL},tridir", MITSUBA),
-    ("keyhole", "aether-authors/cbox/cbox_tridir.xml", "48x48", 1.5, OPENING, ["--portal", "opening", "--reference-by", "bdpt,tridir"]),
+    ("veach-mis", "veach-mis/scene.xml", "", "64x36", 1.5, ALL, [*ALONE, *MITSUBA]),
+    ("veach-bidir", "veach-bidir/scene.xml", "", "64x36", 1.5, ALL, ["--reference-by", "bdpt", *MITSUBA]),
+    ("veach-ajar", "veach-ajar/scene.xml", "", "64x36", 3, ALL, MITSUBA),
+    ("cornell-box", "cornell-box/scene.xml", "", "48x48", 1.5, ALL, MITSUBA),
+    ("box", PROJECT / "tests/scenes/cornell-box.xml", "", "48x48", 1.5, ALL, MITSUBA),
+    ("daylight", PROJECT / MODELS / "daylight-tridir.xml", "", "48x48", 1.5, OPENING, ["--reference-by", "tridir", *MITSUBA]),
+    ("portal-room", PROJECT / MODELS / "portal-room-tridir.xml", "", "48x48", 1.5, f"{ALL},tridir", MITSUBA),
+    ("keyhole", "aether-authors/cbox/cbox_tridir.xml", KEYHOLE, "48x48", 1.5, OPENING, THROUGH_KEYHOLE),
 ]
 
 
@@ -55,13 +57,13 @@ def main():
     known = [scene[0] for scene in SCENES]
     if unknown := [name for name in options.names if name not in known]:
         parser.error(f"no scene is called {', '.join(unknown)}; there are {', '.join(known)}")
-    for name, file, size, budget, integrators, more in SCENES:
+    for name, file, shape, size, budget, integrators, more in SCENES:
         if options.names and name not in options.names:
             continue
         with tempfile.TemporaryDirectory() as directory:
             scene = (options.scenes / file).resolve()
-            if name == "keyhole":
-                scene = opened(scene, KEYHOLE, pathlib.Path(directory))
+            if shape:
+                scene = opened(scene, shape, pathlib.Path(directory))
             command = [options.aether, "convergence", scene, "--name", name, "--size", size]
             command += ["--integrators", integrators, "--budget", str(budget), "--repeats", "4"]
             subprocess.run([*command, *more, "--python", options.python, "-o", options.output / name], check=True)

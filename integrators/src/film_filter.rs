@@ -154,15 +154,6 @@ impl Sampler<f32> for PixelPoints<'_> {
         Density::new(across * down)
     }
 
-    #[inline]
-    fn forward_with_pdf(&self, u: [f32; 2]) -> (Vec2<f32>, bool, PdfOf<Self, f32>) {
-        let Some(profile) = self.profile else { return self.square().forward_with_pdf(u) };
-        let [(x, has_x, across), (y, has_y, down)] =
-            u.map(|u| profile.table.sampler().forward_with_pdf([u]));
-        let point = Vec2::new(self.centre.x + x, self.centre.y + y);
-        (point, has_x && has_y, Density::new(across.value() * down.value()))
-    }
-
     fn preimages(&self, point: &Vec2<f32>, mut visit: impl FnMut([f32; 2], bool)) {
         let Some(profile) = self.profile else { return self.square().preimages(point, visit) };
         let along = profile.table.sampler();

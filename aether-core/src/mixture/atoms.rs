@@ -54,8 +54,14 @@ where
     }
 
     fn pdf_of_uniforms(&self, u: C::Uniforms) -> PdfOf<Self, R> {
-        let atom = self.0.forward(u).0.atom().is_some();
-        Density::new(if atom { R::ZERO } else { self.0.pdf_of_uniforms(u).value() })
+        self.forward_with_pdf(u).2
+    }
+
+    fn forward_with_pdf(&self, u: C::Uniforms) -> (C::Place, bool, PdfOf<Self, R>) {
+        let (x, valid, p) = self.0.forward_with_pdf(u);
+        let atom = x.atom().is_some();
+        let density = Density::new(if atom { R::ZERO } else { p.value() });
+        (x.point(), valid && !atom, density)
     }
 
     fn preimages(&self, x: &C::Place, visit: impl FnMut(C::Uniforms, bool)) {

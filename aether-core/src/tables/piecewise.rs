@@ -92,9 +92,7 @@ impl<R: Scalar, P: Pieces<R>> Sampler<R> for Piecewise<P> {
 
     #[inline]
     fn pdf_of_uniforms(&self, u: Self::Uniforms) -> PdfOf<Self, R> {
-        let (choice, rest) = self.0.choice().sample_reuse(u.as_ref()[P::AXIS]);
-        let inside = self.0.piece(choice.index).pdf_of_uniforms(replaced(u, P::AXIS, rest));
-        Density::new(choice.probability * inside.value())
+        self.forward_with_pdf(u).2
     }
 
     #[inline]
