@@ -9,7 +9,7 @@ pub use limits::{
     closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,
     rare_sample_of_pieces, where_finite,
 };
-pub use manifold::{leads_back, member, near, near_or_far, on_or_off};
+pub use manifold::{leads_back, member, near, near_or_far, near_or_far_multiple, on_or_off};
 
 /// Multiple of an error bound that counts as rounding: bounds are first order, and the one who made
 /// a point may have rounded a few times more than the map that is asked about it.

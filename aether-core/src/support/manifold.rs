@@ -12,6 +12,32 @@ pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
 }
 
+/// Whether the image of a point is the point to within a few roundings, and whether it is plainly another one, where the
+/// image is a multiple: it has the point's offsets from somewhere times √(above / below), and else its coordinates. `sums`
+/// are above - below, below, and the sizes of all terms of both, which are even powers of differences of two numbers.
+///
+/// With s the factor, |s - 1| = |s² - 1| / (s + 1), and s + 1 is at least the smaller one of 2 and 1 + s². Rounding of
+/// the point and of the differences changes the offsets times the excess by a few units of the sizes times the largest
+/// number among coordinates and offsets; a point is called far where they are many times that.
+#[inline(always)]
+pub fn near_or_far_multiple<R: Real, const M: usize, const C: usize>(
+    x: &[R; M],
+    offsets: [R; C],
+    sums: [R; 3],
+) -> [R::Mask; 2] {
+    let [excess, below, sizes] = sums;
+    let largest = |m: R, x: &R| m.max(x.abs());
+    let size = x.iter().fold(R::ZERO, largest);
+    let offset = offsets.iter().fold(R::ZERO, largest);
+    let off = offset * excess.abs();
+    // What underflows would be no small part of sums that are as small as this.
+    let least = R::MIN_POSITIVE / (R::EPSILON * R::EPSILON);
+    let unit = R::of(SLACK) * R::EPSILON;
+    let near = off.le(unit * size * (below + below + excess.min(R::ZERO)));
+    let far = off.gt(R::of(FAR * SLACK) * unit * size.max(offset) * sizes);
+    [near.and(below.gt(least)), far.and(sizes.gt(least))]
+}
+
 /// Whether mapping `u` forward gives `x`, to within the error bounds of both.
 pub fn leads_back<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
@@ -114,6 +140,42 @@ mod tests {
         assert_eq!(lies([on[0], on[1] + 4e-14]), (false, false));
         assert_eq!(lies([f64::NAN, 1.0]), (false, false));
         assert_eq!(lies([0.0, 0.0]), (false, false));
+    }
+
+    /// Whether a point lies on a sphere, by its height.
+    fn on_sphere(centre: [f32; 3], radius: f32, x: [f32; 3]) -> [bool; 2] {
+        let [a, b, c] = [0, 1, 2].map(|i| x[i] - centre[i]);
+        let (below, above) = (a * a + b * b, radius * radius - c * c);
+        near_or_far_multiple(&x, [a, b], [above - below, below, radius * radius + c * c + below])
+    }
+
+    #[test]
+    fn points_on_and_off_a_sphere_of_any_size() {
+        let [on, off, neither] = [[true, false], [false, true], [false, false]];
+        let point = |far: f32, size: f32| [0.48, 0.64, 0.6].map(|x: f32| far + size * x);
+        for size in [1e-11, 1.0, 1e11] {
+            let origin = [0.0; 3];
+            assert_eq!(on_sphere(origin, size, point(0.0, size)), on);
+            assert_eq!(on_sphere(origin, size, point(0.0, 1.1 * size)), off);
+            // More than roundings, but less than nobody need look at closer.
+            assert_eq!(on_sphere(origin, size, point(0.0, 1.0001 * size)), neither);
+        }
+        // What is measured from far away is known as well as coordinates are.
+        assert_eq!(on_sphere([1e4; 3], 1.0, point(1e4, 1.0)), on);
+        assert_eq!(on_sphere([1e4; 3], 1.0, point(1e4, 1.01)), neither);
+        assert_eq!(on_sphere([1e4; 3], 1e3, point(1e4, 1.2e3)), off);
+    }
+
+    #[test]
+    fn where_squares_leave_the_range_of_numbers_a_sphere_is_left_to_error_bounds() {
+        for size in [1e-22, 1e-20, 1e20, f32::INFINITY, f32::NAN] {
+            for scale in [1.0, 2.0] {
+                let x = [0.48, 0.64, 0.6].map(|x: f32| scale * size * x);
+                assert_eq!(on_sphere([0.0; 3], size, x), [false; 2], "{size}");
+            }
+        }
+        // So is a pole, where the offset has no direction.
+        assert_eq!(on_sphere([0.0; 3], 1.0, [0.0, 0.0, 1.0]), [false; 2]);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::cases::Case;
 use super::density::{pick, recognised};
 use super::holding::never_negative;
 use super::implied::implied;
+use super::scaled::{Scaled, scaled};
 use crate::expr::{Graph, Id, Leaf, Node};
 use crate::jacobian::{cost_together, simplify};
 use crate::measure::Measure;
@@ -40,6 +41,8 @@ pub struct Image {
     pub shared: Vec<Id>,
     /// What must not be negative for these to be it.
     pub conditions: Vec<Id>,
+    /// How it is a multiple of the point, if it is one in a simple way.
+    pub scaled: Option<Scaled>,
 }
 
 impl Image {
@@ -116,7 +119,7 @@ pub(super) fn back(
             coordinates.push(pick(g, &forms, &truth, measure).0);
         }
         let shared = shared(g, &coordinates);
-        images.push(Image { coordinates, conditions, shared });
+        images.push(Image { coordinates, conditions, shared, scaled: None });
     }
     let cost = |g: &Graph, image: &Image| {
         cost_together(g, &[&image.coordinates[..], &image.conditions].concat())
@@ -124,7 +127,8 @@ pub(super) fn back(
     // What would be the point itself tells nothing of it.
     let point: Vec<Id> = (0..forward.len()).map(|i| g.get_leaf(Leaf::Out(i as u8))).collect();
     images.retain(|image| image.coordinates != point);
-    let image = images.into_iter().min_by_key(|image| cost(g, image))?;
+    let mut image = images.into_iter().min_by_key(|image| cost(g, image))?;
+    image.scaled = scaled(g, &image.coordinates);
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
     let shorter = cost(g, &image) < cost_together(g, &otherwise);
     shorter.then_some(image)

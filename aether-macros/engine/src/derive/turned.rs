@@ -90,6 +90,7 @@ impl Turned {
                     *id = g.substitute(*id, &values);
                 }
                 image.coordinates = self.sum(g, &image.coordinates);
+                image.scaled = None;
             }
         }
         derived.forward = self.sum(g, &derived.forward);

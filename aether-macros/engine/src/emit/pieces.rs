@@ -13,7 +13,7 @@ use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
 use super::plainly::plainly;
 use super::tame::Tame;
-use crate::derive::{Derived, Preimage, Problem, Target};
+use crate::derive::{Derived, Preimage, Problem, Scaled, Target};
 use crate::expr::{Id, Leaf};
 use crate::parse::{Piece, Test};
 
@@ -344,6 +344,8 @@ impl<'a> Emitter<'a> {
                 fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #m] { #lets [#(#values),*] }
             }
         });
+        let scaled = preimage.back.as_ref().and_then(|image| image.scaled.as_ref());
+        let scaled = scaled.map(|scaled| self.scaled(place, scaled));
         let mut code = Code::new(g, &at);
         let value = code.value(preimage.density);
         let density_lets = code.statements();
@@ -377,9 +379,29 @@ impl<'a> Emitter<'a> {
             #plainly
             #accurate
             #back
+            #scaled
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
             #log_density
+        }
+    }
+
+    /// The function that tells whether a point lies on the manifold where its image is a multiple of it.
+    fn scaled(&self, place: Place, scaled: &Scaled) -> TokenStream {
+        let (_, m, p) = self.sizes();
+        let name = format_ident!("scaled_{}", place.number);
+        let at = |l: Leaf| input(l, "x");
+        let mut code = Code::new(&place.problem.graph, &at);
+        let offsets = code.values(&scaled.offsets);
+        let sums = code.values(&[scaled.excess, scaled.below, scaled.sizes]);
+        let lets = code.statements();
+        quote! {
+            /// Whether the point plainly lies on the manifold, and whether it plainly does not.
+            #[inline(always)]
+            fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R::Mask; 2] {
+                #lets
+                ::aether_core::support::near_or_far_multiple(x, [#(#offsets),*], [#(#sums),*])
+            }
         }
     }
 

@@ -140,6 +140,16 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             },
             None => elsewhere,
         };
+        if place.preimage.back.as_ref().is_some_and(|image| image.scaled.is_some()) {
+            let scaled = format_ident!("scaled_{k}");
+            return quote! {
+                let [on, off] = #scaled::<R>(&p, &x);
+                if off.all() {
+                    break 'inside;
+                }
+                if !on.all() { #otherwise }
+            };
+        }
         quote! {
             let back = #image;
             if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
