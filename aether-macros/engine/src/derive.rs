@@ -4,6 +4,7 @@ mod atom_bounds;
 mod atoms;
 mod back;
 mod borders;
+mod capped;
 mod cases;
 mod continuity;
 mod density;
@@ -53,6 +54,7 @@ pub use signs::Signs;
 
 pub use back::Image;
 use borders::find_borders;
+use capped::keep_capped;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish};
 use enclosed::enclosed;
@@ -377,6 +379,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
             }
         }
         keep_ranges(problem, s, &preimage.tested);
+        keep_capped(problem, &preimage.tested, &cases);
         preimages.push(preimage);
     }
     if let ([preimage], [solution]) = (&mut preimages[..], &solutions[..]) {

@@ -1,0 +1,174 @@
+//! Unknowns that are one minus the height of a unit vector, which no point makes negative: where the azimuth about the
+//! same axis is found as the angle of two numbers a and b, 1 - z² is a² + b².
+//!
+//! That this is so is an identity, and it is tried in exact arithmetic at points all over the space. The vector is another
+//! one than the point, as where a normal is made from a direction that was drawn, and its height is no short expression.
+
+use super::cases::Case;
+use super::{Problem, Target};
+use crate::eval::Evaluator;
+use crate::expr::{Fun, Graph, Id, Node, children};
+use crate::hash::Set;
+use crate::interval::Interval;
+use crate::number::{Dd, Number};
+use crate::points::Rng;
+
+/// How far values may differ that are the same: there are 31 digits, but for what cancels.
+const SAME: f64 = 1e-20;
+/// At how many points an identity has to have been tried.
+const FEWEST: usize = 24;
+
+/// Makes known which unknowns of a sampler of directions are never negative.
+pub(super) fn keep_capped(problem: &mut Problem, unknowns: &[Id], cases: &[Case]) {
+    if !problem.is_direction() || problem.argument.is_some() {
+        return;
+    }
+    let pairs = angles(&problem.graph, unknowns);
+    let points = all_over(problem, cases);
+    for &unknown in unknowns {
+        let range = problem.graph.range(unknown);
+        if range.nonnegative() {
+            continue;
+        }
+        let Some(height) = deciding(&mut problem.graph, unknown) else { continue };
+        let is_capped = pairs.iter().any(|pair| is_cap(&problem.graph, height, *pair, &points));
+        if is_capped {
+            problem.graph.assume(unknown, Interval::new(0.0, range.hi));
+        }
+    }
+}
+
+/// The factor of an expression that decides whether it is negative, if it is a single one.
+fn deciding(g: &mut Graph, id: Id) -> Option<Id> {
+    let (q, body) = g.split(id);
+    let mut open = g.factors(body);
+    open.retain(|(base, _)| !g.range(*base).nonnegative());
+    let &[(base, exponent)] = &open[..] else { return None };
+    let whole = g.as_number(exponent).is_some_and(|e| e.is_int());
+    (!q.is_negative() && whole).then_some(base)
+}
+
+/// The two numbers of each angle in some expressions.
+fn angles(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
+    let (mut open, mut seen, mut found) = (ids.to_vec(), Set::default(), vec![]);
+    while let Some(id) = open.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        if let Node::Call(Fun::Atan2, of) = g.node(id)
+            && let [b, a] = of[..]
+        {
+            found.push([a, b]);
+        }
+        open.extend(children(g.node(id)));
+    }
+    found
+}
+
+/// The points that something is tried at: parameters of cases with directions of all kinds.
+fn all_over(problem: &Problem, cases: &[Case]) -> Vec<Case> {
+    let mut rng = Rng::new(0xca99ed);
+    let outs = problem.outputs.len();
+    let is_plain = |case: &&Case| case.point.interior && !case.point.stress && !case.single;
+    let is_alone = problem.parts.iter().all(|part| part.target == Target::Direction) && outs == 3;
+    let tried = cases.iter().filter(|case| is_alone && is_plain(case));
+    tried.map(|case| case.moved_to(direction(&mut rng))).collect()
+}
+
+fn direction(rng: &mut Rng) -> Vec<Dd> {
+    loop {
+        let x = [0; 3].map(|_| Dd::from_f64(2.0 * rng.uniform() - 1.0));
+        let squared = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+        if (0.01..=1.0).contains(&squared.to_f64()) {
+            return x.map(|x| x / squared.sqrt()).to_vec();
+        }
+    }
+}
+
+/// Whether h (2 - h) = a² + b² at all points, so that h = 1 - z, with z in [-1, 1].
+fn is_cap(g: &Graph, h: Id, [a, b]: [Id; 2], points: &[Case]) -> bool {
+    let mut tried = 0;
+    for case in points {
+        let at = |leaf| case.point.input(leaf, &case.exact_outs);
+        let mut e = Evaluator::<Dd>::new(g, &at);
+        let [h, a, b] = [h, a, b].map(|id| e.value(id));
+        let [one, other] = [h * (Dd::from_f64(2.0) - h), a * a + b * b];
+        let off = (one - other).abs().to_f64();
+        if off.is_nan() {
+            continue;
+        }
+        if off > SAME * (1.0 + other.to_f64()) {
+            return false;
+        }
+        tried += 1;
+    }
+    tried >= FEWEST
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cases::cases;
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interpret::Item;
+    use crate::rational::Q;
+
+    /// Of each unknown of a sampler, whether it is known not to be negative.
+    fn never_negative(text: &str) -> Vec<bool> {
+        let domain = "alpha in 1e-4..=1.0, where w.z > 0.0".parse().unwrap();
+        let item = Item::new(domain, text.parse().unwrap(), true).unwrap();
+        let g = &item.parsed.pieces[0].problem.graph;
+        let tested = &item.derived[0].preimages[0].tested;
+        tested.iter().map(|&u| g.range(u).nonnegative()).collect()
+    }
+
+    /// Normals that are half way between a direction and one in a cap about an axis.
+    fn half_ways(cap: &str) -> String {
+        format!(
+            "fn normals(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {{
+                let v = Vec3::new(alpha * w.x, alpha * w.y, w.z).normalize();
+                let z = {cap};
+                let r = (1.0 - z * z).sqrt();
+                let phi = TAU * u[0];
+                let n = (Vec3::new(r * phi.cos(), r * phi.sin(), z) + v).normalize();
+                Direction::from_vec(Vec3::new(alpha * n.x, alpha * n.y, n.z).normalize())
+            }}"
+        )
+    }
+
+    #[test]
+    fn no_direction_lies_above_the_pole_of_a_cap() {
+        assert!(never_negative(&half_ways("1.0 - u[1] * (1.0 + v.z)"))[1]);
+    }
+
+    #[test]
+    fn directions_lie_above_the_rim_of_a_zone() {
+        // Those nearer to the pole have a negative unknown.
+        assert!(!never_negative(&half_ways("0.9 - u[1] * (0.9 + v.z)"))[1]);
+    }
+
+    #[test]
+    fn what_two_others_lack_to_one_is_a_height() {
+        let text = "fn sphere(u: [Uniform; 2]) -> Direction {
+            let z = 1.0 - 2.0 * u[0];
+            let r = (1.0 - z * z).sqrt();
+            let phi = TAU * u[1];
+            Direction::new(r * phi.cos(), r * phi.sin(), z)
+        }";
+        let mut item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
+        let (problem, volume) = (&mut item.parsed.pieces[0].problem, item.derived[0].volume);
+        let points = all_over(problem, &cases(problem, volume).unwrap());
+        assert!(points.len() >= FEWEST && points.iter().any(|p| p.outs[2] < 0.0));
+        let g = &mut problem.graph;
+        let [x, y, z] = [0, 1, 2].map(|i| g.get_leaf(Leaf::Out(i)));
+        let below = |g: &mut Graph, of: Id| g.sum(Q::ONE, &[(Q::int(-1), of)]);
+        let (from_pole, from_side) = (below(g, z), below(g, x));
+        assert!(is_cap(g, from_pole, [x, y], &points) && is_cap(g, from_side, [z, y], &points));
+        assert!(!is_cap(g, from_side, [x, y], &points));
+        // Alike in the upper half alone.
+        let size = g.call(Fun::Abs, &[z]);
+        let mirrored = g.add(from_pole, size);
+        let either = g.sub(mirrored, z);
+        assert!(!is_cap(g, either, [x, y], &points));
+    }
+}
