@@ -31,6 +31,7 @@ mod strays;
 mod through;
 mod turned;
 mod units;
+mod valued;
 mod volume;
 
 use std::collections::BTreeMap;
@@ -64,6 +65,7 @@ use sample::{at_the_sample, shorter};
 pub use scaled::Scaled;
 use signs::find_signs;
 use units::units;
+use valued::share_values;
 use volume::pick_volume;
 
 /// What the type of the result guarantees.
@@ -392,6 +394,9 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     }
     for preimage in &mut preimages {
         shorten_tests(problem, preimage);
+        if problem.argument.is_none() {
+            share_values(&mut problem.graph, preimage, &mut out_points);
+        }
     }
     let at_uniforms: Vec<Id> = forward.iter().copied().chain([own]).collect();
     let at_point = preimages.iter().flat_map(|p| p.tested.iter().copied().chain([p.density]));
