@@ -26,9 +26,12 @@ impl<R: Real, const N: usize> Uniforms<R> for [R; N] {
     const COUNT: usize = N;
     #[inline(always)]
     fn from_fn(mut element: impl FnMut(usize) -> R) -> Self {
-        // The standard library's own way is not always inlined.
-        let mut all = [R::ZERO; N];
-        all.iter_mut().enumerate().for_each(|(k, one)| *one = element(k));
+        // The standard library's own ways are not always inlined.
+        let (mut all, mut k) = ([R::ZERO; N], 0);
+        while k < N {
+            all[k] = element(k);
+            k += 1;
+        }
         all
     }
 }

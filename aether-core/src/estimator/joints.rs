@@ -335,8 +335,8 @@ where
             Some(_) => &Tail::EMPTY,
             None => &second.tails[joint.length - joint.first],
         };
-        let [[a, b, c], [d, e, f]] =
-            [ahead, behind].map(|tail| tail.ids.map(|id| tape.vertex_of(id)));
+        let vertices = |tail: &Tail| each_last(|k| tape.vertex_of(tail.ids[k]));
+        let ([a, b, c], [d, e, f]) = (vertices(ahead), vertices(behind));
         let mut window = Window {
             vertices: [None, None, c, b, a, d, e, f, None, None],
             sees_next: ahead.sees_next | behind.sees_next,

@@ -197,16 +197,17 @@ fn beside_by<R: Real, const P: usize, const M: usize>(
     R::select(d.ge(d), d, first)
 }
 
-/// The map at `u` and whether it has a value there; where a uniform of exactly zero leads to 0/0, its
+/// The map at `u`, as its value `x` there, and whether it has one; where a uniform of exactly zero leads to 0/0, its
 /// limit from inside. What comes out where `wanted` is false does not matter.
+///
+/// The value is given because it is computed in place then, which a function that is called again here might not be.
 #[inline(always)]
 pub fn closed<R: Real, const P: usize, const N: usize, const M: usize>(
     wanted: R::Mask,
-    p: &[R; P],
-    u: &[R; N],
+    (p, u): (&[R; P], &[R; N]),
+    x: [R; M],
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
-    let x = forward(p, u);
     // What is infinite stays so; a sum of such numbers may be none.
     let sum = sum(&x);
     if sum.ge(sum).all() { (x, R::Mask::TRUE) } else { rarely_closed(wanted, *p, *u, x, forward) }
@@ -293,7 +294,7 @@ mod tests {
         assert!(!finite(&[f64::INFINITY, -f64::INFINITY]) && !finite(&[0.0, f64::NAN]));
         // Together they need another look.
         assert!(!plain(&[large, large], 1.0) && plain(&[large, -1.0], 1.0));
-        let (x, known) = closed(true, &[large], &[0.5], |p, _| [p[0], p[0]]);
+        let (x, known) = closed(true, (&[large], &[0.5]), [large; 2], |p, _| [p[0], p[0]]);
         assert!(known && x == [large; 2]);
     }
 

@@ -81,7 +81,10 @@ where
             let first = if end == End::First { len } else { n - len };
             let joint = Joint { length: n, first, last: None };
             let far = len.saturating_sub(READS);
-            let is_ending_known = end == End::First || far == 0 || self.know_ending(joint);
+            if far == 0 {
+                continue;
+            }
+            let is_ending_known = end == End::First || self.know_ending(joint);
             if !is_ending_known || !self.is_as_before(n, end) {
                 self.joints.sides[end as usize].forget_sums();
             }

@@ -193,12 +193,18 @@ impl<'a> Code<'a> {
                 let related = (*base == b).then(|| related(self.graph, e, *f)).flatten()?;
                 Some((related, name.clone()))
             });
-            let value = known.map(|(related, name)| {
-                let value = match related {
-                    Related::Times => quote!(#name * #base),
-                    Related::Over => quote!(#name / #base),
-                    Related::Rest => quote!(#base / #name),
-                    Related::Inverse => quote!(R::ONE / #name),
+            let value = known.map(|(Related { times, whole }, name)| {
+                // What underflows as a square is told by it.
+                let name = match times.abs() {
+                    1 => name,
+                    _ => self.named(&quote!(#name * #name)),
+                };
+                let value = match (times > 0, whole) {
+                    (true, 1) => quote!(#name * #base),
+                    (true, 0) => name.clone(),
+                    (true, _) => quote!(#name / #base),
+                    (false, 1) => quote!(#base / #name),
+                    (false, _) => quote!(R::ONE / #name),
                 };
                 quote!(::aether_core::support::by_power(#name, #value, #base, #exponent))
             });

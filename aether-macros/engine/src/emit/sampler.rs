@@ -109,7 +109,8 @@ pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
     if e.forward_is_tame(j) {
         quote!((#forward::<R>(&p, &t), <R::Mask as Mask>::TRUE))
     } else {
-        quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, &p, &t, #forward::<R>))
+        let value = quote!(#forward::<R>(&p, &t));
+        quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, (&p, &t), #value, #forward::<R>))
     }
 }
 
@@ -119,7 +120,8 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
         return quote!((forward_0::<R>(&p, &u), <R::Mask as Mask>::TRUE));
     }
     let (n, m, s) = e.sizes();
-    quote!(::aether_core::support::closed::<R, #s, #n, #m>(<R::Mask as Mask>::TRUE, &p, &u, forward_0::<R>))
+    let (all, value) = (quote!(<R::Mask as Mask>::TRUE), quote!(forward_0::<R>(&p, &u)));
+    quote!(::aether_core::support::closed::<R, #s, #n, #m>(#all, (&p, &u), #value, forward_0::<R>))
 }
 
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,
