@@ -1,6 +1,6 @@
 //! Tests by which a point plainly has a preimage, and by which it plainly has none.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::border::border_test;
@@ -8,7 +8,8 @@ use super::code::Code;
 use super::item::Emitter;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
-use crate::derive::{Preimage, Signs};
+use super::tame::Tame;
+use crate::derive::{Preimage, Signs, Target};
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::Set;
 
@@ -86,6 +87,7 @@ fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
     let [borders, others] = units(place);
     let g = &place.problem.graph;
     let (longer, shorter) = others.into_iter().partition(|&i| calls(g, place.preimage.tested[i]));
+    let reached = reached(place, 0.0);
     let [borders, shorter, longer] = [borders, shorter, longer].map(|units: Vec<usize>| {
         let inside = units.into_iter().map(|i| test(place, i, &mut code).inside);
         let inside: TokenStream = inside.collect();
@@ -105,10 +107,30 @@ fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
     quote! {
         #first_lets
         let exists =
-            <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #borders;
+            <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #borders #reached;
         #(#others)*
         exists
     }
+}
+
+/// That each coordinate lies between the numbers that the map stays between, or beyond by no more than a share of what
+/// lies between them: where nothing else is tested, and the density might be no number beyond.
+fn reached(place: Place, share: f64) -> TokenStream {
+    let (g, Preimage { requirements, asked, density, .. }) = (&place.problem.graph, place.preimage);
+    let tested = !requirements.is_empty() || !asked.is_empty() || !place.checked().is_empty();
+    let is_direction = place.problem.parts.iter().any(|part| part.target == Target::Direction);
+    if tested || is_direction || Tame::new(g, false, false).all(&[*density]) {
+        return TokenStream::new();
+    }
+    let within = place.derived.forward.iter().enumerate().map(|(i, &coordinate)| {
+        let range = g.range(coordinate);
+        let beyond = share * (range.hi - range.lo);
+        let (i, low, high) = (Literal::usize_unsuffixed(i), range.lo - beyond, range.hi + beyond);
+        let low = low.is_finite().then(|| quote!(.and(x[#i].ge(R::of(#low)))));
+        let high = high.is_finite().then(|| quote!(.and(x[#i].le(R::of(#high)))));
+        quote!(#low #high)
+    });
+    within.collect()
 }
 
 /// Whether functions other than roots are called for the value of an expression.
@@ -155,11 +177,11 @@ fn possible_tests(place: Place) -> TokenStream {
     let determined: Vec<TokenStream> = determined.map(|&i| code.value(tested[i])).collect();
     let near = borders.into_iter().chain(alone);
     let near: Vec<TokenStream> = near.filter_map(|i| test(place, i, &mut code).near).collect();
-    let lets = code.statements();
+    let (lets, reached) = (code.statements(), reached(place, 1.0 / 256.0));
     quote! {
         #lets
         let slack = R::of(-1.0 / 256.0);
-        <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #(#near)*
+        <R::Mask as Mask>::TRUE #(.and(#required.gt(R::ZERO)))* #(#conditions)* #(#near)* #reached
             #(.and(::aether_core::support::about_unit::<R, 1>(&[#determined])))*
     }
 }
@@ -196,5 +218,18 @@ mod tests {
         assert!(is_determined(&g, share));
         let (quotient, angle) = (g.div(x, y), g.call(Fun::Atan2, &[y, x]));
         assert!(!is_determined(&g, quotient) && !is_determined(&g, angle));
+    }
+
+    #[test]
+    fn what_nothing_else_tests_lies_where_the_map_does() {
+        let text = |body: &str| {
+            let function = format!("fn f(u: [Uniform; 1]) -> f64 {{ {body} }}");
+            crate::sampler(TokenStream::new(), function.parse().unwrap()).to_string()
+        };
+        let upper = "x [0] . le (R :: of (1f64))";
+        assert!(text("(TAU * u[0]).cos()").contains(upper));
+        // Here an end of the unknown is tested, and there is no end.
+        assert!(!text("u[0].sqrt()").contains(upper));
+        assert!(!text("(PI * (u[0] - 0.5)).tan()").contains("x [0] . le"));
     }
 }
