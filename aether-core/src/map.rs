@@ -48,6 +48,13 @@ pub trait Map<R: Real>: Copy {
         self.jacobian(x)
     }
 
+    /// The density at `y` by way of its preimage `x`, at which it is `p`: p over the change of measure there. A map that
+    /// knows one over that in terms of `y` multiplies by it.
+    #[inline(always)]
+    fn pushed(&self, p: R, (x, y): (&Self::Source, &Self::Target)) -> R {
+        p / self.jacobian_between(x, y)
+    }
+
     /// The natural logarithm of [`Map::jacobian`].
     #[inline]
     fn log_jacobian(&self, x: &Self::Source) -> R {
@@ -159,7 +166,7 @@ fn pulled<R: Real, M: Map<R>>(
     if !inside.any() {
         return R::ZERO;
     }
-    let q = p / map.jacobian_between(x, y);
+    let q = map.pushed(p, (x, y));
     // Nor is a quotient of infinities a density.
     R::select(inside.and(q.ge(R::ZERO)), q, R::ZERO)
 }
@@ -318,6 +325,12 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn jacobian_between(&self, x: &A::Source, z: &B::Target) -> R {
         let y = self.first.forward(x).0;
         self.first.jacobian_between(x, &y) * self.second.jacobian_between(&y, z)
+    }
+
+    #[inline(always)]
+    fn pushed(&self, p: R, (x, z): (&A::Source, &B::Target)) -> R {
+        let y = self.first.forward(x).0;
+        self.second.pushed(self.first.pushed(p, (x, &y)), (&y, z))
     }
 
     #[inline]

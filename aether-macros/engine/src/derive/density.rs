@@ -10,6 +10,7 @@ use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
 use super::units::{Stretched, by_one, by_the_other_side, by_the_others};
+use super::valued::merged;
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
@@ -202,6 +203,11 @@ pub(super) fn density(
     let short = factored(g, &candidates);
     candidates.extend(short);
     candidates.extend(candidates.clone().into_iter().flat_map(|c| sums.put_into(g, c)));
+    let mut targets = problem.parts.iter().map(|part| part.target);
+    if targets.any(|target| matches!(target, Target::Identified | Target::Embedded)) {
+        let merged = candidates.clone().into_iter().filter_map(|c| merged(g, c, cases));
+        candidates.extend(merged.collect::<Vec<Id>>());
+    }
     candidates.sort_by_key(|c| cost(g, *c));
     candidates.dedup();
     let mut truth: Vec<f64> = match sums.pairs[..] {

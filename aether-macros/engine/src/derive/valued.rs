@@ -2,10 +2,12 @@
 //! area, is told by its values, which are the same number times those of the other form wherever both are tried. Sums of
 //! products of inputs that have the same values at so many points are the same everywhere.
 
+use super::cases::Case;
 use super::{Limit, Preimage};
+use crate::eval::Evaluator;
 use crate::expr::{Fun, Graph, Id, Node, children};
 use crate::hash::Set;
-use crate::jacobian::cost_together;
+use crate::jacobian::{cost, cost_together};
 use crate::measure::Measure;
 use crate::number::{Dd, Number};
 use crate::rational::Q;
@@ -13,7 +15,7 @@ use crate::rational::Q;
 /// How far quotients of values of one form by those of another may differ: there are 31 digits, but for what cancels.
 const SAME: f64 = 1e-22;
 /// At how many points both forms must have had a value.
-const FEWEST: usize = 16;
+const FEWEST: usize = 8;
 /// The largest numerator and denominator of how many times the one is the other.
 const LARGEST: i64 = 24;
 
@@ -41,6 +43,47 @@ pub(super) fn share_values(g: &mut Graph, preimage: &mut Preimage, measure: &mut
             preimage.density = form;
         }
     }
+}
+
+/// A density with sums in place of others that have the same values or the opposite ones at all points of a manifold,
+/// where that costs less: of a plane the height of a point above another one's is that of its foot.
+pub(super) fn merged(g: &mut Graph, density: Id, cases: &[Case]) -> Option<Id> {
+    let is_plain = |case: &&Case| case.point.interior && !case.point.stress && !case.single;
+    let value = |g: &Graph, id: Id, case: &Case| {
+        let at = |leaf| case.point.input(leaf, &case.exact_outs);
+        Evaluator::<Dd>::new(g, &at).value(id)
+    };
+    let all = sums(g, &[density]);
+    let values = |id: &Id| cases.iter().filter(is_plain).map(|case| value(g, *id, case)).collect();
+    let values: Vec<Vec<Dd>> = all.iter().map(values).collect();
+    let mut best = density;
+    for (i, &one) in all.iter().enumerate() {
+        for (j, &other) in all.iter().enumerate() {
+            let times = if i == j { None } else { multiple([&values[j], &values[i]]) };
+            if let Some(times) = times.filter(|times| times.abs() == Q::ONE) {
+                let form = with_multiple(g, density, other, (times, one));
+                let form = sizes_together(g, form, one);
+                if cost(g, form) < cost(g, best) {
+                    best = form;
+                }
+            }
+        }
+    }
+    (best != density).then_some(best)
+}
+
+/// An expression with even powers of a number as such of its size, where that is a factor too: |x|³ / x² is |x|.
+fn sizes_together(g: &mut Graph, id: Id, x: Id) -> Id {
+    let size = g.call(Fun::Abs, &[x]);
+    let together = g.with_products(id, |g, factors| {
+        let exponent = |of: Id| factors.iter().find(|(base, _)| *base == of).map(|(_, e)| *e);
+        let (of_size, of_x) = (exponent(size)?, exponent(x)?);
+        let is_even = g.as_number(of_x).is_some_and(Q::is_even);
+        let others = factors.iter().filter(|(base, _)| ![x, size].contains(base)).copied();
+        let all: Vec<(Id, Id)> = others.chain([(size, g.add(of_size, of_x))]).collect();
+        is_even.then(|| g.product(&all))
+    });
+    together.unwrap_or(id)
 }
 
 /// An expression with a sum replaced by a multiple of another one, which stays a part of its own.
@@ -131,15 +174,18 @@ fn is_polynomial(g: &Graph, id: Id) -> bool {
 }
 
 /// How many times the values of one form are those of the other at all points, if it is a number of few digits.
-fn times(g: &Graph, [one, other]: [Id; 2], measure: &mut Measure) -> Option<Q> {
-    let deps = [one, other].map(|id| g.deps(id));
-    if deps[0] != deps[1] {
+fn times(g: &Graph, forms: [Id; 2], measure: &mut Measure) -> Option<Q> {
+    if g.deps(forms[0]) != g.deps(forms[1]) {
         return None;
     }
-    let [a, b] = [one, other].map(|id| measure.precisely(g, id));
+    let [a, b] = forms.map(|id| measure.precisely(g, id));
+    multiple([&a, &b])
+}
+
+/// The same of values.
+fn multiple([a, b]: [&[Dd]; 2]) -> Option<Q> {
     let told = |x: &Dd| x.to_f64().is_finite() && x.to_f64() != 0.0;
-    let mut ratios =
-        a.iter().zip(b.iter()).filter(|(a, b)| told(a) || told(b)).map(|(a, b)| *a / *b);
+    let mut ratios = a.iter().zip(b).filter(|(a, b)| told(a) || told(b)).map(|(a, b)| *a / *b);
     let first = ratios.next()?;
     let number = short(first.to_f64())?;
     let exact = <Dd as Number>::from_ratio(number.num(), number.den());
@@ -207,6 +253,19 @@ mod tests {
         let found = with_multiple(&mut g, size, sum, (quarter.neg(), other));
         let expected = g.call(Fun::Abs, &[other]);
         assert_eq!(found, g.sum(Q::ZERO, &[(quarter, expected)]));
+    }
+
+    #[test]
+    fn the_size_of_a_number_and_its_even_powers_are_one_power() {
+        let (mut g, [a, b, c, _], _) = graph();
+        let ab = g.mul(a, b);
+        let x = g.add(ab, c);
+        let size = g.call(Fun::Abs, &[x]);
+        let mut power = |of: Id, e: i64| g.powi(of, e);
+        let [cubed, over, over_cube] = [power(size, 3), power(x, -2), power(x, -3)];
+        let [even, odd] = [over, over_cube].map(|over| g.mul(cubed, over));
+        assert_eq!(sizes_together(&mut g, even, x), size);
+        assert_eq!(sizes_together(&mut g, odd, x), odd);
     }
 
     #[test]

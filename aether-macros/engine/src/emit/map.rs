@@ -5,6 +5,7 @@ use quote::{format_ident, quote};
 
 use super::item::{Emitter, point, point_type};
 use crate::expr::Id;
+use crate::jacobian::{cost, cost_together};
 use crate::parse::{Source, Space};
 
 /// The implementation of the trait for a map whose inverse was derived.
@@ -17,6 +18,7 @@ pub fn implementation(e: &Emitter) -> TokenStream {
     let (_, m, _) = e.sizes();
     let [visits, visits_near] = [false, true].map(|near| visits(e, source, near));
     let (forward, jacobian) = (forward(e), jacobian(e));
+    let pushed = pushed(e);
     let coordinates = e.coordinates();
     let injective = e.places().len() <= 1;
     let members = e.places().into_iter().filter(|place| place.derived.check_forward);
@@ -63,8 +65,33 @@ pub fn implementation(e: &Emitter) -> TokenStream {
                 let u = point.coordinates();
                 #jacobian
             }
+
+            #pushed
         }
     }
+}
+
+/// The density of a point from that of its only preimage, where what it is multiplied by costs no more in terms of the point,
+/// beside its preimage, than the change of measure in terms of the preimage: the point is not rounded once more.
+fn pushed(e: &Emitter) -> Option<TokenStream> {
+    let places = e.places();
+    let (&[place], true) = (&places[..], e.is_whole()) else { return None };
+    let (g, preimage) = (&place.problem.graph, place.preimage);
+    let known = [&preimage.unknowns[..], &preimage.tested, &preimage.conditions].concat();
+    let more =
+        cost_together(g, &[&known[..], &[preimage.density]].concat()) - cost_together(g, &known);
+    let volume = cost(g, place.derived.volume);
+    let (parameters, coordinates) = (e.parameters(), e.coordinates());
+    (volume > 0 && more <= volume).then(|| {
+        quote! {
+            #[inline(always)]
+            fn pushed(&self, density: R, (_, point): (&Self::Source, &Self::Target)) -> R {
+                #parameters
+                let x = #coordinates;
+                density * density_0::<R>(&p, &x)
+            }
+        }
+    })
 }
 
 /// Binds the coordinates `c` of the image and whether it `exists`.
@@ -154,5 +181,32 @@ fn visits(e: &Emitter, source: &Space, near: bool) -> TokenStream {
     quote! {
         let belongs: R::Mask = #belongs;
         #(#each)*
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// What is emitted for a map.
+    fn text(function: &str) -> String {
+        crate::map(Default::default(), function.parse().unwrap()).to_string()
+    }
+
+    #[test]
+    fn a_density_is_told_by_the_point_where_that_is_shorter() {
+        let onto_plane = text(
+            "fn onto(w: Direction, o: Vec3, point: Vec3, normal: Direction, id: SurfaceId) -> SurfacePoint {
+                let t = normal.dot(point - o) / normal.dot(w);
+                require(t > 0.0);
+                SurfacePoint::new(o + t * w, id)
+            }",
+        );
+        assert!(onto_plane.contains("fn pushed"));
+        // The cosine of the height above the point over the squared distance: no parameter of the plane but its normal.
+        let density = onto_plane.split("fn density_0").nth(1).unwrap().split("fn ").next().unwrap();
+        assert!(density.contains("p [6") && !density.contains("p [3"), "{density}");
+        // What stretches everything alike, and nothing at all.
+        assert!(!text("fn twice(x: Vec2, k: f64) -> Vec2 { k * x }").contains("fn pushed"));
+        let turned = "fn turned(w: Direction, frame: Frame) -> Direction { frame.to_world(w) }";
+        assert!(!text(turned).contains("fn pushed"));
     }
 }
