@@ -427,6 +427,20 @@ fn a_ray_meets_a_plane_in_front_of_it_only() {
     assert_eq!(hemisphere.pdf(&behind).value(), 0.0);
 }
 
+#[test]
+fn planes_of_any_distance_have_densities_in_single_precision() {
+    // The third power of these distances is no number.
+    for d in [1e-17_f32, 1.0, 1e17] {
+        let (o, p0, n) =
+            (Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, 0.0, d), Vec3::new(0.0, 0.0, 1.0));
+        let onto = uniform_sphere().then(hit_plane(o, p0, n, SurfaceId(7)));
+        let x = SurfacePoint::new(Vec3::new(0.75 * d, 0.0, d), SurfaceId(7));
+        let truth = 0.25 / std::f32::consts::PI * 0.8 / (1.25 * d).powi(2);
+        let density = onto.pdf(&x).value();
+        assert!((density / truth - 1.0).abs() < 1e-6, "{d}: {density} for {truth}");
+    }
+}
+
 // A uniform of zero.
 
 #[sampler(m in 0.0..=2.0)]

@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 use super::circular::circular_pairs;
 use super::powers::{Related, related};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, children, divided};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children, divided};
 use crate::number::{Dd, Number};
 use crate::rational::Q;
 
@@ -456,13 +456,18 @@ impl<'a> Code<'a> {
         }
         let rest = |q: Q| divided(q, &shared).map(|by| by.rest);
         let sum = self.sum_over_sum(factors);
+        let length = self.length_below(factors);
         for (b, e) in factors {
             if sum == Some(*b) {
                 parts.first = Some(self.reference(*b));
                 continue;
             }
             let mut base = self.reference(*b);
-            let exponent = self.graph.as_number(*e);
+            let mut exponent = self.graph.as_number(*e);
+            if length == Some(*b) {
+                parts.soon = Some(base.clone());
+                exponent = exponent.and_then(|e| e.add(Q::HALF));
+            }
             if self.lenient && exponent == Some(Q::HALF) && !self.graph.range(*b).nonnegative() {
                 let scale = self.scale(*b);
                 base = quote!(::aether_core::support::not_negative(#base, || #scale));
@@ -577,6 +582,21 @@ impl<'a> Code<'a> {
         above.filter(|_| below && small).map(|(b, _)| *b)
     }
 
+    /// A squared length of which another power than its root stands below the line too, and something above that grows with
+    /// it: that is divided by the length first, as the third power may leave the range of numbers where the quotient does not.
+    fn length_below(&self, factors: &[(Id, Id)]) -> Option<Id> {
+        let exponent = |e: Id| self.graph.as_number(e);
+        let is_long = |e: Id| exponent(e).is_some_and(|e| e.den() == 2 && e.num() < -1);
+        let mut long =
+            factors.iter().filter(|&&(b, e)| is_long(e) && self.scaled_squares(b).is_some());
+        let &(length, _) = long.next()?;
+        let deps = self.graph.deps(length);
+        let grows = |&(b, e): &(Id, Id)| {
+            exponent(e) == Some(Q::ONE) && self.graph.deps(b) & deps & OUTS != 0
+        };
+        (long.next().is_none() && factors.iter().any(grows)).then_some(length)
+    }
+
     /// The factors that have a power so many `times` in them, above and below the line, as that of the quotient: it stays
     /// in range where the powers do not. It is what stands below the line, if the power is negative.
     fn power_of_quotient(
@@ -646,6 +666,8 @@ fn bases(g: &Graph, id: Id) -> Vec<Id> {
 struct Parts {
     /// What is divided before anything is multiplied with it.
     first: Option<TokenStream>,
+    /// A root that divides what stands above before anything else does.
+    soon: Option<TokenStream>,
     top: Vec<TokenStream>,
     bottom: Vec<TokenStream>,
     root_top: Vec<TokenStream>,
@@ -694,6 +716,10 @@ impl Parts {
         let (top, bottom) = (self.top, self.bottom);
         let above = joined(&top);
         let below = joined(&bottom);
+        let above = match self.soon {
+            Some(root) => quote!(#above / #root.sqrt()),
+            None => above,
+        };
         match (self.first, bottom.len()) {
             (Some(first), 1) => quote!(#above * (#first / #below)),
             (Some(first), _) => quote!(#above * (#first / (#below))),
