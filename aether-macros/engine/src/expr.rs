@@ -17,7 +17,7 @@ pub use root::{BOUNDS, Root};
 
 use std::cell::RefCell;
 
-use crate::hash::Map;
+use crate::hash::{Map, Set};
 use crate::interval::Interval;
 use crate::rational::Q;
 
@@ -235,6 +235,18 @@ impl Graph {
     /// Whether the expression depends on any of `set`.
     pub fn has(&self, id: Id, set: Deps) -> bool {
         self.deps(id) & set != 0
+    }
+
+    /// All expressions in some, these included, each once.
+    pub fn within(&self, ids: &[Id]) -> Vec<Id> {
+        let (mut open, mut seen, mut found) = (ids.to_vec(), Set::default(), Vec::new());
+        while let Some(id) = open.pop() {
+            if seen.insert(id) {
+                found.push(id);
+                open.extend(children(self.node(id)));
+            }
+        }
+        found
     }
 
     /// Of a sum of more than them, two coordinates of a point whose difference is to be taken first: both may be

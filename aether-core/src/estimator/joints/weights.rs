@@ -82,7 +82,7 @@ where
             let joint = Joint { length: n, first, last: None };
             let far = len.saturating_sub(READS);
             if far == 0 {
-                continue;
+                continue; // All of it is next to the joint.
             }
             let is_ending_known = end == End::First || self.know_ending(joint);
             if !is_ending_known || !self.is_as_before(n, end) {

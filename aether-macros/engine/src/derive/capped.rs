@@ -4,14 +4,13 @@
 //! That this is so is an identity, and it is tried in exact arithmetic at points all over the space. The vector is another
 //! one than the point, as where a normal is made from a direction that was drawn, and its height is no short expression.
 
+use super::Problem;
 use super::cases::Case;
-use super::{Problem, Target};
 use crate::eval::Evaluator;
-use crate::expr::{Fun, Graph, Id, Node, children};
-use crate::hash::Set;
+use crate::expr::{Fun, Graph, Id, Node};
 use crate::interval::Interval;
 use crate::number::{Dd, Number};
-use crate::points::Rng;
+use crate::points::{Rng, unit};
 
 /// How far values may differ that are the same: there are 31 digits, but for what cancels.
 const SAME: f64 = 1e-20;
@@ -23,17 +22,17 @@ pub(super) fn keep_capped(problem: &mut Problem, unknowns: &[Id], cases: &[Case]
     if !problem.is_direction() || problem.argument.is_some() {
         return;
     }
-    let pairs = angles(&problem.graph, unknowns);
-    let points = all_over(problem, cases);
-    for &unknown in unknowns {
-        let range = problem.graph.range(unknown);
+    let (g, mut points) = (&mut problem.graph, None);
+    let pairs = angles(g, unknowns);
+    for &unknown in if pairs.is_empty() { &[] } else { unknowns } {
+        let range = g.range(unknown);
         if range.nonnegative() {
             continue;
         }
-        let Some(height) = deciding(&mut problem.graph, unknown) else { continue };
-        let is_capped = pairs.iter().any(|pair| is_cap(&problem.graph, height, *pair, &points));
-        if is_capped {
-            problem.graph.assume(unknown, Interval::new(0.0, range.hi));
+        let Some(height) = deciding(g, unknown) else { continue };
+        let points = points.get_or_insert_with(|| all_over(cases));
+        if pairs.iter().any(|pair| is_cap(g, height, *pair, points)) {
+            g.assume(unknown, Interval::new(0.0, range.hi));
         }
     }
 }
@@ -50,39 +49,18 @@ fn deciding(g: &mut Graph, id: Id) -> Option<Id> {
 
 /// The two numbers of each angle in some expressions.
 fn angles(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
-    let (mut open, mut seen, mut found) = (ids.to_vec(), Set::default(), vec![]);
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        if let Node::Call(Fun::Atan2, of) = g.node(id)
-            && let [b, a] = of[..]
-        {
-            found.push([a, b]);
-        }
-        open.extend(children(g.node(id)));
-    }
-    found
+    let numbers = |id: Id| match g.node(id) {
+        Node::Call(Fun::Atan2, of) => Some([of[1], of[0]]),
+        _ => None,
+    };
+    g.within(ids).into_iter().filter_map(numbers).collect()
 }
 
 /// The points that something is tried at: parameters of cases with directions of all kinds.
-fn all_over(problem: &Problem, cases: &[Case]) -> Vec<Case> {
+fn all_over(cases: &[Case]) -> Vec<Case> {
     let mut rng = Rng::new(0xca99ed);
-    let outs = problem.outputs.len();
-    let is_plain = |case: &&Case| case.point.interior && !case.point.stress && !case.single;
-    let is_alone = problem.parts.iter().all(|part| part.target == Target::Direction) && outs == 3;
-    let tried = cases.iter().filter(|case| is_alone && is_plain(case));
-    tried.map(|case| case.moved_to(direction(&mut rng))).collect()
-}
-
-fn direction(rng: &mut Rng) -> Vec<Dd> {
-    loop {
-        let x = [0; 3].map(|_| Dd::from_f64(2.0 * rng.uniform() - 1.0));
-        let squared = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-        if (0.01..=1.0).contains(&squared.to_f64()) {
-            return x.map(|x| x / squared.sqrt()).to_vec();
-        }
-    }
+    let plain = cases.iter().filter(|case| case.is_plain());
+    plain.map(|case| case.moved_to(unit(&mut rng).to_vec())).collect()
 }
 
 /// Whether h (2 - h) = a² + b² at all points, so that h = 1 - z, with z in [-1, 1].
@@ -157,7 +135,7 @@ mod tests {
         }";
         let mut item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
         let (problem, volume) = (&mut item.parsed.pieces[0].problem, item.derived[0].volume);
-        let points = all_over(problem, &cases(problem, volume).unwrap());
+        let points = all_over(&cases(problem, volume).unwrap());
         assert!(points.len() >= FEWEST && points.iter().any(|p| p.outs[2] < 0.0));
         let g = &mut problem.graph;
         let [x, y, z] = [0, 1, 2].map(|i| g.get_leaf(Leaf::Out(i)));

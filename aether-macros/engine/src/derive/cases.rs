@@ -21,6 +21,11 @@ pub(super) struct Case {
 }
 
 impl Case {
+    /// Whether it is of a point in the middle of the domain, with parameters that the map is meant for, in double precision.
+    pub(super) fn is_plain(&self) -> bool {
+        self.point.interior && !self.point.stress && !self.single
+    }
+
     /// The same parameters with another point of the target space.
     pub(super) fn moved_to(&self, exact_outs: Vec<Dd>) -> Case {
         let outs = exact_outs.iter().map(|x| x.to_f64()).collect();

@@ -14,7 +14,6 @@ use super::valued::merged;
 use super::{Preimage, Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children};
-use crate::hash::Set;
 use crate::jacobian::{cost, cost_together, simplify};
 use crate::measure::{Errors, Loss, Measure, Part};
 use crate::number::Number;
@@ -60,17 +59,11 @@ pub(super) fn pick(
 
 /// How many terms of sums are multiplied by a number.
 fn coefficients(g: &Graph, id: Id) -> usize {
-    let (mut open, mut seen, mut count) = (vec![id], Set::default(), 0);
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        if let Node::Sum(_, terms) = g.node(id) {
-            count += terms.iter().filter(|(q, _)| q.abs() != Q::ONE).count();
-        }
-        open.extend(children(g.node(id)));
-    }
-    count
+    let multiplied = |id: Id| match g.node(id) {
+        Node::Sum(_, terms) => terms.iter().filter(|(q, _)| q.abs() != Q::ONE).count(),
+        _ => 0,
+    };
+    g.within(&[id]).into_iter().map(multiplied).sum()
 }
 
 /// Coordinates one by one in their most accurate form: as written, tidied or stabilised.

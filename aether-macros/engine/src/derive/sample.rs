@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use super::Problem;
 use super::factored::factored;
 use super::rooted::by_its_roots;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
-use crate::hash::{Map, Set};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS};
+use crate::hash::Map;
 use crate::jacobian::cost_together;
 use crate::measure::{Loss, Measure, Part};
 use crate::stabilise::{GOOD, of_turn, stabilise_knowing};
@@ -98,16 +98,9 @@ fn by_its_angles(g: &mut Graph, id: Id, others: &[Id]) -> Id {
 
 /// The sines and cosines in expressions.
 pub(super) fn angles(g: &Graph, roots: &[Id]) -> Vec<Id> {
-    let (mut open, mut seen, mut found) = (roots.to_vec(), Set::default(), Vec::new());
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        if let Node::Call(Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi, _) = g.node(id) {
-            found.push(id);
-        }
-        open.extend(children(g.node(id)));
-    }
+    let is_angle = |f: &Fun| matches!(f, Fun::Sin | Fun::Cos | Fun::SinPi | Fun::CosPi);
+    let mut found = g.within(roots);
+    found.retain(|id| matches!(g.node(*id), Node::Call(f, _) if is_angle(f)));
     found
 }
 

@@ -5,8 +5,7 @@
 use super::cases::Case;
 use super::{Limit, Preimage};
 use crate::eval::Evaluator;
-use crate::expr::{Fun, Graph, Id, Node, children};
-use crate::hash::Set;
+use crate::expr::{Fun, Graph, Id, Node};
 use crate::jacobian::{cost, cost_together};
 use crate::measure::Measure;
 use crate::number::{Dd, Number};
@@ -22,14 +21,15 @@ const LARGEST: i64 = 24;
 /// Has the density of a point be made of sums that its tests compute, where that costs less and is as accurate.
 pub(super) fn share_values(g: &mut Graph, preimage: &mut Preimage, measure: &mut Measure) {
     let tests = computed(preimage);
-    let known = sums(g, &tests);
+    let (known, mut own) = (sums(g, &tests), sums(g, &[preimage.density]));
+    own.retain(|sum| !known.contains(sum));
+    if known.is_empty() || own.is_empty() {
+        return;
+    }
     let truth = measure.truths(g, preimage.density);
     let cost = |g: &Graph, density: Id| cost_together(g, &[&tests[..], &[density]].concat());
     // The largest first, as what they are made of may go with them.
-    for sum in sums(g, &[preimage.density]) {
-        if known.contains(&sum) {
-            continue;
-        }
+    for sum in own {
         let density = preimage.density;
         let shared = known.iter().filter_map(|&other| {
             let times = times(g, [sum, other], measure)?;
@@ -48,13 +48,13 @@ pub(super) fn share_values(g: &mut Graph, preimage: &mut Preimage, measure: &mut
 /// A density with sums in place of others that have the same values or the opposite ones at all points of a manifold,
 /// where that costs less: of a plane the height of a point above another one's is that of its foot.
 pub(super) fn merged(g: &mut Graph, density: Id, cases: &[Case]) -> Option<Id> {
-    let is_plain = |case: &&Case| case.point.interior && !case.point.stress && !case.single;
     let value = |g: &Graph, id: Id, case: &Case| {
         let at = |leaf| case.point.input(leaf, &case.exact_outs);
         Evaluator::<Dd>::new(g, &at).value(id)
     };
     let all = sums(g, &[density]);
-    let values = |id: &Id| cases.iter().filter(is_plain).map(|case| value(g, *id, case)).collect();
+    let values =
+        |id: &Id| cases.iter().filter(|c| c.is_plain()).map(|case| value(g, *id, case)).collect();
     let values: Vec<Vec<Dd>> = all.iter().map(values).collect();
     let mut best = density;
     for (i, &one) in all.iter().enumerate() {
@@ -144,19 +144,12 @@ fn computed(preimage: &Preimage) -> Vec<Id> {
 
 /// The sums of several products of inputs in some expressions, those first that cost most.
 fn sums(g: &Graph, ids: &[Id]) -> Vec<Id> {
-    let (mut open, mut seen, mut found) = (ids.to_vec(), Set::default(), vec![]);
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        let composed = |(_, term): &(Q, Id)| !matches!(g.node(*term), Node::Leaf(_));
-        let is_sum = matches!(g.node(id), Node::Sum(_, t) if t.len() > 1 && t.iter().any(composed));
-        if is_sum && is_polynomial(g, id) {
-            found.push(id);
-        }
-        open.extend(children(g.node(id)));
-    }
-    found.sort_unstable_by_key(|id| std::cmp::Reverse(cost_together(g, &[*id])));
+    let composed = |(_, term): &(Q, Id)| !matches!(g.node(*term), Node::Leaf(_));
+    let is_sum =
+        |id: Id| matches!(g.node(id), Node::Sum(_, t) if t.len() > 1 && t.iter().any(composed));
+    let mut found = g.within(ids);
+    found.retain(|&id| is_sum(id) && is_polynomial(g, id));
+    found.sort_unstable_by_key(|id| std::cmp::Reverse(cost(g, *id)));
     found
 }
 
