@@ -282,6 +282,13 @@ impl<'a> Code<'a> {
         })
     }
 
+    /// A product of integer powers, their signs left away.
+    pub(super) fn powers(&mut self, powers: &[(Id, Q)]) -> TokenStream {
+        let powers: Vec<TokenStream> =
+            powers.iter().map(|&(b, q)| integer_power(&self.value(b), q.num().abs())).collect();
+        joined(&powers)
+    }
+
     /// The name or the literal of an expression that has been written.
     pub(super) fn reference(&self, id: Id) -> TokenStream {
         self.known(id).unwrap_or_else(|| unreachable!("children are written before their parents"))

@@ -20,6 +20,7 @@ mod pieces;
 mod plainly;
 mod powers;
 mod quick;
+mod quotient;
 mod sampler;
 mod tame;
 pub mod text;

@@ -8,6 +8,7 @@ use quote::quote;
 
 use super::code::{Code, number};
 use super::numeric;
+use super::quotient::within_unit;
 use crate::eval::evaluate;
 use crate::expr::{Deps, Fun, Graph, Id, Node, leaf_bit};
 use crate::rational::Q;
@@ -148,8 +149,8 @@ fn unknown_power(g: &Graph, id: Id) -> Option<(Id, Id)> {
     (g.as_number(exponent).is_none() && g.range(exponent).lo <= 0.0).then_some((base, exponent))
 }
 
-/// The tests of an unknown, as far as its range leaves them open.
-pub(super) fn unit_test(code: &mut Code, id: Id) -> UnitTest {
+/// The tests of an unknown, as far as its range leaves them open, which is computed for something else too or is not.
+pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool) -> UnitTest {
     let g = code.graph();
     let range = g.range(id);
     let sides = [range.lo < 0.0, !range.at_most_one()];
@@ -167,7 +168,15 @@ pub(super) fn unit_test(code: &mut Code, id: Id) -> UnitTest {
         let near = quote!(.and(#base.lt(-#far).or((#beyond).gt(#exponent.abs() * #far)).not()));
         return UnitTest { inside, near: Some(near), bounded: None };
     }
-    let value = place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner));
+    let quotient = if inner == id && sides[1] && !is_computed {
+        within_unit(code, id, sides[0])
+    } else {
+        None
+    };
+    let value = match &quotient {
+        Some(_) => quote!(),
+        None => place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner)),
+    };
     let above = |bound: f64, equal: bool| match (falling, equal) {
         _ if bound.is_infinite() => quote!(),
         (false, true) => {
@@ -226,7 +235,7 @@ pub(super) fn unit_test(code: &mut Code, id: Id) -> UnitTest {
     let (lower, upper) = if falling { (upper, lower) } else { (lower, upper) };
     let range = g.range(inner);
     let bounded = (lower || range.lo.is_finite()) && (upper || range.hi.is_finite());
-    UnitTest { inside, near, bounded: bounded.then_some(inner) }
+    UnitTest { inside: quotient.unwrap_or(inside), near, bounded: bounded.then_some(inner) }
 }
 
 /// Of a root that is compared with the ends of its interval: where its target lies between the values there, which
