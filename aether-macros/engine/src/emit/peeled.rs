@@ -168,15 +168,14 @@ pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool) -> UnitTest 
         let near = quote!(.and(#base.lt(-#far).or((#beyond).gt(#exponent.abs() * #far)).not()));
         return UnitTest { inside, near: Some(near), bounded: None };
     }
-    let quotient = if inner == id && sides[1] && !is_computed {
-        within_unit(code, id, sides[0])
-    } else {
-        None
-    };
-    let value = match &quotient {
-        Some(_) => quote!(),
-        None => place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner)),
-    };
+    if inner == id
+        && sides[1]
+        && !is_computed
+        && let Some(inside) = within_unit(code, id, sides[0])
+    {
+        return UnitTest { inside, near: None, bounded: Some(id) };
+    }
+    let value = place_of_root(code, inner, bounds).unwrap_or_else(|| code.value(inner));
     let above = |bound: f64, equal: bool| match (falling, equal) {
         _ if bound.is_infinite() => quote!(),
         (false, true) => {
@@ -235,7 +234,7 @@ pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool) -> UnitTest 
     let (lower, upper) = if falling { (upper, lower) } else { (lower, upper) };
     let range = g.range(inner);
     let bounded = (lower || range.lo.is_finite()) && (upper || range.hi.is_finite());
-    UnitTest { inside: quotient.unwrap_or(inside), near, bounded: bounded.then_some(inner) }
+    UnitTest { inside, near, bounded: bounded.then_some(inner) }
 }
 
 /// Of a root that is compared with the ends of its interval: where its target lies between the values there, which

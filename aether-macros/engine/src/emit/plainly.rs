@@ -30,10 +30,7 @@ fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
     match (&place.preimage.borders[i], &place.preimage.signs[i]) {
         (Some(border), _) => border_test(code, border, place.preimage.tested[i]),
         (None, Some(signs)) => sign_test(code, signs),
-        (None, None) => {
-            let is_computed = is_computed(place, i);
-            unit_test(code, place.preimage.tested[i], is_computed)
-        }
+        (None, None) => unit_test(code, place.preimage.tested[i], is_computed(place, i)),
     }
 }
 
@@ -41,9 +38,9 @@ fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
 fn is_computed(place: Place, i: usize) -> bool {
     let Preimage { tested, requirements, asked, density, .. } = place.preimage;
     let others = place.checked().into_iter().filter(|&j| j != i).map(|j| tested[j]);
-    let others: Vec<Id> = others.chain(requirements.iter().chain(asked).copied()).collect();
-    let g = &place.problem.graph;
-    g.within(&[others, vec![*density]].concat()).contains(&tested[i])
+    let conditions = requirements.iter().chain(asked).copied();
+    let all: Vec<Id> = others.chain(conditions).chain([*density]).collect();
+    place.problem.graph.within(&all).contains(&tested[i])
 }
 
 fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {

@@ -21,7 +21,7 @@ pub(super) fn within_unit(code: &mut Code, id: Id, lower: bool) -> Option<TokenS
     let (below, above): (Vec<_>, Vec<_>) = powers.into_iter().partition(|(_, q)| q.is_negative());
     // Rounding may make both sides negative: where the lower end is not tested, the divisor itself must tell.
     let is_positive = |&(base, q): &(Id, Q)| {
-        is_even(q) || if lower { g.range(base).nonnegative() } else { never_negative(g, base) }
+        q.is_even() || if lower { g.range(base).nonnegative() } else { never_negative(g, base) }
     };
     if above.is_empty() || below.is_empty() || !below.iter().all(is_positive) {
         return None;
@@ -29,10 +29,6 @@ pub(super) fn within_unit(code: &mut Code, id: Id, lower: bool) -> Option<TokenS
     let [above, below] = [above, below].map(|powers| code.powers(&powers));
     let at_least_zero = lower.then(|| quote!(.and((#above).ge(R::ZERO))));
     Some(quote!(#at_least_zero .and((#above).lt(#below))))
-}
-
-fn is_even(q: Q) -> bool {
-    q.is_int() && q.num() % 2 == 0
 }
 
 /// Whether an expression is never negative however it is rounded.
@@ -44,7 +40,7 @@ fn never_negative(g: &Graph, id: Id) -> bool {
         }
         Node::Product(factors) => factors
             .iter()
-            .all(|&(base, e)| g.as_number(e).is_some_and(is_even) || never_negative(g, base)),
+            .all(|&(base, e)| g.as_number(e).is_some_and(Q::is_even) || never_negative(g, base)),
         Node::Call(Fun::Abs | Fun::Exp, _) => true,
         node => (matches!(node, Node::Leaf(_)) || g.deps(id) == 0) && g.range(id).nonnegative(),
     }
