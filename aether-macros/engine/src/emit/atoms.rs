@@ -7,7 +7,8 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::{Emitter, point_type};
 use super::logarithm::{leaves_the_range, logarithm};
-use super::pieces::{input, passed};
+use super::passed::passed;
+use super::pieces::input;
 use crate::derive::Atom;
 use crate::expr::Leaf;
 

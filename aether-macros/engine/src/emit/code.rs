@@ -6,7 +6,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::circular::circular_pairs;
-use super::powers::{Related, related};
+use super::powers::{Related, ThreeHalves, related, three_halves};
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children, divided};
 use crate::number::{Dd, Number};
@@ -124,6 +124,10 @@ impl<'a> Code<'a> {
                     );
                 }
                 node => {
+                    if let Some(power) = three_halves(self.graph, id) {
+                        open.extend(power.factors.into_iter().flatten().map(|b| (b, false)));
+                        continue;
+                    }
                     let multiple = self.multiple(id).map(|(_, factors)| factors.to_vec());
                     match multiple.or_else(|| self.by_shared(id)) {
                         Some(factors) => {
@@ -309,6 +313,9 @@ impl<'a> Code<'a> {
     }
 
     fn expression(&self, id: Id) -> TokenStream {
+        if let Some(power) = three_halves(self.graph, id) {
+            return self.three_halves(&power);
+        }
         match self.graph.node(id) {
             Node::Sum(c, terms) => match self.multiple(id) {
                 Some((q, factors)) => self.product(q, factors),
@@ -368,6 +375,20 @@ impl<'a> Code<'a> {
             }
             Node::Root(r) => super::numeric::root(self, r),
             _ => self.reference(id),
+        }
+    }
+
+    fn three_halves(&self, power: &ThreeHalves) -> TokenStream {
+        let factor = |factor: &Option<Id>| match factor {
+            Some(base) => self.reference(*base),
+            None => rational(power.number),
+        };
+        let is_one = |factor: &&Option<Id>| factor.is_none() && power.number == Q::ONE;
+        let factors = power.factors.iter().filter(|factor| !is_one(factor));
+        let v = joined(&factors.map(factor).collect::<Vec<_>>());
+        match power.below {
+            false => quote!({ let v = #v; v * v.sqrt() }),
+            true => quote!({ let v = #v; R::ONE / (v * v.sqrt()) }),
         }
     }
 
@@ -757,7 +778,7 @@ fn integer_power(base: &TokenStream, n: i128) -> TokenStream {
 }
 
 /// q · t with the fewest roundings.
-fn times(q: Q, t: &TokenStream) -> TokenStream {
+pub(super) fn times(q: Q, t: &TokenStream) -> TokenStream {
     if q.num() == 1 && q.den().count_ones() != 1 {
         let d = rational(Q::new(q.den(), 1).unwrap_or(Q::ONE));
         return quote!(#t / #d);

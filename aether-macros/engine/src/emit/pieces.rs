@@ -11,11 +11,12 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::logarithm::{leaves_the_range, logarithm};
+use super::passed::passed;
 use super::plainly::plainly;
 use super::tame::Tame;
 use crate::derive::{Derived, Preimage, Problem, Scaled, Target};
 use crate::expr::{Id, Leaf};
-use crate::parse::{Piece, Test};
+use crate::parse::Piece;
 
 /// A preimage with its number among all, and the piece that it belongs to.
 #[derive(Clone, Copy)]
@@ -224,7 +225,7 @@ impl<'a> Emitter<'a> {
             ["guards", "margins", "enter", "taken", "wide"].map(|name| format_ident!("{name}_{j}"));
         let at = |l: Leaf| input(l, "t");
         let mut code = Code::new(&problem.graph, &at);
-        let passed = passed(&mut code, &problem.guards);
+        let guarded = passed(&mut code, &problem.guards);
         let guard_lets = code.statements();
         let mut code = Code::new(&problem.graph, &at);
         let differences: Vec<TokenStream> =
@@ -233,12 +234,12 @@ impl<'a> Emitter<'a> {
         let difference_lets = code.statements();
         let at_uniforms = |l: Leaf| input(l, "u");
         let mut code = Code::new(&piece.graph, &at_uniforms);
-        let taken_tests = self::passed(&mut code, &piece.tests);
+        let taken_tests = passed(&mut code, &piece.tests);
         let taken_lets = code.statements();
         quote! {
             /// Whether unknowns lie in the piece.
             #[inline(always)]
-            fn #guards<R: Real>(p: &[R; #p], t: &[R; #n]) -> R::Mask { #guard_lets #passed }
+            fn #guards<R: Real>(p: &[R; #p], t: &[R; #n]) -> R::Mask { #guard_lets #guarded }
             /// By how much.
             #[inline(always)]
             fn #margins<R: Real>(p: &[R; #p], t: &[R; #n]) -> [R; #c] { #difference_lets [#(#differences),*] }
@@ -459,22 +460,6 @@ impl<'a> Emitter<'a> {
 /// Whether nothing but the ends of unknowns limits the piece of a sampler.
 pub(super) fn is_unguarded(place: Place) -> bool {
     place.problem.guards.is_empty() && place.problem.argument.is_none()
-}
-
-/// The conjunction of some tests.
-pub(super) fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
-    let tests: Vec<TokenStream> = tests
-        .iter()
-        .map(|t| {
-            let difference = code.value(t.difference);
-            if t.strict {
-                quote!(.and(#difference.gt(R::ZERO)))
-            } else {
-                quote!(.and(#difference.ge(R::ZERO)))
-            }
-        })
-        .collect();
-    quote!(<R::Mask as Mask>::TRUE #(#tests)*)
 }
 
 pub(super) fn input(l: Leaf, unknown: &str) -> TokenStream {

@@ -12,6 +12,7 @@ use super::tame::Tame;
 use crate::derive::{Preimage, Signs, Target};
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::Set;
+use crate::interval::Interval;
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
 pub(super) fn unit_tests(place: Place, code: &mut Code) -> Vec<UnitTest> {
@@ -122,24 +123,33 @@ fn strict_tests(place: Place, least: &TokenStream) -> TokenStream {
     }
 }
 
-/// That each coordinate lies between the numbers that the map stays between, or beyond by no more than a share of what
-/// lies between them: where nothing else is tested, and the density might be no number beyond.
+/// That each coordinate lies where the map stays, as [`kept_between`] says.
 fn reached(place: Place, share: f64) -> TokenStream {
+    let within = kept_between(place, share).into_iter().map(|(i, Interval { lo, hi })| {
+        let i = Literal::usize_unsuffixed(i);
+        let low = lo.is_finite().then(|| quote!(.and(x[#i].ge(R::of(#lo)))));
+        let high = hi.is_finite().then(|| quote!(.and(x[#i].le(R::of(#hi)))));
+        quote!(#low #high)
+    });
+    within.collect()
+}
+
+/// The numbers between which a plain point has some coordinates, each by its number: those that the map stays between, or
+/// beyond by no more than a share of what lies between them. Only where nothing else is tested, and the density might be
+/// no number beyond.
+pub(super) fn kept_between(place: Place, share: f64) -> Vec<(usize, Interval)> {
     let (g, Preimage { requirements, asked, density, .. }) = (&place.problem.graph, place.preimage);
     let tested = !requirements.is_empty() || !asked.is_empty() || !place.checked().is_empty();
     let is_direction = place.problem.parts.iter().any(|part| part.target == Target::Direction);
     if tested || is_direction || Tame::new(g, false, false).all(&[*density]) {
-        return TokenStream::new();
+        return Vec::new();
     }
-    let within = place.derived.forward.iter().enumerate().map(|(i, &coordinate)| {
-        let range = g.range(coordinate);
-        let beyond = share * (range.hi - range.lo);
-        let (i, low, high) = (Literal::usize_unsuffixed(i), range.lo - beyond, range.hi + beyond);
-        let low = low.is_finite().then(|| quote!(.and(x[#i].ge(R::of(#low)))));
-        let high = high.is_finite().then(|| quote!(.and(x[#i].le(R::of(#high)))));
-        quote!(#low #high)
+    let ranges = place.derived.forward.iter().map(|&coordinate| g.range(coordinate));
+    let wider = ranges.map(|Interval { lo, hi }| {
+        let beyond = share * (hi - lo);
+        Interval { lo: lo - beyond, hi: hi + beyond }
     });
-    within.collect()
+    wider.enumerate().collect()
 }
 
 /// Whether functions other than roots are called for the value of an expression.
@@ -214,7 +224,6 @@ fn is_determined(g: &Graph, id: Id) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::interval::Interval;
 
     #[test]
     fn a_divisor_that_the_point_has_leaves_an_unknown_undetermined() {

@@ -1,8 +1,10 @@
-//! How two powers of one base are related: of u^(1/k) and u^(1 - 1/k) only one has to be computed.
+//! How two powers of one base are related: of u^(1/k) and u^(1 - 1/k) only one has to be computed, and v^(3/2) is v √v, of
+//! which others may have the root.
 
 use crate::eval::evaluate;
-use crate::expr::{Graph, Id, Leaf};
+use crate::expr::{Graph, Id, Leaf, Node};
 use crate::number::{Dd, Number};
+use crate::rational::Q;
 
 /// How a power follows from another power of its base: it is so many `times` that one, as factors, and `whole` times
 /// the base, above or below the line.
@@ -52,11 +54,91 @@ fn value_of(leaf: Leaf, round: u32) -> f64 {
     0.25 + 0.75 * (golden * f64::from(3 * place + round + 1)).fract()
 }
 
+/// The power 3/2 of a product, or that below the line.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct ThreeHalves {
+    /// The factors in the order of the expression; `None` stands for the number.
+    pub factors: Vec<Option<Id>>,
+    /// The number among them.
+    pub number: Q,
+    /// Whether it divides.
+    pub below: bool,
+}
+
+/// An expression as such a power of more than one factor: 4 u^(3/2) v^(3/2) / √2 is that of 2 u v.
+pub(super) fn three_halves(g: &Graph, id: Id) -> Option<ThreeHalves> {
+    let (q, body) = match g.node(id) {
+        Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => terms[0],
+        _ => (Q::ONE, id),
+    };
+    let Node::Product(powers) = g.node(body) else { return None };
+    let (mut square, mut power, mut factors) = (q.powi(2)?, None, Vec::new());
+    for &(base, exponent) in powers {
+        let exponent = g.as_number(exponent)?;
+        let twice = exponent.mul(Q::int(2)).filter(|twice| twice.is_int())?;
+        if let Some(base) = g.as_number(base) {
+            square = square.mul(base.powi(i64::from(twice.to_i32()?))?)?;
+            factors.push(None);
+            continue;
+        }
+        if twice.abs() != Q::int(3) || power.is_some_and(|power| power != exponent) {
+            return None;
+        }
+        power = Some(exponent);
+        factors.push(Some(base));
+    }
+    let below = power?.is_negative();
+    let number = cube_root(if below { square.recip()? } else { square })?;
+    let numbers = factors.iter().filter(|factor| factor.is_none()).count();
+    if number != Q::ONE && numbers == 0 {
+        factors.insert(0, None);
+    }
+    (!q.is_negative() && numbers < 2 && factors.len() > 1).then_some(ThreeHalves {
+        factors,
+        number,
+        below,
+    })
+}
+
+/// The rational number whose third power is this one.
+fn cube_root(q: Q) -> Option<Q> {
+    let root = |n: i128| (n as f64).cbrt().round() as i128;
+    let root = Q::new(root(q.num()), root(q.den()))?;
+    (root.powi(3) == Some(q)).then_some(root)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::interval::Interval;
-    use crate::rational::Q;
+
+    #[test]
+    fn three_halves_of_a_product_are_found_with_its_number() {
+        let mut g = Graph::new();
+        let [u, v] = [0, 1].map(|i| g.leaf(Leaf::Unknown(i), "u", Interval::new(0.0, 1.0)));
+        let (two, half) = (g.int(2), Q::HALF);
+        let (three, below) = (Q::new(3, 2).unwrap(), half.neg());
+        let product = |g: &mut Graph, q: i64, of: &[(Id, Q)]| {
+            let factors: Vec<_> = of.iter().map(|&(base, e)| (base, g.number(e))).collect();
+            let body = g.product(&factors);
+            g.sum(Q::ZERO, &[(Q::int(q), body)])
+        };
+        let density = product(&mut g, 4, &[(u, three), (v, three), (two, below)]);
+        let found = three_halves(&g, density).unwrap();
+        assert_eq!((found.number, found.below, found.factors.len()), (Q::int(2), false, 3));
+        let below_line = product(&mut g, 1, &[(u, three.neg()), (v, three.neg())]);
+        let found = three_halves(&g, below_line).unwrap();
+        assert_eq!((found.number, found.below), (Q::ONE, true));
+        // 2 / √2 is no power 3/2 of a rational number, nor are roots or two different powers.
+        let others = [
+            product(&mut g, 3, &[(u, three), (v, three), (two, below)]),
+            product(&mut g, 1, &[(u, half), (v, half)]),
+            product(&mut g, 1, &[(u, three), (v, half)]),
+            product(&mut g, 1, &[(u, three)]),
+            product(&mut g, -1, &[(u, three), (v, three)]),
+        ];
+        assert!(others.into_iter().all(|other| three_halves(&g, other).is_none()));
+    }
 
     #[test]
     fn exponents_that_add_up_to_one() {

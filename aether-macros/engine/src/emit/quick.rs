@@ -9,10 +9,11 @@ use quote::{format_ident, quote};
 use super::code::Code;
 use super::item::Emitter;
 use super::own::excluding;
-use super::peeled::passed_on;
+use super::peeled::{UnitTest, passed_on};
 use super::pieces::{Place, is_unguarded};
-use super::plainly::unit_tests;
+use super::plainly::{kept_between, unit_tests};
 use super::sampler::{about, beside, general_density};
+use super::sure::Sure;
 use super::tame::Tame;
 use crate::expr::{Leaf, OUTS, leaf_bit};
 
@@ -84,12 +85,27 @@ fn elsewhere() -> TokenStream {
 fn tells_finite(e: &Emitter, place: Place) -> bool {
     let (_, m, _) = e.sizes();
     let g = &place.problem.graph;
-    let mut code = Code::new(g, &|_| TokenStream::new());
-    let tests = unit_tests(place, &mut code).into_iter();
     let mut known = HashMap::new();
-    let told =
-        tests.filter_map(|test| test.bounded).fold(0, |all, id| all | passed_on(g, id, &mut known));
-    (0..m).all(|i| told & leaf_bit(Leaf::Out(i as u8)) != 0)
+    let tests = tests(place).filter_map(|test| test.bounded);
+    let told = tests.fold(0, |all, id| all | passed_on(g, id, &mut known));
+    let kept = kept_between(place, 0.0);
+    (0..m).all(|i| {
+        let between = kept.iter().any(|(k, range)| *k == i && range.width().is_finite());
+        between || told & leaf_bit(Leaf::Out(i as u8)) != 0
+    })
+}
+
+/// The tests of unknowns by which a point plainly has a preimage.
+fn tests(place: Place) -> impl Iterator<Item = UnitTest> {
+    let mut code = Code::new(&place.problem.graph, &|_| TokenStream::new());
+    unit_tests(place, &mut code).into_iter()
+}
+
+/// Whether the density of a point that plainly has a preimage is a number that is not negative.
+fn is_sure(place: Place) -> bool {
+    let compared = tests(place).filter(|test| !test.inside.is_empty());
+    let finite = compared.filter_map(|test| test.bounded);
+    Sure::new(&place.problem.graph, finite).is_positive(place.preimage.density)
 }
 
 /// The function for points that are not plainly inside or outside; if there is no quick way, that for all.
@@ -194,6 +210,9 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 fn positive_density(e: &Emitter, place: Place) -> TokenStream {
     let (_, m, s) = e.sizes();
     let density = format_ident!("density_{}", place.number);
+    if is_sure(place) {
+        return quote!(#density::<R>(&p, &x));
+    }
     if !place.problem.graph.has(place.preimage.density, OUTS) {
         // Of parameters alone there is no limit, and what they make no number is none.
         return quote!(#density::<R>(&p, &x).max(R::ZERO));

@@ -7,7 +7,8 @@ use quote::{format_ident, quote};
 
 use super::code::Code;
 use super::item::Emitter;
-use super::pieces::{input, passed};
+use super::passed::passed;
+use super::pieces::input;
 use crate::expr::{Graph, Id, Leaf};
 use crate::parse::{Parsed, Piece};
 

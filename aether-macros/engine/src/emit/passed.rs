@@ -1,0 +1,83 @@
+//! Tests that a difference is positive or not negative, by its two sides: rounding keeps the order of two numbers, so that
+//! they need not be subtracted.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::code::{Code, rational, times};
+use crate::expr::{Id, Node};
+use crate::parse::Test;
+use crate::rational::Q;
+
+/// The conjunction of some tests.
+pub(super) fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
+    let tests = tests.iter().map(|test| {
+        let [above, below] = sides(code, test.difference)
+            .unwrap_or_else(|| [code.value(test.difference), quote!(R::ZERO)]);
+        if test.strict { quote!(.and(#above.gt(#below))) } else { quote!(.and(#above.ge(#below))) }
+    });
+    let tests: TokenStream = tests.collect();
+    quote!(<R::Mask as Mask>::TRUE #tests)
+}
+
+/// What a difference of two is of, as it would be rounded there.
+fn sides(code: &mut Code, difference: Id) -> Option<[TokenStream; 2]> {
+    let Node::Sum(c, terms) = code.graph().node(difference) else { return None };
+    let constant = (!c.is_zero()).then_some((*c, None));
+    let terms = terms.iter().map(|&(q, term)| (q, Some(term)));
+    let mut both: Vec<(Q, Option<Id>)> = constant.into_iter().chain(terms).collect();
+    both.sort_by_key(|(q, _)| q.is_negative());
+    let [(above, first), (below, second)] = both[..] else { return None };
+    if above.is_negative() || !below.is_negative() {
+        return None;
+    }
+    let mut side = |q: Q, term: Option<Id>| match term.map(|term| code.value(term)) {
+        Some(term) if q == Q::ONE => term,
+        Some(term) => {
+            let multiple = times(q, &term);
+            quote!((#multiple))
+        }
+        None => rational(q),
+    };
+    Some([side(above, first), side(below.abs(), second)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::{Graph, Leaf};
+    use crate::interval::Interval;
+
+    #[test]
+    fn two_sides_are_compared_and_other_sums_with_zero() {
+        let mut g = Graph::new();
+        let [u, v] = [0, 1].map(|i| g.leaf(Leaf::Unknown(i), &format!("u{i}"), Interval::ALL));
+        let [one, third, minus] =
+            [(1, 1), (1, 3), (-2, 1)].map(|(n, d)| g.number(Q::new(n, d).unwrap()));
+        let (share, twice) = (g.mul(third, v), g.mul(minus, u));
+        let (less, between, sum) = (g.add(one, twice), g.sub(u, share), g.add(u, v));
+        let more = g.add(between, one);
+        let text = |difference, strict| {
+            let mut code = Code::new(&g, &|leaf| match leaf {
+                Leaf::Unknown(0) => quote!(u),
+                _ => quote!(v),
+            });
+            let test = passed(&mut code, &[Test { difference, strict }]);
+            let lets = code.statements();
+            quote!(#lets #test).to_string().replace("< R :: Mask as Mask > :: TRUE . and ", "")
+        };
+        assert_eq!(text(less, true), "(R :: ONE . gt ((R :: of (2.0) * u)))");
+        assert_eq!(text(between, false), "(u . ge ((v / R :: of (3.0))))");
+        assert!(text(sum, true).contains(". gt (R :: ZERO)"));
+        assert!(text(more, true).contains(". gt (R :: ZERO)"));
+    }
+
+    #[test]
+    fn a_difference_has_the_sign_of_the_order_of_its_sides() {
+        for a in [0.0f32, 1e-45, 1.1754942e-38, 1.0, 0.1, f32::MAX] {
+            for b in [a.next_down(), a, a.next_up()] {
+                assert_eq!((a - b > 0.0, a - b >= 0.0), (a > b, a >= b), "{a:e} {b:e}");
+            }
+        }
+    }
+}
