@@ -18,6 +18,7 @@ mod joint;
 mod limits;
 mod line;
 mod near_one;
+mod one_root;
 mod opposed;
 mod parts;
 mod regimes;

@@ -6,6 +6,7 @@ use super::cases::{Case, exact_values, recovers};
 use super::factored::factored;
 use super::holding::never_negative;
 use super::near_one::by_the_rest;
+use super::one_root::by_one_root;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
@@ -243,6 +244,9 @@ pub(super) fn density(
         (best, error) = pick(&mut problem.graph, &all, &truth, measure);
     }
     let g = &mut problem.graph;
+    if let Some(form) = by_one_root(g, best) {
+        (best, error) = pick(g, &[best, form], &truth, measure);
+    }
     if error > 64.0 * f64::EPSILON {
         best = best_forms(g, best, &sums.units, &truth, measure);
     }
