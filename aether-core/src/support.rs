@@ -50,6 +50,30 @@ pub fn either<R: Real>(mask: R::Mask, yes: impl FnOnce() -> R, no: impl FnOnce()
     }
 }
 
+/// exp(x) and exp(x) - 1, the one from the other: next to zero the first one is the second one and one, elsewhere the second
+/// one is the first one less one. Nothing cancels in either.
+#[inline(always)]
+pub fn exp_and_m1<R: Real>(x: R) -> (R, R) {
+    let from_less = || {
+        let less = x.exp_m1();
+        (R::ONE + less, less)
+    };
+    let from_whole = || {
+        let whole = x.exp();
+        (whole, whole - R::ONE)
+    };
+    let is_near = x.abs().lt(R::of(core::f64::consts::LN_2));
+    if is_near.all() {
+        return from_less();
+    }
+    let (whole, less) = from_whole();
+    if !is_near.any() {
+        return (whole, less);
+    }
+    let near = from_less();
+    (R::select(is_near, near.0, whole), R::select(is_near, near.1, less))
+}
+
 /// The square root of a sum of squares. Where the squares underflow or overflow, `scaled` computes the sum
 /// again with the numbers that are squared multiplied by what it is given.
 #[inline(always)]
@@ -484,6 +508,24 @@ pub fn add_logs<R: Real>(a: R, b: R) -> R {
 mod tests {
     use super::*;
     use crate::bounded::Bounded;
+
+    #[test]
+    fn exponentials_tell_what_they_are_more_than_one() {
+        let close = |found: f32, exact: f64| {
+            let unit = f64::from(f32::EPSILON) * exact.abs();
+            assert!((f64::from(found) - exact).abs() <= 1.5 * unit, "{found:e} {exact:e}");
+        };
+        let around = (-1000..=1000).map(|i| 0.01 * i as f32);
+        for x in around.chain([1e-30, -1e-7, 80.0, -80.0, 0.693_147_2, -0.693_147_2]) {
+            let (whole, less) = exp_and_m1(x);
+            close(whole, f64::from(x).exp());
+            close(less, f64::from(x).exp_m1());
+        }
+        assert_eq!(exp_and_m1(f64::INFINITY), (f64::INFINITY, f64::INFINITY));
+        assert_eq!(exp_and_m1(f64::NEG_INFINITY), (0.0, -1.0));
+        assert_eq!(exp_and_m1(-0.0_f64), (1.0, -0.0));
+        assert!(exp_and_m1(f64::NAN).0.is_nan() && exp_and_m1(f64::NAN).1.is_nan());
+    }
 
     #[test]
     fn what_rounding_explains_is_not_far_from_an_interval() {

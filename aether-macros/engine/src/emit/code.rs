@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::circular::circular_pairs;
+use super::paired::pairs;
 use super::powers::{Related, ThreeHalves, related, three_halves};
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children, divided};
@@ -89,10 +89,10 @@ impl<'a> Code<'a> {
     /// functions for both at once are faster, and found where no branch is in between; and first, since other numbers
     /// would have to be kept while they are called.
     pub(super) fn values(&mut self, ids: &[Id]) -> Vec<TokenStream> {
-        let pairs = circular_pairs(self.graph, ids);
+        let pairs = pairs(self.graph, ids);
         self.partners.extend(pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]));
-        for [sine, _] in pairs {
-            self.value(sine);
+        for [first, _] in pairs {
+            self.value(first);
         }
         ids.iter().map(|&id| self.value(id)).collect()
     }
@@ -150,19 +150,24 @@ impl<'a> Code<'a> {
         self.names.insert(id, name);
     }
 
-    /// Gives the sine and the cosine of one angle names for their values. Of fractions of a turn, one function has both.
+    /// Gives two functions of one argument names for their values: of fractions of a turn and of exponents, one function has
+    /// both.
     fn write_pair(&mut self, id: Id, partner: Id) {
         let together = match self.graph.node(id) {
-            Node::Call(Fun::SinPi, args) => Some((args[0], [id, partner])),
-            Node::Call(Fun::CosPi, args) => Some((args[0], [partner, id])),
+            Node::Call(f @ (Fun::SinPi | Fun::Exp), args) => Some((*f, args[0], [id, partner])),
+            Node::Call(Fun::CosPi, args) => Some((Fun::SinPi, args[0], [partner, id])),
+            Node::Call(Fun::ExpM1, args) => Some((Fun::Exp, args[0], [partner, id])),
             _ => None,
         };
-        let Some((fraction, pair)) = together else {
+        let Some((first, argument, pair)) = together else {
             self.write(id, &self.expression(id));
             return self.write(partner, &self.expression(partner));
         };
-        let fraction = self.reference(fraction);
-        let both = self.named(&quote!(#fraction.sin_cos_pi()));
+        let argument = self.reference(argument);
+        let both = self.named(&match first {
+            Fun::Exp => quote!(::aether_core::support::exp_and_m1(#argument)),
+            _ => quote!(#argument.sin_cos_pi()),
+        });
         for (i, id) in pair.into_iter().enumerate() {
             let i = Literal::usize_unsuffixed(i);
             self.write(id, &quote!(#both.#i));

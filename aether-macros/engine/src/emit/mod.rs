@@ -2,7 +2,6 @@
 
 mod atoms;
 mod border;
-mod circular;
 pub mod code;
 pub mod compose;
 mod documentation;
@@ -15,6 +14,7 @@ mod map;
 mod meeting;
 mod numeric;
 mod own;
+mod paired;
 mod passed;
 mod peeled;
 mod pieces;
