@@ -124,6 +124,12 @@ impl Q {
         }
         Q::new(root(self.num)?, root(self.den)?)
     }
+    /// The rational cube root, if there is one.
+    pub fn cbrt(self) -> Option<Q> {
+        let root = |n: i128| (n as f64).cbrt().round() as i128;
+        let root = Q::new(root(self.num), root(self.den))?;
+        (root.powi(3) == Some(self)).then_some(root)
+    }
     /// Whether this is an integer.
     pub fn is_int(self) -> bool {
         self.den == 1
@@ -190,6 +196,8 @@ mod tests {
     fn roots_and_powers() {
         assert_eq!(Q::new(9, 4).unwrap().sqrt(), Q::new(3, 2));
         assert_eq!(Q::int(2).sqrt(), None);
+        assert_eq!(Q::new(8, 27).unwrap().cbrt(), Q::new(2, 3));
+        assert_eq!(Q::int(4).cbrt(), None);
         assert_eq!(Q::new(2, 3).unwrap().powi(-2), Q::new(9, 4));
     }
 }

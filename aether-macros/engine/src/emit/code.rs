@@ -388,9 +388,7 @@ impl<'a> Code<'a> {
             Some(base) => self.reference(*base),
             None => rational(power.number),
         };
-        let is_one = |factor: &&Option<Id>| factor.is_none() && power.number == Q::ONE;
-        let factors = power.factors.iter().filter(|factor| !is_one(factor));
-        let v = joined(&factors.map(factor).collect::<Vec<_>>());
+        let v = joined(&power.factors.iter().map(factor).collect::<Vec<_>>());
         match power.below {
             false => quote!({ let v = #v; v * v.sqrt() }),
             true => quote!({ let v = #v; R::ONE / (v * v.sqrt()) }),
@@ -540,18 +538,14 @@ impl<'a> Code<'a> {
 
     /// How large the terms of a sum are together: what its rounding is relative to; of a product, that of its factors.
     fn scale(&self, id: Id) -> TokenStream {
-        let size = |q: Q, scale: TokenStream| {
-            let scaled = times(q.abs(), &scale);
-            if q.abs() == Q::ONE { scale } else { quote!((#scaled)) }
-        };
         match self.graph.node(id) {
             Node::Sum(c, terms) => match terms[..] {
-                [(q, term)] if c.is_zero() => size(q, self.scale(term)),
+                [(q, term)] if c.is_zero() => multiple_of(q.abs(), self.scale(term)),
                 _ => {
                     let constant = (!c.is_zero()).then(|| rational(c.abs()));
                     let written = |&(q, t): &(Q, Id)| {
                         let t = self.reference(t);
-                        size(q, quote!(#t.abs()))
+                        multiple_of(q.abs(), quote!(#t.abs()))
                     };
                     let sizes = constant.into_iter().chain(terms.iter().map(written));
                     quote!((#(#sizes)+*))
@@ -782,8 +776,17 @@ fn integer_power(base: &TokenStream, n: i128) -> TokenStream {
     }
 }
 
+/// q · t as a factor or a term: in parentheses, unless it is t.
+pub(super) fn multiple_of(q: Q, t: TokenStream) -> TokenStream {
+    if q == Q::ONE {
+        return t;
+    }
+    let multiple = times(q, &t);
+    quote!((#multiple))
+}
+
 /// q · t with the fewest roundings.
-pub(super) fn times(q: Q, t: &TokenStream) -> TokenStream {
+fn times(q: Q, t: &TokenStream) -> TokenStream {
     if q.num() == 1 && q.den().count_ones() != 1 {
         let d = rational(Q::new(q.den(), 1).unwrap_or(Q::ONE));
         return quote!(#t / #d);

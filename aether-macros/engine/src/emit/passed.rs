@@ -4,7 +4,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::code::{Code, rational, times};
+use super::code::{Code, multiple_of, rational};
 use crate::expr::{Id, Node};
 use crate::parse::Test;
 use crate::rational::Q;
@@ -31,12 +31,8 @@ fn sides(code: &mut Code, difference: Id) -> Option<[TokenStream; 2]> {
     if above.is_negative() || !below.is_negative() {
         return None;
     }
-    let mut side = |q: Q, term: Option<Id>| match term.map(|term| code.value(term)) {
-        Some(term) if q == Q::ONE => term,
-        Some(term) => {
-            let multiple = times(q, &term);
-            quote!((#multiple))
-        }
+    let mut side = |q: Q, term: Option<Id>| match term {
+        Some(term) => multiple_of(q, code.value(term)),
         None => rational(q),
     };
     Some([side(above, first), side(below.abs(), second)])

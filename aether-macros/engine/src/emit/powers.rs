@@ -57,9 +57,9 @@ fn value_of(leaf: Leaf, round: u32) -> f64 {
 /// The power 3/2 of a product, or that below the line.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct ThreeHalves {
-    /// The factors in the order of the expression; `None` stands for the number.
+    /// The factors in the order of the expression; `None` stands for the number, which is not there if it is one.
     pub factors: Vec<Option<Id>>,
-    /// The number among them.
+    /// The number.
     pub number: Q,
     /// Whether it divides.
     pub below: bool,
@@ -88,23 +88,18 @@ pub(super) fn three_halves(g: &Graph, id: Id) -> Option<ThreeHalves> {
         factors.push(Some(base));
     }
     let below = power?.is_negative();
-    let number = cube_root(if below { square.recip()? } else { square })?;
+    let number = if below { square.recip()? } else { square }.cbrt()?;
     let numbers = factors.iter().filter(|factor| factor.is_none()).count();
-    if number != Q::ONE && numbers == 0 {
-        factors.insert(0, None);
+    match numbers {
+        _ if number == Q::ONE => factors.retain(Option::is_some),
+        0 => factors.insert(0, None),
+        _ => {}
     }
     (!q.is_negative() && numbers < 2 && factors.len() > 1).then_some(ThreeHalves {
         factors,
         number,
         below,
     })
-}
-
-/// The rational number whose third power is this one.
-fn cube_root(q: Q) -> Option<Q> {
-    let root = |n: i128| (n as f64).cbrt().round() as i128;
-    let root = Q::new(root(q.num()), root(q.den()))?;
-    (root.powi(3) == Some(q)).then_some(root)
 }
 
 #[cfg(test)]
