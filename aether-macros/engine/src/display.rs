@@ -2,6 +2,7 @@
 
 use crate::expr::{Fun, Graph, Id, Node};
 use crate::rational::Q;
+use crate::sorted;
 
 /// The longest text of an expression, in characters.
 const LONGEST: usize = 400;
@@ -72,7 +73,7 @@ fn sum(g: &Graph, c: Q, terms: &[(Q, Id)]) -> String {
     let mut out = String::new();
     let mut ordered: Vec<&(Q, Id)> = terms.iter().collect();
     // Start with something positive if there is anything.
-    ordered.sort_by_key(|(q, _)| q.is_negative());
+    sorted::sort_by_key(&mut ordered, |(q, _)| q.is_negative());
     if !c.is_zero() {
         out.push_str(&c.to_string());
     }

@@ -20,6 +20,7 @@ use std::cell::RefCell;
 use crate::hash::{Map, Set};
 use crate::interval::Interval;
 use crate::rational::Q;
+use crate::sorted;
 
 /// An expression: an index into its [`Graph`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -324,7 +325,7 @@ impl Graph {
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {
         let mut list = terms.to_vec();
-        list.sort_by_key(|(_, t)| *t);
+        sorted::sort_by_key(&mut list, |(_, t)| *t);
         self.intern(Node::Sum(Q::ZERO, list))
     }
 

@@ -39,9 +39,11 @@ pub mod poly;
 pub mod rational;
 mod root;
 pub mod solve;
+mod sorted;
 pub mod stabilise;
 pub mod strategy;
 pub mod turns;
+mod walk;
 
 pub use expand::{map, sampler};
 pub use strategy::strategy;

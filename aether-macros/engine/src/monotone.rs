@@ -11,6 +11,7 @@ use crate::enclosure::{Enclosure, Over};
 use crate::expr::{Graph, Id, Leaf, Node, children};
 use crate::interval::Interval;
 use crate::jacobian::simplify;
+use crate::sorted;
 
 /// Parts of the box that are looked at before a proof is given up.
 const MAX_PARTS: usize = 3000;
@@ -85,7 +86,7 @@ pub(crate) fn leaves_of(g: &Graph, id: Id, variable: Leaf) -> Vec<Leaf> {
             node => open.extend(children(node)),
         }
     }
-    leaves[1..].sort_unstable();
+    sorted::sort(&mut leaves[1..]);
     leaves
 }
 

@@ -16,6 +16,7 @@ use std::rc::Rc;
 use crate::expr::{Deps, Graph, Id};
 use crate::hash::Map;
 use crate::rational::Q;
+use crate::sorted;
 
 pub use collect::{coefficients, gathered};
 pub use dependence::{parts_of_one, relation};
@@ -229,7 +230,7 @@ impl Poly {
     /// The atoms that occur.
     pub fn atoms(&self) -> Vec<Id> {
         let mut a: Vec<Id> = self.0.iter().flat_map(|(m, _)| m.iter()).map(|(a, _)| *a).collect();
-        a.sort();
+        sorted::sort(&mut a);
         a.dedup();
         a
     }

@@ -18,6 +18,7 @@ use crate::jacobian::{cost, factor_out};
 use crate::measure::{Errors, Loss, Measure};
 use crate::poly::Expander;
 use crate::rational::Q;
+use crate::sorted;
 
 /// Errors up to this many units in the last place are not worth a rewrite.
 pub(crate) const GOOD: f64 = 64.0 * f64::EPSILON;
@@ -291,7 +292,7 @@ impl Search<'_> {
             return None;
         }
         let mut inputs: Vec<Leaf> = self.measure.points().first()?.keys().copied().collect();
-        inputs.sort_unstable();
+        sorted::sort(&mut inputs);
         for leaf in inputs {
             let range = g.leaf_range(leaf);
             let varies = g.has(forms[0].0, crate::expr::leaf_bit(leaf));

@@ -32,7 +32,7 @@ const FILES: [&str; 12] = [
     "src/catalogue/numeric.rs",
     "src/catalogue/polygons.rs",
     "tests/algebra.rs",
-    "roots/tests/numeric.rs",
+    "optimised/tests/numeric.rs",
     "tests/branches.rs",
     "tests/joint.rs",
 ];

@@ -14,6 +14,7 @@ use crate::jacobian::{cost_together, simplify};
 use crate::measure::Measure;
 use crate::rational::Q;
 use crate::solve::Solution;
+use crate::sorted;
 
 /// 1 - x, where x is a part of a whole, a / (a + b): the rest of it, b / (a + b).
 fn complement(g: &mut Graph, x: Id) -> Option<Id> {
@@ -72,7 +73,7 @@ fn shared(g: &mut Graph, ids: &[Id]) -> Vec<Id> {
             }
         }
     }
-    found.sort_by_key(|common| std::cmp::Reverse(common.len()));
+    sorted::sort_by_key(&mut found, |common| std::cmp::Reverse(common.len()));
     found.dedup();
     found.iter().map(|common| g.product(common)).collect()
 }
@@ -88,8 +89,8 @@ pub(super) fn back(
 ) -> Option<Image> {
     let implied = implied(problem, solution, cases);
     let g = &mut problem.graph;
-    let mut values: BTreeMap<Id, Id> =
-        problem.unknowns.iter().map(|leaf| (g.get_leaf(*leaf), solution.unknowns[leaf])).collect();
+    let of_leaf = |leaf: &Leaf| (g.get_leaf(*leaf), solution.unknowns[leaf]);
+    let mut values = sorted::map(problem.unknowns.iter().map(of_leaf));
     // Next to its end, an unknown does not tell how far it is from one.
     for (unknown, value) in values.clone() {
         let rest = g.sum(Q::ONE, &[(Q::int(-1), unknown)]);
@@ -114,7 +115,7 @@ pub(super) fn back(
                 let image = solution.spell_out(g, image);
                 forms.extend([image, simplify(g, image, None)]);
             }
-            forms.sort_unstable();
+            sorted::sort(&mut forms);
             forms.dedup();
             coordinates.push(pick(g, &forms, &truth, measure).0);
         }

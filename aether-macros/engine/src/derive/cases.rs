@@ -9,6 +9,7 @@ use crate::measure::Inputs;
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, map_points, sampler_points};
 use crate::solve::Solution;
+use crate::sorted;
 
 /// A point with what is known of it.
 pub(super) struct Case {
@@ -343,7 +344,7 @@ fn with_their_pieces(solutions: &[Solution], kept: &mut Vec<usize>) {
     let more: Vec<usize> =
         (0..solutions.len()).filter(|k| !kept.contains(k) && occurs(&solutions[*k])).collect();
     kept.extend(more);
-    kept.sort_unstable();
+    sorted::sort(kept);
 }
 
 fn maps_back(problem: &Problem, u: &[f64], case: &Case) -> bool {

@@ -24,6 +24,7 @@ use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::Solution;
 use crate::solve::linear::determinant;
+use crate::sorted;
 use crate::stabilise::{over_sum, stabilise};
 
 /// The cheapest among the most accurate expressions.
@@ -161,10 +162,10 @@ pub(super) fn density(
         _ => cases.iter().map(|case| injective || recovers(problem, s, case)).collect(),
     };
     let g = &mut problem.graph;
-    let only: BTreeMap<Id, Id> = s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    let only = sorted::map(s.short.iter().map(|(l, v)| (g.get_leaf(*l), *v)));
     let mut candidates = Vec::new();
     let mut names: Vec<(Id, Id)> = s.names.iter().map(|(name, value)| (*name, *value)).collect();
-    names.sort_by_key(|(_, value)| std::cmp::Reverse(cost(g, *value)));
+    sorted::sort_by_key(&mut names, |(_, value)| std::cmp::Reverse(cost(g, *value)));
     let by_lengths = volumes.iter().map(|&v| {
         problem.lengths.iter().fold(v, |v, &(part, length)| {
             let minus = g.neg(length);
@@ -202,7 +203,7 @@ pub(super) fn density(
         let merged = candidates.clone().into_iter().filter_map(|c| merged(g, c, cases));
         candidates.extend(merged.collect::<Vec<Id>>());
     }
-    candidates.sort_by_key(|c| cost(g, *c));
+    sorted::sort_by_key(&mut candidates, |c| cost(g, *c));
     candidates.dedup();
     let mut truth: Vec<f64> = match sums.pairs[..] {
         [] => measure.truths(g, candidates[0]),
@@ -305,7 +306,7 @@ pub(super) fn recognised(g: &mut Graph, written: Id, known: &BTreeMap<Id, Id>) -
     let mut composed = known.clone();
     composed.retain(|id, _| !matches!(g.node(*id), Node::Leaf(_)));
     let mut longest: Vec<(Id, Id)> = composed.iter().map(|(part, value)| (*part, *value)).collect();
-    longest.sort_by_key(|(part, _)| std::cmp::Reverse(cost(g, *part)));
+    sorted::sort_by_key(&mut longest, |(part, _)| std::cmp::Reverse(cost(g, *part)));
     let mut forms = Vec::new();
     for by in [Graph::replace_part, Graph::replace_powers] {
         let mut id = written;
@@ -395,12 +396,12 @@ pub(super) fn finish(
             *value = telling(g, (*value, unknowns[i]), &truth, measure);
         }
     }
-    let map: BTreeMap<Id, Id> =
-        problem.unknowns.iter().zip(&unknowns).map(|(l, v)| (g.get_leaf(*l), *v)).collect();
+    let map =
+        sorted::map(problem.unknowns.iter().zip(&unknowns).map(|(l, v)| (g.get_leaf(*l), *v)));
     // The unknowns themselves as accurate as they can be had: a short form may say nothing of how far they are from zero.
-    let composed: BTreeMap<Id, Id> = {
+    let composed = {
         let is_composed = |id: Id| !matches!(g.node(id), Node::Leaf(_));
-        s.known.iter().filter(|(id, _)| is_composed(**id)).map(|(id, v)| (*id, *v)).collect()
+        sorted::map(s.known.iter().filter(|(id, _)| is_composed(**id)).map(|(id, v)| (*id, *v)))
     };
     let requirements = problem
         .requirements

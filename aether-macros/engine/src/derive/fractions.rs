@@ -8,6 +8,7 @@ use super::sample::angles;
 use super::{Derived, Image};
 use crate::expr::{Graph, Id, children};
 use crate::hash::Set;
+use crate::sorted;
 use crate::stabilise::of_turn;
 
 /// What was derived with all sines and cosines of multiples of π by the functions that are made for these.
@@ -28,7 +29,7 @@ pub(crate) fn by_fractions(g: &mut Graph, derived: &mut Derived) {
 
 fn rewritten(g: &mut Graph, id: Id) -> Id {
     let of_angles = angles(g, &[id]).into_iter();
-    let turns = of_angles.filter_map(|angle| Some((angle, plainly(g, angle)?))).collect();
+    let turns = sorted::map(of_angles.filter_map(|angle| Some((angle, plainly(g, angle)?))));
     g.substitute(id, &turns)
 }
 

@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use super::cases::Case;
 use super::{Problem, Target};
 use crate::eval::Evaluator;
-use crate::expr::{Id, Node};
+use crate::expr::{Id, Leaf, Node};
 use crate::number::{Dd, Number};
 use crate::points::Rng;
 use crate::solve::Solution;
+use crate::sorted;
 
 /// How far beside an image points lie, relative to their coordinates.
 const BESIDE: [f64; 3] = [0.1, 1e-4, 1e-8];
@@ -33,11 +34,9 @@ pub(super) fn implied(
         return BTreeMap::new();
     }
     let g = &mut problem.graph;
-    let values: BTreeMap<Id, Id> = problem
-        .unknowns
-        .iter()
-        .map(|leaf| (g.get_leaf(*leaf), solution.spell_out(g, solution.unknowns[leaf])))
-        .collect();
+    let spelled_out =
+        |leaf: &Leaf| (g.get_leaf(*leaf), solution.spell_out(g, solution.unknowns[leaf]));
+    let values = sorted::map(problem.unknowns.iter().map(spelled_out));
     let is_composed = |(part, _): &(&Id, &Id)| !matches!(g.node(**part), Node::Leaf(_));
     let parts: Vec<(Id, Id)> =
         solution.known.iter().filter(is_composed).map(|(part, value)| (*part, *value)).collect();
@@ -63,7 +62,7 @@ pub(super) fn implied(
         }
     }
     let holding = claims.into_iter().filter(|claim| !claim.failed && claim.held >= FEWEST);
-    holding.map(|claim| (claim.part, claim.value)).collect()
+    sorted::map(holding.map(|claim| (claim.part, claim.value)))
 }
 
 /// A part of the map with the value that a solution has for it.

@@ -7,6 +7,7 @@
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf, leaf_bit};
 use crate::measure::{Inputs, Measure};
+use crate::sorted;
 
 /// What stands for zero when the limit is looked for.
 const TINY: f64 = 1e-20;
@@ -15,7 +16,7 @@ const TINY: f64 = 1e-20;
 pub(super) fn parameters_with_limits(g: &Graph, formulas: &[Id], measure: &Measure) -> Vec<u8> {
     let points = &measure.points()[..measure.doubles()];
     let mut used: Vec<u8> = points.iter().flat_map(|p| p.keys()).filter_map(parameter).collect();
-    used.sort_unstable();
+    sorted::sort(&mut used);
     used.dedup();
     used.retain(|&i| formulas.iter().any(|&f| has_limit(g, f, Leaf::Param(i), points)));
     used

@@ -12,8 +12,6 @@
 //!
 //! Gram's determinant of the four tangents is the same, but a difference of long sums.
 
-use std::collections::BTreeMap;
-
 use super::through::Named;
 use super::{Problem, Target};
 use crate::derivative::derivative;
@@ -23,6 +21,7 @@ use crate::jacobian::{self, Source, distinct, factor_out, moved, simplify, simpl
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 use crate::solve::{FIRST_OWN, System};
+use crate::sorted;
 
 /// Two points of one line, whose direction has unit length.
 pub(super) struct Line {
@@ -108,7 +107,7 @@ fn unit_vector(g: &mut Graph, h: [Id; 3], frames: &[[[Id; 3]; 3]]) -> Option<[Id
 impl Line {
     /// An expression with the direction in place of its names.
     fn spelled_out(&self, g: &mut Graph, id: Id) -> Id {
-        let names: BTreeMap<Id, Id> = self.names.into_iter().zip(self.direction).collect();
+        let names = sorted::map(self.names.into_iter().zip(self.direction));
         g.substitute(id, &names)
     }
 

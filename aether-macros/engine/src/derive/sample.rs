@@ -10,6 +10,7 @@ use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS};
 use crate::hash::Map;
 use crate::jacobian::cost_together;
 use crate::measure::{Loss, Measure, Part};
+use crate::sorted;
 use crate::stabilise::{GOOD, of_turn, stabilise_knowing};
 
 /// Whether a form is as accurate as another, or more accurate than it is worth to be. Where a density is
@@ -45,7 +46,7 @@ pub(super) fn at_the_sample(
     let g = &mut problem.graph;
     let sample = |written: &[Id], g: &mut Graph| {
         let outs = (0..written.len() as u8).map(Leaf::Out);
-        let sample = outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)).collect();
+        let sample = sorted::map(outs.zip(written).map(|(leaf, &x)| (g.get_leaf(leaf), x)));
         let there = g.substitute(density, &sample);
         g.powi(there, -1)
     };

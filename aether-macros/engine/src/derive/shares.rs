@@ -4,6 +4,7 @@ use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::number::{Dd, Number};
 use crate::points::Point;
+use crate::sorted;
 
 /// Borders are looked for between whole multiples of this inverse, and next to both ends between powers of its square.
 const CELLS: i32 = 32;
@@ -63,7 +64,7 @@ impl Tried<'_> {
     pub(super) fn share(&self) -> f64 {
         let mut ends: Vec<Dd> = self.tests.iter().flat_map(|t| self.borders(*t)).collect();
         ends.extend([0.0, 1.0].map(Dd::from_f64));
-        ends.sort_by(|a, b| (*a - *b).to_f64().total_cmp(&0.0));
+        sorted::sort_by(&mut ends, |a, b| (*a - *b).to_f64().total_cmp(&0.0));
         let zero = Dd::from_f64(0.0);
         ends.windows(2)
             .fold(zero, |sum, ends| {

@@ -1,14 +1,13 @@
 //! The inverse of a body in two steps: first the numbers that the point is made of, then the uniforms that these are
 //! made of. The volume is the product of those of both steps.
 
-use std::collections::BTreeMap;
-
 use super::Problem;
 use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{self, Source, simplify};
 use crate::parse::Stage;
 use crate::solve::linear::{cross, dot};
 use crate::solve::{Condition, Numerical, Solution, System, solve};
+use crate::sorted;
 
 /// The first output that stands for a named number.
 const FIRST: u8 = 10;
@@ -49,7 +48,7 @@ fn without_frame(g: &mut Graph, volume: Id, stage: &Stage) -> Id {
 pub(super) fn spelled_out(problem: &mut Problem, stage: &Stage, id: Id) -> Id {
     let g = &mut problem.graph;
     let names = stage.named.iter().chain(&stage.constants);
-    let values: BTreeMap<Id, Id> = names.map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect();
+    let values = sorted::map(names.map(|(leaf, value)| (g.get_leaf(*leaf), *value)));
     // Each may be made of those before.
     (0..values.len()).fold(id, |id, _| g.substitute(id, &values))
 }
@@ -78,25 +77,23 @@ pub(super) fn solutions(
             g.leaf(Leaf::Out(i), &name, range)
         })
         .collect();
-    let as_known: BTreeMap<Id, Id> =
-        names.iter().map(|leaf| g.get_leaf(*leaf)).zip(known.iter().copied()).collect();
+    let as_known =
+        sorted::map(names.iter().map(|leaf| g.get_leaf(*leaf)).zip(known.iter().copied()));
     let made: Vec<Id> = stage.named.iter().map(|(_, id)| g.substitute(*id, &as_known)).collect();
     let inner =
         solve(g, &System::new(&known, &made), &unknowns, &frames, &positive, Numerical::No).ok()?;
     let mut all = Vec::new();
     for outer in &outer {
-        let values: BTreeMap<Id, Id> = names
-            .iter()
-            .zip(&known)
-            .map(|(leaf, known)| (*known, outer.spell_out(g, outer.unknowns[leaf])))
-            .collect();
+        let spelled_out =
+            |(leaf, known): (&Leaf, &Id)| (*known, outer.spell_out(g, outer.unknowns[leaf]));
+        let values = sorted::map(names.iter().zip(&known).map(spelled_out));
         for inner in &inner {
             let mut spelled = |id: Id| {
                 let id = inner.spell_out(g, id);
                 g.substitute(id, &values)
             };
-            let mut unknowns: BTreeMap<Leaf, Id> =
-                inner.unknowns.iter().map(|(leaf, id)| (*leaf, spelled(*id))).collect();
+            let mut unknowns =
+                sorted::map(inner.unknowns.iter().map(|(leaf, id)| (*leaf, spelled(*id))));
             let mut conditions: Vec<Condition> =
                 inner.conditions.iter().map(|c| Condition(spelled(c.0))).collect();
             conditions.extend(outer.conditions.iter().map(|c| Condition(outer.spell_out(g, c.0))));
@@ -105,14 +102,16 @@ pub(super) fn solutions(
             }
             let constants = stage.constants.iter();
             let mut found = Solution {
-                known: names.iter().map(|l| g.get_leaf(*l)).zip(values.values().copied()).collect(),
+                known: sorted::map(
+                    names.iter().map(|l| g.get_leaf(*l)).zip(values.values().copied()),
+                ),
                 short: unknowns.clone(),
-                names: constants.map(|(leaf, value)| (g.get_leaf(*leaf), *value)).collect(),
+                names: sorted::map(constants.map(|(leaf, value)| (g.get_leaf(*leaf), *value))),
                 steps: outer.steps.iter().chain(&inner.steps).cloned().collect(),
                 ..Solution::default()
             };
             found.unknowns =
-                unknowns.into_iter().map(|(l, id)| (l, found.spell_out(g, id))).collect();
+                sorted::map(unknowns.into_iter().map(|(l, id)| (l, found.spell_out(g, id))));
             found.conditions =
                 conditions.into_iter().map(|c| Condition(found.spell_out(g, c.0))).collect();
             all.push(found);

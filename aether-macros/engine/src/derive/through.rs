@@ -1,14 +1,13 @@
 //! The change of measure by way of a direction of which the result is made, such as a half vector about which
 //! another direction is reflected: that of the direction, times that of the result as a map of directions.
 
-use std::collections::BTreeMap;
-
 use super::Problem;
 use crate::expr::{Deps, Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
 use crate::jacobian::{self, Source, moved, sphere};
 use crate::rational::Q;
+use crate::sorted;
 
 /// How many equal forms are kept.
 const FORMS: usize = 4;
@@ -37,7 +36,7 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Vec<Id>> {
             Some(forms) => forms,
             None => jacobian::volume(g, &h, &unknowns, (Source::Free, true), &[]).ok()?,
         };
-        let back: BTreeMap<Id, Id> = inner.into_iter().zip(h).collect();
+        let back = sorted::map(inner.into_iter().zip(h));
         if let Some((a, b)) = moved::taken_apart(g, &map, inner) {
             // Where a is small, h is hardly known, but the length of what is left of x is.
             lengths.push((g.substitute(a, &back), left_of_point(g, b)));

@@ -4,14 +4,13 @@
 //! coordinates that tell an unknown best (next to the axis of a frame, those across it) are those of the direction in
 //! the frame. In terms of the point itself the axes of the frame would be poles like any others, of which nobody knows.
 
-use std::collections::BTreeMap;
-
 use super::{Derived, Problem};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node};
 use crate::interval::Interval;
 use crate::solve::linear::dot;
+use crate::sorted;
 
 /// The axes of a frame, and a direction as it is written and by its coordinates along them.
 pub(super) struct Turned {
@@ -77,7 +76,7 @@ impl Turned {
         }
         let names = [0, 1, 2].map(|k| format!("{} = {}", show(g, x[k]), show(g, inside[k])));
         derived.steps.insert(0, format!("in the frame: {}", names.join(", ")));
-        let values: BTreeMap<Id, Id> = x.into_iter().zip(inside).collect();
+        let values = sorted::map(x.into_iter().zip(inside));
         for preimage in &mut derived.preimages {
             for id in preimage.expressions() {
                 let range = g.range(*id);

@@ -3,13 +3,12 @@
 //! Next to one, x says little of how far it is from there; the others say it to full precision. Next to zero the others
 //! say little of how far the sum of their squares is from one.
 
-use std::collections::BTreeMap;
-
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::hash::Map;
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
+use crate::sorted;
 
 use super::parts::one_sign;
 use super::{Problem, Target};
@@ -32,10 +31,9 @@ impl Stretched {
     pub fn by_the_others(&self, g: &mut Graph, written: Id) -> Option<Id> {
         let leaves: Vec<Id> = self.places.iter().map(|&i| g.get_leaf(Leaf::Out(i))).collect();
         let places = leaves.iter().zip(&self.lengths);
-        let longer: BTreeMap<Id, Id> =
-            places.clone().map(|(&leaf, &length)| (leaf, g.mul(leaf, length))).collect();
-        let shorter: BTreeMap<Id, Id> =
-            places.map(|(&leaf, &length)| (leaf, g.div(leaf, length))).collect();
+        let longer =
+            sorted::map(places.clone().map(|(&leaf, &length)| (leaf, g.mul(leaf, length))));
+        let shorter = sorted::map(places.map(|(&leaf, &length)| (leaf, g.div(leaf, length))));
         let of_unit = g.substitute(written, &longer);
         let short = by_the_others(g, of_unit, std::slice::from_ref(&self.places))?;
         Some(g.substitute(short, &shorter))
@@ -65,7 +63,7 @@ pub(super) fn units(problem: &mut Problem) -> Vec<Stretched> {
         return vec![];
     }
     let mut sets: Vec<u32> = (0..1 << n).filter(|set: &u32| set.count_ones() > 1).collect();
-    sets.sort_by_key(|set| set.count_ones());
+    sorted::sort_by_key(&mut sets, |set| set.count_ones());
     let mut taken: Vec<u32> = vec![];
     let mut found = vec![];
     for set in sets {

@@ -10,6 +10,7 @@ use crate::jacobian::{cost, cost_together};
 use crate::measure::Measure;
 use crate::number::{Dd, Number};
 use crate::rational::Q;
+use crate::sorted;
 
 /// How far quotients of values of one form by those of another may differ: there are 31 digits, but for what cancels.
 const SAME: f64 = 1e-22;
@@ -149,7 +150,7 @@ fn sums(g: &Graph, ids: &[Id]) -> Vec<Id> {
         |id: Id| matches!(g.node(id), Node::Sum(_, t) if t.len() > 1 && t.iter().any(composed));
     let mut found = g.within(ids);
     found.retain(|&id| is_sum(id) && is_polynomial(g, id));
-    found.sort_unstable_by_key(|id| std::cmp::Reverse(cost(g, *id)));
+    sorted::sort_by_key(&mut found, |id| std::cmp::Reverse(cost(g, *id)));
     found
 }
 

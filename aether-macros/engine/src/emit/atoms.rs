@@ -11,6 +11,7 @@ use super::passed::passed;
 use super::pieces::input;
 use crate::derive::Atom;
 use crate::expr::Leaf;
+use crate::sorted;
 
 /// The type of the continuous part, and all that the whole is made of.
 pub fn implementation(e: &Emitter, continuous: &TokenStream) -> TokenStream {
@@ -128,7 +129,7 @@ fn parts(e: &Emitter) -> TokenStream {
     let (n, _, _) = e.sizes();
     let parameters = e.parameters();
     let mut numbers: Vec<usize> = e.atoms.iter().map(|atom| atom.way.number).collect();
-    numbers.sort_unstable();
+    sorted::sort(&mut numbers);
     numbers.dedup();
     let literal = Literal::usize_unsuffixed;
     let names = |k: usize| {

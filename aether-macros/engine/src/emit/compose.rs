@@ -7,7 +7,6 @@ use std::collections::HashMap;
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{ToTokens, quote};
-use syn::visit_mut::VisitMut;
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
 use super::documentation::measures;
@@ -15,36 +14,23 @@ use super::interface::{hidden_body, hidden_body_with, interface, type_name};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Options, Param, ParamKind, Signature, Source};
+use crate::walk::{self, Look};
 
 /// Whether a body calls other samplers or maps.
 pub fn is_composition(item: &ItemFn) -> bool {
     let mut calls = Calls(false);
-    calls.visit_block_mut(&mut item.block.as_ref().clone());
+    walk::block(&mut calls, &item.block);
     calls.0
 }
 
 struct Calls(bool);
-impl VisitMut for Calls {
-    fn visit_expr_method_call_mut(&mut self, m: &mut syn::ExprMethodCall) {
-        self.0 |= m.method == "sample" || m.method == "apply";
-        syn::visit_mut::visit_expr_method_call_mut(self, m);
-    }
-}
 
-/// Number literals become numbers of the generic type.
-struct Literals;
-impl VisitMut for Literals {
-    fn visit_expr_mut(&mut self, e: &mut Expr) {
-        if let Expr::Lit(l) = e
-            && matches!(l.lit, Lit::Float(_))
-        {
-            let tokens = quote!(<R as ::aether_core::Real>::of(#l));
-            if let Ok(new) = syn::parse2(tokens) {
-                *e = new;
-            }
-            return;
+impl Look for Calls {
+    fn expr(&mut self, expr: &Expr) -> bool {
+        if let Expr::MethodCall(m) = expr {
+            self.0 |= m.method == "sample" || m.method == "apply";
         }
-        syn::visit_mut::visit_expr_mut(self, e);
+        true
     }
 }
 
@@ -119,22 +105,32 @@ impl Chain<'_> {
     }
 }
 
+/// An expression whose number literals are numbers of the generic type.
 fn generic(e: &Expr) -> TokenStream {
     let mut e = e.clone();
-    Literals.visit_expr_mut(&mut e);
+    let literals = &mut |e: &mut Expr| {
+        let Expr::Lit(l) = &*e else { return true };
+        if matches!(l.lit, Lit::Float(_))
+            && let Ok(new) = syn::parse2(quote!(<R as ::aether_core::Real>::of(#l)))
+        {
+            *e = new;
+        }
+        false
+    };
+    walk::change(literals, &mut e);
     e.to_token_stream()
 }
 
 fn mentions(e: &Expr, links: &HashMap<String, TokenStream>, argument: &str) -> bool {
     struct Names<'a>(&'a HashMap<String, TokenStream>, &'a str, bool);
-    impl VisitMut for Names<'_> {
-        fn visit_ident_mut(&mut self, i: &mut Ident) {
-            let name = i.to_string();
+    impl Look for Names<'_> {
+        fn name(&mut self, name: &Ident) {
+            let name = name.to_string();
             self.2 |= self.0.contains_key(&name) || name == self.1;
         }
     }
     let mut names = Names(links, argument, false);
-    names.visit_expr_mut(&mut e.clone());
+    walk::expr(&mut names, e);
     names.2
 }
 

@@ -10,6 +10,7 @@ use super::ways::Ways;
 use super::whole::Support;
 use crate::derive::{Atom, Derived};
 use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
+use crate::sorted;
 
 /// Writes the code of one item.
 pub struct Emitter<'a> {
@@ -246,7 +247,7 @@ impl Emitter<'_> {
     fn limits(&self) -> Vec<u8> {
         let mut limits: Vec<u8> = self.derived.iter().flat_map(|d| d.limits.clone()).collect();
         limits.extend(self.atoms.iter().flat_map(|atom| &atom.limits));
-        limits.sort_unstable();
+        sorted::sort(&mut limits);
         limits.dedup();
         limits
     }

@@ -8,6 +8,7 @@ use super::code::{Code, multiple_of, rational};
 use crate::expr::{Id, Node};
 use crate::parse::Test;
 use crate::rational::Q;
+use crate::sorted;
 
 /// The conjunction of some tests.
 pub(super) fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
@@ -26,7 +27,7 @@ fn sides(code: &mut Code, difference: Id) -> Option<[TokenStream; 2]> {
     let constant = (!c.is_zero()).then_some((*c, None));
     let terms = terms.iter().map(|&(q, term)| (q, Some(term)));
     let mut both: Vec<(Q, Option<Id>)> = constant.into_iter().chain(terms).collect();
-    both.sort_by_key(|(q, _)| q.is_negative());
+    sorted::sort_by_key(&mut both, |(q, _)| q.is_negative());
     let [(above, first), (below, second)] = both[..] else { return None };
     if above.is_negative() || !below.is_negative() {
         return None;

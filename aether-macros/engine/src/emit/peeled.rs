@@ -12,6 +12,7 @@ use super::quotient::within_unit;
 use crate::eval::evaluate;
 use crate::expr::{Deps, Fun, Graph, Id, Node, leaf_bit};
 use crate::rational::Q;
+use crate::sorted;
 
 /// How far outside of [0, 1) an unknown is surely no rounding error.
 const FAR: f64 = 0.125;
@@ -245,8 +246,8 @@ fn place_of_root(code: &mut Code, id: Id, bounds: [Option<f64>; 4]) -> Option<To
     let end = |id: Id| g.as_number(id).map(|q| q.to_f64());
     let mut ends = [end(root.lo)?, end(root.hi)?];
     let mut asked = [bounds[1]?, bounds[2]?];
-    asked.sort_by(f64::total_cmp);
-    ends.sort_by(f64::total_cmp);
+    sorted::sort_by(&mut asked, f64::total_cmp);
+    sorted::sort_by(&mut ends, f64::total_cmp);
     (!root.inside && asked == ends).then(|| numeric::place(code, root))
 }
 

@@ -13,6 +13,7 @@ use crate::derive::{Preimage, Signs, Target};
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::Set;
 use crate::interval::Interval;
+use crate::sorted;
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
 pub(super) fn unit_tests(place: Place, code: &mut Code) -> Vec<UnitTest> {
@@ -59,7 +60,7 @@ fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {
 fn deciding(place: Place, conditions: &[Id]) -> Vec<(Id, bool)> {
     let g = &place.problem.graph;
     let mut signs: Vec<(Id, bool)> = conditions.iter().map(|&c| sign_of(g, c)).collect();
-    signs.sort_unstable();
+    sorted::sort(&mut signs);
     signs.dedup();
     signs
 }

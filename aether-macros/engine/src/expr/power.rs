@@ -26,10 +26,17 @@ impl Graph {
     /// Integer powers, from squares on, that several factors have in them, above and below the line or on the same side:
     /// that of their product or quotient is shorter and stays in range. It is negative where all are below the line.
     pub fn shared_powers(&self, factors: &[(Id, Id)]) -> Vec<Q> {
-        let exponents = factors.iter().filter_map(|&(b, e)| Some((b, self.as_number(e)?)));
-        let large = |q: &Q| q.is_int() && q.abs() > Q::ONE;
-        let exponents: Vec<(Id, Q)> = exponents.filter(|(_, q)| large(q)).collect();
+        let mut exponents: Vec<(Id, Q)> = Vec::new();
+        for &(base, exponent) in factors {
+            match self.node(exponent) {
+                Node::Number(q) if q.den() == 1 && q.num().abs() > 1 => exponents.push((base, *q)),
+                _ => {}
+            }
+        }
         let mut shared: Vec<Q> = Vec::new();
+        if exponents.len() < 2 {
+            return shared; // Products are evaluated often, and mostly have no such powers.
+        }
         for &(base, q) in &exponents {
             let known = |power: &Q| power.abs() == q.abs();
             // Numbers on one side are a factor by themselves.
@@ -48,11 +55,15 @@ impl Graph {
     /// The factors whose exponents are multiples of one another, but for numbers, where some are above and others below
     /// the line.
     pub fn powers_together(&self, factors: &[(Id, Id)]) -> Option<Together> {
-        let is_general = |(_, e): &&(Id, Id)| self.as_number(*e).is_none();
-        if factors.iter().filter(is_general).count() < 2 {
+        let mut general: Vec<(Id, Id)> = Vec::new();
+        for factor in factors {
+            if self.as_number(factor.1).is_none() {
+                general.push(*factor);
+            }
+        }
+        if general.len() < 2 {
             return None;
         }
-        let general: Vec<(Id, Id)> = factors.iter().filter(is_general).copied().collect();
         general.iter().find_map(|&(_, exponent)| {
             let (constant, _) = self.linear(exponent);
             let (mut inside, mut outside, mut taken) = (vec![], vec![], vec![]);
@@ -108,6 +119,9 @@ pub struct Divided {
 /// A whole exponent by one of some powers: by that itself, if it is among them, or one that divides it, or one that is
 /// smaller.
 pub fn divided(exponent: Q, powers: &[Q]) -> Option<Divided> {
+    if powers.is_empty() {
+        return None;
+    }
     let by = |power: Q| {
         let times = Q::int(i64::try_from(exponent.num() / power.num()).ok()?);
         Some(Divided { power, times, rest: exponent.add(times.mul(power)?.neg())? })

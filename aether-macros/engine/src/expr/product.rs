@@ -2,6 +2,7 @@
 
 use super::{Fun, Graph, Id, Node};
 use crate::rational::Q;
+use crate::sorted;
 
 impl Graph {
     /// The (base, exponent) pairs of an expression, a single one if it is not a product.
@@ -51,7 +52,7 @@ impl Graph {
             again.push((coefficient, one));
             return self.product(&again);
         }
-        list.sort_by_key(|(b, _)| *b);
+        sorted::sort_by_key(&mut list, |(b, _)| *b);
         let one = self.int(1);
         let body = match list[..] {
             [] => return self.number(collect.coefficient),

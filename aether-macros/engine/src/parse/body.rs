@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
-use syn::visit::Visit;
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
@@ -14,6 +13,7 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
 use crate::points::Kind;
+use crate::walk::{self, Look};
 
 /// Reads a body into a graph.
 pub struct Body<'a> {
@@ -351,12 +351,12 @@ impl<'a> Body<'a> {
     /// Makes the names of a pattern known without values, so that one mistake is reported once.
     fn bind_names(&mut self, pat: &Pat) {
         struct Names<'n>(&'n mut HashMap<String, Value>);
-        impl Visit<'_> for Names<'_> {
-            fn visit_pat_ident(&mut self, name: &syn::PatIdent) {
+        impl Look for Names<'_> {
+            fn binding(&mut self, name: &syn::PatIdent) {
                 self.0.insert(name.ident.to_string(), Value::Unknown);
             }
         }
-        Names(&mut self.names).visit_pat(pat);
+        walk::pat(&mut Names(&mut self.names), pat);
     }
 
     pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {

@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 
 use quote::ToTokens;
-use syn::visit::Visit;
 use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::body::Body;
@@ -16,6 +15,7 @@ use super::{Test, Value, proven};
 use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
 use crate::rational::Q;
+use crate::walk::{self, Look};
 
 /// A body may fall into this many pieces.
 pub(super) const MAX_PIECES: usize = 32;
@@ -170,7 +170,7 @@ impl Body<'_> {
     pub(super) fn relate(&mut self, b: &ExprBinary) -> Option<Test> {
         let strict = matches!(b.op, BinOp::Lt(_) | BinOp::Gt(_));
         let mut unknown = UnknownNames { known: &self.names, found: vec![], sampled: vec![] };
-        unknown.visit_expr_binary(b);
+        [&b.left, &b.right].into_iter().for_each(|side| walk::expr(&mut unknown, side));
         if let Some(name) = unknown.sampled.first().cloned() {
             return self.error(&name, format!("a relation is between parameters, and `{name}` is what is sampled: write it as a branch of the body"));
         }
@@ -401,8 +401,8 @@ struct UnknownNames<'n> {
     sampled: Vec<Ident>,
 }
 
-impl Visit<'_> for UnknownNames<'_> {
-    fn visit_expr_path(&mut self, path: &syn::ExprPath) {
+impl Look for UnknownNames<'_> {
+    fn path(&mut self, path: &syn::ExprPath) -> bool {
         if let Some(name) = path.path.get_ident() {
             let text = name.to_string();
             if let Some(Value::Uniforms(_)) = self.known.get(&text) {
@@ -412,11 +412,14 @@ impl Visit<'_> for UnknownNames<'_> {
                 self.found.push(name.clone());
             }
         }
+        false
     }
 
     // The name of a function is none of a parameter.
-    fn visit_expr_call(&mut self, call: &syn::ExprCall) {
-        call.args.iter().for_each(|argument| self.visit_expr(argument));
+    fn expr(&mut self, expr: &Expr) -> bool {
+        let Expr::Call(call) = expr else { return true };
+        call.args.iter().for_each(|argument| walk::expr(self, argument));
+        false
     }
 }
 

@@ -6,7 +6,6 @@
 
 use std::collections::BTreeMap;
 
-use syn::visit::Visit;
 use syn::{FnArg, Ident, ItemFn, Stmt};
 
 use super::branch::Way;
@@ -16,6 +15,7 @@ use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};
 use crate::jacobian::{factor_out, simplify};
 use crate::rational::Q;
 use crate::solve::linear::dot;
+use crate::walk::{self, Look};
 
 /// The first unknown that stands for a named number.
 const FIRST: u8 = 10;
@@ -71,8 +71,7 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
     let mut found: Vec<Stage> = Vec::new();
     let Some(uses) = Uses::of(item) else { return vec![] };
     let numbers: Vec<usize> = unique.iter().filter_map(|name| uses.number(name)).collect();
-    let cuts = choices(&numbers, count).into_iter().filter(|cut| uses.are_all(cut));
-    for cut in cuts.take(MOST_READ) {
+    for cut in uses.whole(choices(&numbers, count)).take(MOST_READ) {
         if found.len() == MOST {
             break;
         }
@@ -165,19 +164,19 @@ impl Uses {
     fn of(item: &ItemFn) -> Option<Uses> {
         let Some(FnArg::Typed(uniforms)) = item.sig.inputs.first() else { return None };
         let mut mentioned = Mentioned::default();
-        mentioned.visit_pat(&uniforms.pat);
+        walk::pat(&mut mentioned, &uniforms.pat);
         let mut statements = Vec::new();
         for statement in &item.block.stmts {
             let bound = match statement {
-                Stmt::Local(local) => mentioned.in_part(|m| m.visit_pat(&local.pat)),
+                Stmt::Local(local) => mentioned.in_part(|m| walk::pat(m, &local.pat)),
                 _ => vec![],
             };
             let used = match statement {
                 Stmt::Local(local) => {
                     let init = local.init.as_ref()?;
-                    mentioned.in_part(|m| m.visit_expr(&init.expr))
+                    mentioned.in_part(|m| walk::expr(m, &init.expr))
                 }
-                Stmt::Expr(result, _) => mentioned.in_part(|m| m.visit_expr(result)),
+                Stmt::Expr(result, _) => mentioned.in_part(|m| walk::expr(m, result)),
                 _ => return None,
             };
             statements.push((bound, used));
@@ -190,18 +189,56 @@ impl Uses {
         self.names.iter().position(|n| n == name)
     }
 
-    /// Whether all that the result has of the uniforms it has through these names.
-    fn are_all(&self, cut: &[usize]) -> bool {
-        let mut needed = vec![false; self.names.len()];
+    /// Those cuts through which the result has all that it has of the uniforms.
+    fn whole(&self, cuts: Vec<Vec<usize>>) -> impl Iterator<Item = Vec<usize>> {
+        // A cut must have a name of each way past others, of which there are few for many cuts.
+        let mut known: Vec<Vec<usize>> = Vec::new();
+        cuts.into_iter().filter(move |cut| {
+            let passes = |way: &Vec<usize>| !way.iter().any(|name| cut.contains(name));
+            if known.iter().any(passes) {
+                return false;
+            }
+            let past = self.way_past(cut);
+            known.extend(past.clone());
+            past.is_none()
+        })
+    }
+
+    /// Names by which the result has something of the uniforms, none of them of the cut.
+    fn way_past(&self, cut: &[usize]) -> Option<Vec<usize>> {
+        /// Whom a name is needed for.
+        #[derive(Clone, Copy)]
+        enum Needed {
+            Not,
+            ByResult,
+            By(usize),
+        }
+        let mut needed = vec![Needed::Not; self.names.len()];
         let last = self.statements.len().saturating_sub(1);
         for (i, (bound, used)) in self.statements.iter().enumerate().rev() {
-            if i == last || bound.iter().any(|name| needed[*name] && !cut.contains(name)) {
-                used.iter().for_each(|&name| needed[name] = true);
+            let is_needed = |name: &&usize| !matches!(needed[**name], Needed::Not);
+            let by = match bound.iter().filter(|name| !cut.contains(name)).find(is_needed) {
+                Some(name) => Needed::By(*name),
+                None if i == last => Needed::ByResult,
+                None => continue,
+            };
+            for &name in used {
+                if let Needed::Not = needed[name] {
+                    needed[name] = by;
+                }
             }
         }
-        !needed.first().is_some_and(|uniforms| *uniforms)
+        let (mut way, mut at) = (Vec::new(), *needed.get(UNIFORMS)?);
+        while let Needed::By(name) = at {
+            way.push(name);
+            at = needed[name];
+        }
+        matches!(at, Needed::ByResult).then_some(way)
     }
 }
+
+/// The number of the name of the uniforms.
+const UNIFORMS: usize = 0;
 
 /// Names that occur, each once, and the places of those in the part that is looked at.
 #[derive(Default)]
@@ -218,8 +255,8 @@ impl Mentioned {
     }
 }
 
-impl Visit<'_> for Mentioned {
-    fn visit_ident(&mut self, name: &Ident) {
+impl Look for Mentioned {
+    fn name(&mut self, name: &Ident) {
         let known = self.names.iter().position(|n| name == n);
         self.part.push(known.unwrap_or(self.names.len()));
         if known.is_none() {

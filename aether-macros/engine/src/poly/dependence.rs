@@ -4,6 +4,7 @@ use super::{Expander, Mono, Poly, RatFun};
 use crate::expr::{Graph, Id};
 use crate::rational::Q;
 use crate::rational::matrix::null_vector;
+use crate::sorted;
 
 /// Coefficients of the expressions whose sum is one, if there is a single such relation with rational
 /// numbers.
@@ -23,7 +24,7 @@ pub fn parts_of_one(g: &mut Graph, expressions: &[Id]) -> Option<Vec<Q>> {
 pub fn relation(e: &mut Expander, functions: &[RatFun]) -> Option<Vec<Q>> {
     let columns = over_one_denominator(e, functions)?;
     let mut monomials: Vec<&Mono> = columns.iter().flat_map(|p| &p.0).map(|(m, _)| m).collect();
-    monomials.sort();
+    sorted::sort(&mut monomials);
     monomials.dedup();
     let coefficient =
         |p: &Poly, m: &Mono| p.0.iter().find(|(n, _)| n == m).map_or(Q::ZERO, |(_, q)| *q);

@@ -9,6 +9,7 @@ use crate::display::show;
 use crate::expr::{Graph, Id, Node};
 use crate::rational::Q;
 use crate::rational::matrix::inverse;
+use crate::sorted;
 
 /// Terms that have the same coefficients up to a factor, and these coefficients, an equation each.
 struct Group {
@@ -100,7 +101,7 @@ fn component(first: usize, groups: &[Group]) -> (Vec<usize>, Vec<usize>) {
             }
         }
         if own.len() == before {
-            members.sort_unstable();
+            sorted::sort(&mut members);
             return (members, own);
         }
     }

@@ -6,6 +6,7 @@ use crate::expr::{Graph, Id, Node, UNKNOWNS};
 use crate::jacobian::simplify_with;
 use crate::poly::Expander;
 use crate::rational::Q;
+use crate::sorted;
 
 /// A linear equation: Σ coefficient · atom, coefficients known.
 pub(super) type Row = Vec<(Id, Id)>;
@@ -187,7 +188,7 @@ pub(super) fn component(rows: &[Option<Row>], start: usize) -> Option<(Vec<usize
             }
         }
         if members.len() == before {
-            members.sort_unstable();
+            sorted::sort(&mut members);
             return Some((members, atoms));
         }
     }

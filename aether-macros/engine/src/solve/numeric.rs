@@ -12,6 +12,7 @@ use crate::hash::Set;
 use crate::interval::Interval;
 use crate::monotone::{Unproven, direction};
 use crate::rational::Q;
+use crate::sorted;
 
 /// Auxiliary unknowns beyond this one have no bit of their own.
 const MAX_NAMES: u8 = 24;
@@ -73,7 +74,7 @@ pub(super) fn innermost(g: &mut Graph, rhs: Id, leaf: Id) -> Option<Id> {
         }
     }
     parts.retain(|p| *p != rhs);
-    parts.sort_by_key(|p| crate::jacobian::cost(g, *p));
+    sorted::sort_by_key(&mut parts, |p| crate::jacobian::cost(g, *p));
     // A name, not zero: a product with zero would say that nothing else is left.
     let name = g.leaf(Leaf::Unknown(23), "t", Interval::ALL);
     parts.into_iter().find(|&p| {
@@ -104,7 +105,7 @@ pub(super) fn bind(g: &mut Graph, state: &State, i: usize, z: Id) -> Result<Boun
     let body = g.substitute(rhs, &[(z, bound)].into());
     // A solved unknown of the same point lies in its range if the point is one of the map's.
     let solved: Vec<_> = state.solution.unknowns.iter().map(|(l, v)| (*l, *v)).collect();
-    let back = solved.into_iter().map(|(l, v)| (v, g.get_leaf(l))).collect();
+    let back = sorted::map(solved.into_iter().map(|(l, v)| (v, g.get_leaf(l))));
     let restored = g.substitute(body, &back);
     Ok(Bound { variable, body, restored })
 }

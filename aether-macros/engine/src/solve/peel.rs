@@ -8,6 +8,7 @@ use super::{Condition, Equation, Numerical, State};
 use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
 use crate::jacobian::cost;
 use crate::rational::Q;
+use crate::sorted;
 use joint::{
     join_logarithms, lambert, ratio_of_sine_and_cosine, undo_atan2, undo_cotangent, undo_lambert,
     undo_powers,
@@ -32,7 +33,7 @@ pub(super) fn branching(g: &mut Graph, state: &State) -> Option<Vec<State>> {
 fn peel(g: &mut Graph, state: &State, most: usize) -> Option<Vec<State>> {
     // Prefer equations in a single unknown, and among several for one unknown the simplest.
     let mut order: Vec<usize> = (0..state.equations.len()).collect();
-    order.sort_by_key(|&i| {
+    sorted::sort_by_key(&mut order, |&i| {
         let rhs = state.equations[i].rhs;
         ((g.deps(rhs) & UNKNOWNS).count_ones(), cost(g, rhs), cost(g, state.equations[i].known))
     });

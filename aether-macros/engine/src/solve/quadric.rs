@@ -12,6 +12,7 @@ use crate::expr::{Graph, Id, UNKNOWNS};
 use crate::jacobian::{cost, factor_out, simplify};
 use crate::poly::{Expander, RatFun, relation};
 use crate::rational::Q;
+use crate::sorted;
 
 /// Pairs of coordinates whose products are the terms of degree two.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
@@ -35,7 +36,7 @@ struct Coordinate {
 pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let mut lengths = common_lengths(g, state);
     // The outermost first: the others are parts of it.
-    lengths.sort_by_key(|(length, _)| std::cmp::Reverse(cost(g, *length)));
+    sorted::sort_by_key(&mut lengths, |(length, _)| std::cmp::Reverse(cost(g, *length)));
     lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members))
 }
 

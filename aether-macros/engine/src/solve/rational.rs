@@ -9,6 +9,7 @@ use crate::interval::Interval;
 use crate::jacobian::cost;
 use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
 use crate::rational::Q;
+use crate::sorted;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
 /// one or two in some subexpression.
@@ -16,7 +17,7 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
     // Of several equations for one unknown, the one whose known side takes the least computing: it
     // has lost the least to rounding.
     let mut order: Vec<usize> = (0..state.equations.len()).collect();
-    order.sort_by_key(|&i| cost(g, state.equations[i].known));
+    sorted::sort_by_key(&mut order, |&i| cost(g, state.equations[i].known));
     for i in order {
         let eq = state.equations[i].clone();
         let deps = g.deps(eq.rhs) & UNKNOWNS;
@@ -108,7 +109,7 @@ fn through_a_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
             open.extend(children(g.node(part)));
         }
     }
-    parts.sort_by_key(|&part| std::cmp::Reverse(cost(g, part)));
+    sorted::sort_by_key(&mut parts, |&part| std::cmp::Reverse(cost(g, part)));
     parts.into_iter().find_map(|part| {
         let (leaf, range) = match g.range(part).nonnegative() {
             true => (Leaf::Unknown(21), Interval::POSITIVE),

@@ -3,7 +3,6 @@
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::visit_mut::{self, VisitMut};
 use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
@@ -12,6 +11,7 @@ use super::reads::{Reads, comparisons};
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
+use crate::walk;
 
 /// Everything that the attribute emits; without a plan the methods are left unimplemented.
 pub fn item(
@@ -35,7 +35,8 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
     copy.attrs.retain(is_lint);
     if let Some(Signature { vertex, yields, count, path, .. }) = signature {
         let real = real(vertex);
-        Qualify { real: &real, vertex: yields, joint: *count > 1 }.visit_block_mut(&mut copy.block);
+        let qualify = Qualify { real: &real, vertex: yields, joint: *count > 1 };
+        walk::change_block(&mut |expr| qualify.expr(expr), &mut copy.block);
         // A strategy that does not look at the path has the parameter all the same.
         copy.block.stmts.insert(0, parse_quote!(let _ = &#path;));
     }
@@ -63,8 +64,8 @@ struct Qualify<'a> {
     joint: bool,
 }
 
-impl VisitMut for Qualify<'_> {
-    fn visit_expr_mut(&mut self, expr: &mut Expr) {
+impl Qualify<'_> {
+    fn expr(&self, expr: &mut Expr) -> bool {
         if let Expr::Return(_) = expr
             && is_stop(expr)
             && let Expr::Return(ret) = expr
@@ -96,9 +97,8 @@ impl VisitMut for Qualify<'_> {
             let arguments = &call.args;
             *expr = parse_quote!(::aether_core::forms::#name #generics (#arguments));
         }
-        visit_mut::visit_expr_mut(self, expr);
+        true
     }
-    fn visit_item_mut(&mut self, _: &mut syn::Item) {}
 }
 
 fn names(fields: &[Field]) -> Vec<&Ident> {

@@ -1,13 +1,14 @@
 //! Several vertices of one draw: which point each is made from, and which of them keeps what a
 //! locally constant call returned, so that a density can read it back.
 
-use syn::visit::{self, Visit};
-use syn::{Expr, ExprArray, ExprField, Ident, Member};
+use syn::{Expr, ExprArray, Ident, Member};
 
 use super::analyse::Analysis;
 use super::names::{bare, mentioned, variable};
 use super::scope::Scope;
 use super::tree::Kind;
+use crate::sorted;
+use crate::walk::{self, Look};
 
 impl Analysis<'_> {
     /// Checks the end of a strategy that yields several vertices; whether it is right.
@@ -95,24 +96,27 @@ fn parts(expr: &Expr, point: &Ident) -> Vec<usize> {
         point: &'a Ident,
         found: Vec<usize>,
     }
-    impl Visit<'_> for Parts<'_> {
-        fn visit_expr_field(&mut self, field: &ExprField) {
-            match &field.member {
-                Member::Unnamed(index) if variable(&field.base) == Some(self.point) => {
-                    self.found.push(index.index as usize);
-                }
-                _ => visit::visit_expr_field(self, field),
+    impl Look for Parts<'_> {
+        fn expr(&mut self, expr: &Expr) -> bool {
+            if let Expr::Field(field) = expr
+                && let Member::Unnamed(index) = &field.member
+                && variable(&field.base) == Some(self.point)
+            {
+                self.found.push(index.index as usize);
+                return false;
             }
+            true
         }
-        fn visit_expr_path(&mut self, path: &syn::ExprPath) {
+        fn path(&mut self, path: &syn::ExprPath) -> bool {
             if path.path.is_ident(self.point) {
                 self.found.push(usize::MAX);
             }
+            false
         }
     }
     let mut parts = Parts { point, found: Vec::new() };
-    parts.visit_expr(expr);
-    parts.found.sort_unstable();
+    walk::expr(&mut parts, expr);
+    sorted::sort(&mut parts.found);
     parts.found.dedup();
     parts.found
 }

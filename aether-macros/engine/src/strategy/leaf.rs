@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Span;
 use quote::{ToTokens, format_ident};
-use syn::visit_mut::{self, VisitMut};
 use syn::{Expr, Ident, parse_quote};
 
 use super::analyse::{Analysis, confused};
 use super::names::{each_ident, mentioned};
 use super::scope::{Facts, Scope};
 use super::tree::{Action, End, Kind, Leaf};
+use crate::walk;
 
 impl Analysis<'_> {
     /// A vertex, with the maps of random points in it bound to names before.
@@ -20,7 +20,8 @@ impl Analysis<'_> {
         mut scope: Scope,
         steps: &mut Vec<Action>,
     ) -> End<Action, Leaf> {
-        Applications { analysis: self, scope: &mut scope, steps }.visit_expr_mut(&mut vertex);
+        let mut applications = Applications { analysis: self, scope: &mut scope, steps };
+        walk::change(&mut |expr| applications.bind(expr), &mut vertex);
         let names = mentioned(&vertex);
         let facts = scope.of(&names);
         // The vertices of a joint run may have been found by rays in whatever directions.
@@ -125,11 +126,11 @@ struct Applications<'a, 'd> {
     steps: &'a mut Vec<Action>,
 }
 
-impl VisitMut for Applications<'_, '_> {
-    fn visit_expr_mut(&mut self, expr: &mut Expr) {
+impl Applications<'_, '_> {
+    fn bind(&mut self, expr: &mut Expr) -> bool {
         match expr {
             // What is evaluated conditionally or later stays where it is.
-            Expr::Closure(_) | Expr::If(_) | Expr::Match(_) | Expr::Block(_) => return,
+            Expr::Closure(_) | Expr::If(_) | Expr::Match(_) | Expr::Block(_) => return false,
             _ => {}
         }
         if let Some((map, of)) = self.analysis.map_of(expr, self.scope, self.steps) {
@@ -138,9 +139,9 @@ impl VisitMut for Applications<'_, '_> {
             let name = format_ident!("__point_{}", count, span = Span::mixed_site());
             self.analysis.mapped(name.clone(), map, of, self.scope, self.steps);
             *expr = parse_quote!(#name);
-        } else {
-            visit_mut::visit_expr_mut(self, expr);
+            return false;
         }
+        true
     }
 }
 

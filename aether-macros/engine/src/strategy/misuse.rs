@@ -1,19 +1,19 @@
 //! Special forms, `return` and `?` in places where a strategy cannot have them.
 
-use syn::visit::{self, Visit};
 use syn::{Expr, Stmt};
 
 use super::names::{FORMS, bound, form};
 use crate::diagnostics::Diagnostics;
+use crate::walk::{self, Look};
 
 /// Reports special forms and early exits within a plain expression.
 pub fn check_expr(expr: &Expr, diagnostics: &mut Diagnostics) {
-    Misuse { diagnostics, place: Place::Value, body: true }.visit_expr(expr);
+    walk::expr(&mut Misuse { diagnostics, place: Place::Value, body: true }, expr);
 }
 
 /// Reports special forms and early exits within a plain statement.
 pub fn check_statement(statement: &Stmt, diagnostics: &mut Diagnostics) {
-    Misuse { diagnostics, place: Place::Value, body: true }.visit_stmt(statement);
+    walk::stmt(&mut Misuse { diagnostics, place: Place::Value, body: true }, statement);
 }
 
 /// Reports names of special forms that a pattern takes away.
@@ -44,7 +44,7 @@ impl Misuse<'_> {
     fn within(&mut self, place: Place, body: bool, expr: &Expr) {
         let outer = (self.place, self.body);
         (self.place, self.body) = (place, body);
-        visit::visit_expr(self, expr);
+        walk::within(self, expr);
         (self.place, self.body) = outer;
     }
 
@@ -75,12 +75,12 @@ impl Misuse<'_> {
     }
 }
 
-impl Visit<'_> for Misuse<'_> {
-    fn visit_expr(&mut self, expr: &Expr) {
+impl Look for Misuse<'_> {
+    fn expr(&mut self, expr: &Expr) -> bool {
         if let Some((name, call)) = form(expr) {
             self.form(name);
-            call.args.iter().for_each(|argument| self.visit_expr(argument));
-            return;
+            call.args.iter().for_each(|argument| walk::expr(self, argument));
+            return false;
         }
         match expr {
             Expr::Closure(_) => self.within(Place::Closure, false, expr),
@@ -103,11 +103,10 @@ impl Visit<'_> for Misuse<'_> {
                      that may be missing, `let x = constant(option);` for one that depends on \
                      what was drawn",
                 );
-                visit::visit_expr(self, expr);
+                return true;
             }
-            _ => visit::visit_expr(self, expr),
+            _ => return true,
         }
+        false
     }
-
-    fn visit_item(&mut self, _: &syn::Item) {}
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use proc_macro2::{TokenStream, TokenTree};
-use syn::visit::{self, Visit};
 use syn::{Expr, ExprCall, Ident, Macro, Pat, PatIdent, Stmt};
+
+use crate::walk::{self, Look};
 
 /// Names that are reserved in the body of a strategy.
 pub const FORMS: [&str; 7] = ["choose", "draw", "atom", "constant", "given", "stop", "delegate"];
@@ -70,18 +71,19 @@ pub fn delegate(expr: &Expr) -> Option<&ExprCall> {
 /// The lower-case names that a pattern binds.
 pub fn bound(pat: &Pat) -> Vec<Ident> {
     struct Bound(Vec<Ident>);
-    impl Visit<'_> for Bound {
-        fn visit_pat_ident(&mut self, pat: &PatIdent) {
+    impl Look for Bound {
+        fn binding(&mut self, pat: &PatIdent) {
             // `None` and constants look like bindings.
             if !pat.ident.to_string().starts_with(char::is_uppercase) {
                 self.0.push(pat.ident.clone());
             }
-            visit::visit_pat_ident(self, pat);
         }
-        fn visit_expr(&mut self, _: &Expr) {}
+        fn expr(&mut self, _: &Expr) -> bool {
+            false
+        }
     }
     let mut names = Bound(Vec::new());
-    names.visit_pat(pat);
+    walk::pat(&mut names, pat);
     names.0
 }
 
@@ -97,19 +99,19 @@ pub fn bound_by(statements: &[Stmt]) -> Vec<Ident> {
 #[derive(Default)]
 struct Mentions(BTreeSet<String>);
 
-impl Visit<'_> for Mentions {
-    fn visit_expr_path(&mut self, path: &syn::ExprPath) {
+impl Look for Mentions {
+    fn path(&mut self, path: &syn::ExprPath) -> bool {
         if let Some(name) = path.path.get_ident() {
             self.0.insert(name.to_string());
         }
+        false
     }
-    fn visit_macro(&mut self, call: &Macro) {
+    fn call_of_macro(&mut self, call: &Macro) {
         let names = &mut self.0;
         each_ident(call.tokens.clone(), &mut |name| {
             names.insert(name.to_string());
         });
     }
-    fn visit_item(&mut self, _: &syn::Item) {}
 }
 
 /// Calls `visit` with each identifier, within groups too.
@@ -126,14 +128,14 @@ pub fn each_ident(tokens: TokenStream, visit: &mut impl FnMut(&Ident)) {
 /// The variables (and items with a plain name) that an expression mentions.
 pub fn mentioned(expr: &Expr) -> BTreeSet<String> {
     let mut names = Mentions::default();
-    names.visit_expr(expr);
+    walk::expr(&mut names, expr);
     names.0
 }
 
 /// [`mentioned`], for a statement.
 pub fn mentioned_by(statement: &Stmt) -> BTreeSet<String> {
     let mut names = Mentions::default();
-    names.visit_stmt(statement);
+    walk::stmt(&mut names, statement);
     names.0
 }
 
@@ -141,7 +143,7 @@ pub fn mentioned_by(statement: &Stmt) -> BTreeSet<String> {
 pub fn mentioned_in_guard(pat: &Pat) -> BTreeSet<String> {
     let mut names = Mentions::default();
     if let Pat::Guard(guard) = pat {
-        names.visit_expr(&guard.guard);
+        walk::expr(&mut names, &guard.guard);
     }
     names.0
 }
@@ -150,21 +152,21 @@ pub fn mentioned_in_guard(pat: &Pat) -> BTreeSet<String> {
 /// application of a map (perhaps to a random point), so that its branches must be told apart.
 pub fn has_control(expr: &Expr) -> bool {
     struct Control(bool);
-    impl Visit<'_> for Control {
-        fn visit_expr(&mut self, expr: &Expr) {
+    impl Look for Control {
+        fn expr(&mut self, expr: &Expr) -> bool {
             match expr {
-                Expr::Closure(_) => {}
+                Expr::Closure(_) => return false,
                 Expr::Return(_) => self.0 = true,
                 _ if form(expr).is_some() => self.0 = true,
                 Expr::MethodCall(call) if call.method == "apply" && call.args.len() == 1 => {
                     self.0 = true;
                 }
-                _ => visit::visit_expr(self, expr),
+                _ => return true,
             }
+            false
         }
-        fn visit_item(&mut self, _: &syn::Item) {}
     }
     let mut control = Control(false);
-    control.visit_expr(expr);
+    walk::expr(&mut control, expr);
     control.0
 }

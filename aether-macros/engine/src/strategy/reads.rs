@@ -2,11 +2,11 @@
 
 use proc_macro2::Span;
 use quote::quote_spanned;
-use syn::visit::{self, Visit};
 use syn::{BinOp, Block, Expr, ExprBinary, ExprMethodCall, Ident, Macro, PatIdent};
 
 use super::names::{bare, each_ident, mentioned, variable};
 use crate::diagnostics::Diagnostics;
+use crate::walk::{self, Look};
 
 /// What a body reads of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub struct Reads {
 /// Derives what the body reads of the path `path`; other uses of the path are errors.
 pub fn reads(body: &Block, path: &Ident, diagnostics: &mut Diagnostics) -> Reads {
     let mut uses = Uses { path, reads: Reads::default(), diagnostics };
-    uses.visit_block(body);
+    walk::block(&mut uses, body);
     uses.reads
 }
 
@@ -57,17 +57,18 @@ impl Uses<'_> {
     }
 }
 
-impl Visit<'_> for Uses<'_> {
-    fn visit_expr_method_call(&mut self, call: &ExprMethodCall) {
-        if variable(&call.receiver) == Some(self.path) {
-            self.method(call);
-            call.args.iter().for_each(|argument| self.visit_expr(argument));
-        } else {
-            visit::visit_expr_method_call(self, call);
+impl Look for Uses<'_> {
+    fn expr(&mut self, expr: &Expr) -> bool {
+        let Expr::MethodCall(call) = expr else { return true };
+        if variable(&call.receiver) != Some(self.path) {
+            return true;
         }
+        self.method(call);
+        call.args.iter().for_each(|argument| walk::expr(self, argument));
+        false
     }
 
-    fn visit_expr_path(&mut self, path: &syn::ExprPath) {
+    fn path(&mut self, path: &syn::ExprPath) -> bool {
         if path.path.is_ident(self.path) {
             self.diagnostics.error(
                 path,
@@ -75,9 +76,10 @@ impl Visit<'_> for Uses<'_> {
                  needed (`path.last()`, `path.back(1)`), not the path",
             );
         }
+        false
     }
 
-    fn visit_macro(&mut self, call: &Macro) {
+    fn call_of_macro(&mut self, call: &Macro) {
         each_ident(call.tokens.clone(), &mut |name| {
             if name == self.path {
                 let message = "the path cannot be read within a macro: bind what is needed with \
@@ -86,8 +88,6 @@ impl Visit<'_> for Uses<'_> {
             }
         });
     }
-
-    fn visit_item(&mut self, _: &syn::Item) {}
 }
 
 /// The comparisons of the path's length with parameters, each a condition on the variable `len`, if the body asks
@@ -95,7 +95,7 @@ impl Visit<'_> for Uses<'_> {
 pub fn comparisons(body: &Block, path: &Ident, parameters: &[&Ident]) -> Option<Vec<Expr>> {
     let mut lengths =
         Lengths { path, parameters, comparisons: Vec::new(), bound: Vec::new(), others: false };
-    lengths.visit_block(body);
+    walk::block(&mut lengths, body);
     let Lengths { comparisons, bound, others, .. } = lengths;
     let rebound = |name: &String| bound.contains(name);
     let rebound = comparisons.iter().any(|(_, names)| names.iter().any(rebound));
@@ -147,24 +147,25 @@ impl Lengths<'_> {
     }
 }
 
-impl Visit<'_> for Lengths<'_> {
-    fn visit_expr_binary(&mut self, binary: &ExprBinary) {
-        match self.comparison(binary) {
-            Some(comparison) => self.comparisons.push(comparison),
-            None => visit::visit_expr_binary(self, binary),
+impl Look for Lengths<'_> {
+    fn expr(&mut self, expr: &Expr) -> bool {
+        match expr {
+            Expr::Binary(binary) => {
+                let comparison = self.comparison(binary);
+                let is_other = comparison.is_none();
+                self.comparisons.extend(comparison);
+                is_other
+            }
+            Expr::MethodCall(call) => {
+                self.others |= variable(&call.receiver) == Some(self.path)
+                    && ["len", "is_empty", "vertex"].iter().any(|name| call.method == name);
+                true
+            }
+            _ => true,
         }
     }
 
-    fn visit_expr_method_call(&mut self, call: &ExprMethodCall) {
-        self.others |= variable(&call.receiver) == Some(self.path)
-            && ["len", "is_empty", "vertex"].iter().any(|name| call.method == name);
-        visit::visit_expr_method_call(self, call);
-    }
-
-    fn visit_pat_ident(&mut self, pat: &PatIdent) {
+    fn binding(&mut self, pat: &PatIdent) {
         self.bound.push(pat.ident.to_string());
-        visit::visit_pat_ident(self, pat);
     }
-
-    fn visit_item(&mut self, _: &syn::Item) {}
 }

@@ -5,6 +5,8 @@ mod compare;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use aether_engine::expr::{Graph, Id, Node, children};
@@ -24,7 +26,7 @@ const SOURCES: [&str; 12] = [
     "tests/src/catalogue/numeric.rs",
     "tests/src/catalogue/polygons.rs",
     "tests/tests/algebra.rs",
-    "tests/roots/tests/numeric.rs",
+    "tests/optimised/tests/numeric.rs",
     "tests/tests/branches.rs",
     "tests/tests/joint.rs",
 ];
@@ -53,26 +55,37 @@ pub fn rows() -> Vec<Row> {
     let reference = |name: &str| -> Vec<Value> {
         serde_json::from_str(&text(&format!("tests/reference/{name}.json"))).expect("JSON")
     };
-    let (easy, hard) = (reference("catalogue-e"), reference("catalogue-mh"));
-    let mut rows = Vec::new();
-    for source in SOURCES {
-        for item in syn::parse_file(&text(source)).expect("a Rust file").items {
-            let syn::Item::Fn(mut function) = item else { continue };
-            let Some((number, attribute)) = numbered(&mut function) else { continue };
-            let of_row = |e: &&Value| e["row"] == number;
-            let name = function.sig.ident.to_string();
-            let named = |e: &&Value| of_row(e) && e["name"] == name.as_str();
-            let entries = easy.iter().filter(of_row).chain(hard.iter().filter(named));
-            rows.push(row(
-                number,
-                name.clone(),
-                attribute,
-                &function,
-                &entries.collect::<Vec<_>>(),
-            ));
+    let references = [reference("catalogue-e"), reference("catalogue-mh")];
+    let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        while let Some(source) = SOURCES.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let found = rows_of(source, &references);
+            rows.lock().expect("no other thread panicked").extend(found);
         }
-    }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(work);
+        }
+    });
+    let mut rows = rows.into_inner().expect("no thread panicked");
     rows.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
+    rows
+}
+
+/// Those of one file.
+fn rows_of(source: &str, [easy, hard]: &[Vec<Value>; 2]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for item in syn::parse_file(&text(source)).expect("a Rust file").items {
+        let syn::Item::Fn(mut function) = item else { continue };
+        let Some((number, attribute)) = numbered(&mut function) else { continue };
+        let of_row = |e: &&Value| e["row"] == number;
+        let name = function.sig.ident.to_string();
+        let named = |e: &&Value| of_row(e) && e["name"] == name.as_str();
+        let entries: Vec<&Value> =
+            easy.iter().filter(of_row).chain(hard.iter().filter(named)).collect();
+        rows.push(row(number, name.clone(), attribute, &function, &entries));
+    }
     rows
 }
 
