@@ -1,7 +1,22 @@
-//! Points of a space from their coordinates.
+//! Points of a space from their coordinates, and some that samplers are tested with.
 
 use aether_core::battery::Space;
 use aether_core::{Direction, Embedded, Scalar, SurfaceId, SurfacePoint, Uniforms, Vec2, Vec3};
+
+use crate::catalogue::{BilinearPatch, bilinear_patch};
+
+/// The corners of a tetrahedron, of which the first three are those of a triangle.
+pub fn corners<R: Scalar>() -> [Vec3<R>; 4] {
+    let v = |x, y, z| Vec3::new(R::of(x), R::of(y), R::of(z));
+    [v(0.0, 0.0, 1.0), v(2.0, 0.0, 1.5), v(0.25, 1.75, 0.25), v(0.5, 0.5, 3.0)]
+}
+
+/// A patch that is not flat.
+pub fn patch<R: Scalar>() -> BilinearPatch<R> {
+    let v = |x, y, z| Vec3::new(R::of(x), R::of(y), R::of(z));
+    let [a, b] = [v(0.0, 0.0, 0.0), v(2.0, 0.25, 0.5)];
+    bilinear_patch(a, b, v(2.5, 1.75, -0.25), v(-0.25, 1.0, 0.75))
+}
 
 /// Uniforms with these numbers: one function for all samplers that have so many.
 pub fn uniforms<R: Scalar, U: Uniforms<R>>(u: &[R]) -> U {

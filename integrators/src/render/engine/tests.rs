@@ -312,7 +312,7 @@ fn shared_samples_have_the_mean_and_about_the_variance_that_they_should() {
     ];
     for filter in filters {
         let kernel = Blurred::waves(filter);
-        let film = render(&kernel, &settings(4000, 2), &()).film;
+        let film = render(&kernel, &settings(1000, 2), &()).film;
         let variance = film.variance().unwrap();
         let (mut squares, mut count) = (0.0, 0.0);
         for y in 0..21u32 {

@@ -1,13 +1,13 @@
-//! The rows whose points lie on a manifold, or are several at once: the whole battery, with mass and samples over
+//! The rows of the catalogue whose points lie on a manifold, or are several at once: the whole battery, with mass and samples over
 //! parametrisations of these spaces by hand, which know nothing of how the points are sampled. Most reach beyond the
 //! support, where the density is zero.
 
 use aether_core::prelude::*;
 use core::f64::consts::{PI, TAU};
+use tests::batteries;
 use tests::catalogue::*;
 use tests::checks::{covered, covered_by, right};
-
-use super::{corners, patch};
+use tests::points::{corners, patch};
 
 type V = Vec3<f64>;
 
@@ -395,4 +395,10 @@ fn row_114_correlation_factor() {
         },
         |x| vec![x[1].atan2(x[0]) / PI, x[4].hypot(x[3]).atan2(x[2]) / PI, x[4].atan2(x[3]) / PI],
     );
+}
+
+// Polygons, whose densities look at all their triangles. Seeds are fixed; one in a million would make a right sampler fail.
+batteries! { [double single]
+    row_52_pentagon: pentagon();
+    row_52_regular_polygon: right(regular_polygon(3.0)), right(regular_polygon(8.0));
 }
