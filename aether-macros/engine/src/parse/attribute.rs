@@ -22,7 +22,7 @@ pub struct Domain {
 }
 
 /// A relation between parameters: `where a < b`.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Relation {
     /// The comparison.
     pub comparison: ExprBinary,
@@ -31,7 +31,7 @@ pub struct Relation {
 }
 
 /// The options of an item.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Options {
     /// Print the derivation while compiling.
     pub explain: bool,

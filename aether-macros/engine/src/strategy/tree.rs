@@ -3,7 +3,6 @@
 use syn::{Expr, Ident, Pat, Stmt, Type};
 
 /// Statements, and how they end. What follows a branch is part of each of its arms.
-#[derive(Debug)]
 pub struct Block<S, L> {
     /// In order of execution.
     pub steps: Vec<S>,
@@ -12,7 +11,6 @@ pub struct Block<S, L> {
 }
 
 /// The end of a [`Block`]: a leaf, or a branch.
-#[derive(Debug)]
 pub enum End<S, L> {
     /// No next vertex.
     Stop,
@@ -49,7 +47,6 @@ pub enum End<S, L> {
 pub type Body = Block<Step, Expr>;
 
 /// A statement as it is written.
-#[derive(Debug)]
 pub enum Step {
     /// A statement without special forms.
     Plain(Stmt),
@@ -70,7 +67,6 @@ pub enum Step {
 }
 
 /// A special form and its argument.
-#[derive(Debug)]
 pub enum Form {
     /// `choose(distribution)`, `choose(distribution).identified_by(rule)`.
     Choose {
@@ -94,7 +90,6 @@ pub type Plan = Block<Action, Leaf>;
 
 /// Two ways to yield atoms between which an unidentified choice decides, so that their atoms must not
 /// be of the same kind. Only the types of strategies say which kinds they yield.
-#[derive(Debug)]
 pub struct Apart {
     /// One strategy.
     pub strategy: Expr,
@@ -103,7 +98,6 @@ pub struct Apart {
 }
 
 /// What a strategy must be told apart from.
-#[derive(Debug)]
 pub enum Other {
     /// An atom of the body itself, and whether it is a direction.
     Atom(bool),
@@ -112,7 +106,6 @@ pub enum Other {
 }
 
 /// A statement after analysis.
-#[derive(Debug)]
 pub enum Action {
     /// The same in sampling and density.
     Plain(Stmt),
@@ -187,7 +180,6 @@ pub enum Action {
 }
 
 /// A next vertex.
-#[derive(Debug)]
 pub struct Leaf {
     /// The expression that makes it.
     pub vertex: Expr,
@@ -200,7 +192,6 @@ pub struct Leaf {
 }
 
 /// How a vertex is distributed once the choices are made.
-#[derive(Debug)]
 pub enum Kind {
     /// With the density of this random point.
     Density(Ident),

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use quote::ToTokens;
 use syn::visit_mut::{VisitMut, visit_expr_closure_mut, visit_expr_mut, visit_stmt_mut};
 use syn::{BinOp, Block, Expr, ExprCall, ItemFn, Pat, Stmt, UnOp, parse_quote};
 
@@ -35,7 +36,7 @@ impl Inline {
                     self.bind(part, &value);
                 }
             }
-            other => panic!("no rule for the pattern {other:?}"),
+            other => panic!("no rule for the pattern {}", other.to_token_stream()),
         }
     }
 }
@@ -104,7 +105,7 @@ impl Names {
                     Stmt::Local(local)
                 }
                 Stmt::Expr(e, end) => Stmt::Expr(self.operation(e, &mut out), *end),
-                other => panic!("no rule for the statement {other:?}"),
+                other => panic!("no rule for the statement {}", other.to_token_stream()),
             };
             out.push(stmt);
         }

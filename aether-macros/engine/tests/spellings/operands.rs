@@ -1,6 +1,7 @@
 //! Spellings that keep the shape of a body: other uniforms, operands in another order.
 
 use aether_engine::parse::{ParamKind, Signature, Source};
+use quote::ToTokens;
 use syn::visit_mut::{VisitMut, visit_expr_mut};
 use syn::{BinOp, Expr, ItemFn, parse_quote};
 
@@ -110,7 +111,9 @@ pub fn renamed(mut function: ItemFn) -> ItemFn {
                     let x = bracketed(&m.receiver);
                     match m.method.to_string().as_str() {
                         "sqrt" => parse_quote!(#x.powf(0.5)),
-                        "powi" if m.args[0] == parse_quote!(2) => parse_quote!((#x * #x)),
+                        "powi" if m.args[0].to_token_stream().to_string() == "2" => {
+                            parse_quote!((#x * #x))
+                        }
                         "exp_m1" => parse_quote!((#x.exp() - 1.0)),
                         "ln_1p" => parse_quote!((1.0 + #x).ln()),
                         "tan" => parse_quote!((#x.sin() / #x.cos())),

@@ -1,6 +1,7 @@
 //! Spellings whose points are others: scaled and sheared, coordinates in another order.
 
 use aether_engine::parse::Space;
+use quote::ToTokens;
 use syn::visit_mut::{VisitMut, visit_expr_return_mut};
 use syn::{Block, Expr, ItemFn, Stmt, parse_quote};
 
@@ -152,7 +153,9 @@ impl<F: Fn(&Expr) -> Expr> Results<F> {
                 }
             }
             Expr::Match(m) => m.arms.iter_mut().for_each(|arm| self.result(&mut arm.body)),
-            Expr::Call(c) if *c.func == parse_quote!(Some) => self.result(&mut c.args[0]),
+            Expr::Call(c) if c.func.to_token_stream().to_string() == "Some" => {
+                self.result(&mut c.args[0])
+            }
             Expr::Path(p) if p.path.is_ident("None") => {}
             Expr::Return(_) => {}
             e => *e = (self.0)(e),
