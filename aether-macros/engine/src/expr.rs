@@ -374,9 +374,13 @@ impl Graph {
             Node::Float(bits) => Interval::point(f64::from_bits(*bits)),
             Node::Pi => Interval::point(std::f64::consts::PI),
             Node::Leaf(l) => self.leaf_ranges.get(l).copied().unwrap_or(Interval::ALL),
-            Node::Sum(c, terms) => terms.iter().fold(Interval::point(c.to_f64()), |s, (q, t)| {
-                s.add(self.range(*t).scale(q.to_f64()))
-            }),
+            Node::Sum(c, terms) => {
+                let range = terms.iter().fold(Interval::point(c.to_f64()), |s, (q, t)| {
+                    s.add(self.range(*t).scale(q.to_f64()))
+                });
+                let known = if c.is_zero() { self.difference_of_powers(terms) } else { None };
+                known.map_or(range, |known| range.intersection(known))
+            }
             Node::Product(factors) => self.range_of_product(factors),
             Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
             Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
@@ -396,6 +400,36 @@ impl Graph {
             Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
             Node::Root(r) => self.range_of_root(r),
         }
+    }
+
+    /// Of a difference of equal powers, which increase with what they are powers of: the sign that the difference of
+    /// these has, if it is known.
+    fn difference_of_powers(&self, terms: &[(Q, Id)]) -> Option<Interval> {
+        let [(q, a), (r, b)] = *terms else { return None };
+        let power = |id: Id| match self.node(id) {
+            Node::Product(factors) if factors.len() == 1 => {
+                Some((factors[0].0, self.as_number(factors[0].1)?))
+            }
+            _ => None,
+        };
+        let ((x, n), (y, m)) = (power(a)?, power(b)?);
+        let is_odd = n.is_int() && n.num() % 2 != 0;
+        let increases = is_odd || [x, y].iter().all(|id| self.range(*id).nonnegative());
+        if q != r.neg() || n != m || n.is_negative() || !increases {
+            return None;
+        }
+        // What is negative throughout is known by its negative.
+        [Q::ONE, Q::int(-1)].into_iter().find_map(|sign| {
+            let mut difference = vec![(sign, x), (sign.neg(), y)];
+            sorted::sort_by_key(&mut difference, |(_, id)| *id);
+            let known = self.index.find(&self.nodes, &Node::Sum(Q::ZERO, difference)).ok()?;
+            let range = self.range(known).scale((sign.to_f64() * q.to_f64()).signum());
+            match (range.lo >= 0.0, range.hi <= 0.0) {
+                (true, false) => Some(Interval::POSITIVE),
+                (false, true) => Some(Interval::POSITIVE.scale(-1.0)),
+                _ => None,
+            }
+        })
     }
 
     fn range_of_product(&self, factors: &[(Id, Id)]) -> Interval {
@@ -557,5 +591,42 @@ pub fn children(node: &Node) -> Vec<Id> {
         Node::Call(_, args) => args.clone(),
         Node::If(test, yes, no) => vec![*test, *yes, *no],
         Node::Root(r) => vec![r.target, r.lo, r.hi],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_are_in_the_order_of_what_they_are_powers_of() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), "p", Interval::ALL));
+        let powers = |g: &mut Graph, n| [g.powi(a, n), g.powi(b, n)];
+        let ([a2, b2], [a3, b3], [a0, b0]) =
+            (powers(&mut g, 2), powers(&mut g, 3), powers(&mut g, -3));
+        let difference = g.sub(b, a);
+        let before = g.sub(b3, a3);
+        assert_eq!(g.range(before), Interval::ALL);
+        g.assume(difference, Interval::POSITIVE);
+        assert_eq!(g.range(before), Interval::POSITIVE);
+        let thrice = g.sum(Q::ZERO, &[(Q::int(3), b3), (Q::int(-3), a3)]);
+        assert_eq!(g.range(thrice), Interval::POSITIVE);
+        let negative = g.sub(a3, b3);
+        assert_eq!((g.range(negative).lo, g.range(negative).hi), (f64::NEG_INFINITY, 0.0));
+        // Squares and reciprocals of numbers of unknown sign are in any order.
+        let others = [g.sub(b2, a2), g.sub(b0, a0)];
+        assert!(others.iter().all(|id| g.range(*id) == Interval::ALL));
+    }
+
+    #[test]
+    fn squares_of_what_is_not_negative_are_in_its_order() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), "p", Interval::POSITIVE));
+        let difference = g.sub(b, a);
+        g.assume(difference, Interval::POSITIVE);
+        let (a2, b2) = (g.powi(a, 2), g.powi(b, 2));
+        let squares = g.sub(b2, a2);
+        assert_eq!(g.range(squares), Interval::POSITIVE);
     }
 }

@@ -42,7 +42,7 @@ pub fn torus(u: [Uniform; 2], large: f64, small: f64) -> Surface {
 }
 
 /// Row 103: uniform between two spheres.
-#[sampler(a in 0.0.., b in 1e-6..)]
+#[sampler(a in 0.0.., b in 1e-6.., where a < b)]
 pub fn shell(u: [Uniform; 3], a: f64, b: f64) -> Vec3 {
     let r = ((1.0 - u[0]) * a.powi(3) + u[0] * b.powi(3)).cbrt();
     let z = 1.0 - 2.0 * u[1];

@@ -13,7 +13,7 @@ pub struct Signs {
     pub at_least_zero: Vec<Id>,
     /// What must be positive.
     pub positive: Vec<Id>,
-    /// What lies in [0, 1) then, if it is told to lie there.
+    /// What is a finite number then, if they tell so.
     pub bounded: Option<Id>,
 }
 
@@ -78,10 +78,21 @@ fn signs(g: &mut Graph, u: Id, [low, high]: [bool; 2], known: &[Id]) -> Signs {
     let rest = g.sub(one, base);
     let short = without_divisors(g, rest, known);
     if high && !follows(g, short, known) {
-        signs.bounded = (told && short == rest).then_some(base);
+        let is_whole = told && short == rest;
+        signs.bounded = if is_whole { Some(base) } else { held_below(g, short) };
         signs.positive.push(sign(g, short, known));
     }
     signs
+}
+
+/// What must be finite for an expression to be positive: the difference of numbers that no coordinate decides about and of
+/// it, which is not negative.
+fn held_below(g: &mut Graph, id: Id) -> Option<Id> {
+    let Node::Sum(_, terms) = g.node(id).clone() else { return None };
+    let held: Vec<(Q, Id)> =
+        terms.into_iter().filter(|(_, t)| g.has(*t, OUTS)).map(|(q, t)| (q.neg(), t)).collect();
+    let is_held = held.iter().all(|&(q, t)| !q.is_negative() && g.range(t).nonnegative());
+    (is_held && !held.is_empty()).then(|| g.sum(Q::ZERO, &held))
 }
 
 /// Whether an expression is not negative where what is known is not.
@@ -246,6 +257,20 @@ mod tests {
         let [low, high] = [g.add(z, x), g.sub(z, x)];
         assert_eq!((&told.at_least_zero[..], &told.positive[..]), (&[low][..], &[high][..]));
         assert_eq!(told.bounded, None);
+    }
+
+    #[test]
+    fn what_is_taken_from_numbers_must_be_finite() {
+        let mut g = Graph::new();
+        let [x, y] = [0, 1].map(|i| g.leaf(Leaf::Out(i), "x", Interval::ALL));
+        let p = g.leaf(Leaf::Param(0), "p", Interval::ALL);
+        let (square, cube) = (g.powi(x, 2), g.powi(x, 3));
+        let [less, odd, more] = [square, cube, y].map(|taken| g.sub(p, taken));
+        assert_eq!(held_below(&mut g, less), Some(square));
+        // What may be as far below zero.
+        assert_eq!([held_below(&mut g, odd), held_below(&mut g, more)], [None; 2]);
+        let both = g.sub(less, y);
+        assert_eq!([held_below(&mut g, both), held_below(&mut g, p)], [None; 2]);
     }
 
     #[test]

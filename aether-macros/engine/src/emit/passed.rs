@@ -12,13 +12,16 @@ use crate::sorted;
 
 /// The conjunction of some tests.
 pub(super) fn passed(code: &mut Code, tests: &[Test]) -> TokenStream {
-    let tests = tests.iter().map(|test| {
-        let [above, below] = sides(code, test.difference)
-            .unwrap_or_else(|| [code.value(test.difference), quote!(R::ZERO)]);
-        if test.strict { quote!(.and(#above.gt(#below))) } else { quote!(.and(#above.ge(#below))) }
-    });
+    let tests = tests.iter().map(|test| exceeds(code, test.difference, test.strict));
     let tests: TokenStream = tests.collect();
     quote!(<R::Mask as Mask>::TRUE #tests)
+}
+
+/// The test that a difference is positive if `strict`, and otherwise that it is not negative, to be joined to a mask.
+pub(super) fn exceeds(code: &mut Code, difference: Id, strict: bool) -> TokenStream {
+    let [above, below] =
+        sides(code, difference).unwrap_or_else(|| [code.value(difference), quote!(R::ZERO)]);
+    if strict { quote!(.and(#above.gt(#below))) } else { quote!(.and(#above.ge(#below))) }
 }
 
 /// What a difference of two is of, as it would be rounded there.

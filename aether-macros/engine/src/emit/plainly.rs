@@ -6,6 +6,7 @@ use quote::{format_ident, quote};
 use super::border::border_test;
 use super::code::Code;
 use super::item::Emitter;
+use super::passed::exceeds;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
 use super::tame::Tame;
@@ -46,14 +47,10 @@ fn is_computed(place: Place, i: usize) -> bool {
 }
 
 fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {
-    let at_least_zero: Vec<TokenStream> =
-        signs.at_least_zero.iter().map(|&id| code.value(id)).collect();
-    let positive: Vec<TokenStream> = signs.positive.iter().map(|&id| code.value(id)).collect();
-    UnitTest {
-        inside: quote!(#(.and(#at_least_zero.ge(R::ZERO)))* #(.and(#positive.gt(R::ZERO)))*),
-        near: None,
-        bounded: signs.bounded,
-    }
+    let at_least_zero = signs.at_least_zero.iter().map(|&id| (id, false));
+    let tests = at_least_zero.chain(signs.positive.iter().map(|&id| (id, true)));
+    let inside = tests.map(|(id, strict)| exceeds(code, id, strict)).collect();
+    UnitTest { inside, near: None, bounded: signs.bounded }
 }
 
 /// What decides about the signs of conditions, and whether it stands below a line.
