@@ -191,7 +191,7 @@ impl Uses {
 
     /// Those cuts through which the result has all that it has of the uniforms.
     fn whole(&self, cuts: Vec<Vec<usize>>) -> impl Iterator<Item = Vec<usize>> {
-        // A cut must have a name of each way past others, of which there are few for many cuts.
+        // A way past one cut leads past all that have none of its names: few ways rule out most cuts.
         let mut known: Vec<Vec<usize>> = Vec::new();
         cuts.into_iter().filter(move |cut| {
             let passes = |way: &Vec<usize>| !way.iter().any(|name| cut.contains(name));
