@@ -1,0 +1,180 @@
+//! Intervals that contain every value of an expression, from those of its parts.
+
+use super::{Fun, Graph, Id, Node};
+use crate::interval::Interval;
+use crate::rational::Q;
+use crate::sorted;
+
+impl Graph {
+    /// The interval of a node that is not in the graph yet.
+    pub(super) fn range_of_new(&self, node: &Node) -> Interval {
+        self.part_of_unit(node).unwrap_or_else(|| self.range_of(node))
+    }
+
+    /// The interval of a node as far as those of its parts tell.
+    pub(super) fn range_of(&self, node: &Node) -> Interval {
+        match node {
+            Node::Number(q) => Interval::point(q.to_f64()),
+            Node::Float(bits) => Interval::point(f64::from_bits(*bits)),
+            Node::Pi => Interval::point(std::f64::consts::PI),
+            Node::Leaf(l) => self.leaf_ranges.get(l).copied().unwrap_or(Interval::ALL),
+            Node::Sum(c, terms) => {
+                let range = terms.iter().fold(Interval::point(c.to_f64()), |s, (q, t)| {
+                    s.add(self.range(*t).scale(q.to_f64()))
+                });
+                let known = if c.is_zero() { self.difference_of_powers(terms) } else { None };
+                known.map_or(range, |known| range.intersection(known))
+            }
+            Node::Product(factors) => self.range_of_product(factors),
+            Node::Call(Fun::Pow1p, _) => Interval::POSITIVE,
+            Node::Call(Fun::BetaInc | Fun::BetaIncInv, _) => Interval::new(0.0, 1.0),
+            Node::Call(Fun::LnBeta, _) => Interval::ALL,
+            Node::Call(Fun::TurnTo, args) => {
+                let half = std::f64::consts::PI;
+                self.range(args[1]).add(Interval::new(-half, half))
+            }
+            Node::Call(f, args) => match args[..] {
+                [a] => self.range(a).call(*f),
+                [y, x] if self.range(x).nonnegative() => {
+                    Interval::quadrants(self.range(y), self.range(x))
+                }
+                [y, _] if self.range(y).nonnegative() => Interval::new(0.0, std::f64::consts::PI),
+                _ => Interval::new(-std::f64::consts::PI, std::f64::consts::PI),
+            },
+            Node::If(_, yes, no) => self.range(*yes).hull(self.range(*no)),
+            Node::Root(r) => self.range_of_root(r),
+        }
+    }
+
+    /// Of a difference of equal powers, which increase with what they are powers of: the sign that the difference of
+    /// these has, if it is known.
+    fn difference_of_powers(&self, terms: &[(Q, Id)]) -> Option<Interval> {
+        let [(q, a), (r, b)] = *terms else { return None };
+        let power = |id: Id| match self.node(id) {
+            Node::Product(factors) if factors.len() == 1 => {
+                Some((factors[0].0, self.as_number(factors[0].1)?))
+            }
+            _ => None,
+        };
+        let ((x, n), (y, m)) = (power(a)?, power(b)?);
+        let is_odd = n.is_int() && n.num() % 2 != 0;
+        let increases = is_odd || [x, y].iter().all(|id| self.range(*id).nonnegative());
+        if q != r.neg() || n != m || n.is_negative() || !increases {
+            return None;
+        }
+        // What is negative throughout is known by its negative.
+        [Q::ONE, Q::int(-1)].into_iter().find_map(|sign| {
+            let mut difference = vec![(sign, x), (sign.neg(), y)];
+            sorted::sort_by_key(&mut difference, |(_, id)| *id);
+            let known = self.index.find(&self.nodes, &Node::Sum(Q::ZERO, difference)).ok()?;
+            let range = self.range(known).scale((sign.to_f64() * q.to_f64()).signum());
+            match (range.lo >= 0.0, range.hi <= 0.0) {
+                (true, false) => Some(Interval::POSITIVE),
+                (false, true) => Some(Interval::POSITIVE.scale(-1.0)),
+                _ => None,
+            }
+        })
+    }
+
+    fn range_of_product(&self, factors: &[(Id, Id)]) -> Interval {
+        let power = |b: Id| factors.iter().find(|f| f.0 == b).and_then(|f| self.as_number(f.1));
+        let minus = Q::int(-1);
+        let known = self
+            .quotients
+            .iter()
+            .find(|(a, b, _)| power(*a) == Some(Q::ONE) && power(*b) == Some(minus));
+        let (skipped, first) = match known {
+            Some((a, b, range)) => (vec![*a, *b], *range),
+            None => self.quotient_of_sums(factors).unwrap_or((vec![], Interval::point(1.0))),
+        };
+        factors.iter().filter(|(b, _)| !skipped.contains(b)).fold(first, |p, (b, e)| {
+            p.mul(match self.as_number(*e) {
+                Some(q) => self.range(*b).pow(q.to_f64()),
+                None => self.range(*b).powers(self.range(*e)),
+            })
+        })
+    }
+
+    /// A quotient of two sums of the same terms among the factors, with the range of their quotient.
+    fn quotient_of_sums(&self, factors: &[(Id, Id)]) -> Option<(Vec<Id>, Interval)> {
+        let sums = |power: i64| {
+            factors
+                .iter()
+                .filter(move |(_, e)| self.as_number(*e) == Some(Q::int(power)))
+                .filter_map(|(b, _)| match self.node(*b) {
+                    Node::Sum(c, terms) => Some((*b, c, terms)),
+                    _ => None,
+                })
+        };
+        sums(1).find_map(|(top, c, above)| {
+            sums(-1).find_map(|(bottom, d, below)| {
+                let coefficient =
+                    |t: Id| above.iter().find(|a| a.1 == t).map_or(0.0, |(q, _)| q.to_f64());
+                if above.iter().any(|(_, t)| below.iter().all(|b| b.1 != *t)) {
+                    return None;
+                }
+                let terms =
+                    below.iter().map(|(q, t)| (coefficient(*t), q.to_f64(), self.range(*t)));
+                let range = Interval::quotient_of_sums((c.to_f64(), d.to_f64()), terms.collect())?;
+                Some((vec![top, bottom], range))
+            })
+        })
+    }
+
+    /// The squares of some coordinates of a unit vector add up to at most one.
+    fn part_of_unit(&self, node: &Node) -> Option<Interval> {
+        let Node::Sum(c, terms) = node else { return None };
+        if !c.is_zero() || terms.len() != 2 || terms.iter().any(|(q, _)| *q != Q::ONE) {
+            return None;
+        }
+        let base = |id: Id| match self.node(id) {
+            Node::Product(f) if f.len() == 1 && self.as_number(f[0].1) == Some(Q::int(2)) => {
+                Some(f[0].0)
+            }
+            _ => None,
+        };
+        let (a, b) = (base(terms[0].1)?, base(terms[1].1)?);
+        self.units
+            .iter()
+            .any(|u| u.contains(&a) && u.contains(&b))
+            .then_some(Interval::new(0.0, 1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+
+    #[test]
+    fn powers_are_in_the_order_of_what_they_are_powers_of() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), "p", Interval::ALL));
+        let powers = |g: &mut Graph, n| [g.powi(a, n), g.powi(b, n)];
+        let ([a2, b2], [a3, b3], [a0, b0]) =
+            (powers(&mut g, 2), powers(&mut g, 3), powers(&mut g, -3));
+        let difference = g.sub(b, a);
+        let before = g.sub(b3, a3);
+        assert_eq!(g.range(before), Interval::ALL);
+        g.assume(difference, Interval::POSITIVE);
+        assert_eq!(g.range(before), Interval::POSITIVE);
+        let thrice = g.sum(Q::ZERO, &[(Q::int(3), b3), (Q::int(-3), a3)]);
+        assert_eq!(g.range(thrice), Interval::POSITIVE);
+        let negative = g.sub(a3, b3);
+        assert_eq!((g.range(negative).lo, g.range(negative).hi), (f64::NEG_INFINITY, 0.0));
+        // Squares and reciprocals of numbers of unknown sign are in any order.
+        let others = [g.sub(b2, a2), g.sub(b0, a0)];
+        assert!(others.iter().all(|id| g.range(*id) == Interval::ALL));
+    }
+
+    #[test]
+    fn squares_of_what_is_not_negative_are_in_its_order() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), "p", Interval::POSITIVE));
+        let difference = g.sub(b, a);
+        g.assume(difference, Interval::POSITIVE);
+        let (a2, b2) = (g.powi(a, 2), g.powi(b, 2));
+        let squares = g.sub(b2, a2);
+        assert_eq!(g.range(squares), Interval::POSITIVE);
+    }
+}
