@@ -50,13 +50,7 @@ impl Graph {
     /// these has, if it is known.
     fn difference_of_powers(&self, terms: &[(Q, Id)]) -> Option<Interval> {
         let [(q, a), (r, b)] = *terms else { return None };
-        let power = |id: Id| match self.node(id) {
-            Node::Product(factors) if factors.len() == 1 => {
-                Some((factors[0].0, self.as_number(factors[0].1)?))
-            }
-            _ => None,
-        };
-        let ((x, n), (y, m)) = (power(a)?, power(b)?);
+        let ((x, n), (y, m)) = (self.power_of(a)?, self.power_of(b)?);
         let is_odd = n.is_int() && n.num() % 2 != 0;
         let increases = is_odd || [x, y].iter().all(|id| self.range(*id).nonnegative());
         if q != r.neg() || n != m || n.is_negative() || !increases {
@@ -74,6 +68,13 @@ impl Graph {
                 _ => None,
             }
         })
+    }
+
+    /// What an expression is a power of, and which, if that is a number.
+    fn power_of(&self, id: Id) -> Option<(Id, Q)> {
+        let Node::Product(factors) = self.node(id) else { return None };
+        let [(base, exponent)] = factors[..] else { return None };
+        Some((base, self.as_number(exponent)?))
     }
 
     fn range_of_product(&self, factors: &[(Id, Id)]) -> Interval {
@@ -127,13 +128,9 @@ impl Graph {
         if !c.is_zero() || terms.len() != 2 || terms.iter().any(|(q, _)| *q != Q::ONE) {
             return None;
         }
-        let base = |id: Id| match self.node(id) {
-            Node::Product(f) if f.len() == 1 && self.as_number(f[0].1) == Some(Q::int(2)) => {
-                Some(f[0].0)
-            }
-            _ => None,
-        };
-        let (a, b) = (base(terms[0].1)?, base(terms[1].1)?);
+        let squared =
+            |id: Id| self.power_of(id).filter(|(_, n)| *n == Q::int(2)).map(|(base, _)| base);
+        let (a, b) = (squared(terms[0].1)?, squared(terms[1].1)?);
         self.units
             .iter()
             .any(|u| u.contains(&a) && u.contains(&b))
