@@ -12,15 +12,16 @@ mod operands;
 mod results;
 #[path = "spellings/samplers.rs"]
 mod samplers;
+mod threads;
 
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 use aether_engine::interpret::Item;
 use aether_engine::parse::Signature;
 use quote::ToTokens;
 use samplers::{Affine, Sampler, Spelling, samplers};
+use threads::on_all_threads;
 
 const FILES: [&str; 12] = [
     "src/catalogue/easy.rs",
@@ -102,23 +103,19 @@ fn every_spelling_of_a_sampler_is_the_same() {
     let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests");
     let all: Vec<Sampler> = FILES.iter().flat_map(|f| samplers(&tests.join(f))).collect();
     assert!(all.len() >= 100, "{} samplers only", all.len());
-    let (next, results) = (AtomicUsize::new(0), Mutex::new((0, Vec::new())));
-    std::thread::scope(|scope| {
-        let work = || {
-            // Tokens do not cross threads, so each reads the files.
-            let all: Vec<Sampler> = FILES.iter().flat_map(|f| samplers(&tests.join(f))).collect();
-            while let Some(sampler) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
-                let (count, failures) = judge(sampler);
-                let mut results = results.lock().expect("no other thread panicked");
-                results.0 += count;
-                results.1.extend(failures);
-            }
-        };
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(work);
+    let results = on_all_threads(|next| {
+        // Tokens do not cross threads, so each reads the files.
+        let all: Vec<Sampler> = FILES.iter().flat_map(|f| samplers(&tests.join(f))).collect();
+        let (mut count, mut failures) = (0, Vec::new());
+        while let Some(sampler) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let (spellings, failed) = judge(sampler);
+            count += spellings;
+            failures.extend(failed);
         }
+        (count, failures)
     });
-    let (count, mut failures) = results.into_inner().expect("no thread panicked");
+    let count: usize = results.iter().map(|(count, _)| count).sum();
+    let mut failures: Vec<Failure> = results.into_iter().flat_map(|(_, failed)| failed).collect();
     failures.sort();
     println!("{} samplers, {count} spellings, {} failures", all.len(), failures.len());
     let wrong: Vec<String> = failures.iter().map(|f| format!("{} {}: {}", f.0, f.1, f.2)).collect();

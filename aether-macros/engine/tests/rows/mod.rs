@@ -2,11 +2,12 @@
 //! that writes the table and the test that compares it.
 
 mod compare;
+#[path = "../threads/mod.rs"]
+mod threads;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use aether_engine::expr::{Graph, Id, Node, children};
@@ -14,6 +15,7 @@ use aether_engine::interpret::Item;
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use serde_json::Value;
+use threads::on_all_threads;
 
 /// Where the samplers are, from the root of the repository.
 const SOURCES: [&str; 12] = [
@@ -56,19 +58,16 @@ pub fn rows() -> Vec<Row> {
         serde_json::from_str(&text(&format!("tests/reference/{name}.json"))).expect("JSON")
     };
     let references = [reference("catalogue-e"), reference("catalogue-mh")];
-    let (next, rows) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let work = || {
+    let mut rows: Vec<Row> = on_all_threads(|next| {
+        let mut rows = Vec::new();
         while let Some(source) = SOURCES.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let found = rows_of(source, &references);
-            rows.lock().expect("no other thread panicked").extend(found);
+            rows.extend(rows_of(source, &references));
         }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
-            scope.spawn(work);
-        }
-    });
-    let mut rows = rows.into_inner().expect("no thread panicked");
+        rows
+    })
+    .into_iter()
+    .flatten()
+    .collect();
     rows.sort_by(|a, b| (a.number, &a.name).cmp(&(b.number, &b.name)));
     rows
 }
