@@ -666,3 +666,100 @@ fn ends_may_come_in_any_order() {
         }
     }
 }
+
+// Pieces that meet, or exclude each other by parameters.
+
+#[sampler]
+fn two_normals(u: [Uniform; 1]) -> f64 {
+    if u[0] < 0.5 { normal_quantile(2.0 * u[0]) } else { 3.0 + normal_quantile(2.0 * u[0] - 1.0) }
+}
+
+#[sampler(b in 1e-3..=1e3)]
+fn laplace_by_branches(u: [Uniform; 1], m: f64, b: f64) -> f64 {
+    if u[0] < 0.5 { m + b * (2.0 * u[0]).ln() } else { m - b * (2.0 - 2.0 * u[0]).ln() }
+}
+
+#[sampler(least in -0.999..=0.999999)]
+fn cap_about(u: [Uniform; 2], axis: Direction, least: f64) -> Direction {
+    let c = 1.0 - u[0] * (1.0 - least);
+    let s = (1.0 - c * c).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Frame::around(axis).to_world(Vec3::new(s * phi.cos(), s * phi.sin(), c)))
+}
+
+#[test]
+fn what_ends_at_infinity_does_not_go_on_from_the_other_one() {
+    let normal = |x: f64| (-0.5 * x * x).exp() / TAU.sqrt();
+    for x in [-1.0, 0.0, 1.0, 1.5, 3.0, 5.0] {
+        close(two_normals().pdf(&x).value(), 0.5 * normal(x) + 0.5 * normal(x - 3.0));
+        let found: Vec<[f64; 1]> = two_normals().invert(&x).iter().collect();
+        assert!(matches!(found[..], [[a], [b]] if a < 0.5 && b > 0.5), "{x}: {found:?}");
+    }
+}
+
+#[test]
+fn a_sample_that_is_rounded_over_the_end_of_its_piece_counts_once() {
+    let sampler = laplace_by_branches(100.0f32, 0.01).expect("in the domain");
+    for i in 1..10_000u16 {
+        let sample = sampler.sample([f32::from(i) / 1e4]);
+        let by_hand = 50.0 * (-(sample.value() - 100.0).abs() / 0.01).exp();
+        let own = sample.pdf().value();
+        // The sample is rounded to 8e-6, eight ten thousandths of its scale.
+        assert!((own / by_hand - 1.0).abs() < 2e-3, "{i}: {own}, expected {by_hand}");
+    }
+}
+
+#[test]
+fn of_pieces_that_parameters_choose_one_is_there() {
+    // Across the axes of the frame its two branches meet.
+    for (least, z) in [(0.99f32, 0.0f32), (0.999995, 0.0), (0.999995, -0.0), (0.999998, 1e-12)] {
+        let sampler = cap_about(Direction::new(0.0, -1.0, z), least).expect("in the domain");
+        let expected = 1.0 / (std::f32::consts::TAU * (1.0 - least));
+        for k in 0..100u8 {
+            let u = [k % 10, k / 10].map(|k| (f32::from(k) + 0.5) / 10.0);
+            let sample = sampler.sample(u);
+            for found in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+                assert!((found / expected - 1.0).abs() < 1e-4, "{least} {u:?}: {found} {expected}");
+            }
+        }
+    }
+}
+
+// Powers and exponentials.
+
+#[sampler(a in 1e-3..=1e3, b in 0.1..=50.0)]
+fn log_logistic(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+    a * (u[0] / (1.0 - u[0])).powf(1.0 / b)
+}
+
+/// As hair scatters about its axis: a logistic distribution, cut off half a turn away.
+#[sampler(s in 1e-2..=10.0)]
+fn trimmed_logistic(u: [Uniform; 1], s: f64, middle: f64) -> f64 {
+    let low = 1.0 / (1.0 + (PI / s).exp());
+    middle - s * (1.0 / (u[0] * (1.0 - 2.0 * low) + low) - 1.0).ln()
+}
+
+#[test]
+fn a_power_of_a_quotient_is_inverted_as_a_whole() {
+    let sampler = log_logistic(1.0, 1.0).expect("in the domain");
+    for x in [-1e-6, -1e-12, 1e-9, 0.5, 1e3, 1e6, 1e12] {
+        let truth = if x < 0.0 { 0.0 } else { 1.0 / (1.0 + x) / (1.0 + x) };
+        close(sampler.pdf(&x).value(), truth);
+    }
+    let sampler = log_logistic(1.0f32, 1.0).expect("in the domain");
+    assert_eq!([-0.1, -1e-3, -1e-6].map(|x| sampler.pdf(&x).value()), [0.0; 3]);
+}
+
+#[test]
+fn an_exponential_of_parameters_may_be_out_of_the_range_of_numbers() {
+    for s in [0.04f32, 0.035, 0.02, 0.011] {
+        let sampler = trimmed_logistic(s, 0.0).expect("in the domain");
+        let sample = sampler.sample([0.3]);
+        let e = (-sample.value().abs() / s).exp();
+        let expected = e / (s * (1.0 + e) * (1.0 + e));
+        for found in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+            assert!((found / expected - 1.0).abs() < 1e-5, "{s}: {found}, expected {expected}");
+        }
+        assert_eq!(sampler.invert(&sample).iter().count(), 1);
+    }
+}

@@ -374,6 +374,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
         }
         Node::Product(factors) => {
             out.extend(both_sides_of_one(g, &factors));
+            out.extend(exponential::over_largest(g, &factors));
             for (k, &(b, e)) in factors.iter().enumerate() {
                 let Node::Sum(c, terms) = g.node(b).clone() else { continue };
                 if c == Q::ONE && g.as_number(e).is_none_or(|e| !e.is_int() && e.den() > 3) {

@@ -180,7 +180,7 @@ pub(super) struct ConvergenceArguments {
     /// Integrators to measure, by their names
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', default_value = "path,bdpt")]
     pub integrators: Vec<String>,
-    /// An integrator with options of `render`, under a name of its own, such as
+    /// An integrator with those options of `render` that are its own, under a name of its own, such as
     /// `bsdf only=bdpt --techniques 0:*`; may be repeated
     #[arg(long, value_name = "LABEL=NAME OPTIONS", value_parser = define)]
     pub variant: Vec<(String, String)>,
@@ -250,11 +250,35 @@ pub(super) struct ReportArguments {
     pub output: PathBuf,
 }
 
+/// The options of `render` that one integrator of a measurement may have and another not: the scene is read once for all, and how
+/// long each renders is the budget's.
+const OF_AN_INTEGRATOR: [&str; 9] = [
+    "--techniques",
+    "--light-paths",
+    "--clamp",
+    "--mutations",
+    "--chained-direct",
+    "--reconstruction",
+    "--sampler",
+    "--kind",
+    "--max-depth",
+];
+
 /// The render that a convergence measurement does of an integrator with options.
 pub(super) fn render_arguments(
     shared: &ConvergenceArguments,
     integrator: &str,
 ) -> Result<RenderArguments, String> {
+    let is_option = |word: &&str| ["--", "-D", "-o"].iter().any(|start| word.starts_with(start));
+    for word in integrator.split_whitespace().skip(1).filter(is_option) {
+        let name = word.split('=').next().unwrap_or_default();
+        if !OF_AN_INTEGRATOR.contains(&name) {
+            let options = OF_AN_INTEGRATOR.join(", ");
+            return Err(format!(
+                "integrator `{integrator}`: {name} is no option of a single integrator here; those are {options}"
+            ));
+        }
+    }
     let mut words: Vec<String> = ["aether", "render", "--integrator"].map(str::to_owned).to_vec();
     words.extend(integrator.split_whitespace().map(str::to_owned));
     words.extend(shared.defines.iter().map(|(name, value)| format!("-D{name}={value}")));

@@ -60,10 +60,8 @@ pub(super) struct Plan {
 impl Plan {
     /// The name of where uniforms come from, for the record.
     pub fn sampler_name(&self) -> &'static str {
-        match self.integrator.as_str() {
-            "mlt" | "pssmlt" | "ppm" | "vcm" => "of the integrator",
-            _ => self.sampler.name(),
-        }
+        let is_own = OWN_UNIFORMS.contains(&self.integrator.as_str());
+        if is_own { "of the integrator" } else { self.sampler.name() }
     }
 
     /// The settings of a scene with those of the command line in their place.
@@ -122,6 +120,32 @@ pub(super) fn warn_of_integrator(scene: &Scene, plan: &Plan) {
         }
     }
 }
+
+/// Warns of options of other integrators than the one that renders.
+pub(super) fn warn_of_idle_options(plan: &Plan, arguments: &RenderArguments) {
+    let given: [(&str, bool, &[&str]); 5] = [
+        ("--light-paths", arguments.light_paths.is_some(), &["bdpt", "vpl", "ppm"]),
+        ("--clamp", arguments.clamp.is_some(), &["vpl"]),
+        ("--mutations", arguments.mutations.is_some(), &["mlt"]),
+        ("--chained-direct", arguments.chained_direct, &["mlt", "pssmlt"]),
+        ("--reconstruction", arguments.reconstruction.is_some(), &["gdpt"]),
+    ];
+    let name = plan.integrator.as_str();
+    for (option, is_given, integrators) in given {
+        if is_given && !integrators.contains(&name) {
+            let those = integrators.join(", ");
+            warn(&format!("warning: {option} does nothing for `{name}`; it is of {those}"));
+        }
+    }
+    if arguments.sampler.is_some() && OWN_UNIFORMS.contains(&name) {
+        warn(&format!(
+            "warning: --sampler does nothing for `{name}`, which has uniforms of its own"
+        ));
+    }
+}
+
+/// The integrators that make chains or passes of their uniforms.
+const OWN_UNIFORMS: [&str; 4] = ["mlt", "pssmlt", "ppm", "vcm"];
 
 /// The integrator called `plan.integrator` with the settings of `plan`.
 pub(super) fn kernel_for<'a>(

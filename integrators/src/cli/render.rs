@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::checkpoint::checkpoint;
-use super::kernel::{Plan, kernel_for, load, warn_of_integrator};
+use super::kernel::{Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator};
 use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
@@ -23,6 +23,7 @@ use crate::render::film::relative_error;
 use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
 use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
+use crate::scene::Scene;
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
 const AOV_SAMPLES: u32 = 64;
@@ -35,6 +36,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let plan = Plan::new(&scene, arguments);
     let kernel = kernel_for(&scene, &plan)?;
     warn_of_integrator(&scene, &plan);
+    warn_of_idle_options(&plan, arguments);
+    keep_files_of(&scene, &written(&output, &plan, arguments))?;
 
     let terminal = Terminal::new();
     let settings = RenderSettings {
@@ -152,6 +155,37 @@ fn output_path(arguments: &RenderArguments) -> Result<PathBuf, Failure> {
     Err(Failure::new(format!("the output `{output}` must end in .exr; a PNG is written beside it")))
 }
 
+/// All files that a render writes, but for its checkpoint.
+fn written(output: &Path, plan: &Plan, arguments: &RenderArguments) -> Vec<PathBuf> {
+    let mut files = vec![output.to_owned(), output.with_extension("png")];
+    if plan.integrator == "gdpt" {
+        files.extend(GRADIENTS.map(|name| beside(output, &format!("-{name}.exr"))));
+    }
+    if arguments.technique_images.is_some() {
+        files.push(beside(output, "-techniques.png"));
+    }
+    files
+}
+
+/// The file beside an output whose name is that with another end.
+fn beside(output: &Path, end: &str) -> PathBuf {
+    let mut file = output.file_stem().unwrap_or_default().to_owned();
+    file.push(end);
+    output.with_file_name(file)
+}
+
+/// That nothing which a scene is read from would be overwritten.
+fn keep_files_of(scene: &Scene, written: &[PathBuf]) -> Result<(), Failure> {
+    let read: Vec<PathBuf> =
+        scene.files.iter().filter_map(|file| file.canonicalize().ok()).collect();
+    let is_read = |file: &&PathBuf| file.canonicalize().is_ok_and(|file| read.contains(&file));
+    let Some(file) = written.iter().find(is_read) else { return Ok(()) };
+    Err(Failure::new(format!(
+        "the scene is read from `{}`, which the render would overwrite; name another output with -o",
+        file.display()
+    )))
+}
+
 /// Writes the EXR and, unless the output is a device, the PNG and the sheet of techniques, whose paths are
 /// returned.
 fn write_files(
@@ -164,6 +198,11 @@ fn write_files(
     let variance = rendered.film.variance();
     let attributes = attributes(plan, arguments, rendered);
     let gradients = plan.integrator == "gdpt";
+    let is_device = output.exists() && !output.is_file();
+    if gradients && !is_device {
+        // What was sampled first, as it takes a while to make a large image of it.
+        write_gradients(output, rendered, &attributes)?;
+    }
     let rgb = reconstructed(rendered, plan.reconstruction);
     // The variance of what gradients and pixels make together is not known.
     let known = !gradients || plan.reconstruction == Reconstruction::None;
@@ -174,20 +213,19 @@ fn write_files(
     }
     let exr = Exr { rgb, variance: variance.filter(|_| known), layers, attributes };
     exr.write(output)?;
-    if !output.is_file() {
+    if is_device {
         return Ok(Vec::new());
-    }
-    if gradients {
-        write_gradients(output, rendered, &exr.attributes)?;
     }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
     let Some(sheet) = contact_sheet(&rendered.layers) else { return Ok(vec![picture]) };
-    let name = output.file_stem().unwrap_or_default().to_string_lossy();
-    let techniques = output.with_file_name(format!("{name}-techniques.png"));
+    let techniques = beside(output, "-techniques.png");
     png::write(&sheet, &techniques)?;
     Ok(vec![picture, techniques])
 }
+
+/// What is written beside an image that is made of gradients.
+const GRADIENTS: [&str; 4] = ["primal", "dx", "dy", "direct"];
 
 /// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`, the
 /// right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`, and what they leave out as
@@ -198,10 +236,8 @@ fn write_gradients(
     attributes: &BTreeMap<String, Attribute>,
 ) -> Result<(), Failure> {
     let write = |name: &str, rgb: RgbImage, variance: Option<RgbImage>| {
-        let mut file = output.file_stem().unwrap_or_default().to_owned();
-        file.push(format!("-{name}.exr"));
         let exr = Exr { rgb, variance, layers: BTreeMap::new(), attributes: attributes.clone() };
-        exr.write(&output.with_file_name(file))
+        exr.write(&beside(output, &format!("-{name}.exr")))
     };
     let (width, height) = rendered.film.size();
     let black = || RgbImage::filled(width as usize, height as usize, [0.0; 3]);

@@ -111,7 +111,28 @@ fn png(bytes: &[u8], raw: bool) -> Result<Picture, String> {
     picture(size, texels)
 }
 
+/// Whether a JPEG file ends before its end marker: a decoder makes a picture of what there is.
+fn is_cut_short(bytes: &[u8]) -> bool {
+    let mut at = 2;
+    loop {
+        match bytes.get(at..at + 2) {
+            None => return true,
+            Some([0xff, 0xd9]) => return false,
+            // Segments say how long they are: with tables, comments, perhaps a small picture with an end of its own.
+            Some([0xff, 0xc0..=0xcf | 0xda..=0xdf | 0xe0..=0xef | 0xfe]) => {
+                let Some(&[high, low]) = bytes.get(at + 2..at + 4) else { return true };
+                at += 2 + usize::from(u16::from_be_bytes([high, low]));
+            }
+            // The data of a scan, and markers without anything.
+            Some(_) => at += 1,
+        }
+    }
+}
+
 fn jpeg(bytes: &[u8], raw: bool) -> Result<Picture, String> {
+    if is_cut_short(bytes) {
+        return Err("is cut short: the end of the picture is missing".to_owned());
+    }
     let options = DecoderOptions::default()
         .set_max_width(LARGEST)
         .set_max_height(LARGEST)
@@ -161,6 +182,22 @@ mod tests {
             assert!((a - b).abs() < 5e-3, "{a} {b}");
         }
         assert!((codes.texel(1, 0)[0] - 188.0 / 255.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_jpeg_ends_with_its_end_marker() {
+        // A segment with an end marker in it, a scan with an escaped byte, the end, and what is none of it.
+        let file = [
+            &b"\xff\xd8\xff\xe1\0\x06\xff\xd9\0\0\xff\xda\0\x03\x01"[..],
+            b"\x12\xff\0\x34\xff\xd0\x56\xff\xd9\xff\xda\0\x03",
+        ]
+        .concat();
+        assert!(!is_cut_short(&file));
+        let end = file.len() - 4;
+        for length in 2..end {
+            assert!(is_cut_short(&file[..length]), "{length}");
+        }
+        assert!(!is_cut_short(&file[..end]));
     }
 
     #[test]

@@ -109,9 +109,19 @@ impl Checkpoint {
     fn lock(&self) -> Result<Option<Lock>, CheckpointError> {
         let mut path = self.path.clone().into_os_string();
         path.push(".lock");
-        let Ok(file) = File::create(&path) else { return Ok(None) };
+        let path = PathBuf::from(path);
+        let opened = File::options().write(true).create(true).truncate(false).open(&path);
+        let Ok(file) = opened else { return Ok(None) };
+        // A lock is empty. What is not was there before, and is somebody's.
+        if file.metadata().is_ok_and(|found| found.len() > 0) {
+            return Err(CheckpointError {
+                path: self.path.clone(),
+                why: format!("its lock would be `{}`, which is another file", path.display()),
+                remedy: OTHER_FILE,
+            });
+        }
         match file.try_lock() {
-            Ok(()) => Ok(Some(Lock { path: path.into(), _file: file })),
+            Ok(()) => Ok(Some(Lock { path, _file: file })),
             Err(TryLockError::Error(_)) => Ok(None),
             Err(TryLockError::WouldBlock) => Err(CheckpointError {
                 path: self.path.clone(),

@@ -328,7 +328,9 @@ impl<'a> Query<'a> {
 
     /// An error at a property, or at the object if it has no such property.
     pub fn error_at(&self, name: &str, message: impl Into<String>) -> SceneError {
-        let property = self.object.properties.iter().find(|p| p.name == name);
+        // There are nameless properties too: what an object is made of.
+        let is_named = |p: &&Property| !name.is_empty() && p.name == name;
+        let property = self.object.properties.iter().find(is_named);
         property
             .map_or_else(|| self.object.place.error(""), |property| property.place.error(""))
             .with_message(message)

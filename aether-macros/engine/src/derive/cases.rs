@@ -116,7 +116,8 @@ pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Ca
 
 fn is_guarded(problem: &Problem) -> bool {
     let confined = problem.segments.iter().any(Option::is_some);
-    confined || !problem.guards.is_empty() || !problem.relations.is_empty()
+    confined
+        || ![&problem.guards, &problem.existence, &problem.relations].iter().all(|t| t.is_empty())
 }
 
 /// The points at which the map is tried: those that take this way through the branches.
@@ -139,7 +140,7 @@ fn never_taken(problem: &Problem) -> String {
 
 /// The last comparison that leads to this way, as text.
 fn way(problem: &Problem) -> Option<String> {
-    let test = problem.guards.last()?;
+    let test = problem.guards.last().or(problem.existence.last())?;
     let relation = if test.strict { ">" } else { ">=" };
     Some(format!("`{} {relation} 0`", crate::display::show(&problem.graph, test.difference)))
 }

@@ -93,7 +93,8 @@ fn meet(one: &Place, other: &Place) -> bool {
         points.iter().filter(|p| !p.stress).all(|p| {
             let (end, start) = (image(1.0, first, p), image(0.0, second, p));
             let gap = (end - start).abs().to_f64();
-            gap <= CLOSE * start.abs().to_f64()
+            // An infinite end meets nothing: what goes on from the other infinity comes by all points again.
+            gap.is_finite() && gap <= CLOSE * start.abs().to_f64()
         })
     };
     joined(one, other) || joined(other, one)

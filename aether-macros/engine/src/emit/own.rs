@@ -170,11 +170,12 @@ impl Told {
     }
 }
 
-/// Whether each point has one preimage, for the images of pieces are apart.
+/// Whether each point has one preimage, for the images of pieces are apart, or meet.
 fn is_alone(e: &Emitter) -> bool {
-    let pieces = e.parsed.pieces.len();
     let one_each = e.derived.iter().all(|derived| derived.preimages.len() == 1);
-    one_each && (0..pieces).all(|k| (0..k).all(|j| apart(e, j, k)))
+    let places = e.places();
+    let mut pairs = (0..places.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+    one_each && pairs.all(|(j, k)| exclusive(e, &places[j], &places[k]))
 }
 
 /// The point and its density from the piece that the uniforms take, where there is no other.
@@ -302,10 +303,12 @@ fn one_a_piece(e: &Emitter) -> TokenStream {
         }
     });
     let masks: Vec<_> = (0..pieces).map(|j| format_ident!("own_piece_{j}")).collect();
+    let places = e.places();
+    // Where one piece goes on from the end of another, rounding may put a sample of one into the other, but it is no second one.
     let wanted = |place: Place| {
-        let k = place.piece;
-        let overlapping = (0..pieces).filter(|&j| j != k && !apart(e, j, k));
-        let overlapping: Vec<_> = overlapping.map(|j| &masks[j]).collect();
+        let others = places.iter().filter(|other| other.piece != place.piece);
+        let overlapping = others.filter(|other| !exclusive(e, other, &place));
+        let overlapping: Vec<_> = overlapping.map(|other| &masks[other.piece]).collect();
         Some(quote!(<R::Mask as Mask>::FALSE #(.or(#overlapping))*))
     };
     let others = if is_alone(e) {

@@ -47,6 +47,14 @@ impl Place<'_> {
         (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
     }
 
+    /// That the parameters leave the piece any points, where it depends on them whether they do.
+    pub(super) fn wide(&self) -> Option<TokenStream> {
+        let (wide, problem) = (format_ident!("wide_{}", self.piece), self.problem);
+        let confined =
+            !problem.existence.is_empty() || problem.segments.iter().any(Option::is_some);
+        confined.then(|| quote!(.and(#wide::<R>(&p))))
+    }
+
     /// Whether one of these has a longer and more accurate form.
     pub(super) fn has_longer_forms(&self) -> bool {
         let Preimage { tested, unknowns, .. } = self.preimage;

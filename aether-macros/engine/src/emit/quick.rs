@@ -171,7 +171,7 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
         }
     });
-    let wide = wide(place);
+    let wide = place.wide();
     // On a border it may seem to lie on both sides.
     let beside = places[..k].iter().filter(|other| beside(e, other, &place));
     let beside: Vec<_> = beside.map(|other| format_ident!("found_{}", other.number)).collect();
@@ -227,7 +227,7 @@ fn positive_density(e: &Emitter, place: Place) -> TokenStream {
 fn doubtful_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let [possibly, told, support] =
         ["possibly", "told", "support"].map(|name| format_ident!("{name}_{}", place.number));
-    let (near, wide) = (about(place), wide(place));
+    let (near, wide) = (about(place), place.wide());
     let tested = quote! {
         let ok = #possibly::<R>(&p, &x) #wide;
         if ok.any() {
@@ -238,13 +238,6 @@ fn doubtful_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream
         }
     };
     unless_excluded(e, place, places, quote!(if !#told { #tested }))
-}
-
-/// That the parameters leave a piece any width, where it is confined.
-fn wide(place: Place) -> Option<TokenStream> {
-    let wide = format_ident!("wide_{}", place.piece);
-    let confined = place.problem.segments.iter().any(Option::is_some);
-    confined.then(|| quote!(.and(#wide::<R>(&p))))
 }
 
 /// What is done unless one of some other preimages has been found, which exclude this one.

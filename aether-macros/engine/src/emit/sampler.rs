@@ -240,10 +240,7 @@ fn strictly(e: &Emitter, place: Place, wanted: Option<TokenStream>) -> TokenStre
     let [forward, guards] = ["forward", "guards"].map(|name| format_ident!("{name}_{j}"));
     let guarded =
         (!place.problem.guards.is_empty()).then(|| quote!(.and(#guards::<R>(&p, &checked))));
-    let problem = place.problem;
-    let confined = !problem.existence.is_empty() || problem.segments.iter().any(Option::is_some);
-    let wide = format_ident!("wide_{j}");
-    let wide = confined.then(|| quote!(.and(#wide::<R>(&p))));
+    let wide = place.wide();
     let member = format_ident!("member_{k}");
     let near = about(place);
     let membership = place.derived.check_forward.then(|| {

@@ -34,7 +34,7 @@ use syn::ItemFn;
 
 use crate::derive::{Part, Problem};
 use crate::diagnostics::Diagnostics;
-use crate::expr::{Graph, Id, Leaf};
+use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
 use crate::points::Kind;
 
@@ -172,7 +172,16 @@ impl Reader<'_> {
         let open = |place: &usize| {
             ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
         };
-        let existence = second.way.existence;
+        // Of parameters alone no rounded point tells anything: forwards and backwards the same numbers are compared. A map
+        // has no uniforms to be left without.
+        let is_sampler = second.argument.is_none();
+        let (guards, settled): (Vec<Test>, Vec<Test>) = second
+            .way
+            .tests
+            .iter()
+            .map(|(_, test)| *test)
+            .partition(|test| !is_sampler || second.graph.has(test.difference, UNKNOWNS));
+        let existence = [second.way.existence.clone(), settled].concat();
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
@@ -185,7 +194,7 @@ impl Reader<'_> {
             frames: second.frames,
             parts,
             requirements: second.requirements,
-            guards: second.way.tests.into_iter().map(|(_, t)| t).collect(),
+            guards,
             segments: second.segments,
             existence,
             lengths: Vec::new(),

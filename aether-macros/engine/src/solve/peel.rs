@@ -116,7 +116,7 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
                 g.as_number(*e).is_some_and(|q| q.den() == 2) && g.range(*b).nonnegative()
             });
             if !halves {
-                return None;
+                return undo_common_power(g, known, &f);
             }
             let squared = g.powi(rhs, 2);
             let inverse = Inverse { known: g.powi(known, 2), conditions: vec![Condition(known)] };
@@ -167,6 +167,27 @@ fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)>
         return Some((rhs, single(turned)));
     }
     None
+}
+
+/// Factors that are never negative, all to powers of one broken or symbolic exponent: (u / (1 - u))^(1 / b), kept as u^(1 / b)
+/// (1 - u)^(-1 / b), is a power of u / (1 - u).
+fn undo_common_power(g: &mut Graph, known: Id, f: &[(Id, Id)]) -> Option<(Id, Vec<Inverse>)> {
+    let &(_, first) = f.first()?;
+    if !f.iter().all(|(base, e)| g.range(*base).nonnegative() && !g.has(*e, UNKNOWNS)) {
+        return None;
+    }
+    let mut ratios = Vec::new();
+    for (_, e) in f {
+        let ratio = g.div(*e, first);
+        ratios.push(g.as_number(ratio).filter(|q| q.abs() == Q::ONE)?);
+    }
+    if g.as_number(first).is_some_and(|e| e.is_int()) {
+        return None;
+    }
+    let factors: Vec<(Id, Id)> =
+        f.iter().zip(ratios).map(|((base, _), ratio)| (*base, g.number(ratio))).collect();
+    let base = g.product(&factors);
+    Some((base, undo_power(g, known, base, first)))
 }
 
 fn undo_power(g: &mut Graph, known: Id, base: Id, exp: Id) -> Vec<Inverse> {

@@ -70,3 +70,64 @@ pub(super) fn other_end(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
         Some(g.sum(c, &kept))
     })
 }
+
+/// A product of sums several of which have a term e^t, each over it: (e^a - e^t) / (e^t - 1) as (e^(a - t) - 1) / (1 - e^-t), of
+/// which nothing is out of range where e^t is.
+pub(super) fn over_largest(g: &mut Graph, factors: &[(Id, Id)]) -> Vec<Id> {
+    let sums: Vec<Vec<Id>> = factors.iter().map(|(base, _)| exponentials(g, *base)).collect();
+    let mut found: Vec<Id> = Vec::new();
+    for power in sums.iter().flatten() {
+        let often = sums.iter().filter(|powers| powers.contains(power)).count();
+        if often > 1 && !found.contains(power) {
+            found.push(*power);
+        }
+    }
+    found.into_iter().map(|power| over(g, factors, power)).collect()
+}
+
+/// The exponentials among the terms of a sum.
+fn exponentials(g: &Graph, sum: Id) -> Vec<Id> {
+    let Node::Sum(_, terms) = g.node(sum) else { return Vec::new() };
+    let is_power = |t: &Id| matches!(g.node(*t), Node::Call(Fun::Exp, _));
+    terms.iter().map(|(_, t)| *t).filter(is_power).collect()
+}
+
+/// The product with all of its sums that have an exponential for a term divided by it, which is multiplied in again.
+fn over(g: &mut Graph, factors: &[(Id, Id)], power: Id) -> Id {
+    let Node::Call(_, args) = g.node(power).clone() else { return power };
+    let mut changed = Vec::new();
+    for &(base, exponent) in factors {
+        match g.node(base).clone() {
+            Node::Sum(c, terms) if terms.iter().any(|(_, t)| *t == power) => {
+                let minus = g.neg(args[0]);
+                let back = g.call(Fun::Exp, &[minus]);
+                let mut divided = vec![(c, back)];
+                for (q, t) in terms {
+                    divided.push((q, quotient(g, t, args[0])));
+                }
+                changed.push((g.sum(Q::ZERO, &divided), exponent));
+                changed.push((power, exponent));
+            }
+            _ => changed.push((base, exponent)),
+        }
+    }
+    g.product(&changed)
+}
+
+/// A term over e^t.
+fn quotient(g: &mut Graph, term: Id, t: Id) -> Id {
+    let minus = g.neg(t);
+    let (mut left, mut exponent) = (Vec::new(), minus);
+    for (base, e) in g.factors(term) {
+        match g.node(base).clone() {
+            Node::Call(Fun::Exp, args) => {
+                let part = g.mul(args[0], e);
+                exponent = g.add(exponent, part);
+            }
+            _ => left.push((base, e)),
+        }
+    }
+    let (power, one) = (g.call(Fun::Exp, &[exponent]), g.int(1));
+    left.push((power, one));
+    g.product(&left)
+}
