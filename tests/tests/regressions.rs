@@ -2,11 +2,12 @@
 //!
 //! Each test states the true value in closed form.
 
-use aether_core::discrete::Choices;
+use aether_core::battery::{self, Battery};
+use aether_core::discrete::{Choices, shares};
 use aether_core::prelude::*;
 use aether_core::sequence::Erased;
 use aether_core::strategy::Vertex;
-use aether_core::tables::PiecewiseConstant2D;
+use aether_core::tables::{PiecewiseConstant2D, Warp};
 use aether_core::{Arena, PathView, WeightError, discrete, discrete_weighted};
 use tests::catalogue::*;
 
@@ -762,4 +763,65 @@ fn an_exponential_of_parameters_may_be_out_of_the_range_of_numbers() {
         }
         assert_eq!(sampler.invert(&sample).iter().count(), 1);
     }
+}
+
+// Parameters next to the end of a domain.
+
+#[sampler(m in 0.0..=10.0)]
+fn nearly_uniform(u: [Uniform; 1], m: f64) -> f64 {
+    if m < 1e-3 { u[0] } else { (u[0] * m.exp_m1()).ln_1p() / m }
+}
+
+#[test]
+fn a_branch_may_be_taken_next_to_the_end_of_a_domain_alone() {
+    for m in [0.0, 1e-4, 2e-3, 10.0] {
+        let sampler = nearly_uniform(m).expect("in the domain");
+        let truth = if m < 1e-3 { 1.0 } else { m * (m * 0.3).exp() / m.exp_m1() };
+        let found = sampler.pdf(&0.3).value();
+        assert!((found / truth - 1.0).abs() < 1e-12, "{m}: {found}, expected {truth}");
+    }
+}
+
+#[sampler]
+fn normal_plane(u: [Uniform; 2]) -> Vec2 {
+    let r = (-2.0 * (1.0 - u[0]).ln()).sqrt();
+    let phi = TAU * u[1];
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+#[test]
+fn a_table_over_a_tail_vanishes_with_it() {
+    let table = PiecewiseConstant2D::new(&[1.0, 2.0, 3.0, 4.0], 2).expect("a table");
+    let points = table.sampler().then(Warp(normal_plane()));
+    let at = |r: f64| points.pdf(&Vec2::new(0.8 * r, 0.6 * r)).value();
+    assert!(at(30.0) > 0.0 && at(38.0) < at(30.0));
+    assert_eq!([39.0, 1e3, 1e300].map(at), [0.0; 3]);
+}
+
+// What the battery says of densities that are right.
+
+#[sampler(s in 1e-3..=1e3)]
+fn normal(u: [Uniform; 1], m: f64, s: f64) -> f64 {
+    m + s * normal_quantile(u[0])
+}
+
+#[sampler(s1 in 1e-3..=1e3, s2 in 1e-3..=1e3, d in 1e-3..=1e3)]
+fn two_slabs(u: [Uniform; 1], s1: f64, s2: f64, d: f64) -> f64 {
+    let depth = -(1.0 - u[0]).ln();
+    if depth < s1 * d { depth / s1 } else { d + (depth - s1 * d) / s2 }
+}
+
+#[test]
+fn tails_that_end_within_the_unit_interval_are_no_contradictions() {
+    let lobe = |m, s| normal(m, s).expect("in the domain");
+    let lobes = [lobe(-1.0, 0.3), lobe(1.0, 0.5), lobe(0.0, 2.0)];
+    battery::check(&aether_core::mixture::mixture(lobes, shares([1.0, 2.0, 3.0])).expect("shares"))
+        .assert_ok();
+    battery::check(&two_normals()).assert_ok();
+}
+
+#[test]
+fn no_differences_are_taken_across_a_jump() {
+    let slabs = two_slabs(1.0, 2.0, 0.5).expect("in the domain");
+    Battery::new(&slabs).jumps(0, [0.5]).run().assert_ok();
 }

@@ -189,7 +189,7 @@ where
     }
 
     /// Where the density jumps: at these values of coordinate `axis`, so that the cubature cuts its
-    /// cells there. On the sphere the coordinates are z and the azimuth in (-π, π].
+    /// cells there, and no differences are taken across it. On the sphere the coordinates are z and the azimuth in (-π, π].
     pub fn jumps(mut self, axis: usize, values: impl IntoIterator<Item = f64>) -> Self {
         self.settings.jumps.extend(values.into_iter().map(|value| (axis, value)));
         self
@@ -227,7 +227,7 @@ fn run(
         let detail = "no uniforms of 16384 give a finite sample".to_owned();
         return report.add("samples", Verdict::Failed, detail);
     };
-    pointwise::check(&probe, settings.seed, settings.least, report);
+    pointwise::check(&probe, settings, report);
     let draws = mass::Draws::new(&probe, settings.seed, settings.samples, continuous);
     match manifold {
         None => mass::check(&probe, &draws, settings, report),

@@ -133,6 +133,7 @@ fn contradiction(probe: &Probe, y: &dyn Spot) -> Option<String> {
     }
     let inside = |v: &&Vec<f64>| v.iter().all(|v| (1e-6..1.0 - 1e-6).contains(v));
     reaching
+        .filter(|v| !probe.is_beyond(v, &at))
         .find(inside)
         .filter(|v| probe.derivative(v).is_some())
         .map(|v| format!("no density at {at:?}, which the uniforms {v:?} map to"))

@@ -1,7 +1,9 @@
 //! The checks at single points of the support: round trip, own density, Jacobian.
 
+use super::Settings;
 use super::probe::Probe;
 use super::report::{Report, Verdict};
+use super::space::Kind;
 use crate::uniform::{Pcg32, Sobol};
 
 /// How many interior points are tried, half of them stratified.
@@ -12,9 +14,9 @@ const EXTREME: usize = 125;
 const MARGIN: f64 = 1e-4;
 
 /// Runs the three checks.
-pub(super) fn check(probe: &Probe, seed: u64, least: f64, report: &mut Report) {
-    let interior = interior(probe, seed);
-    let extreme = extreme(probe.sampler.uniforms(), least);
+pub(super) fn check(probe: &Probe, settings: &Settings, report: &mut Report) {
+    let interior = interior(probe, settings.seed);
+    let extreme = extreme(probe.sampler.uniforms(), settings.least);
     let everywhere = || interior.iter().chain(&extreme);
 
     let failure = everywhere().find_map(|u| round_trip(probe, u));
@@ -30,7 +32,26 @@ pub(super) fn check(probe: &Probe, seed: u64, least: f64, report: &mut Report) {
     let success = format!("worst relative difference {worst:.1e} beyond the condition");
     report.conclude("own density", failure, success);
 
-    jacobian(probe, &interior, report);
+    let jumps = &settings.jumps;
+    let smooth = interior.into_iter().filter(|u| !jumps_beside(probe, u, jumps));
+    jacobian(probe, &smooth.collect::<Vec<_>>(), report);
+}
+
+/// How far uniforms are moved at least to take differences.
+const LEAST_STEP: f64 = 1e-3;
+
+/// Whether a jump of the density lies within every difference.
+fn jumps_beside(probe: &Probe, u: &[f64], jumps: &[(usize, f64)]) -> bool {
+    if jumps.is_empty() || probe.sampler.kind() != Kind::Flat {
+        return false;
+    }
+    let beside = probe.neighbours(u, |_| LEAST_STEP);
+    let images: Vec<Vec<f64>> =
+        beside.iter().filter_map(|v| probe.forward(v)).map(|(_, x)| x).collect();
+    jumps.iter().any(|&(axis, value)| {
+        let below = images.iter().filter(|x| x.get(axis).is_some_and(|x| *x < value)).count();
+        below > 0 && below < images.len()
+    })
 }
 
 /// Stratified and random points, as the sampler's numbers represent them.
@@ -158,9 +179,10 @@ fn jacobian(probe: &Probe, interior: &[Vec<f64>], report: &mut Report) {
 /// The density of the sample of `u` from derivatives by differences at all of its preimages, and
 /// its relative error; `None` where they do not resolve it.
 fn density_by_differences(probe: &Probe, u: &[f64]) -> Option<(f64, f64)> {
-    let (x, _) = probe.forward(u)?;
+    let (x, at) = probe.forward(u)?;
     let (mut density, mut error) = (0.0, 0.0_f64);
-    for v in x.preimages() {
+    // What lies beyond all numbers next to an end has no density to speak of.
+    for v in x.preimages().into_iter().filter(|v| !probe.is_beyond(v, &at)) {
         let inside = v.iter().all(|v| (0.5 * MARGIN..1.0 - 0.5 * MARGIN).contains(v));
         let derivative = if inside { probe.derivative(&v)? } else { return None };
         density += derivative.volume().recip();

@@ -65,6 +65,9 @@ impl<'a> Probe<'a> {
         if !v.iter().all(|v| (0.0..1.0).contains(v)) {
             return false;
         }
+        if self.is_beyond(v, x) {
+            return true;
+        }
         let Some((_, y)) = self.forward(v) else { return false };
         let reach = self
             .neighbours(v, |_| 4.0 * self.epsilon)
@@ -73,6 +76,25 @@ impl<'a> Probe<'a> {
             .map(|(_, z)| distance(&y, &z))
             .fold(0.0, f64::max);
         distance(&y, x) <= slack * (64.0 * self.epsilon * self.magnitude(x) + 2.0 * reach)
+    }
+
+    /// Whether `v` lies next to where a map to the line goes to infinity, at an end of the uniform or of a piece, and `x` further
+    /// out than what is mapped from there: no number is as near to that place as the uniforms of `x` are.
+    pub(super) fn is_beyond(&self, v: &[f64], x: &[f64]) -> bool {
+        let ([v], [x]) = (v, x) else { return false };
+        let image = |steps: f64| {
+            let w = v + 4.0 * steps * self.epsilon;
+            let found = if (0.0..1.0).contains(&w) { self.forward(&[w]) } else { None };
+            found.map(|(_, at)| at[0])
+        };
+        [-1.0, 1.0].into_iter().any(|inwards: f64| {
+            let (Some(next), Some(further)) = (image(inwards), image(2.0 * inwards)) else {
+                return false;
+            };
+            let goes_on = |y: f64| (y - next) * (next - further) > 0.0;
+            let ends = image(0.0).is_none() || !image(-inwards).is_some_and(goes_on);
+            ends && goes_on(*x)
+        })
     }
 
     /// Uniforms beside `u` with each moved by `step(axis)` towards the middle of the cube: at a corner, rounding moves all.

@@ -36,11 +36,12 @@ impl<R: Real, S: Sampler<R, Uniforms = [R; 2]>> Map<R> for Warp<S> {
         self.0.pdf_of_uniforms([x.x, x.y]).value().recip()
     }
 
-    /// Next to the far end of a uniform a point may have digits that the uniform has no room for.
+    /// Next to the far end of a uniform a point may have digits that the uniform has no room for: so far out in a tail that the
+    /// density there is none, the uniform is that of a point further in.
     #[inline]
     fn jacobian_between(&self, x: &Vec2<R>, y: &S::Point) -> R {
         let density = self.0.pdf(y).value();
-        let known = density.gt(R::ZERO);
+        let known = density.ge(R::ZERO);
         if known.all() {
             density.recip()
         } else {

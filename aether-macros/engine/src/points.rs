@@ -149,7 +149,8 @@ const GRAZING: usize = 5;
 /// How far above it.
 const HEIGHTS: [f64; GRAZING] = [1e-2, 1e-3, 1e-4, 1e-6, 1e-5];
 
-/// Rounds that are tried for them; in the later ones, undeclared parameters are of any size and sign.
+/// Rounds that are tried for them; in the later ones, undeclared parameters are of any size and sign. If none of them passes, as
+/// many follow with others at any distance from an end of their domain: next to it alone a branch may be taken.
 const MOST_ROUNDS: usize = 400;
 const WILD: usize = 40;
 
@@ -170,9 +171,10 @@ pub fn sampler_points(
         _ => false,
     };
     let few = if kinds.iter().any(open) { ROUNDS + 4 } else { ROUNDS };
-    let rounds = if guarded { MOST_ROUNDS } else { few };
+    let rounds = if guarded { 2 * MOST_ROUNDS } else { few };
     for round in 0..rounds {
-        if round >= few && points.iter().filter(|p: &&Point| !p.stress).count() >= ENOUGH {
+        let found = points.iter().filter(|p: &&Point| !p.stress).count();
+        if round >= few && found >= ENOUGH || round == MOST_ROUNDS && found > 0 {
             break;
         }
         let stress = (ROUNDS..few).contains(&round);
@@ -363,6 +365,10 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     let lo = if d.lo.is_finite() { d.lo } else { -10.0f64.max(d.hi.abs()) };
     let hi = if d.hi.is_finite() { d.hi } else { 10.0f64.max(2.0 * lo) };
     match round {
+        MOST_ROUNDS.. => {
+            let near = (hi - lo) * libm::exp2(-60.0 * rng.uniform());
+            if round.is_multiple_of(2) { lo + near } else { hi - near }
+        }
         // What is declared without an upper end may be very large.
         ROUNDS.. if d.hi == f64::INFINITY && round < ROUNDS + 4 => {
             hi * libm::pow(1e3, (round - ROUNDS + 1) as f64) * (0.5 + rng.uniform())
