@@ -4,6 +4,7 @@ use core::cell::RefCell;
 use core::fmt;
 
 use crate::combine::{Combined, Heuristic, WeightedSample};
+use crate::path_density::PathDensity;
 use crate::point::Point;
 use crate::real::Scalar;
 use crate::sampler::{Sample, Sampler};
@@ -133,6 +134,17 @@ fn is_regular<R: Scalar>(p: R) -> bool {
 #[inline(always)]
 fn per<R: Scalar, T: Value<R>>(f: T, p: R) -> T {
     if is_regular(p) { f.over(p) } else { T::zero() }
+}
+
+/// The same value times the same scale, where neither it nor a product with a factor of ordinary size leaves the range of numbers.
+#[inline]
+fn moderate<R: Scalar, T: Value<R>>(value: T, scale: PathDensity<R>) -> (T, PathDensity<R>) {
+    let step = R::of((1_u64 << 48) as f64);
+    if value.times(R::MIN_POSITIVE * step).is_zero() {
+        return (value.times(step), scale * step.recip());
+    }
+    let is_large = !is_usable(value.times((R::MIN_POSITIVE * step).recip()));
+    if is_large { (value.over(step), scale * step) } else { (value, scale) }
 }
 
 /// Whether a value is in the range of numbers, and not zero.
@@ -369,24 +381,37 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         value.multiply(self.closing(PathView::of_unfolded(tape, place, self.shown())))
     }
 
-    /// The integrand itself, f, not divided by a density: what a Markov chain is to be distributed
-    /// as. Zero if the path is not complete. Unlike f / p it may leave the range of a float.
+    /// The integrand itself, f, not divided by a density. Zero if the path is not complete. Unlike f / p it leaves the range of
+    /// numbers where paths are long, or lengths far from one: see [`Estimator::scaled_integrand_at`].
     pub fn integrand_at<S: Strategy<I::Vertex>>(
         &self,
         path: &RandomSequence<'_, I::Vertex, S>,
     ) -> I::Value {
+        let (value, scale) = self.scaled_integrand_at(path);
+        if scale == PathDensity::ONE { value } else { value.times(scale.value()) }
+    }
+
+    /// The integrand itself as a value of ordinary range and a number that it is to be multiplied by: what a Markov chain is to
+    /// be distributed as. Zero if the path is not complete.
+    pub fn scaled_integrand_at<S: Strategy<I::Vertex>>(
+        &self,
+        path: &RandomSequence<'_, I::Vertex, S>,
+    ) -> (I::Value, PathDensity<RealOf<I>>) {
+        let (mut value, mut scale) = (I::Value::one(), PathDensity::ONE);
         if !path.is_complete() || path.is_empty() {
-            return I::Value::zero();
+            return (I::Value::zero(), scale);
         }
         self.remember(path.arena.contents());
-        let (tape, mut value) = (path.arena.tape.unfolded(), I::Value::one());
+        let tape = path.arena.tape.unfolded();
         for k in 0..path.len() {
             value = value.multiply(self.factor(&tape, path.handle.place, k));
             if value.is_zero() {
-                return value;
+                return (value, scale);
             }
+            (value, scale) = moderate(value, scale);
         }
-        value.multiply(self.closing(PathView::of_unfolded(&tape, path.handle.place, self.shown())))
+        let end = PathView::of_unfolded(&tape, path.handle.place, self.shown());
+        (value.multiply(self.closing(end)), scale)
     }
 
     /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing

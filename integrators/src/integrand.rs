@@ -152,7 +152,8 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         film_points(self.world, eye, seen, |film, change| {
             sight = Some(Sight { film, change });
         });
-        sight
+        // A surface seen exactly from its edge has no change of measure, and is not seen.
+        sight.filter(|sight| sight.change > 0.0)
     }
 
     /// The scene.

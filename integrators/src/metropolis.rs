@@ -64,19 +64,19 @@ impl Metropolis {
         shortest..=self.path.most_vertices()
     }
 
-    /// What a path contributes to the image, and how bright that is.
+    /// What a path contributes to the image, but for a factor, and how bright that is with it.
     fn contribution<'a, K: SceneKind>(
         &self,
         world: &'a World<'a, K>,
         estimator: &PathEstimator<'a, K>,
         path: &Path<'_, 'a, K>,
-    ) -> (f32, Contributions) {
-        let found = if self.lengths().contains(&path.len()) && self.covers(world, path) {
-            shares(estimator, path, estimator.integrand_at(path))
-        } else {
-            Contributions::default()
-        };
-        (found.brightness(), found)
+    ) -> (PathDensity<f32>, Contributions) {
+        if !(self.lengths().contains(&path.len()) && self.covers(world, path)) {
+            return (PathDensity::ZERO, Contributions::default());
+        }
+        let (value, scale) = estimator.scaled_integrand_at(path);
+        let found = shares(estimator, path, value);
+        (scale * found.brightness(), found)
     }
 
     /// The two walks of a bidirectional sample of the whole image, and how many vertices a path of theirs has at most.
@@ -458,7 +458,7 @@ mod tests {
         world: &'a World<'a, Everything>,
         estimator: &PathEstimator<'a, Everything>,
     ) -> impl Fn(&Path<'_, 'a, Everything>) -> f32 {
-        |path| metropolis.contribution(world, estimator, path).0
+        |path| metropolis.contribution(world, estimator, path).0.value()
     }
 
     /// f(x) T(y | x) a(x, y) = f(y) T(x | y) a(y, x) for pairs of paths that each mutation makes.

@@ -251,8 +251,10 @@ fn convergence_measures_and_reports() {
     assert!(failure(aether(&small)).contains("has 16x12 pixels, the render 8x8"));
     for (more, expected) in [
         (&["--variant=x=teapot"][..], "integrator `teapot` is not supported"),
-        (&["--variant=x=path --paint"], "unexpected argument '--paint'"),
+        (&["--variant=x=path --paint"], "--paint is no option of a single integrator here"),
         (&["--variant=path=bdpt"], "two integrators are called `path`"),
+        (&["--variant=x=path --spp 3"], "--spp is no option of a single integrator here"),
+        (&["--variant=x=path -Dgrey=1"], "-Dgrey is no option of a single integrator here"),
         (&["--images", "none.csv"], "none.csv"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
     ] {

@@ -389,3 +389,44 @@ fn what_techniques_contribute_adds_up_to_the_image() {
     assert!((exr.layers["albedo"].pixels()[centre][0] - 0.5).abs() < 1e-6);
     assert!(exr.layers["normal"].pixels()[centre][2] > 0.97);
 }
+
+#[test]
+fn what_a_scene_is_read_from_is_not_overwritten() {
+    let directory = Directory::new("inputs");
+    let light = directory.rendered("sky.exr", &[]);
+    let sky = SCENE.replace(
+        "</scene>",
+        r#"<emitter type="envmap"><string name="filename" value="sky.exr"/></emitter></scene>"#,
+    );
+    std::fs::write(directory.path("sky.xml"), sky).unwrap();
+    let run = directory.render(&["sky.xml"]).output().unwrap();
+    assert_eq!(run.status.code(), Some(2));
+    let text = message(&run);
+    assert!(text.contains("read from `sky.exr`") && text.contains("-o"), "{text}");
+    assert_eq!(Exr::read(&directory.path("sky.exr")).unwrap().rgb, light.rgb);
+    let elsewhere = directory.render(&["sky.xml", "-o", "other.exr"]).output().unwrap();
+    assert_eq!(elsewhere.status.code(), Some(0), "{}", message(&elsewhere));
+}
+
+#[test]
+fn a_lock_takes_the_place_of_no_other_file() {
+    let directory = Directory::new("lock");
+    std::fs::write(directory.path("state.lock"), "kept").unwrap();
+    let run = directory.render(&["ball.xml", "--checkpoint", "state"]).output().unwrap();
+    assert_eq!(run.status.code(), Some(2));
+    assert!(message(&run).contains("`state.lock`, which is another file"), "{}", message(&run));
+    assert_eq!(std::fs::read_to_string(directory.path("state.lock")).unwrap(), "kept");
+}
+
+#[test]
+fn options_of_other_integrators_are_pointed_out() {
+    let directory = Directory::new("idle");
+    let warnings = |options: &[&str]| {
+        let run = directory.render(&[&["ball.xml"], options].concat()).output().unwrap();
+        assert_eq!(run.status.code(), Some(0), "{}", message(&run));
+        message(&run).lines().filter(|line| line.contains("does nothing")).count()
+    };
+    assert_eq!(warnings(&["--clamp", "2", "--reconstruction", "l2"]), 2);
+    assert_eq!(warnings(&["--integrator", "mlt", "--sampler", "ldsampler"]), 1);
+    assert_eq!(warnings(&["--integrator", "vpl", "--clamp", "2", "--light-paths", "3"]), 0);
+}

@@ -16,7 +16,7 @@ use crate::uniform::UniformSource;
 ///
 /// The target function maps a path to a pair: its value, which the chain is distributed as, and the
 /// contribution. It sees vertices and Dirac factors like any integrand, and must not depend on the
-/// strategies that made the path. [`Estimator::integrand_at`](crate::Estimator::integrand_at) serves.
+/// strategies that made the path. [`Estimator::scaled_integrand_at`](crate::Estimator::scaled_integrand_at) serves.
 #[derive(Clone, Debug)]
 pub struct MarkovChainState<V: Vertex, S, C> {
     path: Snapshot<V, S>,

@@ -59,6 +59,14 @@ pub fn diffuse_average(eta: f32) -> f32 {
 mod tests {
     use super::*;
 
+    #[test]
+    fn rounding_makes_no_metal_absorb_more_than_there_is() {
+        for k in 0..=1000u16 {
+            let reflected = conductor(f32::from(k) / 1000.0, Vec3::ONE, Vec3::ZERO);
+            assert!(reflected.min_element() >= 0.0, "{k}: {reflected}");
+        }
+    }
+
     /// As textbooks print them, in double precision.
     fn textbook(c: f64, eta: f64) -> f64 {
         let t2 = 1.0 - (1.0 - c * c) / (eta * eta);

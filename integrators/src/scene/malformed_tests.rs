@@ -263,7 +263,7 @@ fn broken_references_and_groups() {
             ("<shape type=\"instance\"/>", "scene.xml:2:1 ", "needs a <ref> to a shapegroup"),
             (
                 "<shape type=\"cube\" id=\"c\"/><shape type=\"instance\"><ref id=\"c\"/></shape>",
-                "scene.xml:2:51 ",
+                "scene.xml:2:28 ",
                 "needs a <ref> to a shapegroup",
             ),
             (

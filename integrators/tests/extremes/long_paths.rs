@@ -2,6 +2,7 @@
 
 use integrators::algorithm::Algorithm;
 use integrators::bidirectional::Bidirectional;
+use integrators::metropolis::Metropolis;
 use integrators::scene::Scene;
 
 use super::{assert_mean, camera, common, rendered, rendered_by, scene};
@@ -39,4 +40,40 @@ fn a_furnace_a_hundred_edges_deep_from_both_ends() {
     let bidirectional = Algorithm::Bidirectional(Bidirectional::new(common::settings(&scene)));
     let film = rendered_by(bidirectional, &scene, 4, 1);
     assert_mean("100 edges from both ends", &film, 100.0);
+}
+
+/// A room with a lamp, of this half width.
+fn lit_room(size: f64) -> Scene {
+    let lamp = 0.5 * size;
+    let elements = format!(
+        r#"<shape type="cube"><transform name="to_world"><scale value="{size}"/></transform>
+            <boolean name="flip_normals" value="true"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.8"/></bsdf></shape>
+        <shape type="sphere"><float name="radius" value="{lamp}"/>
+            <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+            <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>"#
+    );
+    let [eye, target] = [[0.25, -0.875, 0.125], [0.0, 0.5, -0.125]].map(|p| p.map(|x| x * size));
+    scene(&camera(eye, target, 60.0), 8, 30, &elements)
+}
+
+/// What a chain is distributed as is a product of all factors of a path, which by far leaves the range of single precision.
+#[test]
+fn chains_find_the_same_light_in_any_unit_of_length() {
+    let image = |size: f64| {
+        let scene = lit_room(size);
+        let path = common::settings(&scene);
+        let chains = Metropolis { candidates: Some(500), ..Metropolis::new(path) };
+        rendered_by(Algorithm::Metropolis(chains), &scene, 32, 3).image()
+    };
+    let expected = image(1.0);
+    let mean = expected.pixels().iter().flatten().sum::<f32>() / 192.0;
+    assert!(mean > 0.5, "{mean}");
+    for size in [2f64.powi(14), 2f64.powi(-14)] {
+        // Powers of two round nothing, so that even the steps of chains are the same.
+        for (a, b) in image(size).pixels().iter().flatten().zip(expected.pixels().iter().flatten())
+        {
+            assert!((a - b).abs() <= 1e-4 * mean, "{size}: {a}, expected {b}");
+        }
+    }
 }
