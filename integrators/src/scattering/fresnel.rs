@@ -33,8 +33,9 @@ pub fn conductor(cosine: f32, eta: Vec3, k: Vec3) -> Vec3 {
         let d = eta * eta - k * k - s2;
         let a2b2 = (d * d + 4.0 * eta * eta * k * k).sqrt();
         let a = (0.5 * (a2b2 + d)).max(0.0).sqrt();
-        // Rounding must not make it negative where nothing is reflected.
-        let s = ((a2b2 + c2) - 2.0 * a * cosine).max(0.0) / ((a2b2 + c2) + 2.0 * a * cosine);
+        // What is no metal at all reflects nothing, and rounding must not make that negative.
+        let top = ((a2b2 + c2) - 2.0 * a * cosine).max(0.0);
+        let s = if top > 0.0 { top / ((a2b2 + c2) + 2.0 * a * cosine) } else { 0.0 };
         let (t1, t2) = (c2 * a2b2 + s2 * s2, 2.0 * a * cosine * s2);
         0.5 * s * (1.0 + (t1 - t2) / (t1 + t2))
     };
