@@ -14,7 +14,7 @@ use crate::integrand::Radiance;
 use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{Photon, PhotonMap, shrunk};
+use crate::photons::{Photon, PhotonMap, seen_size, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Pixel, sample_bsdf};
@@ -34,7 +34,7 @@ pub struct PhotonMapping {
     pub path: PathSettings,
     /// Light paths of each sample of the image; none for as many as there are pixels.
     pub light_paths: Option<u32>,
-    /// The first radius over that of the scene.
+    /// The first radius over that of what is seen of the scene ([`seen_size`]).
     pub radius: f32,
     /// How fast the radius shrinks: 1 not at all, 0 so that the noise stays.
     pub alpha: f32,
@@ -50,6 +50,8 @@ impl PhotonMapping {
 /// Photon mapping of a scene, as the render engine calls it.
 pub struct PhotonKernel<'s, K: SceneKind> {
     world: World<'s, K>,
+    /// What the radius is relative to.
+    size: f32,
     settings: PhotonMapping,
     seed: u64,
     map: RwLock<PhotonMap>,
@@ -62,7 +64,8 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene, settings: PhotonMapping, seed: u64) -> Result<Self, NotCovered> {
         let world = World::new(scene)?;
-        Ok(PhotonKernel { world, settings, seed, map: RwLock::default() })
+        let size = seen_size(&world);
+        Ok(PhotonKernel { world, size, settings, seed, map: RwLock::default() })
     }
 
     fn light_paths(&self) -> usize {
@@ -191,8 +194,7 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
 
     fn begin_pass(&self, first: u32, threads: usize) {
         let photons = in_parts(self.light_paths(), threads, |part| self.shoot(first, part));
-        let (_, size) = self.world.lights.bounds;
-        let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
+        let radius = self.settings.radius * self.size * shrunk(self.settings.alpha, first);
         let map = PhotonMap::new(photons, radius);
         *self.map.write().unwrap_or_else(PoisonError::into_inner) = map;
     }

@@ -1,6 +1,13 @@
-//! Photons, and a hash grid that finds those next to a point.
+//! Photons, a hash grid that finds those next to a point, and how far away that may be.
 
+use aether_core::Arena;
 use glam::{IVec3, Vec3};
+
+use crate::emission::LightStrategies;
+use crate::kind::SceneKind;
+use crate::strategies::Aim;
+use crate::subpaths::{camera_path, first_edge};
+use crate::world::World;
 
 /// Light that has arrived at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +30,39 @@ pub struct Photon {
 pub fn shrunk(alpha: f32, sample: u32) -> f32 {
     let step = |i: u32| (f64::from(i) + f64::from(alpha)) / (f64::from(i) + 1.0);
     (1..=sample).map(step).product::<f64>().sqrt() as f32
+}
+
+/// Rows and columns of film points by which is judged what the camera sees.
+const LOOKS: u32 = 32;
+
+/// Half the diagonal of what the camera sees of the scene, a tenth at either end of each axis aside, and at most the
+/// radius of the whole: what first search radii are relative to. The plane on which a house stands should not blur its rooms.
+pub fn seen_size<K: SceneKind>(world: &World<'_, K>) -> f32 {
+    let mut arena = Arena::<_, LightStrategies<K>>::new();
+    let (_, whole) = world.lights.bounds;
+    let mut along: [Vec<f32>; 3] = Default::default();
+    for k in 0..LOOKS * LOOKS {
+        arena.clear();
+        let at = |i: u32, size: u32| {
+            (u64::from(size) * u64::from(2 * i + 1) / u64::from(2 * LOOKS)) as u32
+        };
+        let film = &world.scene.film;
+        let pixel = (at(k % LOOKS, film.width), at(k / LOOKS, film.height));
+        let path = camera_path(world, &arena, &mut || 0.5, Aim::Pixel(pixel), (2, 0));
+        let Some([_, seen]) = first_edge(&path) else { continue };
+        if seen.surface().is_some() {
+            along.iter_mut().zip(seen.position.to_array()).for_each(|(axis, x)| axis.push(x));
+        }
+    }
+    let extents = along.map(|mut axis| {
+        axis.sort_unstable_by(f32::total_cmp);
+        let tenth = axis.len() / 10;
+        let ends = axis.get(tenth).zip(axis.get(axis.len().wrapping_sub(tenth + 1)));
+        // As wide as all of it if that is even.
+        ends.map_or(0.0, |(low, high)| (high - low) / 0.8)
+    });
+    let seen = 0.5 * Vec3::from(extents).length();
+    if seen > 0.0 { seen.min(whole) } else { whole }
 }
 
 /// Something at a place.
@@ -121,7 +161,31 @@ impl<P: Placed> PhotonMap<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kind::Everything;
+    use crate::scene::Scene;
     use aether_core::{Pcg32, UniformSource};
+
+    #[test]
+    fn what_is_not_seen_does_not_make_a_scene_larger() {
+        let size = |around: &str| {
+            let text = format!(
+                r#"<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="60"/>
+                    <transform name="to_world"><lookat origin="0,0,3" target="0,0,0" up="0,1,0"/></transform>
+                    <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film>
+                </sensor><shape type="rectangle"><bsdf type="diffuse"/></shape>{around}</scene>"#
+            );
+            let scene = Scene::from_str(&text, std::path::Path::new("."), &[]).unwrap();
+            seen_size(&World::<Everything>::new(&scene).unwrap())
+        };
+        let alone = size("");
+        assert!((alone - 2f32.sqrt()).abs() < 0.05, "{alone}");
+        let far = r#"<shape type="rectangle"><transform name="to_world"><scale value="200"/>
+            <translate z="9"/></transform></shape>"#;
+        assert!((size(far) / alone - 1.0).abs() < 0.2, "{} for {alone}", size(far));
+        // Nothing is seen.
+        let behind = r#"<shape type="sphere"><point name="center" x="0" y="0" z="9"/></shape>"#;
+        assert!(size(behind) > 0.0);
+    }
 
     #[test]
     fn the_grid_finds_what_a_search_of_all_finds() {

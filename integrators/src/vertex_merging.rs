@@ -14,7 +14,7 @@ use crate::emission::LightStrategies;
 use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::photons::{PhotonMap, Placed, shrunk};
+use crate::photons::{PhotonMap, Placed, seen_size, shrunk};
 use crate::render::{AnyKernel, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Aim, Pixel};
@@ -31,7 +31,7 @@ use crate::world::World;
 pub struct VertexMerging {
     /// Lengths of paths, Russian roulette, techniques.
     pub path: PathSettings,
-    /// The first radius over that of the scene.
+    /// The first radius over that of what is seen of the scene ([`seen_size`]).
     pub radius: f32,
     /// How fast the radius shrinks: 1 not at all, 0 so that the noise stays.
     pub alpha: f32,
@@ -72,6 +72,8 @@ struct LightPaths<K: SceneKind> {
 /// Vertex connection and merging in a scene, as the render engine calls it.
 pub struct MergingKernel<'s, K: SceneKind> {
     world: World<'s, K>,
+    /// What the radius is relative to.
+    size: f32,
     settings: VertexMerging,
     seed: u64,
     lights: RwLock<LightPaths<K>>,
@@ -84,7 +86,9 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
     /// If the scene needs what the kind leaves out.
     pub fn new(scene: &'s Scene, settings: VertexMerging, seed: u64) -> Result<Self, NotCovered> {
         let lights = RwLock::new(LightPaths { paths: Vec::new(), ends: PhotonMap::default() });
-        Ok(MergingKernel { world: World::new(scene)?, settings, seed, lights })
+        let world = World::new(scene)?;
+        let size = seen_size(&world);
+        Ok(MergingKernel { world, size, settings, seed, lights })
     }
 
     /// Some of the light paths of a sample, by their numbers.
@@ -236,8 +240,7 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
 
     fn begin_pass(&self, first: u32, threads: usize) {
         let paths = in_parts(self.world.pixels(), threads, |part| self.shoot(first, part));
-        let (_, size) = self.world.lights.bounds;
-        let radius = self.settings.radius * size * shrunk(self.settings.alpha, first);
+        let radius = self.settings.radius * self.size * shrunk(self.settings.alpha, first);
         let ends = PhotonMap::new(ends(&paths), radius);
         *self.lights.write().unwrap_or_else(PoisonError::into_inner) = LightPaths { paths, ends };
     }

@@ -99,6 +99,9 @@ impl Camera {
     }
 }
 
+/// The least field of view along x, in degrees.
+const LEAST_FOV: f64 = 1e-3;
+
 /// The horizontal field of view in degrees, from one along `axis`, as Mitsuba's `parse_fov` does.
 pub fn horizontal_fov(fov: f64, axis: &str, aspect: f64) -> Result<f64, String> {
     let half = (0.5 * fov).to_radians().tan();
@@ -117,11 +120,16 @@ pub fn horizontal_fov(fov: f64, axis: &str, aspect: f64) -> Result<f64, String> 
         }
     };
     let result = 2.0 * tangent.atan().to_degrees();
-    if fov > 0.0 && fov < 180.0 && result > 0.0 && result < 180.0 {
-        Ok(result)
-    } else {
-        Err("the field of view must be between 0 and 180 degrees".to_owned())
+    if !(fov > 0.0 && fov < 180.0 && result > 0.0 && result < 180.0) {
+        return Err("the field of view must be between 0 and 180 degrees".to_owned());
     }
+    if result < LEAST_FOV {
+        return Err(format!(
+            "the field of view must be at least {LEAST_FOV:e} degrees: single precision has no more than a few hundred \
+             directions in so small a one"
+        ));
+    }
+    Ok(result)
 }
 
 /// The field of view along the diagonal, in degrees, of a 35 mm camera (36 mm x 24 mm) with a

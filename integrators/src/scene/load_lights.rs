@@ -83,7 +83,7 @@ fn only_texture(query: &Query, name: &str) -> Result<(), SceneError> {
 fn emission(query: &Query, name: &'static str) -> Result<Vec3, SceneError> {
     reject_texture(query, name)?;
     let value = query.color(name, Purpose::Emission)?.unwrap_or(DVec3::ONE);
-    if value.min_element() < 0.0 || value.max_element() > 1e18 {
+    if value.is_nan() || value.min_element() < 0.0 || value.max_element() > 1e18 {
         let message = format!("the {name} {value} must lie in [0, 1e18]");
         return Err(query.error_at(name, message));
     }
@@ -111,11 +111,16 @@ fn position(query: &Query) -> Result<DVec3, SceneError> {
         return Err(query.error_at("position", "give either position or to_world, not both"));
     }
     let moved = to_world.map(|m| m.w_axis.truncate());
-    let position = position.or(moved).unwrap_or(DVec3::ZERO);
-    if position.abs().max_element() > 1e15 {
-        return Err(query.error_at("position", "the light is too far away; scale the scene"));
+    let named = if moved.is_some() { "to_world" } else { "position" };
+    near_enough(query, named, position.or(moved).unwrap_or(DVec3::ZERO))
+}
+
+/// A position, if it is not so far away that single precision has no room for what depends on it.
+fn near_enough(query: &Query, name: &str, position: DVec3) -> Result<DVec3, SceneError> {
+    if position.abs().max_element() <= 1e15 {
+        return Ok(position);
     }
-    Ok(position)
+    Err(query.error_at(name, "the light is too far away; scale the scene"))
 }
 
 fn spot(document: &Document, query: &Query, textures: &mut Textures) -> Result<Lone, SceneError> {
@@ -142,7 +147,7 @@ fn spot(document: &Document, query: &Query, textures: &mut Textures) -> Result<L
         slide,
     };
     let bulb = Bulb { position: Vec3::ZERO, intensity, cone: Some(cone) };
-    Ok(Lone::Bulb(bulb, to_world.w_axis.truncate()))
+    Ok(Lone::Bulb(bulb, near_enough(query, "to_world", to_world.w_axis.truncate())?))
 }
 
 fn directional(query: &Query) -> Result<Lone, SceneError> {

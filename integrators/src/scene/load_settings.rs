@@ -131,6 +131,9 @@ impl Window {
     }
 }
 
+/// How far away from the image its axis may go through the film, in images.
+const FURTHEST: f64 = 1e3;
+
 fn read_camera(query: &Query, film: &Window) -> Result<(Camera, DVec3), SceneError> {
     let aspect = f64::from(film.film.0) / f64::from(film.film.1);
     let fov = query.float("fov")?;
@@ -152,7 +155,10 @@ fn read_camera(query: &Query, film: &Window) -> Result<(Camera, DVec3), SceneErr
     let tan_x = (0.5 * fov).to_radians().tan();
     let is_lens = query.object.plugin == "thinlens";
     let projection = if is_lens { read_lens(query)? } else { Projection::Pinhole };
-    let offset = |name| query.float(name).map(|x| x.unwrap_or(0.0) as f32);
+    let offset = |name| match query.float(name)?.unwrap_or(0.0) {
+        x if x.abs() <= FURTHEST => Ok(x as f32),
+        x => Err(query.error_at(name, format!("{x:e} must lie within {FURTHEST} images"))),
+    };
     let principal = if is_lens {
         Vec2::ZERO
     } else {
