@@ -8,4 +8,11 @@ fn scaled(u: [Uniform; 1], k: f64) -> f64 {
     x
 }
 
+// Both names are known after it.
+#[sampler]
+fn swapped(u: [Uniform; 2]) -> Vec2 {
+    let (mut s, t) = (u[0], u[1]);
+    Vec2::new(t, s)
+}
+
 fn main() {}

@@ -6,6 +6,7 @@
 //! The graph bounds the number of forms, so the outcome is the same on every machine.
 
 mod angles;
+mod collect;
 mod exponential;
 
 pub(crate) use exponential::by_size;
@@ -353,6 +354,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
             out.extend(angles::difference(g, c, &terms));
+            out.extend(collect::by_coordinate(g, c, &terms));
             let f = factor_out(g, id);
             out.push(f);
             for open in [crate::expr::UNKNOWNS | crate::expr::OUTS, crate::expr::Deps::MAX] {

@@ -84,7 +84,7 @@ pub(super) struct RenderArguments {
     #[arg(default_value = "60", requires = "checkpoint")]
     pub checkpoint_every: f64,
     /// Seed of the random numbers: the same seed gives the same image [default: the scene's, or 0]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// Where random numbers come from, instead of what the scene asks for: `independent`, or Owen-scrambled Sobol points
     /// by any other name that Mitsuba has for a sampler (`ldsampler`): mostly less noise. mlt, pssmlt, ppm and vcm
@@ -119,7 +119,7 @@ pub(super) struct RenderArguments {
     pub light_paths: Option<u32>,
 
     /// The largest geometry term of a connection to a virtual light: biased, but without spikes
-    #[arg(long, value_name = "LIMIT", value_parser = positive)]
+    #[arg(long, value_name = "LIMIT", value_parser = positive, allow_negative_numbers = true)]
     pub clamp: Option<f32>,
 
     /// Which mutations mlt uses, instead of all: bidirectional, lens, multi-chain, caustic
@@ -142,7 +142,7 @@ pub(super) struct RenderArguments {
     #[arg(long)]
     pub mitsuba3_roughplastic: bool,
     /// Columns and rows of the image, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<(u32, u32)>,
 }
 
@@ -224,7 +224,7 @@ pub(super) struct ConvergenceArguments {
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     pub defines: Vec<(String, String)>,
     /// Columns and rows of the image, instead of the scene's
-    #[arg(long, value_name = "WxH", value_parser = size, allow_negative_numbers = true)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<(u32, u32)>,
     /// Longest path, as for `render`
     #[arg(long, value_name = "N", value_parser = max_depth, allow_negative_numbers = true)]
@@ -319,6 +319,10 @@ fn define(text: &str) -> Result<(String, String), String> {
 
 fn samples(text: &str) -> Result<u32, String> {
     in_range(text.parse().ok(), 1..=i32::MAX as u32)
+}
+
+fn seed(text: &str) -> Result<u64, String> {
+    in_range(text.parse().ok(), 0..=u64::MAX)
 }
 
 fn threads(text: &str) -> Result<usize, String> {

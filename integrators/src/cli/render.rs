@@ -28,6 +28,9 @@ use crate::scene::Scene;
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
 const AOV_SAMPLES: u32 = 64;
 
+/// So many vertices without Russian roulette are as good as no end.
+const ENDLESS: u32 = 10_000;
+
 /// Loads the scene, renders it and writes both files. After Ctrl-C, what has been rendered.
 pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let output = output_path(arguments)?;
@@ -37,6 +40,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let kernel = kernel_for(&scene, &plan)?;
     warn_of_integrator(&scene, &plan);
     warn_of_idle_options(&plan, arguments);
+    if plan.max_depth.is_none() && plan.rr_depth > ENDLESS {
+        warn(&format!(
+            "warning: paths of any length without Russian roulette before {} vertices may never end between walls that \
+             reflect; give --max-depth",
+            plan.rr_depth
+        ));
+    }
     keep_files_of(&scene, &written(&output, &plan, arguments))?;
 
     let terminal = Terminal::new();

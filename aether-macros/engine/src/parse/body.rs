@@ -374,19 +374,33 @@ impl<'a> Body<'a> {
             (Pat::Paren(p), value) => self.bind(&p.pat, value),
             (Pat::Wild(_), _) => Some(()),
             (Pat::Tuple(p), Value::Unknown) => {
-                p.elems.iter().try_for_each(|p| self.bind(p, Value::Unknown))
+                let values = vec![Value::Unknown; p.elems.len()];
+                self.bind_each(&p.elems, values)
             }
             (Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
-                p.elems.iter().zip(values).try_for_each(|(p, v)| self.bind(p, v))
+                self.bind_each(&p.elems, values)
             }
             (Pat::Slice(p), Value::Uniforms(ids)) if p.elems.len() == ids.len() => {
-                p.elems.iter().zip(ids).try_for_each(|(p, v)| self.bind(p, Value::Scalar(v)))
+                self.bind_each(&p.elems, ids.into_iter().map(Value::Scalar).collect())
             }
             (pat, value) => {
                 let what = value.describe();
                 self.error(pat, format!("{what} does not fit this pattern"))
             }
         }
+    }
+
+    /// Binds all parts of a pattern, also those after one that is wrong.
+    fn bind_each(
+        &mut self,
+        parts: &syn::punctuated::Punctuated<Pat, syn::Token![,]>,
+        values: Vec<Value>,
+    ) -> Option<()> {
+        let mut bound = Some(());
+        for (part, value) in parts.iter().zip(values) {
+            bound = self.bind(part, value).and(bound);
+        }
+        bound
     }
 
     /// `require(a > b)`: the point exists only where it holds.

@@ -85,11 +85,17 @@ pub(super) fn over_largest(g: &mut Graph, factors: &[(Id, Id)]) -> Vec<Id> {
     found.into_iter().map(|power| over(g, factors, power)).collect()
 }
 
-/// The exponentials among the terms of a sum.
+/// From which argument on an exponential may be out of the range of single precision.
+const LARGE: f64 = 80.0;
+
+/// The exponentials among the terms of a sum that may be out of range.
 fn exponentials(g: &Graph, sum: Id) -> Vec<Id> {
     let Node::Sum(_, terms) = g.node(sum) else { return Vec::new() };
-    let is_power = |t: &Id| matches!(g.node(*t), Node::Call(Fun::Exp, _));
-    terms.iter().map(|(_, t)| *t).filter(is_power).collect()
+    let is_large = |t: &Id| match g.node(*t) {
+        Node::Call(Fun::Exp, args) => g.range(args[0]).hi > LARGE,
+        _ => false,
+    };
+    terms.iter().map(|(_, t)| *t).filter(is_large).collect()
 }
 
 /// The product with all of its sums that have an exponential for a term divided by it, which is multiplied in again.
