@@ -257,6 +257,7 @@ fn convergence_measures_and_reports() {
         (&["--variant=x=path -Dgrey=1"], "-Dgrey is no option of a single integrator here"),
         (&["--images", "none.csv"], "none.csv"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
+        (&["--crop=9,9,9,9"], "does not lie in the image of 16x12 pixels"),
     ] {
         let message = failure(run(&[&["-o", &out], more].concat()));
         assert!(message.contains(expected), "{more:?}: {message}");

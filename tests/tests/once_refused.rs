@@ -327,3 +327,74 @@ fn a_sphere_light_has_the_density_of_its_axis() {
     let (d, r, m) = (1.25_f64, 0.75, 0.1875);
     both(right(sphere_light(m, d, r)), [0.0, 0.3], 1.0 / (TAU * m * (d - r) * (d - r)));
 }
+
+#[sampler(k in 0.1..=5.0)]
+fn bent_disk(u: [Uniform; 2], k: f64) -> Vec2 {
+    let (r, phi) = (u[0].sqrt(), TAU * u[1]);
+    let y = r * phi.sin();
+    Vec2::new(r * phi.cos() + k * y * y, y)
+}
+
+#[map]
+fn polar(p: Vec2) -> Vec2 {
+    Vec2::new(p.length(), p.y.atan2(p.x))
+}
+
+#[sampler(g in -0.95..=0.95)]
+fn phase_function_about(u: [Uniform; 2], g: f64, wo: Direction) -> Direction {
+    let cos = if g.abs() < 1e-3 {
+        1.0 - 2.0 * u[0]
+    } else {
+        let s = (1.0 - g * g) / (1.0 + g - 2.0 * g * u[0]);
+        (1.0 + g * g - s * s) / (2.0 * g)
+    };
+    let sin = (1.0 - cos * cos).sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(Frame::around(wo).to_world(Vec3::new(
+        sin * phi.cos(),
+        sin * phi.sin(),
+        cos,
+    )))
+}
+
+#[test]
+fn a_coordinate_that_another_depends_on_squared() {
+    let disk = right(bent_disk(3.0));
+    for u in [[0.25, 0.1], [0.9, 0.5], [1e-12, 0.75]] {
+        both(disk, u, 1.0 / PI);
+    }
+}
+
+#[test]
+fn polar_coordinates_are_a_map() {
+    // Uniform on the unit disk: r / π of radius and azimuth.
+    let polar = Sampler::<f64>::then(plain_disk(), polar());
+    for u in [[0.25, 0.1], [0.9, 0.45], [0.3, 0.7]] {
+        both(polar, u, f64::sqrt(u[0]) / PI);
+    }
+    assert_eq!(polar.pdf(&Vec2::new(0.5, 4.0)).value(), 0.0);
+    assert_eq!(polar.pdf(&Vec2::new(-0.5, 1.0)).value(), 0.0);
+}
+
+#[sampler]
+fn plain_disk(u: [Uniform; 2]) -> Vec2 {
+    let (r, phi) = (u[0].sqrt(), TAU * u[1]);
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+#[test]
+fn a_narrow_branch_beside_one_that_a_frame_has() {
+    for z in [0.5, -0.5] {
+        let wo = Direction::from_vec(Vec3::new(0.3, 0.2, z).normalize());
+        for g in [0.0, 5e-4, -0.6] {
+            let sampler = right(phase_function_about(g, wo));
+            let w = sampler.sample([0.3, 0.4]).value();
+            let truth = if g.abs() < 1e-3 {
+                1.0 / (4.0 * PI)
+            } else {
+                (1.0 - g * g) / (4.0 * PI) / (1.0 + g * g - 2.0 * g * w.dot(wo)).powf(1.5)
+            };
+            close(sampler.pdf(&w).value(), truth);
+        }
+    }
+}

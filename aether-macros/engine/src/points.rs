@@ -150,7 +150,7 @@ const GRAZING: usize = 5;
 const HEIGHTS: [f64; GRAZING] = [1e-2, 1e-3, 1e-4, 1e-6, 1e-5];
 
 /// Rounds that are tried for them; in the later ones, undeclared parameters are of any size and sign. If none of them passes, as
-/// many follow with others at any distance from an end of their domain: next to it alone a branch may be taken.
+/// many follow with others at any distance from an end of their domain, or from zero: next to it alone a branch may be taken.
 const MOST_ROUNDS: usize = 400;
 const WILD: usize = 40;
 
@@ -367,7 +367,12 @@ fn scalar(rng: &mut Rng, domain: Option<Interval>, round: usize) -> f64 {
     match round {
         MOST_ROUNDS.. => {
             let near = (hi - lo) * libm::exp2(-60.0 * rng.uniform());
-            if round.is_multiple_of(2) { lo + near } else { hi - near }
+            match round % 4 {
+                0 => lo + near,
+                1 => hi - near,
+                k if lo < 0.0 && hi > 0.0 => (if k == 2 { near } else { -near }).clamp(lo, hi),
+                _ => lo + (hi - lo) * rng.uniform(),
+            }
         }
         // What is declared without an upper end may be very large.
         ROUNDS.. if d.hi == f64::INFINITY && round < ROUNDS + 4 => {

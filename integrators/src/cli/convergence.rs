@@ -123,9 +123,17 @@ impl<'a> Run<'a> {
         for (_, arguments) in entries {
             algorithm_for(self.scene, &Plan::new(self.scene, arguments))?;
         }
+        let (columns, rows) = self.plan.size;
+        let size = (columns as usize, rows as usize);
+        if let Some(crop) = self.arguments.crop {
+            check_crop(crop, size)?;
+        }
         let given = self.given_reference()?;
         let list = self.arguments.images.as_ref().map(|path| adapter::read_list(path));
         let list = list.transpose().map_err(Failure::new)?.unwrap_or_default();
+        for entry in &list {
+            check_size(&entry.file, &Exr::read(&entry.file)?.rgb, size)?;
+        }
         let (mut measured, mut slow) = (Vec::new(), Vec::new());
         for (label, arguments) in entries {
             let subject = self.subject(label, arguments);
@@ -288,7 +296,6 @@ impl<'a> Run<'a> {
     ) -> Result<(), Failure> {
         let firsts: Vec<&RgbImage> = images.iter().filter_map(|(_, seeds)| seeds.first()).collect();
         let crop = self.arguments.crop.unwrap_or_else(|| telling_crop(&firsts, &reference.image));
-        check_crop(crop, &reference.image)?;
         let mut add = |name: String, image: &RgbImage| {
             let bytes = png::encode(image).map_err(|error| Failure::new(error.to_string()))?;
             all.pictures.push((name, bytes));
@@ -315,13 +322,28 @@ impl<'a> Run<'a> {
     }
 }
 
-/// An error unless a part of an image lies in it.
-fn check_crop((x, y, width, height): Crop, image: &RgbImage) -> Result<(), Failure> {
-    let within = |begin: usize, length: usize, side: usize| begin < side && length <= side - begin;
-    if within(x, width, image.width()) && within(y, height, image.height()) {
+/// An error unless an image has the columns and rows of those that are measured.
+fn check_size(file: &Path, image: &RgbImage, size: (usize, usize)) -> Result<(), Failure> {
+    let found = (image.width(), image.height());
+    if found == size {
         return Ok(());
     }
-    let (columns, rows) = (image.width(), image.height());
+    Err(Failure::new(format!(
+        "`{}` has {}x{} pixels, and what is measured {}x{}",
+        file.display(),
+        found.0,
+        found.1,
+        size.0,
+        size.1
+    )))
+}
+
+/// An error unless a part of an image with so many columns and rows lies in it.
+fn check_crop((x, y, width, height): Crop, (columns, rows): (usize, usize)) -> Result<(), Failure> {
+    let within = |begin: usize, length: usize, side: usize| begin < side && length <= side - begin;
+    if within(x, width, columns) && within(y, height, rows) {
+        return Ok(());
+    }
     Err(Failure::new(format!(
         "--crop {x},{y},{width},{height} does not lie in the image of {columns}x{rows} pixels"
     )))
@@ -382,10 +404,10 @@ mod tests {
 
     #[test]
     fn parts_lie_in_the_image() {
-        let image = RgbImage::filled(8, 6, [0.0; 3]);
-        assert!(check_crop((0, 0, 8, 6), &image).is_ok());
+        let size = (8, 6);
+        assert!(check_crop((0, 0, 8, 6), size).is_ok());
         for wrong in [(8, 0, 1, 1), (0, 0, 9, 1), (4, 4, 2, 3), (usize::MAX, 0, 2, 2)] {
-            assert!(check_crop(wrong, &image).is_err(), "{wrong:?}");
+            assert!(check_crop(wrong, size).is_err(), "{wrong:?}");
         }
     }
 }

@@ -100,7 +100,7 @@ impl Camera {
 }
 
 /// The least field of view along x, in degrees.
-const LEAST_FOV: f64 = 1e-3;
+const LEAST_FOV: f64 = 1e-12;
 
 /// The horizontal field of view in degrees, from one along `axis`, as Mitsuba's `parse_fov` does.
 pub fn horizontal_fov(fov: f64, axis: &str, aspect: f64) -> Result<f64, String> {
@@ -125,8 +125,7 @@ pub fn horizontal_fov(fov: f64, axis: &str, aspect: f64) -> Result<f64, String> 
     }
     if result < LEAST_FOV {
         return Err(format!(
-            "the field of view must be at least {LEAST_FOV:e} degrees: single precision has no more than a few hundred \
-             directions in so small a one"
+            "the field of view must be at least {LEAST_FOV:e} degrees: squares of smaller ones are no numbers of single precision"
         ));
     }
     Ok(result)

@@ -444,7 +444,7 @@ fn broken_shapes_sensors_and_lights() {
             (&sensor("fisheye", ""), place, "not supported; supported: perspective"),
             (&sensor("perspective", &float("fov", 0.0)), place, "between 0 and 180"),
             (&sensor("perspective", &float("fov", 180.0)), place, "between 0 and 180"),
-            (&sensor("perspective", &float("fov", 1e-9)), place, "at least 1e-3 degrees"),
+            (&sensor("perspective", &float("fov", 1e-15)), place, "at least 1e-12 degrees"),
             (
                 &sensor("perspective", &float("principal_point_offset_x", 1e20)),
                 place,

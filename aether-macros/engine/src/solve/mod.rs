@@ -25,6 +25,7 @@ mod ruled;
 mod scale;
 mod sine;
 mod squares;
+mod turned;
 
 use std::collections::BTreeMap;
 
@@ -254,6 +255,7 @@ fn step(
     let closed = numeric::undo_root(g, state)
         .or_else(|| normalise::unit_vector(g, state))
         .or_else(|| repeated::substitute(g, state))
+        .or_else(|| turned::length_and_angle(g, state))
         .or_else(|| peel::unique(g, state))
         .or_else(|| logarithm::combine(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
