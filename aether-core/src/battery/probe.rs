@@ -87,6 +87,11 @@ impl<'a> Probe<'a> {
             let found = if (0.0..1.0).contains(&w) { self.forward(&[w]) } else { None };
             found.map(|(_, at)| at[0])
         };
+        // Where the map turns back, `x` may be as far out as it goes.
+        let rounding = 64.0 * self.epsilon * self.magnitude(&[*x]);
+        if image(0.0).is_some_and(|y| (y - x).abs() <= rounding) {
+            return false;
+        }
         [-1.0, 1.0].into_iter().any(|inwards: f64| {
             let (Some(next), Some(further)) = (image(inwards), image(2.0 * inwards)) else {
                 return false;
