@@ -65,9 +65,11 @@ impl<'a> Probe<'a> {
         if !v.iter().all(|v| (0.0..1.0).contains(v)) {
             return false;
         }
-        if self.is_beyond(v, x) {
-            return true;
-        }
+        self.lands_on(v, x, slack) || self.is_beyond(v, x)
+    }
+
+    /// Whether the image of `v` is `x` but for rounding.
+    fn lands_on(&self, v: &[f64], x: &[f64], slack: f64) -> bool {
         let Some((_, y)) = self.forward(v) else { return false };
         let reach = self
             .neighbours(v, |_| 4.0 * self.epsilon)

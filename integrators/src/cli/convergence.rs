@@ -131,8 +131,9 @@ impl<'a> Run<'a> {
         let given = self.given_reference()?;
         let list = self.arguments.images.as_ref().map(|path| adapter::read_list(path));
         let list = list.transpose().map_err(Failure::new)?.unwrap_or_default();
-        for entry in &list {
-            check_size(&entry.file, &Exr::read(&entry.file)?.rgb, size)?;
+        let list = read_images(list)?;
+        for (entry, image) in &list {
+            check_size(&entry.file, image, size)?;
         }
         let (mut measured, mut slow) = (Vec::new(), Vec::new());
         for (label, arguments) in entries {
@@ -172,9 +173,9 @@ impl<'a> Run<'a> {
         self.take(list, &reference, (&mut all, &mut images))?;
         for program in &self.arguments.against {
             // What has been measured is not lost if another program fails.
-            let outcome = self
-                .render_with(program, output, measured[0].1)
-                .and_then(|list| self.take(list, &reference, (&mut all, &mut images)));
+            let outcome = self.render_with(program, output, measured[0].1).and_then(|list| {
+                self.take(read_images(list)?, &reference, (&mut all, &mut images))
+            });
             if let Err(failure) = outcome {
                 warn(&format!("warning: {failure}"));
                 let line = failure.to_string().replace('\n', " ");
@@ -265,12 +266,11 @@ impl<'a> Run<'a> {
     /// Compares images that other programs have written; of each curve, those with most samples are kept.
     fn take(
         &self,
-        list: Vec<adapter::Entry>,
+        list: Vec<(adapter::Entry, RgbImage)>,
         reference: &Reference,
         (all, images): (&mut Measurements, &mut Images),
     ) -> Result<(), Failure> {
-        for entry in list {
-            let image = Exr::read(&entry.file)?.rgb;
+        for (entry, image) in list {
             let (renderer, integrator) = (plain(&entry.renderer), plain(&entry.integrator));
             let curve = Curve { scene: self.name.clone(), renderer, integrator };
             let row = row(&curve, entry.seed, (entry.spp, entry.seconds), &image, reference)
@@ -320,6 +320,15 @@ impl<'a> Run<'a> {
         }
         Ok(())
     }
+}
+
+/// Images that other programs have written, with what is known of them.
+fn read_images(list: Vec<adapter::Entry>) -> Result<Vec<(adapter::Entry, RgbImage)>, Failure> {
+    let read = |entry: adapter::Entry| {
+        let image = Exr::read(&entry.file)?.rgb;
+        Ok((entry, image))
+    };
+    list.into_iter().map(read).collect()
 }
 
 /// An error unless an image has the columns and rows of those that are measured.

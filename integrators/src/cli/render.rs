@@ -169,7 +169,8 @@ fn output_path(arguments: &RenderArguments) -> Result<PathBuf, Failure> {
 fn written(output: &Path, plan: &Plan, arguments: &RenderArguments) -> Vec<PathBuf> {
     let mut files = vec![output.to_owned(), output.with_extension("png")];
     if plan.integrator == "gdpt" {
-        files.extend(GRADIENTS.map(|name| beside(output, &format!("-{name}.exr"))));
+        files.push(beside(output, "-primal.exr"));
+        files.extend(GRADIENTS.map(|layer| beside(output, &format!("-{layer}.exr"))));
     }
     if arguments.technique_images.is_some() {
         files.push(beside(output, "-techniques.png"));
@@ -234,8 +235,8 @@ fn write_files(
     Ok(vec![picture, techniques])
 }
 
-/// What is written beside an image that is made of gradients.
-const GRADIENTS: [&str; 4] = ["primal", "dx", "dy", "direct"];
+/// What is written beside an image that is made of gradients and of what was sampled.
+const GRADIENTS: [Layer; 3] = [Layer::Dx, Layer::Dy, Layer::Direct];
 
 /// Writes what an image is made of, beside it: for `NAME.exr`, the image as it was sampled as `NAME-primal.exr`, the
 /// right and lower neighbours minus each pixel as `NAME-dx.exr` and `NAME-dy.exr`, and what they leave out as
@@ -252,7 +253,7 @@ fn write_gradients(
     let (width, height) = rendered.film.size();
     let black = || RgbImage::filled(width as usize, height as usize, [0.0; 3]);
     write("primal", rendered.film.image(), rendered.film.variance())?;
-    for layer in [Layer::Dx, Layer::Dy, Layer::Direct] {
+    for layer in GRADIENTS {
         let found = rendered.layers.get(&layer).cloned();
         let [rgb, variance] = found.unwrap_or_else(|| [black(), black()]);
         write(&layer.to_string(), rgb, Some(variance))?;

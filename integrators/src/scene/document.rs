@@ -336,6 +336,19 @@ impl<'a> Query<'a> {
             .with_message(message)
     }
 
+    /// The position of something, which a property says, if it is not so far away that single precision has no room for what
+    /// depends on it.
+    pub fn near_enough(
+        &self,
+        what: &str,
+        (name, position): (&str, DVec3),
+    ) -> Result<DVec3, SceneError> {
+        if position.abs().max_element() <= 1e15 {
+            return Ok(position);
+        }
+        Err(self.error_at(name, format!("the {what} is too far away; scale the scene")))
+    }
+
     /// The error for a plugin that does not exist here.
     pub fn unsupported(&self, supported: &str) -> SceneError {
         let place = &self.object.place;

@@ -112,15 +112,7 @@ fn position(query: &Query) -> Result<DVec3, SceneError> {
     }
     let moved = to_world.map(|m| m.w_axis.truncate());
     let named = if moved.is_some() { "to_world" } else { "position" };
-    near_enough(query, named, position.or(moved).unwrap_or(DVec3::ZERO))
-}
-
-/// A position, if it is not so far away that single precision has no room for what depends on it.
-fn near_enough(query: &Query, name: &str, position: DVec3) -> Result<DVec3, SceneError> {
-    if position.abs().max_element() <= 1e15 {
-        return Ok(position);
-    }
-    Err(query.error_at(name, "the light is too far away; scale the scene"))
+    query.near_enough("light", (named, position.or(moved).unwrap_or(DVec3::ZERO)))
 }
 
 fn spot(document: &Document, query: &Query, textures: &mut Textures) -> Result<Lone, SceneError> {
@@ -147,7 +139,7 @@ fn spot(document: &Document, query: &Query, textures: &mut Textures) -> Result<L
         slide,
     };
     let bulb = Bulb { position: Vec3::ZERO, intensity, cone: Some(cone) };
-    Ok(Lone::Bulb(bulb, near_enough(query, "to_world", to_world.w_axis.truncate())?))
+    Ok(Lone::Bulb(bulb, query.near_enough("light", ("to_world", to_world.w_axis.truncate()))?))
 }
 
 fn directional(query: &Query) -> Result<Lone, SceneError> {

@@ -150,7 +150,7 @@ fn read_camera(query: &Query, film: &Window) -> Result<(Camera, DVec3), SceneErr
     let fov = fov.map_err(|e| query.error_at("fov", e))?;
     let to_world = query.transform("to_world")?.unwrap_or(DMat4::IDENTITY);
     let axes = camera::orthonormal_axes(&to_world).map_err(|e| query.error_at("to_world", e))?;
-    let origin = near_enough(query, to_world.w_axis.truncate())?;
+    let origin = query.near_enough("camera", ("to_world", to_world.w_axis.truncate()))?;
     let [left, up, forward] = axes.map(|axis| axis.as_vec3());
     let tan_x = (0.5 * fov).to_radians().tan();
     let is_lens = query.object.plugin == "thinlens";
@@ -213,7 +213,8 @@ fn read_orthographic(query: &Query, film: &Window) -> Result<(Camera, DVec3), Sc
     let near = query.float("near_clip")?.unwrap_or(0.01);
     query.ignore(&["far_clip", "focus_distance"]);
     let [x, y, z] = [to_world.x_axis, to_world.y_axis, to_world.z_axis].map(|c| c.truncate());
-    let origin = near_enough(query, to_world.w_axis.truncate() + near * z)?;
+    let origin =
+        query.near_enough("camera", ("to_world", to_world.w_axis.truncate() + near * z))?;
     let pixel = 2.0 / f64::from(film.film.0);
     let (across, down) = ((-pixel * x).as_vec3(), (-pixel * y).as_vec3());
     let reach = film.film.0 as f32 * across.length() + film.film.1 as f32 * down.length();
@@ -235,14 +236,6 @@ fn read_orthographic(query: &Query, film: &Window) -> Result<(Camera, DVec3), Sc
         projection: Projection::Orthographic { across, down },
     };
     Ok((camera, origin))
-}
-
-fn near_enough(query: &Query, origin: DVec3) -> Result<DVec3, SceneError> {
-    if origin.abs().max_element() <= 1e15 {
-        Ok(origin)
-    } else {
-        Err(query.error_at("to_world", "the camera is too far away; scale the scene"))
-    }
 }
 
 fn read_film(document: &Document, query: &Query) -> Result<Window, SceneError> {
