@@ -1,8 +1,8 @@
 //! Samplers that need most of the functions of the language, against reference values and through
 //! the check battery. The number behind each name is the one in `reference/algebra.txt`.
 
-use aether_core::Uniforms;
 use aether_core::prelude::*;
+use aether_core::{Uniforms, battery};
 use tests::batteries;
 use tests::catalogue::*;
 use tests::checks::right;
@@ -96,32 +96,71 @@ fn views() -> [(f64, Direction); 3] {
     views.map(|(alpha, [x, y, z])| (alpha, Direction::new(x, y, z)))
 }
 
+/// Visible normals by spherical caps, as Dupuy and Benyoub (2023) print them: the half vector has no unit length yet when
+/// it is unstretched, and its height is (1 - u) (1 + v.z) - v.z.
+#[sampler(alpha_x in 1e-4..=1.0, alpha_y in 1e-4..=1.0, where w.z > 0.0)]
+fn normals_by_caps(u: [Uniform; 2], alpha_x: f64, alpha_y: f64, w: Direction) -> Direction {
+    let v = Vec3::new(w.x * alpha_x, w.y * alpha_y, w.z).normalize();
+    let phi = TAU * u[0];
+    let z = (1.0 - u[1]).mul_add(1.0 + v.z, -v.z);
+    let sine = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+    let h = Vec3::new(sine * phi.cos(), sine * phi.sin(), z) + v;
+    Direction::from_vec(Vec3::new(h.x * alpha_x, h.y * alpha_y, h.z).normalize())
+}
+
+/// The same for one roughness.
+#[sampler(alpha in 1e-4..=1.0, where w.z > 0.0)]
+fn round_normals_by_caps(u: [Uniform; 2], alpha: f64, w: Direction) -> Direction {
+    let v = Vec3::new(w.x * alpha, w.y * alpha, w.z).normalize();
+    let phi = TAU * u[0];
+    let z = (1.0 - u[1]) * (1.0 + v.z) - v.z;
+    let sine = (1.0 - z * z).sqrt();
+    let h = Vec3::new(sine * phi.cos(), sine * phi.sin(), z) + v;
+    Direction::from_vec(Vec3::new(h.x * alpha, h.y * alpha, h.z).normalize())
+}
+
 #[test]
-fn row_85_passes_the_battery() {
+fn visible_normals_pass_the_battery_as_they_are_printed() {
     for (alpha, w) in views() {
-        aether_core::battery::check(&right(visible_normals_as_printed(alpha, w))).assert_ok();
+        battery::check(&right(visible_normals_as_printed(alpha, w))).assert_ok();
+        battery::check(&right(normals_by_caps(alpha, 0.5 * alpha, w))).assert_ok();
+        battery::check(&right(round_normals_by_caps(alpha, w))).assert_ok();
     }
 }
 
 /// D(h) max(0, w · h) / (w.z Λ-term), the density of visible normals in closed form.
 #[test]
-fn row_85_has_the_density_of_visible_normals() {
+fn visible_normals_have_their_density() {
     for (alpha, w) in views() {
-        let normals = visible_normals_as_printed(alpha, w).expect("legal parameters");
-        let a2: f64 = alpha * alpha;
-        let seen = 0.5 * (w.z + (a2 * (w.x * w.x + w.y * w.y) + w.z * w.z).sqrt());
-        for i in 0..400 {
-            let u = [(i % 20) as f64 / 20.0 + 0.025, (i / 20) as f64 / 20.0 + 0.025];
-            let sample = normals.sample(u);
-            let h = sample.value();
-            let slope = (h.x * h.x + h.y * h.y) / a2 + h.z * h.z;
-            let truth = h.dot(w).max(0.0) / (PI * a2 * slope * slope) / seen;
-            for found in [sample.pdf().value(), normals.pdf(&sample).value()] {
-                assert!((found / truth - 1.0).abs() < 1e-12, "{found:e}, expected {truth:e}");
-            }
-            let below = Direction::new(h.x, h.y, -h.z - 0.1);
-            assert_eq!(normals.pdf(&below).value(), 0.0);
+        has_the_density_of_visible_normals(
+            right(visible_normals_as_printed(alpha, w)),
+            [alpha; 2],
+            w,
+        );
+        has_the_density_of_visible_normals(right(round_normals_by_caps(alpha, w)), [alpha; 2], w);
+        let other = 0.5 * alpha;
+        let caps = right(normals_by_caps(alpha, other, w));
+        has_the_density_of_visible_normals(caps, [alpha, other], w);
+    }
+}
+
+fn has_the_density_of_visible_normals<S>(normals: S, [ax, ay]: [f64; 2], w: Direction)
+where
+    S: Sampler<f64, Uniforms = [f64; 2], Point = Direction>,
+{
+    let stretched = (ax * w.x).powi(2) + (ay * w.y).powi(2) + w.z * w.z;
+    let seen = 0.5 * (w.z + stretched.sqrt());
+    for i in 0..400 {
+        let u = [(i % 20) as f64 / 20.0 + 0.025, (i / 20) as f64 / 20.0 + 0.025];
+        let sample = normals.sample(u);
+        let h = sample.value();
+        let slope = (h.x / ax).powi(2) + (h.y / ay).powi(2) + h.z * h.z;
+        let truth = h.dot(w).max(0.0) / (PI * ax * ay * slope * slope) / seen;
+        for found in [sample.pdf().value(), normals.pdf(&sample).value()] {
+            assert!((found / truth - 1.0).abs() < 1e-12, "{found:e}, expected {truth:e}");
         }
+        let below = Direction::new(h.x, h.y, -h.z - 0.1);
+        assert_eq!(normals.pdf(&below).value(), 0.0);
     }
 }
 

@@ -8,7 +8,6 @@ mod capped;
 mod cases;
 mod continuity;
 mod density;
-mod enclosed;
 mod factored;
 mod fractions;
 mod gaps;
@@ -59,7 +58,6 @@ use borders::find_borders;
 use capped::keep_capped;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish};
-use enclosed::enclosed;
 use limits::parameters_with_limits;
 use line::line;
 use sample::{at_the_sample, shorter};
@@ -440,14 +438,14 @@ fn shorten_tests(problem: &mut Problem, preimage: &mut Preimage) {
     (preimage.signs, preimage.asked) = find_signs(g, &sides, &preimage.open);
 }
 
-/// Makes known which ranges unknowns have because a coordinate is no longer than its point, whatever form they are
+/// Makes known which ranges unknowns have, as because a coordinate is no longer than its point, whatever form they are
 /// emitted in.
 fn keep_ranges(problem: &mut Problem, s: &Solution, unknowns: &[Id]) {
     let g = &mut problem.graph;
     for (leaf, &value) in problem.unknowns.iter().zip(unknowns) {
         let Some(&found) = s.unknowns.get(leaf) else { continue };
-        let range = enclosed(g, found);
-        if range != g.range(found) {
+        let (range, known) = (g.range(found), g.range(value));
+        if range.intersection(known) != known {
             g.assume(value, range);
         }
     }

@@ -60,12 +60,7 @@ impl Enclosure {
     fn step(&self, g: &Graph, id: Id, inputs: &[Leaf]) -> Step {
         let at = |part: &Id| self.place[part];
         match g.node(id) {
-            Node::Number(q) => {
-                // Integers of this size and halves of them are exact.
-                let exact = q.num().unsigned_abs() < 1 << 53 && q.den().count_ones() == 1;
-                let x = Interval::point(q.to_f64());
-                Step::Known(if exact { x } else { widen(x, 1) })
-            }
+            Node::Number(q) => Step::Known(rational(*q)),
             Node::Float(bits) => Step::Known(Interval::point(f64::from_bits(*bits))),
             Node::Pi => Step::Known(widen(Interval::point(std::f64::consts::PI), 1)),
             Node::Leaf(l) => match inputs.iter().position(|input| input == l) {
@@ -73,11 +68,8 @@ impl Enclosure {
                 None => Step::Known(Interval::ALL),
             },
             Node::Sum(c, terms) => {
-                let number = |q: Q| {
-                    let x = Interval::point(q.to_f64());
-                    if q.is_int() { x } else { widen(x, 1) }
-                };
-                Step::Sum(number(*c), terms.iter().map(|(q, t)| (number(*q), at(t))).collect())
+                let terms = terms.iter().map(|(q, t)| (rational(*q), at(t)));
+                Step::Sum(rational(*c), terms.collect())
             }
             Node::Product(factors) => {
                 let exponent = |e: &Id| match g.as_number(*e) {
@@ -152,6 +144,13 @@ impl Over<'_> {
             Step::Between([lo, hi]) => Interval::new(values[*lo].lo, values[*hi].hi),
         }
     }
+}
+
+/// A rational number: integers of some size, halves of them and so on are exact.
+fn rational(q: Q) -> Interval {
+    let exact = q.num().unsigned_abs() < 1 << 53 && q.den().count_ones() == 1;
+    let x = Interval::point(q.to_f64());
+    if exact { x } else { widen(x, 1) }
 }
 
 fn down(x: f64, ulps: u8) -> f64 {

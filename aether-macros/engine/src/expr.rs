@@ -10,11 +10,13 @@ mod power;
 mod product;
 mod range;
 mod root;
+mod shed;
 mod substitute;
 mod sum;
 
 pub use power::{Together, divided};
 pub use root::{BOUNDS, Root};
+pub use shed::shed;
 
 use std::cell::RefCell;
 

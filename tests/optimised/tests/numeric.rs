@@ -32,6 +32,12 @@ fn student(u: [Uniform; 1]) -> f64 {
     )
 }
 
+/// The raised cosine, whose slope vanishes at both ends.
+#[sampler]
+fn raised_cosine(u: [Uniform; 1]) -> f64 {
+    solve(|z| 0.5 * (1.0 + z + (PI * z).sin() / PI), -1.0..1.0, u[0])
+}
+
 /// The second coordinate depends on the first, and neither has a closed inverse.
 #[sampler(k in 0.0..=10.0)]
 fn chain(u: [Uniform; 2], k: f64) -> Vec2 {
@@ -87,6 +93,7 @@ fn implicit_steps_pass_the_battery() {
     }
     battery::check(&hyperexponential(0.3, 2.0, 0.1).unwrap()).assert_ok();
     battery::check(&student()).assert_ok();
+    battery::check(&raised_cosine()).assert_ok();
 }
 
 #[test]
@@ -234,6 +241,14 @@ fn reference_values() {
             (0.99, 3.7469473879791958, 0.0086818664474695092, 31.0, 3.9),
             (0.3, -0.56864906304970548, 0.30876445928200917, 1.8, 1.0),
             (1e-3, -7.1731822197823084, 0.00052400860207163141, 1.0, 4.7),
+        ],
+    );
+    agrees(
+        &raised_cosine(),
+        &[
+            (0.7, 0.20715855262069995, 0.89779733856786821, 3.8, 1.0),
+            (1e-6, -0.98932661999483361, 2.810625652498493e-4, 1.0, 190.0),
+            (0.999, 0.89306723028517916, 0.027949444048855887, 40.0, 17.0),
         ],
     );
 }

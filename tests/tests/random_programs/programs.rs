@@ -3540,18 +3540,32 @@ pub mod wide_128 {
     }
 }
 
-// wide_129 is refused: cannot invert this map: stuck at `-48/25 = 4 b y (2100 u₂ + 18750 sin(7 u₁ / 25 + 24 u₂ / 25) + 1008 u₁ u₂ + 9000 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) + 14400 u₁ sin(7 u₁ / 25 + 24 u₂ / 25)² + 3456 u₁² sin(7 u₁ / 25 + 24 u₂ / 25)² + 294 u₂² sin(7 u₁ / 25 + 24 u₂ / 25)² + 20000 sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 19200 u₁ sin(7 u₁ / 25 + 24 u₂ / 25) cos(7 u₁ / 25 + 24 u₂ / 25) + 4608 u₁² sin(7 u₁ / 25 + 24 u₂ / 25) …`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
-// #[sampler(b in 0.5..=2.0)]
-// pub fn compiled(u: [Uniform; 2], b: f64) -> Direction {
-//     let r = 0.5 * (0.96 * u[0] - 0.28 * u[1]) + 1.0;
-//     let phi = (0.28 * u[0] + 0.96 * u[1]);
-//     let (sin, cos) = phi.sin_cos();
-//     let y = r * cos;
-//     let v = Vec3::new(r * sin, y, 1.0).normalize();
-//     let o = Vec3::new(0.48, 0.64, 0.6);
-//     let v1 = 2.0 * o.dot(v) * v - o;
-//     Direction::from_vec(Vec3::new(b * v1.x, 3.0 * v1.y, v1.z).normalize())
-// }
+pub mod wide_129 {
+    use super::*;
+
+    #[sampler(b in 0.5..=2.0)]
+    pub fn compiled(u: [Uniform; 2], b: f64) -> Direction {
+        let r = 0.5 * (0.96 * u[0] - 0.28 * u[1]) + 1.0;
+        let phi = (0.28 * u[0] + 0.96 * u[1]);
+        let (sin, cos) = phi.sin_cos();
+        let y = r * cos;
+        let v = Vec3::new(r * sin, y, 1.0).normalize();
+        let o = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = 2.0 * o.dot(v) * v - o;
+        Direction::from_vec(Vec3::new(b * v1.x, 3.0 * v1.y, v1.z).normalize())
+    }
+
+    pub fn plain(u: [Uniform; 2], b: f64) -> Direction {
+        let r = 0.5 * (0.96 * u[0] - 0.28 * u[1]) + 1.0;
+        let phi = (0.28 * u[0] + 0.96 * u[1]);
+        let (sin, cos) = phi.sin_cos();
+        let y = r * cos;
+        let v = Vec3::new(r * sin, y, 1.0).normalize();
+        let o = Vec3::new(0.48, 0.64, 0.6);
+        let v1 = 2.0 * o.dot(v) * v - o;
+        Direction::from_vec(Vec3::new(b * v1.x, 3.0 * v1.y, v1.z).normalize())
+    }
+}
 
 pub mod wide_130 {
     use super::*;
@@ -4228,6 +4242,7 @@ pub fn all() -> Vec<Case> {
         case("wide_126", wide_126::compiled(1.3).expect("in the domain"), |u| wide_126::plain(u, 1.3)),
         case("wide_127", wide_127::compiled(), |u| wide_127::plain(u)),
         case("wide_128", wide_128::compiled(), |u| wide_128::plain(u)),
+        case("wide_129", wide_129::compiled(1.3).expect("in the domain"), |u| wide_129::plain(u, 1.3)),
         case("wide_130", wide_130::compiled(1.3).expect("in the domain"), |u| wide_130::plain(u, 1.3)),
         case("wide_131", wide_131::compiled(0.8), |u| wide_131::plain(u, 0.8)),
         case("wide_132", wide_132::compiled(), |u| wide_132::plain(u)),

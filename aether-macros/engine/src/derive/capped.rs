@@ -7,7 +7,7 @@
 use super::Problem;
 use super::cases::Case;
 use crate::eval::Evaluator;
-use crate::expr::{Fun, Graph, Id, Node};
+use crate::expr::{Fun, Graph, Id, Node, OUTS};
 use crate::interval::Interval;
 use crate::number::{Dd, Number};
 use crate::points::{Rng, unit};
@@ -29,22 +29,39 @@ pub(super) fn keep_capped(problem: &mut Problem, unknowns: &[Id], cases: &[Case]
         if range.nonnegative() {
             continue;
         }
-        let Some(height) = deciding(g, unknown) else { continue };
+        let Some(heights) = deciding(g, unknown) else { continue };
         let points = points.get_or_insert_with(|| all_over(cases));
-        if pairs.iter().any(|pair| is_cap(g, height, *pair, points)) {
+        if pairs.iter().any(|pair| heights.iter().any(|&h| is_cap(g, h, *pair, points))) {
             g.assume(unknown, Interval::new(0.0, range.hi));
         }
     }
 }
 
-/// The factor of an expression that decides whether it is negative, if it is a single one.
-fn deciding(g: &mut Graph, id: Id) -> Option<Id> {
+/// What has the sign of an expression, if a single factor decides that: the factor, and all that depend on the point, as
+/// what is over one line has a length below it.
+fn deciding(g: &mut Graph, id: Id) -> Option<[Id; 2]> {
     let (q, body) = g.split(id);
-    let mut open = g.factors(body);
-    open.retain(|(base, _)| !g.range(*base).nonnegative());
+    let factors = g.factors(body);
+    if !factors.iter().all(|&(_, e)| g.as_number(e).is_some_and(|e| e.is_int())) {
+        return None;
+    }
+    let signed = |g: &Graph, base: Id| g.range(base).nonnegative() || g.range(base).nonpositive();
+    let [open, of_point] = [
+        factors.iter().copied().filter(|&(base, _)| !signed(g, base)).collect::<Vec<_>>(),
+        factors.iter().copied().filter(|&(base, _)| g.has(base, OUTS)).collect::<Vec<_>>(),
+    ];
     let &[(base, exponent)] = &open[..] else { return None };
-    let whole = g.as_number(exponent).is_some_and(|e| e.is_int());
-    (!q.is_negative() && whole).then_some(base)
+    let is_odd = |g: &Graph, e: Id| g.as_number(e).is_some_and(|e| !e.is_even());
+    if !is_odd(g, exponent) || !g.has(base, OUTS) {
+        return None;
+    }
+    let alike = |g: &mut Graph, left: &[(Id, Id)], part: Id| {
+        let turns = |&&(b, e): &&(Id, Id)| is_odd(g, e) && g.range(b).nonpositive();
+        let turned = factors.iter().filter(|f| !left.contains(f)).filter(turns).count() % 2 == 1;
+        if turned == q.is_negative() { part } else { g.neg(part) }
+    };
+    let product = g.product(&of_point);
+    Some([alike(g, &open, base), alike(g, &of_point, product)])
 }
 
 /// The two numbers of each angle in some expressions.
@@ -56,26 +73,32 @@ fn angles(g: &Graph, ids: &[Id]) -> Vec<[Id; 2]> {
     g.within(ids).into_iter().filter_map(numbers).collect()
 }
 
-/// The points that something is tried at: parameters of cases with directions of all kinds.
-fn all_over(cases: &[Case]) -> Vec<Case> {
+/// The points that something is tried at: parameters of cases, each with two directions of all kinds.
+fn all_over(cases: &[Case]) -> Vec<[Case; 2]> {
     let mut rng = Rng::new(0xca99ed);
     let plain = cases.iter().filter(|case| case.is_plain());
-    plain.map(|case| case.moved_to(unit(&mut rng).to_vec())).collect()
+    plain.map(|case| [(); 2].map(|()| case.moved_to(unit(&mut rng).to_vec()))).collect()
 }
 
-/// Whether h (2 - h) = a² + b² at all points, so that h = 1 - z, with z in [-1, 1].
-fn is_cap(g: &Graph, h: Id, [a, b]: [Id; 2], points: &[Case]) -> bool {
+/// Whether h (2 - h) is a² + b² at all points, or a positive multiple of it that parameters alone decide, since what both
+/// share is no matter to an angle: h = 1 - z then, with z in [-1, 1].
+fn is_cap(g: &Graph, h: Id, [a, b]: [Id; 2], points: &[[Case; 2]]) -> bool {
     let mut tried = 0;
-    for case in points {
-        let at = |leaf| case.point.input(leaf, &case.exact_outs);
-        let mut e = Evaluator::<Dd>::new(g, &at);
-        let [h, a, b] = [h, a, b].map(|id| e.value(id));
-        let [one, other] = [h * (Dd::from_f64(2.0) - h), a * a + b * b];
-        let off = (one - other).abs().to_f64();
+    for cases in points {
+        let sides = cases.each_ref().map(|case| {
+            let at = |leaf| case.point.input(leaf, &case.exact_outs);
+            let mut e = Evaluator::<Dd>::new(g, &at);
+            let [h, a, b] = [h, a, b].map(|id| e.value(id));
+            [h * (Dd::from_f64(2.0) - h), a * a + b * b]
+        });
+        let [[one, other], [second, beside]] = sides;
+        let [left, right] = [one * beside, second * other];
+        let off = (left - right).abs().to_f64();
         if off.is_nan() {
             continue;
         }
-        if off > SAME * (1.0 + other.to_f64()) {
+        let size = (Dd::from_f64(1.0) + other + beside).to_f64();
+        if off > SAME * size || (one + second).to_f64() < 0.0 {
             return false;
         }
         tried += 1;
@@ -136,7 +159,7 @@ mod tests {
         let mut item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
         let (problem, volume) = (&mut item.parsed.pieces[0].problem, item.derived[0].volume);
         let points = all_over(&cases(problem, volume).unwrap());
-        assert!(points.len() >= FEWEST && points.iter().any(|p| p.outs[2] < 0.0));
+        assert!(points.len() >= FEWEST && points.iter().flatten().any(|p| p.outs[2] < 0.0));
         let g = &mut problem.graph;
         let [x, y, z] = [0, 1, 2].map(|i| g.get_leaf(Leaf::Out(i)));
         let below = |g: &mut Graph, of: Id| g.sum(Q::ONE, &[(Q::int(-1), of)]);

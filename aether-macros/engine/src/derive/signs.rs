@@ -1,7 +1,7 @@
 //! Tests of unknowns as signs of shorter expressions: a / b < 1 is b - a > 0 where b is known to be positive, and
 //! neither the quotient nor a power of it need be computed. What follows from the other tests is not asked.
 
-use crate::expr::{Fun, Graph, Id, Node, OUTS, children};
+use crate::expr::{Fun, Graph, Id, Node, OUTS, children, shed};
 use crate::hash::Set;
 use crate::jacobian::cost_together;
 use crate::rational::Q;
@@ -165,7 +165,9 @@ fn without_divisors(g: &mut Graph, id: Id, known: &[Id]) -> Id {
     let is_sum =
         |g: &Graph, (base, e): (Id, Q)| e == Q::int(-1) && matches!(g.node(base), Node::Sum(..));
     let id = without_some(g, id, known, is_sum);
-    without_some(g, id, known, |_, _| true)
+    let id = without_some(g, id, known, |_, _| true);
+    // c b may be most of a with the other sign.
+    shed(g, id)
 }
 
 fn without_some(

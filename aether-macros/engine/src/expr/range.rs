@@ -86,7 +86,10 @@ impl Graph {
             .find(|(a, b, _)| power(*a) == Some(Q::ONE) && power(*b) == Some(minus));
         let (skipped, first) = match known {
             Some((a, b, range)) => (vec![*a, *b], *range),
-            None => self.quotient_of_sums(factors).unwrap_or((vec![], Interval::point(1.0))),
+            None => self
+                .quotient_of_sums(factors)
+                .or_else(|| self.part_of_length(factors))
+                .unwrap_or((vec![], Interval::point(1.0))),
         };
         factors.iter().filter(|(b, _)| !skipped.contains(b)).fold(first, |p, (b, e)| {
             p.mul(match self.as_number(*e) {
@@ -118,6 +121,42 @@ impl Graph {
                     below.iter().map(|(q, t)| (coefficient(*t), q.to_f64(), self.range(*t)));
                 let range = Interval::quotient_of_sums((c.to_f64(), d.to_f64()), terms.collect())?;
                 Some((vec![top, bottom], range))
+            })
+        })
+    }
+
+    /// A length √(q a² + ...) among the divisors and an a that makes part of it, with the range of their quotient: that of a
+    /// coordinate of a normalised vector.
+    fn part_of_length(&self, factors: &[(Id, Id)]) -> Option<(Vec<Id>, Interval)> {
+        let half = Some(Q::HALF.neg());
+        let length = |(base, e): &(Id, Id)| match self.node(*base) {
+            Node::Sum(c, terms) if self.as_number(*e) == half => Some((*base, c, terms)),
+            _ => None,
+        };
+        factors.iter().filter_map(length).find_map(|(sum, c, terms)| {
+            let adds = |(q, t): &(Q, Id)| !q.is_negative() && self.range(*t).nonnegative();
+            if c.is_negative() || !terms.iter().all(adds) {
+                return None;
+            }
+            terms.iter().find_map(|&(q, square)| {
+                let Node::Product(square) = self.node(square) else { return None };
+                let is_root = |(base, e): &(Id, Id)| {
+                    let twice = self.as_number(*e)?.mul(Q::HALF)?;
+                    let root = factors.iter().find(|f| f.0 == *base)?;
+                    (self.as_number(root.1)? == twice).then_some(twice)
+                };
+                let exponents: Vec<Q> = square.iter().map(is_root).collect::<Option<_>>()?;
+                let parts = square.iter().zip(exponents);
+                let part = parts.fold(Interval::point(1.0), |p, ((base, _), e)| {
+                    p.mul(self.range(*base).pow(e.to_f64()))
+                });
+                let most = 1.0 / q.to_f64().sqrt();
+                let range = match (part.nonnegative(), part.nonpositive()) {
+                    (true, _) => Interval::new(0.0, most),
+                    (_, true) => Interval::new(-most, 0.0),
+                    _ => Interval::new(-most, most),
+                };
+                Some((square.iter().map(|f| f.0).chain([sum]).collect(), range))
             })
         })
     }
@@ -162,6 +201,27 @@ mod tests {
         // Squares and reciprocals of numbers of unknown sign are in any order.
         let others = [g.sub(b2, a2), g.sub(b0, a0)];
         assert!(others.iter().all(|id| g.range(*id) == Interval::ALL));
+    }
+
+    #[test]
+    fn coordinates_of_normalised_vectors_are_at_most_one() {
+        let mut g = Graph::new();
+        let [a, x, y] = [0, 1, 2].map(|i| {
+            let range = if i == 0 { Interval::new(0.1, 1.0) } else { Interval::ALL };
+            g.leaf(Leaf::Param(i), "p", range)
+        });
+        let stretched = g.mul(a, x);
+        let squares = [stretched, y].map(|part| (Q::ONE, g.powi(part, 2)));
+        let sum = g.sum(Q::ZERO, &squares);
+        let length = g.sqrt(sum);
+        let [first, second, whole] = [stretched, y, x].map(|part| g.div(part, length));
+        assert_eq!(g.range(first), Interval::new(-1.0, 1.0));
+        assert_eq!(g.range(second), Interval::new(-1.0, 1.0));
+        // What is stretched before it is measured may have been longer.
+        assert_eq!(g.range(whole), Interval::ALL);
+        let size = g.call(Fun::Abs, &[y]);
+        let positive = g.div(size, length);
+        assert!(g.range(positive).nonnegative());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::body::Body;
 use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
-use crate::expr::{Fun, Graph, Id};
+use crate::expr::{Fun, Graph, Id, shed};
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 
@@ -32,24 +32,25 @@ pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
     }
 }
 
+/// x + sign · y.
+fn sum(g: &mut Graph, x: Id, y: Id, sign: Q) -> Id {
+    let sum = g.sum(Q::ZERO, &[(Q::ONE, x), (sign, y)]);
+    shed(g, sum)
+}
+
 /// left op right.
 pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Option<Value> {
     use Value::{Matrix, Scalar};
     let g = &mut body.graph;
     match (&b.op, &left, &right) {
-        (BinOp::Add(_), Scalar(x), Scalar(y)) => Some(Scalar(g.add(*x, *y))),
-        (BinOp::Sub(_), Scalar(x), Scalar(y)) => Some(Scalar(g.sub(*x, *y))),
+        (BinOp::Add(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE))),
+        (BinOp::Sub(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE.neg()))),
         (BinOp::Mul(_), Scalar(x), Scalar(y)) => Some(Scalar(g.mul(*x, *y))),
         (BinOp::Div(_), Scalar(x), Scalar(y)) => Some(Scalar(g.div(*x, *y))),
         (BinOp::Add(_) | BinOp::Sub(_), x, y) if same_length(x, y) => {
-            let sign = if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 };
+            let sign = Q::int(if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 });
             let (x, y) = (x.vector()?.to_vec(), y.vector()?.to_vec());
-            Some(Value::Vector(
-                x.iter()
-                    .zip(&y)
-                    .map(|(&x, &y)| g.sum(Q::ZERO, &[(Q::ONE, x), (Q::int(sign), y)]))
-                    .collect(),
-            ))
+            Some(Value::Vector(x.iter().zip(&y).map(|(&x, &y)| sum(g, x, y, sign)).collect()))
         }
         (BinOp::Mul(_), Matrix(m), v) if v.vector().is_some_and(|v| v.len() == 3) => {
             let v = v.vector()?.to_vec();
@@ -91,7 +92,7 @@ pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
         (Value::Scalar(x), [a, b]) if name == "mul_add" => {
             let (a, b) = (body.scalar(a)?, body.scalar(b)?);
             let product = body.graph.mul(*x, a);
-            Some(Value::Scalar(body.graph.add(product, b)))
+            Some(Value::Scalar(sum(&mut body.graph, product, b, Q::ONE)))
         }
         (Value::Scalar(x), [low, high]) if name == "clamp" => {
             let (low, high) = (body.scalar(low)?, body.scalar(high)?);

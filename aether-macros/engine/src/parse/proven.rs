@@ -29,6 +29,10 @@ pub(super) fn sign(g: &Graph, difference: Id) -> Option<i64> {
 
 /// Proves that every factor of an expression has one sign.
 fn one_sign(g: &mut Graph, id: Id) -> Option<()> {
+    let range = g.range(id);
+    if range.nonnegative() || range.nonpositive() {
+        return Some(());
+    }
     let whole = Expander::new(g).expand(id)?;
     let (rest, ends) = without_ends(g, whole.num)?;
     let factors = ends.into_iter().chain(rest.split()).chain(whole.den);

@@ -7,8 +7,9 @@
 use super::normalise::common_lengths;
 use super::scale::named;
 use super::{Condition, Equation, State, affine_parts};
+use crate::derivative::derivative;
 use crate::display::show;
-use crate::expr::{Graph, Id, UNKNOWNS};
+use crate::expr::{Graph, Id, Leaf, UNKNOWNS, leaf_bit};
 use crate::jacobian::{cost, factor_out, simplify};
 use crate::poly::{Expander, RatFun, relation};
 use crate::rational::Q;
@@ -55,8 +56,14 @@ fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Optio
             plain = plain.or_else(|| Some((equation, g.div(t, e.known))));
             continue;
         }
-        let (constant, factor, rest) = affine_parts(g, t);
-        let constant = constant.unwrap_or_else(|| g.int(0));
+        let (constant, mut factor, mut rest) = affine_parts(g, t);
+        let mut constant = constant.unwrap_or_else(|| g.int(0));
+        // A stretched sum is a product, whose summands lie below the factor.
+        if let (Some(inner), scale, below) = affine_parts(g, rest) {
+            let stretched = g.mul(factor, inner);
+            (constant, factor) = (g.add(constant, stretched), g.mul(factor, scale));
+            rest = below;
+        }
         coordinates.push(Coordinate { equation, constant, factor, rest });
     }
     let lengths = match plain {
@@ -99,7 +106,7 @@ fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
     let whole = [x, y, z].map(|c| g.mul(c.factor, c.rest));
     let stretched = |g: &mut Graph| sphere(g, rests).or_else(|| second_degree(g, rests));
     let found = match sphere(g, whole) {
-        None => match stretched(g) {
+        None => match stretched(g).or_else(|| recentred(g, coordinates, whole)) {
             None => second_degree(g, whole)?,
             found => return found,
         },
@@ -188,6 +195,44 @@ fn sphere(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     })
 }
 
+/// A sphere whose centre shows in no summand of one coordinate, as it has become part of a product: the height
+/// 1 - u (1 + v) of a cap, moved by v, is (1 - u) (1 + v). That coordinate is measured from the centre from then on.
+fn recentred(g: &mut Graph, c: &mut [Coordinate], whole: [Id; 3]) -> Option<Quadric> {
+    for moved in 0..3 {
+        let along = whole[moved];
+        let mut rests: [Id; 3] = std::array::from_fn(|i| c[i].rest);
+        rests[moved] = along;
+        let squares = rests.map(|r| (Q::ONE, g.powi(r, 2)));
+        let sum = g.sum(Q::ZERO, &squares);
+        let sum = simplify(g, sum, None);
+        // Of (x - m)² what is left beside constants is -2 m x.
+        let Some(unknown) = only_unknown(g, along) else { continue };
+        let [rise, run] = [sum, along].map(|part| derivative(g, part, unknown));
+        let slope = g.div(rise, run);
+        let slope = simplify(g, slope, None);
+        if g.has(slope, UNKNOWNS) {
+            continue;
+        }
+        let half = g.number(Q::HALF);
+        let middle = g.mul(half, slope);
+        rests[moved] = g.sub(along, middle);
+        if let Some(found) = sphere(g, rests) {
+            let one = g.int(1);
+            let constant = g.add(c[moved].constant, middle);
+            c[moved] = Coordinate { constant, factor: one, rest: rests[moved], ..c[moved] };
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// The unknown that an expression depends on, if it is one.
+fn only_unknown(g: &Graph, id: Id) -> Option<Leaf> {
+    let open = g.deps(id) & UNKNOWNS;
+    let unknown = Leaf::Unknown(open.trailing_zeros() as _);
+    (open == leaf_bit(unknown)).then_some(unknown)
+}
+
 /// The one relation of degree two with rational coefficients between three coordinates.
 fn second_degree(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     let mut expander = Expander::new(g).only(UNKNOWNS);
@@ -200,6 +245,9 @@ fn second_degree(g: &mut Graph, rests: [Id; 3]) -> Option<Quadric> {
     columns.extend(first);
     columns.push(RatFun::one());
     let k = relation(&mut expander, &columns)?;
+    // Of a sphere that is -½ (x² + y² + z²) + z otherwise.
+    let scale = k.iter().find(|k| !k.is_zero())?.recip()?;
+    let k: Vec<Q> = k.iter().map(|k| k.mul(scale)).collect::<Option<_>>()?;
     let constant = g.number(k[9]);
     Some(Quadric {
         squares: [k[0], k[1], k[2], k[3], k[4], k[5]],
