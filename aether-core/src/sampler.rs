@@ -53,7 +53,8 @@ pub struct Derivation {
     pub measure: &'static str,
     /// How many preimages a point has at most.
     pub preimages: usize,
-    /// Worst relative error of the density in `f64` over the points tried while compiling.
+    /// Worst relative error of the density in `f64` over the points inside of the domain that were tried while compiling, where
+    /// that is not what rounding the point and the parameters does; infinite if it was no number.
     pub worst_error: f64,
 }
 

@@ -1,5 +1,6 @@
 //! From a map's outputs to its inverse, Jacobian and density, each checked while compiling.
 
+mod accuracy;
 mod atom_bounds;
 mod atoms;
 mod back;
@@ -47,6 +48,7 @@ use crate::points::Kind;
 use crate::solve::{Condition, Numerical, Solution, System, solve};
 use crate::stabilise::stabilise_point;
 
+pub use accuracy::{Accuracy, Worst};
 pub use atoms::{Atom, atoms};
 pub use borders::Border;
 pub use continuity::Limit;
@@ -212,8 +214,8 @@ pub struct Derived {
     pub orientation: Option<bool>,
     /// On how many pieces an equation is solved numerically; zero if none is that turns back.
     pub pieces: usize,
-    /// Worst relative error of the density found on the test points, in `f64`.
-    pub worst_error: f64,
+    /// By how much it is off at points inside of the domain, in `f64`.
+    pub accuracy: Accuracy,
     /// The derivation, a line a step.
     pub steps: Vec<String>,
 }
@@ -325,7 +327,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let mut own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();
-    let mut worst = 0.0f64;
+    let mut accuracy = Accuracy::default();
     let mut steps = Vec::new();
     let injective = solutions.len() == 1;
     crate::poly::refill_budget(8);
@@ -362,9 +364,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         steps.extend(s.steps.iter().cloned());
         crate::poly::start_budget();
         crate::poly::refill_budget(4);
-        let (density, error) =
-            density(problem, s, (&named, &sums), &cases, &mut out_points, injective);
-        worst = worst.max(error);
+        let density = density(problem, s, (&named, &sums), &cases, &mut out_points, injective);
         crate::poly::refill_budget(8);
         let mut preimage =
             finish(problem, s, (density, &sums), &cases, &mut out_points, conditions);
@@ -379,6 +379,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
                 preimage.back = Some(image);
             }
         }
+        accuracy.add(problem, s, (preimage.density, &preimage.unknowns), &cases);
         keep_ranges(problem, s, &preimage.tested);
         keep_capped(problem, &preimage.tested, &cases);
         preimages.push(preimage);
@@ -402,6 +403,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     let at_point: Vec<Id> = at_point.collect();
     let mut limits = parameters_with_limits(&problem.graph, &at_uniforms, &unknown_points);
     limits.extend(parameters_with_limits(&problem.graph, &at_point, &out_points));
+    accuracy.add_own(problem, own, &cases);
     let g = &mut problem.graph;
     let one = g.int(1);
     let own_density = g.div(one, own);
@@ -414,7 +416,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         limits,
         orientation,
         pieces: solutions.iter().flat_map(|s| &s.pieces).map(|p| p.of).max().unwrap_or(0),
-        worst_error: worst,
+        accuracy,
         steps,
     })
 }

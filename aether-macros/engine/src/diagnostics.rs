@@ -1,8 +1,8 @@
 //! Errors on the user's tokens, collected so that one build reports all of them.
 
-use proc_macro2::TokenStream;
-use quote::ToTokens;
-use syn::Error;
+use proc_macro2::{Ident, TokenStream};
+use quote::{ToTokens, quote};
+use syn::{Attribute, Error};
 
 /// The errors found so far in one item, in the order of discovery.
 ///
@@ -64,10 +64,30 @@ impl Diagnostics {
     }
 }
 
+/// Whether an attribute sets the level of lints.
+pub fn is_lint(attribute: &Attribute) -> bool {
+    ["allow", "expect", "warn", "deny", "forbid"].iter().any(|l| attribute.path().is_ident(l))
+}
+
+/// A warning of rustc at a name, where the lints that attributes set do not forbid it. There is no other lint for macros
+/// than that of deprecated items.
+pub fn warning(at: &Ident, attributes: &[Attribute], message: &str) -> TokenStream {
+    let lints = attributes.iter().filter(|attribute| is_lint(attribute));
+    let used = Ident::new("warning", at.span());
+    quote! {
+        #(#lints)*
+        const _: () = {
+            #[deprecated(note = #message)]
+            #[allow(non_upper_case_globals)]
+            const warning: () = ();
+            #used
+        };
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use quote::quote;
 
     #[test]
     fn every_error_is_rendered() {

@@ -147,7 +147,7 @@ fn divides_by_the_point(g: &Graph, id: Id) -> bool {
     }
 }
 
-/// The density in terms of the outputs, in its most accurate form, and its worst error.
+/// The density in terms of the outputs, in its most accurate form.
 pub(super) fn density(
     problem: &mut Problem,
     s: &Solution,
@@ -155,7 +155,7 @@ pub(super) fn density(
     cases: &[Case],
     measure: &mut Measure,
     injective: bool,
-) -> (Id, f64) {
+) -> Id {
     // Among several preimages this one's share is known only where it is the one that was sampled.
     let known: Vec<bool> = match sums.pairs[..] {
         [] => vec![injective; cases.len()],
@@ -251,8 +251,7 @@ pub(super) fn density(
     if error > 64.0 * f64::EPSILON {
         best = best_forms(g, best, &sums.units, &truth, measure);
     }
-    error = measure.loss(g, best, &truth).double.worst;
-    (guard(g, best), error)
+    guard(g, best)
 }
 
 /// How much the rounding of a point may change its density, relatively.

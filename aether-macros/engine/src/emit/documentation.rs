@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use crate::derive::{Atom, Derived, Problem, in_words, texts};
+use crate::derive::{Accuracy, Atom, Derived, Problem, in_words, texts};
 use crate::display::show;
 use crate::expr::Id;
 use crate::parse::{Piece, Signature, Source};
@@ -103,11 +103,16 @@ pub(super) fn measures(signature: &Signature) -> String {
 
 /// What was checked, and the worst error that was seen.
 fn checked(derived: &[Derived], sampler: bool) -> String {
-    let worst = derived.iter().map(|d| d.worst_error).fold(0.0, f64::max);
     let what = if sampler { "density" } else { "Jacobian" };
+    let worst = accuracy(derived).density;
     format!(
-        "Checked while compiling against differences of the map itself; worst relative error of the {what} in `f64` on the points tried: {worst:.1e}."
+        "Checked while compiling against differences of the map itself; worst relative error of the {what} in `f64` on the points tried: {worst}."
     )
+}
+
+/// The largest errors over all pieces.
+pub(super) fn accuracy(derived: &[Derived]) -> Accuracy {
+    derived.iter().fold(Accuracy::default(), |all, d| all.or(&d.accuracy))
 }
 
 /// Says so if the map or its inverse is found by solving an equation numerically.

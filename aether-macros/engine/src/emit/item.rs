@@ -4,11 +4,12 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ItemFn;
 
-use super::documentation::{Texts, measures};
+use super::documentation::{Texts, accuracy, measures};
 use super::interface::{bound, hidden_body, interface, type_name};
 use super::ways::Ways;
 use super::whole::Support;
-use crate::derive::{Atom, Derived};
+use crate::derive::{Accuracy, Atom, Derived};
+use crate::diagnostics::warning;
 use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
 use crate::sorted;
 
@@ -160,8 +161,10 @@ impl Emitter<'_> {
         let derivation = self.derivation();
         let hidden = hidden_body(self.item);
         let functions = self.functions();
+        let warning = self.warning();
         quote! {
             #interface
+            #warning
             #[allow(clippy::all, clippy::pedantic, unused, non_snake_case)]
             const _: () = {
                 use ::aether_core::{Real as _, Mask as _, Single as _, Point as _};
@@ -207,12 +210,19 @@ impl Emitter<'_> {
             eprintln!("  {}", text.trim_end());
         }
         let what = if sampler { "density" } else { "Jacobian" };
-        eprintln!("  worst relative error of the {what} in f64: {:.1e}", self.worst_error());
+        eprintln!("  worst relative error of the {what} in f64: {}", self.accuracy().density);
     }
 
-    /// The worst error of the density that was seen.
-    fn worst_error(&self) -> f64 {
-        self.derived.iter().map(|d| d.worst_error).fold(0.0, f64::max)
+    /// The largest errors that were seen, over all pieces.
+    fn accuracy(&self) -> Accuracy {
+        accuracy(self.derived)
+    }
+
+    /// A warning if what was derived has lost more than half of its digits somewhere.
+    fn warning(&self) -> Option<TokenStream> {
+        let sampler = matches!(self.signature().source, Source::Uniforms { .. });
+        let text = self.accuracy().complaint(&self.signature().name.to_string(), sampler)?;
+        Some(warning(&self.signature().name, &self.item.attrs, &text))
     }
 
     fn derivation(&self) -> TokenStream {
@@ -221,7 +231,7 @@ impl Emitter<'_> {
         let name = self.signature().name.to_string();
         let measure = self.signature().space.measure();
         let preimages = Literal::usize_unsuffixed(self.places().len());
-        let worst = bound(self.worst_error());
+        let worst = bound(self.accuracy().density.error);
         let ty = self.type_name();
         let (bounds, args) =
             if self.is_generic() { (quote!(<R: Real>), quote!(<R>)) } else { (quote!(), quote!()) };

@@ -3,7 +3,7 @@
 use proc_macro2::{Span, TokenStream};
 use quote::{ToTokens, quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Attribute, Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
+use syn::{Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
 use super::names::{delegate, form, is_stop, referenced};
@@ -11,6 +11,7 @@ use super::reads::{Reads, comparisons};
 use super::signature::{Field, Signature};
 use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
+use crate::diagnostics::is_lint;
 use crate::walk;
 
 /// Everything that the attribute emits; without a plan the methods are left unimplemented.
@@ -50,10 +51,6 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
 
 fn real(vertex: &Type) -> TokenStream {
     quote!(<#vertex as ::aether_core::strategy::Vertex>::Real)
-}
-
-fn is_lint(attribute: &Attribute) -> bool {
-    ["allow", "expect", "warn", "deny", "forbid"].iter().any(|l| attribute.path().is_ident(l))
 }
 
 /// Makes the special forms name functions of the runtime.
