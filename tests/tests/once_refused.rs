@@ -1,6 +1,7 @@
 //! Cases that an earlier implementation of the same idea refused, or took and got wrong; `regressions.rs` has
 //! those that are simplest to write. Each test states the true value in closed form.
 
+use aether_core::battery;
 use aether_core::prelude::*;
 use tests::catalogue::{
     bilinear_patch, concentric_disk, concentric_hemisphere, helix, reflected_ggx, sphere_light,
@@ -395,6 +396,186 @@ fn a_narrow_branch_beside_one_that_a_frame_has() {
                 (1.0 - g * g) / (4.0 * PI) / (1.0 + g * g - 2.0 * g * w.dot(wo)).powf(1.5)
             };
             close(sampler.pdf(&w).value(), truth);
+        }
+    }
+}
+
+#[sampler(g in -0.95..=0.95)]
+fn lobe_about(u: [Uniform; 2], g: f64, wo: Direction) -> Direction {
+    let s = (1.0 - g * g) / (1.0 + g - 2.0 * g * u[0]);
+    let cos = (1.0 + g * g - s * s) / (2.0 * g);
+    let sin = (1.0 - cos * cos).sqrt();
+    let phi = TAU * u[1];
+    let local = Vec3::new(sin * phi.cos(), sin * phi.sin(), cos);
+    Direction::from_vec(Frame::around(wo).to_world(local))
+}
+
+/// What a body turns by a frame about a parameter is derived in the frame: its poles are those of the frame.
+#[test]
+fn an_inverse_in_a_frame_is_that_in_its_coordinates() {
+    for z in [0.5, -0.5] {
+        let wo = Direction::from_vec(Vec3::new(0.3, 0.2, z).normalize());
+        for g in [0.0, 1e-12, -1e-9, 1e-6, 1e-3, -0.3, 0.9] {
+            let sampler = right(lobe_about(g, wo));
+            for u in [[0.3, 0.4], [1e-9, 0.7], [0.999, 0.1]] {
+                let sample = sampler.sample(u);
+                let truth = (1.0 - g * g)
+                    / (4.0 * PI)
+                    / (1.0 + g * g - 2.0 * g * sample.value().dot(wo)).powf(1.5);
+                assert!((sampler.pdf(&sample).value() / truth - 1.0).abs() < 1e-12);
+                let found: Vec<[f64; 2]> = sampler.invert(&sample).iter().collect();
+                assert_eq!(found.len(), 1, "{g:e} {u:?}");
+                for (found, u) in found[0].iter().zip(u) {
+                    assert!((found - u).abs() < 1e-9, "{found:e} for {u:e}, g = {g:e}");
+                }
+                assert!((found[0][0] / u[0] - 1.0).abs() < 1e-5, "{found:?} for {u:?}, g = {g:e}");
+            }
+        }
+    }
+}
+
+// Spellings of papers and renderers.
+
+/// The concentric map with its regions told by squares.
+#[sampler]
+fn disk_by_squares(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let (r, phi) =
+        if a * a > b * b { (a, FRAC_PI_4 * (b / a)) } else { (b, FRAC_PI_2 - FRAC_PI_4 * (a / b)) };
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+/// The four regions of Shirley and Chiu (1997).
+#[sampler]
+fn disk_by_regions(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let (r, phi) = if a > -b {
+        if a > b { (a, FRAC_PI_4 * (b / a)) } else { (b, FRAC_PI_4 * (2.0 - a / b)) }
+    } else if a < b {
+        (-a, FRAC_PI_4 * (4.0 + b / a))
+    } else {
+        (-b, FRAC_PI_4 * (6.0 - a / b))
+    };
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+#[test]
+fn regions_of_a_square_are_told_by_squares_and_by_two_comparisons() {
+    let (squares, regions) = (disk_by_squares(), disk_by_regions());
+    battery::check(&squares).assert_ok();
+    battery::check(&regions).assert_ok();
+    for u in [[0.9, 0.4], [0.1, 0.3], [0.45, 0.95], [0.6, 0.02], [0.5, 0.7]] {
+        both(squares, u, 1.0 / PI);
+        both(regions, u, 1.0 / PI);
+        let found: Vec<[f64; 2]> = regions.invert(&regions.sample(u)).iter().collect();
+        assert!(found.len() == 1 && found[0].iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-14));
+    }
+}
+
+/// The normals of a clear coat (Burley 2012), with the bounds that keep roots from rounding.
+#[sampler(a in 1e-3..=0.99)]
+fn clear_coat(u: [Uniform; 2], a: f64) -> Direction {
+    let a2 = a * a;
+    let cos = ((1.0 - a2.powf(1.0 - u[0])) / (1.0 - a2)).max(0.0).sqrt();
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(sin * phi.cos(), sin * phi.sin(), cos)
+}
+
+#[test]
+fn bounds_that_keep_roots_from_rounding_are_no_branches() {
+    battery::check(&right(clear_coat(0.3))).assert_ok();
+    for a in [1e-3, 0.1, 0.9] {
+        let coat = right(clear_coat(a));
+        for u in [[0.3, 0.4], [0.99, 0.1]] {
+            let z = coat.sample(u).value().z;
+            let truth = (a * a - 1.0) * z / (PI * (a * a).ln() * (1.0 + (a * a - 1.0) * z * z));
+            both(coat, u, truth);
+        }
+    }
+}
+
+/// Visible normals in a bounded cap, reflected at, in one body (Eto and Tokuyoshi 2023).
+#[sampler(ax in 1e-3..=1.0, ay in 1e-3..=1.0, where i.z > 0.0)]
+fn reflected_in_a_bounded_cap(u: [Uniform; 2], ax: f64, ay: f64, i: Direction) -> Direction {
+    let stretched = Vec3::new(i.x * ax, i.y * ay, i.z).normalize();
+    let phi = TAU * u[0];
+    let a = ax.min(ay).clamp(0.0, 1.0);
+    let s = 1.0 + (i.x * i.x + i.y * i.y).sqrt();
+    let (a2, s2) = (a * a, s * s);
+    let k = (1.0 - a2) * s2 / (s2 + a2 * i.z * i.z);
+    let b = if i.z > 0.0 { k * stretched.z } else { stretched.z };
+    let z = (1.0 - u[1]).mul_add(1.0 + b, -b);
+    let sine = (1.0 - z * z).clamp(0.0, 1.0).sqrt();
+    let o = Vec3::new(sine * phi.cos(), sine * phi.sin(), z);
+    let m = stretched + o;
+    let m = Vec3::new(m.x * ax, m.y * ay, m.z).normalize();
+    Direction::from_vec(2.0 * i.dot(m) * m - i)
+}
+
+#[test]
+fn a_reflection_at_a_normal_that_a_body_draws_is_undone_with_it() {
+    let i = Direction::from_vec(Vec3::new(0.3, -0.2, 0.6).normalize());
+    for [ax, ay] in [[0.3, 0.5], [0.9, 0.2], [0.05, 0.05]] {
+        let sampler = right(reflected_in_a_bounded_cap(ax, ay, i));
+        for u in [[0.3, 0.4], [0.8, 0.05], [0.1, 0.9]] {
+            let o = sampler.sample(u).value();
+            let m = (i.vec() + o.vec()).normalize();
+            let d = 1.0
+                / (PI * ax * ay * ((m.x / ax).powi(2) + (m.y / ay).powi(2) + m.z * m.z).powi(2));
+            let t = ((ax * i.x).powi(2) + (ay * i.y).powi(2) + i.z * i.z).sqrt();
+            let a2 = ax.min(ay).powi(2);
+            let s2 = (1.0 + i.x.hypot(i.y)).powi(2);
+            let k = (1.0 - a2) * s2 / (s2 + a2 * i.z * i.z);
+            both(sampler, u, d / (2.0 * (k * i.z + t)));
+        }
+    }
+}
+
+/// The unit normal and a point of the unit sphere, normalised, are distributed by the cosine.
+#[sampler]
+fn cosine_by_sphere(u: [Uniform; 2], n: Direction) -> Direction {
+    let a = 1.0 - 2.0 * u[0];
+    let b = (1.0 - a * a).sqrt();
+    let phi = TAU * u[1];
+    let sum = Vec3::new(n.x + b * phi.cos(), n.y + b * phi.sin(), n.z + a);
+    Direction::from_vec(sum.normalize())
+}
+
+#[test]
+fn nothing_is_sampled_below_the_horizon_of_a_rounded_normal() {
+    let n = Direction::new(0.3, -0.2, 0.7);
+    let sampler = cosine_by_sphere(n);
+    for u in [[0.3, 0.4], [0.9, 0.1], [0.55, 0.75]] {
+        let x = sampler.sample(u);
+        let cosine = n.dot(x.value());
+        assert!((sampler.pdf(&x).value() / (cosine / PI) - 1.0).abs() < 1e-12);
+        let below = Direction::from_vec(x.value().vec() - 2.0 * cosine * n.vec());
+        assert_eq!(sampler.pdf(&below).value(), 0.0);
+        assert_eq!(sampler.invert(&below).iter().count(), 0);
+    }
+    let grazing = Vec3::new(-0.2869769099651593, -0.9448720381711309, -0.15767398209337552);
+    assert_eq!(sampler.pdf(&Direction::from_vec(grazing)).value(), 0.0);
+}
+
+/// The cosine of von Mises and Fisher's distribution as Jakob (2012) prints it, for all concentrations.
+#[sampler(kappa in 1e-3..=1e5)]
+fn concentrated(u: [Uniform; 2], kappa: f64) -> Direction {
+    let w = 1.0 + 1.0 / kappa * (u[0] + (1.0 - u[0]) * (-2.0 * kappa).exp()).ln();
+    let theta = TAU * u[1];
+    let s = (1.0 - w * w).sqrt();
+    Direction::new(s * theta.cos(), s * theta.sin(), w)
+}
+
+#[test]
+fn exponentials_of_parameters_stay_within_range() {
+    for kappa in [1e-2, 1.0, 300.0, 1e5] {
+        let sampler = right(concentrated(kappa));
+        for u in [[0.2, 0.4], [0.999, 0.1]] {
+            let mean = u[0] + (1.0 - u[0]) * f64::exp(-2.0 * kappa);
+            both(sampler, u, kappa * mean / (TAU * -f64::exp_m1(-2.0 * kappa)));
+            let found: Vec<[f64; 2]> = sampler.invert(&sampler.sample(u)).iter().collect();
+            assert!(found.len() == 1 && found[0].iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-10));
         }
     }
 }

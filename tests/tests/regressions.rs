@@ -782,6 +782,73 @@ fn a_branch_may_be_taken_next_to_the_end_of_a_domain_alone() {
     }
 }
 
+/// A smoothstep that is faded in: cubic in u, and linear at t = 0.
+#[sampler(t in 0.0..=1.0)]
+fn faded(u: [Uniform; 1], t: f64) -> f64 {
+    (1.0 - t) * u[0] + t * u[0] * u[0] * (3.0 - 2.0 * u[0])
+}
+
+#[test]
+fn a_cubic_that_is_nearly_linear_keeps_the_digits_of_its_inverse() {
+    for t in [1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.5, 1.0] {
+        let sampler = faded(t).expect("in the domain");
+        for u in [1e-3, 0.3, 0.5, 0.999] {
+            let x = sampler.sample([u]).value();
+            let found: Vec<[f64; 1]> = sampler.invert(&x).iter().collect();
+            let is_near = matches!(found[..], [[v]] if (v - u).abs() < 1e-13);
+            assert!(is_near, "{found:?} for {u}, t = {t:e}");
+            let truth = 1.0 / ((1.0 - t) + 6.0 * t * u * (1.0 - u));
+            assert!((sampler.pdf(&x).value() / truth - 1.0).abs() < 1e-12, "{t:e} {u}");
+        }
+    }
+}
+
+#[sampler]
+fn closed_end(u: [Uniform; 1]) -> f64 {
+    if u[0] > 0.5 { u[0] } else { (1.0 - 2.0 * u[0]).ln() }
+}
+
+#[sampler]
+fn four_regions(u: [Uniform; 2]) -> Vec2 {
+    let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let (r, phi) = if a.abs() > b.abs() {
+        if a > 0.0 { (a, FRAC_PI_4 * (b / a)) } else { (-a, FRAC_PI_4 * (4.0 + b / a)) }
+    } else if b > 0.0 {
+        (b, FRAC_PI_4 * (2.0 - a / b))
+    } else {
+        (-b, FRAC_PI_4 * (6.0 - a / b))
+    };
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+#[test]
+fn the_end_of_a_piece_that_belongs_to_it_has_a_sample() {
+    let x = Sampler::<f64>::sample(&closed_end(), [0.5]);
+    assert!(x.is_valid() && x.value().is_finite() && x.value() < -30.0, "{x:?}");
+    // The second point of every Sobol sequence.
+    let centre = Sampler::<f64>::sample(&four_regions(), [0.5, 0.5]);
+    assert!(centre.is_valid() && centre.value().length() < 1e-15, "{centre:?}");
+    assert!((centre.pdf().value() * PI - 1.0).abs() < 1e-12);
+}
+
+#[sampler(kappa in 1e-3..)]
+fn von_mises_fisher(u: [Uniform; 2], kappa: f64) -> Direction {
+    let w = 1.0 + 1.0 / kappa * (u[0] + (1.0 - u[0]) * (-2.0 * kappa).exp()).ln();
+    let theta = TAU * u[1];
+    let s = (1.0 - w * w).sqrt();
+    Direction::new(s * theta.cos(), s * theta.sin(), w)
+}
+
+#[test]
+fn no_direction_is_infinite() {
+    for kappa in [1.0f64, 400.0, 1e4] {
+        let x = von_mises_fisher(kappa).expect("in the domain").sample([0.0, 0.3]);
+        assert!(!x.is_valid() || x.value().z.is_finite(), "{kappa}: {x:?}");
+    }
+    let x = von_mises_fisher(100.0f32).expect("in the domain").sample([0.0, 0.3]);
+    assert!(!x.is_valid(), "{x:?}");
+}
+
 #[sampler]
 fn normal_plane(u: [Uniform; 2]) -> Vec2 {
     let r = (-2.0 * (1.0 - u[0]).ln()).sqrt();

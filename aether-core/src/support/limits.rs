@@ -198,31 +198,39 @@ fn beside_by<R: Real, const P: usize, const M: usize>(
 }
 
 /// The map at `u`, as its value `x` there, and whether it has one; where a uniform of exactly zero leads to 0/0, its
-/// limit from inside. What comes out where `wanted` is false does not matter.
+/// limit from inside. What comes out where `wanted` is false does not matter. In a space that is `bounded`, what is infinite
+/// is no value.
 ///
 /// The value is given because it is computed in place then, which a function that is called again here might not be.
 #[inline(always)]
 pub fn closed<R: Real, const P: usize, const N: usize, const M: usize>(
     wanted: R::Mask,
+    bounded: bool,
     (p, u): (&[R; P], &[R; N]),
     x: [R; M],
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
-    // What is infinite stays so; a sum of such numbers may be none.
+    // What is infinite stays so, as where no coordinate of a direction is infinite alone; a sum of such numbers may be none.
     let sum = sum(&x);
-    if sum.ge(sum).all() { (x, R::Mask::TRUE) } else { rarely_closed(wanted, *p, *u, x, forward) }
+    if sum.ge(sum).all() {
+        (x, R::Mask::TRUE)
+    } else {
+        rarely_closed(wanted, bounded, *p, *u, x, forward)
+    }
 }
 
 #[cold]
 #[inline(never)]
 fn rarely_closed<R: Real, const P: usize, const N: usize, const M: usize>(
     wanted: R::Mask,
+    bounded: bool,
     p: [R; P],
     u: [R; N],
     x: [R; M],
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
-    closed_by(wanted, &p, &u, x, &forward)
+    let (x, known) = closed_by(wanted, &p, &u, x, &forward);
+    (x, if bounded { known.and(each_finite(x)) } else { known })
 }
 
 fn closed_by<R: Real, const P: usize, const N: usize, const M: usize>(
@@ -294,8 +302,12 @@ mod tests {
         assert!(!finite(&[f64::INFINITY, -f64::INFINITY]) && !finite(&[0.0, f64::NAN]));
         // Together they need another look.
         assert!(!plain(&[large, large], 1.0) && plain(&[large, -1.0], 1.0));
-        let (x, known) = closed(true, (&[large], &[0.5]), [large; 2], |p, _| [p[0], p[0]]);
+        let (x, known) = closed(true, true, (&[large], &[0.5]), [large; 2], |p, _| [p[0], p[0]]);
         assert!(known && x == [large; 2]);
+        let far = f64::INFINITY;
+        let infinite =
+            |bounded| closed(true, bounded, (&[far], &[0.5]), [far, -far], |p, _| [p[0], -p[0]]);
+        assert!(infinite(false).1 && !infinite(true).1);
     }
 
     #[test]

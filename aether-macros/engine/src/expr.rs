@@ -141,6 +141,17 @@ pub const UNKNOWNS: Deps = (1 << 24) - 1;
 /// The bits of all coordinates of the query point.
 pub const OUTS: Deps = ((1 << 24) - 1) << 24;
 
+/// A vector that a frame turns from its own coordinates to those of the world.
+#[derive(Clone, Debug)]
+pub struct TurnedVector {
+    /// The axes of the frame.
+    pub axes: [[Id; 3]; 3],
+    /// The vector in the coordinates of the frame.
+    pub inside: [Id; 3],
+    /// The vector in those of the world.
+    pub written: [Id; 3],
+}
+
 /// The arena of expressions.
 #[derive(Clone, Default)]
 pub struct Graph {
@@ -155,6 +166,7 @@ pub struct Graph {
     units: Vec<[Id; 3]>,
     vectors: Vec<[Id; 3]>,
     made_frames: Vec<[[Id; 3]; 3]>,
+    turned: Vec<TurnedVector>,
     /// Known ranges of quotients: numerator, denominator.
     quotients: Vec<(Id, Id, Interval)>,
     /// What [`crate::poly`] made of expressions, as long as ranges stay what they are.
@@ -324,6 +336,14 @@ impl Graph {
     /// The frames that were noted.
     pub fn made_frames(&self) -> &[[[Id; 3]; 3]] {
         &self.made_frames
+    }
+    /// Notes that a vector is another one turned by a frame.
+    pub fn note_turned(&mut self, turned: TurnedVector) {
+        self.turned.push(turned);
+    }
+    /// The vectors that were noted as turned.
+    pub fn turned(&self) -> &[TurnedVector] {
+        &self.turned
     }
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {

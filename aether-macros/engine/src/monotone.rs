@@ -43,8 +43,13 @@ pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
 
 /// The sign that an expression has at all points of its inputs' ranges that are tried; `None` if it has both, or none.
 pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
+    sign_at(g, id, POINTS)
+}
+
+/// The same at so many points.
+pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
     let leaves = leaves_of(g, id, any_input(g, id)?);
-    sign_inside(g, id, &leaves, true).ok()
+    sign_inside(g, id, &leaves, true, points).ok()
 }
 
 /// An input that an expression depends on.
@@ -58,7 +63,7 @@ pub(crate) fn any_input(g: &Graph, id: Id) -> Option<Leaf> {
 /// The sign of a slope that may vanish here and there, or nowhere where `strict`.
 fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, Unproven> {
     let leaves = leaves_of(g, slope, variable);
-    let sign = match sign_inside(g, slope, &leaves, strict) {
+    let sign = match sign_inside(g, slope, &leaves, strict, POINTS) {
         Ok(sign) => sign,
         Err(seen) => {
             let whole: Vec<Interval> = leaves.iter().map(|l| g.leaf_range(*l)).collect();
@@ -113,7 +118,13 @@ pub(crate) fn inside(i: Interval, t: f64) -> f64 {
 
 /// The sign of the slope at points inside; if it has both, of which there is no proof to be tried, or neither, what
 /// is seen.
-fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf], strict: bool) -> Result<i64, String> {
+fn sign_inside(
+    g: &Graph,
+    slope: Id,
+    leaves: &[Leaf],
+    strict: bool,
+    points: u32,
+) -> Result<i64, String> {
     // A sequence of its own for each input, which does not repeat.
     let step = |n: u32, k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
     let at = |n: u32, k: usize| inside(g.leaf_range(leaves[k]), step(n, k));
@@ -122,7 +133,7 @@ fn sign_inside(g: &Graph, slope: Id, leaves: &[Leaf], strict: bool) -> Result<i6
         crate::eval::evaluate::<f64>(g, slope, &input)
     };
     let (mut least, mut most) = ((0.0_f64, 0), (0.0_f64, 0));
-    for (v, n) in (0..POINTS).map(|n| (value(n), n)).filter(|v| v.0.is_finite()) {
+    for (v, n) in (0..points).map(|n| (value(n), n)).filter(|v| v.0.is_finite()) {
         least = if v < least.0 { (v, n) } else { least };
         most = if v > most.0 { (v, n) } else { most };
     }

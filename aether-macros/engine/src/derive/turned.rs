@@ -7,7 +7,7 @@
 use super::{Derived, Problem};
 use crate::derivative::derivative;
 use crate::display::show;
-use crate::expr::{Graph, Id, Leaf, Node};
+use crate::expr::{Graph, Id, Leaf, Node, TurnedVector, UNKNOWNS};
 use crate::interval::Interval;
 use crate::solve::linear::dot;
 use crate::sorted;
@@ -27,9 +27,16 @@ pub(super) fn turned(problem: &mut Problem) -> Option<Turned> {
     }
     let g = &mut problem.graph;
     let written = &problem.outputs;
-    problem.frames.iter().find_map(|&axes| {
+    let by_parameter = problem.frames.iter().find_map(|&axes| {
         let inside = along(g, axes, written)?;
         Some(Turned { axes, written: written.clone(), inside })
+    });
+    // A frame about a direction that is sampled turns with the point.
+    let fixed = |axes: &[[Id; 3]; 3]| axes.iter().flatten().all(|id| !g.has(*id, UNKNOWNS));
+    let made = || g.turned().iter().find(|t| t.written[..] == written[..] && fixed(&t.axes));
+    by_parameter.or_else(|| {
+        let TurnedVector { axes, inside, .. } = made()?;
+        Some(Turned { axes: *axes, written: written.clone(), inside: inside.to_vec() })
     })
 }
 

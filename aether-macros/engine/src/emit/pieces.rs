@@ -286,11 +286,12 @@ impl<'a> Emitter<'a> {
             let i = Literal::usize_unsuffixed(i);
             quote!(#name[#i])
         };
-        // Differences of numbers with few binary digits are not rounded, nor is one from zero.
+        // Differences of numbers with few binary digits are not rounded, nor is one from zero; an end that belongs to the
+        // piece has a place just below one.
         let exact = |i: usize| {
             let few = |id: Id| problem.graph.as_number(id).filter(|q| q.den().count_ones() == 1);
             let segment = problem.segments.get(i).copied().flatten();
-            segment.is_some_and(|s| {
+            segment.filter(|s| !s.closed).is_some_and(|s| {
                 few(s.low).is_some_and(|low| low.is_zero() || few(s.width).is_some())
             })
         };

@@ -9,6 +9,7 @@ use super::own::{density_of, excluding, exclusive, folded, forward_with_density,
 use super::pieces::{Place, is_unguarded};
 use super::quick;
 use super::tame::Tame;
+use crate::parse::Space;
 
 /// The implementation of the trait for an item whose inverse was derived.
 pub fn implementation(e: &Emitter) -> TokenStream {
@@ -109,9 +110,14 @@ pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
     if e.forward_is_tame(j) {
         quote!((#forward::<R>(&p, &t), <R::Mask as Mask>::TRUE))
     } else {
-        let value = quote!(#forward::<R>(&p, &t));
-        quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, (&p, &t), #value, #forward::<R>))
+        let (value, bounded) = (quote!(#forward::<R>(&p, &t)), is_bounded(e));
+        quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, #bounded, (&p, &t), #value, #forward::<R>))
     }
+}
+
+/// Whether no point of the space has infinite coordinates.
+fn is_bounded(e: &Emitter) -> bool {
+    matches!(e.signature().space, Space::Direction)
 }
 
 /// The coordinates of the image of `u` under the only piece, and whether they have values.
@@ -121,7 +127,8 @@ pub(super) fn image(e: &Emitter) -> TokenStream {
     }
     let (n, m, s) = e.sizes();
     let (all, value) = (quote!(<R::Mask as Mask>::TRUE), quote!(forward_0::<R>(&p, &u)));
-    quote!(::aether_core::support::closed::<R, #s, #n, #m>(#all, (&p, &u), #value, forward_0::<R>))
+    let bounded = is_bounded(e);
+    quote!(::aether_core::support::closed::<R, #s, #n, #m>(#all, #bounded, (&p, &u), #value, forward_0::<R>))
 }
 
 /// Binds `belongs`: finite coordinates, the right surface. For each preimage k, binds `strict_k`,

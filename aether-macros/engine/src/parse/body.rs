@@ -8,7 +8,7 @@ use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
 use super::stages::Cut;
-use super::{Options, Param, ParamKind, Segment, Source, Space, Value};
+use super::{Options, Param, ParamKind, Segment, Source, Space, Test, Value};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
@@ -25,6 +25,8 @@ pub struct Body<'a> {
     pub constants: Vec<(String, TokenStream)>,
     /// The way through the comparisons.
     pub way: Way,
+    /// What is declared of the parameters together.
+    pub(super) declared: Vec<Test>,
     pub(super) names: HashMap<String, Value>,
     /// Whether the operands of a comparison are being read.
     pub(super) comparing: bool,
@@ -62,6 +64,7 @@ impl<'a> Body<'a> {
             requirements: vec![],
             constants: vec![],
             way,
+            declared: vec![],
             names,
             comparing: false,
             returned: None,
@@ -97,6 +100,7 @@ impl<'a> Body<'a> {
                 let segment = segments.get(i).copied().flatten().map(|(s, from)| Segment {
                     low: g.import(from, s.low),
                     width: g.import(from, s.width),
+                    closed: s.closed,
                 });
                 confined.push(segment);
                 segment.map_or(inner, |s| {

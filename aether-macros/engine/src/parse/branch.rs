@@ -10,7 +10,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::body::Body;
-use super::order::{assume_nonnegative, assume_order};
+use super::order::{assume_both, assume_nonnegative, assume_order};
 use super::{Test, Value, proven};
 use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
@@ -98,7 +98,8 @@ impl Body<'_> {
     /// What an earlier comparison of the same two numbers says of this one.
     fn repeated(&mut self, difference: Id, strict: bool) -> Option<bool> {
         let negated = self.graph.neg(difference);
-        self.way.made.iter().find_map(|&(made, was_strict, held)| {
+        let declared = self.declared.iter().map(|test| (test.difference, test.strict, true));
+        self.way.made.iter().copied().chain(declared).find_map(|(made, was_strict, held)| {
             if made == difference && (was_strict == strict || held == was_strict) {
                 Some(held)
             } else if made == negated && (was_strict != strict || held == was_strict) {
@@ -137,6 +138,12 @@ impl Body<'_> {
             let g = &mut self.graph;
             let difference = if outcome.holds { difference } else { g.neg(difference) };
             assume_nonnegative(g, difference);
+            for &(made, _, held) in &self.way.made {
+                let made = if held { made } else { g.neg(made) };
+                if made != difference {
+                    assume_both(g, made, difference);
+                }
+            }
             if !outcome.proven && !self.way.implied.contains(&place) {
                 let strict = strict == outcome.holds;
                 self.way.tests.push((place, Test { difference, strict }));
@@ -183,6 +190,7 @@ impl Body<'_> {
             return self.error(b, "a relation is between parameters: this one depends on what is sampled; write it as a branch of the body");
         }
         assume_nonnegative(&mut self.graph, difference);
+        self.declared.push(Test { difference, strict });
         Some(Test { difference, strict })
     }
 

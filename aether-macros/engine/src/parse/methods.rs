@@ -4,10 +4,11 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
+use super::bounded::bounded_argument;
 use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
-use crate::expr::{Fun, Graph, Id, shed};
+use crate::expr::{Fun, Graph, Id, TurnedVector, shed};
 use crate::rational::Q;
 use crate::solve::linear::{cross, dot};
 
@@ -84,6 +85,10 @@ fn same_length(a: &Value, b: &Value) -> bool {
 /// receiver.method(args).
 pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
     let name = m.method.to_string();
+    if let Some(bounded) = bounded_argument(&name, &m.receiver) {
+        let x = bounded.value(body)?;
+        return scalar_function(body, m, &name, x);
+    }
     let receiver = body.expr(&m.receiver)?;
     let args: Vec<&Expr> = m.args.iter().collect();
     match (&receiver, &args[..]) {
@@ -307,11 +312,16 @@ fn matrix_method(
             let Some(v) = v.vector().filter(|v| v.len() == 3).map(<[Id]>::to_vec) else {
                 return body.error(a, format!("`{name}` needs a vector of space"));
             };
-            let rows = if name == "to_world" { transposed } else { columns };
+            let is_outward = name == "to_world";
+            let rows = if is_outward { &transposed } else { &columns };
             let g = &mut body.graph;
             let turned: Vec<Id> = rows.iter().map(|r| dot(g, r, &v)).collect();
-            if let [x, y, z] = turned[..] {
-                g.note_vector([x, y, z]);
+            if let ([x, y, z], Ok(inside)) = (&turned[..], v.try_into()) {
+                let (written, axes) = ([*x, *y, *z], columns.map(|c| [c[0], c[1], c[2]]));
+                g.note_vector(written);
+                if is_outward && g.made_frames().contains(&axes) {
+                    g.note_turned(TurnedVector { axes, inside, written });
+                }
             }
             Some(Value::Vector(turned))
         }

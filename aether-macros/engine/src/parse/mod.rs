@@ -2,6 +2,7 @@
 
 mod attribute;
 mod body;
+mod bounded;
 mod branch;
 mod expression;
 mod methods;

@@ -1,6 +1,6 @@
 //! What follows when one number is known to be larger than another.
 
-use crate::expr::{Fun, Graph, Id, Node};
+use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
 use crate::interval::Interval;
 use crate::rational::Q;
 
@@ -17,7 +17,21 @@ pub(crate) fn assume_nonnegative(g: &mut Graph, difference: Id) {
     assume_order(g, larger, smaller);
 }
 
-/// From X >= Y >= 0: X² - Y² is not negative, and Y / X at most one; from |x| >= |y|: y / x is within one.
+/// From two differences that are not negative, a + b and a - b: a is not negative, and b / a within one.
+pub(super) fn assume_both(g: &mut Graph, first: Id, second: Id) {
+    let [half, minus] = [Q::HALF, Q::HALF.neg()];
+    let middle = g.sum(Q::ZERO, &[(half, first), (half, second)]);
+    let beside = g.sum(Q::ZERO, &[(half, first), (minus, second)]);
+    // Any two differences can be written so; it tells something where parts of them cancel.
+    let [whole, a, b] = [first, middle, beside].map(|id| g.deps(id) & UNKNOWNS);
+    let parts = a != 0 && b != 0 && a & b == 0 && a | b == whole;
+    if parts && g.deps(second) & UNKNOWNS == whole {
+        g.assume(middle, Interval::POSITIVE);
+        assume_quotients(g, beside, middle, Interval::new(-1.0, 1.0));
+    }
+}
+
+/// From X >= Y >= 0: X² - Y² is not negative, and Y / X at most one; from |x| >= |y| and x² >= y²: y / x is within one.
 pub(super) fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
     let zero = g.int(0);
     if larger == zero || smaller == zero {
@@ -31,17 +45,31 @@ pub(super) fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
         let squares = g.sum(Q::ZERO, &[(Q::int(sign), above), (Q::int(-sign), below)]);
         g.assume(squares, Interval::POSITIVE.scale(sign as f64));
     }
+    let squared = |g: &Graph, id: Id| match g.node(id) {
+        Node::Product(factors) => match factors[..] {
+            [(base, e)] if g.as_number(e) == Some(Q::int(2)) => Some(base),
+            _ => None,
+        },
+        _ => None,
+    };
+    if let (Some(x), Some(y)) = (squared(g, larger), squared(g, smaller)) {
+        assume_quotients(g, y, x, Interval::new(-1.0, 1.0));
+    }
     let plain = |g: &Graph, id: Id| match g.node(id) {
         Node::Call(Fun::Abs, args) => (args[0], true),
         _ => (id, false),
     };
     let ((x, signed_x), (y, signed_y)) = (plain(g, larger), plain(g, smaller));
     let lowest = if signed_x || signed_y { -1.0 } else { 0.0 };
-    // A sum and its negative are two expressions.
+    assume_quotients(g, y, x, Interval::new(lowest, 1.0));
+}
+
+/// Makes the range of y / x known, and with it those of the negatives, as a sum and its negative are two expressions.
+fn assume_quotients(g: &mut Graph, y: Id, x: Id, range: Interval) {
     for (sign_x, sign_y) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
         let signed = |g: &mut Graph, sign, id| g.sum(Q::ZERO, &[(Q::int(sign), id)]);
         let (x, y) = (signed(g, sign_x, x), signed(g, sign_y, y));
-        g.assume_quotient(y, x, Interval::new(lowest, 1.0).scale((sign_x * sign_y) as f64));
+        g.assume_quotient(y, x, range.scale((sign_x * sign_y) as f64));
     }
 }
 
@@ -63,5 +91,23 @@ mod tests {
         let opposite = g.neg(squares);
         assert!(g.range(opposite).nonpositive());
         assert!(g.range(quotient).hi <= 1.0);
+    }
+
+    #[test]
+    fn squares_in_order_and_two_differences_tell_of_quotients() {
+        let mut g = Graph::new();
+        let made = [0, 1, 2, 3].map(|i| g.leaf(Leaf::Unknown(i), "u", Interval::new(-1.0, 1.0)));
+        let [a, b, c, d] = made;
+        let (within, either) = (Interval::new(-1.0, 1.0), Interval::ALL);
+        let quotients = [g.div(b, a), g.div(d, c), g.div(a, b)];
+        let (a2, b2) = (g.powi(a, 2), g.powi(b, 2));
+        let squares = g.sub(a2, b2);
+        assume_nonnegative(&mut g, squares);
+        let [first, second, back] = quotients;
+        assert_eq!([first, second, back].map(|id| g.range(id)), [within, either, either]);
+        let (sum, difference) = (g.add(c, d), g.sub(c, d));
+        assume_both(&mut g, sum, difference);
+        assert!(g.range(c).nonnegative() && !g.range(d).nonnegative());
+        assert_eq!(g.range(second), within);
     }
 }

@@ -22,6 +22,8 @@ pub struct Segment {
     pub low: Id,
     /// Distance to the upper end.
     pub width: Id,
+    /// Whether the upper end itself belongs to it.
+    pub closed: bool,
 }
 
 /// What of some tests says only that uniforms lie in intervals: a segment for each uniform that is
@@ -39,7 +41,7 @@ pub(super) fn segments(
         .iter()
         .map(|&u| {
             let (mut low, mut high) = (g.int(0), g.int(1));
-            let mut cut = false;
+            let (mut cut, mut closed) = (false, false);
             for &(place, test) in tests {
                 let Some((end, is_low)) = end_of(g, test.difference, u) else { continue };
                 let side = if is_low { &mut low } else { &mut high };
@@ -50,6 +52,9 @@ pub(super) fn segments(
                 } else {
                     (g.range(gap).nonpositive(), g.range(gap).nonnegative())
                 };
+                if !is_low && tighter {
+                    closed = !test.strict && (closed || end != *side);
+                }
                 if tighter {
                     *side = end;
                 }
@@ -58,7 +63,7 @@ pub(super) fn segments(
                     implied.push(place);
                 }
             }
-            cut.then(|| Segment { low, width: g.sub(high, low) })
+            cut.then(|| Segment { low, width: g.sub(high, low), closed })
         })
         .collect();
     (found, implied)

@@ -62,7 +62,8 @@ fn q_third() -> Q {
     Q::new(-1, 3).unwrap_or(Q::ZERO)
 }
 
-/// Viète's roots 2 √(-p/3) cos((acos(3 q / (2 p) √(-3/p)) - 2 π k) / 3).
+/// Viète's roots 2 √(-p/3) cos((acos(c) - 2 π k) / 3) with c = 3 q / (2 p) √(-3/p); the middle one is -2 √(-p/3) sin(asin(c) / 3),
+/// which keeps its digits where it is much smaller than the others, as of a cubic that is nearly linear.
 fn three_roots(g: &mut Graph, p: Id, q: Id) -> Option<[Id; 3]> {
     let third = g.sum(Q::ZERO, &[(Q::new(-1, 3)?, p)]);
     let root = g.sqrt(third);
@@ -70,15 +71,21 @@ fn three_roots(g: &mut Graph, p: Id, q: Id) -> Option<[Id; 3]> {
     let cosine = g.mul(q, cube);
     let cosine = g.sum(Q::ZERO, &[(Q::HALF.neg(), cosine)]);
     let angle = g.call(Fun::Acos, &[cosine]);
+    let beside = g.call(Fun::Asin, &[cosine]);
+    let beside = g.sum(Q::ZERO, &[(q_third().neg(), beside)]);
+    let middle = g.call(Fun::Sin, &[beside]);
+    let middle = g.mul(root, middle);
+    let middle = g.sum(Q::ZERO, &[(Q::int(-2), middle)]);
     let pi = g.pi();
-    Some([0, 1, 2].map(|k| {
+    let [first, last] = [0, 2].map(|k| {
         let turned =
             [(q_third().neg(), angle), (q_third().mul(Q::int(2 * k)).unwrap_or(Q::ZERO), pi)];
         let turned = g.sum(Q::ZERO, &turned);
         let cosine = g.call(Fun::Cos, &[turned]);
         let t = g.mul(root, cosine);
         g.sum(Q::ZERO, &[(Q::int(2), t)])
-    }))
+    });
+    Some([first, middle, last])
 }
 
 /// Cardano's root, with the sum that does not cancel: C - p / (3 C), C³ = -(q/2 ± √D).

@@ -204,6 +204,10 @@ fn search(
             continue;
         }
         strip_all(g, &mut state);
+        if let Some(next) = quadric::multiplied(g, &state) {
+            open.extend(next);
+            continue;
+        }
         // A pair must be seen before one of its members is solved through another equation.
         if let Some(next) = polar::polar_pair(g, &state) {
             open.extend(numbered(&state, next).into_iter().rev());

@@ -26,6 +26,14 @@ pub(super) fn common_lengths(g: &mut Graph, state: &State) -> Vec<(Id, Vec<usize
     found
 }
 
+/// What three outputs have in common as a factor, and their equations, where it is more than a length: of a reflected
+/// viewer, 2 (w · h) / |T|² for a half vector h = T / |T|.
+pub(super) fn common_multiple(g: &mut Graph, state: &State) -> Option<(Id, Vec<usize>)> {
+    let (factors, members) = common_factor(g, state)?;
+    let more = members.len() == 3 && factors.iter().any(|&(b, e)| !is_length(g, b, e));
+    more.then(|| (g.product(&factors), members))
+}
+
 fn is_length(g: &Graph, base: Id, exponent: Id) -> bool {
     g.as_number(exponent) == Some(Q::HALF.neg()) && matches!(g.node(base), Node::Sum(..))
 }

@@ -4,13 +4,13 @@
 //! X_i = T_i / |T| and Q(T) = 0 with a polynomial Q of degree two: T = λ X, so that λ = |T| is a root of
 //! the quadratic equation Q(λ X) = 0, and all T_i are known.
 
-use super::normalise::common_lengths;
+use super::normalise::{common_lengths, common_multiple};
 use super::scale::named;
 use super::{Condition, Equation, State, affine_parts};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS, leaf_bit};
-use crate::jacobian::{cost, factor_out, simplify};
+use crate::jacobian::{cost, factor_out, simplify, simplify_with};
 use crate::poly::{Expander, RatFun, relation};
 use crate::rational::Q;
 use crate::sorted;
@@ -38,11 +38,29 @@ pub(super) fn normalised(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     let mut lengths = common_lengths(g, state);
     // The outermost first: the others are parts of it.
     sorted::sort_by_key(&mut lengths, |(length, _)| std::cmp::Reverse(cost(g, *length)));
-    lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members))
+    lengths.into_iter().find_map(|(length, members)| divided(g, state, length, &members, false))
 }
 
-/// The same for outputs that are divided by this length.
-fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Option<Vec<State>> {
+/// The same for a multiple of T, which tells as much as T / |T| where the quadric leads through the origin, so that there is
+/// one answer.
+pub(super) fn multiplied(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    let (multiple, members) = common_multiple(g, state)?;
+    // What is tried in vain must leave nothing in the graph, as the order of sums follows that in which parts came.
+    let mut trial = g.clone();
+    let divisor = trial.powi(multiple, -1);
+    let next = divided(&mut trial, state, divisor, &members, true)?;
+    *g = trial;
+    Some(next)
+}
+
+/// The same for outputs that are divided by this length, or by another number if the quadric leads through the origin.
+fn divided(
+    g: &mut Graph,
+    state: &State,
+    length: Id,
+    members: &[usize],
+    through_origin: bool,
+) -> Option<Vec<State>> {
     let mut coordinates = Vec::new();
     let mut plain = None;
     for &equation in members {
@@ -70,13 +88,17 @@ fn divided(g: &mut Graph, state: &State, length: Id, members: &[usize]) -> Optio
         Some((_, value)) => vec![value],
         None => {
             let quadric = quadric(g, &mut coordinates)?;
-            lengths(g, state, &quadric, &coordinates)
+            let [a, b, c] = equation(g, state, &quadric, &coordinates);
+            if through_origin && (c != g.int(0) || b == c) {
+                return None;
+            }
+            quadratic(g, a, b, c)
         }
     };
     let next = lengths.into_iter().map(|value| {
         let mut s = state.clone();
         s.solution.steps.push(format!("on a quadric: {} = {}", show(g, length), show(g, value)));
-        if !g.range(value).nonnegative() {
+        if g.range(length).nonnegative() && !g.range(value).nonnegative() {
             s.solution.conditions.push(Condition(value));
         }
         let value = named(g, &mut s, value);
@@ -118,8 +140,8 @@ fn quadric(g: &mut Graph, coordinates: &mut [Coordinate]) -> Option<Quadric> {
     Some(found)
 }
 
-/// The positive roots of the quadratic equation for the length.
-fn lengths(g: &mut Graph, state: &State, quadric: &Quadric, c: &[Coordinate]) -> Vec<Id> {
+/// The coefficients of the quadratic equation for the length.
+fn equation(g: &mut Graph, state: &State, quadric: &Quadric, c: &[Coordinate]) -> [Id; 3] {
     // rest = λ p - d.
     let p: Vec<Id> = c.iter().map(|c| g.div(state.equations[c.equation].known, c.factor)).collect();
     let d: Vec<Id> = c.iter().map(|c| g.div(c.constant, c.factor)).collect();
@@ -141,11 +163,13 @@ fn lengths(g: &mut Graph, state: &State, quadric: &Quadric, c: &[Coordinate]) ->
         third.push((l.neg(), d[i]));
     }
     third.push((Q::ONE, quadric.constant));
-    let [a, b, c] = [first, second, third].map(|terms| {
+    // A length that is one is so but for rounding, which would leave a second root next to zero.
+    let units = g.units().to_vec();
+    [first, second, third].map(|terms| {
         let sum = g.sum(Q::ZERO, &terms);
-        simplify(g, sum, None)
-    });
-    quadratic(g, a, b, c)
+        let whole = simplify_with(g, sum, &units);
+        if g.as_number(whole).is_some() { whole } else { simplify(g, sum, None) }
+    })
 }
 
 /// The roots of a x² + b x + c that may be positive.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::{Condition, Equation, State, scale};
+use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
@@ -10,6 +11,9 @@ use crate::jacobian::cost;
 use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
 use crate::rational::Q;
 use crate::sorted;
+
+/// Exponentials of more are out of the range of single precision, or nearly so.
+const LARGE: f64 = 80.0;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
 /// one or two in some subexpression.
@@ -84,6 +88,9 @@ fn solved(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
 /// The same, or all ways for a part of `rhs` to satisfy it, where those are fewer or shorter: what is in a part that
 /// comes out plainly is not squared.
 fn whole_or_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
+    if let Some(root) = by_slope(g, known, rhs) {
+        return Some(vec![root]);
+    }
     // Multiplied out, a long equation could use up what finding a part in it takes.
     let whole = within_part_of_budget(2, || solved(g, known, rhs));
     let plain = |g: &Graph, roots: &[Root]| !roots.iter().any(|r| mentions_root(g, r.value));
@@ -95,6 +102,31 @@ fn whole_or_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
         },
         None => through_a_part(g, known, rhs),
     }
+}
+
+/// What an equation says that is linear in its unknown and has exponentials of parameters: as it is written, since clearing
+/// divisors may lead out of the range of numbers, e^-k being one.
+fn by_slope(g: &mut Graph, known: Id, rhs: Id) -> Option<Root> {
+    let bits = g.deps(rhs) & UNKNOWNS;
+    let leaf = Leaf::Unknown(bits.trailing_zeros() as u8);
+    let is_large = |g: &Graph, id: Id| match g.node(id) {
+        Node::Call(Fun::Exp | Fun::ExpM1, args) => {
+            let range = g.range(args[0]);
+            !g.has(id, UNKNOWNS) && (range.hi > LARGE || range.lo < -LARGE)
+        }
+        _ => false,
+    };
+    if bits.count_ones() != 1 || !g.within(&[rhs]).into_iter().any(|id| is_large(g, id)) {
+        return None;
+    }
+    let slope = derivative(g, rhs, leaf);
+    if g.has(slope, UNKNOWNS) {
+        return None;
+    }
+    let (atom, zero) = (g.get_leaf(leaf), g.int(0));
+    let start = g.substitute(rhs, &BTreeMap::from([(atom, zero)]));
+    let gap = g.sub(known, start);
+    Some(Root { atom, value: g.div(gap, slope), also: None })
 }
 
 /// The same for the largest part of `rhs` through which alone the unknowns enter: q of q / √(1 - q²),
