@@ -892,3 +892,80 @@ fn no_differences_are_taken_across_a_jump() {
     let slabs = two_slabs(1.0, 2.0, 0.5).expect("in the domain");
     Battery::new(&slabs).jumps(0, [0.5]).run().assert_ok();
 }
+
+// Points by weights that add up to one.
+
+/// A triangle by its corners, as pbrt writes it (Heitz 2019).
+#[sampler]
+fn folded_triangle(u: [Uniform; 2], p0: Vec3, p1: Vec3, p2: Vec3) -> Surface {
+    let (b0, b1) = if u[0] < u[1] {
+        let b0 = u[0] / 2.0;
+        (b0, u[1] - b0)
+    } else {
+        let b1 = u[1] / 2.0;
+        (u[0] - b1, b1)
+    };
+    let b2 = 1.0 - b0 - b1;
+    Surface::from_vec(b0 * p0 + b1 * p1 + b2 * p2)
+}
+
+/// A triangle by its corners (Turk 1990).
+#[sampler]
+fn weighed_triangle(u: [Uniform; 2], p0: Vec3, p1: Vec3, p2: Vec3) -> Surface {
+    let root = u[0].sqrt();
+    let (b0, b1) = (1.0 - root, u[1] * root);
+    Surface::from_vec(b0 * p0 + b1 * p1 + (1.0 - b0 - b1) * p2)
+}
+
+/// A cube folded into a tetrahedron (Rocchini and Cignoni 2001).
+#[sampler]
+fn folded_cube(u: [Uniform; 3], v0: Vec3, v1: Vec3, v2: Vec3, v3: Vec3) -> Vec3 {
+    let (s, t) = if u[0] + u[1] > 1.0 { (1.0 - u[0], 1.0 - u[1]) } else { (u[0], u[1]) };
+    let (a, b, c) = if t + u[2] > 1.0 {
+        (s, 1.0 - u[2], 1.0 - s - t)
+    } else if s + t + u[2] > 1.0 {
+        (1.0 - t - u[2], t, s + t + u[2] - 1.0)
+    } else {
+        (s, t, u[2])
+    };
+    (1.0 - a - b - c) * v0 + a * v1 + b * v2 + c * v3
+}
+
+#[test]
+fn a_triangle_whose_plane_contains_the_origin_has_its_density() {
+    let triangles = [
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[1.0, 1.0, 0.0], [3.0, 1.0, 0.0], [1.0, 2.0, 0.0]],
+        [[1.0, 2.0, 3.0], [2.0, 4.0, 1.0], [0.0, 0.0, 0.0]],
+        [[0.3, 0.1, 1.0], [1.0, 0.2, 1.5], [0.0, 1.0, 2.0]],
+    ];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|[x, y, z]| Vec3::new(x, y, z));
+        let truth = 2.0 / (b - a).cross(c - a).length();
+        for u in [[0.39, 0.017], [0.2, 0.7], [0.9, 0.85]] {
+            let (folded, weighed) = (folded_triangle(a, b, c), weighed_triangle(a, b, c));
+            let (x, y) = (folded.sample(u), weighed.sample(u));
+            close(folded.pdf(&x).value(), truth);
+            close(weighed.pdf(&y).value(), truth);
+            assert_eq!(
+                [folded.invert(&x).iter().count(), weighed.invert(&y).iter().count()],
+                [2, 1]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_folded_cube_has_all_its_preimages_along_axes() {
+    for v0 in [Vec3::new(0.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 1.0), Vec3::new(0.1, -0.2, 0.3)] {
+        let edges = [Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 1.0)];
+        let [v1, v2, v3] = edges.map(|edge| v0 + edge);
+        let tetrahedron = folded_cube(v0, v1, v2, v3);
+        for u in [[0.83, 0.3, 0.15], [0.2, 0.1, 0.4], [0.3, 0.6, 0.9]] {
+            let x = tetrahedron.sample(u);
+            close(x.pdf().value(), 6.0);
+            close(tetrahedron.pdf(&x).value(), 6.0);
+            assert_eq!(tetrahedron.invert(&x).iter().count(), 6);
+        }
+    }
+}

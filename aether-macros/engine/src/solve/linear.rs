@@ -3,8 +3,8 @@
 use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Node, UNKNOWNS};
-use crate::jacobian::simplify_with;
-use crate::poly::Expander;
+use crate::jacobian::{cost, simplify_with};
+use crate::poly::{Expander, RatFun, relation};
 use crate::rational::Q;
 use crate::sorted;
 
@@ -25,7 +25,12 @@ pub(crate) fn linear_system(
             .map(|e| if e.modulo_turn { None } else { row(g, e.rhs, expand) })
             .collect();
         for start in 0..rows.len() {
-            let Some((members, atoms)) = component(&rows, start) else { continue };
+            let Some((members, mut atoms)) = component(&rows, start) else { continue };
+            // Weights that add up to one are no independent atoms: of the corners of a triangle they are no three.
+            let dependent = dependent(g, &atoms);
+            if let Some(dependent) = &dependent {
+                atoms.remove(dependent.place);
+            }
             if atoms.len() > members.len()
                 || members.iter().all(|&i| rows[i].as_ref().is_some_and(|r| r.len() < 2))
             {
@@ -40,7 +45,14 @@ pub(crate) fn linear_system(
                         .collect()
                 })
                 .collect();
-            let known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
+            let mut known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
+            let mut matrix = matrix;
+            if let Some(dependent) = &dependent {
+                for ((row, known), i) in matrix.iter_mut().zip(&mut known).zip(&members) {
+                    let own = coefficient(g, rows[*i].as_deref().unwrap_or(&[]), dependent.atom);
+                    dependent.put_into(g, own, (row, known));
+                }
+            }
             // A homogeneous system says how its atoms are related, not that all of them are zero.
             if known.iter().all(|k| *k == zero) {
                 continue;
@@ -59,6 +71,50 @@ pub(crate) fn linear_system(
         }
     }
     None
+}
+
+/// An atom that is a sum of multiples of others and of a number.
+struct Dependent {
+    /// Its place among the atoms.
+    place: usize,
+    atom: Id,
+    /// The multiples of the others, in their order, and the number.
+    multiples: Vec<Q>,
+    constant: Q,
+}
+
+impl Dependent {
+    /// Writes a row of a matrix, of which the atom has this coefficient, and what it gives in terms of the others.
+    fn put_into(&self, g: &mut Graph, own: Id, (row, known): (&mut [Id], &mut Id)) {
+        let zero = g.int(0);
+        if own == zero {
+            return;
+        }
+        for (entry, &q) in row.iter_mut().zip(&self.multiples) {
+            *entry = g.sum(Q::ZERO, &[(Q::ONE, *entry), (q, own)]);
+        }
+        *known = g.sum(Q::ZERO, &[(Q::ONE, *known), (self.constant.neg(), own)]);
+    }
+}
+
+/// The longest of some atoms that others add up to, if there is a single such relation.
+fn dependent(g: &mut Graph, atoms: &[Id]) -> Option<Dependent> {
+    let is_sum = |id: &Id| matches!(g.node(*id), Node::Sum(..));
+    if atoms.len() < 2 || !atoms.iter().any(is_sum) {
+        return None;
+    }
+    let costs: Vec<usize> = atoms.iter().map(|&atom| cost(g, atom)).collect();
+    let mut e = Expander::new(g).only(UNKNOWNS);
+    let mut columns = atoms.iter().map(|&a| e.expand(a)).collect::<Option<Vec<RatFun>>>()?;
+    columns.push(RatFun::one());
+    let k = relation(&mut e, &columns)?;
+    let (last, k) = k.split_last()?;
+    let open = (0..atoms.len()).filter(|&i| !k[i].is_zero());
+    let place = open.max_by_key(|&i| costs[i])?;
+    let scale = k[place].recip()?.neg();
+    let others = k.iter().enumerate().filter(|(i, _)| *i != place);
+    let multiples = others.map(|(_, q)| q.mul(scale)).collect::<Option<Vec<Q>>>()?;
+    Some(Dependent { place, atom: atoms[place], multiples, constant: last.mul(scale)? })
 }
 
 /// Whether the transpose of a matrix has solved a system: then it is a frame, and what is found is as long as what is known.
