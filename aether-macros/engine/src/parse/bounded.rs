@@ -17,6 +17,7 @@ const POINTS: u32 = 512;
 
 /// The argument of a function that is not defined everywhere.
 pub(super) struct Bounded<'e> {
+    function: &'e str,
     call: &'e ExprMethodCall,
     /// The ends of where it is defined.
     least: i64,
@@ -24,7 +25,7 @@ pub(super) struct Bounded<'e> {
 }
 
 /// What a root or an arc is taken of, if that is a number kept within bounds.
-pub(super) fn bounded_argument<'e>(function: &str, argument: &'e Expr) -> Option<Bounded<'e>> {
+pub(super) fn bounded_argument<'e>(function: &'e str, argument: &'e Expr) -> Option<Bounded<'e>> {
     let (least, most) = match function {
         "sqrt" => (0, None),
         "asin" | "acos" => (-1, Some(1)),
@@ -36,7 +37,7 @@ pub(super) fn bounded_argument<'e>(function: &str, argument: &'e Expr) -> Option
             let name = call.method.to_string();
             let known =
                 matches!((name.as_str(), call.args.len()), ("max" | "min", 1) | ("clamp", 2));
-            known.then_some(Bounded { call, least, most })
+            known.then_some(Bounded { function, call, least, most })
         }
         _ => None,
     }
@@ -45,9 +46,15 @@ pub(super) fn bounded_argument<'e>(function: &str, argument: &'e Expr) -> Option
 impl Bounded<'_> {
     /// The number, without the bounds that are ends of where the function is defined and are passed nowhere.
     pub(super) fn value(self, body: &mut Body) -> Option<Id> {
-        // A vector or a point has no such methods, which the method itself says.
-        let Value::Scalar(x) = body.expr(&self.call.receiver)? else {
-            return body.scalar(&Expr::MethodCall(self.call.clone()));
+        // One bound may follow the other.
+        let inner = bounded_argument(self.function, &self.call.receiver);
+        let x = match inner {
+            Some(inner) => inner.value(body)?,
+            None => match body.expr(&self.call.receiver)? {
+                Value::Scalar(x) => x,
+                // A vector or a point has no such methods, which the method itself says.
+                _ => return body.scalar(&Expr::MethodCall(self.call.clone())),
+            },
         };
         let bounds: Vec<Id> =
             self.call.args.iter().map(|a| body.scalar(a)).collect::<Option<_>>()?;
@@ -94,4 +101,41 @@ fn never_negative(body: &mut Body, id: Id) -> bool {
         assume_nonnegative(&mut body.graph, id);
     }
     seen
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::interpret::Item;
+
+    /// How many pieces a function of what is left of one by a point of a disk has, or why there are none.
+    fn pieces(of_rest: &str) -> Result<usize, String> {
+        let text = format!(
+            "fn f(u: [Uniform; 2], s: f64) -> Surface {{
+                let r = u[0].sqrt();
+                let phi = TAU * u[1];
+                let a = r * phi.cos();
+                let b = (1.0 - s) * (1.0 - a * a).sqrt() + s * r * phi.sin();
+                let rest = 1.0 - a * a - b * b;
+                Surface::new(a, b, {of_rest})
+            }}"
+        );
+        let item = Item::new("s in 0.5..=0.99".parse().unwrap(), text.parse().unwrap(), true)?;
+        Ok(item.derived.len())
+    }
+
+    #[test]
+    fn what_is_never_passed_is_no_branch_of_a_root_or_an_arc() {
+        for of_rest in [
+            "rest.max(0.0).sqrt()",
+            "(0.0).max(rest).sqrt()",
+            "rest.clamp(0.0, 1.0).sqrt()",
+            "rest.max(-1.0).min(1.0).acos()",
+            "(rest.clamp(-1.0, 1.0)).asin()",
+        ] {
+            assert_eq!(pieces(of_rest), Ok(1), "{of_rest}");
+        }
+        // Elsewhere it takes a proof, and what is passed is a branch.
+        assert!(pieces("rest.max(0.0)").is_err());
+        assert!(pieces("(rest - 0.5).max(0.0).sqrt()") != Ok(1));
+    }
 }
