@@ -401,6 +401,23 @@ pub fn within<R: Real>(low: R, width: R, place: R) -> R {
     R::select(u.lt(end).or(width.le(R::ZERO)), u, end - end * (R::EPSILON * R::of(0.5)))
 }
 
+/// The next number within a domain, of one that is an end of it but for rounding: 0.99 in single precision is larger than
+/// 0.99. An end that is no number is none.
+#[cold]
+pub fn rounded_end<R: Real>(value: R, [low, high]: [f64; 2]) -> Option<R> {
+    let is = |end: f64| value.to_f64() == R::of(end).to_f64();
+    let step = value.abs() * R::EPSILON;
+    let inner = if is(high) {
+        value - step
+    } else if is(low) {
+        value + step
+    } else {
+        return None;
+    };
+    let inside = |x: f64| x >= low && !(x > high);
+    inside(inner.to_f64()).then_some(inner)
+}
+
 /// Numbers beyond the ends of [0, 1] moved to them, with what is known of their errors.
 #[inline]
 pub fn to_unit<R: Real, const N: usize>(u: [R; N]) -> [R; N] {

@@ -969,3 +969,28 @@ fn a_folded_cube_has_all_its_preimages_along_axes() {
         }
     }
 }
+
+// Domains in single precision.
+
+#[sampler(s in 0.01..=0.8, t in 0.3..0.6)]
+fn between_decimals(u: [Uniform; 1], s: f64, t: f64) -> f64 {
+    t + s * u[0]
+}
+
+#[test]
+fn the_end_of_a_domain_in_single_precision_is_within() {
+    // Of these, 0.01 is rounded down and 0.8 up.
+    for (s, next) in [(0.01f32, 0.01f32.next_up()), (0.8, 0.8f32.next_down())] {
+        let sampler = between_decimals(s, 0.5).expect("is the end");
+        let width = f64::from(sampler.sample([0.5]).value() - 0.5) * 2.0;
+        assert!((width / f64::from(next) - 1.0).abs() < 1e-5);
+        assert!((0.01..=0.8).contains(&f64::from(sampler.s)), "{}", sampler.s);
+    }
+    for s in [0.01f32.next_down(), 0.8f32.next_up()] {
+        assert!(between_decimals(s, 0.5).is_err());
+    }
+    // The end of an open range is outside in any precision, and in double precision ends are as they are written.
+    assert!(between_decimals(0.5, 0.6f32).is_err() && between_decimals(0.5, 0.6f64).is_err());
+    assert!(between_decimals(0.8f64.next_up(), 0.5).is_err());
+    assert_eq!(between_decimals(0.8f64, 0.5).expect("is the end").s, 0.8);
+}

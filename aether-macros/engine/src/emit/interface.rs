@@ -68,11 +68,33 @@ pub fn interface(
             let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
             let upper = if d.closed { quote!(<=) } else { quote!(<) };
             let whole = d.whole.then(|| quote!(&& value % 1.0 == 0.0));
+            let error = quote! {
+                return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
+            };
+            // 0.99 in single precision is larger than 0.99: what is an end but for rounding is within.
+            let rounded = |end: f64| end.is_finite() && f64::from(end as f32) != end;
+            let mends = !d.whole && (rounded(d.interval.lo) || d.closed && rounded(d.interval.hi));
+            let (given, outside) = if mends {
+                let highest = if d.closed { hi.clone() } else { quote!(f64::NAN) };
+                let inner = quote! {
+                    let own = ::aether_core::Real::lane(#field, lane);
+                    match ::aether_core::support::rounded_end(own, [#lo, #highest]) {
+                        ::core::option::Option::Some(inner) => {
+                            #field = ::aether_core::Real::with_lane(#field, lane, inner);
+                        }
+                        ::core::option::Option::None => { #error }
+                    }
+                };
+                (quote!(let mut #field = #field;), inner)
+            } else {
+                (quote!(), error)
+            };
             quote! {
+                #given
                 for lane in 0..<R as ::aether_core::Real>::LANES {
                     let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
                     if !(value >= #lo && value #upper #hi #whole) {
-                        return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
+                        #outside
                     }
                 }
             }
