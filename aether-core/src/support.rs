@@ -414,8 +414,8 @@ pub fn rounded_end<R: Real>(value: R, [low, high]: [f64; 2]) -> Option<R> {
     } else {
         return None;
     };
-    let inside = |x: f64| x >= low && !(x > high);
-    inside(inner.to_f64()).then_some(inner)
+    let high = if high.is_nan() { f64::INFINITY } else { high };
+    (low..=high).contains(&inner.to_f64()).then_some(inner)
 }
 
 /// Numbers beyond the ends of [0, 1] moved to them, with what is known of their errors.
