@@ -15,7 +15,7 @@ use crate::rational::Q;
 use crate::stabilise::by_size;
 
 /// Exponents up to this one overflow neither in double nor in single precision.
-const SAFE: f64 = 80.0;
+pub(crate) const SAFE: f64 = 80.0;
 
 /// The expression with its quotients of exponentials guarded; itself if there is none.
 pub fn guard(g: &mut Graph, id: Id) -> Id {

@@ -77,6 +77,11 @@ impl Graph {
         Some((base, self.as_number(exponent)?))
     }
 
+    /// What an expression is the square of.
+    pub fn square_of(&self, id: Id) -> Option<Id> {
+        self.power_of(id).filter(|(_, n)| *n == Q::int(2)).map(|(base, _)| base)
+    }
+
     fn range_of_product(&self, factors: &[(Id, Id)]) -> Interval {
         let power = |b: Id| factors.iter().find(|f| f.0 == b).and_then(|f| self.as_number(f.1));
         let minus = Q::int(-1);
@@ -167,9 +172,7 @@ impl Graph {
         if !c.is_zero() || terms.len() != 2 || terms.iter().any(|(q, _)| *q != Q::ONE) {
             return None;
         }
-        let squared =
-            |id: Id| self.power_of(id).filter(|(_, n)| *n == Q::int(2)).map(|(base, _)| base);
-        let (a, b) = (squared(terms[0].1)?, squared(terms[1].1)?);
+        let (a, b) = (self.square_of(terms[0].1)?, self.square_of(terms[1].1)?);
         self.units
             .iter()
             .any(|u| u.contains(&a) && u.contains(&b))

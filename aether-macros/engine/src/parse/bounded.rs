@@ -59,33 +59,26 @@ impl Bounded<'_> {
         let bounds: Vec<Id> =
             self.call.args.iter().map(|a| body.scalar(a)).collect::<Option<_>>()?;
         match (self.call.method == "min", &bounds[..]) {
-            (true, &[bound]) => Some(self.at_most(body, x, bound)),
-            (_, &[bound]) => Some(self.at_least(body, x, bound)),
+            (from_above, &[bound]) => Some(self.bounded(body, (x, bound), from_above)),
             (_, &[low, high]) => {
-                let above = self.at_least(body, x, low);
-                Some(self.at_most(body, above, high))
+                let above = self.bounded(body, (x, low), false);
+                Some(self.bounded(body, (above, high), true))
             }
             _ => None,
         }
     }
 
-    fn at_least(&self, body: &mut Body, x: Id, bound: Id) -> Id {
-        // Zero may be written first.
-        let (x, bound) = if is(body, x, self.least) { (bound, x) } else { (x, bound) };
-        let within = body.graph.sub(x, bound);
-        match is(body, bound, self.least) && never_negative(body, within) {
+    /// The smaller of two numbers, or the larger, one of which is a bound.
+    fn bounded(&self, body: &mut Body, (x, bound): (Id, Id), from_above: bool) -> Id {
+        let end = if from_above { self.most } else { Some(self.least) };
+        let is_end = |id: Id, body: &Body| end.is_some_and(|end| is(body, id, end));
+        // The bound may be written first.
+        let (x, bound) = if is_end(x, body) { (bound, x) } else { (x, bound) };
+        let (larger, smaller) = if from_above { (bound, x) } else { (x, bound) };
+        let within = body.graph.sub(larger, smaller);
+        match is_end(bound, body) && never_negative(body, within) {
             true => x,
-            false => body.extremum(x, bound, false),
-        }
-    }
-
-    fn at_most(&self, body: &mut Body, x: Id, bound: Id) -> Id {
-        let Some(most) = self.most else { return body.extremum(x, bound, true) };
-        let (x, bound) = if is(body, x, most) { (bound, x) } else { (x, bound) };
-        let within = body.graph.sub(bound, x);
-        match is(body, bound, most) && never_negative(body, within) {
-            true => x,
-            false => body.extremum(x, bound, true),
+            false => body.extremum(x, bound, from_above),
         }
     }
 }

@@ -45,14 +45,7 @@ pub(super) fn assume_order(g: &mut Graph, larger: Id, smaller: Id) {
         let squares = g.sum(Q::ZERO, &[(Q::int(sign), above), (Q::int(-sign), below)]);
         g.assume(squares, Interval::POSITIVE.scale(sign as f64));
     }
-    let squared = |g: &Graph, id: Id| match g.node(id) {
-        Node::Product(factors) => match factors[..] {
-            [(base, e)] if g.as_number(e) == Some(Q::int(2)) => Some(base),
-            _ => None,
-        },
-        _ => None,
-    };
-    if let (Some(x), Some(y)) = (squared(g, larger), squared(g, smaller)) {
+    if let (Some(x), Some(y)) = (g.square_of(larger), g.square_of(smaller)) {
         assume_quotients(g, y, x, Interval::new(-1.0, 1.0));
     }
     let plain = |g: &Graph, id: Id| match g.node(id) {

@@ -26,6 +26,10 @@ pub(crate) fn linear_system(
             .collect();
         for start in 0..rows.len() {
             let Some((members, mut atoms)) = component(&rows, start) else { continue };
+            // It has been looked at from its first equation.
+            if members[0] != start {
+                continue;
+            }
             // Weights that add up to one are no independent atoms: of the corners of a triangle they are no three.
             let dependent = dependent(g, &atoms);
             if let Some(dependent) = &dependent {
@@ -36,7 +40,7 @@ pub(crate) fn linear_system(
             {
                 continue;
             }
-            let matrix: Vec<Vec<Id>> = members
+            let mut matrix: Vec<Vec<Id>> = members
                 .iter()
                 .map(|&i| {
                     atoms
@@ -46,7 +50,6 @@ pub(crate) fn linear_system(
                 })
                 .collect();
             let mut known: Vec<Id> = members.iter().map(|&i| state.equations[i].known).collect();
-            let mut matrix = matrix;
             if let Some(dependent) = &dependent {
                 for ((row, known), i) in matrix.iter_mut().zip(&mut known).zip(&members) {
                     let own = coefficient(g, rows[*i].as_deref().unwrap_or(&[]), dependent.atom);

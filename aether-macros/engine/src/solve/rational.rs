@@ -8,12 +8,10 @@ use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
+use crate::overflow::SAFE;
 use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
 use crate::rational::Q;
 use crate::sorted;
-
-/// Exponentials of more are out of the range of single precision, or nearly so.
-const LARGE: f64 = 80.0;
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
 /// one or two in some subexpression.
@@ -112,7 +110,7 @@ fn by_slope(g: &mut Graph, known: Id, rhs: Id) -> Option<Root> {
     let is_large = |g: &Graph, id: Id| match g.node(id) {
         Node::Call(Fun::Exp | Fun::ExpM1, args) => {
             let range = g.range(args[0]);
-            !g.has(id, UNKNOWNS) && (range.hi > LARGE || range.lo < -LARGE)
+            !g.has(id, UNKNOWNS) && (range.hi > SAFE || range.lo < -SAFE)
         }
         _ => false,
     };

@@ -4,6 +4,7 @@
 //! small; near the other, 1 - r is, and t + ln(1 + (1 - r)(e^-t - 1)) is the same.
 
 use crate::expr::{Fun, Graph, Id, Node};
+use crate::overflow::SAFE;
 use crate::rational::Q;
 
 /// r and t of an expression r (e^t - 1).
@@ -85,14 +86,11 @@ pub(super) fn over_largest(g: &mut Graph, factors: &[(Id, Id)]) -> Vec<Id> {
     found.into_iter().map(|power| over(g, factors, power)).collect()
 }
 
-/// From which argument on an exponential may be out of the range of single precision.
-const LARGE: f64 = 80.0;
-
 /// The exponentials among the terms of a sum that may be out of range.
 fn exponentials(g: &Graph, sum: Id) -> Vec<Id> {
     let Node::Sum(_, terms) = g.node(sum) else { return Vec::new() };
     let is_large = |t: &Id| match g.node(*t) {
-        Node::Call(Fun::Exp, args) => g.range(args[0]).hi > LARGE,
+        Node::Call(Fun::Exp, args) => g.range(args[0]).hi > SAFE,
         _ => false,
     };
     terms.iter().map(|(_, t)| *t).filter(is_large).collect()
