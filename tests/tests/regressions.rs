@@ -994,3 +994,47 @@ fn the_end_of_a_domain_in_single_precision_is_within() {
     assert!(between_decimals(0.8f64.next_up(), 0.5).is_err());
     assert_eq!(between_decimals(0.8f64, 0.5).expect("is the end").s, 0.8);
 }
+
+/// Ureña, Fajardo and King 2013, "An Area-Preserving Parametrization for Spherical Rectangles", as printed but for bounds.
+#[sampler(
+    x0 in -5.0..=5.0, x1 in -5.0..=5.0, y0 in -5.0..=5.0, y1 in -5.0..=5.0, z0 in -5.0..=-0.1,
+    where x0 + 0.1 < x1, where y0 + 0.1 < y1
+)]
+fn spherical_rectangle(u: [Uniform; 2], x0: f64, x1: f64, y0: f64, y1: f64, z0: f64) -> Direction {
+    let n0 = Vec3::new(0.0, z0, -y0).normalize();
+    let n1 = Vec3::new(-z0, 0.0, x1).normalize();
+    let n2 = Vec3::new(0.0, -z0, y1).normalize();
+    let n3 = Vec3::new(z0, 0.0, -x0).normalize();
+    let g0 = (-n0.dot(n1)).acos();
+    let g1 = (-n1.dot(n2)).acos();
+    let g2 = (-n2.dot(n3)).acos();
+    let g3 = (-n3.dot(n0)).acos();
+    let (b0, b1) = (n0.z, n2.z);
+    let k = TAU - g2 - g3;
+    let s = g0 + g1 - k;
+    let au = u[0] * s + k;
+    let fu = (au.cos() * b0 - b1) / au.sin();
+    let cu = 1.0 / (fu * fu + b0 * b0).sqrt() * if fu > 0.0 { 1.0 } else { -1.0 };
+    let xu = -(cu * z0) / (1.0 - cu * cu).sqrt();
+    let d = (xu * xu + z0 * z0).sqrt();
+    let h0 = y0 / (d * d + y0 * y0).sqrt();
+    let h1 = y1 / (d * d + y1 * y1).sqrt();
+    let hv = h0 + u[1] * (h1 - h0);
+    let yv = (hv * d) / (1.0 - hv * hv).sqrt();
+    Direction::from_vec(Vec3::new(xu, yv, z0).normalize())
+}
+
+/// Next to x = 0, where it changes its sign, a sample leads back to both pieces, to within rounding.
+#[test]
+fn a_sample_of_one_side_has_no_second_preimage_on_the_other() {
+    for (half, distance) in [(0.1_f32, 5.0_f32), (5.0, 0.1), (1.0, 1.0)] {
+        let rectangle = spherical_rectangle(-half, half, -half, half, -distance).unwrap();
+        let square = f64::from(half * half);
+        let angle = 4.0 * (square / (square + f64::from(distance * distance))).asin();
+        for i in 0..1000u16 {
+            let u = [0.5 + (f32::from(i) - 500.0) * 1e-5, (f32::from(i) * 0.618).fract()];
+            let own = f64::from(rectangle.sample(u).pdf().value()) * angle;
+            assert!((own - 1.0).abs() < 1e-3, "{own} at {u:?} of {half} at {distance}");
+        }
+    }
+}

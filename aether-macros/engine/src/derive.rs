@@ -350,12 +350,13 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     let conditions: Vec<Vec<Id>> = match check_forward {
         true => {
             let opposed = holding::opposed(&mut problem.graph, &solutions);
+            let sides = holding::sides(problem, &targets);
             let ends = solutions.iter().map(|s| s.pieces.iter().flat_map(|p| &p.conditions));
             // Of roots on neighbouring pieces both may lead back where rounding puts them beyond an end.
             opposed
                 .into_iter()
                 .zip(ends)
-                .map(|(c, ends)| c.into_iter().chain(ends.copied()).collect())
+                .map(|(c, ends)| c.into_iter().chain(ends.copied()).chain(sides.clone()).collect())
                 .collect()
         }
         false => solutions.iter().map(|s| s.conditions.iter().map(|c| c.0).collect()).collect(),

@@ -11,6 +11,7 @@ use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::Solution;
 
+use super::Problem;
 use super::continuity::{at_ends, continuous};
 
 /// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
@@ -32,6 +33,21 @@ pub(super) fn opposed(g: &mut Graph, solutions: &[Solution]) -> Vec<Vec<Id>> {
         });
     }
     kept
+}
+
+/// The signs that coordinates have under a piece of a map of which more than ends of unknowns decides: what is next to a border
+/// may lead back from its other side, to within rounding.
+pub(super) fn sides(problem: &mut Problem, targets: &[Id]) -> Vec<Id> {
+    if problem.guards.is_empty() {
+        return Vec::new();
+    }
+    let g = &mut problem.graph;
+    let signed = |(&output, &x): (&Id, &Id)| match g.range(output) {
+        range if range.nonnegative() => Some(x),
+        range if range.hi <= 0.0 => Some(g.neg(x)),
+        _ => None,
+    };
+    problem.outputs.iter().zip(targets).filter_map(signed).collect()
 }
 
 /// An expression without what does not change its sign: ±b for ±a b³ / c², where a is positive.

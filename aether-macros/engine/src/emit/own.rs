@@ -397,6 +397,13 @@ pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
     one.preimage.conditions.iter().any(|&a| theirs.iter().any(|&b| negated(a, b) || negated(b, a)))
 }
 
+/// Whether no point of a piece has a preimage in another one.
+fn excludes(e: &Emitter, piece: usize, place: &Place) -> bool {
+    let places = e.places();
+    let mut of_piece = places.iter().filter(|other| other.piece == piece);
+    of_piece.all(|other| exclusive(e, other, place))
+}
+
 /// Whether the images of two pieces lie on the same side of a border that they have in common, as the map turns its
 /// orientation round there: a point next to it has a preimage in both, and one on it has, in the limit, two.
 pub(super) fn folded(one: &Place, other: &Place) -> bool {
@@ -428,7 +435,23 @@ fn among_several(e: &Emitter) -> TokenStream {
     let found = places.iter().zip(&inside).map(|(place, inside)| {
         let [strict, recovered] =
             ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
-        quote!(let #inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));)
+        // Rounding may put a sample of one piece into another that excludes it, but it is no second one.
+        let other = |j: &usize| *j != place.piece && excludes(e, *j, place);
+        let excluding = (0..e.parsed.pieces.len()).filter(other);
+        let excluded = excluding.map(|j| {
+            let taken = format_ident!("taken_{j}");
+            quote! {
+                let #inside = if #inside.any() {
+                    #inside.and(#taken::<R>(&p, &u).not())
+                } else {
+                    #inside
+                };
+            }
+        });
+        quote! {
+            let #inside = #strict.or(::aether_core::support::lanes_of::<R, #n>(&#recovered));
+            #(#excluded)*
+        }
     });
     let pairs = (0..places.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
     let pairs = pairs.map(|(j, k)| {
