@@ -147,6 +147,8 @@ pub struct Problem {
     pub guards: Vec<Test>,
     /// What has to hold of the parameters for this piece to have any points.
     pub existence: Vec<Test>,
+    /// The same of parameters that are zero there, which the expressions do not mention.
+    pub rare: Vec<Test>,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
     /// Expressions of the unknowns whose sizes are lengths in terms of the point.
@@ -225,6 +227,11 @@ pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     derive_with(problem, Numerical::Monotone)
 }
 
+/// What is wrong with a map, as its derivation says, with the way through the branches of the body that leads to it.
+pub fn on_which_way(problem: &Problem, why: String) -> String {
+    cases::on_which_way(problem, why)
+}
+
 /// The same where nothing else has an inverse: functions that turn back are inverted on each piece on which they are
 /// monotone.
 pub fn derive_by_pieces(problem: &mut Problem) -> Result<Derived, String> {
@@ -243,7 +250,7 @@ fn derive_with(problem: &mut Problem, most: Numerical) -> Result<Derived, String
 fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, String> {
     crate::poly::start_budget();
     let targets = declare_outputs(problem);
-    all_used(problem).map_err(|why| cases::on_which_way(problem, why))?;
+    all_used(problem)?;
     let whole = parts::whole(problem);
     let (outputs, inner) = match &whole {
         Some(whole) => whole.volume(problem),

@@ -6,11 +6,13 @@
 use proc_macro2::TokenStream;
 use syn::ItemFn;
 
-use crate::derive::{Atom, Derived, Preimage, atoms, derive, derive_by_pieces};
+use crate::derive::{on_which_way, Atom, Derived, Preimage, atoms, derive, derive_by_pieces};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
-use crate::parse::{Options, Parsed, Piece, Signature, Test, parse, shared, signature, stages};
+use crate::parse::{
+    Options, Parsed, Piece, Signature, Test, bound_once, parse, shared, signature, stages,
+};
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
 /// of a preimage may lie from the point.
@@ -33,7 +35,7 @@ fn in_two_steps(
     piece: usize,
     options: &Options,
 ) -> Option<Derived> {
-    let stages = stages(function, parsed, options);
+    let stages = stages(&bound_once(function), parsed, piece, options);
     let problem = &mut parsed.pieces[piece].problem;
     problem.stages = stages;
     if problem.stages.is_empty() { None } else { derive(problem).ok() }
@@ -89,7 +91,9 @@ impl Item {
                     }
                     let problem = &mut parsed.pieces[k].problem;
                     let found = if stuck { derive_by_pieces(problem) } else { Err(message) };
-                    let found = found.map_err(|why| errors.error(&function.sig.ident, why));
+                    let found = found.map_err(|why| {
+                        errors.error(&function.sig.ident, on_which_way(problem, why))
+                    });
                     derived.push(found.ok()?);
                 }
             }
@@ -182,7 +186,7 @@ fn recovered(
     let ends = segment_ends(piece, p);
     let leave = |(t, end): (f64, Option<(f64, f64)>)| end.map_or(t, |(low, width)| low + width * t);
     let narrow = ends.iter().flatten().any(|(_, width)| *width <= 0.0);
-    let none = narrow || !passed(g, &problem.existence, p, &[]);
+    let none = narrow || ![&problem.existence, &problem.rare].iter().all(|tests| passed(g, tests, p, &[]));
     (!none).then(|| t.into_iter().zip(ends).map(leave).collect())
 }
 

@@ -151,6 +151,9 @@ pub(super) fn on_which_way(problem: &Problem, why: String) -> String {
     if points(problem).is_empty() {
         return never_taken(problem);
     }
+    if why.contains(&way) {
+        return why;
+    }
     format!(
         "{why}. That is so on the way through the branches where {way}: if no point should take it, declare the domains of the parameters that exclude it, as in `#[sampler(alpha in 1e-4..=1.0)]`"
     )

@@ -1,9 +1,10 @@
-//! Pieces that meet: one goes on where the other ends.
+//! Pieces that meet: one goes on where the other ends; and pieces that no parameters leave both.
 
 use super::pieces::Place;
 use crate::eval::evaluate;
 use crate::expr::Leaf;
 use crate::number::{Dd, Number};
+use crate::parse::Test;
 use crate::points::{Point, sampler_points};
 
 /// How far the ends of two pieces may be apart in double-double, relative to them.
@@ -11,17 +12,34 @@ const CLOSE: f64 = 1e-20;
 /// How far rounding may put the end of a range.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
-/// Which pieces meet, by their numbers.
+/// Which pieces meet or have no parameters in common, by their numbers.
 pub type Known = core::cell::RefCell<crate::hash::Map<(usize, usize), bool>>;
 
-/// Whether two pieces [meet](meet), found out once.
+/// Whether two pieces [meet](meet) or have no parameters in common, found out once.
 pub(super) fn known(known: &Known, one: &Place, other: &Place) -> bool {
     let pair = (one.piece, other.piece);
     let found = known.borrow().get(&pair).copied();
     found.unwrap_or_else(|| {
-        let found = meet(one, other);
+        let found = opposed(one, other) || meet(one, other);
         known.borrow_mut().extend([(pair, found), ((pair.1, pair.0), found)]);
         found
+    })
+}
+
+/// Whether the parameters that leave one piece any points are none that leave the other one any: one asks for what the other
+/// one denies.
+fn opposed(one: &Place, other: &Place) -> bool {
+    let [asked, denied] = [one, other].map(|place| [&place.problem.existence[..], &place.problem.rare].concat());
+    if asked.is_empty() || denied.is_empty() {
+        return false;
+    }
+    let mut g = one.problem.graph.clone();
+    // Roots are no expressions of another graph.
+    let plain = |test: &&Test| !other.problem.graph.is_numerical(test.difference);
+    denied.iter().filter(plain).any(|test| {
+        let difference = g.import(&other.problem.graph, test.difference);
+        let opposite = Test { difference: g.neg(difference), strict: !test.strict };
+        asked.contains(&opposite)
     })
 }
 

@@ -51,7 +51,7 @@ impl Place<'_> {
     pub(super) fn wide(&self) -> Option<TokenStream> {
         let (wide, problem) = (format_ident!("wide_{}", self.piece), self.problem);
         let confined =
-            !problem.existence.is_empty() || problem.segments.iter().any(Option::is_some);
+            !(problem.existence.is_empty() && problem.rare.is_empty()) || problem.segments.iter().any(Option::is_some);
         confined.then(|| quote!(.and(#wide::<R>(&p))))
     }
 
@@ -274,9 +274,10 @@ impl<'a> Emitter<'a> {
             .collect();
         let lets = code.statements();
         let widths: Vec<&TokenStream> = ends.iter().flatten().map(|(_, width)| width).collect();
-        let exists = (!problem.existence.is_empty()).then(|| {
+        let existence = [&problem.existence[..], &problem.rare].concat();
+        let exists = (!existence.is_empty()).then(|| {
             let mut code = Code::new(&problem.graph, &at);
-            let passed = passed(&mut code, &problem.existence);
+            let passed = passed(&mut code, &existence);
             let lets = code.statements();
             quote!(.and({ #lets #passed }))
         });

@@ -2,18 +2,19 @@
 //!
 //! Such a bound is no branch where the number is seen to be beyond it nowhere. There need be no proof, as there is for
 //! other comparisons: without it the function has no value there, so that there is no sample, instead of a wrong density.
+//! Where no function is taken, `x.max(0.0)` is meant so too, and that x is positive is asked of a sample.
 
 use syn::{Expr, ExprMethodCall};
 
 use super::Value;
 use super::body::Body;
-use super::order::assume_nonnegative;
-use crate::expr::Id;
-use crate::monotone::sign_at;
+use super::branch::Unproven;
+use crate::expr::{Id, UNKNOWNS};
 use crate::rational::Q;
 
-/// At how many points it is looked whether a bound is passed.
+/// At how many points it is looked whether a bound is passed beyond which a function is not defined, and any other one.
 const POINTS: u32 = 512;
+const MANY_POINTS: u32 = 4096;
 
 /// The argument of a function that is not defined everywhere.
 pub(super) struct Bounded<'e> {
@@ -70,30 +71,42 @@ impl Bounded<'_> {
 
     /// The smaller of two numbers, or the larger, one of which is a bound.
     fn bounded(&self, body: &mut Body, (x, bound): (Id, Id), from_above: bool) -> Id {
-        let end = if from_above { self.most } else { Some(self.least) };
-        let is_end = |id: Id, body: &Body| end.is_some_and(|end| is(body, id, end));
-        // The bound may be written first.
-        let (x, bound) = if is_end(x, body) { (bound, x) } else { (x, bound) };
-        let (larger, smaller) = if from_above { (bound, x) } else { (x, bound) };
-        let within = body.graph.sub(larger, smaller);
-        match is_end(bound, body) && never_negative(body, within) {
-            true => x,
-            false => body.extremum(x, bound, from_above),
+        match if from_above { self.most } else { Some(self.least) } {
+            Some(end) => within(body, (x, bound), from_above, (end, POINTS, false)),
+            None => body.extremum(x, bound, from_above),
         }
     }
 }
 
-fn is(body: &Body, id: Id, number: i64) -> bool {
-    body.graph.as_number(id) == Some(Q::int(number))
+/// The larger of two numbers. Zero as one of them keeps rounding from the other one, if that is negative nowhere.
+pub(super) fn larger(body: &mut Body, x: Id, y: Id) -> Id {
+    // Of parameters it is known beforehand which is larger.
+    if ![x, y].iter().any(|id| body.graph.has(*id, UNKNOWNS)) {
+        return body.extremum(x, y, false);
+    }
+    within(body, (x, y), false, (0, MANY_POINTS, true))
 }
 
-/// Whether a number is seen to be negative nowhere, which is known from then on.
-fn never_negative(body: &mut Body, id: Id) -> bool {
-    let seen = sign_at(&body.graph, id, POINTS) == Some(1);
-    if seen {
-        assume_nonnegative(&mut body.graph, id);
-    }
-    seen
+/// The smaller of two numbers, or the larger. Where one of them is a bound, there is no point beyond it if so many points say so,
+/// which may have to be asked of a point.
+fn within(
+    body: &mut Body,
+    (a, b): (Id, Id),
+    smaller: bool,
+    (end, points, asked): (i64, u32, bool),
+) -> Id {
+    // The bound may be written first.
+    let first_is_kept = match [a, b].map(|id| is(body, id, end)) {
+        [false, true] => true,
+        [true, false] => false,
+        _ => return body.extremum(a, b, smaller),
+    };
+    let unproven = Unproven::Bound { holds: first_is_kept == smaller, points, asked };
+    body.extremum_or(a, b, smaller, unproven)
+}
+
+fn is(body: &Body, id: Id, number: i64) -> bool {
+    body.graph.as_number(id) == Some(Q::int(number))
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use super::order::{assume_both, assume_nonnegative, assume_order};
 use super::{Test, Value, proven};
 use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
+use crate::monotone::sign_at;
 use crate::rational::Q;
 use crate::walk::{self, Look};
 
@@ -29,15 +30,35 @@ struct Outcome {
     open: bool,
     /// Whether that is proven, so that no point has to be asked.
     proven: bool,
+    /// Whether there is no point where it comes out otherwise.
+    required: bool,
 }
 
 /// How a comparison is meant.
 #[derive(Clone, Copy, Debug)]
-struct Asked {
+pub(super) struct Asked {
     /// Whether it may come out either way; if not, it is known to hold for all points.
     open: bool,
     /// Whether either outcome is right where both numbers are equal.
     equal: bool,
+    /// What to do without a proof.
+    unproven: Unproven,
+}
+
+/// What becomes of a comparison whose outcome is not proven.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Unproven {
+    /// Both outcomes are followed.
+    Fork,
+    /// There is no point where the outcome is not this one, if it is seen to be so at as many points.
+    Bound {
+        /// The outcome.
+        holds: bool,
+        /// How many points are looked at.
+        points: u32,
+        /// Whether that must be asked of a point, as no function is undefined beyond.
+        asked: bool,
+    },
 }
 
 /// The integers that the argument of a `floor` passes.
@@ -67,6 +88,10 @@ pub struct Way {
     pub(super) existence: Vec<Test>,
     /// Whether a comparison was found to have the other outcome wherever this way leads.
     pub(super) impossible: bool,
+    /// What is zero wherever this way leads, by a comparison that holds nowhere else.
+    pub(super) zeros: Vec<Id>,
+    /// Parameters that are zero wherever this way leads.
+    pub(super) vanishing: Vec<Leaf>,
 }
 
 impl Way {
@@ -76,6 +101,7 @@ impl Way {
             outcomes: self.outcomes.clone(),
             implied,
             spans: self.spans.clone(),
+            vanishing: self.vanishing.clone(),
             ..Way::default()
         }
     }
@@ -85,7 +111,7 @@ impl Way {
         while let Some(last) = self.outcomes.pop() {
             if last.open && last.holds {
                 let place = self.outcomes.len();
-                self.outcomes.push(Outcome { holds: false, open: false, proven: false });
+                self.outcomes.push(Outcome { holds: false, open: false, proven: false, required: false });
                 self.spans.retain(|begin, _| *begin <= place);
                 return Some(self.again(vec![]));
             }
@@ -112,7 +138,8 @@ impl Body<'_> {
 
     /// Whether `difference > 0` (`>= 0` if not strict) on this way.
     pub(super) fn decide(&mut self, difference: Id, strict: bool) -> bool {
-        self.compare(difference, strict, Asked { open: true, equal: false })
+        let asked = Asked { open: true, equal: false, unproven: Unproven::Fork };
+        self.compare(difference, strict, asked)
     }
 
     fn compare(&mut self, difference: Id, strict: bool, asked: Asked) -> bool {
@@ -125,9 +152,17 @@ impl Body<'_> {
             None => {
                 let known = settled.is_some() || !asked.open;
                 let proven = if known { None } else { self.proven(difference, strict, asked) };
+                let (proven, required) = match (proven, asked.unproven) {
+                    (None, Unproven::Bound { holds, points, asked }) if !known => {
+                        let seen = sign_at(&self.graph, difference, points).map(|sign| sign > 0);
+                        (seen.filter(|seen| *seen == holds), asked)
+                    }
+                    (proven, _) => (proven, false),
+                };
                 let open = !known && proven.is_none();
                 let holds = settled.or(proven).unwrap_or(true);
-                let outcome = Outcome { holds, open, proven: proven.is_some() };
+                let (proven, required) = (proven.is_some(), proven.is_some() && required);
+                let outcome = Outcome { holds, open, proven, required };
                 self.way.outcomes.push(outcome);
                 outcome
             }
@@ -137,6 +172,11 @@ impl Body<'_> {
         if settled.is_none() {
             let g = &mut self.graph;
             let difference = if outcome.holds { difference } else { g.neg(difference) };
+            if outcome.required {
+                self.requirements.push(difference);
+            } else if g.range(difference).nonpositive() {
+                self.way.zeros.push(difference);
+            }
             assume_nonnegative(g, difference);
             for &(made, _, held) in &self.way.made {
                 let made = if held { made } else { g.neg(made) };
@@ -336,9 +376,14 @@ impl Body<'_> {
 
     /// The smaller (or larger) of two numbers.
     pub(super) fn extremum(&mut self, a: Id, b: Id, smaller: bool) -> Id {
+        self.extremum_or(a, b, smaller, Unproven::Fork)
+    }
+
+    /// The same where it is known what to do without a proof.
+    pub(super) fn extremum_or(&mut self, a: Id, b: Id, smaller: bool, unproven: Unproven) -> Id {
         let difference = self.graph.sub(b, a);
         // Of equal numbers either will do.
-        let asked = Asked { open: true, equal: true };
+        let asked = Asked { open: true, equal: true, unproven };
         if self.compare(difference, true, asked) == smaller { a } else { b }
     }
 
@@ -369,7 +414,7 @@ impl Body<'_> {
         let found = (first..end).find(|&k| {
             let above = self.graph.int(k + 1);
             let difference = self.graph.sub(above, x);
-            self.compare(difference, true, Asked { open: k < last, equal: false })
+            self.compare(difference, true, Asked { open: k < last, equal: false, unproven: Unproven::Fork })
         });
         let found = found.unwrap_or(last);
         if let Some(count) = count {

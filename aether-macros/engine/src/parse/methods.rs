@@ -4,7 +4,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
-use super::bounded::bounded_argument;
+use super::bounded::{bounded_argument, larger};
 use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
@@ -234,7 +234,10 @@ fn scalar_with_argument(
         }
         "min" | "max" => {
             let y = body.scalar(a)?;
-            Some(Value::Scalar(body.extremum(x, y, name == "min")))
+            Some(Value::Scalar(match name {
+                "min" => body.extremum(x, y, true),
+                _ => larger(body, x, y),
+            }))
         }
         "copysign" => {
             let sign = body.scalar(a)?;

@@ -10,21 +10,25 @@ mod mixed;
 mod order;
 mod pieces;
 mod proven;
+mod rebound;
 mod shared;
 mod signature;
 mod solve;
 mod special;
 mod stages;
 mod value;
+mod vanishing;
 
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
 pub use mixed::{AtomWay, Mark};
 pub(crate) use order::assume_nonnegative;
 pub use pieces::{Segment, Test};
+pub use rebound::bound_once;
 pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
 use stages::Cut;
+use vanishing::vanishing;
 pub use stages::{Stage, stages};
 pub use value::Value;
 
@@ -63,6 +67,8 @@ pub struct Piece {
     pub graph: Graph,
     /// Which uniforms (or points) take this way.
     pub tests: Vec<Test>,
+    /// The way.
+    way: branch::Way,
 }
 
 /// What reading a body once has found.
@@ -157,6 +163,13 @@ impl Reader<'_> {
         if segments.iter().flatten().any(empty) {
             return Some(None);
         }
+        let rare = match vanishing(&mut first) {
+            Some(leaves) => {
+                first.way.vanishing = leaves;
+                first.way.zeros.iter().map(|&difference| Test { difference, strict: false }).collect()
+            }
+            None => Vec::new(),
+        };
         let cut = segments.iter().any(Option::is_some);
         let ends_of_segments = implied.clone();
         let second = if cut {
@@ -170,8 +183,10 @@ impl Reader<'_> {
             return Some(None);
         }
         // What the segments settle need not be tested, and might be denied by a rounding.
+        let is_rare = !rare.is_empty();
         let open = |place: &usize| {
-            ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
+            is_rare
+                || ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
         };
         // Of parameters alone no rounded point tells anything: forwards and backwards the same numbers are compared. A map
         // has no uniforms to be left without.
@@ -183,11 +198,15 @@ impl Reader<'_> {
             .map(|(_, test)| *test)
             .partition(|test| !is_sampler || second.graph.has(test.difference, UNKNOWNS));
         let existence = [second.way.existence.clone(), settled].concat();
+        let way = second.way.again(vec![]);
+        let mut graph = second.graph;
+        let mut here = |test: Test| Test { difference: graph.import(&first.graph, test.difference), ..test };
+        let rare: Vec<Test> = rare.into_iter().map(&mut here).collect();
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
         let problem = Problem {
-            graph: second.graph,
+            graph,
             outputs,
             unknowns: second.unknowns,
             argument: second.argument,
@@ -198,12 +217,13 @@ impl Reader<'_> {
             guards,
             segments: second.segments,
             existence,
+            rare,
             lengths: Vec::new(),
             stages: Vec::new(),
             relations: second.relations,
             stuck: false,
         };
-        Some(Some(Piece { problem, graph: first.graph, tests }))
+        Some(Some(Piece { problem, graph: first.graph, tests, way }))
     }
 
     /// Reads the body into a graph on one way, with uniforms confined to segments and some named numbers as unknowns
@@ -228,6 +248,7 @@ impl Reader<'_> {
         let relations: Option<Vec<Test>> =
             self.options.relations.iter().map(|r| body.relate(&r.comparison)).collect();
         let relations = relations?;
+        body.vanish(&self.signature.params);
         let segments = body.confine(&self.signature.source, &unknowns, segments);
         let result = body.result(&self.item.block)?;
         let (point, atom) = body.ending(result, self.signature, &self.item.block)?;

@@ -50,20 +50,22 @@ pub struct Stage {
     pub constants: Vec<(Leaf, Id)>,
 }
 
-/// The ways to take apart the body of an item without branches, the last names first.
-pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stage> {
+/// The ways to take apart the body of an item on the way of a piece that parameters alone decide about, the last names first.
+pub fn stages(item: &ItemFn, parsed: &mut Parsed, number: usize, options: &Options) -> Vec<Stage> {
     let Parsed { signature, pieces, .. } = parsed;
-    let [piece] = &mut pieces[..] else { return vec![] };
+    let piece = &mut pieces[number];
     let count = piece.problem.unknowns.len();
-    if !piece.tests.is_empty() || !(1..=MOST_NAMES).contains(&count) {
+    let confined = piece.problem.segments.iter().any(Option::is_some);
+    if confined || !piece.problem.guards.is_empty() || !(1..=MOST_NAMES).contains(&count) {
         return vec![];
     }
+    let way = || piece.way.again(vec![]);
     let mut errors = Diagnostics::new();
     let mut reader = Reader { item, signature, options, errors: &mut errors };
-    let Some(plain) = reader.read(Graph::new(), (Way::default(), &[]), Cut::default()) else {
+    let Some(plain) = reader.read(Graph::new(), (way(), &[]), Cut::default()) else {
         return vec![];
     };
-    let frame = frame(&mut reader, &plain.vectors);
+    let frame = frame(&mut reader, &way, &plain.vectors);
     let all: Vec<String> = plain.scalars;
     let unique: Vec<&String> =
         all.iter().filter(|name| all.iter().filter(|n| n == name).count() == 1).collect();
@@ -79,7 +81,7 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
         let graph = std::mem::take(&mut piece.problem.graph);
         let numbers = cut.iter().map(|&name| uses.names[name].clone()).collect();
         let cut = Cut { numbers, first, frame: frame.clone() };
-        let Some(reading) = reader.read(graph, (Way::default(), &[]), cut) else { break };
+        let Some(reading) = reader.read(graph, (piece.way.again(vec![]), &[]), cut) else { break };
         piece.problem.graph = reading.graph;
         let g = &mut piece.problem.graph;
         let Some((outputs, _)) = reading.point else { break };
@@ -106,10 +108,14 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, options: &Options) -> Vec<Stag
 
 /// The names of three vectors of parameters that are perpendicular to each other and have unit length, if there are
 /// any: the first known to be so by itself, the others as what they are in terms of the first.
-fn frame(reader: &mut Reader, vectors: &[(String, [Id; 3])]) -> Vec<String> {
+fn frame(
+    reader: &mut Reader,
+    way: &impl Fn() -> Way,
+    vectors: &[(String, [Id; 3])],
+) -> Vec<String> {
     for (i, (name, _)) in vectors.iter().enumerate() {
         let cut = Cut { frame: vec![name.clone()], ..Cut::default() };
-        let Some(reading) = reader.read(Graph::new(), (Way::default(), &[]), cut) else { break };
+        let Some(reading) = reader.read(Graph::new(), (way(), &[]), cut) else { break };
         let Reading { mut graph, vectors, constants_cut, .. } = reading;
         let g = &mut graph;
         let leaves: Vec<Id> = constants_cut.iter().map(|(leaf, _)| g.get_leaf(*leaf)).collect();
