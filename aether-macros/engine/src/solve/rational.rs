@@ -195,9 +195,10 @@ fn roots_in(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Vec<Root>> 
             let values = polynomial_roots(g, &polynomial, atom)?;
             Some(values.into_iter().map(|value| Root { atom, value, also: None }).collect())
         }
-        [a, b] => {
-            radical(g, known, rhs, [a, b], open).or_else(|| radical(g, known, rhs, [b, a], open))
-        }
+        [a, b] => radical(g, known, rhs, [a, b], open)
+            .or_else(|| radical(g, known, rhs, [b, a], open))
+            .or_else(|| isolated(g, &polynomial, &atoms, open)),
+        [_, _, _] => isolated(g, &polynomial, &atoms, open),
         _ => None,
     }
 }
@@ -241,6 +242,46 @@ fn radical(g: &mut Graph, known: Id, rhs: Id, [u, t]: [Id; 2], open: Deps) -> Op
             })
             .collect(),
     )
+}
+
+/// Atoms u and roots of polynomials of it, of which the equation has one product: A + B √R = 0 as A² - B² R = 0, where that has
+/// a low degree.
+fn isolated(g: &mut Graph, equation: &Poly, atoms: &[Id], open: Deps) -> Option<Vec<Root>> {
+    let radicand = |g: &Graph, atom: Id| match g.node(atom) {
+        Node::Product(f) if f.len() == 1 && g.as_number(f[0].1) == Some(Q::HALF) => Some(f[0].0),
+        _ => None,
+    };
+    let (roots, plain): (Vec<Id>, Vec<Id>) =
+        atoms.iter().partition(|&&atom| radicand(g, atom).is_some());
+    let [u] = plain[..] else { return None };
+    let (mut alone, mut times) = (None, equation.clone());
+    let (mut above, mut below) = (Poly::constant(Q::ONE), Poly::constant(Q::ONE));
+    for &root in &roots {
+        let c = times.by_powers_of(root)?;
+        let [rest, with] = &c[..] else { return None };
+        // Besides the first of them the others stand by themselves nowhere.
+        match &alone {
+            None => alone = Some(rest.clone()),
+            Some(_) if rest.is_zero() => {}
+            Some(_) => return None,
+        }
+        let under = radicand(g, root)?;
+        let under = Expander::new(g).only(open).expand(under)?;
+        let den = under.den.iter().try_fold(Poly::constant(Q::ONE), |all, (factor, e)| {
+            (0..*e).try_fold(all, |all, _| all.mul(factor))
+        })?;
+        (above, below, times) = (above.mul(&under.num)?, below.mul(&den)?, with.clone());
+    }
+    let alone = alone?;
+    let is_free = |g: &Graph, p: &Poly| {
+        p.atoms().into_iter().all(|atom| atom == u || !g.has(atom, UNKNOWNS))
+    };
+    if ![&alone, &times, &above, &below].into_iter().all(|p| is_free(g, p)) {
+        return None;
+    }
+    let squared = alone.mul(&alone)?.mul(&below)?.sub(&times.mul(&times)?.mul(&above)?)?;
+    let values = polynomial_roots(g, &squared, u)?;
+    Some(values.into_iter().map(|value| Root { atom: u, value, also: None }).collect())
 }
 
 /// The roots of a polynomial of degree one or two in `atom`.
