@@ -580,3 +580,99 @@ fn exponentials_of_parameters_stay_within_range() {
         }
     }
 }
+
+/// Heitz 2018, "Sampling the GGX Distribution of Visible Normals", as listed.
+#[sampler(alpha_x in 1e-3..=1.0, alpha_y in 1e-3..=1.0, where ve.z > 0.0)]
+fn sample_ggx_vndf(u: [Uniform; 2], alpha_x: f64, alpha_y: f64, ve: Direction) -> Direction {
+    let vh = Vec3::new(alpha_x * ve.x, alpha_y * ve.y, ve.z).normalize();
+    let lensq = vh.x * vh.x + vh.y * vh.y;
+    let axis_1 = if lensq > 0.0 {
+        Vec3::new(-vh.y, vh.x, 0.0) * (1.0 / lensq.sqrt())
+    } else {
+        Vec3::new(1.0, 0.0, 0.0)
+    };
+    let axis_2 = vh.cross(axis_1);
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    let t1 = r * phi.cos();
+    let t2 = r * phi.sin();
+    let s = 0.5 * (1.0 + vh.z);
+    let t2 = (1.0 - s) * (1.0 - t1 * t1).sqrt() + s * t2;
+    let nh = t1 * axis_1 + t2 * axis_2 + (1.0 - t1 * t1 - t2 * t2).max(0.0).sqrt() * vh;
+    Direction::from_vec(Vec3::new(alpha_x * nh.x, alpha_y * nh.y, nh.z.max(0.0)).normalize())
+}
+
+/// Straight from above its frame is another one, which is a way through the body that one view alone takes; a name
+/// has two values, and a bound keeps rounding from a height.
+#[test]
+fn visible_normals_have_their_density_straight_from_above_too() {
+    for (ax, ay) in [(0.5, 0.2), (1e-3, 1e-3), (0.01, 1.0)] {
+        for v in [(0.0, 0.0, 1.0), (0.3, 0.0, 0.7), (0.0, -0.2, 0.1), (1e-170, 0.0, 1.0)] {
+            let v = Direction::from_vec(Vec3::new(v.0, v.1, v.2).normalize());
+            let normals = sample_ggx_vndf(ax, ay, v).unwrap();
+            for u in [[0.3, 0.1], [0.9, 0.6], [1e-3, 0.8]] {
+                let n = normals.sample(u);
+                let slopes = (n.x / ax).powi(2) + (n.y / ay).powi(2) + n.z * n.z;
+                let seen = v.z + ((ax * v.x).powi(2) + (ay * v.y).powi(2) + v.z * v.z).sqrt();
+                let expected = 2.0 * v.dot(n.value()) / (seen * PI * ax * ay * slopes.powi(2));
+                both(normals, u, expected);
+                let back: Vec<_> = normals.invert(&n).iter().collect();
+                assert_eq!(back.len(), 1);
+                assert!(back[0].iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?}");
+            }
+        }
+    }
+    let above = sample_ggx_vndf(0.5, 0.2, Direction::new(0.0, 0.0, 1.0)).unwrap();
+    // At a turn of zero the normal leans towards the second frame's first axis.
+    let n = above.sample([0.5, 0.0]);
+    assert!(n.x > 0.1 && n.y.abs() < 1e-16);
+}
+
+/// pbrt-v4's `Sphere::Sample` for a point outside, at the distance `dc` of the centre, without bounds.
+#[sampler(radius in 0.05..=1.0, dc in 1.1..=100.0)]
+fn sphere_from_outside(u: [Uniform; 2], radius: f64, dc: f64) -> Surface {
+    let sin_theta_max = radius / dc;
+    let sin2_theta_max = sin_theta_max * sin_theta_max;
+    let cos_theta_max = (1.0 - sin2_theta_max).sqrt();
+    let (sin2_theta, cos_theta) = if sin2_theta_max < 0.00068523 {
+        let sin2_theta = sin2_theta_max * u[0];
+        (sin2_theta, (1.0 - sin2_theta).sqrt())
+    } else {
+        let cos_theta = (cos_theta_max - 1.0) * u[0] + 1.0;
+        (1.0 - cos_theta * cos_theta, cos_theta)
+    };
+    let cos_alpha = sin2_theta / sin_theta_max
+        + cos_theta * (1.0 - sin2_theta / (sin_theta_max * sin_theta_max)).sqrt();
+    let sin_alpha = (1.0 - cos_alpha * cos_alpha).sqrt();
+    let phi = TAU * u[1];
+    let (x, y) = (sin_alpha * phi.cos(), sin_alpha * phi.sin());
+    Surface::new(radius * x, radius * y, dc - radius * cos_alpha)
+}
+
+/// A root stands in the equation by itself and in a product, and squaring leaves a quadratic equation. The second way is
+/// uniform in the sine's square instead of the angle.
+#[test]
+fn a_sphere_from_outside_has_the_density_of_the_cone() {
+    for (radius, dc) in [(0.5, 1.1), (1.0, 2.0), (1.0, 38.1), (1.0, 38.3), (0.05, 100.0)] {
+        let sphere = sphere_from_outside(radius, dc).unwrap();
+        let sine2 = (radius / dc) * (radius / dc);
+        for u in [[0.3, 0.1], [0.9, 0.6], [1e-3, 0.8]] {
+            let x = sphere.sample(u);
+            let to = x.value().vec();
+            let normal = Vec3::new(to.x, to.y, to.z - dc) / radius;
+            let cone = match sine2 < 0.00068523 {
+                true => PI * sine2 * to.length() / to.z,
+                false => TAU * sine2 / (1.0 + (1.0 - sine2).sqrt()),
+            };
+            let expected = to.dot(normal).abs() / (to.length().powi(3) * cone);
+            // What the sample is off by counts, as the point is far away.
+            let tolerance = 1e-13 * dc / radius;
+            for found in [x.pdf().value(), sphere.pdf(&x).value()] {
+                assert!(
+                    (found / expected - 1.0).abs() < tolerance,
+                    "{found} {expected} {radius} {dc}"
+                );
+            }
+        }
+    }
+}

@@ -6,7 +6,7 @@
 use proc_macro2::TokenStream;
 use syn::ItemFn;
 
-use crate::derive::{on_which_way, Atom, Derived, Preimage, atoms, derive, derive_by_pieces};
+use crate::derive::{Atom, Derived, Preimage, atoms, derive, derive_by_pieces, on_which_way};
 use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
@@ -186,7 +186,8 @@ fn recovered(
     let ends = segment_ends(piece, p);
     let leave = |(t, end): (f64, Option<(f64, f64)>)| end.map_or(t, |(low, width)| low + width * t);
     let narrow = ends.iter().flatten().any(|(_, width)| *width <= 0.0);
-    let none = narrow || ![&problem.existence, &problem.rare].iter().all(|tests| passed(g, tests, p, &[]));
+    let none =
+        narrow || ![&problem.existence, &problem.rare].iter().all(|tests| passed(g, tests, p, &[]));
     (!none).then(|| t.into_iter().zip(ends).map(leave).collect())
 }
 

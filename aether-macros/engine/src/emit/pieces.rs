@@ -50,8 +50,8 @@ impl Place<'_> {
     /// That the parameters leave the piece any points, where it depends on them whether they do.
     pub(super) fn wide(&self) -> Option<TokenStream> {
         let (wide, problem) = (format_ident!("wide_{}", self.piece), self.problem);
-        let confined =
-            !(problem.existence.is_empty() && problem.rare.is_empty()) || problem.segments.iter().any(Option::is_some);
+        let confined = !(problem.existence.is_empty() && problem.rare.is_empty())
+            || problem.segments.iter().any(Option::is_some);
         confined.then(|| quote!(.and(#wide::<R>(&p))))
     }
 

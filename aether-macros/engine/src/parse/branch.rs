@@ -111,7 +111,12 @@ impl Way {
         while let Some(last) = self.outcomes.pop() {
             if last.open && last.holds {
                 let place = self.outcomes.len();
-                self.outcomes.push(Outcome { holds: false, open: false, proven: false, required: false });
+                self.outcomes.push(Outcome {
+                    holds: false,
+                    open: false,
+                    proven: false,
+                    required: false,
+                });
                 self.spans.retain(|begin, _| *begin <= place);
                 return Some(self.again(vec![]));
             }
@@ -414,7 +419,11 @@ impl Body<'_> {
         let found = (first..end).find(|&k| {
             let above = self.graph.int(k + 1);
             let difference = self.graph.sub(above, x);
-            self.compare(difference, true, Asked { open: k < last, equal: false, unproven: Unproven::Fork })
+            self.compare(
+                difference,
+                true,
+                Asked { open: k < last, equal: false, unproven: Unproven::Fork },
+            )
         });
         let found = found.unwrap_or(last);
         if let Some(count) = count {

@@ -28,9 +28,9 @@ pub use rebound::bound_once;
 pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
 use stages::Cut;
-use vanishing::vanishing;
 pub use stages::{Stage, stages};
 pub use value::Value;
+use vanishing::vanishing;
 
 use std::collections::HashMap;
 
@@ -166,7 +166,12 @@ impl Reader<'_> {
         let rare = match vanishing(&mut first) {
             Some(leaves) => {
                 first.way.vanishing = leaves;
-                first.way.zeros.iter().map(|&difference| Test { difference, strict: false }).collect()
+                first
+                    .way
+                    .zeros
+                    .iter()
+                    .map(|&difference| Test { difference, strict: false })
+                    .collect()
             }
             None => Vec::new(),
         };
@@ -186,7 +191,8 @@ impl Reader<'_> {
         let is_rare = !rare.is_empty();
         let open = |place: &usize| {
             is_rare
-                || ends_of_segments.contains(place) || second.way.tests.iter().any(|(p, _)| p == place)
+                || ends_of_segments.contains(place)
+                || second.way.tests.iter().any(|(p, _)| p == place)
         };
         // Of parameters alone no rounded point tells anything: forwards and backwards the same numbers are compared. A map
         // has no uniforms to be left without.
@@ -200,7 +206,8 @@ impl Reader<'_> {
         let existence = [second.way.existence.clone(), settled].concat();
         let way = second.way.again(vec![]);
         let mut graph = second.graph;
-        let mut here = |test: Test| Test { difference: graph.import(&first.graph, test.difference), ..test };
+        let mut here =
+            |test: Test| Test { difference: graph.import(&first.graph, test.difference), ..test };
         let rare: Vec<Test> = rare.into_iter().map(&mut here).collect();
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);

@@ -273,9 +273,8 @@ fn isolated(g: &mut Graph, equation: &Poly, atoms: &[Id], open: Deps) -> Option<
         (above, below, times) = (above.mul(&under.num)?, below.mul(&den)?, with.clone());
     }
     let alone = alone?;
-    let is_free = |g: &Graph, p: &Poly| {
-        p.atoms().into_iter().all(|atom| atom == u || !g.has(atom, UNKNOWNS))
-    };
+    let is_free =
+        |g: &Graph, p: &Poly| p.atoms().into_iter().all(|atom| atom == u || !g.has(atom, UNKNOWNS));
     if ![&alone, &times, &above, &below].into_iter().all(|p| is_free(g, p)) {
         return None;
     }
