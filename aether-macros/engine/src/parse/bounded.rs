@@ -140,8 +140,10 @@ mod tests {
         ] {
             assert_eq!(pieces(of_rest), Ok(1), "{of_rest}");
         }
-        // Elsewhere it takes a proof, and what is passed is a branch.
-        assert!(pieces("rest.max(0.0)").is_err());
+        // Elsewhere a bound is zero, or it takes a proof; and what is passed is a branch.
+        assert_eq!(pieces("rest.max(0.0)"), Ok(1));
+        assert!(pieces("(rest - 2.0).max(-2.0)").is_err());
         assert!(pieces("(rest - 0.5).max(0.0).sqrt()") != Ok(1));
+        assert!(pieces("(rest - 0.01).max(0.0)") != Ok(1));
     }
 }
