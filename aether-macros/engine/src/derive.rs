@@ -397,7 +397,12 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         if problem.argument.is_none() {
             find_borders(problem, &forward, solution, &cases, preimage);
         }
-        let sample = (&forward[..], preimage.density, &gaps);
+    }
+    // Where all preimages have one formula for their densities, it is that of the sample.
+    if let [first, others @ ..] = &preimages[..]
+        && others.iter().all(|other| other.density == first.density)
+    {
+        let sample = (&forward[..], first.density, &gaps);
         own = at_the_sample(problem, own, sample, &mut unknown_points);
     }
     for preimage in &mut preimages {
