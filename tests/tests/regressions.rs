@@ -1038,3 +1038,64 @@ fn a_sample_of_one_side_has_no_second_preimage_on_the_other() {
         }
     }
 }
+
+// Uniforms of exactly zero, as the first Sobol point has them.
+
+/// pbrt-v3's anisotropic Beckmann normals.
+#[sampler(alpha_x in 1e-2..=1.0, alpha_y in 1e-2..=1.0)]
+fn beckmann_normals(u: [Uniform; 2], alpha_x: f64, alpha_y: f64) -> Direction {
+    let log_sample = (1.0 - u[0]).ln();
+    let phi = (alpha_y / alpha_x * (TAU * u[1] + 0.5 * PI).tan()).atan();
+    let phi = if u[1] > 0.5 { phi + PI } else { phi };
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let (alpha_x2, alpha_y2) = (alpha_x * alpha_x, alpha_y * alpha_y);
+    let tan2_theta = -log_sample / (cos_phi * cos_phi / alpha_x2 + sin_phi * sin_phi / alpha_y2);
+    let cos_theta = 1.0 / (1.0 + tan2_theta).sqrt();
+    let sin_theta = (1.0 - cos_theta * cos_theta).max(0.0).sqrt();
+    Direction::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
+/// Ashikhmin and Shirley 2000, by quadrants.
+#[sampler(nu in 0.0..=1e4, nv in 0.0..=1e4)]
+fn phong_in_quadrants(u: [Uniform; 2], nu: f64, nv: f64) -> Direction {
+    let k = ((nu + 1.0) / (nv + 1.0)).sqrt();
+    let phi = if u[0] < 0.25 {
+        (k * (TAU * u[0]).tan()).atan()
+    } else if u[0] < 0.5 {
+        PI - (k * (TAU * (0.5 - u[0])).tan()).atan()
+    } else if u[0] < 0.75 {
+        PI + (k * (TAU * (u[0] - 0.5)).tan()).atan()
+    } else {
+        TAU - (k * (TAU * (1.0 - u[0])).tan()).atan()
+    };
+    let (s, c) = phi.sin_cos();
+    let cos_theta = (1.0 - u[1]).powf(1.0 / (nu * c * c + nv * s * s + 1.0));
+    let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
+    Direction::new(sin_theta * c, sin_theta * s, cos_theta)
+}
+
+/// At the pole the uniforms are 0/0 of the point, at the first turn a tangent is infinite there; and next to the pole the
+/// derived volume has no digits where the density of the point has all.
+#[test]
+fn uniforms_of_zero_have_their_density() {
+    for first in [0.0, 1e-18, 1e-9, 0.3] {
+        for turn in [0.0, 0.1, 0.25, 0.3, 0.5, 0.6, 0.75, 0.9] {
+            let (ax, ay) = (0.5, 0.2);
+            let normals = beckmann_normals(ax, ay).unwrap();
+            let n = normals.sample([first, turn]);
+            let slopes = (n.x / ax).powi(2) + (n.y / ay).powi(2);
+            let z2 = n.z * n.z;
+            let expected = (-slopes / z2).exp() / (PI * ax * ay * n.z * z2);
+            both(normals, [first, turn], expected);
+
+            let (nu, nv) = (50.0, 10.0);
+            let lobe = phong_in_quadrants(nu, nv).unwrap();
+            let n = lobe.sample([turn, first]);
+            let across = n.x * n.x + n.y * n.y;
+            let share = if across > 0.0 { n.x * n.x / across } else { 0.0 };
+            let power = nu * share + nv * (1.0 - share);
+            let expected = ((nu + 1.0) * (nv + 1.0)).sqrt() / TAU * n.z.powf(power);
+            both(lobe, [turn, first], expected);
+        }
+    }
+}

@@ -52,6 +52,7 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
         }
         unbounded |= !R::value_and_error(*t).1.to_f64().is_finite();
     }
+    let forward = |t: &[R::Tracked; N]| from_inside::<R, N, M>(t, forward);
     if near_or_far::<R, M>(forward(&tried), x).0 {
         return true;
     }
@@ -65,6 +66,20 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
         near_or_far::<R, M>(forward(&numbers), x).0
     };
     unbounded && leads(R::EPSILON) || leads(R::ZERO)
+}
+
+/// The image of uniforms; where one of exactly zero leads to 0/0, that of one next to it, as samples have it.
+fn from_inside<R: Single, const N: usize, const M: usize>(
+    u: &[R::Tracked; N],
+    forward: Tracking<'_, R::Tracked, N, M>,
+) -> [R::Tracked; M] {
+    let image = forward(u);
+    let is_zero = |t: &R::Tracked| !R::value_and_error(*t).0.gt(R::ZERO);
+    if image.iter().all(|y| y.ge(*y)) || !u.iter().any(is_zero) {
+        return image;
+    }
+    let beside = (R::EPSILON * R::EPSILON).track_within(R::ZERO);
+    forward(&u.map(|t| if is_zero(&t) { beside } else { t }))
 }
 
 /// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.
