@@ -440,6 +440,12 @@ fn shorten_tests(problem: &mut Problem, preimage: &mut Preimage) {
         return;
     }
     let g = &mut problem.graph;
+    // An unknown that is in its range whatever the point is needs no test: its border is one if no point lies beyond.
+    for (border, &tested) in preimage.borders.iter_mut().zip(&preimage.tested) {
+        let range = g.range(tested);
+        let is_tested = !(range.nonnegative() && range.at_most_one());
+        border.take_if(|border| !is_tested && !border.contains_all(g));
+    }
     // What depends on coordinates between their borders alone holds there.
     let told = preimage.borders.iter().flatten();
     let told = told.fold(0, |told, border| told | g.deps(border.coordinate));

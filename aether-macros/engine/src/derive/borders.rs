@@ -27,6 +27,13 @@ pub struct Border {
 }
 
 impl Border {
+    /// Whether no point has its coordinate beyond.
+    pub(super) fn contains_all(&self, g: &Graph) -> bool {
+        let (all, [a, b]) = (g.range(self.coordinate), self.ends.map(|end| range(g, end)));
+        let lies = |low: Interval, high: Interval| low.hi <= all.lo && all.hi <= high.lo;
+        lies(a, b) || lies(b, a)
+    }
+
     /// All that is computed to see on which side of it a point lies.
     pub(super) fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
         let ends = self.ends.iter_mut().filter_map(|end| match end {
@@ -118,12 +125,16 @@ struct Told {
 
 /// The values between two ends.
 fn values(g: &Graph, border: &Border) -> Interval {
-    let range = |end: Limit| match end {
+    range(g, border.ends[0]).hull(range(g, border.ends[1]))
+}
+
+/// Where an end lies.
+fn range(g: &Graph, end: Limit) -> Interval {
+    match end {
         Limit::At(id) => g.range(id),
         Limit::Below => Interval::point(f64::NEG_INFINITY),
         Limit::Above => Interval::point(f64::INFINITY),
-    };
-    range(border.ends[0]).hull(range(border.ends[1]))
+    }
 }
 
 /// Where a `coordinate`, which is equal to these `forms`, goes as an unknown goes to 0 and to 1, and whether it rises, if
