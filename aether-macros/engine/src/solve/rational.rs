@@ -338,7 +338,9 @@ fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly
     // √D = s √r, of which both signs are taken.
     let composed = composed(g, c0, c1, c2);
     let whole = || (Poly::constant(Q::ONE), discriminant.clone());
-    let (s, r) = discriminant.square_part().unwrap_or_else(whole);
+    // Of a product each factor may show what the whole of it does not.
+    let parts = if c1.is_zero() { square_parts(c0, c2) } else { None };
+    let (s, r) = parts.or_else(|| discriminant.square_part()).unwrap_or_else(whole);
     let (c0, c1, s) = without_common(c0, c1, &s);
     let halved = c1.exact_div(&r).filter(|_| r.as_constant().is_none());
     let (scale, r) = r.integral().unwrap_or((Q::ONE, r));
@@ -369,6 +371,12 @@ fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly
             g.div(top, bottom)
         })
         .collect()
+}
+
+/// -4 c₀ c₂ as s² r, with as much in s as each of the factors shows.
+fn square_parts(c0: &Poly, c2: &Poly) -> Option<(Poly, Poly)> {
+    let [(s0, r0), (s2, r2)] = [c0.square_part()?, c2.square_part()?];
+    Some((s0.mul(&s2)?.scale(Q::int(2))?, r0.mul(&r2)?.scale(Q::int(-1))?))
 }
 
 /// c₁² - 4 c₀ c₂, not multiplied out.
