@@ -4,6 +4,7 @@
 //! numerically. A system in which a single nonlinear function of a linear combination stands in the way
 //! is brought to one such equation first.
 
+use super::peel::unwind_turns;
 use super::{Condition, Equation, Numerical, State, linear};
 use crate::derivative::derivative;
 use crate::display::show;
@@ -150,23 +151,34 @@ fn explain(g: &Graph, e: &Equation, unknown: Leaf, why: &Unproven) -> String {
 pub(super) fn undo_root(g: &mut Graph, state: &State) -> Option<Vec<State>> {
     for (i, e) in state.equations.iter().enumerate() {
         let Node::Root(r) = g.node(e.rhs).clone() else { continue };
-        let mut s = state.clone();
-        let variable = g.get_leaf(r.variable);
-        let body = g.substitute(r.body, &[(variable, e.known)].into());
-        let rhs = g.sub(r.target, body);
-        let known = g.int(0);
-        s.equations[i] = Equation { known, rhs, modulo_turn: e.modulo_turn };
-        for (a, b) in [(e.known, r.lo), (r.hi, e.known)] {
-            let infinite = |g: &Graph, id| matches!(g.node(id), Node::Float(x) if f64::from_bits(*x).is_infinite());
-            if !infinite(g, a) && !infinite(g, b) {
-                s.solution.conditions.push(Condition(g.sub(a, b)));
-            }
-        }
-        s.solution.known.entry(e.rhs).or_insert(e.known);
-        s.solution.steps.push(format!("{} = {}", show(g, r.target), show(g, body)));
-        return Some(vec![s]);
+        // An angle is the root within its range, before its body is more than an angle.
+        let found = match e.modulo_turn {
+            true => unwind_turns(g, e.known, e.rhs)?.1.into_iter().map(|i| i.known).collect(),
+            false => vec![e.known],
+        };
+        let undone = found.into_iter().map(|known| root_undone(g, state, i, &r, known));
+        return Some(undone.collect());
     }
     None
+}
+
+/// The state in which equation `i` says of a root that it is known.
+fn root_undone(g: &mut Graph, state: &State, i: usize, r: &Root, value: Id) -> State {
+    let mut s = state.clone();
+    let variable = g.get_leaf(r.variable);
+    let body = g.substitute(r.body, &[(variable, value)].into());
+    let (known, rhs) = (g.int(0), g.sub(r.target, body));
+    let root = std::mem::replace(&mut s.equations[i], Equation { known, rhs, modulo_turn: false });
+    let infinite =
+        |g: &Graph, id| matches!(g.node(id), Node::Float(x) if f64::from_bits(*x).is_infinite());
+    for (a, b) in [(value, r.lo), (r.hi, value)] {
+        if !infinite(g, a) && !infinite(g, b) {
+            s.solution.conditions.push(Condition(g.sub(a, b)));
+        }
+    }
+    s.solution.known.entry(root.rhs).or_insert(value);
+    s.solution.steps.push(format!("{} = {}", show(g, r.target), show(g, body)));
+    s
 }
 
 /// X_i = Σ_k M_ik z_k + β_i f(Σ w_k z_k), linear in the atoms z but for one function f of a linear

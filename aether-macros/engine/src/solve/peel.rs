@@ -15,8 +15,8 @@ use joint::{
 };
 
 /// One way to undo a function: the new known side, and tests that it must pass.
-struct Inverse {
-    known: Id,
+pub(super) struct Inverse {
+    pub(super) known: Id,
     conditions: Vec<Condition>,
 }
 
@@ -135,7 +135,7 @@ fn undo(g: &mut Graph, eq: &Equation, numerical: bool) -> Option<(Id, Vec<Invers
 
 /// An angle that is known up to whole turns, brought into the range that its expression can have. That is a window
 /// which is cut open in the middle of its complement, where no rounding error leads.
-fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
+pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec<Inverse>)> {
     let range = g.range(rhs);
     let single = |known| vec![Inverse { known, conditions: vec![] }];
     if range.lo >= -PI && range.hi <= PI + 1e-12 {
