@@ -149,6 +149,8 @@ pub struct Problem {
     pub existence: Vec<Test>,
     /// The same of parameters that are zero there, which the expressions do not mention.
     pub rare: Vec<Test>,
+    /// These parameters.
+    pub vanishing: Vec<Leaf>,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
     /// Expressions of the unknowns whose sizes are lengths in terms of the point.
@@ -406,6 +408,9 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         own = at_the_sample(problem, own, sample, &mut unknown_points);
     }
     for preimage in &mut preimages {
+        if !check_forward {
+            holding::ask_for_values(problem, preimage);
+        }
         shorten_tests(problem, preimage);
         if problem.argument.is_none() {
             share_values(&mut problem.graph, preimage, &mut out_points);

@@ -5,13 +5,13 @@
 //! are lost, and an own sample has no density.
 
 use crate::derivative::derivative;
-use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, leaf_bit};
 use crate::jacobian::simplify;
 use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::Solution;
 
-use super::Problem;
+use super::{Preimage, Problem};
 use super::continuity::{at_ends, continuous};
 
 /// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
@@ -48,6 +48,51 @@ pub(super) fn sides(problem: &mut Problem, targets: &[Id]) -> Vec<Id> {
         _ => None,
     };
     problem.outputs.iter().zip(targets).filter_map(signed).collect()
+}
+
+/// Adds to the conditions of a sampler's preimage that unknowns have values where these, whatever they are, need no test: as
+/// 1/2 + √(1 - y²) / 2 does for |y| up to one alone.
+pub(super) fn ask_for_values(problem: &mut Problem, preimage: &mut Preimage) {
+    if problem.argument.is_some() || !problem.guards.is_empty() {
+        return;
+    }
+    let g = &mut problem.graph;
+    let needs_none = |g: &Graph, unknown: Id| {
+        let range = g.range(unknown);
+        range.nonnegative() && range.at_most_one()
+    };
+    // Where nothing at all is tested, it is where the map stays.
+    let all = preimage.tested.iter().all(|&unknown| needs_none(g, unknown));
+    if all && preimage.conditions.is_empty() {
+        return;
+    }
+    let untested = preimage.tested.iter().copied().filter(|&unknown| needs_none(g, unknown));
+    for unknown in untested.collect::<Vec<Id>>() {
+        for part in g.within(&[unknown]) {
+            for asked in not_negative(g, part) {
+                let known = preimage.conditions.contains(&asked) || never_negative(g, asked);
+                if g.has(asked, OUTS) && !known {
+                    preimage.conditions.push(asked);
+                    preimage.open.push(asked);
+                }
+            }
+        }
+    }
+}
+
+/// What must not be negative for a function of it to have a value.
+fn not_negative(g: &mut Graph, id: Id) -> Vec<Id> {
+    match g.node(id).clone() {
+        Node::Product(factors) => {
+            let is_root = |e: Id| g.as_number(e).is_none_or(|e| e.den() % 2 == 0);
+            factors.into_iter().filter(|(_, e)| is_root(*e)).map(|(base, _)| base).collect()
+        }
+        Node::Call(Fun::Asin | Fun::Acos, args) => {
+            let square = g.powi(args[0], 2);
+            vec![g.sum(Q::ONE, &[(Q::int(-1), square)])]
+        }
+        _ => vec![],
+    }
 }
 
 /// An expression without what does not change its sign: ±b for ±a b³ / c², where a is positive.

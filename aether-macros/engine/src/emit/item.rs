@@ -297,9 +297,20 @@ impl Emitter<'_> {
             list.push(quote!(self.#name));
         }
         let p = self.scalars();
+        let plain = list.clone();
         for i in self.limits() {
-            let parameter = &list[i as usize];
-            list[i as usize] = quote!(::aether_core::support::beside_zero(#parameter));
+            let parameter = &plain[i as usize];
+            let beside = quote!(::aether_core::support::beside_zero(#parameter));
+            // Where all that vanish with it are zero, zero has a way of its own.
+            let ways = self.parsed.vanishing_with(i).map(|others| {
+                let others = others.into_iter().map(|j| &plain[usize::from(j)]);
+                quote!(.and(<R::Mask as Mask>::FALSE #(.or(#others.abs().gt(R::ZERO)))*))
+            });
+            let ways: TokenStream = ways.collect();
+            list[i as usize] = match ways.is_empty() {
+                true => beside,
+                false => quote!(R::select(<R::Mask as Mask>::TRUE #ways, #beside, #parameter)),
+            };
         }
         quote!(let p: [R; #p] = [#(#list),*];)
     }

@@ -59,6 +59,20 @@ pub struct Parsed {
     pub constants: Vec<(String, TokenStream)>,
 }
 
+impl Parsed {
+    /// For each way that leads through where a parameter vanishes, the others that vanish there.
+    pub fn vanishing_with(&self, parameter: u8) -> impl Iterator<Item = Vec<u8>> {
+        let number = |leaf: &Leaf| match leaf {
+            Leaf::Param(i) => Some(*i),
+            _ => None,
+        };
+        self.pieces.iter().filter_map(move |piece| {
+            let all: Vec<u8> = piece.problem.vanishing.iter().filter_map(number).collect();
+            all.contains(&parameter).then(|| all.into_iter().filter(|i| *i != parameter).collect())
+        })
+    }
+}
+
 /// One way through the branches of a body.
 pub struct Piece {
     /// The map on a unit cube, to be inverted.
@@ -225,6 +239,7 @@ impl Reader<'_> {
             segments: second.segments,
             existence,
             rare,
+            vanishing: way.vanishing.clone(),
             lengths: Vec::new(),
             stages: Vec::new(),
             relations: second.relations,
