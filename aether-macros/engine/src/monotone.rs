@@ -43,13 +43,61 @@ pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
 
 /// The sign that an expression has at all points of its inputs' ranges that are tried; `None` if it has both, or none.
 pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
-    sign_at(g, id, POINTS)
+    let leaves = leaves_of(g, id, any_input(g, id)?);
+    sign_inside(g, id, &leaves, true, POINTS).ok()
 }
 
-/// The same at so many points.
+/// The same at so many points and at corners of the ranges, where unit vectors have their length.
 pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
-    let leaves = leaves_of(g, id, any_input(g, id)?);
-    sign_inside(g, id, &leaves, true, points).ok()
+    let mut leaves = leaves_of(g, id, any_input(g, id)?);
+    // The length of a vector is that of all its coordinates.
+    for coordinates in g.units() {
+        let of_unit = coordinates.map(|id| any_input(g, id));
+        if of_unit.iter().flatten().any(|leaf| leaves.contains(leaf)) {
+            let others = of_unit.into_iter().flatten().filter(|leaf| !leaves.contains(leaf));
+            leaves.extend(others.collect::<Vec<Leaf>>());
+        }
+    }
+    let corners = 1 << leaves.len().min(MOST_CORNERS);
+    let place = |n: u32| {
+        let corner = n.checked_sub(points);
+        let mut at = inputs(g, &leaves, n, corner);
+        unit_lengths(g, &leaves, &mut at);
+        at
+    };
+    sign_seen(g, id, &leaves, (true, points + corners), &place).ok()
+}
+
+/// How many inputs are taken to both of their ends, at most.
+const MOST_CORNERS: usize = 10;
+
+/// The nth values of some inputs in their ranges; or of a corner, by a bit for each, as far as there is one.
+fn inputs(g: &Graph, leaves: &[Leaf], n: u32, corner: Option<u32>) -> Vec<f64> {
+    // A sequence of its own for each input, which does not repeat.
+    let step = |k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
+    let input = |(k, leaf): (usize, &Leaf)| {
+        let range = g.leaf_range(*leaf);
+        let end = corner.filter(|_| k < MOST_CORNERS);
+        let end = end.map(|bits| if bits >> k & 1 == 0 { range.lo } else { range.hi });
+        end.filter(|end| end.is_finite()).unwrap_or_else(|| inside(range, step(k)))
+    };
+    leaves.iter().enumerate().map(input).collect()
+}
+
+/// Scales the inputs that are coordinates of unit vectors.
+fn unit_lengths(g: &Graph, leaves: &[Leaf], at: &mut [f64]) {
+    for unit in g.units() {
+        let place = |id: &Id| match g.node(*id) {
+            Node::Leaf(leaf) => leaves.iter().position(|l| l == leaf),
+            _ => None,
+        };
+        if let [Some(x), Some(y), Some(z)] = [0, 1, 2].map(|i| place(&unit[i])) {
+            let length = libm::hypot(libm::hypot(at[x], at[y]), at[z]);
+            if length > 0.0 {
+                [x, y, z].into_iter().for_each(|i| at[i] /= length);
+            }
+        }
+    }
 }
 
 /// An input that an expression depends on.
@@ -125,11 +173,20 @@ fn sign_inside(
     strict: bool,
     points: u32,
 ) -> Result<i64, String> {
-    // A sequence of its own for each input, which does not repeat.
-    let step = |n: u32, k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
-    let at = |n: u32, k: usize| inside(g.leaf_range(leaves[k]), step(n, k));
+    sign_seen(g, slope, leaves, (strict, points), &|n| inputs(g, leaves, n, None))
+}
+
+/// The same at some points, where `place` has the values of the inputs of each.
+fn sign_seen(
+    g: &Graph,
+    slope: Id,
+    leaves: &[Leaf],
+    (strict, points): (bool, u32),
+    place: &dyn Fn(u32) -> Vec<f64>,
+) -> Result<i64, String> {
     let value = |n: u32| {
-        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at(n, k));
+        let at = place(n);
+        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]);
         crate::eval::evaluate::<f64>(g, slope, &input)
     };
     let (mut least, mut most) = ((0.0_f64, 0), (0.0_f64, 0));
@@ -140,8 +197,8 @@ fn sign_inside(
     // What is smaller by so much may be rounding.
     let negligible = 1e-6 * most.0.max(-least.0);
     let point = |n: u32| {
-        let inputs = leaves.iter().enumerate();
-        let shown = inputs.map(|(k, l)| format!("{} = {:.4}", g.name(*l), at(n, k)));
+        let inputs = leaves.iter().zip(place(n));
+        let shown = inputs.map(|(l, x)| format!("{} = {x:.4}", g.name(*l)));
         shown.collect::<Vec<_>>().join(", ")
     };
     match (most.0 > negligible, -least.0 > negligible) {

@@ -124,9 +124,32 @@ fn is_guarded(problem: &Problem) -> bool {
 fn points(problem: &Problem) -> Vec<Point> {
     let accept = |point: &Point| on_this_way(problem, point);
     let guarded = is_guarded(problem);
-    match &problem.argument {
+    let mut points = match &problem.argument {
         None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
         Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
+    };
+    if !problem.vanishing.is_empty() {
+        points.iter_mut().for_each(|point| vanish(problem, &mut point.params));
+        points.retain(accept);
+    }
+    points
+}
+
+/// Puts zeros in the place of parameters that vanish, and gives unit vectors their length again.
+fn vanish(problem: &Problem, params: &mut [Dd]) {
+    let zero = Dd::from_f64(0.0);
+    let mut first = 0;
+    for kind in &problem.kinds {
+        let place = first..first + kind.scalars();
+        first = place.end;
+        let is_zero = |i: &usize| problem.vanishing.contains(&Leaf::Param(*i as u8));
+        let zeros: Vec<usize> = place.clone().filter(is_zero).collect();
+        zeros.iter().for_each(|i| params[*i] = zero);
+        if !zeros.is_empty() && matches!(kind, Kind::Direction) {
+            let square = params[place.clone()].iter().fold(zero, |sum, x| sum + *x * *x);
+            let length = square.sqrt();
+            params[place].iter_mut().for_each(|x| *x = *x / length);
+        }
     }
 }
 

@@ -7,17 +7,29 @@ use super::body::Body;
 use super::signature::{Param, ParamKind};
 use super::{Reading, Value};
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::points::Kind;
 use crate::rational::Q;
 
 /// The parameters that are zero where a reading's way leads, if its comparisons say so of any.
 pub(super) fn vanishing(reading: &mut Reading) -> Option<Vec<Leaf>> {
-    let Reading { way, graph, .. } = reading;
+    let Reading { way, graph, kinds, .. } = reading;
+    // What a matrix is without some of its elements is not known.
+    let mut numbers = 0..0;
+    let matrices = kinds.iter().filter_map(|kind| {
+        numbers = numbers.end..numbers.end + kind.scalars();
+        matches!(kind, Kind::Matrix | Kind::Frame).then(|| numbers.clone())
+    });
+    let matrices: Vec<_> = matrices.collect();
     let leaves = way.zeros.iter().map(|&zero| zero_leaves(graph, zero));
     let leaves: Vec<Leaf> = leaves.collect::<Option<Vec<_>>>()?.concat();
-    (!leaves.is_empty()).then_some(leaves)
+    let is_of_matrix = |leaf: &Leaf| match leaf {
+        Leaf::Param(i) => matrices.iter().any(|m| m.contains(&usize::from(*i))),
+        _ => true,
+    };
+    (!leaves.is_empty() && !leaves.iter().any(is_of_matrix)).then_some(leaves)
 }
 
-/// The parameters that are zero where a sum is none of whose terms is positive.
+/// The parameters that are zero where a sum is whose terms all have one sign.
 fn zero_leaves(g: &mut Graph, sum: Id) -> Option<Vec<Leaf>> {
     if g.has(sum, UNKNOWNS) {
         return None;
@@ -27,18 +39,21 @@ fn zero_leaves(g: &mut Graph, sum: Id) -> Option<Vec<Leaf>> {
         Node::Sum(..) => return None,
         _ => vec![(Q::ONE, sum)],
     };
-    let signed = |&(q, t): &(Q, Id)| {
-        let range = g.range(t);
-        if q.is_negative() { range.nonnegative() } else { range.nonpositive() }
+    let signs = |positive: bool| {
+        terms.iter().all(|&(q, t)| {
+            let range = g.range(t);
+            if q.is_negative() == positive { range.nonpositive() } else { range.nonnegative() }
+        })
     };
-    if !terms.iter().all(signed) {
+    if !signs(true) && !signs(false) {
         return None;
     }
-    terms.iter().map(|&(_, term)| zero_leaf(g, term)).collect()
+    let leaves = terms.iter().map(|&(_, term)| zero_leaves_of_product(g, term));
+    Some(leaves.collect::<Option<Vec<_>>>()?.concat())
 }
 
-/// The parameter without which a product has no factor that may be zero.
-fn zero_leaf(g: &mut Graph, product: Id) -> Option<Leaf> {
+/// The parameters that are zero where a product is of which one factor alone may be.
+fn zero_leaves_of_product(g: &mut Graph, product: Id) -> Option<Vec<Leaf>> {
     let may_vanish = |g: &Graph, &(base, e): &(Id, Id)| {
         let range = g.range(base);
         let is_power = g.as_number(e).is_some_and(|e| !e.is_negative());
@@ -48,7 +63,8 @@ fn zero_leaf(g: &mut Graph, product: Id) -> Option<Leaf> {
     let factors = g.factors(body);
     match factors.into_iter().filter(|factor| may_vanish(g, factor)).collect::<Vec<_>>()[..] {
         [(base, _)] => match g.node(base) {
-            Node::Leaf(leaf @ Leaf::Param(_)) => Some(*leaf),
+            Node::Leaf(leaf @ Leaf::Param(_)) => Some(vec![*leaf]),
+            Node::Sum(..) => zero_leaves(g, base),
             _ => None,
         },
         _ => None,
@@ -78,12 +94,16 @@ impl Body<'_> {
                 }
             }
             if p.kind == ParamKind::Direction {
-                let mut left = coordinates.into_iter().filter(|id| **id != zero);
-                if let (Some(last), None) = (left.next(), left.next()) {
-                    let range = self.graph.range(*last);
+                let mut left: Vec<&mut Id> =
+                    coordinates.into_iter().filter(|id| **id != zero).collect();
+                if let [last] = &mut left[..] {
+                    let range = self.graph.range(**last);
                     if range.nonnegative() || range.nonpositive() {
-                        *last = self.graph.int(if range.nonnegative() { 1 } else { -1 });
+                        **last = self.graph.int(if range.nonnegative() { 1 } else { -1 });
                     }
+                }
+                if let Value::Vector(v) = &value {
+                    self.graph.declare_unit([v[0], v[1], v[2]]);
                 }
             }
             self.names.insert(name, value);
