@@ -676,3 +676,90 @@ fn a_sphere_from_outside_has_the_density_of_the_cone() {
         }
     }
 }
+
+/// The cosine hemisphere about a direction, in the frame that turns about z.
+#[sampler]
+fn cosine_about(u: [Uniform; 2], w: Direction) -> Direction {
+    let l = w.x * w.x + w.y * w.y;
+    let t = if l > 0.0 { Vec3::new(-w.y, w.x, 0.0) / l.sqrt() } else { Vec3::new(1.0, 0.0, 0.0) };
+    let b = w.vec().cross(t);
+    let r = u[0].sqrt();
+    let phi = TAU * u[1];
+    Direction::from_vec(r * phi.cos() * t + r * phi.sin() * b + (1.0 - u[0]).sqrt() * w.vec())
+}
+
+/// A quarter of a logarithm's curve, and what it tends to, written otherwise.
+#[sampler(a in 0.0..=5.0)]
+fn logarithm_or_twice(u: [Uniform; 1], a: f64) -> f64 {
+    if a > 0.0 { (1.0 + a * u[0]).ln() / a } else { 2.0 * u[0] }
+}
+
+/// A segment along a vector, and one of unit length where there is none.
+#[sampler]
+fn along(u: [Uniform; 1], v: Vec3) -> f64 {
+    let l = v.length();
+    if l > 0.0 { u[0] * l } else { 1.0 + u[0] }
+}
+
+#[test]
+fn what_vanishes_has_the_way_that_is_written_for_it() {
+    for w in [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.6, 0.0, 0.8), (1e-9, 1e-9, -1.0)] {
+        let w = Direction::from_vec(Vec3::new(w.0, w.1, w.2).normalize());
+        for u in [[0.3, 0.1], [0.9, 0.6], [1e-3, 0.8]] {
+            let x = cosine_about(w).sample(u);
+            both(cosine_about(w), u, w.dot(x.value()) / PI);
+            let back: Vec<_> = cosine_about(w).invert(&x).iter().collect();
+            assert!((back[0][1] - u[1]).abs() < 1e-12 && back.len() == 1, "{back:?}");
+            let below = Direction::from_vec(-x.value().vec());
+            assert_eq!(cosine_about(w).pdf(&below).value(), 0.0);
+        }
+    }
+    let x = cosine_about(Direction::new(0.0, 0.0, -1.0)).sample([0.5, 0.0]);
+    assert!(x.x > 0.7 && x.y.abs() < 1e-15, "the frame that is written: {:?}", x.value());
+
+    // It is no limit of what it is elsewhere.
+    let at_zero = logarithm_or_twice(0.0).unwrap();
+    close(at_zero.sample([0.75]).value(), 1.5);
+    both(at_zero, [0.75], 0.5);
+    close(at_zero.invert(&0.8).iter().next().unwrap()[0], 0.4);
+    let beside = logarithm_or_twice(1e-170).unwrap();
+    close(beside.sample([0.75]).value(), 0.75);
+
+    both(along(Vec3::new(0.0, 0.0, 0.0)), [0.25], 1.0);
+    close(along(Vec3::new(0.0, 0.0, 0.0)).sample([0.25]).value(), 1.25);
+    both(along(Vec3::new(3.0, 0.0, 4.0)), [0.25], 0.2);
+}
+
+/// Refraction into a denser half space at normals about z, in cosines (Walter et al. 2007).
+#[sampler(eta in 1.05..=3.0)]
+fn refracted_cosine(u: [Uniform; 1], eta: f64) -> f64 {
+    let c = u[0];
+    let ct = (1.0 - (1.0 - c * c) / (eta * eta)).sqrt();
+    c * ct - (1.0 - c * c) / eta
+}
+
+/// A torus, uniform in area: the distribution function of its angle is solved for.
+#[sampler(major in 1.0..=10.0, minor in 0.01..=0.99)]
+fn torus_by_area(u: [Uniform; 2], major: f64, minor: f64) -> Surface {
+    let v = solve(|v| v + minor / major * v.sin(), 0.0..TAU, TAU * u[1]);
+    let a = TAU * u[0];
+    let r = major + minor * v.cos();
+    Surface::new(r * a.cos(), r * a.sin(), minor * v.sin())
+}
+
+#[test]
+fn even_equations_and_angles_that_are_solved_for() {
+    for eta in [1.05, 1.5, 3.0] {
+        let cosine = refracted_cosine(eta).unwrap();
+        for u in [0.0, 1e-6, 0.3, 0.99] {
+            let ct: f64 = (1.0 - (1.0 - u * u) / (eta * eta)).sqrt();
+            both(cosine, [u], 1.0 / (ct + u * u / (eta * eta * ct) + 2.0 * u / eta));
+        }
+    }
+    for u in [[0.1, 0.2], [0.7, 0.6], [0.4, 0.99]] {
+        let torus = torus_by_area(2.0, 0.5).unwrap();
+        both(torus, u, 1.0 / (4.0 * PI * PI));
+        let back = torus.invert(&torus.sample(u)).iter().next().unwrap();
+        assert!(back.iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?} {u:?}");
+    }
+}

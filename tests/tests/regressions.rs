@@ -1099,3 +1099,41 @@ fn uniforms_of_zero_have_their_density() {
         }
     }
 }
+
+// What is tested of a point.
+
+#[sampler]
+fn cosine_by_root(u: [Uniform; 2]) -> Direction {
+    let r = (1.0 - u[0]).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), u[0].sqrt())
+}
+
+#[sampler]
+fn halves_of_a_parabola(u: [Uniform; 2]) -> Vec2 {
+    let b = (u[1] - u[1] * u[1]).sqrt();
+    if u[1] < 0.5 { Vec2::new(u[0], b) } else { Vec2::new(u[0], 3.0 - b) }
+}
+
+/// The unknown is z², which is between zero and one for every direction.
+#[test]
+fn a_root_has_no_preimage_below_the_horizon() {
+    both(cosine_by_root(), [0.64, 0.3], 0.8 / PI);
+    let below = direction(0.6, 0.0, -0.8);
+    assert_eq!(cosine_by_root().pdf(&below).value(), 0.0);
+    assert_eq!(Sampler::<f64>::invert(&cosine_by_root(), &below).iter().count(), 0);
+}
+
+/// The unknown is 1/2 + √(1 - 4 (3 - y)²) / 2, which is no number where it is not between zero and one.
+#[test]
+fn an_unknown_without_a_value_is_none() {
+    for y in [-0.2, 0.7, 1.5, 2.4, 3.2, 3.6] {
+        let x = Vec2::new(0.3, y);
+        assert_eq!(halves_of_a_parabola().pdf(&x).value(), 0.0, "{y}");
+        assert_eq!(Sampler::<f64>::invert(&halves_of_a_parabola(), &x).iter().count(), 0, "{y}");
+    }
+    for (y, b) in [(0.2, 0.2f64), (2.8, 0.2)] {
+        let expected = 2.0 * b / (1.0 - 4.0 * b * b).sqrt();
+        close(halves_of_a_parabola().pdf(&Vec2::new(0.3, y)).value(), expected);
+    }
+}

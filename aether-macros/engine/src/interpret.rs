@@ -109,9 +109,8 @@ impl Item {
     fn beside_zero(&self, p: &[f64]) -> Vec<f64> {
         let limit = |i: usize| self.derived.iter().any(|d| d.limits.contains(&(i as u8)));
         let zero = |i: &u8| p[usize::from(*i)] == 0.0;
-        let own_way = |i: usize| {
-            self.parsed.vanishing_with(i as u8).any(|others| others.iter().all(zero))
-        };
+        let own_way =
+            |i: usize| self.parsed.vanishing_with(i as u8).any(|others| others.iter().all(zero));
         let beside = |(i, p): (usize, &f64)| {
             let moved = *p == 0.0 && limit(i) && !own_way(i);
             if moved { f64::EPSILON * f64::EPSILON } else { *p }

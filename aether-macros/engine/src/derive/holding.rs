@@ -11,8 +11,8 @@ use crate::poly::Expander;
 use crate::rational::Q;
 use crate::solve::Solution;
 
-use super::{Preimage, Problem};
 use super::continuity::{at_ends, continuous};
+use super::{Preimage, Problem};
 
 /// Whether an expression is proven not to be negative: by its range, by its factors, or because it is linear
 /// in a coordinate between two ends, at which it is not.
