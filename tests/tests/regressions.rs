@@ -1137,3 +1137,25 @@ fn an_unknown_without_a_value_is_none() {
         close(halves_of_a_parabola().pdf(&Vec2::new(0.3, y)).value(), expected);
     }
 }
+
+// Samples in heaps that are far apart.
+
+#[sampler]
+fn opposite_quarters(u: [Uniform; 2]) -> Direction {
+    let phi = TAU * u[0];
+    let z = if phi.cos() > 0.0 { u[1] } else { -u[1] };
+    let r = (1.0 - z * z).sqrt();
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+#[sampler]
+fn two_boxes(u: [Uniform; 2]) -> Vec2 {
+    if u[0] < 0.5 { Vec2::new(u[0] * u[0], u[1]) } else { Vec2::new(u[0] + 2.0, u[1] * 0.5 + 5.0) }
+}
+
+/// What a bin has of two heaps at its ends is as narrow as it is full.
+#[test]
+fn right_densities_of_heaps_that_are_apart_pass_the_battery() {
+    battery::check(&opposite_quarters()).assert_ok();
+    battery::check(&two_boxes()).assert_ok();
+}

@@ -12,7 +12,7 @@ pub(super) enum Tree {
 }
 
 impl Tree {
-    /// Cuts the box at the median of the points along its widest spread, `levels` times over;
+    /// Cuts the box at the median of the points along their widest spread, `levels` times over;
     /// appends the leaves to `leaves`, cut into parts as [`surround`] does.
     pub(super) fn grow(
         points: &mut [Place],
@@ -26,13 +26,17 @@ impl Tree {
         let axis = (0..dimension).max_by(|a, b| spread(*a).total_cmp(&spread(*b))).unwrap_or(0);
         if levels == 0 || points.len() < 2 || spread(axis) <= 0.0 {
             let number = leaves.last().map_or(0, |(owner, _)| owner + 1);
-            surround(&hull, bounds, dimension, |part| leaves.push((number, part)));
+            clusters(points, bounds, dimension, CLUSTERS, &mut |part| leaves.push((number, part)));
             return Tree::Leaf(number);
         }
         let middle = points.len() / 2;
         points.select_nth_unstable_by(middle, |a, b| a[axis].total_cmp(&b[axis]));
-        let at = points[middle][axis];
+        let upper = points[middle][axis];
         let (below, above) = points.split_at_mut(middle);
+        let lower = below.iter().fold(f64::NEG_INFINITY, |most, p| most.max(p[axis]));
+        // In the middle between both: where they are apart, neither reaches a sliver into the other's box.
+        let between = 0.5 * (lower + upper);
+        let at = if between > lower { between } else { upper };
         let (mut low, mut high) = (bounds, bounds);
         (low[axis].1, high[axis].0) = (at, at);
         let low = Tree::grow(below, low, dimension, levels - 1, leaves);
@@ -100,6 +104,42 @@ pub(super) fn cut(parts: &mut Vec<Part>, axis: usize, at: f64) {
             parts.push((owner, above));
         }
     }
+}
+
+/// A box is taken apart so often where its points are in heaps, if they are so many; and how much of it a gap between these
+/// takes at least.
+const CLUSTERS: usize = 6;
+const FEWEST: usize = 8;
+const GAP: f64 = 0.25;
+
+/// Cuts `bounds` in the middle of wide gaps between the points, and each part as [`surround`] does: two heaps at the ends of a
+/// box might be so narrow that no rule sees them in it.
+fn clusters(
+    points: &mut [Place],
+    mut bounds: Bounds,
+    dimension: usize,
+    most: usize,
+    visit: &mut dyn FnMut(Bounds),
+) {
+    let may = most > 0 && points.len() >= FEWEST;
+    let widest = (0..if may { dimension } else { 0 }).filter_map(|axis| {
+        let mut along: Vec<f64> = points.iter().map(|p| p[axis]).collect();
+        along.sort_unstable_by(f64::total_cmp);
+        let spread = along.last()? - along.first()?;
+        let gap = |pair: &[f64]| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
+        let (width, at) = along.windows(2).map(gap).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (width > GAP * spread).then_some((width / spread, axis, at))
+    });
+    let widest = widest.max_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, axis, at)) = widest else {
+        return surround(&hull(points), bounds, dimension, visit);
+    };
+    points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+    let (below, above) = points.split_at_mut(points.partition_point(|p| p[axis] < at));
+    let end = std::mem::replace(&mut bounds[axis].1, at);
+    clusters(below, bounds, dimension, most - 1, visit);
+    bounds[axis] = (at, end);
+    clusters(above, bounds, dimension, most - 1, visit);
 }
 
 /// The smallest box around the points.
