@@ -126,9 +126,10 @@ fn clusters(
         let mut along: Vec<f64> = points.iter().map(|p| p[axis]).collect();
         along.sort_unstable_by(f64::total_cmp);
         let spread = along.last()? - along.first()?;
-        let gap = |pair: &[f64]| (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
-        let (width, at) = along.windows(2).map(gap).max_by(|a, b| a.0.total_cmp(&b.0))?;
-        (width > GAP * spread).then_some((width / spread, axis, at))
+        let gap = |pair: &[f64]| (pair[1] - pair[0], pair[0], pair[1]);
+        let (width, from, to) = along.windows(2).map(gap).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let at = 0.5 * (from + to);
+        (width > GAP * spread && at > from).then_some((width / spread, axis, at))
     });
     let widest = widest.max_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, axis, at)) = widest else {
