@@ -59,9 +59,16 @@ pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
         }
     }
     let corners = 1 << leaves.len().min(MOST_CORNERS);
+    // What relations say of an input is known of the expression that it is.
+    let nodes = g.within(&[id]);
+    let range = |leaf: &Leaf| {
+        let node = nodes.iter().find(|id| g.is_leaf(**id, *leaf));
+        node.map_or(g.leaf_range(*leaf), |id| g.range(*id))
+    };
+    let ranges: Vec<Interval> = leaves.iter().map(range).collect();
     let place = |n: u32| {
         let corner = n.checked_sub(points);
-        let mut at = inputs(g, &leaves, n, corner);
+        let mut at = inputs(&ranges, n, corner);
         unit_lengths(g, &leaves, &mut at);
         at
     };
@@ -72,16 +79,15 @@ pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
 const MOST_CORNERS: usize = 10;
 
 /// The nth values of some inputs in their ranges; or of a corner, by a bit for each, as far as there is one.
-fn inputs(g: &Graph, leaves: &[Leaf], n: u32, corner: Option<u32>) -> Vec<f64> {
+fn inputs(ranges: &[Interval], n: u32, corner: Option<u32>) -> Vec<f64> {
     // A sequence of its own for each input, which does not repeat.
     let step = |k: usize| (0.5 + f64::from(n) * (k as f64 + 2.0).ln()).fract();
-    let input = |(k, leaf): (usize, &Leaf)| {
-        let range = g.leaf_range(*leaf);
+    let input = |(k, &range): (usize, &Interval)| {
         let end = corner.filter(|_| k < MOST_CORNERS);
         let end = end.map(|bits| if bits >> k & 1 == 0 { range.lo } else { range.hi });
         end.filter(|end| end.is_finite()).unwrap_or_else(|| inside(range, step(k)))
     };
-    leaves.iter().enumerate().map(input).collect()
+    ranges.iter().enumerate().map(input).collect()
 }
 
 /// Scales the inputs that are coordinates of unit vectors.
@@ -173,7 +179,8 @@ fn sign_inside(
     strict: bool,
     points: u32,
 ) -> Result<i64, String> {
-    sign_seen(g, slope, leaves, (strict, points), &|n| inputs(g, leaves, n, None))
+    let ranges: Vec<Interval> = leaves.iter().map(|leaf| g.leaf_range(*leaf)).collect();
+    sign_seen(g, slope, leaves, (strict, points), &|n| inputs(&ranges, n, None))
 }
 
 /// The same at some points, where `place` has the values of the inputs of each.

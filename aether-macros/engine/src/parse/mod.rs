@@ -81,8 +81,9 @@ pub struct Piece {
     pub graph: Graph,
     /// Which uniforms (or points) take this way.
     pub tests: Vec<Test>,
-    /// The way.
+    /// The way, and the segments of the uniforms in terms of these expressions.
     way: branch::Way,
+    ends: Vec<Option<Segment>>,
 }
 
 /// What reading a body once has found.
@@ -245,7 +246,7 @@ impl Reader<'_> {
             relations: second.relations,
             stuck: false,
         };
-        Some(Some(Piece { problem, graph: first.graph, tests, way }))
+        Some(Some(Piece { problem, graph: first.graph, tests, way, ends: segments }))
     }
 
     /// Reads the body into a graph on one way, with uniforms confined to segments and some named numbers as unknowns

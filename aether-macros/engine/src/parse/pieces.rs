@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::derivative::derivative;
-use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
+use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::rational::Q;
 
 /// A condition: `difference > 0` if strict, else `difference >= 0`.
@@ -69,9 +69,22 @@ pub(super) fn segments(
     (found, implied)
 }
 
+/// An expression without the factors that are positive wherever it has a value, which do not change its sign.
+fn without_positive(g: &mut Graph, id: Id) -> Id {
+    let (q, body) = g.split(id);
+    if !matches!(g.node(body), Node::Product(_)) {
+        return id;
+    }
+    let mut factors = g.factors(body);
+    factors.retain(|(base, _)| g.range(*base).lo <= 0.0);
+    let rest = g.product(&factors);
+    g.sum(Q::ZERO, &[(q, rest)])
+}
+
 /// The end of an interval of `u` that `difference >= 0` is, and whether it is the lower one.
 fn end_of(g: &mut Graph, difference: Id, u: Leaf) -> Option<(Id, bool)> {
     let bit = crate::expr::leaf_bit(u);
+    let difference = without_positive(g, difference);
     if g.deps(difference) & UNKNOWNS != bit {
         return None;
     }

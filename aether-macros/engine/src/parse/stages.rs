@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use syn::{FnArg, Ident, ItemFn, Stmt};
 
 use super::branch::Way;
-use super::{Options, Parsed, Reader, Reading};
+use super::{Options, Parsed, Reader, Reading, Segment};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};
 use crate::jacobian::{factor_out, simplify};
@@ -50,19 +50,21 @@ pub struct Stage {
     pub constants: Vec<(Leaf, Id)>,
 }
 
-/// The ways to take apart the body of an item on the way of a piece that parameters alone decide about, the last names first.
+/// The ways to take apart the body of an item on the way of a piece that ends of uniforms and parameters alone decide about, the
+/// last names first.
 pub fn stages(item: &ItemFn, parsed: &mut Parsed, number: usize, options: &Options) -> Vec<Stage> {
     let Parsed { signature, pieces, .. } = parsed;
     let piece = &mut pieces[number];
     let count = piece.problem.unknowns.len();
-    let confined = piece.problem.segments.iter().any(Option::is_some);
-    if confined || !piece.problem.guards.is_empty() || !(1..=MOST_NAMES).contains(&count) {
+    if !piece.problem.guards.is_empty() || !(1..=MOST_NAMES).contains(&count) {
         return vec![];
     }
     let way = || piece.way.again(vec![]);
+    let ends: Vec<Option<(Segment, &Graph)>> =
+        piece.ends.iter().map(|end| end.map(|end| (end, &piece.graph))).collect();
     let mut errors = Diagnostics::new();
     let mut reader = Reader { item, signature, options, errors: &mut errors };
-    let Some(plain) = reader.read(Graph::new(), (way(), &[]), Cut::default()) else {
+    let Some(plain) = reader.read(Graph::new(), (way(), &ends), Cut::default()) else {
         return vec![];
     };
     let frame = frame(&mut reader, &way, &plain.vectors);
@@ -81,7 +83,7 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, number: usize, options: &Optio
         let graph = std::mem::take(&mut piece.problem.graph);
         let numbers = cut.iter().map(|&name| uses.names[name].clone()).collect();
         let cut = Cut { numbers, first, frame: frame.clone() };
-        let Some(reading) = reader.read(graph, (piece.way.again(vec![]), &[]), cut) else { break };
+        let Some(reading) = reader.read(graph, (way(), &ends), cut) else { break };
         piece.problem.graph = reading.graph;
         let g = &mut piece.problem.graph;
         let Some((outputs, _)) = reading.point else { break };
