@@ -728,8 +728,24 @@ fn along(u: [Uniform; 1], v: Vec3) -> f64 {
     if l > 0.0 { u[0] * l } else { 1.0 + u[0] }
 }
 
+/// A map that is another one where its parameter vanishes.
+#[map]
+fn scaled_or_trebled(p: Vec2, a: f64) -> Vec2 {
+    if a * a > 0.0 { Vec2::new(a * p.x, p.y) } else { Vec2::new(3.0 * p.x, p.y) }
+}
+
+#[sampler]
+fn unit_square(u: [Uniform; 2]) -> Vec2 {
+    Vec2::new(u[0], u[1])
+}
+
 #[test]
 fn what_vanishes_has_the_way_that_is_written_for_it() {
+    for (a, width) in [(0.0, 3.0), (0.5, 0.5), (1e-9, 1e-9)] {
+        let sampler = unit_square().then(scaled_or_trebled(a));
+        both(sampler, [0.3, 0.4], 1.0 / width);
+        assert_eq!(sampler.invert(&sampler.sample([0.3, 0.4])).iter().count(), 1);
+    }
     for w in [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (0.6, 0.0, 0.8), (1e-9, 1e-9, -1.0)] {
         let w = Direction::from_vec(Vec3::new(w.0, w.1, w.2).normalize());
         for u in [[0.3, 0.1], [0.9, 0.6], [1e-3, 0.8]] {

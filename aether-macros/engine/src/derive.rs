@@ -147,7 +147,7 @@ pub struct Problem {
     pub guards: Vec<Test>,
     /// What has to hold of the parameters for this piece to have any points.
     pub existence: Vec<Test>,
-    /// The same of parameters that are zero there, which the expressions do not mention.
+    /// The same of parameters that are zero there, which the expressions do not mention; of a map it is among the guards.
     pub rare: Vec<Test>,
     /// These parameters.
     pub vanishing: Vec<Leaf>,

@@ -122,7 +122,9 @@ fn is_guarded(problem: &Problem) -> bool {
 
 /// The points at which the map is tried: those that take this way through the branches.
 fn points(problem: &Problem) -> Vec<Point> {
-    let accept = |point: &Point| on_this_way(problem, point);
+    let on_way = |point: &Point| on_this_way(problem, point);
+    // With zeros in their place points take the way that others do not.
+    let accept = |point: &Point| !problem.vanishing.is_empty() || on_way(point);
     let guarded = is_guarded(problem);
     let mut points = match &problem.argument {
         None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
@@ -130,7 +132,7 @@ fn points(problem: &Problem) -> Vec<Point> {
     };
     if !problem.vanishing.is_empty() {
         points.iter_mut().for_each(|point| vanish(problem, &mut point.params));
-        points.retain(accept);
+        points.retain(on_way);
     }
     points
 }

@@ -178,18 +178,12 @@ impl Reader<'_> {
         if segments.iter().flatten().any(empty) {
             return Some(None);
         }
-        let rare = match vanishing(&mut first) {
-            Some(leaves) => {
-                first.way.vanishing = leaves;
-                first
-                    .way
-                    .zeros
-                    .iter()
-                    .map(|&difference| Test { difference, strict: false })
-                    .collect()
-            }
-            None => Vec::new(),
-        };
+        let mut rare = Vec::new();
+        if let Some(leaves) = vanishing(&mut first) {
+            first.way.vanishing = leaves;
+            let zeros = first.way.zeros.iter();
+            rare.extend(zeros.map(|&difference| Test { difference, strict: false }));
+        }
         let cut = segments.iter().any(Option::is_some);
         let ends_of_segments = implied.clone();
         let second = if cut {
@@ -212,7 +206,7 @@ impl Reader<'_> {
         // Of parameters alone no rounded point tells anything: forwards and backwards the same numbers are compared. A map
         // has no uniforms to be left without.
         let is_sampler = second.argument.is_none();
-        let (guards, settled): (Vec<Test>, Vec<Test>) = second
+        let (mut guards, settled): (Vec<Test>, Vec<Test>) = second
             .way
             .tests
             .iter()
@@ -223,7 +217,10 @@ impl Reader<'_> {
         let mut graph = second.graph;
         let mut here =
             |test: Test| Test { difference: graph.import(&first.graph, test.difference), ..test };
-        let rare: Vec<Test> = rare.into_iter().map(&mut here).collect();
+        let mut rare: Vec<Test> = rare.into_iter().map(&mut here).collect();
+        if !is_sampler {
+            guards.append(&mut rare);
+        }
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
         let parts = self.signature.space.parts().iter().map(Part::of).collect();
