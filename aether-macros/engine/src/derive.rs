@@ -58,6 +58,7 @@ pub use signs::Signs;
 pub use back::Image;
 use borders::find_borders;
 use capped::keep_capped;
+pub use cases::on_which_way;
 use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish};
 use limits::parameters_with_limits;
@@ -147,9 +148,7 @@ pub struct Problem {
     pub guards: Vec<Test>,
     /// What has to hold of the parameters for this piece to have any points.
     pub existence: Vec<Test>,
-    /// The same of parameters that are zero there, which the expressions do not mention; of a map it is among the guards.
-    pub rare: Vec<Test>,
-    /// These parameters.
+    /// The parameters that are zero there, which the expressions do not mention.
     pub vanishing: Vec<Leaf>,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
@@ -227,11 +226,6 @@ pub struct Derived {
 /// Derives and verifies. The error is a text for the user.
 pub fn derive(problem: &mut Problem) -> Result<Derived, String> {
     derive_with(problem, Numerical::Monotone)
-}
-
-/// What is wrong with a map, as its derivation says, with the way through the branches of the body that leads to it.
-pub fn on_which_way(problem: &Problem, why: String) -> String {
-    cases::on_which_way(problem, why)
 }
 
 /// The same where nothing else has an inverse: functions that turn back are inverted on each piece on which they are
@@ -447,9 +441,7 @@ fn shorten_tests(problem: &mut Problem, preimage: &mut Preimage) {
     let g = &mut problem.graph;
     // An unknown that is in its range whatever the point is needs no test: its border is one if no point lies beyond.
     for (border, &tested) in preimage.borders.iter_mut().zip(&preimage.tested) {
-        let range = g.range(tested);
-        let is_tested = !(range.nonnegative() && range.at_most_one());
-        border.take_if(|border| !is_tested && !border.contains_all(g));
+        border.take_if(|border| g.range(tested).within_one() && !border.contains_all(g));
     }
     // What depends on coordinates between their borders alone holds there.
     let told = preimage.borders.iter().flatten();

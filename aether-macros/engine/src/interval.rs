@@ -45,6 +45,10 @@ impl Interval {
     pub fn at_most_one(self) -> bool {
         self.hi <= 1.0 + 1e-14
     }
+    /// Whether no value is outside of [0, 1], but for that rounding.
+    pub fn within_one(self) -> bool {
+        self.nonnegative() && self.at_most_one()
+    }
     /// What is in both; this one if nothing is.
     pub fn intersection(self, o: Interval) -> Interval {
         let (lo, hi) = (self.lo.max(o.lo), self.hi.min(o.hi));

@@ -81,7 +81,7 @@ fn bound(
     };
     let (end, certain) = root(g, difference, u, &is_it).ok_or_else(|| why(format!("and `{shown} = 0` cannot be solved for {name}: compare the uniform itself with a number, or let a `#[strategy]` choose between the point and the rest")))?;
     let range = g.range(end);
-    if certain && range.nonnegative() && range.at_most_one() {
+    if certain && range.within_one() {
         return Ok(Bound { is_low, end, beyond: None });
     }
     let leaf = g.get_leaf(u);

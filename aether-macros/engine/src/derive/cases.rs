@@ -171,7 +171,7 @@ fn way(problem: &Problem) -> Option<String> {
 }
 
 /// What is wrong with a piece, with the way through the branches that leads to it; if none does, that.
-pub(super) fn on_which_way(problem: &Problem, why: String) -> String {
+pub fn on_which_way(problem: &Problem, why: String) -> String {
     let Some(way) = way(problem) else { return why };
     if points(problem).is_empty() {
         return never_taken(problem);

@@ -57,17 +57,13 @@ pub(super) fn ask_for_values(problem: &mut Problem, preimage: &mut Preimage) {
         return;
     }
     let g = &mut problem.graph;
-    let needs_none = |g: &Graph, unknown: Id| {
-        let range = g.range(unknown);
-        range.nonnegative() && range.at_most_one()
-    };
+    let untested = preimage.tested.iter().copied().filter(|&u| g.range(u).within_one());
+    let untested: Vec<Id> = untested.collect();
     // Where nothing at all is tested, it is where the map stays.
-    let all = preimage.tested.iter().all(|&unknown| needs_none(g, unknown));
-    if all && preimage.conditions.is_empty() {
+    if untested.len() == preimage.tested.len() && preimage.conditions.is_empty() {
         return;
     }
-    let untested = preimage.tested.iter().copied().filter(|&unknown| needs_none(g, unknown));
-    for unknown in untested.collect::<Vec<Id>>() {
+    for unknown in untested {
         for part in g.within(&[unknown]) {
             for asked in not_negative(g, part) {
                 let known = preimage.conditions.contains(&asked) || never_negative(g, asked);

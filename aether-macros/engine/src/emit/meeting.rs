@@ -29,8 +29,7 @@ pub(super) fn known(known: &Known, one: &Place, other: &Place) -> bool {
 /// Whether the parameters that leave one piece any points are none that leave the other one any: one asks for what the other
 /// one denies.
 fn opposed(one: &Place, other: &Place) -> bool {
-    let [asked, denied] =
-        [one, other].map(|place| [&place.problem.existence[..], &place.problem.rare].concat());
+    let [asked, denied] = [one, other].map(|place| &place.problem.existence);
     if asked.is_empty() || denied.is_empty() {
         return false;
     }

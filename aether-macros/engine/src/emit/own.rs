@@ -398,8 +398,7 @@ pub(super) fn exclusive(e: &Emitter, one: &Place, other: &Place) -> bool {
 }
 
 /// Whether no point of a piece has a preimage in another one.
-fn excludes(e: &Emitter, piece: usize, place: &Place) -> bool {
-    let places = e.places();
+fn excludes(e: &Emitter, places: &[Place], piece: usize, place: &Place) -> bool {
     let mut of_piece = places.iter().filter(|other| other.piece == piece);
     of_piece.all(|other| exclusive(e, other, place))
 }
@@ -436,7 +435,7 @@ fn among_several(e: &Emitter) -> TokenStream {
         let [strict, recovered] =
             ["strict", "recovered"].map(|name| format_ident!("{name}_{}", place.number));
         // Rounding may put a sample of one piece into another that excludes it, but it is no second one.
-        let other = |j: &usize| *j != place.piece && excludes(e, *j, place);
+        let other = |j: &usize| *j != place.piece && excludes(e, &places, *j, place);
         let excluding = (0..e.parsed.pieces.len()).filter(other);
         let excluded = excluding.map(|j| {
             let taken = format_ident!("taken_{j}");

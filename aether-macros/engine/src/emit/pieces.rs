@@ -38,10 +38,7 @@ impl Place<'_> {
     /// and all of them where the piece has tests of its own.
     pub(super) fn checked(&self) -> Vec<usize> {
         let g = &self.problem.graph;
-        let settled = |id: Id| {
-            let r = g.range(id);
-            r.nonnegative() && r.at_most_one()
-        };
+        let settled = |id: Id| g.range(id).within_one();
         let guarded = !self.problem.guards.is_empty();
         let tested = &self.preimage.tested;
         (0..tested.len()).filter(|&i| guarded || !settled(tested[i])).collect()
@@ -50,8 +47,8 @@ impl Place<'_> {
     /// That the parameters leave the piece any points, where it depends on them whether they do.
     pub(super) fn wide(&self) -> Option<TokenStream> {
         let (wide, problem) = (format_ident!("wide_{}", self.piece), self.problem);
-        let confined = !(problem.existence.is_empty() && problem.rare.is_empty())
-            || problem.segments.iter().any(Option::is_some);
+        let confined =
+            !problem.existence.is_empty() || problem.segments.iter().any(Option::is_some);
         confined.then(|| quote!(.and(#wide::<R>(&p))))
     }
 
@@ -274,10 +271,9 @@ impl<'a> Emitter<'a> {
             .collect();
         let lets = code.statements();
         let widths: Vec<&TokenStream> = ends.iter().flatten().map(|(_, width)| width).collect();
-        let existence = [&problem.existence[..], &problem.rare].concat();
-        let exists = (!existence.is_empty()).then(|| {
+        let exists = (!problem.existence.is_empty()).then(|| {
             let mut code = Code::new(&problem.graph, &at);
-            let passed = passed(&mut code, &existence);
+            let passed = passed(&mut code, &problem.existence);
             let lets = code.statements();
             quote!(.and({ #lets #passed }))
         });

@@ -212,14 +212,17 @@ impl Reader<'_> {
             .iter()
             .map(|(_, test)| *test)
             .partition(|test| !is_sampler || second.graph.has(test.difference, UNKNOWNS));
-        let existence = [second.way.existence.clone(), settled].concat();
+        let mut existence = [second.way.existence.clone(), settled].concat();
         let way = second.way.again(vec![]);
         let mut graph = second.graph;
-        let mut here =
-            |test: Test| Test { difference: graph.import(&first.graph, test.difference), ..test };
-        let mut rare: Vec<Test> = rare.into_iter().map(&mut here).collect();
-        if !is_sampler {
-            guards.append(&mut rare);
+        let rare = rare.into_iter().map(|test: Test| {
+            let difference = graph.import(&first.graph, test.difference);
+            Test { difference, ..test }
+        });
+        if is_sampler {
+            existence.extend(rare)
+        } else {
+            guards.extend(rare)
         }
         let tests = first.way.tests.iter().filter(|(p, _)| open(p)).map(|(_, t)| *t).collect();
         let outputs = second.point.map_or(vec![], |p| p.0);
@@ -236,7 +239,6 @@ impl Reader<'_> {
             guards,
             segments: second.segments,
             existence,
-            rare,
             vanishing: way.vanishing.clone(),
             lengths: Vec::new(),
             stages: Vec::new(),

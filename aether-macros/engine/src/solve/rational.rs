@@ -267,9 +267,9 @@ fn isolated(g: &mut Graph, equation: &Poly, atoms: &[Id], open: Deps) -> Option<
         }
         let under = radicand(g, root)?;
         let under = Expander::new(g).only(open).expand(under)?;
-        let den = under.den.iter().try_fold(Poly::constant(Q::ONE), |all, (factor, e)| {
-            (0..*e).try_fold(all, |all, _| all.mul(factor))
-        })?;
+        let mut factors = under.den.iter();
+        let den = factors
+            .try_fold(Poly::constant(Q::ONE), |all, (factor, e)| all.mul(&factor.powi(*e)?))?;
         (above, below, times) = (above.mul(&under.num)?, below.mul(&den)?, with.clone());
     }
     let alone = alone?;
