@@ -392,6 +392,29 @@ pub fn admits<R: Single, const N: usize>(margins: [R::Tracked; N]) -> bool {
     })
 }
 
+/// How often the step that leads across a border is doubled.
+const BESIDE: usize = 8;
+
+/// Uniforms that are as good as recovered ones with these bounds, for which `lands` holds: rounding may have carried them
+/// over a border at which the map jumps.
+#[cold]
+pub fn beside<R: Single, const N: usize>(
+    u: &[R; N],
+    bounds: &[R; N],
+    lands: &dyn Fn(&[R; N]) -> bool,
+) -> Option<[R; N]> {
+    // As little as leads across, up to what the bounds allow.
+    let steps =
+        core::iter::successors(Some(R::EPSILON), |step| Some(R::of(2.0) * *step)).take(BESIDE);
+    let sides = steps.flat_map(|step| [-step, step]);
+    sides.flat_map(|step| (0..N).map(move |i| (i, step))).find_map(|(i, step)| {
+        let mut moved = *u;
+        moved[i] = unit(u[i] + step);
+        let allowed = step.abs().to_f64() <= bounds[i].max(R::EPSILON).to_f64();
+        (allowed && lands(&moved)).then_some(moved)
+    })
+}
+
 /// A point of the half-open interval of this width from `low`, by its place in [0, 1).
 #[inline(always)]
 pub fn within<R: Real>(low: R, width: R, place: R) -> R {

@@ -186,6 +186,14 @@ impl<R: Real> Frame<R> {
     }
 }
 
+impl<R: Real> Frame<R> {
+    /// A frame from axes that are known to be orthonormal; emitted code uses it.
+    #[inline(always)]
+    pub fn from_unit_axes(x: Vec3<R>, y: Vec3<R>, z: Vec3<R>) -> Self {
+        Frame(Mat3::from_cols(x, y, z))
+    }
+}
+
 impl<R: Scalar> Frame<R> {
     /// A frame from its axes, if they are orthonormal to within rounding.
     pub fn try_from_axes(x: Vec3<R>, y: Vec3<R>, z: Vec3<R>) -> Option<Self> {
@@ -241,6 +249,30 @@ impl<R: Real> Sub<Direction<R>> for Vec3<R> {
     #[inline(always)]
     fn sub(self, w: Direction<R>) -> Self {
         self - w.vec()
+    }
+}
+
+macro_rules! direction_and {
+    ($($right:ty),*) => {
+        $(impl<R: Real> Add<$right> for Direction<R> {
+            type Output = Vec3<R>;
+            #[inline(always)]
+            fn add(self, w: $right) -> Vec3<R> { self.vec() + w }
+        }
+        impl<R: Real> Sub<$right> for Direction<R> {
+            type Output = Vec3<R>;
+            #[inline(always)]
+            fn sub(self, w: $right) -> Vec3<R> { self.vec() - w }
+        })*
+    };
+}
+direction_and! { Vec3<R>, Direction<R> }
+
+impl<R: Real> Neg for Direction<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Direction::from_unit(-self.vec())
     }
 }
 

@@ -81,7 +81,7 @@ impl Portals {
         let (mut openings, mut sizes) = (Vec::new(), Vec::new());
         for primitive in &scene.portals {
             let Primitive::Triangle { v0, v1, v2 } = *primitive else {
-                return Err("a portal must be flat: a rectangle or a mesh".to_owned());
+                return Err("a portal is made of triangles: use a rectangle or a mesh".to_owned());
             };
             for corners in [[v0, v1, v2], [v0, v2, v1]] {
                 let (portal, area) = Portal::new(corners).unzip();

@@ -806,3 +806,98 @@ fn even_equations_and_angles_that_are_solved_for() {
         assert!(back.iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?} {u:?}");
     }
 }
+
+/// A spherical triangle by its corners, in the steps of pbrt-v4.
+#[sampler(where a.cross(b).dot(c) > 0.01)]
+fn triangle_by_corners(u: [Uniform; 2], a: Direction, b: Direction, c: Direction) -> Direction {
+    let n_ab = a.cross(b).normalize();
+    let n_bc = b.cross(c).normalize();
+    let n_ca = c.cross(a).normalize();
+    let alpha = (-n_ab.dot(n_ca)).acos();
+    let beta = (-n_bc.dot(n_ab)).acos();
+    let gamma = (-n_ca.dot(n_bc)).acos();
+    let a_pi = alpha + beta + gamma;
+    let ap_pi = (1.0 - u[0]) * PI + u[0] * a_pi;
+    let (cos_alpha, sin_alpha) = (alpha.cos(), alpha.sin());
+    let sin_phi = ap_pi.sin() * cos_alpha - ap_pi.cos() * sin_alpha;
+    let cos_phi = ap_pi.cos() * cos_alpha + ap_pi.sin() * sin_alpha;
+    let k1 = cos_phi + cos_alpha;
+    let k2 = sin_phi - sin_alpha * a.dot(b);
+    let cos_bp = (k2 + (k2 * cos_phi - k1 * sin_phi) * cos_alpha)
+        / ((k2 * sin_phi + k1 * cos_phi) * sin_alpha);
+    let sin_bp = (1.0 - cos_bp * cos_bp).sqrt();
+    let cp = cos_bp * a + sin_bp * (c.vec() - c.dot(a) * a).normalize();
+    let cos_theta = 1.0 - u[1] * (1.0 - cp.dot(b));
+    let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
+    Direction::from_vec(cos_theta * b + sin_theta * (cp - cp.dot(b) * b).normalize())
+}
+
+/// Height above an interval of its own for parameters far apart: the width is declared, and computed once.
+#[sampler(width in 1e-3..=10.0)]
+fn between_points(u: [Uniform; 1], a: Vec3, b: Vec3) -> f64 {
+    let width = (b - a).length();
+    a.z + width * u[0]
+}
+
+#[test]
+fn what_parameters_alone_make_is_computed_once() {
+    let corner = |x, y, z| Direction::from_vec(Vec3::new(x, y, z));
+    let octant = [corner(1.0, 0.0, 0.0), corner(0.0, 1.0, 0.0), corner(0.0, 0.0, 1.0)];
+    let wide = [corner(1.0, 0.1, 0.0), corner(0.2, 1.0, 0.3), corner(-0.3, 0.3, 1.0)];
+    for [a, b, c] in [octant, wide] {
+        let triangle = triangle_by_corners(a, b, c).unwrap();
+        let volume = a.vec().dot(b.vec().cross(c.vec()));
+        let area = 2.0 * volume.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
+        for u in [[0.3, 0.6], [0.9, 0.2], [0.5, 0.5]] {
+            let x = triangle.sample(u);
+            assert!((x.pdf().value() * area - 1.0).abs() < 1e-12);
+            assert!((triangle.pdf(&x).value() * area - 1.0).abs() < 1e-12);
+            let back = triangle.invert(&x).iter().next().unwrap();
+            assert!(back.iter().zip(u).all(|(a, b)| (a - b).abs() < 1e-12), "{back:?} {u:?}");
+            let inside = |n: Vec3| n.dot(x.value().vec()) > 0.0;
+            assert!([a.cross(b), b.cross(c), c.cross(a)].into_iter().all(inside));
+            assert_eq!(triangle.pdf(&Direction::from_vec(-x.value().vec())).value(), 0.0);
+        }
+    }
+    let [a, b, c] = octant;
+    assert!(triangle_by_corners(a, c, b).is_err());
+
+    both(between_points(Vec3::splat(0.0), Vec3::new(3.0, 0.0, 4.0)).unwrap(), [0.25], 0.2);
+    let apart = between_points(Vec3::splat(0.0), Vec3::splat(100.0));
+    assert_eq!(apart.unwrap_err().requirement, "width in 0.001..=10.0");
+}
+
+/// A spotlight's falloff in two parts, with the bound that printed code has.
+#[sampler(c0 in 0.0..=1.0, c1 in 0.0..=1.0, where c0 < c1)]
+fn spot_in_two_parts(u: [Uniform; 2], c0: f64, c1: f64) -> Direction {
+    let z = if u[0] < 0.5 {
+        c1 + (1.0 - c1) * (2.0 * u[0])
+    } else {
+        c0 + (c1 - c0) * (2.0 * u[0] - 1.0)
+    };
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+/// Reflection as pbrt writes it.
+#[map]
+fn reflected(n: Direction, wo: Direction) -> Direction {
+    require(wo.dot(n) > 0.0);
+    Direction::from_vec(-wo + 2.0 * wo.dot(n) * n)
+}
+
+#[test]
+fn a_bound_after_a_branch_is_a_bound_of_that_branch() {
+    let spot = spot_in_two_parts(0.5, 0.75).unwrap();
+    both(spot, [0.2, 0.3], 0.5 / (TAU * 0.25));
+    both(spot, [0.7, 0.3], 0.5 / (TAU * 0.25));
+    assert_eq!(spot.pdf(&Direction::new(0.8, 0.0, 0.6)).value(), 0.5 / (TAU * 0.25));
+    assert_eq!(spot.pdf(&Direction::new(0.96, 0.0, 0.28)).value(), 0.0);
+
+    let n = Direction::new(0.6, 0.0, 0.8);
+    let wo = Direction::new(0.0, 0.0, 1.0);
+    let wi = reflected(wo).apply(&n);
+    assert!((wi.vec() - Vec3::new(0.96, 0.0, 0.28)).length() < 1e-15);
+    assert_eq!((-wo).vec(), -wo.vec());
+}

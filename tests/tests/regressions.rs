@@ -1159,3 +1159,63 @@ fn right_densities_of_heaps_that_are_apart_pass_the_battery() {
     battery::check(&opposite_quarters()).assert_ok();
     battery::check(&two_boxes()).assert_ok();
 }
+
+/// A triangle by folding the unit square.
+#[sampler]
+fn triangle_by_folding(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Surface {
+    let (s, t) = if u[0] + u[1] > 1.0 { (1.0 - u[0], 1.0 - u[1]) } else { (u[0], u[1]) };
+    Surface::from_vec((1.0 - s - t) * a + s * b + t * c)
+}
+
+/// At the fold the map jumps: a preimage that rounding carried over it is one beside it.
+#[test]
+fn points_of_a_fold_have_preimages() {
+    let corners = [
+        [Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.2, 1.5), Vec3::new(0.3, 1.0, 0.0)],
+        [Vec3::new(-1.3, 0.7, 0.1), Vec3::new(1.1, 1.9, -0.6), Vec3::new(0.2, -1.7, 1.4)],
+    ];
+    for [a, b, c] in corners {
+        let triangle = triangle_by_folding(a, b, c);
+        let full = 1.0 / (b - a).cross(c - a).length() * 2.0;
+        for i in 1..64 {
+            let u = f64::from(i) / 64.0;
+            let x = triangle.sample([u, 1.0 - u]);
+            let (own, p) = (x.pdf().value(), triangle.pdf(&x).value());
+            let is_once_or_twice = [0.5, 1.0].iter().any(|k| (p / full - k).abs() < 1e-13);
+            assert!(is_once_or_twice && (own - p).abs() < 1e-13 * p, "{u}: {own} {p} {full}");
+        }
+    }
+}
+
+/// A cell of the sky, uniform in solid angle.
+#[sampler(
+    z0 in -1.0..=1.0, z1 in -1.0..=1.0, p0 in 0.0..=6.283185307179586, p1 in 0.0..=6.283185307179586,
+    where z0 < z1, where p0 < p1
+)]
+fn sky_cell(u: [Uniform; 2], z0: f64, z1: f64, p0: f64, p1: f64) -> Direction {
+    let z = z0 + u[0] * (z1 - z0);
+    let r = (1.0 - z * z).sqrt();
+    let phi = p0 + u[1] * (p1 - p0);
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+/// An angle next to where a range begins is no whole turn above.
+#[test]
+fn a_range_of_angles_has_density_where_it_begins() {
+    for k in 1..100 {
+        let p0 = 0.06 * f64::from(k);
+        let cell = sky_cell(-0.5, 0.7, p0, p0 + 0.3).unwrap();
+        for u in [0.0, 1e-17, 0.5, 1.0 - f64::EPSILON] {
+            let x = cell.sample([0.3, u]);
+            assert!((cell.pdf(&x).value() * 0.36 - 1.0).abs() < 1e-12, "{p0} {u}");
+        }
+        let outside = cell.sample([0.3, 0.5]);
+        let opposite = Direction::from_vec(Vec3::new(-outside.x, -outside.y, outside.z));
+        assert_eq!(cell.pdf(&opposite).value(), 0.0);
+    }
+    let whole = sky_cell(-1.0, 1.0, 0.0, TAU).unwrap();
+    for u in [0.0, 0.3, 1.0 - f64::EPSILON] {
+        let x = whole.sample([0.3, u]);
+        assert!((whole.pdf(&x).value() * 4.0 * PI - 1.0).abs() < 1e-12, "{u}");
+    }
+}

@@ -43,7 +43,7 @@ use crate::interval::Interval;
 use crate::jacobian::{Source, cost_together, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
-use crate::parse::{Piece, Segment, Space, Stage, Test};
+use crate::parse::{Made, Piece, Segment, Space, Stage, Test};
 use crate::points::Kind;
 use crate::solve::{Condition, Numerical, Solution, System, solve};
 use crate::stabilise::stabilise_point;
@@ -138,6 +138,8 @@ pub struct Problem {
     pub argument: Option<Kind>,
     /// The scalar parameters in groups.
     pub kinds: Vec<Kind>,
+    /// Those that are made of others.
+    pub made: Made,
     /// Parameters that are frames, by columns.
     pub frames: Vec<[[Id; 3]; 3]>,
     /// The points that the result consists of; mostly a single one.

@@ -10,7 +10,7 @@ use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
 use crate::emit::{Emitter, Support, Texts, Ways, compose};
 use crate::interpret::Item;
-use crate::parse::{Options, ParamKind, signature};
+use crate::parse::{Domain, Options, ParamKind, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -28,8 +28,10 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         Ok(function) => function,
         Err(_) => return unreadable(item, sampler),
     };
-    let options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
+    let mut options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
+        let is_parameter = |d: &Domain| signature.params.iter().any(|p| p.name == d.name);
+        options.declared_of_names(&function, is_parameter);
         for d in &options.domains {
             let parameter = signature.params.iter().find(|p| p.name == d.name);
             if parameter.is_some_and(|p| p.kind != ParamKind::Scalar) {
@@ -50,6 +52,9 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
             }
         }
         if compose::is_composition(&function) {
+            for d in &options.of_names {
+                errors.error(&d.name, format!("`{}` is no parameter, and the body of a composition makes no numbers of its own: declare the domain of parameters", d.name));
+            }
             if signature.mixed {
                 errors.error(&function.sig.output, "a composition has no atoms of its own: write the body that leads to them as one `#[sampler]`, without `sample` and `apply`");
                 return None;

@@ -11,7 +11,8 @@ use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::parse::{
-    Options, Parsed, Piece, Signature, Test, bound_once, parse, shared, signature, stages,
+    Domain, Options, Parsed, Piece, Signature, Test, bound_once, has_one_end, parse, shared,
+    signature, stages,
 };
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
@@ -49,9 +50,26 @@ fn by_its_parts(function: &ItemFn, parsed: &Parsed, options: &Options) -> Option
     let named = shared(function)?;
     // What is wrong with the body is said of the body as it is.
     let mut errors = Diagnostics::new();
-    let mut parsed = parse(&named, parsed.signature.clone(), options, &mut errors)?;
+    let mut parsed = parse(&named, parsed.signature.clone(), options, parsed.making, &mut errors)?;
     let derived = in_two_steps(&named, &mut parsed, 0, options)?;
     errors.is_empty().then(|| Item { parsed, derived: vec![derived], atoms: vec![] })
+}
+
+/// An item without branches where all that parameters alone make is computed once.
+fn by_constants(function: &ItemFn, parsed: &Parsed, options: &Options) -> Option<Item> {
+    if parsed.making || parsed.signature.mixed || !has_one_end(function) {
+        return None;
+    }
+    let mut errors = Diagnostics::new();
+    let mut parsed = parse(function, parsed.signature.clone(), options, true, &mut errors)?;
+    if parsed.constants.made().is_empty() || parsed.pieces.len() != 1 {
+        return None;
+    }
+    let derived = derive(&mut parsed.pieces[0].problem).ok();
+    match derived.or_else(|| in_two_steps(function, &mut parsed, 0, options)) {
+        Some(derived) => Some(Item { parsed, derived: vec![derived], atoms: vec![] }),
+        None => by_its_parts(function, &parsed, options),
+    }
 }
 
 impl Item {
@@ -60,9 +78,12 @@ impl Item {
     pub fn new(attr: TokenStream, item: TokenStream, sampler: bool) -> Result<Item, String> {
         let mut errors = Diagnostics::new();
         let function = syn::parse2::<ItemFn>(item).map_err(|e| e.to_string())?;
-        let options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
-        let item = signature(&function, sampler, &mut errors)
-            .and_then(|s| Item::compile(&function, s, &options, &mut errors));
+        let mut options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
+        let item = signature(&function, sampler, &mut errors).and_then(|s| {
+            let is_parameter = |d: &Domain| s.params.iter().any(|p| p.name == d.name);
+            options.declared_of_names(&function, is_parameter);
+            Item::compile(&function, s, &options, &mut errors)
+        });
         item.filter(|_| errors.is_empty()).ok_or_else(|| errors.messages().join("\n"))
     }
 
@@ -73,7 +94,12 @@ impl Item {
         options: &Options,
         errors: &mut Diagnostics,
     ) -> Option<Item> {
-        let mut parsed = parse(function, signature, options, errors)?;
+        let making = !options.of_names.is_empty();
+        if making && !has_one_end(function) {
+            errors.error(&function.sig.ident, "domains are declared of names of a body that has one end: leave `return` away, or pass what they stand for as parameters");
+            return None;
+        }
+        let mut parsed = parse(function, signature, options, making, errors)?;
         let ways = std::mem::take(&mut parsed.atoms);
         let atoms = atoms(ways).map_err(|(tokens, why)| errors.error(tokens, why)).ok()?;
         let mut derived = Vec::new();
@@ -86,6 +112,7 @@ impl Item {
                 Ok(d) => derived.push(d),
                 Err(message) => {
                     let item = by_its_parts(function, &parsed, options);
+                    let item = item.or_else(|| by_constants(function, &parsed, options));
                     if let Some(item) = item {
                         return Some(Item { atoms, ..item });
                     }

@@ -47,9 +47,20 @@ pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
     sign_inside(g, id, &leaves, true, POINTS).ok()
 }
 
-/// The same at so many points and at corners of the ranges, where unit vectors have their length.
-pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
+/// The same at so many points and at corners of the ranges, where unit vectors have their length, and at which none of some
+/// other expressions is negative.
+pub(crate) fn sign_at(g: &Graph, id: Id, points: u32, known: &[Id]) -> Option<i64> {
     let mut leaves = leaves_of(g, id, any_input(g, id)?);
+    // What has nothing to do with it tells nothing of it.
+    let inputs_of = |id: &Id| Some(leaves_of(g, *id, any_input(g, *id)?));
+    let shared = |of: &Vec<Leaf>| of.iter().any(|leaf| leaves.contains(leaf));
+    let (known, more): (Vec<Id>, Vec<Vec<Leaf>>) =
+        known.iter().filter_map(|id| Some((*id, inputs_of(id).filter(shared)?))).unzip();
+    for leaf in more.into_iter().flatten() {
+        if !leaves.contains(&leaf) {
+            leaves.push(leaf);
+        }
+    }
     // The length of a vector is that of all its coordinates.
     for coordinates in g.units() {
         let of_unit = coordinates.map(|id| any_input(g, id));
@@ -60,21 +71,33 @@ pub(crate) fn sign_at(g: &Graph, id: Id, points: u32) -> Option<i64> {
     }
     let corners = 1 << leaves.len().min(MOST_CORNERS);
     // What relations say of an input is known of the expression that it is.
-    let nodes = g.within(&[id]);
+    let nodes = g.within(&[&known[..], &[id]].concat());
     let range = |leaf: &Leaf| {
         let node = nodes.iter().find(|id| g.is_leaf(**id, *leaf));
         node.map_or(g.leaf_range(*leaf), |id| g.range(*id))
     };
     let ranges: Vec<Interval> = leaves.iter().map(range).collect();
+    let corner = |n: u32| n.checked_sub(points).filter(|n| *n < corners);
     let place = |n: u32| {
-        let corner = n.checked_sub(points);
-        let mut at = inputs(&ranges, n, corner);
+        let mut at = inputs(&ranges, n, corner(n));
         unit_lengths(g, &leaves, &mut at);
-        at
+        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]);
+        let holds = |id: &Id| crate::eval::evaluate::<f64>(g, *id, &input) >= 0.0;
+        known.iter().all(holds).then_some(at)
     };
-    sign_seen(g, id, &leaves, (true, points + corners), &place).ok()
+    // Where much is known, more points are needed.
+    let tried = points * (1 + known.len().min(MOST_KNOWN) as u32) + corners;
+    let found = (0..tried).filter_map(&place).take(LEAST_FOUND).count();
+    if found < LEAST_FOUND {
+        return if known.is_empty() { None } else { sign_at(g, id, points, &[]) };
+    }
+    let place = |n: u32| place(n).unwrap_or_else(|| vec![f64::NAN; leaves.len()]);
+    sign_seen(g, id, &leaves, (true, tried), &place).ok()
 }
 
+/// How often more points are tried where other expressions leave few, and how many these may leave at least.
+const MOST_KNOWN: usize = 7;
+const LEAST_FOUND: usize = 64;
 /// How many inputs are taken to both of their ends, at most.
 const MOST_CORNERS: usize = 10;
 

@@ -155,16 +155,20 @@ const MOST_ROUNDS: usize = 400;
 const WILD: usize = 40;
 
 /// The points for an item with `unknowns` uniforms and these parameters. With `guarded`, those that
-/// `accept` lets pass.
+/// `accept` lets pass; it may change parameters that others decide about.
 pub fn sampler_points(
     unknowns: usize,
     kinds: &[Kind],
     guarded: bool,
-    accept: &dyn Fn(&Point) -> bool,
+    accept: &dyn Fn(&mut Point) -> bool,
 ) -> Vec<Point> {
     let mut rng = Rng::new(0xae7e);
     let mut ends = Rng::new(0xe4d5);
     let mut points = Vec::new();
+    let accepted = |mut made: Vec<Point>| {
+        made.retain_mut(|point| !guarded || accept(point));
+        made
+    };
     let open = |kind: &Kind| match kind {
         Kind::Scalar(domain) => domain.is_none_or(|d| d.hi == f64::INFINITY),
         Kind::Whole(domain) => domain.hi == f64::INFINITY,
@@ -183,13 +187,13 @@ pub fn sampler_points(
         if round < few {
             made.extend(corners(&mut ends, unknowns, round, &params));
         }
-        points.extend(made.into_iter().filter(|p| !guarded || accept(p)));
+        points.extend(accepted(made));
     }
     for (round, size) in SIZES.into_iter().enumerate() {
         let mut params = parameters(&mut ends, kinds, 2 + round);
         if scale_vectors(&mut params, kinds, size) {
             let made = around(&mut ends, unknowns, round, &params, true).into_iter();
-            points.extend(made.step_by(2).filter(|p| !guarded || accept(p)));
+            points.extend(accepted(made.step_by(2).collect()));
         }
     }
     if kinds.contains(&Kind::Direction) {
@@ -198,7 +202,7 @@ pub fn sampler_points(
             lower(&mut params, kinds, [0.0, 0.0, 1.0].map(Dd::from_f64), round);
             let made = around(&mut rng, unknowns, round, &params, true);
             let made = made.into_iter().map(|point| Point { grazing: true, ..point });
-            points.extend(made.filter(|p| !guarded || accept(p)));
+            points.extend(accepted(made.collect()));
         }
     }
     points
@@ -289,7 +293,7 @@ pub fn map_points(
     argument: &Kind,
     kinds: &[Kind],
     guarded: bool,
-    accept: &dyn Fn(&Point) -> bool,
+    accept: &dyn Fn(&mut Point) -> bool,
 ) -> Vec<Point> {
     let mut rng = Rng::new(0x3a9);
     let mut points = Vec::new();
@@ -299,8 +303,8 @@ pub fn map_points(
         }
         let params = parameters(&mut rng, kinds, round % 8);
         let unknowns = parameters(&mut rng, std::slice::from_ref(argument), round % 8);
-        let point = Point::inside(unknowns, params);
-        if !guarded || accept(&point) {
+        let mut point = Point::inside(unknowns, params);
+        if !guarded || accept(&mut point) {
             points.push(point);
         }
     }
@@ -310,8 +314,8 @@ pub fn map_points(
             let argument = unit(&mut rng);
             lower(&mut params, kinds, argument, round);
             let inside = Point::inside(argument.to_vec(), params);
-            let point = Point { stress: true, grazing: true, ..inside };
-            if !guarded || accept(&point) {
+            let mut point = Point { stress: true, grazing: true, ..inside };
+            if !guarded || accept(&mut point) {
                 points.push(point);
             }
         }

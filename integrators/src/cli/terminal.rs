@@ -1,8 +1,8 @@
 //! The progress bar, and Ctrl-C.
 
 use std::io::{self, IsTerminal, Write};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,8 +10,12 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{INTERRUPTED, warn};
 use crate::render::{Observer, Progress};
 
-/// Set by the first Ctrl-C; a static because a signal handler lives as long as the process.
+/// When Ctrl-C came first, and that it has come; statics because a signal handler lives as long as the process.
+static FIRST: OnceLock<Instant> = OnceLock::new();
 static CANCELLED: AtomicBool = AtomicBool::new(false);
+
+/// What follows within this time is the same Ctrl-C: a program that passes it on to a group signals some of it twice.
+const SAME: Duration = Duration::from_millis(500);
 
 /// Steps of the bar from empty to full.
 const STEPS: u64 = 1000;
@@ -26,10 +30,11 @@ pub(super) struct Terminal {
 }
 
 impl Terminal {
-    /// Takes over Ctrl-C: the first ends the render, the second the program.
+    /// Takes over Ctrl-C: the first ends the render, the second the program, if it is one.
     pub fn new() -> Self {
         let handler = || {
-            if CANCELLED.swap(true, Ordering::Relaxed) {
+            CANCELLED.store(true, Ordering::Relaxed);
+            if FIRST.get_or_init(Instant::now).elapsed() > SAME {
                 std::process::exit(i32::from(INTERRUPTED));
             }
         };

@@ -362,6 +362,19 @@ impl<'a> Builder<'a> {
                 return Err(property.place.error("the scene has too many primitives"));
             }
             if portals.contains(&shape.name) {
+                let is_flat = |p: &super::Primitive| matches!(p, super::Primitive::Triangle { .. });
+                if !geometry.primitives.iter().all(is_flat) {
+                    return Err(property.place.error(format!(
+                        "`{}` is named as a portal, and a portal is made of triangles: use a rectangle or a mesh",
+                        shape.name
+                    )));
+                }
+                if shape.emission.is_some() {
+                    self.document.warn(property.place.error(format!(
+                        "`{}` is named as a portal, which is no surface: its emitter is left out",
+                        shape.name
+                    )));
+                }
                 self.scene.portals.extend(geometry.primitives);
             } else {
                 self.scene.add(shape, geometry);

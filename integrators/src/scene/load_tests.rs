@@ -258,6 +258,24 @@ fn what_would_be_cut_away_is_a_warning() {
     }
 }
 
+#[test]
+fn a_portal_has_triangles_and_no_emitter() {
+    let with = |shape: &str, emitter: &str| {
+        let portal =
+            "<integrator type=\"tridir\"><string name=\"portal\" value=\"p\"/></integrator>";
+        load(&format!("{SENSOR}{portal}<shape type=\"{shape}\" id=\"p\">{emitter}</shape>"))
+    };
+    assert!(with("rectangle", "").unwrap().warnings.is_empty());
+    let shining = with("rectangle", "<emitter type=\"area\"/>").unwrap();
+    assert!(shining.emitters.is_empty());
+    let warnings: Vec<String> = shining.warnings.iter().map(ToString::to_string).collect();
+    assert!(warnings.len() == 1 && warnings[0].contains("its emitter is left out"), "{warnings:?}");
+    for curved in ["disk", "sphere"] {
+        let error = with(curved, "").err().unwrap();
+        assert!(error.contains("2:") && error.contains("use a rectangle or a mesh"), "{error}");
+    }
+}
+
 /// A square of two triangles with colours at its corners and a number for each face.
 const PAINTED: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
     property float z\nproperty float r\nproperty float g\nproperty float b\nproperty float gloss_x\n\

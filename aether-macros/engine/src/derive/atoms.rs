@@ -117,14 +117,16 @@ fn afresh(way: &AtomWay, open: &[Test]) -> Graph {
 fn points(way: &AtomWay, open: &[Test]) -> Vec<Point> {
     let accept = |point: &Point| holds(&way.graph, way.relations.iter().chain(open), point);
     let guarded = !way.relations.is_empty() || !open.is_empty();
-    let mut points = sampler_points(way.unknowns.len(), &way.kinds, guarded, &accept);
+    let complete = |point: &mut Point| way.made.complete(&way.graph, point) && accept(point);
+    let guarded = guarded || !way.made.is_empty();
+    let mut points = sampler_points(way.unknowns.len(), &way.kinds, guarded, &complete);
     let shown = |p: &Point| p.params.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     points.dedup_by(|a, b| shown(a) == shown(b));
     // In a wide domain most parameters leave an atom next to nothing, or all.
     let some = points.iter().filter(|p| !p.stress).take(SCALED).cloned().collect::<Vec<_>>();
     let scaled = SCALES.iter().flat_map(|&scale| some.iter().map(move |p| (p, scale)));
-    let mut all: Vec<Point> =
-        scaled.map(|(p, scale)| closer(p, &way.kinds, scale)).filter(accept).collect();
+    let mut all: Vec<Point> = scaled.map(|(p, scale)| closer(p, &way.kinds, scale)).collect();
+    all.retain_mut(complete);
     all.extend(points);
     all
 }

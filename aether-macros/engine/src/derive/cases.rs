@@ -115,7 +115,7 @@ pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Ca
 }
 
 fn is_guarded(problem: &Problem) -> bool {
-    let confined = problem.segments.iter().any(Option::is_some);
+    let confined = !problem.made.is_empty() || problem.segments.iter().any(Option::is_some);
     confined
         || ![&problem.guards, &problem.existence, &problem.relations].iter().all(|t| t.is_empty())
 }
@@ -124,7 +124,10 @@ fn is_guarded(problem: &Problem) -> bool {
 fn points(problem: &Problem) -> Vec<Point> {
     let on_way = |point: &Point| on_this_way(problem, point);
     // With zeros in their place points take the way that others do not.
-    let accept = |point: &Point| !problem.vanishing.is_empty() || on_way(point);
+    let accept = |point: &mut Point| {
+        problem.made.complete(&problem.graph, point)
+            && (!problem.vanishing.is_empty() || on_way(point))
+    };
     let guarded = is_guarded(problem);
     let mut points = match &problem.argument {
         None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),

@@ -13,7 +13,7 @@ use super::documentation::measures;
 use super::interface::{hidden_body, hidden_body_with, interface, type_name};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
-use crate::parse::{Options, Param, ParamKind, Signature, Source};
+use crate::parse::{Constants, Options, Param, ParamKind, Signature, Source};
 use crate::walk::{self, Look};
 
 /// Whether a body calls other samplers or maps.
@@ -176,7 +176,7 @@ pub fn emit(
         measures(signature)
     );
     let docs = quote!(#[doc = #about]);
-    let interface = interface(item, signature, options, &[], &docs);
+    let interface = interface(item, signature, options, &Constants::default(), &docs);
     let hidden = hidden_body(item);
     let point = point_type(&signature.space);
     let unpack = quote!(#(let #names = self.#names;)* #plain);
@@ -246,7 +246,8 @@ pub fn fallback_with(item: &ItemFn, block: &TokenStream, sampler: bool) -> Token
     let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else {
         return hidden;
     };
-    let interface = interface(item, &signature, &Options::default(), &[], &quote!());
+    let interface =
+        interface(item, &signature, &Options::default(), &Constants::default(), &quote!());
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
     let args = if generic { quote!(<R>) } else { quote!() };

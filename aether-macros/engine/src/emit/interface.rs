@@ -1,11 +1,12 @@
 //! What a user sees of an item: the struct and its constructor, and his own function, hidden.
 
-use proc_macro2::{Ident, Literal, Span, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
 use syn::{Attribute, ItemFn};
 
 use super::legal::legal;
-use crate::parse::{Options, Param, ParamKind, Signature};
+use crate::parse::{Constant, Constants, Domain, Options, Param, ParamKind, Signature};
+use crate::points::Kind;
 
 /// cosine_hemisphere to CosineHemisphere.
 pub fn type_name(name: &Ident) -> Ident {
@@ -26,7 +27,7 @@ pub fn interface(
     item: &ItemFn,
     signature: &Signature,
     options: &Options,
-    constants: &[(String, TokenStream)],
+    constants: &Constants,
     docs: &TokenStream,
 ) -> TokenStream {
     let vis = &item.vis;
@@ -39,27 +40,17 @@ pub fn interface(
     let types: Vec<TokenStream> =
         signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
     let generic =
-        signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.is_empty();
+        signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.all.is_empty();
     let (bounds, default, args) = if generic {
         (quote!(<R: ::aether_core::Real>), quote!(<R: ::aether_core::Real = f64>), quote!(<R>))
     } else {
         (quote!(), quote!(), quote!())
     };
-    let hidden: Vec<Ident> =
-        constants.iter().map(|(n, _)| Ident::new(n, Span::call_site())).collect();
-    let values: Vec<TokenStream> =
-        constants.iter().map(|(_, code)| quote!(R::Lane::of({ #code }))).collect();
+    let hidden: Vec<&Ident> = constants.fields().collect();
     let plain: Vec<TokenStream> = signature.params.iter().filter_map(in_double).collect();
-    let compute = if constants.is_empty() {
-        quote!()
-    } else {
-        let plain = quote!(#(#plain)*);
-        let lets = hidden
-            .iter()
-            .zip(&values)
-            .map(|(h, v)| quote!(let #h: R = R::from_lanes(|lane| { use ::aether_core::Real as _; #plain #v });));
-        quote!(#(#lets)*)
-    };
+    let compute = compute(constants, &plain);
+    let asked = constants.all.iter().filter_map(|c| Some((c.domain.as_ref()?, &c.fields[0])));
+    let asked: Vec<TokenStream> = asked.map(|(d, field)| within(d, field, name)).collect();
     let checks: Vec<TokenStream> = options
         .domains
         .iter()
@@ -115,7 +106,8 @@ pub fn interface(
         }))
         .collect();
     let make = quote!(#ty { #(#names,)* #(#hidden),* });
-    let (returns, result) = if checks.is_empty() {
+    let total = checks.is_empty() && asked.is_empty();
+    let (returns, result) = if total {
         (quote!(#ty #args), make)
     } else {
         (
@@ -123,12 +115,12 @@ pub fn interface(
             quote!(::core::result::Result::Ok(#make)),
         )
     };
-    let errors = if checks.is_empty() {
+    let errors = if total {
         quote!()
     } else {
         quote!(#[doc = "\n# Errors\n\nIf a parameter lies outside its declared domain."])
     };
-    let legal = legal(signature, options, generic, !checks.is_empty());
+    let legal = legal(signature, options, generic, !total);
     let struct_doc = format!("The random variable or map that [`{name}`] constructs.");
     quote! {
         #[doc = #struct_doc]
@@ -143,6 +135,7 @@ pub fn interface(
         #vis fn #name #bounds (#(#names: #types),*) -> #returns {
             #(#checks)*
             #compute
+            #(#asked)*
             #result
         }
 
@@ -150,8 +143,52 @@ pub fn interface(
     }
 }
 
-/// A lane of a parameter in `f64` under its own name, for expressions in plain Rust. Frames stay as they
-/// are.
+/// Computes the constants, from parameters in `f64` (`plain`) by the body's own bindings.
+fn compute(constants: &Constants, plain: &[TokenStream]) -> TokenStream {
+    if constants.all.is_empty() {
+        return quote!();
+    }
+    let (fields, lets) = (constants.fields(), &constants.lets);
+    let kept = constants.all.iter().filter(|constant| !constant.fields.is_empty());
+    let numbers = kept.map(|Constant { code, kind, .. }| match kind {
+        Kind::Vector(2) => quote!({ let v = #code; [v.x, v.y] }),
+        Kind::Vector(_) | Kind::Direction => quote!({ let v = #code; [v.x, v.y, v.z] }),
+        _ => quote!([#code]),
+    });
+    let count = constants.fields().count();
+    quote! {
+        let mut __constants = [R::ZERO; #count];
+        #[allow(unused, clippy::all)]
+        for lane in 0..<R as ::aether_core::Real>::LANES {
+            use ::aether_core::{Real as _, forms::precomputed, prelude::*};
+            #(#plain)*
+            #(#lets)*
+            let numbers: [&[f64]; _] = [#(&#numbers),*];
+            for (all, number) in __constants.iter_mut().zip(numbers.into_iter().flatten()) {
+                *all = ::aether_core::Real::with_lane(*all, lane, R::Lane::of(*number));
+            }
+        }
+        let [#(#fields),*] = __constants;
+    }
+}
+
+/// Asks for a constant to lie in the domain that is declared of it.
+fn within(d: &Domain, field: &Ident, name: &Ident) -> TokenStream {
+    let (text, name) = (&d.text, name.to_string());
+    let (low, high) = (bound(d.interval.lo), bound(d.interval.hi));
+    let upper = if d.closed { quote!(<=) } else { quote!(<) };
+    let whole = d.whole.then(|| quote!(&&value % 1.0 == 0.0));
+    quote! {
+        for lane in 0..<R as ::aether_core::Real>::LANES {
+            let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
+            if !(value >= #low && value #upper #high #whole) {
+                return ::core::result::Result::Err(::aether_core::DomainError { item: #name, requirement: #text, value });
+            }
+        }
+    }
+}
+
+/// A lane of a parameter in `f64` under its own name, for expressions in plain Rust.
 fn in_double(p: &Param) -> Option<TokenStream> {
     let name = &p.name;
     let double = |v: TokenStream| quote!(#v.lane(lane).to_f64());
@@ -174,7 +211,11 @@ fn in_double(p: &Param) -> Option<TokenStream> {
             let columns = [quote!(#name.x), quote!(#name.y), quote!(#name.z)].map(vector);
             quote!(::aether_core::Mat3::from_cols(#(#columns),*))
         }
-        ParamKind::Frame | ParamKind::Identity => return None,
+        ParamKind::Frame => {
+            let columns = [quote!(#name.x), quote!(#name.y), quote!(#name.z)].map(vector);
+            quote!(::aether_core::Frame::from_unit_axes(#(#columns),*))
+        }
+        ParamKind::Identity => return None,
     };
     Some(quote!(let #name = #value;))
 }

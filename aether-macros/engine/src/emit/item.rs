@@ -124,7 +124,7 @@ impl Emitter<'_> {
     }
     fn is_generic(&self) -> bool {
         self.signature().params.iter().any(|p| p.kind != ParamKind::Identity)
-            || !self.parsed.constants.is_empty()
+            || !self.parsed.constants.all.is_empty()
     }
 
     /// Name of the struct: the function's name in camel case.
@@ -292,9 +292,11 @@ impl Emitter<'_> {
                 ParamKind::Identity => {}
             }
         }
-        for (name, _) in &self.parsed.constants {
-            let name = Ident::new(name, Span::call_site());
-            list.push(quote!(self.#name));
+        for constant in &self.parsed.constants.all {
+            list.extend(constant.fields.iter().map(|field| quote!(self.#field)));
+            if constant.fields.is_empty() {
+                list.extend(vec![quote!(R::ZERO); constant.kind.scalars()]);
+            }
         }
         let p = self.scalars();
         let plain = list.clone();

@@ -1,6 +1,7 @@
 //! Pieces that meet: one goes on where the other ends; and pieces that no parameters leave both.
 
 use super::pieces::Place;
+use crate::derive::Problem;
 use crate::eval::evaluate;
 use crate::expr::Leaf;
 use crate::number::{Dd, Number};
@@ -43,9 +44,15 @@ fn opposed(one: &Place, other: &Place) -> bool {
     })
 }
 
+/// Points of different parameters.
+fn parameters(place: &Place) -> Vec<Point> {
+    let Problem { kinds, made, graph, .. } = place.problem;
+    sampler_points(1, kinds, !made.is_empty(), &|point| made.complete(graph, point))
+}
+
 /// Whether two pieces have a border in common, as one of them takes a uniform from where the other one leaves it.
 pub(super) fn adjacent(one: &Place, other: &Place) -> bool {
-    let points = sampler_points(1, &one.problem.kinds, false, &|_| true);
+    let points = parameters(one);
     let points: Vec<&Point> = points.iter().filter(|p| !p.stress).collect();
     let end = |place: &Place, i: usize, share: f64, point: &Point| {
         let segment = place.problem.segments[i]?;
@@ -98,8 +105,7 @@ fn meet(one: &Place, other: &Place) -> bool {
     if !alike || ![one, other].iter().all(simple) {
         return false;
     }
-    let kinds = &one.problem.kinds;
-    let points = sampler_points(1, kinds, false, &|_| true);
+    let points = parameters(one);
     let image = |end: f64, place: &Place, point: &Point| {
         let g = &place.problem.graph;
         evaluate::<Dd>(g, place.problem.outputs[0], &|leaf| match leaf {

@@ -352,13 +352,15 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
     // Across a jump there is another point: what rounding carried over a border has to lead back.
     let landed = guarded.then(|| {
         quote! {
-            let lands = #taken::<R>(p, &u)
-                || ::aether_core::support::leads_back::<R, #n, #m>(
-                    ::aether_core::support::track(&u), x,
-                    &|u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors));
-            if !lands {
-                return None;
-            }
+            let leads = |u: &[R; #n]| ::aether_core::support::leads_back::<R, #n, #m>(
+                ::aether_core::support::track(u), x,
+                &|u| ::aether_core::support::widened::<R, #m>(whole::<R::Tracked>(&tp, u), errors));
+            let taken = |u: &[R; #n]| #taken::<R>(p, u);
+            let u = if taken(&u) || leads(&u) {
+                u
+            } else {
+                ::aether_core::support::beside(&u, &bounds, &|u| taken(u) && leads(u))?
+            };
         }
     });
     quote! {

@@ -35,8 +35,10 @@ pub struct Relation {
 pub struct Options {
     /// Print the derivation while compiling.
     pub explain: bool,
-    /// Declared domains.
+    /// Declared domains of parameters.
     pub domains: Vec<Domain>,
+    /// Declared domains of what the body makes of them.
+    pub of_names: Vec<Domain>,
     /// Declared relations.
     pub relations: Vec<Relation>,
 }

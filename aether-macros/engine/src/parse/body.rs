@@ -7,8 +7,9 @@ use quote::{ToTokens, quote};
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
+use super::made::Making;
 use super::stages::Cut;
-use super::{Options, Param, ParamKind, Segment, Source, Space, Test, Value};
+use super::{Domain, Options, Param, ParamKind, Segment, Source, Space, Test, Value};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
@@ -21,10 +22,14 @@ pub struct Body<'a> {
     pub graph: Graph,
     /// Conditions `require(…)`: expressions that must be positive.
     pub requirements: Vec<Id>,
-    /// Values of `precomputed(…)`: name and code.
-    pub constants: Vec<(String, TokenStream)>,
     /// The way through the comparisons.
     pub way: Way,
+    /// What the item computes once.
+    pub(super) making: Making,
+    /// What is declared of names of the body.
+    pub(super) of_names: Vec<Domain>,
+    /// How many blocks deep the statement is that is being read.
+    pub(super) depth: usize,
     /// What is declared of the parameters together.
     pub(super) declared: Vec<Test>,
     pub(super) names: HashMap<String, Value>,
@@ -47,7 +52,7 @@ pub struct Body<'a> {
     /// The name of the function that is read.
     pub(super) own_name: String,
     pub(super) bound: u8,
-    next_param: u8,
+    pub(super) next_param: u8,
     errors: &'a mut Diagnostics,
 }
 
@@ -62,8 +67,10 @@ impl<'a> Body<'a> {
         Body {
             graph,
             requirements: vec![],
-            constants: vec![],
             way,
+            making: Making::default(),
+            of_names: vec![],
+            depth: 0,
             declared: vec![],
             names,
             comparing: false,
@@ -134,7 +141,7 @@ impl<'a> Body<'a> {
         None
     }
 
-    fn scalar_param(&mut self, name: &str, range: Interval) -> Id {
+    pub(super) fn scalar_param(&mut self, name: &str, range: Interval) -> Id {
         let leaf = Leaf::Param(self.next_param);
         self.next_param += 1;
         self.graph.leaf(leaf, name, range)
@@ -205,6 +212,7 @@ impl<'a> Body<'a> {
     /// The value of a block.
     pub fn block(&mut self, block: &Block) -> Option<Value> {
         let saved = self.names.clone();
+        self.depth += 1;
         let mut result = None;
         let mut failed = false;
         let last = block.stmts.len().saturating_sub(1);
@@ -251,6 +259,7 @@ impl<'a> Body<'a> {
             }
         }
         self.names = saved;
+        self.depth -= 1;
         if failed {
             return None;
         }
@@ -300,6 +309,7 @@ impl<'a> Body<'a> {
             self.bind_names(&local.pat);
             return self.error(local, "`let … else` has no meaning here, because every value of a body exists: write `let x = …;`. Where there is no sample, `return None;` from a function that returns an `Option`");
         }
+        self.name_constant(local, &init.expr);
         let mut value = self.expr(&init.expr);
         if let (Some(Value::Unit), None) = (&value, &self.returned) {
             self.errors.error(&init.expr, "this has no value on one way through it: an `if` needs an `else`, and a block ends with its value, without a semicolon");
@@ -452,9 +462,18 @@ impl<'a> Body<'a> {
 
     /// A value computed once by plain Rust code from the parameters.
     pub fn precomputed(&mut self, code: &Expr) -> Option<Value> {
-        let name = format!("constant{}", self.constants.len());
-        self.constants.push((name.clone(), code.to_token_stream()));
-        Some(Value::Scalar(self.scalar_param(&name, Interval::ALL)))
+        let name = self.making.name.take();
+        let domain = name.as_ref().and_then(|name| self.domain_of_name(name));
+        let range = domain.as_ref().map_or(Interval::ALL, |d| d.interval);
+        let kind = Kind::Scalar(domain.as_ref().map(|d| d.interval));
+        let constant = (name, kind, code.to_token_stream(), None);
+        match self.constant(constant, domain, range) {
+            Some(ids) => Some(Value::Scalar(ids[0])),
+            None => self.error(
+                code,
+                "this is one number more than an item can keep: give it fewer parameters",
+            ),
+        }
     }
 
     /// The coordinates of the result, for the space that the signature promises, and the identities of
@@ -514,10 +533,16 @@ impl<'a> Body<'a> {
 }
 
 impl Body<'_> {
-    /// The coordinates of a parameter that is a direction.
-    fn direction(&self, space: &Space, value: &Value) -> Option<(Vec<Id>, Option<TokenStream>)> {
+    /// The coordinates of a parameter that is a direction, or of the opposite one.
+    fn direction(
+        &mut self,
+        space: &Space,
+        value: &Value,
+    ) -> Option<(Vec<Id>, Option<TokenStream>)> {
         let v = <[Id; 3]>::try_from(value.vector()?).ok()?;
-        let is_one = *space == Space::Direction && self.graph.units().contains(&v);
+        let opposite = v.map(|c| self.graph.neg(c));
+        let is_unit = |v: &[Id; 3]| self.graph.units().contains(v);
+        let is_one = *space == Space::Direction && (is_unit(&v) || is_unit(&opposite));
         is_one.then(|| (v.to_vec(), None))
     }
 }

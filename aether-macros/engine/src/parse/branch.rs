@@ -106,6 +106,11 @@ impl Way {
         }
     }
 
+    /// Whether it has led through no comparison that may come out otherwise.
+    pub(super) fn is_straight(&self) -> bool {
+        self.outcomes.is_empty()
+    }
+
     /// The next way, in the order of a depth-first search; `None` after the last.
     pub(super) fn next(mut self) -> Option<Way> {
         while let Some(last) = self.outcomes.pop() {
@@ -159,7 +164,9 @@ impl Body<'_> {
                 let proven = if known { None } else { self.proven(difference, strict, asked) };
                 let (proven, required) = match (proven, asked.unproven) {
                     (None, Unproven::Bound { holds, points, asked }) if !known => {
-                        let seen = sign_at(&self.graph, difference, points).map(|sign| sign > 0);
+                        let known = self.known_here();
+                        let seen = sign_at(&self.graph, difference, points, &known);
+                        let seen = seen.map(|sign| sign > 0);
                         (seen.filter(|seen| *seen == holds), asked)
                     }
                     (proven, _) => (proven, false),
@@ -195,6 +202,14 @@ impl Body<'_> {
             }
         }
         outcome.holds
+    }
+
+    /// What is not negative on the way so far.
+    fn known_here(&mut self) -> Vec<Id> {
+        let Self { way, declared, graph: g, .. } = self;
+        let made = way.made.iter().map(|&(difference, _, holds)| (difference, holds));
+        let all = made.chain(declared.iter().map(|test| (test.difference, true)));
+        all.map(|(id, holds)| if holds { id } else { g.neg(id) }).collect()
     }
 
     /// What is proven of a comparison that ranges do not settle.

@@ -25,6 +25,11 @@ impl Body<'_> {
 
     /// The value of an expression.
     pub fn expr(&mut self, e: &Expr) -> Option<Value> {
+        if self.is_made(e) { self.made(e) } else { self.read(e) }
+    }
+
+    /// The value of an expression as it is written.
+    pub(super) fn read(&mut self, e: &Expr) -> Option<Value> {
         match e {
             Expr::Lit(l) => self.literal(&l.lit),
             Expr::Paren(p) => self.expr(&p.expr),

@@ -5,9 +5,9 @@ use quote::ToTokens;
 use syn::{Block, Expr, ExprCall, Lit};
 
 use super::body::Body;
-use super::{Reading, Signature, Test, Value};
+use super::{Made, Reading, Signature, Test, Value};
 use crate::derive::Part;
-use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
+use crate::expr::{Deps, Graph, Id, Leaf, UNKNOWNS};
 use crate::points::Kind;
 
 /// What the author says of a point of a distribution with atoms.
@@ -37,6 +37,8 @@ pub struct AtomWay {
     pub unknowns: Vec<Leaf>,
     /// The scalar parameters in groups.
     pub kinds: Vec<Kind>,
+    /// Those that are made of others.
+    pub made: Made,
     /// What is declared of the parameters together.
     pub relations: Vec<Test>,
     /// The atom as written.
@@ -59,9 +61,19 @@ impl Reading {
             tests,
             unknowns: self.unknowns,
             kinds: self.kinds,
+            made: self.constants.made(),
             relations: self.relations,
             tokens,
         }
+    }
+}
+
+impl AtomWay {
+    /// All that it is made of.
+    pub(super) fn used(&self) -> Deps {
+        let tests = self.tests.iter().map(|test| test.difference);
+        let all = self.place.iter().copied().chain(tests);
+        all.fold(0, |all, id| all | self.graph.deps(id))
     }
 }
 

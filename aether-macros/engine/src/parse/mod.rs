@@ -5,6 +5,7 @@ mod body;
 mod bounded;
 mod branch;
 mod expression;
+mod made;
 mod methods;
 mod mixed;
 mod order;
@@ -21,6 +22,7 @@ mod vanishing;
 
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
+pub use made::{Constant, Constants, Made, has_one_end};
 pub use mixed::{AtomWay, Mark};
 pub(crate) use order::assume_nonnegative;
 pub use pieces::{Segment, Test};
@@ -39,7 +41,7 @@ use syn::ItemFn;
 
 use crate::derive::{Part, Problem};
 use crate::diagnostics::Diagnostics;
-use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
+use crate::expr::{Deps, Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
 use crate::points::Kind;
 
@@ -55,8 +57,10 @@ pub struct Parsed {
     pub total: bool,
     /// The identity expressions of the result's points on surfaces.
     pub identities: Vec<TokenStream>,
-    /// Values computed once from the parameters by plain Rust code: `precomputed(…)`.
-    pub constants: Vec<(String, TokenStream)>,
+    /// What is computed once from the parameters by plain Rust code.
+    pub constants: Constants,
+    /// Whether that is all that the body makes of parameters alone.
+    pub making: bool,
 }
 
 impl Parsed {
@@ -86,6 +90,19 @@ pub struct Piece {
     ends: Vec<Option<Segment>>,
 }
 
+impl Piece {
+    /// All that it is made of.
+    fn used(&self) -> Deps {
+        let Problem { graph, outputs, requirements, guards, existence, segments, .. } =
+            &self.problem;
+        let tests = guards.iter().chain(existence).map(|test| test.difference);
+        let ends = segments.iter().flatten().flat_map(|s| [s.low, s.width]);
+        let all = outputs.iter().chain(requirements).copied().chain(tests).chain(ends);
+        let own = self.tests.iter().map(|test| self.graph.deps(test.difference));
+        all.map(|id| graph.deps(id)).chain(own).fold(0, |all, deps| all | deps)
+    }
+}
+
 /// What reading a body once has found.
 struct Reading {
     graph: Graph,
@@ -95,7 +112,7 @@ struct Reading {
     kinds: Vec<Kind>,
     frames: Vec<[[Id; 3]; 3]>,
     requirements: Vec<Id>,
-    constants: Vec<(String, TokenStream)>,
+    constants: Constants,
     /// Coordinates and identities; `None` where the body yields no sample.
     point: Option<(Vec<Id>, Vec<TokenStream>)>,
     /// The number of the atom that the point is, and this as written.
@@ -112,17 +129,19 @@ struct Reading {
     constants_cut: Vec<(Leaf, Id)>,
 }
 
-/// Parses the body of a sampler or a map. `None` if there were errors.
+/// Parses the body of a sampler or a map. With `making`, all that it makes of parameters alone is read as parameters of
+/// their own. `None` if there were errors.
 pub fn parse(
     item: &ItemFn,
     signature: Signature,
     options: &Options,
+    making: bool,
     errors: &mut Diagnostics,
 ) -> Option<Parsed> {
-    let mut reader = Reader { item, signature: &signature, options, errors };
+    let mut reader = Reader { item, signature: &signature, options, making, errors };
     let (mut pieces, mut atoms, mut total) = (Vec::new(), Vec::new(), true);
     let mut identities = Vec::new();
-    let mut constants = Vec::new();
+    let mut constants = Constants::default();
     let mut next = Some(branch::Way::default());
     while let Some(way) = next {
         if pieces.len() + atoms.len() == branch::MAX_PIECES {
@@ -146,6 +165,16 @@ pub fn parse(
             total = false;
         }
     }
+    for d in &options.of_names {
+        let is_known =
+            |c: &&made::Constant| c.domain.as_ref().is_some_and(|own| own.name == d.name);
+        if constants.all.iter().find(is_known).is_none() {
+            errors.error(&d.name, format!("`{}` is no number that parameters alone make, in a `let` of the body itself, and a domain is declared of nothing else", d.name));
+        }
+    }
+    constants.keep(
+        pieces.iter().map(Piece::used).chain(atoms.iter().map(AtomWay::used)).fold(0, |a, b| a | b),
+    );
     if pieces.is_empty() {
         let message = match atoms[..] {
             [] => "no way through this body leads to a point",
@@ -156,13 +185,14 @@ pub fn parse(
         errors.error(&item.sig.ident, message);
         return None;
     }
-    Some(Parsed { signature, pieces, atoms, total, identities, constants })
+    Some(Parsed { signature, pieces, atoms, total, identities, constants, making })
 }
 
 struct Reader<'a> {
     item: &'a ItemFn,
     signature: &'a Signature,
     options: &'a Options,
+    making: bool,
     errors: &'a mut Diagnostics,
 }
 
@@ -233,6 +263,7 @@ impl Reader<'_> {
             unknowns: second.unknowns,
             argument: second.argument,
             kinds: second.kinds,
+            made: second.constants.made(),
             frames: second.frames,
             parts,
             requirements: second.requirements,
@@ -263,6 +294,8 @@ impl Reader<'_> {
         let mut body = Body::new(graph, names, way, self.errors);
         body.own_name = self.signature.name.to_string();
         body.cut = cut;
+        body.making.on = self.making;
+        body.of_names.clone_from(&self.options.of_names);
         let (mut kinds, mut frames) = (Vec::new(), Vec::new());
         for p in &self.signature.params {
             body.declare_param(p, self.options, &mut kinds, &mut frames);
@@ -274,11 +307,12 @@ impl Reader<'_> {
         let segments = body.confine(&self.signature.source, &unknowns, segments);
         let result = body.result(&self.item.block)?;
         let (point, atom) = body.ending(result, self.signature, &self.item.block)?;
-        let Body { graph, requirements, constants, way, .. } = body;
+        let Body { graph, requirements, making, way, .. } = body;
+        let constants = making.constants;
         let (scalars, vectors) = (body.scalars, body.vectors);
         let (cuts, constants_cut) = (body.cuts, body.constants_cut);
         let first = kinds.iter().map(Kind::scalars).sum::<usize>();
-        kinds.extend(constants.iter().map(|_| Kind::Scalar(None)));
+        kinds.extend(constants.all.iter().map(|constant| constant.kind.clone()));
         debug_assert!(first <= 64);
         Some(Reading {
             graph,

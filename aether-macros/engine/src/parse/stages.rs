@@ -53,7 +53,8 @@ pub struct Stage {
 /// The ways to take apart the body of an item on the way of a piece that ends of uniforms and parameters alone decide about, the
 /// last names first.
 pub fn stages(item: &ItemFn, parsed: &mut Parsed, number: usize, options: &Options) -> Vec<Stage> {
-    let Parsed { signature, pieces, .. } = parsed;
+    let Parsed { signature, pieces, making, .. } = parsed;
+    let making = *making;
     let piece = &mut pieces[number];
     let count = piece.problem.unknowns.len();
     if !piece.problem.guards.is_empty() || !(1..=MOST_NAMES).contains(&count) {
@@ -63,7 +64,7 @@ pub fn stages(item: &ItemFn, parsed: &mut Parsed, number: usize, options: &Optio
     let ends: Vec<Option<(Segment, &Graph)>> =
         piece.ends.iter().map(|end| end.map(|end| (end, &piece.graph))).collect();
     let mut errors = Diagnostics::new();
-    let mut reader = Reader { item, signature, options, errors: &mut errors };
+    let mut reader = Reader { item, signature, options, making, errors: &mut errors };
     let Some(plain) = reader.read(Graph::new(), (way(), &ends), Cut::default()) else {
         return vec![];
     };

@@ -141,6 +141,17 @@ pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec
     if range.lo >= -PI && range.hi <= PI + 1e-12 {
         return Some((rhs, single(known)));
     }
+    // Where the window is a parameter, it is cut open opposite to its own middle: factor · rest with rest in [0, 1] and a
+    // factor of known sign.
+    let (constant, factor, rest) = super::affine_parts(g, rhs);
+    let (f, r) = (g.range(factor), g.range(rest));
+    let from_zero = constant.is_none() && r.nonnegative() && f.nonnegative();
+    if from_zero && g.as_number(factor).is_none() && r.hi * f.hi <= TAU + 1e-9 {
+        let half = g.float(0.5 * r.hi);
+        let middle = g.mul(half, factor);
+        let turned = g.call(Fun::TurnTo, &[known, middle]);
+        return Some((rhs, single(turned)));
+    }
     if range.width().is_finite() && range.width() <= 64.0 * TAU {
         let middle = range.lo + 0.5 * range.width().min(TAU);
         let base = if (middle - PI).abs() < 1e-12 {
@@ -156,15 +167,6 @@ pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec
             Inverse { known: g.add(base, turn), conditions: vec![] }
         });
         return Some((rhs, inverses.collect()));
-    }
-    // The window is a parameter: factor · rest with rest in [0, 1] and a factor of known sign.
-    let (constant, factor, rest) = super::affine_parts(g, rhs);
-    let (f, r) = (g.range(factor), g.range(rest));
-    if constant.is_none() && r.nonnegative() && f.nonnegative() && r.hi * f.hi <= TAU + 1e-9 {
-        let half = g.float(0.5 * r.hi);
-        let middle = g.mul(half, factor);
-        let turned = g.call(Fun::TurnTo, &[known, middle]);
-        return Some((rhs, single(turned)));
     }
     None
 }
