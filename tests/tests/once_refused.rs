@@ -901,3 +901,58 @@ fn a_bound_after_a_branch_is_a_bound_of_that_branch() {
     assert!((wi.vec() - Vec3::new(0.96, 0.0, 0.28)).length() < 1e-15);
     assert_eq!((-wo).vec(), -wo.vec());
 }
+
+/// A logistic distribution between a and b, with the bounds that pbrt has.
+#[sampler(s in 0.01..=2.0, a in -4.0..=4.0, b in -4.0..=4.0, where a < b)]
+fn trimmed_logistic(u: [Uniform; 1], s: f64, a: f64, b: f64) -> f64 {
+    let ka = 1.0 / (1.0 + (-a / s).exp());
+    let kb = 1.0 / (1.0 + (-b / s).exp());
+    let x = -s * (1.0 / (u[0] * (kb - ka) + ka) - 1.0).ln();
+    x.clamp(a, b)
+}
+
+/// Directions about x, distributed as a hair scatters them (Chiang et al. 2016): a trimmed logistic azimuth.
+#[sampler(v in 0.02..=5.0, s in 0.05..=2.0, theta in 0.1..=1.5)]
+fn hair_lobe(u: [Uniform; 2], v: f64, s: f64, theta: f64) -> Direction {
+    let c = 1.0 + v * (u[0] + (1.0 - u[0]) * (-2.0 / v).exp()).ln();
+    let sin_o = theta.sin() * c;
+    let k = 1.0 / (1.0 + (-PI / s).exp());
+    let k0 = 1.0 / (1.0 + (PI / s).exp());
+    let x = -s * (1.0 / (u[1] * (k - k0) + k0) - 1.0).ln();
+    let cos_o = (1.0 - sin_o * sin_o).sqrt();
+    Direction::new(sin_o, cos_o * x.cos(), cos_o * x.sin())
+}
+
+#[test]
+fn bounds_that_are_never_passed_and_angles_that_stay_within_a_turn() {
+    let logistic = |x: f64, s: f64| {
+        let e = (-x.abs() / s).exp();
+        e / (s * (1.0 + e) * (1.0 + e))
+    };
+    let cdf = |x: f64, s: f64| 1.0 / (1.0 + (-x / s).exp());
+    for (s, a, b) in [(0.3, -1.0, 2.0), (2.0, 0.5, 4.0)] {
+        let trimmed = trimmed_logistic(s, a, b).unwrap();
+        for u in [1e-3, 0.3, 0.9] {
+            let x = trimmed.sample([u]);
+            let expected = logistic(x.value(), s) / (cdf(b, s) - cdf(a, s));
+            assert!((trimmed.pdf(&x).value() / expected - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(trimmed.pdf(&(a - 1e-6)).value(), 0.0);
+        assert_eq!(trimmed.pdf(&(b + 1e-6)).value(), 0.0);
+    }
+    for (v, s, theta) in [(0.1, 0.3, 0.5_f64), (1.0, 0.05, 1.2), (0.5, 2.0, 0.2)] {
+        let hair = hair_lobe(v, s, theta).unwrap();
+        for u in [[0.3, 0.2], [0.9, 0.7], [0.5, 0.01]] {
+            let w = hair.sample(u);
+            let c = w.x / theta.sin();
+            let along = ((c - 1.0) / v).exp() / (v * (1.0 - (-2.0 / v).exp()) * theta.sin());
+            let around = logistic(w.z.atan2(w.y), s) / (cdf(PI, s) - cdf(-PI, s));
+            for p in [w.pdf(), hair.pdf(&w)] {
+                assert!(
+                    (p.value() / (along * around) - 1.0).abs() < 1e-11,
+                    "{v} {s} {theta} {u:?}"
+                );
+            }
+        }
+    }
+}

@@ -18,6 +18,7 @@ mod joint;
 mod limits;
 mod line;
 mod near_one;
+mod nearby;
 mod one_root;
 mod opposed;
 mod parts;
@@ -693,7 +694,10 @@ pub fn texts(pieces: &mut [Piece], derived: &[Derived]) -> [String; 4] {
         let problem = &mut piece.problem;
         let g = &mut problem.graph;
         let list = |ids: &[Id]| ids.iter().map(|i| show(g, *i)).collect::<Vec<_>>().join(", ");
-        lines[0].push(format!("({}){condition}", list(&problem.outputs)));
+        let strictly = |&difference: &Id| Test { difference, strict: true };
+        let required: Vec<Test> = problem.requirements.iter().map(strictly).collect();
+        let required = in_words(g, &required, "if");
+        lines[0].push(format!("({}){condition}{required}", list(&problem.outputs)));
         for preimage in &derived.preimages {
             let values = preimage.tested.iter().enumerate().map(|(i, &v)| {
                 let whole = match problem.segments.get(i).copied().flatten() {
@@ -716,15 +720,15 @@ pub fn texts(pieces: &mut [Piece], derived: &[Derived]) -> [String; 4] {
 
 /// The conditions of a piece in words: `  where u < 1/2`.
 fn condition(piece: &Piece) -> String {
-    in_words(&piece.graph, &piece.tests)
+    in_words(&piece.graph, &piece.tests, "where")
 }
 
-/// Tests in words.
-pub fn in_words(g: &Graph, tests: &[Test]) -> String {
+/// Tests in words, after a conjunction.
+pub fn in_words(g: &Graph, tests: &[Test], conjunction: &str) -> String {
     let tests = tests.iter().map(|t| {
         let sign = if t.strict { ">" } else { "≥" };
         format!("{} {sign} 0", show(g, t.difference))
     });
     let tests: Vec<String> = tests.collect();
-    if tests.is_empty() { String::new() } else { format!("  where {}", tests.join(", ")) }
+    if tests.is_empty() { String::new() } else { format!("  {conjunction} {}", tests.join(", ")) }
 }

@@ -1,5 +1,6 @@
 //! One sampler in one precision: all errors, and what must not occur.
 
+use aether_core::support::rounded_end;
 use aether_core::{Pcg32, Real, Scalar};
 
 use super::conditions::Spot;
@@ -151,7 +152,7 @@ pub fn chosen<R: Scalar>(item: &Item, reference: &[PointEntry], sweep: bool) -> 
             extreme(&mut row, entry, &format);
             verify(&mut row, item, entry, &format);
         }
-        let numbers = rounded::<R>(&entry.inputs.numbers());
+        let numbers = rounded::<R>(item, &entry.inputs.numbers());
         if !legal::<R>(item, &numbers, &mut row.dropped) {
             continue;
         }
@@ -188,7 +189,7 @@ pub(super) fn next_to_all_ends<R: Scalar>(
     };
     sets.iter().for_each(|set| each(set, true));
     if sweep {
-        let swept = swept(item).into_iter().map(|set| rounded::<R>(&set));
+        let swept = swept(item).into_iter().map(|set| rounded::<R>(item, &set));
         let legal = swept.filter(|set| legal::<R>(item, set, &mut vec![]));
         legal.for_each(|set| each(&set, false));
     }
@@ -217,13 +218,28 @@ fn is_double<R: Scalar>() -> bool {
     Format::of::<R>().spacing < 1e-10
 }
 
-fn rounded<R: Scalar>(x: &[f64]) -> Vec<f64> {
-    x.iter().map(|x| R::of(*x).to_f64()).collect()
+/// Parameters as the item takes them: rounded to the precision, and an end of a domain that is rounded beyond itself as the
+/// next number within.
+fn rounded<R: Scalar>(item: &Item, x: &[f64]) -> Vec<f64> {
+    let mut numbers: Vec<f64> = x.iter().map(|x| R::of(*x).to_f64()).collect();
+    let mut place = 0;
+    for parameter in item.parameters {
+        let number = &mut numbers[place];
+        place += parameter.kind.numbers();
+        let Some(domain) = parameter.domain.filter(|domain| !domain.contains(*number)) else {
+            continue;
+        };
+        let high = if domain.closed { domain.high } else { f64::NAN };
+        if let Some(within) = rounded_end(R::of(*number), [domain.low, high]) {
+            *number = within.to_f64();
+        }
+    }
+    numbers
 }
 
 /// The parameters that the item is tried with, rounded to the precision, and without those that leave their domain.
 fn sets<R: Scalar>(item: &Item, dropped: &mut Vec<String>) -> Vec<Vec<f64>> {
-    let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| rounded::<R>(s)).collect();
+    let mut sets: Vec<Vec<f64>> = item.sets.iter().map(|s| rounded::<R>(item, s)).collect();
     sets.retain(|s| legal::<R>(item, s, dropped));
     sets
 }

@@ -1,6 +1,7 @@
 //! Trying an item out while it is compiled: the points, what the map is there, which of the solver's
 //! answers occur, and whether the derivatives are right.
 
+use super::nearby;
 use super::{Problem, Target};
 use crate::differences::{self, evaluate};
 use crate::eval::Evaluator;
@@ -129,16 +130,29 @@ fn points(problem: &Problem) -> Vec<Point> {
             && (!problem.vanishing.is_empty() || on_way(point))
     };
     let guarded = is_guarded(problem);
-    let mut points = match &problem.argument {
-        None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, &accept),
-        Some(kind) => map_points(kind, &problem.kinds, guarded, &accept),
+    let tried = |accept: &dyn Fn(&mut Point) -> bool| match &problem.argument {
+        None => sampler_points(problem.unknowns.len(), &problem.kinds, guarded, accept),
+        Some(kind) => map_points(kind, &problem.kinds, guarded, accept),
     };
+    let mut points = tried(&accept);
+    if points.is_empty() && problem.vanishing.is_empty() {
+        let failed = std::cell::Cell::new(0);
+        points = tried(&|point| {
+            let found =
+                failed.get() < MOST_FAILED && nearby::bring(problem, point) && accept(point);
+            failed.set(if found { 0 } else { failed.get() + 1 });
+            found
+        });
+    }
     if !problem.vanishing.is_empty() {
         points.iter_mut().for_each(|point| vanish(problem, &mut point.params));
         points.retain(on_way);
     }
     points
 }
+
+/// How many points in a row may be brought to a way in vain.
+const MOST_FAILED: usize = 20;
 
 /// Puts zeros in the place of parameters that vanish, and gives unit vectors their length again.
 fn vanish(problem: &Problem, params: &mut [Dd]) {
@@ -188,7 +202,7 @@ pub fn on_which_way(problem: &Problem, why: String) -> String {
 }
 
 /// Whether a point takes this way through the branches.
-fn on_this_way(problem: &Problem, point: &Point) -> bool {
+pub(super) fn on_this_way(problem: &Problem, point: &Point) -> bool {
     let at = |l: Leaf| point.input(l, &[]);
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     let wide = problem.segments.iter().flatten().all(|s| e.value(s.width).to_f64() > 0.0);

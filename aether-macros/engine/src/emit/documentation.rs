@@ -85,7 +85,7 @@ fn atom(atom: &Atom) -> String {
         atom.way.number,
         coordinates.join(", "),
         show(&atom.graph, atom.probability),
-        in_words(&atom.way.graph, &atom.open)
+        in_words(&atom.way.graph, &atom.open, "where")
     )
 }
 

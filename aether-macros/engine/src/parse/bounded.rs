@@ -2,7 +2,7 @@
 //!
 //! Such a bound is no branch where the number is seen to be beyond it nowhere. There need be no proof, as there is for
 //! other comparisons: without it the function has no value there, so that there is no sample, instead of a wrong density.
-//! Where no function is taken, `x.max(0.0)` is meant so too, and that x is positive is asked of a sample.
+//! Where no function is taken, `x.max(0.0)` and `x.clamp(a, b)` are meant so too, and that x is within is asked of a sample.
 
 use syn::{Expr, ExprMethodCall};
 
@@ -72,41 +72,38 @@ impl Bounded<'_> {
     /// The smaller of two numbers, or the larger, one of which is a bound.
     fn bounded(&self, body: &mut Body, (x, bound): (Id, Id), from_above: bool) -> Id {
         match if from_above { self.most } else { Some(self.least) } {
-            Some(end) => within(body, (x, bound), from_above, (end, POINTS, false)),
+            Some(end) => within(body, (x, bound), from_above, (Some(end), POINTS, false)),
             None => body.extremum(x, bound, from_above),
         }
     }
 }
 
-/// The larger of two numbers. Zero as one of them keeps rounding from the other one, if that is negative nowhere.
-pub(super) fn larger(body: &mut Body, x: Id, y: Id) -> Id {
-    // Of parameters it is known beforehand which is larger.
-    if ![x, y].iter().any(|id| body.graph.has(*id, UNKNOWNS)) {
-        return body.extremum(x, y, false);
-    }
-    within(body, (x, y), false, (0, MANY_POINTS, true))
+/// The smaller of two numbers, or the larger. One that parameters alone make keeps rounding from the other one, if that is
+/// beyond it nowhere.
+pub(super) fn kept(body: &mut Body, (x, y): (Id, Id), smaller: bool) -> Id {
+    within(body, (x, y), smaller, (None, MANY_POINTS, true))
 }
 
 /// The smaller of two numbers, or the larger. Where one of them is a bound, there is no point beyond it if so many points say so,
-/// which may have to be asked of a point.
+/// which may have to be asked of a point. A bound is this number, or any that no uniform decides about.
 fn within(
     body: &mut Body,
     (a, b): (Id, Id),
     smaller: bool,
-    (end, points, asked): (i64, u32, bool),
+    (end, points, asked): (Option<i64>, u32, bool),
 ) -> Id {
-    // The bound may be written first.
-    let first_is_kept = match [a, b].map(|id| is(body, id, end)) {
+    let is_bound = |id: Id| match end {
+        Some(end) => body.graph.as_number(id) == Some(Q::int(end)),
+        None => !body.graph.has(id, UNKNOWNS),
+    };
+    // The bound may be written first. Of parameters it is known beforehand which is larger.
+    let first_is_kept = match [a, b].map(is_bound) {
         [false, true] => true,
         [true, false] => false,
         _ => return body.extremum(a, b, smaller),
     };
     let unproven = Unproven::Bound { holds: first_is_kept == smaller, points, asked };
     body.extremum_or(a, b, smaller, unproven)
-}
-
-fn is(body: &Body, id: Id, number: i64) -> bool {
-    body.graph.as_number(id) == Some(Q::int(number))
 }
 
 #[cfg(test)]
@@ -140,9 +137,11 @@ mod tests {
         ] {
             assert_eq!(pieces(of_rest), Ok(1), "{of_rest}");
         }
-        // Elsewhere a bound is zero, or it takes a proof; and what is passed is a branch.
-        assert_eq!(pieces("rest.max(0.0)"), Ok(1));
-        assert!(pieces("(rest - 2.0).max(-2.0)").is_err());
+        // Elsewhere a bound is any number; and what is passed is a branch.
+        for of_rest in ["rest.max(0.0)", "(rest - 2.0).max(-2.0)", "rest.clamp(s - 1.0, 2.0 - s)"] {
+            assert_eq!(pieces(of_rest), Ok(1), "{of_rest}");
+        }
+        assert!(pieces("rest.min(s)") != Ok(1));
         assert!(pieces("(rest - 0.5).max(0.0).sqrt()") != Ok(1));
         assert!(pieces("(rest - 0.01).max(0.0)") != Ok(1));
     }

@@ -4,7 +4,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
-use super::bounded::{bounded_argument, larger};
+use super::bounded::{bounded_argument, kept};
 use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
 use super::{Space, Value};
@@ -101,8 +101,8 @@ pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
         }
         (Value::Scalar(x), [low, high]) if name == "clamp" => {
             let (low, high) = (body.scalar(low)?, body.scalar(high)?);
-            let above = body.extremum(*x, low, false);
-            Some(Value::Scalar(body.extremum(above, high, true)))
+            let above = kept(body, (*x, low), false);
+            Some(Value::Scalar(kept(body, (above, high), true)))
         }
         (Value::Matrix(_), _) => matrix_method(body, m, &name, receiver, &args),
         (v, _) if v.vector().is_some() => {
@@ -234,10 +234,7 @@ fn scalar_with_argument(
         }
         "min" | "max" => {
             let y = body.scalar(a)?;
-            Some(Value::Scalar(match name {
-                "min" => body.extremum(x, y, true),
-                _ => larger(body, x, y),
-            }))
+            Some(Value::Scalar(kept(body, (x, y), name == "min")))
         }
         "copysign" => {
             let sign = body.scalar(a)?;

@@ -5,8 +5,10 @@ mod joint;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Condition, Equation, Numerical, State};
-use crate::expr::{Fun, Graph, Id, Node, UNKNOWNS};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS};
+use crate::interval::Interval;
 use crate::jacobian::cost;
+use crate::monotone::{any_input, leaves_of, sign_at};
 use crate::rational::Q;
 use crate::sorted;
 use joint::{
@@ -168,8 +170,56 @@ pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec
         });
         return Some((rhs, inverses.collect()));
     }
-    None
+    if is_seen_within_half_a_turn(g, rhs) {
+        return Some((rhs, single(known)));
+    }
+    let (middle, width) = seen_window(g, rhs)?;
+    let (pi, known) = (g.pi(), g.call(Fun::TurnTo, &[known, middle]));
+    let left = g.sum(Q::ZERO, &[(Q::int(2), pi), (Q::int(-1), width)]);
+    let slack = g.float(1e-12);
+    let conditions = vec![Condition(g.add(left, slack))];
+    Some((rhs, vec![Inverse { known, conditions }]))
 }
+
+/// Whether an angle is seen to be in [-π, π] at many points.
+fn is_seen_within_half_a_turn(g: &mut Graph, angle: Id) -> bool {
+    let pi = g.float(PI + 1e-9);
+    let sides = [g.add(pi, angle), g.sub(pi, angle)];
+    sides.into_iter().all(|side| sign_at(g, side, WINDOW_POINTS, &[]) == Some(1))
+}
+
+/// The middle and the width of what an angle of one uniform runs over, where at many points it lies between its ends, and
+/// these within a turn. Of other parameters that is asked.
+fn seen_window(g: &mut Graph, rhs: Id) -> Option<(Id, Id)> {
+    let leaves = leaves_of(g, rhs, any_input(g, rhs)?);
+    let mut unknowns = leaves.into_iter().filter(|leaf| matches!(leaf, Leaf::Unknown(_)));
+    let (Some(uniform), None) = (unknowns.next(), unknowns.next()) else { return None };
+    let uniform = g.get_leaf(uniform);
+    if g.range(uniform) != Interval::new(0.0, 1.0) {
+        return None;
+    }
+    let ends = [0, 1].map(|end| {
+        let end = g.int(end);
+        g.substitute(rhs, &[(uniform, end)].into())
+    });
+    let [beyond_low, beyond_high, width] =
+        [(rhs, ends[0]), (ends[1], rhs), (ends[1], ends[0])].map(|(a, b)| g.sub(a, b));
+    let sign = sign_at(g, width, WINDOW_POINTS, &[])?;
+    let same = [beyond_low, beyond_high]
+        .iter()
+        .all(|id| sign_at(g, *id, WINDOW_POINTS, &[]) == Some(sign));
+    let width = if sign > 0 { width } else { g.neg(width) };
+    let pi = g.pi();
+    let left = g.sum(Q::decimal("1e-9")?, &[(Q::int(2), pi), (Q::int(-1), width)]);
+    if !same || sign_at(g, left, WINDOW_POINTS, &[]) != Some(1) {
+        return None;
+    }
+    let middle = g.sum(Q::ZERO, &[(Q::HALF, ends[0]), (Q::HALF, ends[1])]);
+    Some((middle, width))
+}
+
+/// At how many points it is looked what an angle runs over.
+const WINDOW_POINTS: u32 = 4096;
 
 /// Factors that are never negative, all to powers of one broken or symbolic exponent: (u / (1 - u))^(1 / b), kept as u^(1 / b)
 /// (1 - u)^(-1 / b), is a power of u / (1 - u).
