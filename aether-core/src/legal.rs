@@ -92,7 +92,7 @@ pub trait Legal: Sized {
     const ITEM: &'static str;
     /// The parameters, in order.
     const PARAMETERS: &'static [Parameter];
-    /// The declared relations between them, as written.
+    /// The declared relations between them and the domains of what the body makes of them, as written.
     const RELATIONS: &'static [&'static str];
 
     /// The item with the numbers of its parameters, one after the other, vectors by coordinates and

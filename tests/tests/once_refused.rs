@@ -832,10 +832,12 @@ fn triangle_by_corners(u: [Uniform; 2], a: Direction, b: Direction, c: Direction
     Direction::from_vec(cos_theta * b + sin_theta * (cp - cp.dot(b) * b).normalize())
 }
 
-/// Height above an interval of its own for parameters far apart: the width is declared, and computed once.
+/// From a height on, as far as two points are apart, which is declared and computed once. Names of the body are no others.
 #[sampler(width in 1e-3..=10.0)]
 fn between_points(u: [Uniform; 1], a: Vec3, b: Vec3) -> f64 {
-    let width = (b - a).length();
+    let (lane, numbers) = (b - a, 1.0);
+    let all = lane.length();
+    let width = numbers * all;
     a.z + width * u[0]
 }
 

@@ -145,6 +145,11 @@ pub const REASONS: &[(&str, Where, &str)] = &[
         Both,
         "grazing directions: the cosine at the plane is what is left of large terms; in f32 also a million from the origin, where the plane is 32 roundings away",
     ),
+    (
+        "bivariate_normal",
+        Single,
+        "a deviation of 1e-9 across a line whose points are rounded by more",
+    ),
     ("triangle_heitz", Both, BORDER),
     ("triangle_fold", Both, BORDER),
     ("ellipsoid", Both, "near the tips, 1 - z²/s² of a rounded z"),

@@ -158,14 +158,20 @@ fn compute(constants: &Constants, plain: &[TokenStream]) -> TokenStream {
     let count = constants.fields().count();
     quote! {
         let mut __constants = [R::ZERO; #count];
-        #[allow(unused, clippy::all)]
         for lane in 0..<R as ::aether_core::Real>::LANES {
-            use ::aether_core::{Real as _, forms::precomputed, prelude::*};
-            #(#plain)*
-            #(#lets)*
-            let numbers: [&[f64]; _] = [#(&#numbers),*];
-            for (all, number) in __constants.iter_mut().zip(numbers.into_iter().flatten()) {
-                *all = ::aether_core::Real::with_lane(*all, lane, R::Lane::of(*number));
+            // The names of the body are its own.
+            #[allow(unused, clippy::all)]
+            let numbers = {
+                use ::aether_core::{Real as _, forms::precomputed, prelude::*};
+                #(#plain)*
+                #(#lets)*
+                let each: [&[f64]; _] = [#(&#numbers),*];
+                let mut all = [0.0_f64; #count];
+                all.iter_mut().zip(each.into_iter().flatten()).for_each(|(to, from)| *to = *from);
+                all
+            };
+            for (all, number) in __constants.iter_mut().zip(numbers) {
+                *all = ::aether_core::Real::with_lane(*all, lane, R::Lane::of(number));
             }
         }
         let [#(#fields),*] = __constants;

@@ -22,7 +22,8 @@ pub fn legal(
         (quote!(), quote!(), quote!(f64))
     };
     let parameters = signature.params.iter().map(|p| parameter(p, options));
-    let relations = options.relations.iter().map(|r| &r.text);
+    let of_names = options.of_names.iter().map(|d| &d.text);
+    let relations = options.relations.iter().map(|r| &r.text).chain(of_names);
     let values = signature.params.iter().map(|p| value(&p.kind));
     let make = quote!(#name(#(#values),*));
     let made = if fallible { make } else { quote!(::core::result::Result::Ok(#make)) };

@@ -366,6 +366,10 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             let n = v.len();
             Some(Value::Point(Space::Embedded { k: 0, n }, v, None))
         }
+        ("Embedded", "new", _) => body.error(
+            &c.func,
+            "a point of an embedded space is made of its coordinates: `Embedded([x, y])`",
+        ),
         ("SurfacePoint", "new", [v, id]) => {
             let v = vector(body, v)?;
             match body.expr(id)? {
