@@ -1219,3 +1219,24 @@ fn a_range_of_angles_has_density_where_it_begins() {
         assert!((whole.pdf(&x).value() * 4.0 * PI - 1.0).abs() < 1e-12, "{u}");
     }
 }
+
+/// Directions between two angles from the pole, uniform in solid angle.
+#[sampler(t0 in 1e-6..=3.14, t1 in 1e-6..=3.14, where t0 < t1)]
+fn between_angles(u: [Uniform; 2], t0: f64, t1: f64) -> Direction {
+    let z = (1.0 - u[0]) * t0.cos() + u[0] * t1.cos();
+    let r = (1.0 - z * z).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), z)
+}
+
+/// Two cosines next to one have no digits left for their difference, which is a product of sines.
+#[test]
+fn a_narrow_zone_next_to_the_pole_has_all_digits_of_its_density() {
+    for (t0, t1) in [(1e-6, 2e-6), (1e-3, 1.5e-3)] {
+        let zone = between_angles(t0, t1).unwrap();
+        // 1 - cos t = t²/2 - t⁴/24
+        let (low, high): (f64, f64) = (t0 * t0, t1 * t1);
+        let height = 0.5 * (high - low) * (1.0 - (high + low) / 12.0);
+        close(zone.sample([0.5, 0.3]).pdf().value(), 1.0 / (TAU * height));
+    }
+}

@@ -354,6 +354,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
             out.extend(angles::difference(g, c, &terms));
+            out.extend(angles::as_product(g, c, &terms));
             out.extend(collect::by_coordinate(g, c, &terms));
             let f = factor_out(g, id);
             out.push(f);

@@ -93,11 +93,70 @@ pub(super) fn difference(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     Some(g.sum(Q::ZERO, &[(p, arc)]))
 }
 
+/// The sum or difference of two cosines, or of two sines, times the same as a product: cos a - cos b is
+/// 2 sin((a + b) / 2) sin((b - a) / 2).
+pub(super) fn as_product(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
+    let [(p, first), (q, second)] = *terms else { return None };
+    if !c.is_zero() || p.abs() != q.abs() {
+        return None;
+    }
+    let one = g.int(1);
+    let mut split = |term: Id| {
+        let factors = g.factors(term);
+        let (call, f, angle) = factors.iter().find_map(|&(b, e)| match g.node(b) {
+            Node::Call(f @ (Fun::Sin | Fun::Cos), args) if e == one => Some((b, *f, args[0])),
+            _ => None,
+        })?;
+        Some((f, angle, g.div(term, call)))
+    };
+    let ((f, a, rest), (h, b, other)) = (split(first)?, split(second)?);
+    if f != h || rest != other {
+        return None;
+    }
+    let [half, minus] = [Q::HALF, Q::HALF.neg()];
+    let mean = g.sum(Q::ZERO, &[(half, a), (half, b)]);
+    let apart = g.sum(Q::ZERO, &[(half, a), (minus, b)]);
+    let (of_mean, of_apart, sign) = match (f, p == q) {
+        (Fun::Cos, true) => (Fun::Cos, Fun::Cos, Q::int(2)),
+        (Fun::Cos, false) => (Fun::Sin, Fun::Sin, Q::int(-2)),
+        (_, true) => (Fun::Sin, Fun::Cos, Q::int(2)),
+        (_, false) => (Fun::Cos, Fun::Sin, Q::int(2)),
+    };
+    let (x, y) = (g.call(of_mean, &[mean]), g.call(of_apart, &[apart]));
+    let product = g.mul(x, y);
+    let whole = g.mul(product, rest);
+    Some(g.sum(Q::ZERO, &[(sign.mul(p)?, whole)]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::expr::Leaf;
     use crate::interval::Interval;
+
+    #[test]
+    fn sums_of_two_sines_or_cosines_are_products() {
+        let mut g = Graph::new();
+        let [a, b, k] = [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), "a", Interval::ALL));
+        let at = |leaf: Leaf| match leaf {
+            Leaf::Param(0) => 0.7,
+            Leaf::Param(1) => -1.9,
+            _ => 3.0,
+        };
+        for f in [Fun::Sin, Fun::Cos] {
+            let [x, y] = [a, b].map(|angle| g.call(f, &[angle]));
+            let [x, y] = [x, y].map(|call| g.mul(call, k));
+            for sign in [1, -1] {
+                let terms = [(Q::int(2), x), (Q::int(2 * sign), y)];
+                let sum = g.sum(Q::ZERO, &terms);
+                let product = as_product(&mut g, Q::ZERO, &terms).unwrap();
+                let [sum, product] = [sum, product].map(|id| crate::eval::evaluate(&g, id, &at));
+                assert!((sum - product).abs() < 1e-14_f64, "{f:?} {sign}: {sum} {product}");
+            }
+            let other = g.mul(y, k);
+            assert_eq!(as_product(&mut g, Q::ZERO, &[(Q::ONE, x), (Q::ONE, other)]), None);
+        }
+    }
 
     #[test]
     fn the_tangent_of_a_mean_of_two_angles_starts_from_one_of_them() {
