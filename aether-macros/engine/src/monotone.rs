@@ -8,9 +8,11 @@
 
 use crate::derivative::derivative;
 use crate::enclosure::{Enclosure, Over};
+use crate::eval::evaluate;
 use crate::expr::{Graph, Id, Leaf, Node, children};
 use crate::interval::Interval;
 use crate::jacobian::simplify;
+use crate::number::{Dd, Number};
 use crate::sorted;
 
 /// Parts of the box that are looked at before a proof is given up.
@@ -50,7 +52,11 @@ pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
 /// The same at so many points and at corners of the ranges, where unit vectors have their length, and at which none of some
 /// other expressions is negative.
 pub(crate) fn sign_at(g: &Graph, id: Id, points: u32, known: &[Id]) -> Option<i64> {
-    let mut leaves = leaves_of(g, id, any_input(g, id)?);
+    let Some(input) = any_input(g, id) else {
+        let value = value_at::<f64>(g, id, &[], &[]);
+        return [1, -1].into_iter().find(|sign| value * (*sign as f64) > 0.0);
+    };
+    let mut leaves = leaves_of(g, id, input);
     // What has nothing to do with it tells nothing of it.
     let inputs_of = |id: &Id| Some(leaves_of(g, *id, any_input(g, *id)?));
     let shared = |of: &Vec<Leaf>| of.iter().any(|leaf| leaves.contains(leaf));
@@ -81,8 +87,7 @@ pub(crate) fn sign_at(g: &Graph, id: Id, points: u32, known: &[Id]) -> Option<i6
     let place = |n: u32| {
         let mut at = inputs(&ranges, n, corner(n));
         unit_lengths(g, &leaves, &mut at);
-        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]);
-        let holds = |id: &Id| crate::eval::evaluate::<f64>(g, *id, &input) >= 0.0;
+        let holds = |id: &Id| value_at::<f64>(g, *id, &leaves, &at) >= 0.0;
         known.iter().all(holds).then_some(at)
     };
     // Where much is known, more points are needed.
@@ -92,7 +97,8 @@ pub(crate) fn sign_at(g: &Graph, id: Id, points: u32, known: &[Id]) -> Option<i6
         return if known.is_empty() { None } else { sign_at(g, id, points, &[]) };
     }
     let place = |n: u32| place(n).unwrap_or_else(|| vec![f64::NAN; leaves.len()]);
-    sign_seen(g, id, &leaves, (true, tried), &place).ok()
+    // Next to a bound, rounding is as large as what is left.
+    sign_seen(g, id, &leaves, (true, tried), &place, value_at::<Dd>).ok()
 }
 
 /// How often more points are tried where other expressions leave few, and how many these may leave at least.
@@ -203,7 +209,14 @@ fn sign_inside(
     points: u32,
 ) -> Result<i64, String> {
     let ranges: Vec<Interval> = leaves.iter().map(|leaf| g.leaf_range(*leaf)).collect();
-    sign_seen(g, slope, leaves, (strict, points), &|n| inputs(&ranges, n, None))
+    let place = |n| inputs(&ranges, n, None);
+    sign_seen(g, slope, leaves, (strict, points), &place, value_at::<f64>)
+}
+
+/// The value of an expression, computed in `T`, for these values of its inputs.
+fn value_at<T: Number>(g: &Graph, id: Id, leaves: &[Leaf], at: &[f64]) -> f64 {
+    let number = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]);
+    evaluate::<T>(g, id, &|l| T::from_f64(number(l))).to_f64()
 }
 
 /// The same at some points, where `place` has the values of the inputs of each.
@@ -213,12 +226,9 @@ fn sign_seen(
     leaves: &[Leaf],
     (strict, points): (bool, u32),
     place: &dyn Fn(u32) -> Vec<f64>,
+    value_at: fn(&Graph, Id, &[Leaf], &[f64]) -> f64,
 ) -> Result<i64, String> {
-    let value = |n: u32| {
-        let at = place(n);
-        let input = |l: Leaf| leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]);
-        crate::eval::evaluate::<f64>(g, slope, &input)
-    };
+    let value = |n: u32| value_at(g, slope, leaves, &place(n));
     let (mut least, mut most) = ((0.0_f64, 0), (0.0_f64, 0));
     for (v, n) in (0..points).map(|n| (value(n), n)).filter(|v| v.0.is_finite()) {
         least = if v < least.0 { (v, n) } else { least };

@@ -181,8 +181,11 @@ pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec
     Some((rhs, vec![Inverse { known, conditions }]))
 }
 
-/// Whether an angle is seen to be in [-π, π] at many points.
+/// Whether an angle is seen to be in [-π, π] at many points of domains that are declared: of others points tell nothing.
 fn is_seen_within_half_a_turn(g: &mut Graph, angle: Id) -> bool {
+    if !bounded_inputs(g, angle).is_some_and(|leaves| leaves.iter().any(is_unknown)) {
+        return false;
+    }
     let pi = g.float(PI + 1e-9);
     let sides = [g.add(pi, angle), g.sub(pi, angle)];
     sides.into_iter().all(|side| sign_at(g, side, WINDOW_POINTS, &[]) == Some(1))
@@ -191,8 +194,7 @@ fn is_seen_within_half_a_turn(g: &mut Graph, angle: Id) -> bool {
 /// The middle and the width of what an angle of one uniform runs over, where at many points it lies between its ends, and
 /// these within a turn. Of other parameters that is asked.
 fn seen_window(g: &mut Graph, rhs: Id) -> Option<(Id, Id)> {
-    let leaves = leaves_of(g, rhs, any_input(g, rhs)?);
-    let mut unknowns = leaves.into_iter().filter(|leaf| matches!(leaf, Leaf::Unknown(_)));
+    let mut unknowns = bounded_inputs(g, rhs)?.into_iter().filter(is_unknown);
     let (Some(uniform), None) = (unknowns.next(), unknowns.next()) else { return None };
     let uniform = g.get_leaf(uniform);
     if g.range(uniform) != Interval::new(0.0, 1.0) {
@@ -216,6 +218,16 @@ fn seen_window(g: &mut Graph, rhs: Id) -> Option<(Id, Id)> {
     }
     let middle = g.sum(Q::ZERO, &[(Q::HALF, ends[0]), (Q::HALF, ends[1])]);
     Some((middle, width))
+}
+
+/// The inputs of an expression, if each of them has bounds.
+fn bounded_inputs(g: &Graph, id: Id) -> Option<Vec<Leaf>> {
+    let leaves = leaves_of(g, id, any_input(g, id)?);
+    leaves.iter().all(|leaf| g.leaf_range(*leaf).width().is_finite()).then_some(leaves)
+}
+
+fn is_unknown(leaf: &Leaf) -> bool {
+    matches!(leaf, Leaf::Unknown(_))
 }
 
 /// At how many points it is looked what an angle runs over.

@@ -121,3 +121,32 @@ fn triangle() {
     let (_, p) = report(&mut s, &f, false);
     assert!(!p.contains('x') && !p.contains('z'), "the density is constant: {p}");
 }
+
+#[test]
+fn angles_are_seen_to_stay_within_a_turn_over_declared_domains_alone() {
+    let item = |domain: &str, (from, to): (&str, &str), start: &str| {
+        let text = format!(
+            "fn f(u: [Uniform; 2], s: f64) -> Vec2 {{
+                let r = u[0].sqrt();
+                let (a, b) = (1.0 / (1.0 + (-{from} / s).exp()), 1.0 / (1.0 + (-{to} / s).exp()));
+                let phi = {start} - s * (1.0 / (u[1] * (b - a) + a) - 1.0).ln();
+                Vec2::new(r * phi.cos(), r * phi.sin())
+            }}"
+        );
+        crate::interpret::Item::new(domain.parse().unwrap(), text.parse().unwrap(), true)
+    };
+    let declared = "s in 0.1..=2.0";
+    for (ends, start) in [(("-PI", "PI"), "0.0"), (("-PI", "PI"), "9.0"), (("-1.0", "4.0"), "2.0")]
+    {
+        let item = item(declared, ends, start).unwrap_or_else(|e| panic!("{ends:?} {start}: {e}"));
+        for u in [[0.3, 0.1], [0.5, 0.9]] {
+            let x = item.forward(&[0.5], &u).unwrap();
+            let back = item.preimages(&[0.5], &x);
+            assert!(back.len() == 1 && (back[0][1] - u[1]).abs() < 1e-9, "{u:?} {back:?}");
+        }
+    }
+    // More than a turn; and moderate values of what is not declared tell nothing of others.
+    assert!(item(declared, ("-4.0", "4.0"), "0.0").is_err());
+    assert!(item("s in 0.1..", ("-PI", "PI"), "0.0").is_err());
+    assert!(item("", ("-PI", "PI"), "0.0").is_err());
+}
