@@ -184,9 +184,7 @@ impl<R: Real> Frame<R> {
     pub fn to_local(self, v: impl Into<Vec3<R>>) -> Vec3<R> {
         self.0.transpose() * v.into()
     }
-}
 
-impl<R: Real> Frame<R> {
     /// A frame from axes that are known to be orthonormal; emitted code uses it.
     #[inline(always)]
     pub fn from_unit_axes(x: Vec3<R>, y: Vec3<R>, z: Vec3<R>) -> Self {

@@ -10,7 +10,7 @@ use crate::daylight::{Opening, SampleEmissionAndOpenings, SampleLightAndOpenings
 use crate::emission::{SampleEmission, SampleEmitter};
 use crate::kind::{Everything, SceneKind};
 use crate::samplers::rotate;
-use crate::scene::{Primitive, Scene};
+use crate::scene::Scene;
 use crate::strategies::{SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight};
 use crate::vertex::{SceneVertex, Surface};
 use crate::world::World;
@@ -75,14 +75,11 @@ impl Portals {
     /// The triangles of shapes of a scene that were read as portals.
     ///
     /// # Errors
-    /// If there is none, or if one is a curved shape.
+    /// If there is none.
     pub fn new(scene: &Scene) -> Result<Self, String> {
         let (mut portals, mut areas) = (Vec::new(), Vec::new());
         let (mut openings, mut sizes) = (Vec::new(), Vec::new());
-        for primitive in &scene.portals {
-            let Primitive::Triangle { v0, v1, v2 } = *primitive else {
-                return Err("a portal is made of triangles: use a rectangle or a mesh".to_owned());
-            };
+        for &[v0, v1, v2] in &scene.portals {
             for corners in [[v0, v1, v2], [v0, v2, v1]] {
                 let (portal, area) = Portal::new(corners).unzip();
                 portals.extend(portal);

@@ -10,7 +10,7 @@ use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
 use crate::emit::{Emitter, Support, Texts, Ways, compose};
 use crate::interpret::Item;
-use crate::parse::{Domain, Options, ParamKind, signature};
+use crate::parse::{Options, ParamKind, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -30,8 +30,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     };
     let mut options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
-        let is_parameter = |d: &Domain| signature.params.iter().any(|p| p.name == d.name);
-        options.declared_of_names(&function, is_parameter);
+        options.declared_of_names(&function, &signature);
         for d in &options.domains {
             let parameter = signature.params.iter().find(|p| p.name == d.name);
             if parameter.is_some_and(|p| p.kind != ParamKind::Scalar) {

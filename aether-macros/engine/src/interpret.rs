@@ -11,8 +11,8 @@ use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::parse::{
-    Domain, Options, Parsed, Piece, Signature, Test, bound_once, has_one_end, parse, shared,
-    signature, stages,
+    Options, Parsed, Piece, Signature, Test, bound_once, has_one_end, parse, shared, signature,
+    stages,
 };
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
@@ -80,8 +80,7 @@ impl Item {
         let function = syn::parse2::<ItemFn>(item).map_err(|e| e.to_string())?;
         let mut options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
         let item = signature(&function, sampler, &mut errors).and_then(|s| {
-            let is_parameter = |d: &Domain| s.params.iter().any(|p| p.name == d.name);
-            options.declared_of_names(&function, is_parameter);
+            options.declared_of_names(&function, &s);
             Item::compile(&function, s, &options, &mut errors)
         });
         item.filter(|_| errors.is_empty()).ok_or_else(|| errors.messages().join("\n"))

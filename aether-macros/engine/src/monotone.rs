@@ -45,23 +45,20 @@ pub fn sign_of(g: &mut Graph, id: Id, variable: Leaf) -> Result<i64, Unproven> {
 
 /// The sign that an expression has at all points of its inputs' ranges that are tried; `None` if it has both, or none.
 pub(crate) fn seen_sign(g: &Graph, id: Id) -> Option<i64> {
-    let leaves = leaves_of(g, id, any_input(g, id)?);
-    sign_inside(g, id, &leaves, true, POINTS).ok()
+    sign_inside(g, id, &inputs_of(g, id)?, true, POINTS).ok()
 }
 
 /// The same at so many points and at corners of the ranges, where unit vectors have their length, and at which none of some
 /// other expressions is negative.
 pub(crate) fn sign_at(g: &Graph, id: Id, points: u32, known: &[Id]) -> Option<i64> {
-    let Some(input) = any_input(g, id) else {
+    let Some(mut leaves) = inputs_of(g, id) else {
         let value = value_at::<f64>(g, id, &[], &[]);
         return [1, -1].into_iter().find(|sign| value * (*sign as f64) > 0.0);
     };
-    let mut leaves = leaves_of(g, id, input);
     // What has nothing to do with it tells nothing of it.
-    let inputs_of = |id: &Id| Some(leaves_of(g, *id, any_input(g, *id)?));
     let shared = |of: &Vec<Leaf>| of.iter().any(|leaf| leaves.contains(leaf));
     let (known, more): (Vec<Id>, Vec<Vec<Leaf>>) =
-        known.iter().filter_map(|id| Some((*id, inputs_of(id).filter(shared)?))).unzip();
+        known.iter().filter_map(|id| Some((*id, inputs_of(g, *id).filter(shared)?))).unzip();
     for leaf in more.into_iter().flatten() {
         if !leaves.contains(&leaf) {
             leaves.push(leaf);
@@ -157,6 +154,11 @@ fn shown(g: &mut Graph, slope: Id, variable: Leaf, strict: bool) -> Result<i64, 
     };
     let upward = if sign < 0 { g.neg(slope) } else { slope };
     Proof::new(g, upward, variable, leaves, strict).run(g).map(|()| sign)
+}
+
+/// The inputs of an expression, if there are any.
+pub(crate) fn inputs_of(g: &Graph, id: Id) -> Option<Vec<Leaf>> {
+    Some(leaves_of(g, id, any_input(g, id)?))
 }
 
 /// The inputs of an expression, the variable first.

@@ -1,7 +1,6 @@
 //! The progress bar, and Ctrl-C.
 
 use std::io::{self, IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -10,9 +9,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::{INTERRUPTED, warn};
 use crate::render::{Observer, Progress};
 
-/// When Ctrl-C came first, and that it has come; statics because a signal handler lives as long as the process.
+/// When Ctrl-C came first; a static because a signal handler lives as long as the process.
 static FIRST: OnceLock<Instant> = OnceLock::new();
-static CANCELLED: AtomicBool = AtomicBool::new(false);
 
 /// What follows within this time is the same Ctrl-C: a program that passes it on to a group signals some of it twice.
 const SAME: Duration = Duration::from_millis(500);
@@ -33,7 +31,6 @@ impl Terminal {
     /// Takes over Ctrl-C: the first ends the render, the second the program, if it is one.
     pub fn new() -> Self {
         let handler = || {
-            CANCELLED.store(true, Ordering::Relaxed);
             if FIRST.get_or_init(Instant::now).elapsed() > SAME {
                 std::process::exit(i32::from(INTERRUPTED));
             }
@@ -92,7 +89,7 @@ impl Observer for Terminal {
     }
 
     fn cancelled(&self) -> bool {
-        CANCELLED.load(Ordering::Relaxed)
+        FIRST.get().is_some()
     }
 }
 

@@ -112,7 +112,7 @@ struct Parts {
     bsdfs: Vec<Bsdf>,
     emitters: Vec<Emitter>,
     degenerate: usize,
-    portals: Vec<super::Primitive>,
+    portals: Vec<[Vec3; 3]>,
     attributes: Attributes,
 }
 
@@ -362,12 +362,17 @@ impl<'a> Builder<'a> {
                 return Err(property.place.error("the scene has too many primitives"));
             }
             if portals.contains(&shape.name) {
-                let is_flat = |p: &super::Primitive| matches!(p, super::Primitive::Triangle { .. });
-                if !geometry.primitives.iter().all(is_flat) {
-                    return Err(property.place.error(format!(
+                let corners = |p: super::Primitive| {
+                    match p {
+                    super::Primitive::Triangle { v0, v1, v2 } => Ok([v0, v1, v2]),
+                    _ => Err(property.place.error(format!(
                         "`{}` is named as a portal, and a portal is made of triangles: use a rectangle or a mesh",
                         shape.name
-                    )));
+                    ))),
+                }
+                };
+                for primitive in geometry.primitives {
+                    self.scene.portals.push(corners(primitive)?);
                 }
                 if shape.emission.is_some() {
                     self.document.warn(property.place.error(format!(
@@ -375,7 +380,6 @@ impl<'a> Builder<'a> {
                         shape.name
                     )));
                 }
-                self.scene.portals.extend(geometry.primitives);
             } else {
                 self.scene.add(shape, geometry);
             }

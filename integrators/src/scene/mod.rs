@@ -97,8 +97,8 @@ pub struct Scene {
     pub bulbs: Vec<Bulb>,
     /// Parallel lights.
     pub distant: Vec<Distant>,
-    /// Openings that light has to pass, which are no surfaces.
-    pub portals: Vec<Primitive>,
+    /// The triangles of openings that light has to pass, which are no surfaces.
+    pub portals: Vec<[Vec3; 3]>,
     /// The camera.
     pub camera: Camera,
     /// The image.

@@ -116,9 +116,8 @@ fn afresh(way: &AtomWay, open: &[Test]) -> Graph {
 /// Points of different parameters with which the way is open.
 fn points(way: &AtomWay, open: &[Test]) -> Vec<Point> {
     let accept = |point: &Point| holds(&way.graph, way.relations.iter().chain(open), point);
-    let guarded = !way.relations.is_empty() || !open.is_empty();
     let complete = |point: &mut Point| way.made.complete(&way.graph, point) && accept(point);
-    let guarded = guarded || !way.made.is_empty();
+    let guarded = !way.relations.is_empty() || !open.is_empty() || !way.made.is_empty();
     let mut points = sampler_points(way.unknowns.len(), &way.kinds, guarded, &complete);
     let shown = |p: &Point| p.params.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     points.dedup_by(|a, b| shown(a) == shown(b));

@@ -202,7 +202,7 @@ pub fn on_which_way(problem: &Problem, why: String) -> String {
 }
 
 /// Whether a point takes this way through the branches.
-pub(super) fn on_this_way(problem: &Problem, point: &Point) -> bool {
+fn on_this_way(problem: &Problem, point: &Point) -> bool {
     let at = |l: Leaf| point.input(l, &[]);
     let mut e = Evaluator::<Dd>::new(&problem.graph, &at);
     let wide = problem.segments.iter().flatten().all(|s| e.value(s.width).to_f64() > 0.0);

@@ -50,46 +50,11 @@ pub fn interface(
     let plain: Vec<TokenStream> = signature.params.iter().filter_map(in_double).collect();
     let compute = compute(constants, &plain);
     let asked = constants.all.iter().filter_map(|c| Some((c.domain.as_ref()?, &c.fields[0])));
-    let asked: Vec<TokenStream> = asked.map(|(d, field)| within(d, field, name)).collect();
+    let asked: Vec<TokenStream> = asked.map(|(d, field)| in_domain(d, field, name)).collect();
     let checks: Vec<TokenStream> = options
         .domains
         .iter()
-        .map(|d| {
-            let (field, text, item_name) = (&d.name, &d.text, name.to_string());
-            let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
-            let upper = if d.closed { quote!(<=) } else { quote!(<) };
-            let whole = d.whole.then(|| quote!(&& value % 1.0 == 0.0));
-            let error = quote! {
-                return ::core::result::Result::Err(::aether_core::DomainError { item: #item_name, requirement: #text, value });
-            };
-            // 0.99 in single precision is larger than 0.99: what is an end but for rounding is within.
-            let rounded = |end: f64| end.is_finite() && f64::from(end as f32) != end;
-            let mends = !d.whole && (rounded(d.interval.lo) || d.closed && rounded(d.interval.hi));
-            let (given, outside) = if mends {
-                let highest = if d.closed { hi.clone() } else { quote!(f64::NAN) };
-                let inner = quote! {
-                    let own = ::aether_core::Real::lane(#field, lane);
-                    match ::aether_core::support::rounded_end(own, [#lo, #highest]) {
-                        ::core::option::Option::Some(inner) => {
-                            #field = ::aether_core::Real::with_lane(#field, lane, inner);
-                        }
-                        ::core::option::Option::None => { #error }
-                    }
-                };
-                (quote!(let mut #field = #field;), inner)
-            } else {
-                (quote!(), error)
-            };
-            quote! {
-                #given
-                for lane in 0..<R as ::aether_core::Real>::LANES {
-                    let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
-                    if !(value >= #lo && value #upper #hi #whole) {
-                        #outside
-                    }
-                }
-            }
-        })
+        .map(|d| in_domain(d, &d.name, name))
         .chain(options.relations.iter().map(|r| {
             let (comparison, text, item_name) = (&r.comparison, &r.text, name.to_string());
             let left = &comparison.left;
@@ -178,17 +143,39 @@ fn compute(constants: &Constants, plain: &[TokenStream]) -> TokenStream {
     }
 }
 
-/// Asks for a constant to lie in the domain that is declared of it.
-fn within(d: &Domain, field: &Ident, name: &Ident) -> TokenStream {
-    let (text, name) = (&d.text, name.to_string());
-    let (low, high) = (bound(d.interval.lo), bound(d.interval.hi));
+/// Asks for a number to lie in the domain that is declared of it.
+fn in_domain(d: &Domain, field: &Ident, item: &Ident) -> TokenStream {
+    let (text, item) = (&d.text, item.to_string());
+    let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
     let upper = if d.closed { quote!(<=) } else { quote!(<) };
     let whole = d.whole.then(|| quote!(&&value % 1.0 == 0.0));
+    let error = quote! {
+        return ::core::result::Result::Err(::aether_core::DomainError { item: #item, requirement: #text, value });
+    };
+    // 0.99 in single precision is larger than 0.99: what is an end but for rounding is within.
+    let rounded = |end: f64| end.is_finite() && f64::from(end as f32) != end;
+    let mends = !d.whole && (rounded(d.interval.lo) || d.closed && rounded(d.interval.hi));
+    let (given, outside) = if mends {
+        let highest = if d.closed { hi.clone() } else { quote!(f64::NAN) };
+        let inner = quote! {
+            let own = ::aether_core::Real::lane(#field, lane);
+            match ::aether_core::support::rounded_end(own, [#lo, #highest]) {
+                ::core::option::Option::Some(inner) => {
+                    #field = ::aether_core::Real::with_lane(#field, lane, inner);
+                }
+                ::core::option::Option::None => { #error }
+            }
+        };
+        (quote!(let mut #field = #field;), inner)
+    } else {
+        (quote!(), error)
+    };
     quote! {
+        #given
         for lane in 0..<R as ::aether_core::Real>::LANES {
             let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
-            if !(value >= #low && value #upper #high #whole) {
-                return ::core::result::Result::Err(::aether_core::DomainError { item: #name, requirement: #text, value });
+            if !(value >= #lo && value #upper #hi #whole) {
+                #outside
             }
         }
     }

@@ -10,7 +10,7 @@ use quote::{ToTokens, format_ident, quote};
 use syn::{Expr, ItemFn, Pat};
 
 use super::body::{Body, is_call};
-use super::{Domain, Options, Space, Value};
+use super::{Domain, Options, Signature, Space, Value};
 use crate::eval::evaluate;
 use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
@@ -27,8 +27,6 @@ const MOST_NUMBERS: u8 = 64;
 /// What an item computes once: a number, or the coordinates of a vector.
 #[derive(Clone)]
 pub struct Constant {
-    /// What it is called: as the body does, or `constant0`.
-    pub name: String,
     /// A number or a vector, as a parameter.
     pub kind: Kind,
     /// The fields that it is kept in; none if nothing is derived with it.
@@ -59,7 +57,7 @@ impl Constants {
         self.all.iter().flat_map(|constant| &constant.fields)
     }
 
-    /// Keeps those alone of which something is known that is derived with.
+    /// Leaves fields to those alone that are derived with, or asked for their domain.
     pub fn keep(&mut self, used: Deps) {
         for constant in &mut self.all {
             let leaves = (constant.first..).take(constant.kind.scalars()).map(Leaf::Param);
@@ -116,7 +114,8 @@ pub(super) struct Making {
 
 impl Options {
     /// Tells domains of names of the body from those of parameters.
-    pub fn declared_of_names(&mut self, item: &ItemFn, is_parameter: impl Fn(&Domain) -> bool) {
+    pub fn declared_of_names(&mut self, item: &ItemFn, signature: &Signature) {
+        let is_parameter = |d: &Domain| signature.params.iter().any(|p| p.name == d.name);
         let mut names = Bound(vec![]);
         walk::block(&mut names, &item.block);
         let (of_names, of_parameters) = std::mem::take(&mut self.domains)
@@ -182,10 +181,8 @@ impl Body<'_> {
     pub(super) fn made(&mut self, e: &Expr) -> Option<Value> {
         let name = self.making.name.take();
         let way = std::mem::take(&mut self.way);
-        self.making.inside = true;
-        let value = self.read(e);
+        let value = self.read_whole(e);
         let straight = std::mem::replace(&mut self.way, way).is_straight();
-        self.making.inside = false;
         let value = value?;
         let found = match &value {
             Value::Scalar(id) => self.made_number(name, e, *id, straight).map(Value::Scalar),
@@ -199,6 +196,11 @@ impl Body<'_> {
             return found;
         }
         // Comparisons are made on the way that is read.
+        self.read_whole(e)
+    }
+
+    /// The value of an expression, without constants in it.
+    fn read_whole(&mut self, e: &Expr) -> Option<Value> {
         self.making.inside = true;
         let value = self.read(e);
         self.making.inside = false;
@@ -261,14 +263,14 @@ impl Body<'_> {
         }
         let number = self.making.constants.fields().count();
         let name = name.unwrap_or_else(|| format!("constant{number}"));
-        let fields = (number..).take(kind.scalars()).map(|i| format_ident!("constant{i}"));
-        let fields = fields.collect();
+        let fields =
+            (number..).take(kind.scalars()).map(|i| format_ident!("constant{i}")).collect();
         let axes = ["x", "y", "z"].iter().take(usize::from(count));
         let names: Vec<String> = match kind {
-            Kind::Scalar(_) => vec![name.clone()],
+            Kind::Scalar(_) => vec![name],
             _ => axes.map(|axis| format!("{name}.{axis}")).collect(),
         };
-        let constant = Constant { name, kind, fields, code, domain, first, values };
+        let constant = Constant { kind, fields, code, domain, first, values };
         self.making.constants.all.push(constant);
         Some(names.iter().map(|name| self.scalar_param(name, range)).collect())
     }

@@ -8,7 +8,7 @@ use super::{Condition, Equation, Numerical, State};
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
 use crate::jacobian::cost;
-use crate::monotone::{any_input, leaves_of, sign_at};
+use crate::monotone::{inputs_of, sign_at};
 use crate::rational::Q;
 use crate::sorted;
 use joint::{
@@ -183,7 +183,7 @@ pub(super) fn unwind_turns(g: &mut Graph, known: Id, rhs: Id) -> Option<(Id, Vec
 
 /// Whether an angle is seen to be in [-π, π] at many points of domains that are declared: of others points tell nothing.
 fn is_seen_within_half_a_turn(g: &mut Graph, angle: Id) -> bool {
-    if !bounded_inputs(g, angle).is_some_and(|leaves| leaves.iter().any(is_unknown)) {
+    if bounded_inputs(g, angle).is_none() {
         return false;
     }
     let pi = g.float(PI + 1e-9);
@@ -194,7 +194,8 @@ fn is_seen_within_half_a_turn(g: &mut Graph, angle: Id) -> bool {
 /// The middle and the width of what an angle of one uniform runs over, where at many points it lies between its ends, and
 /// these within a turn. Of other parameters that is asked.
 fn seen_window(g: &mut Graph, rhs: Id) -> Option<(Id, Id)> {
-    let mut unknowns = bounded_inputs(g, rhs)?.into_iter().filter(is_unknown);
+    let inputs = bounded_inputs(g, rhs)?.into_iter();
+    let mut unknowns = inputs.filter(|leaf| matches!(leaf, Leaf::Unknown(_)));
     let (Some(uniform), None) = (unknowns.next(), unknowns.next()) else { return None };
     let uniform = g.get_leaf(uniform);
     if g.range(uniform) != Interval::new(0.0, 1.0) {
@@ -222,12 +223,8 @@ fn seen_window(g: &mut Graph, rhs: Id) -> Option<(Id, Id)> {
 
 /// The inputs of an expression, if each of them has bounds.
 fn bounded_inputs(g: &Graph, id: Id) -> Option<Vec<Leaf>> {
-    let leaves = leaves_of(g, id, any_input(g, id)?);
-    leaves.iter().all(|leaf| g.leaf_range(*leaf).width().is_finite()).then_some(leaves)
-}
-
-fn is_unknown(leaf: &Leaf) -> bool {
-    matches!(leaf, Leaf::Unknown(_))
+    let bounded = |leaf: &Leaf| g.leaf_range(*leaf).width().is_finite();
+    inputs_of(g, id).filter(|leaves| leaves.iter().all(bounded))
 }
 
 /// At how many points it is looked what an angle runs over.
