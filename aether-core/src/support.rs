@@ -5,6 +5,7 @@ mod manifold;
 
 use crate::real::{Mask, Real, Single};
 pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
+use limits::tiny_beside;
 pub use limits::{
     closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,
     rare_sample_of_pieces, where_finite,
@@ -349,20 +350,53 @@ const MOST: f64 = 1.0 / 256.0;
 
 /// Whether recovered uniforms lie in [0, 1) to within their error bounds; those that do are clamped.
 /// A uniform that comes out undetermined (0/0 at a pole, an axis, a corner) is legal if the map leads back to the point
-/// whatever its value; one that lies outside and may be anything, if the map leads back from the nearest end.
+/// whatever its value, or from those that points next to it have (`beside`); one that lies outside and may be anything, if the
+/// map leads back from the nearest end.
 #[cold]
 pub fn recover<R: Single, const N: usize, const M: usize>(
     u: [R::Tracked; N],
     x: &[R; M],
+    beside: &dyn Fn() -> [R::Tracked; N],
     forward: Tracking<'_, R::Tracked, N, M>,
 ) -> Option<Rounded<R, N>> {
+    let nearest = clamped::<R, N>(u)?;
+    let leads = |found: &Clamped<R, N>| leads_back::<R, N, M>(found.tracked, x, forward);
+    if !nearest.undetermined || leads(&nearest) {
+        return Some(nearest.rounded);
+    }
+    if u.iter().all(|u| is_told::<R>(*u)) {
+        return None;
+    }
+    let limits = beside();
+    let told = core::array::from_fn(|i| if is_told::<R>(u[i]) { u[i] } else { limits[i] });
+    clamped::<R, N>(told).filter(leads).map(|found| found.rounded)
+}
+
+/// Whether anything is known of a uniform.
+fn is_told<R: Single>(u: R::Tracked) -> bool {
+    let (value, error) = R::value_and_error(u);
+    let (v, e) = (value.to_f64(), error.to_f64());
+    !v.is_nan() && (v.is_finite() || e.is_finite())
+}
+
+/// Recovered uniforms, moved into [0, 1).
+struct Clamped<R: Single, const N: usize> {
+    rounded: Rounded<R, N>,
+    /// Them, with what is known of their errors.
+    tracked: [R::Tracked; N],
+    /// Whether there is one that may be anything.
+    undetermined: bool,
+}
+
+/// Uniforms that lie in [0, 1) to within their error bounds.
+fn clamped<R: Single, const N: usize>(u: [R::Tracked; N]) -> Option<Clamped<R, N>> {
     let mut undetermined = false;
     let mut tracked = u;
     let (mut clamped, mut bounds) = ([R::ZERO; N], [R::ZERO; N]);
     for i in 0..N {
         let (value, error) = R::value_and_error(u[i]);
         let (v, e) = (value.to_f64(), error.to_f64());
-        if v.is_nan() || v.is_infinite() && !e.is_finite() {
+        if !is_told::<R>(u[i]) {
             undetermined = true;
             tracked[i] = R::Tracked::ZERO;
             continue;
@@ -379,7 +413,15 @@ pub fn recover<R: Single, const N: usize, const M: usize>(
         // Without a bound nothing is known.
         bounds[i] = if e.is_finite() { R::of((SLACK * e).min(MOST)) } else { R::ZERO };
     }
-    (!undetermined || leads_back::<R, N, M>(tracked, x, forward)).then_some((clamped, bounds))
+    Some(Clamped { rounded: (clamped, bounds), tracked, undetermined })
+}
+
+/// A point next to one that has coordinates of exactly zero, at which formulas that are 0/0 there give their limit.
+#[cold]
+pub fn off_zero<R: Single, const M: usize>(x: &[R::Tracked; M]) -> [R::Tracked; M] {
+    let numbers = x.map(|x| R::value_and_error(x).0);
+    let tiny = tiny_beside(&numbers).track_within(R::ZERO);
+    core::array::from_fn(|i| if numbers[i].abs().gt(R::ZERO) { x[i] } else { tiny })
 }
 
 /// Whether margins are positive, but for their error bounds.
@@ -590,7 +632,9 @@ mod tests {
     fn recovered_in_triangle(x: [f64; 2]) -> Option<Rounded<f64, 2>> {
         let [a, b] = track(&x);
         let s = Bounded::ONE - a;
-        recover::<f64, 2, 2>([s, b / s], &x, &|u| [Bounded::ONE - u[0], u[0] * u[1]])
+        recover::<f64, 2, 2>([s, b / s], &x, &|| [s, b / s], &|u| {
+            [Bounded::ONE - u[0], u[0] * u[1]]
+        })
     }
 
     #[test]
@@ -598,7 +642,7 @@ mod tests {
         // A quarter, lost in a difference from a thousand.
         let [x] = track(&[1000.25f64]);
         let place = (x - Bounded::of(1000.0)) * Bounded::of(-4.0) + Bounded::of(1.0);
-        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], &|u| *u).unwrap();
+        let (u, bounds) = recover::<f64, 1, 1>([place], &[0.0], &|| [place], &|u| *u).unwrap();
         assert!(u[0] == 0.0 && bounds[0] > 1e-12 && bounds[0] < 1e-10, "{bounds:?}");
         assert!(same(&[1e-12], &(u, bounds)) && !coincide(&[1e-12], &u));
         assert!(!same(&[1e-9], &(u, bounds)));
@@ -615,6 +659,8 @@ mod tests {
         assert!(recovered_in_triangle([1.0 - f64::EPSILON, 1e-3]).is_none());
         // An infinite number that is known to be one is outside.
         let infinite = [Bounded::exact(f64::INFINITY)];
-        assert!(recover::<f64, 1, 1>(infinite, &[0.0], &|_| [Bounded::ZERO]).is_none());
+        assert!(
+            recover::<f64, 1, 1>(infinite, &[0.0], &|| infinite, &|_| [Bounded::ZERO]).is_none()
+        );
     }
 }

@@ -1240,3 +1240,104 @@ fn a_narrow_zone_next_to_the_pole_has_all_digits_of_its_density() {
         close(zone.sample([0.5, 0.3]).pdf().value(), 1.0 / (TAU * height));
     }
 }
+
+/// A fisheye camera whose angle from the axis grows with the distance from the centre of the film.
+#[sampler(fov in 0.1..=6.28)]
+fn equidistant_fisheye(u: [Uniform; 2], fov: f64) -> Option<Direction> {
+    let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let r = (x * x + y * y).sqrt();
+    if r > 1.0 {
+        return None;
+    }
+    let (theta, phi) = (0.5 * r * fov, y.atan2(x));
+    Some(Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()))
+}
+
+/// One whose pixels see equal solid angles.
+#[sampler]
+fn equisolid_fisheye(u: [Uniform; 2]) -> Option<Direction> {
+    let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let r2 = x * x + y * y;
+    if r2 > 1.0 {
+        return None;
+    }
+    let (theta, phi) = (2.0 * (r2.sqrt() / SQRT_2).asin(), y.atan2(x));
+    Some(Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()))
+}
+
+/// Uniform in a hyperbolic disk, as points of the Poincaré disk.
+#[sampler(radius in 0.1..=5.0)]
+fn hyperbolic_disk(u: [Uniform; 2], radius: f64) -> Vec2 {
+    let rho = (1.0 + u[0] * (radius.cosh() - 1.0)).acosh();
+    let r = (rho / 2.0).tanh();
+    let phi = TAU * u[1];
+    Vec2::new(r * phi.cos(), r * phi.sin())
+}
+
+/// A film has an axis in its middle, where angles are 0/0 and cosines are one.
+#[test]
+fn cameras_see_along_their_axis() {
+    assert_eq!(EquisolidFisheye::DERIVATION.pdf, "1/8");
+    let middle = [0.5, 0.500_000_001, 0.500_000_1, 0.6];
+    for u in middle.iter().flat_map(|u| middle.map(|v| [*u, v])) {
+        let camera = equidistant_fisheye(3.0).unwrap();
+        let theta = 3.0 * (u[0] - 0.5_f64).hypot(u[1] - 0.5);
+        // Of r dr for sin θ dθ, per four units of film.
+        let stretch = if theta > 0.0 { theta / theta.sin() } else { 1.0 };
+        let sample = camera.sample(u);
+        for found in [sample.pdf().value(), camera.pdf(&sample).value()] {
+            assert!((found * 9.0 / stretch - 1.0).abs() < 1e-14, "{u:?} {found}");
+        }
+        both(equisolid_fisheye(), u, 0.125);
+    }
+    assert!(battery::check(&equidistant_fisheye(3.0).unwrap()).failures().next().is_none());
+    assert!(battery::check(&equisolid_fisheye()).failures().next().is_none());
+    for u in [[0.5_f32, 0.5], [0.500_01, 0.500_01], [0.500_1, 0.5]] {
+        let camera = equidistant_fisheye(3.0_f32).unwrap();
+        let sample = camera.sample(u);
+        let found = [sample.pdf().value(), camera.pdf(&sample).value()];
+        assert!(found.iter().all(|p| (9.0 * p - 1.0).abs() < 4e-6), "{u:?} {found:?}");
+    }
+}
+
+/// acosh(1 + s) has digits of s where 1 + s has none.
+#[test]
+fn a_hyperbolic_disk_has_a_middle() {
+    for (radius, u) in [(0.1, 0.0), (0.1, 1e-14), (0.1, 1e-7), (2.0, 0.0), (2.0, 1e-30), (5.0, 0.9)]
+    {
+        let disk = hyperbolic_disk(radius).unwrap();
+        let sample = disk.sample([u, 0.3]);
+        let half: f64 = (0.5 * radius).sinh();
+        let s = 2.0 * u * half * half;
+        // r² = s / (2 + s), and the area of the hyperbolic plane is 4 / (1 - r²)² times that of the disk.
+        let r2 = s / (2.0 + s);
+        let found = sample.value().x.hypot(sample.value().y);
+        assert!((found - r2.sqrt()).abs() <= 1e-14 * r2.sqrt(), "{radius} {u} {found}");
+        let truth = 1.0 / ((1.0 - r2).powi(2) * PI * half * half);
+        for p in [sample.pdf().value(), disk.pdf(&sample).value()] {
+            assert!((p - truth).abs() <= 2e-13 * truth, "{radius} {u} {p} {truth}");
+        }
+    }
+    for (radius, u) in [(0.1_f32, 0.0), (0.1, 1e-5), (1.0, 6e-8)] {
+        let disk = hyperbolic_disk(radius).unwrap();
+        let sample = disk.sample([u, 0.3]);
+        let truth = 1.0 / (core::f32::consts::PI * (0.5 * radius).sinh().powi(2));
+        for p in [sample.pdf().value(), disk.pdf(&sample).value()] {
+            assert!((p - truth).abs() <= 1e-4 * truth, "{radius} {u} {p} {truth}");
+        }
+    }
+}
+
+/// The sphere by twice an arc sine, which is a sine and a cosine without it.
+#[sampler]
+fn sphere_by_half_angles(u: [Uniform; 2]) -> Direction {
+    let theta = 2.0 * u[0].sqrt().asin();
+    let phi = TAU * u[1];
+    Direction::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+}
+
+#[test]
+fn twice_an_angle_leaves_no_trace_in_a_density() {
+    assert_eq!(SphereByHalfAngles::DERIVATION.pdf, "1 / (4 π)");
+    both(sphere_by_half_angles(), [0.3, 0.7], 0.25 / PI);
+}

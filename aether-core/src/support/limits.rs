@@ -172,27 +172,42 @@ fn beside<R: Real, const P: usize, const M: usize>(
     beside_by(d, &p, x, &density)
 }
 
+/// The size of the largest coordinate.
+fn largest<R: Real, const M: usize>(x: &[R; M]) -> R {
+    x.iter().fold(R::ZERO, |m, x| m.max(x.abs()))
+}
+
+/// A number that is tiny next to the coordinates of a point.
+pub(super) fn tiny_beside<R: Real, const M: usize>(x: &[R; M]) -> R {
+    let (size, tiny) = (largest(x), R::EPSILON * R::EPSILON);
+    R::select(size.gt(R::ZERO), size * tiny, tiny)
+}
+
 fn beside_by<R: Real, const P: usize, const M: usize>(
     d: R,
     p: &[R; P],
     x: [R; M],
     density: &dyn Fn(&[R; P], &[R; M]) -> R,
 ) -> R {
-    let size = x.iter().fold(R::ZERO, |m, x| m.max(x.abs()));
-    let tiny = R::EPSILON * R::EPSILON;
-    let tiny = R::select(size.gt(R::ZERO), size * tiny, tiny);
+    let tiny = tiny_beside(&x);
     // Mostly it is a coordinate of exactly zero, else some coincidence of the parameters.
     let mut moved = x;
     for x in &mut moved {
         *x = R::select(x.lt(R::ZERO).or(x.gt(R::ZERO)), *x, tiny);
     }
     let mut first = density(p, &moved);
-    if first.ge(first).not().any() {
-        let step = R::of(8.0) * R::EPSILON * size;
-        for (i, x) in moved.iter_mut().enumerate() {
-            *x += R::of(i as f64 + 1.0) * step;
+    let size = largest(&x);
+    // Away from the origin, or towards it, as where the height of a direction is one.
+    for side in [8.0, -8.0] {
+        if first.ge(first).all() {
+            break;
         }
-        first = R::select(first.ge(first), first, density(p, &moved));
+        let step = R::of(side) * R::EPSILON;
+        let beside = core::array::from_fn(|i| {
+            let outwards = R::select(moved[i].lt(R::ZERO), -size, size);
+            moved[i] + R::of(i as f64 + 1.0) * step * outwards
+        });
+        first = R::select(first.ge(first), first, density(p, &beside));
     }
     R::select(d.ge(d), d, first)
 }
@@ -248,7 +263,8 @@ fn closed_by<R: Real, const P: usize, const N: usize, const M: usize>(
     (x, x.iter().fold(R::Mask::TRUE, |known, x| known.and(x.ge(*x))))
 }
 
-fn from_inside<R: Real, const P: usize, const N: usize, const M: usize>(
+/// The limit of a map from inside, where its value `x` is 0/0.
+pub(super) fn from_inside<R: Real, const P: usize, const N: usize, const M: usize>(
     p: &[R; P],
     u: &[R; N],
     x: [R; M],

@@ -1,6 +1,6 @@
 //! Whether a point lies on the manifold of a map's images, by its image under a preimage.
 
-use super::{SLACK, Tracking, lane, unit};
+use super::{SLACK, Tracking, lane, limits, unit};
 use crate::real::{Mask, Real, Single};
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
@@ -68,18 +68,16 @@ pub fn leads_back<R: Single, const N: usize, const M: usize>(
     unbounded && leads(R::EPSILON) || leads(R::ZERO)
 }
 
-/// The image of uniforms; where one of exactly zero leads to 0/0, that of one next to it, as samples have it.
+/// The image of uniforms; where it is 0/0, its limit from inside, as samples have it.
 fn from_inside<R: Single, const N: usize, const M: usize>(
     u: &[R::Tracked; N],
     forward: Tracking<'_, R::Tracked, N, M>,
 ) -> [R::Tracked; M] {
     let image = forward(u);
-    let is_zero = |t: &R::Tracked| !R::value_and_error(*t).0.gt(R::ZERO);
-    if image.iter().all(|y| y.ge(*y)) || !u.iter().any(is_zero) {
+    if image.iter().all(|y| y.ge(*y)) {
         return image;
     }
-    let beside = (R::EPSILON * R::EPSILON).track_within(R::ZERO);
-    forward(&u.map(|t| if is_zero(&t) { beside } else { t }))
+    limits::from_inside(&[], u, image, &|_, u| forward(u))
 }
 
 /// How many times the tolerance of [`leads_back`] a point lies off where nobody need look closer.

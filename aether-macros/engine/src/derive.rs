@@ -20,6 +20,7 @@ mod line;
 mod near_one;
 mod nearby;
 mod one_root;
+mod opened;
 mod opposed;
 mod parts;
 mod regimes;
@@ -64,6 +65,7 @@ use cases::{Case, cases, in_single, inputs, prune, verify_volume};
 use density::{Sums, accurate, density, finish};
 use limits::parameters_with_limits;
 use line::line;
+use opened::opened;
 use sample::{at_the_sample, shorter};
 pub use scaled::Scaled;
 use signs::find_signs;
@@ -253,7 +255,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     let whole = parts::whole(problem);
     let (outputs, inner) = match &whole {
         Some(whole) => whole.volume(problem),
-        None => (problem.outputs.clone(), any_volume(problem)?),
+        None => (problem.outputs.clone(), any_volumes(problem)?),
     };
     let volumes = per_uniform(problem, &inner);
     let (corners, cases): (Vec<Case>, Vec<Case>) =
@@ -292,13 +294,16 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     verify_volume(problem, inner[0], &cases)?;
     let orientation = cases::orientation(problem, &cases);
     let named = staged.as_ref().and_then(|stage| staged::volumes(problem, stage));
-    let (volumes, named) = match (named, &staged) {
+    let (mut volumes, mut named) = match (named, &staged) {
         (Some(named), Some(stage)) => {
             let own = named.iter().map(|&v| staged::spelled_out(problem, stage, v)).collect();
             (own, named)
         }
         _ => (volumes.clone(), volumes),
     };
+    for forms in [&mut volumes, &mut named] {
+        forms.extend(opened(&mut problem.graph, forms));
+    }
 
     // What is tried from here on are forms, in both precisions.
     let cases = {
@@ -329,7 +334,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         Some(_) => accurate(&mut problem.graph, &written, &outputs, &mut unknown_points),
         None => stabilise_point(&mut problem.graph, &written, &mut unknown_points, &gaps),
     };
-    let forward = shorter(&mut problem.graph, forward, &mut unknown_points);
+    let forward = shorter(&mut problem.graph, forward, &written, &mut unknown_points);
     let forward: Vec<Id> = forward.into_iter().map(|f| guard(&mut problem.graph, f)).collect();
     let mut own = pick_volume(problem, &volumes, &mut unknown_points);
     let mut preimages = Vec::new();
@@ -486,6 +491,21 @@ fn always_inside(problem: &mut Problem, forward: &[Id], unknowns: &[Id]) {
 }
 
 /// Equal expressions for √det(JᵀJ).
+fn any_volumes(problem: &mut Problem) -> Result<Vec<Id>, String> {
+    let mut volumes = any_volume(problem)?;
+    let written = problem.outputs.clone();
+    let open = |g: &mut Graph, x: Id| opened(g, &[x]).first().copied().unwrap_or(x);
+    let forms: Vec<Id> = written.iter().map(|&x| open(&mut problem.graph, x)).collect();
+    if forms != written {
+        crate::poly::start_budget();
+        problem.outputs = forms;
+        let more = any_volume(problem);
+        problem.outputs = written;
+        volumes.extend(more?);
+    }
+    Ok(volumes)
+}
+
 fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
     if let Some(volume) = joint::volume(problem).or_else(|| spherical(problem)) {
         return volume;

@@ -31,6 +31,7 @@ pub mod interval;
 pub mod jacobian;
 pub mod measure;
 pub mod monotone;
+mod multiples;
 pub mod number;
 mod overflow;
 pub mod parse;

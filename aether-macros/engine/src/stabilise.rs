@@ -8,6 +8,7 @@
 mod angles;
 mod collect;
 mod exponential;
+mod hyperbolic;
 
 pub(crate) use exponential::by_size;
 
@@ -17,6 +18,7 @@ use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::hash::Map;
 use crate::jacobian::{cost, factor_out};
 use crate::measure::{Errors, Loss, Measure};
+use crate::multiples::of_multiple;
 use crate::poly::Expander;
 use crate::rational::Q;
 use crate::sorted;
@@ -350,6 +352,7 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
+            out.extend(hyperbolic::half(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
@@ -388,7 +391,12 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
                 }
             }
         }
+        Node::Call(Fun::Acosh, args) => out.extend(hyperbolic::beside_one(g, args[0])),
+        Node::Call(f @ (Fun::Sinh | Fun::Cosh | Fun::Tanh), args) => {
+            out.extend(of_multiple(g, f, args[0]));
+        }
         Node::Call(f @ (Fun::Sin | Fun::Cos | Fun::Tan), args) => {
+            out.extend(of_multiple(g, f, args[0]));
             out.extend(angles::of_sum(g, f, args[0]));
             if turns {
                 out.extend(of_turn(g, id));

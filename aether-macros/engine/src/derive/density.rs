@@ -7,6 +7,7 @@ use super::factored::factored;
 use super::holding::never_negative;
 use super::near_one::by_the_rest;
 use super::one_root::by_one_root;
+use super::opened::opened;
 use super::opposed::{Pair, without_length};
 use super::parts::Whole;
 use super::regimes::{best_coordinates, best_forms};
@@ -195,6 +196,9 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
+    let open = opened(g, &candidates);
+    let tidied: Vec<Id> = open.iter().map(|&form| simplify(g, form, None)).collect();
+    candidates.extend(open.into_iter().chain(tidied));
     let short = factored(g, &candidates);
     candidates.extend(short);
     candidates.extend(candidates.clone().into_iter().flat_map(|c| sums.put_into(g, c)));
@@ -360,6 +364,7 @@ pub(super) fn finish(
         .map(|(i, l)| {
             let best = stabilise(g, s.unknowns[l], measure);
             let mut forms = sums.put_into(g, s.unknowns[l]);
+            forms.extend(opened(g, &[s.unknowns[l]]));
             let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
             forms.push(best);
             let without = pick(g, &forms, &truth, measure).0;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::factored::factored;
+use super::opened::opened;
 use super::rooted::by_its_roots;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS};
 use crate::hash::Map;
@@ -21,17 +22,26 @@ fn as_good(new: Loss, old: Loss) -> bool {
     bits && new.worst() <= (4.0 * old.worst()).max(GOOD)
 }
 
-/// The coordinates of a sample with what the terms of their sums have in common outside of them, where this is
-/// shorter and as accurate: a vector that is given unit length twice has one divisor then.
-pub(super) fn shorter(g: &mut Graph, forward: Vec<Id>, measure: &mut Measure) -> Vec<Id> {
-    let forms = factored(g, &forward);
-    if cost_together(g, &forms) >= cost_together(g, &forward) {
-        return forward;
-    }
+/// The coordinates of a sample in forms that are shorter and as accurate: with what the terms of their sums have in common
+/// outside of them, as a vector that is given unit length twice has one divisor then, or as they are `written`, without
+/// functions of twice an angle.
+pub(super) fn shorter(
+    g: &mut Graph,
+    forward: Vec<Id>,
+    written: &[Id],
+    measure: &mut Measure,
+) -> Vec<Id> {
+    let open = |(&x, &y): (&Id, &Id)| opened(g, &[x]).first().copied().unwrap_or(y);
+    let open: Vec<Id> = written.iter().zip(&forward).map(open).collect();
+    let mut all = [factored(g, &forward), open];
+    sorted::sort_by_key(&mut all, |forms| cost_together(g, forms));
     let mut loss = |form, of| measure.errors_of(g, form, of).loss();
-    let good =
-        forms.iter().zip(&forward).all(|(&new, &old)| as_good(loss(new, old), loss(old, old)));
-    if good { forms } else { forward }
+    let good = |forms: &Vec<Id>| {
+        forms.iter().zip(&forward).all(|(&new, &old)| as_good(loss(new, old), loss(old, old)))
+    };
+    let most = cost_together(g, &forward);
+    let better = all.into_iter().filter(|forms| cost_together(g, forms) < most).find(good);
+    better.unwrap_or(forward)
 }
 
 /// The volume at the uniforms as that of the sample itself, or by the sines and cosines that the sample has, where

@@ -372,7 +372,9 @@ fn rounded(e: &Emitter, place: Place) -> TokenStream {
             let (tp, tx) = (::aether_core::support::track(p), #tracked);
             let tx = ::aether_core::support::widened::<R, #m>(tx, errors);
             let tt = #inverse::<R::Tracked>(&tp, &tx);
-            let (t, bounds) = ::aether_core::support::recover::<R, #n, #m>(tt, x, &|t| {
+            let beside =
+                || #inverse::<R::Tracked>(&tp, &::aether_core::support::off_zero::<R, #m>(&tx));
+            let (t, bounds) = ::aether_core::support::recover::<R, #n, #m>(tt, x, &beside, &|t| {
                 ::aether_core::support::widened::<R, #m>(#forward::<R::Tracked>(&tp, t), errors)
             })?;
             #(if !#checks {

@@ -30,6 +30,9 @@ pub struct Expander<'a> {
 /// Denominators with more terms than this are not multiplied by their conjugates.
 const CONJUGATED: usize = 5;
 
+/// How many squares of atoms in terms of a polynomial are replaced at most: what needs more is long, and better left.
+const MOST_REPLACED: usize = 40;
+
 impl<'a> Expander<'a> {
     /// An expander without relations.
     pub fn new(graph: &'a mut Graph) -> Self {
@@ -341,9 +344,9 @@ impl<'a> Expander<'a> {
     }
 
     /// Applies √x·√x = x, cos² = 1 - sin², and the caller's relations.
-    fn reduce(&mut self, p: Poly) -> Option<Poly> {
-        let mut p = p;
-        for _ in 0..40 {
+    fn reduce(&mut self, mut p: Poly) -> Option<Poly> {
+        let mut left = MOST_REPLACED;
+        loop {
             let Some((k, i, square)) = p.0.iter().enumerate().find_map(|(k, (m, _))| {
                 m.iter().enumerate().find_map(|(i, (a, e))| {
                     (*e >= 2).then(|| self.square_of(*a)).flatten().map(|s| (k, i, s))
@@ -351,13 +354,16 @@ impl<'a> Expander<'a> {
             }) else {
                 return Some(p);
             };
+            // Roots of numbers make no terms.
+            if square.as_constant().is_none() {
+                left = left.checked_sub(1)?;
+            }
             let (whole, q) = p.0.remove(k);
             let mut rest = whole.to_vec();
             rest[i].1 -= 2;
             rest.retain(|(_, e)| *e > 0);
             p = p.add(&square.mul(&Poly::term(rest.into(), q))?)?;
         }
-        None
     }
 
     fn square_of(&mut self, atom: Id) -> Option<Poly> {
