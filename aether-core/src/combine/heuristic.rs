@@ -70,10 +70,31 @@ pub struct MaximumHeuristic;
 impl<R: Scalar> Heuristic<R> for MaximumHeuristic {
     fn weight(&self, ratios: &[R], _own: usize) -> R {
         let tolerance = R::EPSILON.sqrt();
-        if ratios.iter().any(|ratio| *ratio > R::ONE + tolerance) {
+        let most = ratios.iter().fold(R::ONE, |most, ratio| most.max(*ratio));
+        let ties = |ratio: R| ratio * (R::ONE + tolerance) >= most;
+        if !ties(R::ONE) {
             return R::ZERO;
         }
-        let tied = ratios.iter().filter(|ratio| **ratio >= R::ONE - tolerance).count();
+        // All that tie with the largest one, so that each of them counts the same.
+        let tied = ratios.iter().filter(|ratio| ties(**ratio)).count();
         R::ONE / R::of(tied as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_of_nearly_equal_techniques_add_up_to_one() {
+        let tolerance = f64::EPSILON.sqrt();
+        for steps in [[0.0, 0.8, 1.6], [0.0, 0.5, 0.9], [0.0, 3.0, 3.5], [0.0, 0.0, 9.0]] {
+            let densities = steps.map(|step| 1.0 + step * tolerance);
+            let weight = |own: usize| {
+                let ratios = densities.map(|p| p / densities[own]);
+                MaximumHeuristic.weight(&ratios, own)
+            };
+            assert_eq!((0..3).map(weight).sum::<f64>(), 1.0, "{steps:?}");
+        }
     }
 }

@@ -85,6 +85,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// contribute; it must not use the arena of the walks, which keeps the vertices that are drawn here. `is_drawn` may be
     /// called several times for a path.
     ///
+    /// A walk that has ended by chance, as by Russian roulette, might have gone on: it is to be lengthened by
+    /// [`append_up_to`](RandomSequence::append_up_to) to as many vertices as paths may have, without being sampled, so that what it might
+    /// have made counts as a technique. Otherwise the weights of long paths are too large.
+    ///
     /// It is what [`combine`](crate::combine::combine) makes of slices of the one walk, each concatenated with a reversed
     /// slice of the other or ended by a strategy of its own, for each length; and the same numbers are drawn, by a source
     /// that tells blocks of dimensions apart ([`UniformSource::start`]). Where strategies read two vertices at most and

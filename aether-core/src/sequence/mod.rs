@@ -118,8 +118,9 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
 
     /// An empty path.
     ///
-    /// The first, second, ... path that is asked for since [`Arena::clear`] draw from blocks of
-    /// sampling dimensions of their own.
+    /// The first four paths that are asked for since [`Arena::clear`] draw from blocks of sampling dimensions of their
+    /// own. All further ones share those of the fourth: of a source that numbers dimensions ([`UniformSource::start`](crate::UniformSource::start))
+    /// they would draw the same numbers, and take a [`Piece`](crate::uniform::Piece) of it for each of them.
     pub fn sequence(&self) -> RandomSequence<'_, V, S> {
         let number = self.sequences.get();
         self.sequences.set(number.saturating_add(1));

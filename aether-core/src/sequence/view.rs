@@ -159,7 +159,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
         self.len == 0
     }
 
-    /// Vertex `i`, counted from the first; `None` if there is none or if reading it is not declared.
+    /// Vertex `i`, counted from the first; `None` if there is none or if reading it is not declared. Where the length of the
+    /// path is not declared, as for integrands, the first one is that of those which are shown, and [`PathView::back`] is meant.
     #[inline(always)]
     pub fn vertex(&self, i: usize) -> Option<V> {
         self.back(self.len.checked_sub(i + 1)?)

@@ -129,6 +129,9 @@ fn composition(g: &mut Graph, f: Fun, x: Id) -> Option<Id> {
         (Fun::Ln, Node::Call(Fun::Exp, a)) if q == Q::ONE => Some(a[0]),
         (Fun::Ln, Node::Product(factors)) if q == Q::ONE && factors.len() == 1 => {
             let (b, e) = factors[0];
+            // An even power has a logarithm on both sides of zero.
+            let even = g.as_number(e).is_some_and(|e| e.num() % 2 == 0);
+            let b = if even { g.call(Fun::Abs, &[b]) } else { b };
             let l = g.call(Fun::Ln, &[b]);
             Some(g.mul(e, l))
         }

@@ -39,6 +39,8 @@ struct Chain<'a> {
     argument: String,
     links: HashMap<String, TokenStream>,
     plain: TokenStream,
+    /// The names that links may have read: parameters, and what has been computed of them.
+    names: Vec<String>,
     errors: &'a mut Diagnostics,
     sampler: bool,
 }
@@ -98,10 +100,25 @@ impl Chain<'_> {
                     self.errors.error(&init.expr, "a sampled point can only be passed on to maps: write this computation as a `#[map]` of its own and `.apply` it");
                     return;
                 }
+                let mut bound = Bound(vec![]);
+                walk::pat(&mut bound, pat);
+                if let Some(name) = bound.0.iter().find(|name| self.names.contains(name)) {
+                    self.errors.error(pat, format!("a chain is put together at its end, where `{name}` can have one value alone: give this one another name"));
+                }
+                self.names.extend(bound.0);
                 let value = generic(&init.expr);
                 self.plain.extend(quote!(let #pat = #value;));
             }
         }
+    }
+}
+
+/// The names that a pattern binds.
+struct Bound(Vec<String>);
+
+impl Look for Bound {
+    fn binding(&mut self, name: &syn::PatIdent) {
+        self.0.push(name.ident.to_string());
     }
 }
 
@@ -146,8 +163,9 @@ pub fn emit(
         Source::Point { name, .. } => (false, name.clone()),
     };
     let before = errors.len();
-    let mut chain =
-        Chain { argument, links: HashMap::new(), plain: TokenStream::new(), errors, sampler };
+    let names = signature.params.iter().map(|p| p.name.to_string()).collect();
+    let (links, plain) = (HashMap::new(), TokenStream::new());
+    let mut chain = Chain { argument, links, plain, names, errors, sampler };
     let (last, statements) = item.block.stmts.split_last()?;
     for s in statements {
         chain.statement(s);

@@ -19,6 +19,9 @@ pub fn type_name(name: &Ident) -> Ident {
             c.next().map_or(String::new(), |f| f.to_uppercase().chain(c).collect())
         })
         .collect();
+    // `_1` and `__` have nothing that a name can begin with.
+    let is_name = text.starts_with(|first: char| first.is_alphabetic());
+    let text = if is_name { text } else { format!("Item{text}") };
     Ident::new(&text, name.span())
 }
 

@@ -33,6 +33,8 @@ pub struct Body<'a> {
     /// What is declared of the parameters together.
     pub(super) declared: Vec<Test>,
     pub(super) names: HashMap<String, Value>,
+    /// The names of parameters, and whether they have come to stand for something else.
+    parameters: HashMap<String, bool>,
     /// Whether the operands of a comparison are being read.
     pub(super) comparing: bool,
     /// What an early `return` gave.
@@ -73,6 +75,7 @@ impl<'a> Body<'a> {
             depth: 0,
             declared: vec![],
             names,
+            parameters: HashMap::new(),
             comparing: false,
             returned: None,
             scalars: vec![],
@@ -156,6 +159,7 @@ impl<'a> Body<'a> {
         frames: &mut Vec<[[Id; 3]; 3]>,
     ) {
         let name = p.name.to_string();
+        self.parameters.insert(name.clone(), false);
         let coordinates = |body: &mut Self, n: usize, range| -> Vec<Id> {
             (0..n)
                 .map(|i| body.scalar_param(&format!("{name}.{}", ["x", "y", "z"][i]), range))
@@ -376,6 +380,7 @@ impl<'a> Body<'a> {
     pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
         match (pat, value) {
             (Pat::Ident(p), value) => {
+                self.parameters.entry(p.ident.to_string()).and_modify(|shadowed| *shadowed = true);
                 if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
                     self.names.insert(p.ident.to_string(), value);
                     return self
@@ -462,6 +467,23 @@ impl<'a> Body<'a> {
 
     /// A value computed once by plain Rust code from the parameters.
     pub fn precomputed(&mut self, code: &Expr) -> Option<Value> {
+        struct Shadowed<'n>(&'n HashMap<String, bool>, Option<String>);
+        impl Look for Shadowed<'_> {
+            fn name(&mut self, name: &proc_macro2::Ident) {
+                let name = name.to_string();
+                if self.0.get(&name) == Some(&true) {
+                    self.1 = Some(name);
+                }
+            }
+        }
+        let mut shadowed = Shadowed(&self.parameters, None);
+        walk::expr(&mut shadowed, code);
+        if let Some(name) = shadowed.1 {
+            return self.error(
+                code,
+                format!("`{name}` is no longer the parameter here, and `precomputed` reads parameters alone: give what the body makes another name"),
+            );
+        }
         let name = self.making.name.take();
         let domain = name.as_ref().and_then(|name| self.domain_of_name(name));
         let range = domain.as_ref().map_or(Interval::ALL, |d| d.interval);

@@ -368,6 +368,10 @@ impl Body<'_> {
                 }
                 Some(all)
             }
+            (syn::Pat::Ident(p), _) if is_constant(&p.ident) => self.error(
+                pattern,
+                format!("`{}` looks like a constant, and a number equals that with probability zero: an arm is a range, or a name that is no constant's", p.ident),
+            ),
             (syn::Pat::Ident(_), _) => self.bind(pattern, value.clone()).map(|()| true),
             _ => self.error(pattern, "an arm is `true`, `false`, a range as in `0.0..0.5`, a tuple of these, or a name with a guard, as in `x if x < 0.5 =>`"),
         }
@@ -498,6 +502,12 @@ impl Look for UnknownNames<'_> {
         call.args.iter().for_each(|argument| walk::expr(self, argument));
         false
     }
+}
+
+/// Whether a name is written as those of constants are.
+fn is_constant(name: &syn::Ident) -> bool {
+    let name = name.to_string();
+    name.len() > 1 && name.starts_with(|c: char| c.is_uppercase()) && name == name.to_uppercase()
 }
 
 /// What a range says of `x > 0`, or of `x >= 0`.

@@ -8,6 +8,9 @@ use super::methods;
 use crate::expr::{Graph, Id};
 use crate::rational::Q;
 
+/// What paths of constants are made of.
+const CONSTANTS: [&str; 7] = ["std", "core", "f64", "f32", "consts", "aether_core", "prelude"];
+
 impl Body<'_> {
     /// The value of an expression that must be a number.
     pub fn scalar(&mut self, e: &Expr) -> Option<Id> {
@@ -95,6 +98,14 @@ impl Body<'_> {
             && let Some(v) = self.names.get(&name)
         {
             return if matches!(v, Value::Unknown) { None } else { Some(v.clone()) };
+        }
+        let before = p.path.segments.iter().rev().skip(1);
+        let mut modules = before.map(|segment| segment.ident.to_string());
+        if let Some(module) = modules.find(|name| !CONSTANTS.contains(&name.as_str())) {
+            return self.error(
+                p,
+                format!("`{name}` of `{module}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
+            );
         }
         let g = &mut self.graph;
         let pi = g.pi();

@@ -147,6 +147,12 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
         "floor" => return body.floor(&m.method, x).map(Value::Scalar),
         "fract" => {
             let whole = body.floor(&m.method, x)?;
+            if !body.graph.range(x).nonnegative() {
+                return body.error(
+                    &m.method,
+                    "`fract` is x - trunc(x), which turns round at zero, and this number may be negative: write `x - x.floor()` if that is meant, or declare domains of parameters that exclude it",
+                );
+            }
             return Some(Value::Scalar(body.graph.sub(x, whole)));
         }
         _ => {}
