@@ -302,7 +302,9 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         _ => (volumes.clone(), volumes),
     };
     for forms in [&mut volumes, &mut named] {
-        forms.extend(opened(&mut problem.graph, forms));
+        let open: Vec<Id> =
+            forms.iter().filter_map(|&form| opened(&mut problem.graph, form)).collect();
+        forms.extend(open);
     }
 
     // What is tried from here on are forms, in both precisions.
@@ -490,12 +492,12 @@ fn always_inside(problem: &mut Problem, forward: &[Id], unknowns: &[Id]) {
     }
 }
 
-/// Equal expressions for √det(JᵀJ).
+/// Equal expressions for √det(JᵀJ), also by what is written without functions of twice an angle.
 fn any_volumes(problem: &mut Problem) -> Result<Vec<Id>, String> {
     let mut volumes = any_volume(problem)?;
     let written = problem.outputs.clone();
-    let open = |g: &mut Graph, x: Id| opened(g, &[x]).first().copied().unwrap_or(x);
-    let forms: Vec<Id> = written.iter().map(|&x| open(&mut problem.graph, x)).collect();
+    let g = &mut problem.graph;
+    let forms: Vec<Id> = written.iter().map(|&x| opened(g, x).unwrap_or(x)).collect();
     if forms != written {
         crate::poly::start_budget();
         problem.outputs = forms;
@@ -506,6 +508,7 @@ fn any_volumes(problem: &mut Problem) -> Result<Vec<Id>, String> {
     Ok(volumes)
 }
 
+/// Equal expressions for √det(JᵀJ).
 fn any_volume(problem: &mut Problem) -> Result<Vec<Id>, String> {
     if let Some(volume) = joint::volume(problem).or_else(|| spherical(problem)) {
         return volume;

@@ -1,7 +1,7 @@
 //! `#[sampler]` and `#[map]` from tokens to tokens.
 
-use proc_macro2::{Ident, TokenStream};
-use quote::quote;
+use proc_macro2::{Ident, TokenStream, TokenTree};
+use quote::{ToTokens, quote};
 use syn::ItemFn;
 use syn::parse::{Parse, ParseStream};
 
@@ -30,6 +30,14 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     };
     let mut options = errors.ok(syn::parse2::<Options>(attr)).unwrap_or_default();
     let expanded = signature(&function, sampler, &mut errors).and_then(|signature| {
+        let (sig, block) = (function.sig.to_token_stream(), function.block.to_token_stream());
+        if let Some(cfg) = switch(sig.into_iter().chain(block)) {
+            errors.error(
+                cfg,
+                "`#[cfg]` inside of a body or its parameters is not decided yet where the body is read: put it on the whole function, once for each case",
+            );
+            return None;
+        }
         options.declared_of_names(&function, &signature);
         for d in &options.domains {
             let parameter = signature.params.iter().find(|p| p.name == d.name);
@@ -93,6 +101,29 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
     };
     show_expansion(&function.sig.ident, &tokens);
     tokens
+}
+
+/// An attribute that may leave something out: rustc has not decided it yet.
+fn switch(tokens: impl IntoIterator<Item = TokenTree>) -> Option<TokenTree> {
+    let mut after_hash = false;
+    tokens.into_iter().find_map(|token| {
+        let is_attribute = std::mem::replace(&mut after_hash, false);
+        match &token {
+            TokenTree::Punct(punct) => after_hash = punct.as_char() == '#',
+            TokenTree::Group(group) => {
+                let first = group.stream().into_iter().next();
+                let is_switch = |first: &TokenTree| {
+                    matches!(first, TokenTree::Ident(name) if name == "cfg" || name == "cfg_attr")
+                };
+                if is_attribute {
+                    return first.filter(is_switch);
+                }
+                return switch(group.stream());
+            }
+            _ => {}
+        }
+        None
+    })
 }
 
 /// What is emitted for something that is no function that can be read. rustc reports errors of syntax

@@ -352,7 +352,6 @@ fn other_forms(g: &mut Graph, id: Id, turns: bool) -> Vec<Id> {
             out.extend(exponential::weighted_mean(g, c, &terms));
             out.extend(exponential::other_end(g, c, &terms));
             out.extend(half_angle(g, c, &terms));
-            out.extend(hyperbolic::half(g, c, &terms));
             out.extend(squares(g, c, &terms));
             out.extend(conjugate(g, c, &terms));
             out.extend(over_sum(g, c, &terms));
@@ -505,11 +504,13 @@ fn one_minus(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     if c.is_zero() || q != c.neg() {
         return None;
     }
-    if let Node::Call(Fun::Cos, a) = g.node(t).clone() {
+    // 1 - cos(a) = 2 sin²(a / 2), and 1 - cosh(a) = -2 sinh²(a / 2).
+    if let Node::Call(f @ (Fun::Cos | Fun::Cosh), a) = g.node(t).clone() {
+        let (sine, twice) = if f == Fun::Cos { (Fun::Sin, 2) } else { (Fun::Sinh, -2) };
         let half = g.sum(Q::ZERO, &[(Q::HALF, a[0])]);
-        let s = g.call(Fun::Sin, &[half]);
+        let s = g.call(sine, &[half]);
         let s2 = g.powi(s, 2);
-        return Some(g.sum(Q::ZERO, &[(c.mul(Q::int(2))?, s2)]));
+        return Some(g.sum(Q::ZERO, &[(c.mul(Q::int(twice))?, s2)]));
     }
     let mut logs = Vec::new();
     for (b, e) in g.factors(t) {

@@ -25,6 +25,16 @@ pub trait Look {
     fn call_of_macro(&mut self, _: &Macro) {}
 }
 
+/// Collects the names that patterns bind.
+#[derive(Default)]
+pub struct Bound(pub Vec<String>);
+
+impl Look for Bound {
+    fn binding(&mut self, name: &PatIdent) {
+        self.0.push(name.ident.to_string());
+    }
+}
+
 /// Looks at an expression and its parts.
 pub fn expr(look: &mut dyn Look, expr: &Expr) {
     Walk(look).visit_expr(expr);

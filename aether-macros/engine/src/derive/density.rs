@@ -196,7 +196,7 @@ pub(super) fn density(
     }
     // What is known of a part may be in terms of auxiliary unknowns that were never settled.
     candidates.retain(|&c| !g.has(c, UNKNOWNS));
-    let open = opened(g, &candidates);
+    let open: Vec<Id> = candidates.iter().filter_map(|&form| opened(g, form)).collect();
     let tidied: Vec<Id> = open.iter().map(|&form| simplify(g, form, None)).collect();
     candidates.extend(open.into_iter().chain(tidied));
     let short = factored(g, &candidates);
@@ -364,7 +364,7 @@ pub(super) fn finish(
         .map(|(i, l)| {
             let best = stabilise(g, s.unknowns[l], measure);
             let mut forms = sums.put_into(g, s.unknowns[l]);
-            forms.extend(opened(g, &[s.unknowns[l]]));
+            forms.extend(opened(g, s.unknowns[l]));
             let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect();
             forms.push(best);
             let without = pick(g, &forms, &truth, measure).0;

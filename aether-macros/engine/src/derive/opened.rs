@@ -7,12 +7,10 @@ use crate::hash::Map;
 use crate::jacobian::simplify;
 use crate::multiples::of_multiple;
 
-/// Expressions without functions of twice or half an angle that is told by a function; those that have some.
-pub(super) fn opened(g: &mut Graph, ids: &[Id]) -> Vec<Id> {
-    let mut memo = Map::default();
-    let opened: Vec<Id> = ids.iter().map(|&id| rebuilt(g, id, &mut memo)).collect();
-    let forms = opened.into_iter().zip(ids).filter(|(form, id)| form != *id).map(|(form, _)| form);
-    factored(g, &forms.collect::<Vec<Id>>())
+/// An expression without functions of twice or half an angle that is told by a function; `None` if it has none.
+pub(super) fn opened(g: &mut Graph, id: Id) -> Option<Id> {
+    let form = rebuilt(g, id, &mut Map::default());
+    (form != id).then(|| factored(g, &[form])[0])
 }
 
 fn rebuilt(g: &mut Graph, id: Id, memo: &mut Map<Id, Id>) -> Id {

@@ -31,7 +31,7 @@ pub(super) fn shorter(
     written: &[Id],
     measure: &mut Measure,
 ) -> Vec<Id> {
-    let open = |(&x, &y): (&Id, &Id)| opened(g, &[x]).first().copied().unwrap_or(y);
+    let open = |(&x, &y): (&Id, &Id)| opened(g, x).unwrap_or(y);
     let open: Vec<Id> = written.iter().zip(&forward).map(open).collect();
     let mut all = [factored(g, &forward), open];
     sorted::sort_by_key(&mut all, |forms| cost_together(g, forms));

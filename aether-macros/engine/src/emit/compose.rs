@@ -14,7 +14,7 @@ use super::interface::{hidden_body, hidden_body_with, interface, type_name};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Constants, Options, Param, ParamKind, Signature, Source};
-use crate::walk::{self, Look};
+use crate::walk::{self, Bound, Look};
 
 /// Whether a body calls other samplers or maps.
 pub fn is_composition(item: &ItemFn) -> bool {
@@ -100,7 +100,7 @@ impl Chain<'_> {
                     self.errors.error(&init.expr, "a sampled point can only be passed on to maps: write this computation as a `#[map]` of its own and `.apply` it");
                     return;
                 }
-                let mut bound = Bound(vec![]);
+                let mut bound = Bound::default();
                 walk::pat(&mut bound, pat);
                 if let Some(name) = bound.0.iter().find(|name| self.names.contains(name)) {
                     self.errors.error(pat, format!("a chain is put together at its end, where `{name}` can have one value alone: give this one another name"));
@@ -110,15 +110,6 @@ impl Chain<'_> {
                 self.plain.extend(quote!(let #pat = #value;));
             }
         }
-    }
-}
-
-/// The names that a pattern binds.
-struct Bound(Vec<String>);
-
-impl Look for Bound {
-    fn binding(&mut self, name: &syn::PatIdent) {
-        self.0.push(name.ident.to_string());
     }
 }
 

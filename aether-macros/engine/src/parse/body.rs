@@ -14,7 +14,7 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS};
 use crate::interval::Interval;
 use crate::points::Kind;
-use crate::walk::{self, Look};
+use crate::walk::{self, Bound, Look};
 
 /// Reads a body into a graph.
 pub struct Body<'a> {
@@ -368,13 +368,9 @@ impl<'a> Body<'a> {
 
     /// Makes the names of a pattern known without values, so that one mistake is reported once.
     fn bind_names(&mut self, pat: &Pat) {
-        struct Names<'n>(&'n mut HashMap<String, Value>);
-        impl Look for Names<'_> {
-            fn binding(&mut self, name: &syn::PatIdent) {
-                self.0.insert(name.ident.to_string(), Value::Unknown);
-            }
-        }
-        walk::pat(&mut Names(&mut self.names), pat);
+        let mut bound = Bound::default();
+        walk::pat(&mut bound, pat);
+        self.names.extend(bound.0.into_iter().map(|name| (name, Value::Unknown)));
     }
 
     pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {

@@ -19,7 +19,7 @@ use crate::number::{Dd, Number};
 use crate::points::{Kind, Point};
 use crate::rational::Q;
 use crate::solve::linear::dot;
-use crate::walk::{self, Look};
+use crate::walk::{self, Bound, Look};
 
 /// The most numbers that an item keeps.
 const MOST_NUMBERS: u8 = 64;
@@ -116,20 +116,12 @@ impl Options {
     /// Tells domains of names of the body from those of parameters.
     pub fn declared_of_names(&mut self, item: &ItemFn, signature: &Signature) {
         let is_parameter = |d: &Domain| signature.params.iter().any(|p| p.name == d.name);
-        let mut names = Bound(vec![]);
+        let mut names = Bound::default();
         walk::block(&mut names, &item.block);
         let (of_names, of_parameters) = std::mem::take(&mut self.domains)
             .into_iter()
             .partition(|d| !is_parameter(d) && names.0.iter().any(|name| d.name == name));
         (self.of_names, self.domains) = (of_names, of_parameters);
-    }
-}
-
-struct Bound(Vec<String>);
-
-impl Look for Bound {
-    fn binding(&mut self, name: &syn::PatIdent) {
-        self.0.push(name.ident.to_string());
     }
 }
 

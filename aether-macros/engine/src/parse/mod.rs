@@ -36,8 +36,7 @@ use vanishing::vanishing;
 
 use std::collections::HashMap;
 
-use proc_macro2::{TokenStream, TokenTree};
-use quote::ToTokens;
+use proc_macro2::TokenStream;
 use syn::ItemFn;
 
 use crate::derive::{Part, Problem};
@@ -130,29 +129,6 @@ struct Reading {
     constants_cut: Vec<(Leaf, Id)>,
 }
 
-/// An attribute that may leave something out: rustc has not decided it yet.
-fn switch(tokens: impl IntoIterator<Item = TokenTree>) -> Option<TokenTree> {
-    let mut after_hash = false;
-    tokens.into_iter().find_map(|token| {
-        let is_attribute = std::mem::replace(&mut after_hash, false);
-        match &token {
-            TokenTree::Punct(punct) => after_hash = punct.as_char() == '#',
-            TokenTree::Group(group) => {
-                let first = group.stream().into_iter().next();
-                let is_switch = |first: &TokenTree| {
-                    matches!(first, TokenTree::Ident(name) if name == "cfg" || name == "cfg_attr")
-                };
-                if is_attribute {
-                    return first.filter(is_switch);
-                }
-                return switch(group.stream());
-            }
-            _ => {}
-        }
-        None
-    })
-}
-
 /// Parses the body of a sampler or a map. With `making`, all that it makes of parameters alone is read as parameters of
 /// their own. `None` if there were errors.
 pub fn parse(
@@ -162,15 +138,6 @@ pub fn parse(
     making: bool,
     errors: &mut Diagnostics,
 ) -> Option<Parsed> {
-    if let Some(cfg) =
-        switch(item.sig.to_token_stream().into_iter().chain(item.block.to_token_stream()))
-    {
-        errors.error(
-            cfg,
-            "`#[cfg]` inside of a body or its parameters is not decided yet where the body is read: put it on the whole function, once for each case",
-        );
-        return None;
-    }
     let mut reader = Reader { item, signature: &signature, options, making, errors };
     let (mut pieces, mut atoms, mut total) = (Vec::new(), Vec::new(), true);
     let mut identities = Vec::new();

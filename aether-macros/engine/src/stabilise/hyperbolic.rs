@@ -1,20 +1,7 @@
-//! Hyperbolic functions next to where they cancel with a number.
+//! Inverse hyperbolic functions next to where they cancel with a number.
 
 use crate::expr::{Fun, Graph, Id, Node};
 use crate::rational::Q;
-
-/// c cosh(a) - c as 2 c sinh²(a / 2).
-pub(super) fn half(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
-    let [(q, t)] = *terms else { return None };
-    let Node::Call(Fun::Cosh, args) = g.node(t).clone() else { return None };
-    if c.is_zero() || q != c.neg() {
-        return None;
-    }
-    let half = g.sum(Q::ZERO, &[(Q::HALF, args[0])]);
-    let sine = g.call(Fun::Sinh, &[half]);
-    let square = g.powi(sine, 2);
-    Some(g.sum(Q::ZERO, &[(q.mul(Q::int(2))?, square)]))
-}
 
 /// acosh(1 + s) as ln_1p(s + √s √(2 + s)).
 pub(super) fn beside_one(g: &mut Graph, a: Id) -> Option<Id> {
@@ -35,13 +22,14 @@ mod tests {
     use crate::eval::evaluate;
     use crate::expr::Leaf;
     use crate::interval::Interval;
+    use crate::stabilise::one_minus;
 
     #[test]
     fn what_is_left_of_one_keeps_its_digits() {
         let mut g = Graph::new();
         let x = g.leaf(Leaf::Param(0), "x", Interval::ALL);
         let cosine = g.call(Fun::Cosh, &[x]);
-        let gap = half(&mut g, Q::int(-3), &[(Q::int(3), cosine)]).unwrap();
+        let gap = one_minus(&mut g, Q::int(-3), &[(Q::int(3), cosine)]).unwrap();
         let beside = g.sum(Q::ONE, &[(Q::ONE, x)]);
         let inverse = beside_one(&mut g, beside).unwrap();
         let at = |id, x: f64| evaluate(&g, id, &|_| x);
@@ -55,7 +43,7 @@ mod tests {
             let half = (0.5 * back).sinh();
             assert!((2.0 * half * half - x).abs() <= 8.0 * f64::EPSILON * x, "{x}");
         }
-        assert!(half(&mut g, Q::ONE, &[(Q::ONE, cosine)]).is_none());
+        assert!(one_minus(&mut g, Q::ONE, &[(Q::ONE, cosine)]).is_none());
         assert!(beside_one(&mut g, cosine).is_none());
     }
 }
