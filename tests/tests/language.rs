@@ -75,3 +75,64 @@ fn what_is_left_of_a_number() {
     }
     sampled(&_1(), 0.25, 0.5, 0.5);
 }
+
+#[sampler]
+fn square_of_a_sum(u: [Uniform; 1], j: f64) -> f64 {
+    (u[0] + j).powi(2)
+}
+
+/// Of an undeclared parameter no sign is taken for granted: which root of a square is meant depends on it.
+#[test]
+fn undeclared_parameters_have_both_signs() {
+    for j in [2.0, -3.0, -1.0, 0.0] {
+        for u in [0.125, 0.75] {
+            let x = u + j;
+            sampled(&square_of_a_sum(j), u, x * x, 1.0 / (2.0 * f64::abs(x)));
+        }
+    }
+    // Where both roots lie within, both count.
+    sampled(&square_of_a_sum(-0.5), 0.25, 0.0625, 4.0);
+}
+
+#[sampler]
+fn root_of_any_sign(u: [Uniform; 1]) -> f64 {
+    (1.0 - 2.0 * u[0]).sqrt()
+}
+
+#[sampler]
+fn ring(u: [Uniform; 2], z: f64) -> Direction {
+    let (h, phi) = (z * u[0], TAU * u[1]);
+    let r = (1.0 - h * h).sqrt();
+    Direction::new(r * phi.cos(), r * phi.sin(), h)
+}
+
+/// A root of a negative number is no sample, as no logarithm of one is.
+#[test]
+fn without_a_root_there_is_no_sample() {
+    sampled(&root_of_any_sign(), 0.375, 0.5, 0.5);
+    let outside = Sampler::<f64>::sample(&root_of_any_sign(), [0.75]);
+    assert!(!outside.is_valid() && outside.pdf().value() == 0.0);
+    for (u, valid) in [(0.125, true), (0.375, false)] {
+        let sample = Sampler::<f64>::sample(&ring(4.0), [u, 0.25]);
+        assert_eq!(sample.is_valid(), valid);
+        assert!((sample.pdf().value() > 0.0) == valid);
+    }
+}
+
+#[sampler]
+fn power_by_integers(u: [Uniform; 1]) -> f64 {
+    u[0].powi(7 / 2 * 2)
+}
+
+#[sampler]
+fn rest_of_a_negative_period(u: [Uniform; 1]) -> f64 {
+    (3.0 * u[0]).rem_euclid(-2.0)
+}
+
+/// Integers divide without a rest, and the rest of a division is not negative: as in Rust.
+#[test]
+fn integers_and_rests_are_those_of_rust() {
+    sampled(&power_by_integers(), 0.5, 0.5_f64.powi(6), 32.0 / 6.0);
+    sampled(&rest_of_a_negative_period(), 0.5, 1.5, 1.0 / 3.0);
+    sampled(&rest_of_a_negative_period(), 0.75, 0.25, 2.0 / 3.0);
+}

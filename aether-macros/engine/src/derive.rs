@@ -215,6 +215,8 @@ pub struct Derived {
     pub own_density: Id,
     /// Whether a preimage must be mapped forward again to see that it is one.
     pub check_forward: bool,
+    /// Whether the map has no value at some of the points that are tried, as a root of what is negative has none.
+    pub undefined: bool,
     /// The scalar parameters that must not be exactly zero, because the formulas have only a limit
     /// there; in no order, and one may be named twice.
     pub limits: Vec<u8>,
@@ -258,15 +260,18 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         None => (problem.outputs.clone(), any_volumes(problem)?),
     };
     let volumes = per_uniform(problem, &inner);
-    let (corners, cases): (Vec<Case>, Vec<Case>) =
-        cases(problem, volumes[0])?.into_iter().partition(|c| c.point.corner);
+    let (all, undefined) = cases(problem, volumes[0])?;
+    let (corners, cases): (Vec<Case>, Vec<Case>) = all.into_iter().partition(|c| c.point.corner);
+    let others = cases::of_other_signs(problem, volumes[0], &cases);
+    let plain = cases.len();
+    let selecting: Vec<Case> = cases.into_iter().chain(others).collect();
     // Without a short Jacobian there is a long one; without an inverse there is nothing.
     crate::poly::refill_budget(2);
     let inverse = |problem: &mut Problem, numerical| {
         // The search must not fail because the Jacobian is long.
         crate::poly::start_budget();
         let solutions = find_solutions(problem, &targets, numerical)?;
-        prune(problem, solutions, &cases).map_err(NoInverse::Wrong)
+        prune(problem, solutions, &selecting).map_err(NoInverse::Wrong)
     };
     let numerically = |problem: &mut Problem| inverse(problem, Numerical::Monotone);
     // A closed form may be missing, or fail where its parts overflow.
@@ -278,7 +283,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     let (solutions, check_forward) = match closed {
         None => inverse(problem, Numerical::Pieces).map_err(NoInverse::text)?,
         Some(Ok(found)) => found,
-        Some(Err(NoInverse::Stuck(_))) => match in_stages(problem, &targets, &cases) {
+        Some(Err(NoInverse::Stuck(_))) => match in_stages(problem, &targets, &selecting) {
             Some((found, stage)) => {
                 staged = Some(stage);
                 found
@@ -291,6 +296,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         },
         Some(Err(NoInverse::Wrong(why))) => numerically(problem).map_err(|_| why)?,
     };
+    let cases: Vec<Case> = selecting.into_iter().take(plain).collect();
     verify_volume(problem, inner[0], &cases)?;
     let orientation = cases::orientation(problem, &cases);
     let named = staged.as_ref().and_then(|stage| staged::volumes(problem, stage));
@@ -435,6 +441,7 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         volume: own,
         own_density,
         check_forward,
+        undefined,
         limits,
         orientation,
         pieces: solutions.iter().flat_map(|s| &s.pieces).map(|p| p.of).max().unwrap_or(0),

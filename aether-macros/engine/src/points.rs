@@ -275,6 +275,32 @@ fn corners(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd]) -> Vec<P
     all
 }
 
+/// A point with numbers that nothing was declared of, each of a random sign and at least one of them another than before; `None`
+/// if there are no such numbers.
+pub fn with_other_signs(point: &Point, kinds: &[Kind], rng: &mut Rng) -> Option<Point> {
+    let mut open = Vec::new();
+    let mut first = 0;
+    for kind in kinds {
+        if is_open(kind) {
+            open.push(first);
+        }
+        first += kind.scalars();
+    }
+    let certain = (rng.uniform() * open.len() as f64) as usize;
+    let mut params = point.params.clone();
+    for (k, &i) in open.iter().enumerate() {
+        if k == certain || rng.uniform() < 0.5 {
+            params[i] = -params[i];
+        }
+    }
+    (!open.is_empty()).then(|| Point { params, stress: true, ..point.clone() })
+}
+
+/// Whether it is a number that nothing was declared of.
+fn is_open(kind: &Kind) -> bool {
+    matches!(kind, Kind::Scalar(domain) if domain.is_none_or(|d| d == Interval::ALL))
+}
+
 /// Makes parameters that are vectors larger by a factor; whether there are any.
 fn scale_vectors(params: &mut [Dd], kinds: &[Kind], factor: f64) -> bool {
     let mut first = 0;

@@ -158,7 +158,7 @@ mod tests {
         }";
         let mut item = Item::new(Default::default(), text.parse().unwrap(), true).unwrap();
         let (problem, volume) = (&mut item.parsed.pieces[0].problem, item.derived[0].volume);
-        let points = all_over(&cases(problem, volume).unwrap());
+        let points = all_over(&cases(problem, volume).unwrap().0);
         assert!(points.len() >= FEWEST && points.iter().flatten().any(|p| p.outs[2] < 0.0));
         let g = &mut problem.graph;
         let [x, y, z] = [0, 1, 2].map(|i| g.get_leaf(Leaf::Out(i)));

@@ -8,7 +8,7 @@ use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::measure::Inputs;
 use crate::number::{Dd, Number};
-use crate::points::{Kind, Point, map_points, sampler_points};
+use crate::points::{Kind, Point, Rng, map_points, sampler_points, with_other_signs};
 use crate::solve::Solution;
 use crate::sorted;
 
@@ -41,12 +41,14 @@ impl Case {
     }
 }
 
-/// Evaluates the map at every test point; points that have no result are left out.
-pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> {
+/// Evaluates the map at every test point; points that have no result are left out. Second, whether there were some within
+/// what the map is meant for.
+pub(super) fn cases(problem: &Problem, volume: Id) -> Result<(Vec<Case>, bool), String> {
     let points = points(problem);
     if points.is_empty() && is_guarded(problem) {
         return Err(never_taken(problem));
     }
+    let undefined = points.iter().any(|point| !point.stress && is_undefined(problem, point));
     let out: Vec<Case> =
         points.into_iter().filter_map(|point| case(problem, volume, point)).collect();
     if out.iter().filter(|c| !c.point.corner).count() < 8 {
@@ -70,7 +72,29 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<Vec<Case>, String> 
             }
         }
     }
-    Ok(out)
+    Ok((out, undefined))
+}
+
+/// Whether the map has no value at a point, as a root of what is negative has none, nor beside it: at an end alone it may be
+/// rounding that has left nothing to take the root of.
+fn is_undefined(problem: &Problem, point: &Point) -> bool {
+    const STEP: f64 = 1e-4;
+    let none = |u: &[Dd]| evaluate(problem, point, u).iter().any(|x| x.to_f64().is_nan());
+    let inwards = |u: &Dd| *u + Dd::from_f64(STEP * (0.5 - u.to_f64()));
+    none(&point.unknowns) && none(&point.unknowns.iter().map(inwards).collect::<Vec<_>>())
+}
+
+/// The points in the middle of the domain with parameters of other signs, where nothing was declared of them: good for finding
+/// out which of several preimages occur there, but no test of the map, which may be meant for one sign alone.
+pub(super) fn of_other_signs(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Case> {
+    let mut rng = Rng::new(0x516e);
+    let plain = cases.iter().filter(|c| c.is_plain());
+    let turned = plain.filter_map(|c| with_other_signs(&c.point, &problem.kinds, &mut rng));
+    let on_way = turned.filter_map(|mut point| {
+        let whole = problem.made.complete(&problem.graph, &mut point);
+        (whole && on_this_way(problem, &point)).then_some(point)
+    });
+    on_way.filter_map(|point| case(problem, volume, point)).collect()
 }
 
 /// How the map is oriented, if it is oriented alike at all points within the domain.

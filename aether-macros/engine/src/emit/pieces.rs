@@ -63,7 +63,8 @@ impl<'a> Emitter<'a> {
     /// Whether a piece of the map has a value at all uniforms, so that nobody need look.
     pub(super) fn forward_is_tame(&self, piece: usize) -> bool {
         let graph = &self.parsed.pieces[piece].problem.graph;
-        Tame::new(graph, true, true).all(&self.derived[piece].forward)
+        let derived = &self.derived[piece];
+        !derived.undefined && Tame::new(graph, true, true).all(&derived.forward)
     }
 
     /// All preimages.

@@ -1,7 +1,7 @@
 //! Operators, methods and constructors of the language.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
+use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall, Lit};
 
 use super::body::Body;
 use super::bounded::{bounded_argument, kept};
@@ -47,6 +47,11 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
         (BinOp::Add(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE))),
         (BinOp::Sub(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE.neg()))),
         (BinOp::Mul(_), Scalar(x), Scalar(y)) => Some(Scalar(g.mul(*x, *y))),
+        (BinOp::Div(_), Scalar(x), Scalar(y)) if is_integer(&b.left) && is_integer(&b.right) => {
+            let quotient = g.div(*x, *y);
+            let whole = g.as_number(quotient).and_then(|q| Q::new(q.num() / q.den(), 1));
+            Some(Scalar(whole.map_or(quotient, |whole| g.number(whole))))
+        }
         (BinOp::Div(_), Scalar(x), Scalar(y)) => Some(Scalar(g.div(*x, *y))),
         (BinOp::Add(_) | BinOp::Sub(_), x, y) if same_length(x, y) => {
             let sign = Q::int(if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 });
@@ -75,6 +80,18 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
             b.op,
             "of the operators only + - * / are functions of numbers that can be inverted. The rest of a division is `x.rem_euclid(y)`, and of a division by one `x.fract()`",
         ),
+    }
+}
+
+/// Whether this is arithmetic of integer literals, which divide without a rest.
+fn is_integer(e: &Expr) -> bool {
+    match e {
+        Expr::Lit(literal) => matches!(&literal.lit, Lit::Int(n) if n.suffix() != "f64"),
+        Expr::Paren(inner) => is_integer(&inner.expr),
+        Expr::Group(inner) => is_integer(&inner.expr),
+        Expr::Unary(negated) => is_integer(&negated.expr),
+        Expr::Binary(both) => is_integer(&both.left) && is_integer(&both.right),
+        _ => false,
     }
 }
 
@@ -249,6 +266,8 @@ fn scalar_with_argument(
         }
         "rem_euclid" => {
             let period = body.scalar(a)?;
+            // Whatever its sign, the rest is not negative.
+            let period = body.absolute(period);
             let turns = body.graph.div(x, period);
             let turns = body.floor(&m.method, turns)?;
             let whole = body.graph.mul(turns, period);
@@ -344,6 +363,9 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let name = names.last().cloned().unwrap_or_default();
     let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
     let args: Vec<&Expr> = c.args.iter().collect();
+    if names.len() > 1 && names[0].starts_with(char::is_lowercase) && !is_known(&names[0]) {
+        return unknown_function(body, c, &names.join("::"));
+    }
     match (owner.as_str(), name.as_str(), &args[..]) {
         (_, "solve", [f, range, target]) => super::solve::solve(body, c, [f, range, target]),
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
@@ -401,6 +423,26 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
         }
         _ => unknown_function(body, c, &names.join("::")),
     }
+}
+
+const OURS: [&str; 11] = [
+    "std",
+    "core",
+    "f64",
+    "glam",
+    "aether_core",
+    "prelude",
+    "special",
+    "forms",
+    "point",
+    "vec",
+    "mixed",
+];
+
+/// Whether a path that starts with this crate or module leads to functions of the language: another one may have functions of
+/// the same names.
+fn is_known(start: &str) -> bool {
+    OURS.contains(&start)
 }
 
 /// The frame about a direction, as `Frame::around` makes it (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"):

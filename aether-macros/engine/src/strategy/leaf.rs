@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Span;
 use quote::{ToTokens, format_ident};
-use syn::{Expr, Ident, parse_quote};
+use syn::{Expr, ExprUnary, Ident, Macro, UnOp, parse_quote};
 
 use super::analyse::{Analysis, confused};
-use super::names::{each_ident, mentioned};
+use super::names::{each_ident, mentioned, variable};
 use super::scope::{Facts, Scope};
 use super::tree::{Action, End, Kind, Leaf};
-use crate::walk;
+use crate::walk::{self, Look};
 
 impl Analysis<'_> {
     /// A vertex, with the maps of random points in it bound to names before.
@@ -74,6 +74,17 @@ impl Analysis<'_> {
                      of the other: a vertex has one random point"
                 ),
             );
+        }
+        if !is_kept(vertex, point) {
+            self.diagnostics.error(
+                vertex,
+                format!(
+                    "no part of this vertex is `{drawn}` itself or a map of it, and what is computed \
+                     with it has another density: make the computation a `#[map]` function and use \
+                     `map.apply(&{drawn})`, or draw from `sampler.then(map)`"
+                ),
+            );
+            return None;
         }
         // The name as it is written in the source, or as hoisted: both resolve by their text.
         find_ident(vertex.to_token_stream(), point)
@@ -143,6 +154,47 @@ impl Applications<'_, '_> {
         }
         true
     }
+}
+
+/// Whether a point is a part of the vertex somewhere as it is, and not only what arithmetic or methods make of it. What is
+/// passed to functions counts as a part, as they may be constructors.
+fn is_kept(vertex: &Expr, point: &str) -> bool {
+    struct Kept<'p> {
+        point: &'p str,
+        found: bool,
+    }
+    impl Look for Kept<'_> {
+        fn expr(&mut self, expr: &Expr) -> bool {
+            match expr {
+                Expr::Binary(_) | Expr::Unary(ExprUnary { op: UnOp::Neg(_), .. }) => false,
+                Expr::MethodCall(call) if !is_conversion(&call.method) => {
+                    let own = variable(&call.receiver).is_some_and(|name| name == self.point);
+                    if !own {
+                        walk::expr(self, &call.receiver);
+                    }
+                    call.args.iter().for_each(|argument| walk::expr(self, argument));
+                    false
+                }
+                _ => true,
+            }
+        }
+        fn path(&mut self, path: &syn::ExprPath) -> bool {
+            self.found |= path.path.is_ident(self.point);
+            false
+        }
+        fn call_of_macro(&mut self, call: &Macro) {
+            each_ident(call.tokens.clone(), &mut |name| self.found |= name == self.point);
+        }
+    }
+    let mut kept = Kept { point, found: false };
+    walk::expr(&mut kept, vertex);
+    kept.found
+}
+
+/// Whether a method gives the same point as another type, by the conventions for names.
+fn is_conversion(method: &Ident) -> bool {
+    let name = method.to_string();
+    name == "clone" || ["into", "to_", "as_"].iter().any(|start| name.starts_with(start))
 }
 
 fn find_ident(tokens: proc_macro2::TokenStream, text: &str) -> Option<Ident> {

@@ -183,6 +183,15 @@ fn special_forms_out_of_place() {
 #[test]
 fn what_is_drawn_must_be_used_once() {
     refuses(&body(quote!(let w = draw(line()); Hit::origin())), "not made from it");
+    for computed in [quote!(2.0 * w), quote!(-w), quote!(w.normalize()), quote!(f(here + (w)))] {
+        refuses(&body(quote!(let w = draw(line()); Hit::new(#computed))), "has another density");
+    }
+    for part in
+        [quote!(w, 2.0 * w), quote!(*w), quote!(w.into()), quote!((w.x, w.y)), quote!(f(&w))]
+    {
+        let text = body(quote!(let w = draw(line()); Hit::new(#part)));
+        assert_eq!(errors(&text), [""; 0]);
+    }
     let two = quote!(let v = draw(line()); let w = draw(line()); Hit::at(w));
     refuses(&body(two), "a second draw");
     let two = quote! {
