@@ -11,6 +11,7 @@ use crate::combine::Shifted;
 use crate::real::Real;
 use crate::sequence::{PathView, RandomSequence};
 use crate::strategy::{Dirac, Reads, Strategy, Vertex};
+use crate::uniform::Middle;
 
 /// How many vertices before the one in question a shift reads at most for no paths to be made of what it shifts.
 pub const AT_HAND: usize = 2;
@@ -139,7 +140,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         Shifted { mut path, jacobian }: Shifted<'a, V, S>,
     ) -> Option<Shifted<'a, V, S>> {
         let (i, mut way_back) = (path.len(), self.slice(0..path.len()));
-        path.append(there).sample(&mut || V::Real::of(0.5));
+        path.append(there).sample(&mut Middle);
         if !path.is_complete() || path.dirac(i) != self.dirac(i) {
             return None;
         }

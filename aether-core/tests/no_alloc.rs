@@ -1,5 +1,6 @@
 //! No heap allocation once the arena is warm.
 
+#[path = "all/world.rs"]
 mod world;
 
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use aether_core::Pcg32;
 use glam::Vec3;
 
 use crate::image::RgbImage;
@@ -12,6 +11,7 @@ use crate::render::{AnyKernel, Budget, Observer, RenderSettings, Worker, render}
 use crate::scene::Scene;
 use crate::strategies::PathStrategies;
 use crate::subpaths::{Scratch, camera_path};
+use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -59,7 +59,7 @@ impl AnyKernel for AovKernel<'_, '_> {
         Box::new(move |pixel, sample, _| {
             scratch.arena.clear();
             let stream = u64::from(pixel.1) * width + u64::from(pixel.0);
-            let uniforms = &mut Pcg32::new(self.seed, stream, u64::from(sample));
+            let uniforms = &mut Uniforms::independent(self.seed, stream, u64::from(sample));
             let path = camera_path(world, &scratch.arena, uniforms, pixel, (2, 0));
             let (Some(eye), Some(seen)) = (path.vertex(0), path.vertex(1)) else { return [0.0; 3] };
             let value = self.aov.of(world, &seen, &eye);

@@ -8,7 +8,6 @@
 
 use aether_core::estimator::{Connections, Techniques};
 use aether_core::prelude::Vec2;
-use aether_core::uniform::Piece;
 use aether_core::{PowerHeuristic, UniformSource};
 use glam::Vec3;
 
@@ -135,7 +134,7 @@ impl Bidirectional {
         let fewest = self.fewest_vertices.max(2 + usize::from(self.path.hide_emitters));
         let ending = sample_light(world).into();
         for number in 0..count {
-            let uniforms = &mut Piece::new(uniforms, number as u32);
+            uniforms.piece(number as u32);
             let mut camera = seen_by;
             let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
             // What has ended might have gone on: it remains a technique.
@@ -169,6 +168,7 @@ impl Bidirectional {
                 record(Found { technique, film, is_own: it.first > 1, value, alone });
             });
         }
+        uniforms.piece(0);
     }
 
     /// As how many samples of an image with so many pixels a technique counts that makes paths of so many vertices, of

@@ -7,7 +7,6 @@ use std::str::FromStr;
 
 use aether_core::estimator::{Connections, Contribution, Estimator, Factors, Techniques};
 use aether_core::mutation::{Decisions, Draft, Mutation, Mutations};
-use aether_core::uniform::Sobol;
 use aether_core::{
     Arena, MarkovChainState, PathDensity, Pcg32, PowerHeuristic, RandomSequence, Snapshot,
     UniformSource, combine,
@@ -22,12 +21,14 @@ use crate::mutations::{
 };
 use crate::path::{DIRECT, PathSettings};
 use crate::render::{Chain, MarkovChain, Splats, Technique};
+use crate::scene::SamplerKind;
 use crate::stored::Stored;
 use crate::strategies::{Aim, sample_camera, sample_light};
 use crate::subpaths::{
     Scratch, camera_path, camera_step, connection, extend, first_edge, light_path, light_step,
     splits,
 };
+use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -359,7 +360,7 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
         let PathChain { metropolis, world, estimator, start, .. } = self;
         let world = *world;
         let target = |path: &Path<'_, 'a, K>| metropolis.contribution(world, estimator, path);
-        let uniforms = |step| Pcg32::new(start.seed, start.number as u64, step);
+        let uniforms = |step| Uniforms::independent(start.seed, start.number as u64, step);
         let (state, arena) = (&mut self.state, &mut self.arena);
         let step = metropolis.with_mutations(world, |all| {
             state.step_among(arena, &Mutations(all), &target, uniforms)
@@ -392,8 +393,8 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
 
 /// What a candidate is sampled by. Candidates are one set of points, which tells their mean more exactly than
 /// independent ones would.
-fn uniforms_of(seed: u64, candidate: usize) -> Sobol {
-    Sobol::new(seed, u64::MAX, candidate as u32)
+fn uniforms_of(seed: u64, candidate: usize) -> Uniforms {
+    Uniforms::new(SamplerKind::LowDiscrepancy, seed, u64::MAX, candidate as u32)
 }
 
 /// One of several paths, in proportion to their brightness; the empty one if there is none.

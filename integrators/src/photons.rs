@@ -1,6 +1,7 @@
 //! Photons, a hash grid that finds those next to a point, and how far away that may be.
 
 use aether_core::Arena;
+use aether_core::uniform::Middle;
 use glam::{IVec3, Vec3};
 
 use crate::emission::LightStrategies;
@@ -48,7 +49,7 @@ pub fn seen_size<K: SceneKind>(world: &World<'_, K>) -> f32 {
         };
         let film = &world.scene.film;
         let pixel = (at(k % LOOKS, film.width), at(k / LOOKS, film.height));
-        let path = camera_path(world, &arena, &mut || 0.5, Aim::Pixel(pixel), (2, 0));
+        let path = camera_path(world, &arena, &mut Middle, Aim::Pixel(pixel), (2, 0));
         let Some([_, seen]) = first_edge(&path) else { continue };
         if seen.surface().is_some() {
             along.iter_mut().zip(seen.position.to_array()).for_each(|(axis, x)| axis.push(x));

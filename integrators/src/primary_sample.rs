@@ -4,7 +4,8 @@
 
 use std::io::{self, Read, Write};
 
-use aether_core::{Pcg32, UniformSource};
+use aether_core::Pcg32;
+use aether_core::uniform::{UniformSource, first_block_of_piece};
 
 use crate::bidirectional::Bidirectional;
 use crate::chains::{ChainIntegrator, Contributions, Start, Statistics};
@@ -52,6 +53,8 @@ struct Coordinate {
 struct Primary {
     blocks: Vec<Vec<Coordinate>>,
     at: (usize, usize),
+    /// What is added to the numbers of blocks, for the current piece of the sample.
+    beyond: u32,
     random: Pcg32,
     step: u64,
     /// Whether the step under way draws all coordinates anew, and when that was last accepted.
@@ -69,6 +72,7 @@ impl Primary {
         Primary {
             blocks: Vec::new(),
             at: (0, 0),
+            beyond: 0,
             random,
             step: 0,
             large: true,
@@ -172,7 +176,11 @@ impl UniformSource<f32> for Primary {
     }
 
     fn start(&mut self, block: u32) {
-        self.at = (block as usize, 0);
+        self.at = (block.wrapping_add(self.beyond) as usize, 0);
+    }
+
+    fn piece(&mut self, number: u32) {
+        self.beyond = first_block_of_piece(number);
     }
 }
 

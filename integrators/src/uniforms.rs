@@ -100,6 +100,15 @@ impl UniformSource<f32> for Uniforms {
             Source::Stratified(source) => UniformSource::<f32>::start(source, block),
         }
     }
+
+    #[inline]
+    fn piece(&mut self, number: u32) {
+        for source in std::iter::once(&mut self.source).chain(&mut self.other) {
+            if let Source::Stratified(source) = source {
+                UniformSource::<f32>::piece(source, number);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

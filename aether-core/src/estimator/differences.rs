@@ -113,7 +113,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 sides.iter_mut().flatten().for_each(|side| pairs.go_on(side, next, directed));
             }
             let asked = *endings.lengths.start() <= length;
-            let used = if asked { endings.used(length) } else { 0 };
+            let used = if asked { endings.used::<I::Vertex>(length) } else { 0 };
             let ways = Ways::new(bits(used).map(|way| {
                 let steps = endings.ways[way];
                 (steps.first().unwrap_or(own), steps.is_empty())

@@ -15,11 +15,17 @@ use crate::uniform::UniformSource;
 pub struct Endings<'t, S, P> {
     /// The numbers of vertices that paths may have; none is longer than the walk.
     pub lengths: RangeInclusive<usize>,
-    /// The strategies of the last vertices of a path: each way takes the place of as many steps of the walk as it has,
+    /// The strategies of the last vertices of a path: each way takes the place of as many vertices of the walk as it yields,
     /// none for those of the walk itself.
     pub ways: &'t [&'t [S]],
     /// Whether paths with some number of vertices end in some way.
     pub is_used: P,
+}
+
+/// How many vertices steps yield together.
+#[inline(always)]
+pub(super) fn vertices<V: Vertex, S: Strategy<V>>(steps: &[S]) -> usize {
+    if S::VERTICES == 1 { steps.len() } else { steps.iter().map(S::vertices).sum() }
 }
 
 /// What a path that ends in one of several ways contributes.
@@ -38,7 +44,10 @@ pub struct Ending<'t, S, T> {
 impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
     /// A bit for each way, whether paths with so many vertices end in it.
     #[inline(always)]
-    pub(super) fn used(&self, length: usize) -> u32 {
+    pub(super) fn used<V: Vertex>(&self, length: usize) -> u32
+    where
+        S: Strategy<V>,
+    {
         let mut used = 0;
         for (way, steps) in self.ways.iter().enumerate() {
             used |= u32::from(self.has(length, steps)) << way;
@@ -48,13 +57,22 @@ impl<'t, S, P: Fn(usize, &[S]) -> bool> Endings<'t, S, P> {
 
     /// Whether paths with so many vertices end in some way.
     #[inline(always)]
-    fn has(&self, length: usize, steps: &[S]) -> bool {
-        steps.len() <= length && (self.is_used)(length, steps)
+    fn has<V: Vertex>(&self, length: usize, steps: &[S]) -> bool
+    where
+        S: Strategy<V>,
+    {
+        vertices(steps) <= length && (self.is_used)(length, steps)
     }
 
     /// The ways that paths with so many vertices end in.
     #[inline(always)]
-    pub(super) fn of_length(&self, length: usize) -> impl Iterator<Item = &'t [S]> + Clone {
+    pub(super) fn of_length<V: Vertex>(
+        &self,
+        length: usize,
+    ) -> impl Iterator<Item = &'t [S]> + Clone
+    where
+        S: Strategy<V>,
+    {
         self.ways.iter().copied().filter(move |steps| self.has(length, steps))
     }
 }
@@ -155,9 +173,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         for length in *endings.lengths.start()..=walk.size().min(*endings.lengths.end()) {
-            let ways = endings.of_length(length);
+            let ways = endings.of_length::<I::Vertex>(length);
             let paths = walk.arena.collect(ways.clone().map(|steps| {
-                let mut path = walk.slice(0..length - steps.len());
+                let mut path = walk.slice(0..length - vertices(steps));
                 for step in steps {
                     path.append(step.clone()).sample(uniforms);
                 }
@@ -194,7 +212,7 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let drawn = walk.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
-            let used = if asked { endings.used(length) } else { 0 };
+            let used = if asked { endings.used::<I::Vertex>(length) } else { 0 };
             for way in bits(used) {
                 let (steps, other) = (endings.ways[way], &mut None);
                 let (last, met) = match steps.first() {
@@ -264,7 +282,7 @@ where
     walk.sample(uniforms);
     walk.go_on(longest, step.clone(), uniforms);
     // Where the walk has found nothing, an ending of several steps may.
-    for _ in 1..endings.ways.iter().map(|steps| steps.len()).max().unwrap_or(1) {
+    for _ in 1..endings.ways.iter().map(|steps| vertices(steps)).max().unwrap_or(1) {
         if walk.size() < longest {
             walk.append(step.clone());
         }

@@ -1,6 +1,7 @@
 //! The paths along a walk and shifted ones, where they have to be made.
 
 use crate::combine::Heuristic;
+use crate::estimator::endings::vertices;
 use crate::estimator::{Ending, Endings, Estimator, Factors, PathIntegrand, RealOf, Shifts, Value};
 use crate::path_density::PathDensity;
 use crate::sequence::RandomSequence;
@@ -30,10 +31,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     {
         let mut differences = [I::Value::zero(); N];
         for length in *endings.lengths.start()..=walk.size().min(*endings.lengths.end()) {
-            let ways: Vec<_> = endings.of_length(length).collect();
+            let ways: Vec<_> = endings.of_length::<I::Vertex>(length).collect();
             let techniques = |walk: &RandomSequence<'a, I::Vertex, S>| {
                 let ended = |steps: &&[S]| {
-                    let mut path = walk.slice(0..length - steps.len());
+                    let mut path = walk.slice(0..length - vertices(steps));
                     steps.iter().for_each(|step| _ = path.append(step.clone()));
                     path
                 };
@@ -64,14 +65,16 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                     if there.is_zero() && alone.is_zero() {
                         continue;
                     }
-                    let finds = |k: &usize| *k == way || shifts.finds(base, ways[*k].len(), alone);
+                    let finds =
+                        |k: &usize| *k == way || shifts.finds(base, vertices(ways[*k]), alone);
                     let used: Vec<_> = (0..ways.len()).filter(finds).collect();
                     let number = used.iter().filter(|k| **k < way).count();
                     let ours: Vec<_> = used.iter().map(|k| ours[*k]).collect();
                     let pair = shifted.as_ref().map(|shifted| {
                         let theirs = techniques(&walk.as_shifted(shift)).into_iter().zip(&ways);
-                        let theirs = theirs
-                            .filter(|(_, steps)| shifts.finds(&shifted.path, steps.len(), there));
+                        let theirs = theirs.filter(|(_, steps)| {
+                            shifts.finds(&shifted.path, vertices(steps), there)
+                        });
                         (shifted, theirs.map(|(path, _)| path).collect::<Vec<_>>())
                     });
                     let pair = pair.as_ref().map(|(shifted, theirs)| (*shifted, &theirs[..]));

@@ -7,6 +7,7 @@ use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::real::{Real, Single};
 use crate::shift::{Moved, Shift, Turn, stretch};
 use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
+use crate::uniform::Middle;
 
 /// What is known of a shifted path.
 #[derive(Clone, Copy)]
@@ -186,7 +187,7 @@ impl<I: PathIntegrand, F: Fn(&I::Vertex, &I::Vertex) -> bool> Sides<'_, I, F> {
             }
             Moved::Copied(there) => there,
         };
-        let copy = here.draw(&there, &mut || RealOf::<I>::of(0.5))?;
+        let copy = here.draw(&there, &mut Middle)?;
         // On the way back, a ray would have to find it, and another one where the path goes on.
         let found = !ends || copy.visible;
         let is_hidden = || found && !(self.is_seen(fork, drawn) && self.is_seen(here, &copy));

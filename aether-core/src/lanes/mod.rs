@@ -329,4 +329,7 @@ impl<S: UniformSource<f32>> UniformSource<Lanes> for [S; 8] {
     fn start(&mut self, block: u32) {
         self.iter_mut().for_each(|source| source.start(block));
     }
+    fn piece(&mut self, number: u32) {
+        self.iter_mut().for_each(|source| source.piece(number));
+    }
 }

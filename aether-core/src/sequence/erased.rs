@@ -131,4 +131,7 @@ impl<R: crate::real::Real, U: UniformSource<R> + ?Sized> UniformSource<R> for Bo
     fn start(&mut self, block: u32) {
         self.0.start(block);
     }
+    fn piece(&mut self, number: u32) {
+        self.0.piece(number);
+    }
 }

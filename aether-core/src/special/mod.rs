@@ -38,7 +38,7 @@
 //! The kernels are written over [`Real`] without branches, on polynomials fitted for this crate
 //! (`coefficients.rs`), so that every kind of number gets the same algorithm; those of the beta functions
 //! iterate in double precision. The errors stated are
-//! the worst found on the values of `tests/reference/special.txt`, which sweep the domain
+//! the worst found on the values of `tests/all/reference/special.txt`, which sweep the domain
 //! logarithmically; `tests/special.rs` measures them again. An ulp is the distance between
 //! neighbouring numbers at the result.
 

@@ -4,11 +4,9 @@
 //! own numbers: not on the thread that draws it, nor on what was drawn before.
 
 mod pcg;
-mod piece;
 mod sobol;
 
 pub use pcg::Pcg32;
-pub use piece::{MOST_PIECES, Piece};
 pub use sobol::Sobol;
 
 use crate::real::{Real, Scalar};
@@ -41,6 +39,49 @@ pub trait UniformSource<R: Real> {
     /// of a path and not the order of execution: the same block of the same sample always yields
     /// the same numbers. A source that has no notion of dimensions may ignore it.
     fn start(&mut self, block: u32);
+
+    /// Says which of several pieces of a sample that are made alike, such as light paths, what follows belongs to, below
+    /// [`MOST_PIECES`]; it is the first one, 0, until this is called. The blocks of each lie apart from those of the others,
+    /// so that they have different numbers. A source that has no notion of dimensions may ignore it.
+    ///
+    /// ```
+    /// use aether_core::uniform::{Sobol, UniformSource};
+    /// let mut source = Sobol::new(7, 0, 12);
+    /// let [first, second] = [0, 1].map(|number| {
+    ///     UniformSource::<f64>::piece(&mut source, number);
+    ///     UniformSource::<f64>::start(&mut source, 3);
+    ///     UniformSource::<f64>::next(&mut source)
+    /// });
+    /// assert_ne!(first, second);
+    /// ```
+    #[inline]
+    fn piece(&mut self, _number: u32) {}
+}
+
+/// How many blocks each piece of a sample has: those of paths of 8,192 vertices.
+const BLOCKS: u32 = 1 << 16;
+/// How many pieces a sample may have ([`UniformSource::piece`]): further ones would draw the same numbers again.
+pub const MOST_PIECES: u32 = 1 << 16;
+
+/// The first block of a piece of a sample, which sources add to the numbers of those that they are asked for.
+pub const fn first_block_of_piece(number: u32) -> u32 {
+    number.wrapping_mul(BLOCKS)
+}
+
+/// A source of which every uniform is 1/2: for strategies that draw nothing, and for the middle of what others draw.
+///
+/// ```
+/// use aether_core::uniform::{Middle, draw_uniforms};
+/// assert_eq!(draw_uniforms::<f64, [f64; 2]>(&mut Middle), [0.5; 2]);
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Middle;
+
+impl<R: Real> UniformSource<R> for Middle {
+    fn next(&mut self) -> R {
+        R::of(0.5)
+    }
+    fn start(&mut self, _block: u32) {}
 }
 
 impl<R: Real, F: FnMut() -> R> UniformSource<R> for F {

@@ -1,7 +1,7 @@
 //! Owen-scrambled Sobol points, padded by blocks (Burley 2020, "Practical Hash-based Owen
 //! Scrambling", JCGT 9(4)).
 
-use super::{UniformSource, combine, first_of, mix, unit, with_second};
+use super::{UniformSource, combine, first_block_of_piece, first_of, mix, unit, with_second};
 use crate::real::Single;
 
 /// How many dimensions are stratified jointly; later ones are padded with shuffled copies.
@@ -120,6 +120,8 @@ pub struct Sobol {
     group: u32,
     /// The shuffled number of the sample in it, also reversed.
     index: u32,
+    /// What is added to the numbers of blocks, for the current piece of the sample.
+    beyond: u32,
     /// Randomisations of the group's dimensions, of two each.
     pairs: [u64; JOINT / 2],
     /// The scrambled point, as binary fractions.
@@ -130,9 +132,9 @@ impl Sobol {
     /// The point number `sample` of the stream (say, the pixel).
     pub fn new(seed: u64, stream: u64, sample: u32) -> Self {
         let (key, sample) = (first_of(combine(seed, stream)), sample.reverse_bits());
-        let (block, group, index) = (0, NONE, 0);
+        let (block, group, index, beyond) = (0, NONE, 0, 0);
         let (pairs, point) = ([0; JOINT / 2], [0; JOINT]);
-        Sobol { key, sample, block, drawn: 0, chosen: 0, group, index, pairs, point }
+        Sobol { key, sample, block, drawn: 0, chosen: 0, group, index, beyond, pairs, point }
     }
 
     /// Shuffles the sample index for a group, and finds its point: in all dimensions
@@ -203,7 +205,13 @@ impl<R: Single> UniformSource<R> for Sobol {
 
     #[inline]
     fn start(&mut self, block: u32) {
+        let block = block.wrapping_add(self.beyond);
         (self.block, self.drawn, self.chosen, self.group) = (block, 0, 0, NONE);
+    }
+
+    #[inline]
+    fn piece(&mut self, number: u32) {
+        self.beyond = first_block_of_piece(number);
     }
 }
 

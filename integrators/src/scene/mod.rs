@@ -51,6 +51,7 @@ mod malformed_tests;
 #[cfg(test)]
 mod trace_tests;
 
+use std::convert::identity;
 use std::path::PathBuf;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -65,7 +66,8 @@ pub use settings::{Film, Filter, Integrator, Sampler, SamplerKind};
 pub use tangents::Tangents;
 
 use segment::{End, On, RawHit};
-use simd::{At, Eight, Task};
+use simd::{At, Eight, Task, plainly};
+use stack::Room;
 use texture::Texture;
 use trace::Tracer;
 use vectors::is_finite;
@@ -196,7 +198,7 @@ impl Scene {
         direction: Vec3,
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
-        self.intersect_then(origin, direction, skip, |hit| hit)
+        self.intersect_then(origin, direction, skip, identity)
     }
 
     /// The same with what becomes of the hit or of there being none, which is computed on the way: what is
@@ -379,6 +381,11 @@ impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
             None => None,
         };
         (self.then)(hit)
+    }
+
+    fn run_plainly(self, room: &Room) -> T {
+        let Cast { scene, from, direction, then } = self;
+        then(plainly(Cast { scene, from, direction, then: identity::<Option<Hit>> }, room))
     }
 }
 

@@ -86,6 +86,16 @@ pub trait Task {
 
     /// Computes it. This, and all that it calls, has to be inlined to have the machine's instructions.
     fn run<E: Eight>(self, at: At<'_, E>) -> Self::Output;
+
+    /// The same in plain code, of which there is much: what of a task is not computed eight numbers at once is better not in it,
+    /// so that there is one for many tasks.
+    #[inline(always)]
+    fn run_plainly(self, room: &Room) -> Self::Output
+    where
+        Self: Sized,
+    {
+        plainly(self, room)
+    }
 }
 
 /// What a task is computed by, and where it keeps what it has still to do.
@@ -115,7 +125,7 @@ impl Machine {
     #[inline(always)]
     pub fn run<T: Task>(self, task: T) -> T::Output {
         ROOM.with(|room| match self {
-            Self::Any => plainly(task, room),
+            Self::Any => task.run_plainly(room),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(machine) => machine.vectorize(avx2::Call { at: (machine, room), task }),
         })
@@ -124,7 +134,7 @@ impl Machine {
 
 /// Out of the way of the machine's instructions: what is inlined needs room and registers even where it is not run.
 #[inline(never)]
-fn plainly<T: Task>(task: T, room: &Room) -> T::Output {
+pub fn plainly<T: Task>(task: T, room: &Room) -> T::Output {
     task.run::<Plain>(((), room))
 }
 

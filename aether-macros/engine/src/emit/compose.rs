@@ -10,10 +10,10 @@ use quote::{ToTokens, quote};
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
 use super::documentation::measures;
-use super::interface::{hidden_body, hidden_body_with, interface, type_name};
+use super::interface::{hidden_body, hidden_body_with, interface};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
-use crate::parse::{Constants, Options, Param, ParamKind, Signature, Source};
+use crate::parse::{Constants, Options, Param, ParamKind, Signature, Source, type_name};
 use crate::walk::{self, Bound, Look};
 
 /// Whether a body calls other samplers or maps.

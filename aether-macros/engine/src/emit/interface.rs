@@ -5,25 +5,8 @@ use quote::{ToTokens, quote};
 use syn::{Attribute, ItemFn};
 
 use super::legal::legal;
-use crate::parse::{Constant, Constants, Domain, Options, Param, ParamKind, Signature};
+use crate::parse::{Constant, Constants, Domain, Options, Param, ParamKind, Signature, type_name};
 use crate::points::Kind;
-
-/// cosine_hemisphere to CosineHemisphere.
-pub fn type_name(name: &Ident) -> Ident {
-    let text: String = name
-        .to_string()
-        .trim_start_matches("r#")
-        .split('_')
-        .map(|w| {
-            let mut c = w.chars();
-            c.next().map_or(String::new(), |f| f.to_uppercase().chain(c).collect())
-        })
-        .collect();
-    // `_1` and `__` have nothing that a name can begin with.
-    let is_name = text.starts_with(|first: char| first.is_alphabetic());
-    let text = if is_name { text } else { format!("Item{text}") };
-    Ident::new(&text, name.span())
-}
 
 /// The struct and its constructor.
 pub fn interface(

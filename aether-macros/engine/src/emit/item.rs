@@ -5,12 +5,12 @@ use quote::{format_ident, quote};
 use syn::ItemFn;
 
 use super::documentation::{Texts, accuracy, measures};
-use super::interface::{bound, hidden_body, interface, type_name};
+use super::interface::{bound, hidden_body, interface};
 use super::ways::Ways;
 use super::whole::Support;
 use crate::derive::{Accuracy, Atom, Derived};
 use crate::diagnostics::warning;
-use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space};
+use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space, type_name};
 use crate::sorted;
 
 /// Writes the code of one item.

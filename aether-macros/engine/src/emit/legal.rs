@@ -3,8 +3,8 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::interface::{bound, type_name};
-use crate::parse::{Options, Param, ParamKind, Signature};
+use super::interface::bound;
+use crate::parse::{Options, Param, ParamKind, Signature, type_name};
 
 /// Implements `Legal` for an item. `generic` is whether its struct has a number type, `fallible`
 /// whether its constructor returns a `Result`.

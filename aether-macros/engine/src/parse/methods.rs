@@ -409,17 +409,14 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
             Some(Value::Matrix([vector(body, x)?, vector(body, y)?, vector(body, z)?]))
         }
         ("Frame", "around", [n]) => around(body, n),
-        ("f64", f, [x]) if function_named(f).is_some() => {
-            let x = body.scalar(x)?;
-            let f = function_named(f)?;
-            Some(Value::Scalar(body.graph.call(f, &[x])))
-        }
         ("" | "special", f, arguments) if SPECIAL.split(' ').any(|name| name == f) => {
             special_function(body, c, f, arguments)
         }
-        ("f64", "sqrt", [x]) => {
-            let x = body.scalar(x)?;
-            Some(Value::Scalar(body.graph.sqrt(x)))
+        // A method by its path.
+        ("f64" | "Vec2" | "Vec3", _, [receiver, ..]) => {
+            let (receiver, f) = (*receiver, &p.path.segments.last()?.ident);
+            let rest = &args[1..];
+            method(body, &syn::parse_quote_spanned!(f.span()=> (#receiver).#f(#(#rest),*)))
         }
         _ => unknown_function(body, c, &names.join("::")),
     }

@@ -28,7 +28,7 @@ pub(crate) use order::assume_nonnegative;
 pub use pieces::{Segment, Test};
 pub use rebound::bound_once;
 pub use shared::shared;
-pub use signature::{Param, ParamKind, Signature, Source, Space, signature};
+pub use signature::{Param, ParamKind, Signature, Source, Space, signature, type_name};
 use stages::Cut;
 pub use stages::{Stage, stages};
 pub use value::Value;

@@ -93,6 +93,19 @@ pub enum ParamKind {
     Identity,
 }
 
+impl ParamKind {
+    /// How many numbers it takes.
+    fn numbers(&self) -> usize {
+        match self {
+            ParamKind::Scalar => 1,
+            ParamKind::Vec2 => 2,
+            ParamKind::Vec3 | ParamKind::Direction => 3,
+            ParamKind::Mat3 | ParamKind::Frame => 9,
+            ParamKind::Identity => 0,
+        }
+    }
+}
+
 /// A parameter.
 #[derive(Clone, Debug)]
 pub struct Param {
@@ -136,6 +149,29 @@ pub struct Signature {
     pub mixed: bool,
 }
 
+/// The type that a function makes: cosine_hemisphere to CosineHemisphere.
+pub fn type_name(name: &Ident) -> Ident {
+    let text: String = name
+        .to_string()
+        .trim_start_matches("r#")
+        .split('_')
+        .map(|w| {
+            let mut c = w.chars();
+            c.next().map_or(String::new(), |f| f.to_uppercase().chain(c).collect())
+        })
+        .collect();
+    // `_1` and `__` have nothing that a name can begin with.
+    let is_name = text.starts_with(|first: char| first.is_alphabetic());
+    let text = if is_name { text } else { format!("Item{text}") };
+    Ident::new(&text, name.span())
+}
+
+/// Names that derived code uses without a path.
+const TAKEN: [&str; 8] = ["R", "Real", "Mask", "Single", "Option", "Fn", "FnMut", "Self"];
+
+/// The most numbers that parameters are: each is written out where it is used.
+const MOST_NUMBERS: usize = 128;
+
 /// Reads the signature; `sampler` tells which attribute it is. `None` if there were errors.
 pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Option<Signature> {
     let before = errors.len();
@@ -159,6 +195,21 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
     let mut params = Vec::new();
     for input in inputs {
         params.extend(param(input, errors));
+    }
+    let ty = type_name(&sig.ident).to_string();
+    if TAKEN.contains(&ty.as_str()) {
+        errors.error(
+            &sig.ident,
+            format!("`fn {}` makes a type `{ty}`, and derived code has something else of that name: call the function otherwise", sig.ident),
+        );
+        return None;
+    }
+    let numbers: usize = params.iter().map(|p| p.kind.numbers()).sum();
+    if numbers > MOST_NUMBERS {
+        errors.error(
+            &sig.inputs,
+            format!("these parameters are {numbers} numbers, and up to {MOST_NUMBERS} are possible: sample from a table, as `Cdf` and `EnvironmentMap` do, or pass what the formula needs of them"),
+        );
     }
     let mut mixed = false;
     let space = match &sig.output {

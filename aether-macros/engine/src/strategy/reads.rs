@@ -2,7 +2,9 @@
 
 use proc_macro2::Span;
 use quote::quote_spanned;
-use syn::{BinOp, Block, Expr, ExprBinary, ExprMethodCall, Ident, Macro, PatIdent};
+use syn::{
+    BinOp, Block, Expr, ExprBinary, ExprMethodCall, ExprUnary, Ident, Macro, PatIdent, UnOp,
+};
 
 use super::names::{bare, each_ident, mentioned, variable};
 use crate::diagnostics::Diagnostics;
@@ -143,7 +145,23 @@ impl Lengths<'_> {
         };
         let names: Vec<String> = mentioned(other).into_iter().collect();
         let known = |name: &String| self.parameters.iter().any(|parameter| *parameter == name);
-        (compares && names.iter().all(known)).then(|| (Expr::Binary(condition), names))
+        let usable = compares && names.iter().all(known) && is_harmless(other);
+        usable.then(|| (Expr::Binary(condition), names))
+    }
+}
+
+/// Whether an expression can be evaluated where the body would not come to it: nothing that may panic, as a quotient or a
+/// difference of whole numbers does.
+fn is_harmless(expr: &Expr) -> bool {
+    match expr {
+        Expr::Path(_) | Expr::Lit(_) => true,
+        Expr::Field(field) => is_harmless(&field.base),
+        Expr::Paren(inner) => is_harmless(&inner.expr),
+        Expr::Group(inner) => is_harmless(&inner.expr),
+        Expr::Cast(cast) => is_harmless(&cast.expr),
+        Expr::Reference(of) => is_harmless(&of.expr),
+        Expr::Unary(ExprUnary { op: UnOp::Deref(_), expr, .. }) => is_harmless(expr),
+        _ => false,
     }
 }
 

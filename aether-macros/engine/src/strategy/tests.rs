@@ -300,6 +300,8 @@ fn reads_of_the_path() {
         quote!(let n = 3; if path.len() > n { return stop(); } #seen),
         quote!(let q = 2.0 * q; if path.len() > q as usize { return stop(); } #seen),
         quote!(if path.len() > q as usize { return stop(); } let n = path.len(); #seen),
+        quote!(if q > 0.0 && path.len() > 10 / q as usize { return stop(); } #seen),
+        quote!(if path.len() > q as usize - 1 { return stop(); } #seen),
         quote!(if path.len() > q as usize && !path.is_empty() { return stop(); } #seen),
     ];
     for statements in exact {

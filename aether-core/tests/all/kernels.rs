@@ -1,7 +1,5 @@
 //! The functions of lanes on sweeps over all numbers, against double precision.
 
-#![cfg(feature = "wide")]
-
 use aether_core::{Lanes, Real};
 
 /// One number in this many is tried; a prime, so that mantissas of all kinds occur.

@@ -1,18 +1,16 @@
 //! Conditional densities and Markov chains in a world where everything can be enumerated: the oracle
 //! is the sampling code alone, run for all values of its uniforms.
 
-mod grid;
-
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::grid::{
+    ALL, AnyMutation, Backward, Bidirectional, Choosing, Lens, Light, Path, Pattern, Proposal,
+    Site, Sites, Step, Stored, Ways, for_each_proposal, reachable, seen_from, state, target,
+};
 use aether_core::mutation::{Mutations, Rated};
 use aether_core::{
     Discrete, MarkovChainState, Mutation, PathDensity, Pcg32, Snapshot, UniformSource,
     accept_probability, conditional_pdf, discrete_weighted,
-};
-use grid::{
-    ALL, AnyMutation, Backward, Bidirectional, Choosing, Lens, Light, Path, Pattern, Proposal,
-    Site, Sites, Step, Stored, Ways, for_each_proposal, reachable, seen_from, state, target,
 };
 
 type States = BTreeMap<Pattern, Stored>;

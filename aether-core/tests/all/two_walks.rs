@@ -1,7 +1,6 @@
 //! Paths of two walks that are weighed at once contribute what they do one by one.
 
-mod world;
-
+use crate::world::{Camera, Light, Seen, Spot, Step, World};
 use aether_core::estimator::{Connected, Connections, Factors, Techniques};
 use aether_core::sequence::PathView;
 use aether_core::strategy::{Conditional, Drawn, Reads, Strategy};
@@ -9,7 +8,6 @@ use aether_core::{
     Arena, BalanceHeuristic, Estimator, PathIntegrand, Pcg32, PowerHeuristic, RandomSequence,
     UniformSource, combine::Separable, combine_with, strategies,
 };
-use world::{Camera, Light, Seen, Spot, Step, World};
 
 /// A point, under a mixture that the last two vertices decide.
 fn lobe(path: PathView<'_, Spot>) -> f64 {

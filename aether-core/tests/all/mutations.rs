@@ -1,14 +1,12 @@
 //! Mutations of paths of real numbers: closed forms, quadrature, mirrors, and what is kept.
 
-mod world;
-
+use crate::world::{Camera, Light, PINHOLE, SURVIVAL, Seen, Spot, Step, World};
 use aether_core::mutation::{Decisions, Draft, Mutations, mutation, propose, shift_jacobian};
 use aether_core::sequence::{Arena, PathView, RandomSequence, Snapshot};
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Strategy};
 use aether_core::{
     Estimator, MarkovChainState, Mutation, Pcg32, UniformSource, conditional_pdf, strategies,
 };
-use world::{Camera, Light, PINHOLE, SURVIVAL, Seen, Spot, Step, World};
 
 /// Uniform within `RADIUS` of where the vertex has been; none outside [0, 1].
 #[derive(Clone, Copy)]

@@ -3,16 +3,14 @@
 //! Each test compares one mean with the exact value; |z| > 5 is a false alarm with probability
 //! 6e-7, and the seeds are fixed.
 
-mod world;
-
 use std::ops::RangeInclusive;
 
+use crate::world::{Camera, Light, Mean, Seen, Spot, Step, Walks, Ways, World};
 use aether_core::estimator::{Ending, Endings, Factors, Steps};
 use aether_core::{
     Arena, BalanceHeuristic, Estimator, Heuristic, MaximumHeuristic, Pcg32, PowerHeuristic,
     RandomSequence, UniformSource, combine, combine_with,
 };
-use world::{Camera, Light, Mean, Seen, Spot, Step, Walks, Ways, World};
 
 const SAMPLES: u64 = 100_000;
 const LIMIT: f64 = 5.0;
@@ -357,7 +355,7 @@ fn connecting_and_merging<'w>(
     const LIGHTS: usize = 8;
     const RADIUS: f64 = 0.01;
     let n = edges + 1;
-    let walk = |first: world::Ways<'w>, uniforms: &mut Pcg32| {
+    let walk = |first: crate::world::Ways<'w>, uniforms: &mut Pcg32| {
         let mut path = arena.sequence();
         path.append(first);
         while path.size() < n {

@@ -1,13 +1,11 @@
 //! What paths are made of: slices, concatenations, reversals, densities and what they cost.
 
-mod world;
-
+use crate::world::{Camera, Light, PINHOLE, SURVIVAL, Seen, Spot, Step, Walks, Ways, World};
 use aether_core::sequence::{Arena, DynStrategy, Erased, PathView, RandomSequence};
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Strategy, Vertex};
 use aether_core::{
     BalanceHeuristic, Estimator, PathDensity, PathIntegrand, Pcg32, UniformSource, combine,
 };
-use world::{Camera, Light, PINHOLE, SURVIVAL, Seen, Spot, Step, Walks, Ways, World};
 
 type Walk<'a, 'w> = RandomSequence<'a, Spot, Ways<'w>>;
 

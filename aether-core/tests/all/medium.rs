@@ -4,15 +4,13 @@
 //! A mean that is off by more than four standard errors is a false alarm with probability 6e-5; the
 //! seeds are fixed.
 
-mod oracle;
-
+use crate::oracle::{LIMIT, chi_square, midpoint};
 use aether_core::prelude::*;
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 use aether_core::{
     Arena, Estimator, Includes, PathIntegrand, PathView, Pcg32, PowerHeuristic, UniformSource,
     coin, combine, strategies,
 };
-use oracle::{LIMIT, chi_square, midpoint};
 
 /// The walls, at zero and at the length of the rod.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,17 +4,15 @@
 //! one to the other, q ↦ q ± 1/2 with q its square root, and copies steps until both paths are in the bright part
 //! of the world, where they meet.
 
-mod world;
-
 use std::cell::Cell;
 
+use crate::world::{Camera, Mean, Seen, Spot, Step, World};
 use aether_core::estimator::{Ending, Endings, Shifts};
 use aether_core::shift::{Moved, Shift, Turn};
 use aether_core::{
     Arena, Conditional, Dirac, Drawn, Estimator, PathIntegrand, PathView, Pcg32, PowerHeuristic,
     RandomSequence, Reads, Strategy, UniformSource, strategies,
 };
-use world::{Camera, Mean, Seen, Spot, Step, World};
 
 /// What a pixel sees: the second, or the first.
 #[derive(Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use aether_core::mutation::{conditional_pdf, mutation, propose};
 use aether_core::{Arena, MarkovChainState, Pcg32, RandomSequence, Strategy};
 
-use crate::algebra::{Count, Spot, Walk, Ways, first_pair, pair, start, step};
+use super::algebra::{Count, Spot, Walk, Ways, first_pair, pair, start, step};
 use crate::world::Mean;
 
 fn spots(path: &Walk<'_, '_>) -> Vec<f64> {

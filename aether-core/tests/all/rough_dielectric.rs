@@ -1,16 +1,14 @@
 //! Scattering at dielectrics: a choice whose probability depends on the half vector drawn before it,
 //! a density that depends on the two vertices before, and a choice between two atoms.
 
-mod oracle;
-
 use std::cell::Cell;
 
+use crate::oracle::{LIMIT, chi_square, midpoint};
 use aether_core::PathView;
 use aether_core::coin;
 use aether_core::prelude::*;
 use aether_core::strategy::{Dirac, Reads, Recall, Strategy, Vertex};
 use aether_core::uniform::Pcg32;
-use oracle::{LIMIT, chi_square, midpoint};
 
 /// Index of refraction below the plane z = 0; above it is one.
 const INDEX: f64 = 1.5;

@@ -3,7 +3,7 @@
 use aether_core::prelude::*;
 use aether_core::{Arena, BalanceHeuristic, PathView, Pcg32, RandomSequence, combine, strategies};
 
-use crate::algebra::Spot;
+use super::algebra::Spot;
 
 /// Eight points, each within a reach of the one before that grows with its distance.
 #[sampler(a in -10.0..=10.0)]

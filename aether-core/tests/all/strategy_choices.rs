@@ -3,10 +3,9 @@
 //!
 //! Distributions are compared by Pearson's test with a false-alarm rate of one in a million.
 
-mod oracle;
-
 use std::cell::Cell;
 
+use crate::oracle::{LIMIT, chi_square, midpoint};
 use aether_core::discrete::{
     Cdf, Choices, Discrete, Tree, TreeBuilder, WeightError, coin, discrete_weighted, shares,
 };
@@ -14,7 +13,6 @@ use aether_core::mixture::{Mixture, mixture};
 use aether_core::prelude::*;
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
 use aether_core::{Arena, PathView, Pcg32, PdfOf, UniformSource, battery, strategies};
-use oracle::{LIMIT, chi_square, midpoint};
 
 /// A point of the line; `id` names what it lies on.
 #[derive(Clone, Copy, Debug, PartialEq)]
