@@ -120,7 +120,7 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     ///
     /// The first four paths that are asked for since [`Arena::clear`] draw from blocks of sampling dimensions of their
     /// own. All further ones share those of the fourth: of a source that numbers dimensions ([`UniformSource::start`](crate::UniformSource::start))
-    /// they would draw the same numbers, and take a [`Piece`](crate::uniform::Piece) of it for each of them.
+    /// they would draw the same numbers, unless each says that it is another [piece](crate::UniformSource::piece) of the sample.
     pub fn sequence(&self) -> RandomSequence<'_, V, S> {
         let number = self.sequences.get();
         self.sequences.set(number.saturating_add(1));

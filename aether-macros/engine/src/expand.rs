@@ -95,7 +95,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         Some(tokens) if errors.is_empty() => tokens,
         _ => {
             let rendered = errors.render();
-            let fallback = compose::fallback(&function, sampler);
+            let fallback = compose::fallback(&function, &options, sampler);
             quote!(#rendered #fallback)
         }
     };
@@ -138,7 +138,9 @@ fn unreadable(item: TokenStream, sampler: bool) -> TokenStream {
         return quote!(#item #rendered);
     }
     match syn::parse2::<Unfinished>(item.clone()) {
-        Ok(Unfinished { function, body }) => compose::fallback_with(&function, &body, sampler),
+        Ok(Unfinished { function, body }) => {
+            compose::fallback_with(&function, &Options::default(), (&body, sampler))
+        }
         Err(_) => item,
     }
 }

@@ -13,7 +13,7 @@ use super::documentation::measures;
 use super::interface::{hidden_body, hidden_body_with, interface};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
-use crate::parse::{Constants, Options, Param, ParamKind, Signature, Source, type_name};
+use crate::parse::{Constants, Domain, Options, Param, ParamKind, Signature, Source, type_name};
 use crate::walk::{self, Bound, Look};
 
 /// Whether a body calls other samplers or maps.
@@ -238,12 +238,16 @@ pub fn emit(
 
 /// What stands in for an item with errors: the body for the editor, and a constructor and impl that
 /// keep rustc from reporting the same error again at every use.
-pub fn fallback(item: &ItemFn, sampler: bool) -> TokenStream {
-    fallback_with(item, &item.block.to_token_stream(), sampler)
+pub fn fallback(item: &ItemFn, options: &Options, sampler: bool) -> TokenStream {
+    fallback_with(item, options, (&item.block.to_token_stream(), sampler))
 }
 
 /// [`fallback`] with the tokens of a body that need not be Rust yet.
-pub fn fallback_with(item: &ItemFn, block: &TokenStream, sampler: bool) -> TokenStream {
+pub fn fallback_with(
+    item: &ItemFn,
+    options: &Options,
+    (block, sampler): (&TokenStream, bool),
+) -> TokenStream {
     if item.sig.receiver().is_some() {
         // Inside of an `impl` only the method itself can stand.
         let (attrs, vis, sig) = (&item.attrs, &item.vis, &item.sig);
@@ -255,8 +259,13 @@ pub fn fallback_with(item: &ItemFn, block: &TokenStream, sampler: bool) -> Token
     let Some(signature) = crate::parse::signature(item, sampler, &mut silent) else {
         return hidden;
     };
-    let interface =
-        interface(item, &signature, &Options::default(), &Constants::default(), &quote!());
+    // With domains the constructor is one that may fail, as it will be; what is wrong may be a relation itself.
+    let is_number = |d: &&Domain| {
+        signature.params.iter().any(|p| p.name == d.name && p.kind == ParamKind::Scalar)
+    };
+    let domains = options.domains.iter().filter(is_number).cloned().collect();
+    let options = Options { domains, ..Options::default() };
+    let interface = interface(item, &signature, &options, &Constants::default(), &quote!());
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
     let args = if generic { quote!(<R>) } else { quote!() };
