@@ -104,8 +104,9 @@ impl UniformSource<f32> for Uniforms {
     #[inline]
     fn piece(&mut self, number: u32) {
         for source in std::iter::once(&mut self.source).chain(&mut self.other) {
-            if let Source::Stratified(source) = source {
-                UniformSource::<f32>::piece(source, number);
+            match source {
+                Source::Independent(source) => UniformSource::<f32>::piece(source, number),
+                Source::Stratified(source) => UniformSource::<f32>::piece(source, number),
             }
         }
     }

@@ -45,14 +45,17 @@ pub trait UniformSource<R: Real> {
     /// so that they have different numbers. A source that has no notion of dimensions may ignore it.
     ///
     /// ```
-    /// use aether_core::uniform::{Sobol, UniformSource};
-    /// let mut source = Sobol::new(7, 0, 12);
-    /// let [first, second] = [0, 1].map(|number| {
-    ///     UniformSource::<f64>::piece(&mut source, number);
-    ///     UniformSource::<f64>::start(&mut source, 3);
-    ///     UniformSource::<f64>::next(&mut source)
-    /// });
-    /// assert_ne!(first, second);
+    /// use aether_core::uniform::{Pcg32, Sobol, UniformSource};
+    /// fn drawn(mut source: impl UniformSource<f64>, pieces: [u32; 3]) -> [f64; 3] {
+    ///     pieces.map(|number| {
+    ///         source.piece(number);
+    ///         source.start(3);
+    ///         source.next()
+    ///     })
+    /// }
+    /// for pieces in [drawn(Sobol::new(7, 0, 12), [0, 1, 0]), drawn(Pcg32::new(7, 0, 12), [0, 1, 0])] {
+    ///     assert!(pieces[0] == pieces[2] && pieces[0] != pieces[1]);
+    /// }
     /// ```
     #[inline]
     fn piece(&mut self, _number: u32) {}

@@ -1,7 +1,7 @@
 //! The PCG32 generator (O'Neill 2014, "PCG: A Family of Simple Fast Space-Efficient Statistically
 //! Good Algorithms for Random Number Generation").
 
-use super::{UniformSource, combine, first_of, unit, with_second};
+use super::{UniformSource, combine, first_block_of_piece, first_of, unit, with_second};
 use crate::real::Single;
 
 const MULTIPLIER: u64 = 6_364_136_223_846_793_005;
@@ -16,6 +16,8 @@ pub struct Pcg32 {
     key: u64,
     /// What its places have in common.
     places: u64,
+    /// What is added to the numbers of blocks, for the current piece of the sample.
+    beyond: u32,
 }
 
 impl Pcg32 {
@@ -43,7 +45,7 @@ impl Pcg32 {
 
     /// The generator whose [`Pcg32::words`] these are: it goes on with the same numbers.
     pub fn from_words([state, increment, key]: [u64; 3]) -> Self {
-        Pcg32 { state, increment, key, places: first_of(key) }
+        Pcg32 { state, increment, key, places: first_of(key), beyond: 0 }
     }
 
     /// The next 32 random bits.
@@ -86,7 +88,12 @@ impl<R: Single> UniformSource<R> for Pcg32 {
     /// of a power of two apart share their low bits.
     #[inline]
     fn start(&mut self, block: u32) {
-        self.state = with_second(self.places, u64::from(block));
+        self.state = with_second(self.places, u64::from(block.wrapping_add(self.beyond)));
+    }
+
+    #[inline]
+    fn piece(&mut self, number: u32) {
+        self.beyond = first_block_of_piece(number);
     }
 }
 

@@ -363,7 +363,8 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let name = names.last().cloned().unwrap_or_default();
     let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
     let args: Vec<&Expr> = c.args.iter().collect();
-    if names.len() > 1 && names[0].starts_with(char::is_lowercase) && !is_known(&names[0]) {
+    let is_module = names.len() > 1 && names[0].starts_with(char::is_lowercase);
+    if is_module && !OURS.contains(&names[0].as_str()) {
         return unknown_function(body, c, &names.join("::"));
     }
     match (owner.as_str(), name.as_str(), &args[..]) {
@@ -422,6 +423,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     }
 }
 
+/// Crates and modules that paths to functions of the language start with: others may have functions of the same names.
 const OURS: [&str; 11] = [
     "std",
     "core",
@@ -435,12 +437,6 @@ const OURS: [&str; 11] = [
     "vec",
     "mixed",
 ];
-
-/// Whether a path that starts with this crate or module leads to functions of the language: another one may have functions of
-/// the same names.
-fn is_known(start: &str) -> bool {
-    OURS.contains(&start)
-}
 
 /// The frame about a direction, as `Frame::around` makes it (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"):
 /// a piece above the horizon, and one below.
