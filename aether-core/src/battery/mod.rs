@@ -197,26 +197,38 @@ where
 
     /// Runs all checks.
     pub fn run(&self) -> Report {
+        self.run_until(|_| false)
+    }
+
+    /// Whether a check fails, as for a density that is wrong on purpose it has to. What is left after the checks of single
+    /// points is not run if one of these fails.
+    pub fn fails(&self) -> bool {
+        !self.run_until(|report| !report.is_ok()).is_ok()
+    }
+
+    /// Runs checks until what they have found is enough.
+    fn run_until(&self, is_enough: fn(&Report) -> bool) -> Report {
         let typed = Typed::<S, R>::new(self.sampler);
         let mut report = Report::new(core::any::type_name::<S>());
         match &self.parametrisation {
-            None => run(&typed, &self.settings, None, &mut report),
+            None => run(&typed, &self.settings, None, &mut report, is_enough),
             Some(cover) => {
                 let cover = |t: &[f64]| typed.spot(cover(t));
                 let manifold = Manifold { cover: &cover, place: self.place.as_deref() };
-                run(&typed, &self.settings, Some(&manifold), &mut report);
+                run(&typed, &self.settings, Some(&manifold), &mut report, is_enough);
             }
         }
         report
     }
 }
 
-/// Runs all checks.
+/// Runs checks until what they have found is enough.
 fn run(
     sampler: &dyn Subject,
     settings: &Settings,
     manifold: Option<&Manifold<'_, '_>>,
     report: &mut Report,
+    is_enough: fn(&Report) -> bool,
 ) {
     let continuous = atoms::check(sampler, settings, report);
     let Some(probe) = Probe::new(sampler, settings.seed) else {
@@ -228,6 +240,9 @@ fn run(
         return report.add("samples", Verdict::Failed, detail);
     };
     pointwise::check(&probe, settings, report);
+    if is_enough(report) {
+        return;
+    }
     let draws = mass::Draws::new(&probe, settings.seed, settings.samples, continuous);
     match manifold {
         None => mass::check(&probe, &draws, settings, report),

@@ -30,6 +30,19 @@ fn right_samplers_pass() {
 }
 
 #[test]
+fn what_is_wrong_at_points_fails_without_the_other_checks() {
+    let mut wrong = affine();
+    assert!(!Battery::<_, f64>::new(&wrong).fails());
+    wrong.pdf = |x| 1.01 * (affine().pdf)(x);
+    let battery = Battery::<_, f64>::new(&wrong);
+    assert!(battery.fails() && battery.run().findings().len() == 6);
+    // Its mass alone tells.
+    let mut half = affine();
+    half.defined = |[u]| u < 0.6;
+    assert!(Battery::<_, f64>::new(&half).fails());
+}
+
+#[test]
 fn a_report_has_a_line_for_each_check() {
     let report = check(&affine());
     assert_eq!(report.findings().len(), 6);
