@@ -10,6 +10,7 @@ use quote::{ToTokens, format_ident, quote};
 use syn::{Expr, ItemFn, Pat};
 
 use super::body::{Body, is_call};
+use super::signature::MOST_NUMBERS;
 use super::{Domain, Options, Signature, Space, Value};
 use crate::eval::evaluate;
 use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
@@ -20,9 +21,6 @@ use crate::points::{Kind, Point};
 use crate::rational::Q;
 use crate::solve::linear::dot;
 use crate::walk::{self, Bound, Look};
-
-/// The most numbers that an item keeps.
-const MOST_NUMBERS: u8 = 64;
 
 /// What an item computes once: a number, or the coordinates of a vector.
 #[derive(Clone)]

@@ -169,8 +169,8 @@ pub fn type_name(name: &Ident) -> Ident {
 /// Names that derived code uses without a path.
 const TAKEN: [&str; 8] = ["R", "Real", "Mask", "Single", "Option", "Fn", "FnMut", "Self"];
 
-/// The most numbers that parameters are: each is written out where it is used.
-const MOST_NUMBERS: usize = 128;
+/// The most numbers that parameters are, with what an item computes of them once.
+pub const MOST_NUMBERS: u8 = 64;
 
 /// Reads the signature; `sampler` tells which attribute it is. `None` if there were errors.
 pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Option<Signature> {
@@ -205,7 +205,7 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
         return None;
     }
     let numbers: usize = params.iter().map(|p| p.kind.numbers()).sum();
-    if numbers > MOST_NUMBERS {
+    if numbers > usize::from(MOST_NUMBERS) {
         errors.error(
             &sig.inputs,
             format!("these parameters are {numbers} numbers, and up to {MOST_NUMBERS} are possible: sample from a table, as `Cdf` and `EnvironmentMap` do, or pass what the formula needs of them"),
