@@ -46,7 +46,7 @@ use crate::jacobian::{Source, cost_together, simplify, sphere, volume};
 use crate::measure::{Inputs, Measure};
 use crate::overflow::guard;
 use crate::parse::{Made, Piece, Segment, Space, Stage, Test};
-use crate::points::Kind;
+use crate::points::{Kind, placed};
 use crate::solve::{Condition, Numerical, Solution, System, solve};
 use crate::stabilise::stabilise_point;
 
@@ -704,15 +704,8 @@ fn tidy(g: &mut Graph, values: &mut BTreeMap<Leaf, Id>) {
 
 /// The numbers among the parameters that no domain is declared of.
 fn undeclared(problem: &Problem) -> Vec<String> {
-    let mut names = Vec::new();
-    let mut first = 0;
-    for kind in &problem.kinds {
-        if *kind == Kind::Scalar(None) {
-            names.push(problem.graph.name(Leaf::Param(first)).to_owned());
-        }
-        first += kind.scalars() as u8;
-    }
-    names
+    let open = placed(&problem.kinds).filter(|(kind, _)| **kind == Kind::Scalar(None));
+    open.map(|(_, place)| problem.graph.name(Leaf::Param(place.start as u8)).to_owned()).collect()
 }
 
 /// The texts of the documentation: (forward, inverse, jacobian, density), a line a piece (and a

@@ -1,6 +1,8 @@
 //! Points to try an item on while it is compiled: uniforms with their extremes, parameters over
 //! their domains.
 
+use std::ops::Range;
+
 use crate::expr::Leaf;
 use crate::interval::Interval;
 use crate::number::{Dd, Number};
@@ -32,6 +34,16 @@ impl Kind {
             Kind::Matrix | Kind::Frame => 9,
         }
     }
+}
+
+/// Groups of scalar parameters with the places of their numbers.
+pub fn placed(kinds: &[Kind]) -> impl Iterator<Item = (&Kind, Range<usize>)> {
+    let mut first = 0;
+    kinds.iter().map(move |kind| {
+        let place = first..first + kind.scalars();
+        first = place.end;
+        (kind, place)
+    })
 }
 
 /// One point: values of the unknowns and of the scalar parameters.
@@ -82,14 +94,11 @@ impl Point {
             Some(_) => round(u),
         });
         let mut point = Point { unknowns: unknowns.collect(), ..self.clone() };
-        let mut first = 0;
-        for kind in kinds {
-            let place = &mut point.params[first..first + kind.scalars()];
-            first += kind.scalars();
+        for (kind, place) in placed(kinds) {
             if matches!(kind, Kind::Direction | Kind::Frame) {
                 continue;
             }
-            for x in place {
+            for x in &mut point.params[place] {
                 *x = round(*x);
                 let legal = |x: f64| match kind {
                     Kind::Scalar(Some(d)) | Kind::Whole(d) => d.lo <= x && x <= d.hi,
@@ -212,10 +221,7 @@ pub fn sampler_points(
 /// views of isotropic materials often are: there every coordinate of a small sum is exact.
 fn lower(params: &mut [Dd], kinds: &[Kind], normal: [Dd; 3], round: usize) {
     let height = Dd::from_f64(HEIGHTS[round % GRAZING]);
-    let mut first = 0;
-    for kind in kinds {
-        let place = first..first + kind.scalars();
-        first = place.end;
+    for (kind, place) in placed(kinds) {
         if *kind == Kind::Direction {
             let w: [Dd; 3] = std::array::from_fn(|i| params[place.start + i]);
             let above = w[0] * normal[0] + w[1] * normal[1] + w[2] * normal[2];
@@ -278,14 +284,8 @@ fn corners(rng: &mut Rng, unknowns: usize, round: usize, params: &[Dd]) -> Vec<P
 /// A point with numbers that nothing was declared of, each of a random sign and at least one of them another than before; `None`
 /// if there are no such numbers.
 pub fn with_other_signs(point: &Point, kinds: &[Kind], rng: &mut Rng) -> Option<Point> {
-    let mut open = Vec::new();
-    let mut first = 0;
-    for kind in kinds {
-        if is_open(kind) {
-            open.push(first);
-        }
-        first += kind.scalars();
-    }
+    let open: Vec<usize> =
+        placed(kinds).filter(|(kind, _)| is_open(kind)).map(|(_, place)| place.start).collect();
     let certain = (rng.uniform() * open.len() as f64) as usize;
     let mut params = point.params.clone();
     for (k, &i) in open.iter().enumerate() {
@@ -303,10 +303,7 @@ fn is_open(kind: &Kind) -> bool {
 
 /// Makes parameters that are vectors larger by a factor; whether there are any.
 fn scale_vectors(params: &mut [Dd], kinds: &[Kind], factor: f64) -> bool {
-    let mut first = 0;
-    for kind in kinds {
-        let place = first..first + kind.scalars();
-        first = place.end;
+    for (kind, place) in placed(kinds) {
         if matches!(kind, Kind::Vector(_)) {
             params[place].iter_mut().for_each(|x| *x = *x * Dd::from_f64(factor));
         }

@@ -17,7 +17,7 @@ use crate::expr::{Graph, Id, Leaf, UNKNOWNS, leaf_bit};
 use crate::measure::{Inputs, Measure};
 use crate::number::{Dd, Number};
 use crate::parse::{AtomWay, Test, assume_nonnegative};
-use crate::points::{Kind, Point, sampler_points};
+use crate::points::{Kind, Point, placed, sampler_points};
 use crate::stabilise::stabilise;
 
 /// Sets of parameters that a probability is compared with a count at.
@@ -133,17 +133,15 @@ fn points(way: &AtomWay, open: &[Test]) -> Vec<Point> {
 /// The point with parameters closer to the least that they may be, or to zero.
 fn closer(point: &Point, kinds: &[Kind], scale: f64) -> Point {
     let mut point = point.clone();
-    let mut first = 0;
-    for kind in kinds {
+    for (kind, place) in placed(kinds) {
         if let Kind::Scalar(domain) = kind {
-            let x = point.params[first].to_f64();
+            let x = point.params[place.start].to_f64();
             let least = domain.map_or(0.0, |d| d.lo);
             let from = if least.is_finite() { least } else { 0.0 };
             let near = from + (x - from) * scale;
             let legal = domain.is_none_or(|d| d.lo <= near && near <= d.hi);
-            point.params[first] = Dd::from_f64(if legal { near } else { x });
+            point.params[place.start] = Dd::from_f64(if legal { near } else { x });
         }
-        first += kind.scalars();
     }
     point
 }

@@ -8,7 +8,7 @@ use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::measure::Inputs;
 use crate::number::{Dd, Number};
-use crate::points::{Kind, Point, Rng, map_points, sampler_points, with_other_signs};
+use crate::points::{Kind, Point, Rng, map_points, placed, sampler_points, with_other_signs};
 use crate::solve::Solution;
 use crate::sorted;
 
@@ -181,10 +181,7 @@ const MOST_FAILED: usize = 20;
 /// Puts zeros in the place of parameters that vanish, and gives unit vectors their length again.
 fn vanish(problem: &Problem, params: &mut [Dd]) {
     let zero = Dd::from_f64(0.0);
-    let mut first = 0;
-    for kind in &problem.kinds {
-        let place = first..first + kind.scalars();
-        first = place.end;
+    for (kind, place) in placed(&problem.kinds) {
         let is_zero = |i: &usize| problem.vanishing.contains(&Leaf::Param(*i as u8));
         let zeros: Vec<usize> = place.clone().filter(is_zero).collect();
         zeros.iter().for_each(|i| params[*i] = zero);

@@ -4,7 +4,7 @@ use super::Problem;
 use crate::eval::Evaluator;
 use crate::expr::Leaf;
 use crate::number::{Dd, Number};
-use crate::points::{Kind, Point};
+use crate::points::{Kind, Point, placed};
 
 /// Values of a parameter that are tried over its domain, and steps in which the best of them is closed in on.
 const VALUES: usize = 33;
@@ -15,15 +15,12 @@ const UNDECLARED: [f64; 2] = [-8.0, 8.0];
 /// Changes one number among the parameters of a point so that the comparisons of parameters come out as they do on the way;
 /// whether that is so.
 pub(super) fn bring(problem: &Problem, point: &mut Point) -> bool {
-    let mut first = 0;
-    for kind in &problem.kinds {
-        let place = first;
-        first += kind.scalars();
+    for (kind, place) in placed(&problem.kinds) {
         if let Kind::Scalar(domain) = kind {
             let [low, high] = domain.map_or(UNDECLARED, |d| [d.lo, d.hi]);
             let ends = [low.max(-1e3), high.min(1e3)];
-            if let Some(value) = value_for(problem, point, place, ends) {
-                point.params[place] = Dd::from_f64(value);
+            if let Some(value) = value_for(problem, point, place.start, ends) {
+                point.params[place.start] = Dd::from_f64(value);
                 return true;
             }
         }

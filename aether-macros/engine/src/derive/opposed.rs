@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::expr::{Graph, Id, Leaf};
-use crate::points::Kind;
+use crate::points::{Kind, placed};
 use crate::rational::Q;
 
 use super::{Problem, Target};
@@ -23,12 +23,10 @@ pub(super) fn pairs(problem: &mut Problem) -> Vec<Pair> {
     }
     let g = &mut problem.graph;
     let point = [0, 1, 2].map(|i| g.get_leaf(Leaf::Out(i)));
-    let (mut first, mut found) = (0, vec![]);
-    for kind in &problem.kinds {
-        if *kind == Kind::Direction {
-            found.push([[0, 1, 2].map(|i| g.get_leaf(Leaf::Param(first + i))), point]);
-        }
-        first += kind.scalars() as u8;
+    let mut found = vec![];
+    for (_, place) in placed(&problem.kinds).filter(|(kind, _)| **kind == Kind::Direction) {
+        let first = place.start as u8;
+        found.push([[0, 1, 2].map(|i| g.get_leaf(Leaf::Param(first + i))), point]);
     }
     found
 }

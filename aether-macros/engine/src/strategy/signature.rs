@@ -13,6 +13,7 @@ use syn::{
 use super::misuse;
 use super::names::{FORMS, each_ident};
 use crate::diagnostics::Diagnostics;
+use crate::parse::type_name;
 
 /// The most vertices that one draw yields.
 const MOST_VERTICES: usize = 8;
@@ -90,7 +91,7 @@ pub fn signature(item: &ItemFn, diagnostics: &mut Diagnostics) -> Option<Signatu
         }
     }
     let unused = unused(&generics, &fields);
-    let name = camel(&item.sig.ident);
+    let name = type_name(&item.sig.ident);
     let (vertex, yields, count) = yields?;
     Some(Signature {
         name,
@@ -237,7 +238,7 @@ impl VisitMut for Naming<'_> {
     fn visit_type_mut(&mut self, ty: &mut Type) {
         if let Type::ImplTrait(opaque) = ty {
             self.count += 1;
-            let name = format_ident!("{}{}", camel(self.parameter), self.count);
+            let name = format_ident!("{}{}", type_name(self.parameter), self.count);
             let bounds = &opaque.bounds;
             self.generics.params.push(parse_quote!(#name: #bounds));
             *ty = parse_quote!(#name);
@@ -274,14 +275,4 @@ fn unused(generics: &Generics, fields: &[Field]) -> Vec<GenericParam> {
 fn plain(name: &Ident) -> String {
     let text = name.to_string();
     text.strip_prefix("r#").map_or(text.clone(), str::to_owned)
-}
-
-/// `sample_bsdf` to `SampleBsdf`.
-fn camel(name: &Ident) -> Ident {
-    let text = plain(name);
-    let words = text.split('_').map(|word| {
-        let mut letters = word.chars();
-        letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect::<String>()
-    });
-    Ident::new(&words.collect::<String>(), name.span())
 }
