@@ -117,7 +117,8 @@ pub fn draw<R: Real, S: Sampler<R>>(sampler: S) -> S::Point {
 /// `let hit = constant(call);` is a locally constant call, such as a ray cast: `None` means that
 /// there is no next vertex. A density does not repeat the call but reads the value back from the
 /// vertex, through [`Recall`](crate::strategy::Recall); in a strategy of several vertices, from the one
-/// that is made from it.
+/// that is made from it. Only for an atom that no ray is cast for it does both, and if the type knows equality
+/// (`PartialEq`), the vertex is that atom only if the values are equal.
 ///
 /// # Panics
 /// Outside the body of a `#[strategy]`.

@@ -95,6 +95,15 @@ pub fn recall<V: Recall<T>, T>(target: &V, call: impl FnOnce() -> Option<T>) -> 
     target.recall()
 }
 
+/// The same beside the value that the call returns now; `None` if either has none. For atoms, of which no ray is cast.
+#[inline(always)]
+pub fn recall_called<V: Recall<T>, T>(
+    target: &V,
+    call: impl FnOnce() -> Option<T>,
+) -> Option<(T, T)> {
+    Some((target.recall()?, call()?))
+}
+
 /// Stands for a drawn point in a call that is never made.
 ///
 /// # Panics
@@ -224,28 +233,30 @@ pub fn apart_from_atom<V: Vertex, S: Strategy<V>, const DIRECTION: bool>(
     let _ = strategy;
 }
 
-/// Two arguments of a strategy, to be compared: `(&Alike(a, b)).alike()` with both traits below in scope.
+/// Two values that are to be compared if their type knows equality: `(&Alike(a, b)).alike()` with both traits below in
+/// scope.
 #[derive(Debug)]
 pub struct Alike<'a, T>(pub &'a T, pub &'a T);
 
-/// Arguments of types that know equality.
+/// Values of types that know equality.
 pub trait ByEquality {
     /// Whether they are equal.
-    fn alike(&self) -> bool;
+    fn alike(&self) -> Option<bool>;
 }
 
 impl<T: PartialEq> ByEquality for Alike<'_, T> {
     #[inline(always)]
-    fn alike(&self) -> bool {
-        self.0 == self.1
+    fn alike(&self) -> Option<bool> {
+        Some(self.0 == self.1)
     }
 }
 
 /// All others: method lookup comes here last.
 pub trait Otherwise {
-    /// They count as different.
-    fn alike(&self) -> bool {
-        false
+    /// It is not known whether they are equal.
+    #[inline(always)]
+    fn alike(&self) -> Option<bool> {
+        None
     }
 }
 

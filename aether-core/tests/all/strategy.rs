@@ -277,7 +277,10 @@ fn kinds_are_never_mixed() {
     let strategy = layered(&scene);
     let mirror = Spot { x: 1.5, id: Some(7), lobe: 0 };
     assert_eq!(atom(&strategy, Dirac::Direction, mirror), 0.5);
-    assert_eq!(atom(&strategy, Dirac::Position, mirror), 0.3);
+    // The pinhole is number 3, and no other.
+    let pinhole = Spot { x: 9.0, id: Some(3), lobe: 1 };
+    assert_eq!(atom(&strategy, Dirac::Position, pinhole), 0.3);
+    assert_eq!(atom(&strategy, Dirac::Position, mirror), 0.0);
     assert!((pdf(&strategy, mirror) - 0.05).abs() < 1e-15);
     assert_eq!(atom(&strategy, Dirac::Direction, Spot::at(1.5)), 0.0);
     for drawn in samples(&strategy, 100).into_iter().flatten() {

@@ -12,7 +12,9 @@ use aether_core::discrete::{
 use aether_core::mixture::{Mixture, mixture};
 use aether_core::prelude::*;
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Recall, Strategy, Vertex};
-use aether_core::{Arena, PathView, Pcg32, PdfOf, UniformSource, battery, strategies};
+use aether_core::{
+    Arena, PathView, Pcg32, PdfOf, PowerHeuristic, UniformSource, battery, combine, strategies,
+};
 
 /// A point of the line; `id` names what it lies on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -459,6 +461,30 @@ fn atoms_pass_through_strategies_of_strategies() {
     }
     // Standard deviation 43: false alarm once in two million.
     assert!(atoms.abs_diff(2500) < 217, "{atoms}");
+}
+
+#[test]
+fn an_atom_is_not_that_of_another_strategy_of_the_same_kind() {
+    let there = Spot { x: 3.0, id: Some(3) };
+    let view = PathView::from_slice(&[]).asking(Some(Dirac::Position));
+    assert_eq!(mirror(3).pdf(view, &there).value, 1.0);
+    assert_eq!(mirror(4).pdf(view, &there).value, 0.0);
+    // Two techniques that find a lamp each: neither finds what the other does, so that both count fully.
+    let arena = Arena::<Spot, Mirrors>::new();
+    let paths = [3, 4].map(|id| {
+        let mut path = arena.sequence();
+        *path.append(mirror(id)).sample(&mut Pcg32::new(1, 0, 0))
+    });
+    let weights: Vec<f64> = combine::<PowerHeuristic, _>(paths).map(|it| it.weight).collect();
+    assert_eq!(weights, [1.0, 1.0]);
+}
+
+strategies! {
+    /// Lamps alone.
+    #[derive(Clone)]
+    enum Mirrors for Spot {
+        Mirror(Mirror),
+    }
 }
 
 /// Knows its density from sampling.

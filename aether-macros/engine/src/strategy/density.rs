@@ -147,10 +147,26 @@ impl Emitter<'_> {
                     Some(keeper) => quote_spanned!(site=> &target[#keeper]),
                     None => quote_spanned!(site=> target),
                 };
+                let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
+                let is_atom = Kinds::of_end(end) == Kinds { position: true, ..Kinds::default() };
+                if is_atom && typed.is_empty() {
+                    // Nothing is cast for it, and another atom of this kind may have the same type.
+                    return quote_spanned! {site=>
+                        if let #some((value, called)) =
+                            #emitted::recall_called(#vertex, || { #call })
+                            && {
+                                #[allow(unused_imports)]
+                                use #emitted::{Alike, ByEquality as _, Otherwise as _};
+                                (&Alike(&value, &called)).alike() != #some(false)
+                            }
+                        {
+                            let #pat = value;
+                            #rest
+                        }
+                    };
+                }
                 quote_spanned! {site=>
-                    if let #some(value) =
-                        ::aether_core::forms::emitted::recall(#vertex, || { #(#typed)* #call })
-                    {
+                    if let #some(value) = #emitted::recall(#vertex, || { #(#typed)* #call }) {
                         let #pat = value;
                         #rest
                     }

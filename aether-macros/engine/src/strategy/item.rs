@@ -480,6 +480,7 @@ fn parameters(signature: &Signature) -> TokenStream {
 /// address, numbers by value, strategies to delegate to by asking them.
 fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
     let (site, vertex) = (Span::mixed_site(), &signature.vertex);
+    let some = quote_spanned!(site=> ::core::option::Option::Some);
     let mut strategies = Vec::new();
     if let Some(plan) = plan {
         plan.delegates(&mut |strategy| strategies.extend(referenced(strategy)));
@@ -493,7 +494,7 @@ fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
             }
         } else {
             // Equal, if the type knows equality.
-            quote_spanned!(site=> (&Alike(&self.#name, &other.#name)).alike())
+            quote_spanned!(site=> (&Alike(&self.#name, &other.#name)).alike() == #some(true))
         }
     });
     quote_spanned! {site=>

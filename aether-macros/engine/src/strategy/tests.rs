@@ -270,6 +270,8 @@ fn atoms_must_be_told_apart() {
     };
     let text = body(identified);
     assert!(errors(&text).is_empty() && text.contains("Dirac :: Position"));
+    // What is cast is read back alone; a lamp is compared as well.
+    assert!(text.contains("recall_called (target , || { Some (light . id) })"), "{text}");
     let mirror = quote! {
         let here = given(path.last());
         let id = constant(scene.cast(here, here.mirrored()));
