@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Settings;
-use super::gamma::chi_square_tail;
+use super::pearson::Pearson;
 use super::pointwise::tolerance;
 use super::regions::{End, Led, measures};
 use super::report::{Report, Verdict};
@@ -117,35 +117,12 @@ impl Atoms<'_> {
     /// Pearson's test of the samples on each atom, and on none, against the probabilities. What has fewer than five samples
     /// expected is pooled, and cannot have many.
     fn shares(&self, false_alarm_rate: f64, report: &mut Report) {
-        let n = self.led.len() as f64;
-        let (mut statistic, mut bins, mut pooled) = (0.0, 0, (0.0, 0.0));
-        let mut worst = (0.0_f64, String::new());
+        let mut pearson = Pearson::default();
         for (end, count, expected) in self.counts() {
-            if expected < 5.0 {
-                pooled = (pooled.0 + count, pooled.1 + expected);
-                continue;
-            }
-            let deviation: f64 = (count - expected) / expected.sqrt();
-            statistic += deviation * deviation;
-            bins += 1;
-            if deviation.abs() >= worst.0 {
-                worst = (deviation.abs(), format!("{end:?}"));
-            }
+            pearson.add(&format!("{end:?}"), count, (expected, 0.0));
         }
-        let p = chi_square_tail(statistic, f64::from((bins - 1).max(1)));
-        let figures = format!(
-            "{n} samples, {} atoms: statistic {statistic:.1}, p = {p:.1e} (limit {false_alarm_rate:e}), {} is {:.1} \
-             standard deviations off",
-            self.probabilities.len(),
-            worst.1,
-            worst.0,
-        );
-        let failure = if pooled.0 > 30.0 && pooled.1 < 5.0 {
-            Some(format!("{} samples where {:.1} are expected; {figures}", pooled.0, pooled.1))
-        } else {
-            (p.is_nan() || p < false_alarm_rate).then(|| figures.clone())
-        };
-        report.conclude("atom shares", failure, figures);
+        let subject = format!("{} samples, {} atoms", self.led.len(), self.probabilities.len());
+        pearson.conclude(("atom shares", &subject), false_alarm_rate, report);
     }
 
     /// How many samples are on each atom, and how many are expected there; those without an atom, or none at all, count as

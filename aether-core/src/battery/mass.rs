@@ -2,8 +2,8 @@
 
 use super::cubature::{Bounds, Integral, MOST, integrate};
 use super::derivative::Derivative;
-use super::gamma::chi_square_tail;
 use super::partition::{Grid, Tree, cut};
+use super::pearson::Pearson;
 use super::probe::Probe;
 use super::report::{Report, Verdict};
 use super::space::Chart;
@@ -43,6 +43,11 @@ impl Draws {
         (self.points.len() + self.missing) as f64
     }
 
+    /// How many uniforms there were, and how many of them gave none.
+    fn counted(&self) -> (f64, f64) {
+        (self.count(), self.missing as f64)
+    }
+
     /// The share of uniforms that give a sample, and five standard errors of it.
     fn mass(&self) -> (f64, f64) {
         if let Some(mass) = self.share {
@@ -78,7 +83,7 @@ pub(super) fn check(probe: &Probe, draws: &Draws, settings: &Settings, report: &
 
     let mut counts = vec![0.0; integral.bins.len()];
     draws.points.iter().for_each(|x| counts[tree.leaf(&chart.cube(x))] += 1.0);
-    chi_square(draws, &counts, &integral, settings.false_alarm_rate, report);
+    chi_square(draws.counted(), &counts, &integral, settings.false_alarm_rate, report);
 }
 
 /// Checks the density over a manifold that the user has parametrised.
@@ -124,7 +129,7 @@ pub(super) fn check_over(
         let detail = format!("{outside} samples are where the parametrisation does not reach");
         return report.add("chi-square", Verdict::Failed, detail);
     }
-    chi_square(draws, &counts, &integral, settings.false_alarm_rate, report);
+    chi_square(draws.counted(), &counts, &integral, settings.false_alarm_rate, report);
 }
 
 fn report_mass(draws: &Draws, integral: &Integral, report: &mut Report) {
@@ -143,50 +148,22 @@ fn report_mass(draws: &Draws, integral: &Integral, report: &mut Report) {
     report.conclude("mass", failure, figures);
 }
 
-/// Pearson's test of the counts in each bin against the mass of the density there, whose own
-/// variance adds to that of the count. Bins with fewer than five expected are pooled with the
-/// uniforms that give no sample.
-fn chi_square(
-    draws: &Draws,
+/// Pearson's test of the counts in each bin, of `n` in all with those that are missing, against the mass of the density there,
+/// whose own variance adds to that of the count.
+pub(super) fn chi_square(
+    (n, missing): (f64, f64),
     counts: &[f64],
     integral: &Integral,
     false_alarm_rate: f64,
     report: &mut Report,
 ) {
-    let n = draws.count();
-    let (mut statistic, mut bins) = (0.0, 0);
-    let (mut pooled_count, mut pooled_mass) = (draws.missing as f64, 1.0);
-    let mut worst = 0.0_f64;
-    let mut add = |count: f64, expected: f64, variance: f64| {
-        let deviation = (count - expected) / (expected + variance).sqrt();
-        worst = worst.max(deviation.abs());
-        statistic += deviation * deviation;
-        bins += 1;
-    };
-    for (count, (mass, variance)) in
-        counts.iter().zip(integral.bins.iter().zip(&integral.variances))
-    {
-        if mass * n < 5.0 {
-            pooled_count += count;
-        } else {
-            pooled_mass -= mass;
-            add(*count, mass * n, variance * n * n);
-        }
+    let mut pearson = Pearson::default();
+    let bins = integral.bins.iter().zip(&integral.variances);
+    for (number, (count, (mass, variance))) in counts.iter().zip(bins).enumerate() {
+        pearson.add(&format!("bin {number}"), *count, (mass * n, variance * n * n));
     }
-    // Less than one sample expected: whatever is there must be noise of the cubature.
-    let impossible = pooled_mass * n < 5.0 && pooled_count > 30.0;
-    if pooled_mass * n >= 5.0 {
-        add(pooled_count, pooled_mass * n, integral.error().powi(2) * n * n);
-    }
-    let p = chi_square_tail(statistic, f64::from((bins - 1).max(1)));
-    let figures = format!(
-        "{n} samples in {bins} bins: statistic {statistic:.1}, p = {p:.1e} (limit \
-         {false_alarm_rate:e}), worst bin {worst:.1} standard deviations off"
-    );
-    let failure = if impossible {
-        Some(format!("{pooled_count} samples where the density has no mass; {figures}"))
-    } else {
-        (p.is_nan() || p < false_alarm_rate).then(|| figures.clone())
-    };
-    report.conclude("chi-square", failure, figures);
+    let none = n * (1.0 - integral.total());
+    pearson.add("no sample", missing, (none, (integral.error() * n).powi(2)));
+    let subject = format!("{n} samples in {} bins", counts.len());
+    pearson.conclude(("chi-square", &subject), false_alarm_rate, report);
 }

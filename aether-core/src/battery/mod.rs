@@ -37,6 +37,8 @@
 //! [`SurfacePoint`](crate::SurfacePoint)s), and for several points at once, there is nothing to integrate over: *mass* needs
 //! [`Battery::parametrised`] there, and *chi-square* [`Battery::located`] too; without them *jacobian* vouches for the
 //! density on the manifold.
+//!
+//! [`StrategyBattery`] checks a strategy.
 
 mod atoms;
 mod cubature;
@@ -45,17 +47,20 @@ mod gamma;
 mod mass;
 mod outside;
 mod partition;
+mod pearson;
 mod pointwise;
 mod probe;
 mod regions;
 mod report;
 mod space;
+mod strategies;
 mod subject;
 #[cfg(test)]
 mod tests;
 
 pub use report::{Finding, Report, Verdict};
 pub use space::{Kind, Space};
+pub use strategies::StrategyBattery;
 
 use crate::map::Map;
 use crate::real::Scalar;
@@ -122,6 +127,19 @@ struct Settings {
     jumps: Vec<(usize, f64)>,
 }
 
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            seed: 1,
+            samples: 200_000,
+            evaluations: 600_000,
+            false_alarm_rate: 1e-6,
+            least: 1e-300,
+            jumps: Vec::new(),
+        }
+    }
+}
+
 impl<'a, S: Sampler<R>, R: Scalar> Battery<'a, S, R>
 where
     S::Point: Space<R>,
@@ -129,15 +147,7 @@ where
     /// The default settings: seed 1, 200,000 samples, 600,000 evaluations of the density, one false
     /// alarm in 10^6 seeds.
     pub fn new(sampler: &'a S) -> Self {
-        let settings = Settings {
-            seed: 1,
-            samples: 200_000,
-            evaluations: 600_000,
-            false_alarm_rate: 1e-6,
-            least: 1e-300,
-            jumps: Vec::new(),
-        };
-        Battery { sampler, settings, parametrisation: None, place: None }
+        Battery { sampler, settings: Settings::default(), parametrisation: None, place: None }
     }
 
     /// Seed of all random choices; a battery with the same seed makes the same report.

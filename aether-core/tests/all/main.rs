@@ -20,6 +20,7 @@ mod sequences;
 mod shifts;
 mod special;
 mod strategy;
+mod strategy_battery;
 mod strategy_choices;
 mod tables;
 mod two_walks;
