@@ -1341,3 +1341,78 @@ fn twice_an_angle_leaves_no_trace_in_a_density() {
     assert_eq!(SphereByHalfAngles::DERIVATION.pdf, "1 / (4 π)");
     both(sphere_by_half_angles(), [0.3, 0.7], 0.25 / PI);
 }
+
+// Points on lines in whatever direction, of which single coordinates may not vary.
+
+#[sampler]
+fn segment(u: [Uniform; 1], a: Vec3, b: Vec3) -> Curve {
+    Curve::from_vec(a + u[0] * (b - a))
+}
+
+#[sampler(s in 1e-3..=1e3)]
+fn flight_along(u: [Uniform; 1], o: Vec3, d: Direction, s: f64) -> Curve {
+    Curve::from_vec(o - (-u[0]).ln_1p() / s * d)
+}
+
+#[sampler]
+fn segment_of_plane(u: [Uniform; 1], a: Vec2, b: Vec2) -> Embedded<1, 2> {
+    let p = a + u[0] * (b - a);
+    Embedded([p.x, p.y])
+}
+
+#[map]
+fn along(t: f64, o: Vec3, d: Vec3) -> Curve {
+    Curve::from_vec(o + t * d)
+}
+
+#[map]
+fn gnomonic(w: Direction, h: f64) -> Surface {
+    require(w.z > 0.0);
+    Surface::new(h * w.x / w.z, h * w.y / w.z, h)
+}
+
+#[test]
+fn a_line_may_be_parallel_to_any_axis() {
+    let a = Vec3::new(1.0, -0.5, 2.0);
+    for d in [[0.0, 2.0, 3.0], [0.0, 0.0, -2.0], [1e-12, 0.0, 1.0], [1.0, 1.0, 0.0]] {
+        let d = Vec3::new(d[0], d[1], d[2]);
+        let length: f64 = d.length();
+        both(segment(a, a + d), [0.3], 1.0 / (a + d - a).length());
+        both(segment_of_line().then(along(a, d)), [0.3], 0.5 / length);
+        let w = Direction::from_vec(d / length);
+        let flight = flight_along(a, w, 2.0).unwrap();
+        both(flight, [0.3], 2.0 * 0.7);
+        let (p, q) = (Vec2::new(a.x, a.z), Vec2::new(d.x, d.z));
+        if q.length() > 0.0 {
+            both(segment_of_plane(p, p + q), [0.3], 1.0 / (p + q - p).length());
+        }
+    }
+    // In single precision as well, nearly along an axis.
+    let flight = flight_along(
+        Vec3::new(1.0, 0.0, 0.0),
+        Direction::from_unit(Vec3::new(1e-7, 0.0, 1.0)),
+        2.0,
+    );
+    let flight: FlightAlong<f32> = flight.unwrap();
+    let sample = flight.sample([0.44]);
+    for p in [sample.pdf().value(), flight.pdf(&sample).value()] {
+        assert!((p - 1.12).abs() < 1e-5, "{p}");
+    }
+}
+
+/// Uniform on [0, 2).
+#[sampler]
+fn segment_of_line(u: [Uniform; 1]) -> f64 {
+    2.0 * u[0]
+}
+
+#[test]
+fn a_direction_seen_on_a_plane_is_found_again() {
+    let seen = sphere_by_half_angles().then(gnomonic(2.0));
+    let sample = seen.sample([0.2, 0.7]);
+    let w = sphere_by_half_angles().sample([0.2, 0.7]).value();
+    // Solid angle per area is the cosine over the squared distance.
+    let truth = 0.25 / PI * w.z.powi(3) / 4.0;
+    close(sample.pdf().value(), truth);
+    close(seen.pdf(&sample).value(), truth);
+}

@@ -442,8 +442,8 @@ impl<'a> Emitter<'a> {
         // Rounding may put a uniform beyond its end, where the map need not have a value.
         let unit = place.problem.argument.is_none();
         let clamped = unit.then(|| quote!(let tt = ::aether_core::support::to_unit(tt);));
-        // The image in terms of the point tells first, as it does on the quick way.
-        let told = place.preimage.back.as_ref().map(|_| {
+        // The image in terms of the point tells first, as it does on the quick way of samplers.
+        let told = place.preimage.back.as_ref().filter(|_| unit).map(|_| {
             quote! {
                 let (on, off) = #lies::<R>(p, x);
                 if on || off {

@@ -5,6 +5,7 @@
 //! system becomes its atoms, a function of a single subexpression is undone. Steps that have several
 //! answers branch, so a map that is many-to-one gets every preimage.
 
+mod along;
 mod angles;
 mod circle;
 mod conjugate;
@@ -301,9 +302,13 @@ fn step(
 
 /// Moves known parts of all equations over.
 fn strip_all(g: &mut Graph, state: &mut State) {
-    for i in 0..state.equations.len() {
-        let eq = state.equations[i].clone();
-        state.equations[i] = strip(g, &eq, &mut state.solution.known);
+    let mut stripped: Vec<_> = state.equations.iter().map(|eq| along::strip(g, eq)).collect();
+    along::merge(g, state, &mut stripped);
+    for (equation, stripped) in state.equations.iter_mut().zip(stripped) {
+        for (rest, known) in stripped.told {
+            state.solution.known.entry(rest).or_insert(known);
+        }
+        *equation = stripped.equation;
     }
 }
 
@@ -374,32 +379,6 @@ fn sign_test(g: &mut Graph, conditions: &mut Vec<Condition>, e: &Equation) {
     let test = Condition(test);
     if !conditions.contains(&test) {
         conditions.push(test);
-    }
-}
-
-/// Brings `known = a + b·rhs` (a, b known) to `(known - a) / b = rhs`, as often as it applies.
-fn strip(g: &mut Graph, eq: &Equation, known: &mut BTreeMap<Id, Id>) -> Equation {
-    let mut eq = eq.clone();
-    loop {
-        let (constant, factor, rest) = affine_parts(g, eq.rhs);
-        let one = g.int(1);
-        if rest == eq.rhs || !g.has(rest, UNKNOWNS) {
-            return eq;
-        }
-        if eq.modulo_turn {
-            // Shifts keep the period; a factor does not.
-            if factor != one {
-                return eq;
-            }
-        }
-        if let Some(c) = constant {
-            eq.known = g.sub(eq.known, c);
-        }
-        eq.known = g.div(eq.known, factor);
-        eq.rhs = rest;
-        if !eq.modulo_turn {
-            known.entry(rest).or_insert(eq.known);
-        }
     }
 }
 
