@@ -2,11 +2,15 @@
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
-use syn::{Attribute, ItemFn};
+use syn::{Attribute, FnArg, ItemFn};
 
 use super::legal::legal;
-use crate::parse::{Constant, Constants, Domain, Options, Param, ParamKind, Signature, type_name};
+use crate::parse::{
+    Constant, Constants, Domain, Options, Param, ParamKind, Signature, is_of_the_language,
+    type_name,
+};
 use crate::points::Kind;
+use crate::walk::{self, Bound, Look};
 
 /// The struct and its constructor.
 pub fn interface(
@@ -235,7 +239,10 @@ pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
     let inputs = &item.sig.inputs;
     let output = &item.sig.output;
     let (generics, conditions) = (&item.sig.generics, &item.sig.generics.where_clause);
+    let own = own_names(item);
     quote! {
+        #own
+
         #[allow(unused, clippy::all)]
         fn body #generics (#inputs) #output #conditions {
             #[allow(unused_imports)]
@@ -244,5 +251,50 @@ pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
             use ::aether_core::forms::{precomputed, require};
             #block
         }
+    }
+}
+
+/// The names of numbers and functions that the language knows and a body mentions, to be ambiguous where they mean something
+/// else around the item: a `const PI` of the user's would otherwise be the language's within the body.
+fn own_names(item: &ItemFn) -> TokenStream {
+    let mut names = Names::default();
+    walk::block(&mut names, &item.block);
+    let mut bound = Bound::default();
+    walk::block(&mut bound, &item.block);
+    for input in &item.sig.inputs {
+        if let FnArg::Typed(input) = input {
+            walk::pat(&mut bound, &input.pat);
+        }
+    }
+    names.0.retain(|name| !bound.0.iter().any(|bound| name == bound));
+    let names = names.0;
+    if names.is_empty() {
+        return quote!();
+    }
+    quote! {
+        #[allow(unused_imports)]
+        #[deny(ambiguous_glob_imports)]
+        mod names_of_the_language {
+            use super::*;
+            use ::aether_core::{forms::{precomputed, require}, prelude::*};
+            use ::core::f64::consts::*;
+            use self::{#(#names as _),*};
+        }
+    }
+}
+
+/// Names of the language that stand alone, each once.
+#[derive(Default)]
+struct Names(Vec<Ident>);
+
+impl Look for Names {
+    fn path(&mut self, path: &syn::ExprPath) -> bool {
+        if let Some(name) = path.path.get_ident()
+            && is_of_the_language(&name.to_string())
+            && !self.0.contains(name)
+        {
+            self.0.push(name.clone());
+        }
+        false
     }
 }
