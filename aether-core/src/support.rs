@@ -16,6 +16,12 @@ pub use manifold::{leads_back, member, near, near_or_far, near_or_far_multiple, 
 /// a point may have rounded a few times more than the map that is asked about it.
 const SLACK: f64 = 8.0;
 
+/// Whether a number is one of `std::f64::consts`, of single precision or more.
+pub const fn is_about(found: f64, number: f64) -> bool {
+    let off = found - number;
+    off < 1e-6 && off > -1e-6
+}
+
 /// An angle brought into [0, 2π) by adding or subtracting whole turns.
 #[inline(always)]
 pub fn turn<R: Real>(angle: R) -> R {

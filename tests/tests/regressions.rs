@@ -1416,3 +1416,74 @@ fn a_direction_seen_on_a_plane_is_found_again() {
     close(sample.pdf().value(), truth);
     close(seen.pdf(&sample).value(), truth);
 }
+
+// Cubic polynomials whose leading coefficient may vanish.
+
+#[sampler(m0 in 0.0..=3.0, m1 in 0.0..=3.0)]
+fn hermite(u: [Uniform; 1], m0: f64, m1: f64) -> f64 {
+    let t = u[0];
+    let (t2, t3) = (t * t, t * t * t);
+    (t3 - 2.0 * t2 + t) * m0 + (3.0 * t2 - 2.0 * t3) + (t3 - t2) * m1
+}
+
+#[sampler]
+fn cubic_of_line(u: [Uniform; 1], a: f64, b: f64, c: f64) -> f64 {
+    let t = u[0];
+    a * t.powi(3) + b * t.powi(2) + c * t
+}
+
+#[sampler]
+fn bezier(u: [Uniform; 1], a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Curve {
+    let (t, s) = (u[0], 1.0 - u[0]);
+    Curve::from_vec(
+        s.powi(3) * a + 3.0 * s.powi(2) * t * b + 3.0 * s * t.powi(2) * c + t.powi(3) * d,
+    )
+}
+
+#[test]
+fn a_cubic_without_its_cube_is_a_quadratic() {
+    for (m0, m1) in [(1.0, 1.0), (0.5, 1.5), (1.5, 0.5), (1.0, 1.0 + 1e-9), (0.5, 1.0)] {
+        for t in [0.1, 0.3, 0.5, 0.9] {
+            let slope =
+                m0 * (3.0 * t - 1.0) * (t - 1.0) + 6.0 * t * (1.0 - t) + m1 * t * (3.0 * t - 2.0);
+            let hermite = hermite(m0, m1).unwrap();
+            let sample = hermite.sample([t]);
+            for p in [sample.pdf().value(), hermite.pdf(&sample).value()] {
+                assert!((p * slope - 1.0).abs() < 1e-12, "{m0} {m1} {t} {p}");
+            }
+        }
+    }
+    for a in [0.0, 1e-300, 1e-9, -1e-9, 1e-6, 1e-3, 0.1, -0.1, 10.0] {
+        for (b, c) in [(0.5, 1.0), (-0.3, 1.0), (0.0, 2.0), (1.0, 1e-3)] {
+            for t in [1e-9, 0.1, 0.5, 0.9] {
+                let slope: f64 = c + 2.0 * b * t + 3.0 * a * t * t;
+                let cubic = cubic_of_line(a, b, c);
+                let sample = cubic.sample([t]);
+                let found = cubic.pdf(&sample).value();
+                let there = cubic.invert(&sample.value());
+                let nearest = there.iter().map(|u| (u[0] - t).abs()).fold(1.0, f64::min);
+                assert!(nearest < 1e-13 / slope.abs(), "{a} {b} {c} {t}: off by {nearest:e}");
+                if there.len() == 1 {
+                    assert!((found * slope.abs() - 1.0).abs() < 1e-12, "{a} {b} {c} {t} {found}");
+                }
+            }
+        }
+    }
+    let p = Vec3::new;
+    for (b, c) in [
+        (p(1.0, 2.0, 0.0), p(2.0, -1.0, 0.5)),
+        (p(1.0, 0.0, 0.0), p(2.0, 1.0, 0.0)),
+        (p(0.0, 2.0, 1.0), p(3.0, 2.0, 1.0)),
+    ] {
+        let d = p(3.0, 1.0, 1.0);
+        let curve = bezier(p(0.0, 0.0, 0.0), b, c, d);
+        for t in [0.1, 0.4, 0.7] {
+            let s: f64 = 1.0 - t;
+            let speed = (3.0 * s * s * b + 6.0 * s * t * (c - b) + 3.0 * t * t * (d - c)).length();
+            let sample = curve.sample([t]);
+            for p in [sample.pdf().value(), curve.pdf(&sample).value()] {
+                assert!((p * speed - 1.0).abs() < 1e-11, "{b:?} {t} {p} {speed}");
+            }
+        }
+    }
+}

@@ -1,12 +1,12 @@
 //! What a user sees of an item: the struct and its constructor, and his own function, hidden.
 
 use proc_macro2::{Ident, Literal, TokenStream};
-use quote::{ToTokens, quote};
+use quote::{ToTokens, quote, quote_spanned};
 use syn::{Attribute, FnArg, ItemFn};
 
 use super::legal::legal;
 use crate::parse::{
-    Constant, Constants, Domain, Options, Param, ParamKind, Signature, is_of_the_language,
+    Constant, Constants, Domain, NUMBERS, Options, Param, ParamKind, Signature, is_of_the_language,
     type_name,
 };
 use crate::points::Kind;
@@ -254,8 +254,10 @@ pub fn hidden_body_with(item: &ItemFn, block: &TokenStream) -> TokenStream {
     }
 }
 
-/// The names of numbers and functions that the language knows and a body mentions, to be ambiguous where they mean something
-/// else around the item: a `const PI` of the user's would otherwise be the language's within the body.
+/// Looks whether the names of numbers and functions that the language knows and a body mentions mean something else around the
+/// item: a `const PI` of the user's would otherwise be the language's within the body, and nobody would know.
+///
+/// Numbers are compared, as they may be of another precision there. A function is ambiguous unless it is the same.
 fn own_names(item: &ItemFn) -> TokenStream {
     let mut names = Names::default();
     walk::block(&mut names, &item.block);
@@ -267,20 +269,46 @@ fn own_names(item: &ItemFn) -> TokenStream {
         }
     }
     names.0.retain(|name| !bound.0.iter().any(|bound| name == bound));
-    let names = names.0;
-    if names.is_empty() {
-        return quote!();
-    }
-    quote! {
-        #[allow(unused_imports)]
-        #[deny(ambiguous_glob_imports)]
-        mod names_of_the_language {
-            use super::*;
-            use ::aether_core::{forms::{precomputed, require}, prelude::*};
-            use ::core::f64::consts::*;
-            use self::{#(#names as _),*};
+    let is_number = |name: &Ident| NUMBERS.contains(&&*name.to_string());
+    let (numbers, functions): (Vec<_>, Vec<_>) = names.0.into_iter().partition(is_number);
+    let functions = (!functions.is_empty()).then(|| {
+        quote! {
+            #[allow(unused_imports)]
+            #[deny(ambiguous_glob_imports)]
+            mod functions_of_the_language {
+                use super::*;
+                use ::aether_core::{forms::{precomputed, require}, prelude::*};
+                use self::{#(#functions as _),*};
+            }
         }
-    }
+    });
+    let comparisons = numbers.iter().map(|name| {
+        let message = format!(
+            "`{name}` is another number around this item than in its body, where it is that of \
+             `std::f64::consts`: give yours another name, or pass it as a parameter"
+        );
+        let at = name.span();
+        quote_spanned! {at=>
+            ::core::assert!(
+                ::aether_core::support::is_about(#name as f64, ::core::f64::consts::#name),
+                #message
+            );
+        }
+    });
+    let compared = (!numbers.is_empty()).then(|| {
+        quote! {
+            #[allow(unused_imports, clippy::all)]
+            mod numbers_of_the_language {
+                use ::core::f64::consts::*;
+                const _: () = {
+                    // What is not found here is that of the module.
+                    use super::*;
+                    #(#comparisons)*
+                };
+            }
+        }
+    });
+    quote!(#functions #compared)
 }
 
 /// Names of the language that stand alone, each once.

@@ -38,25 +38,27 @@ fn function_of(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
     Some(g.call(f, &[x]))
 }
 
+/// The names of numbers, which are those of `std::f64::consts`.
+pub const NUMBERS: [&str; 13] = [
+    "PI",
+    "TAU",
+    "E",
+    "LN_2",
+    "SQRT_2",
+    "FRAC_1_SQRT_2",
+    "FRAC_1_PI",
+    "FRAC_2_PI",
+    "FRAC_PI_2",
+    "FRAC_PI_3",
+    "FRAC_PI_4",
+    "FRAC_PI_6",
+    "FRAC_PI_8",
+];
+
 /// Whether a name that stands alone in a body is that of a number or of a function of the language.
 pub fn is_of_the_language(name: &str) -> bool {
-    let numbers = [
-        "PI",
-        "TAU",
-        "E",
-        "LN_2",
-        "SQRT_2",
-        "FRAC_1_SQRT_2",
-        "FRAC_1_PI",
-        "FRAC_2_PI",
-        "FRAC_PI_2",
-        "FRAC_PI_3",
-        "FRAC_PI_4",
-        "FRAC_PI_6",
-        "FRAC_PI_8",
-    ];
     let others = ["solve", "precomputed", "require"];
-    numbers.contains(&name) || others.contains(&name) || SPECIAL.split(' ').any(|f| f == name)
+    NUMBERS.contains(&name) || others.contains(&name) || SPECIAL.split(' ').any(|f| f == name)
 }
 
 /// The names that [`special_function`] knows, for messages.

@@ -38,8 +38,9 @@ fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<Root>)> {
     let c = polynomial.by_powers_of(atom)?;
     let [d, c, b, a] = &c[..] else { return None };
     let [d, c, b, a] = [d, c, b, a].map(|p| p.to_expr(g));
-    // With x = t - b / 3 it is t³ + p t + q = 0.
-    let [b, c, d] = [b, c, d].map(|v| g.div(v, a));
+    let monic = Monic::new(g, [a, b, c, d]);
+    // With z = t - b / 3 it is t³ + p t + q = 0.
+    let [b, c, d] = monic.coefficients;
     let b2 = g.powi(b, 2);
     let p = g.sum(Q::ZERO, &[(Q::ONE, c), (Q::new(-1, 3)?, b2)]);
     let (b3, bc) = (g.powi(b, 3), g.mul(b, c));
@@ -54,8 +55,49 @@ fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<Root>)> {
     if !g.range(discriminant).nonpositive() {
         roots.push((one_root(g, p, q, discriminant)?, Some(discriminant)));
     }
-    let shifted = |(t, condition)| (g.sum(Q::ZERO, &[(Q::ONE, t), (q_third(), b)]), condition);
+    let shifted = |(t, condition)| {
+        let z = g.sum(Q::ZERO, &[(Q::ONE, t), (q_third(), b)]);
+        (monic.root(g, z), condition)
+    };
     Some((atom, roots.into_iter().map(shifted).collect()))
+}
+
+/// A cubic equation with the leading coefficient one.
+struct Monic {
+    /// The coefficients of z², z and 1.
+    coefficients: [Id; 3],
+    /// Where the leading coefficient may vanish: whether it is large, if positive, so that z = x, and d of z = d / x otherwise.
+    turned: Option<(Id, Id)>,
+}
+
+impl Monic {
+    /// Of a x³ + b x² + c x + d = 0. Divided by a it is one of x; divided by x³ and multiplied by d² it is
+    /// z³ + c z² + b d z + a d² = 0 with z = d / x, which knows the roots that there are without a: one of the three goes away to
+    /// infinity. What is divided by a coefficient that is eight times smaller than others has lost a digit.
+    fn new(g: &mut Graph, [a, b, c, d]: [Id; 4]) -> Monic {
+        let range = g.range(a);
+        let divided = [b, c, d].map(|v| g.div(v, a));
+        if range.lo > 0.0 || range.hi < 0.0 {
+            return Monic { coefficients: divided, turned: None };
+        }
+        let [a2, b2, c2] = [a, b, c].map(|v| g.powi(v, 2));
+        let is_large = g.sum(Q::ZERO, &[(Q::int(64), a2), (Q::int(-1), b2), (Q::int(-1), c2)]);
+        let (bd, d2) = (g.mul(b, d), g.powi(d, 2));
+        let turned = [c, bd, g.mul(a, d2)];
+        let coefficients = [0, 1, 2].map(|i| g.if_positive(is_large, divided[i], turned[i]));
+        Monic { coefficients, turned: Some((is_large, d)) }
+    }
+
+    /// x of z.
+    fn root(&self, g: &mut Graph, z: Id) -> Id {
+        match self.turned {
+            None => z,
+            Some((is_large, d)) => {
+                let other = g.div(d, z);
+                g.if_positive(is_large, z, other)
+            }
+        }
+    }
 }
 
 fn q_third() -> Q {
