@@ -48,12 +48,22 @@ fn cubic(g: &mut Graph, e: &Equation) -> Option<(Id, Vec<Root>)> {
     let (p3, q2) = (g.powi(p, 3), g.powi(q, 2));
     let discriminant = g.sum(Q::ZERO, &[(Q::new(1, 27)?, p3), (Q::new(1, 4)?, q2)]);
     let mut roots = Vec::new();
+    // The one number that tells how many roots there are, so that rounding never finds a root in both ways.
+    let cosine = cosine(g, p, q)?;
+    let square = g.powi(cosine, 2);
     if !g.range(discriminant).nonnegative() {
-        let three = g.neg(discriminant);
-        roots.extend(three_roots(g, p, q)?.map(|t| (t, Some(three))));
+        let three = g.sum(Q::ONE, &[(Q::int(-1), square)]);
+        roots.extend(three_roots(g, p, cosine)?.map(|t| (t, Some(three))));
     }
     if !g.range(discriminant).nonpositive() {
-        roots.push((one_root(g, p, q, discriminant)?, Some(discriminant)));
+        // Where it is just a cosine, or none, there are the three roots, and this is the root of something negative.
+        let root = one_root(g, p, q, discriminant)?;
+        let outside = g.sum(Q::int(-1), &[(Q::ONE, square)]);
+        let less = g.sum(Q::int(-2), &[(Q::ONE, square)]);
+        let no_root = g.sqrt(less);
+        let outer = g.if_positive(outside, root, no_root);
+        let opposite = g.neg(p);
+        roots.push((g.if_positive(opposite, outer, root), None));
     }
     let shifted = |(t, condition)| {
         let z = g.sum(Q::ZERO, &[(Q::ONE, t), (q_third(), b)]);
@@ -73,15 +83,15 @@ struct Monic {
 impl Monic {
     /// Of a x³ + b x² + c x + d = 0. Divided by a it is one of x; divided by x³ and multiplied by d² it is
     /// z³ + c z² + b d z + a d² = 0 with z = d / x, which knows the roots that there are without a: one of the three goes away to
-    /// infinity. What is divided by a coefficient that is eight times smaller than others has lost a digit.
+    /// infinity. A root that is told by its distance from b / (3 a), which is eight times as large, has lost a digit.
     fn new(g: &mut Graph, [a, b, c, d]: [Id; 4]) -> Monic {
         let range = g.range(a);
         let divided = [b, c, d].map(|v| g.div(v, a));
         if range.lo > 0.0 || range.hi < 0.0 {
             return Monic { coefficients: divided, turned: None };
         }
-        let [a2, b2, c2] = [a, b, c].map(|v| g.powi(v, 2));
-        let is_large = g.sum(Q::ZERO, &[(Q::int(64), a2), (Q::int(-1), b2), (Q::int(-1), c2)]);
+        let [a2, b2] = [a, b].map(|v| g.powi(v, 2));
+        let is_large = g.sum(Q::ZERO, &[(Q::int(64), a2), (Q::int(-1), b2)]);
         let (bd, d2) = (g.mul(b, d), g.powi(d, 2));
         let turned = [c, bd, g.mul(a, d2)];
         let coefficients = [0, 1, 2].map(|i| g.if_positive(is_large, divided[i], turned[i]));
@@ -104,14 +114,20 @@ fn q_third() -> Q {
     Q::new(-1, 3).unwrap_or(Q::ZERO)
 }
 
-/// Viète's roots 2 √(-p/3) cos((acos(c) - 2 π k) / 3) with c = 3 q / (2 p) √(-3/p); the middle one is -2 √(-p/3) sin(asin(c) / 3),
-/// which keeps its digits where it is much smaller than the others, as of a cubic that is nearly linear.
-fn three_roots(g: &mut Graph, p: Id, q: Id) -> Option<[Id; 3]> {
+/// c = -q / 2 (-3 / p)^(3/2): there are three roots where it is a cosine.
+fn cosine(g: &mut Graph, p: Id, q: Id) -> Option<Id> {
     let third = g.sum(Q::ZERO, &[(Q::new(-1, 3)?, p)]);
     let root = g.sqrt(third);
     let cube = g.powi(root, -3);
     let cosine = g.mul(q, cube);
-    let cosine = g.sum(Q::ZERO, &[(Q::HALF.neg(), cosine)]);
+    Some(g.sum(Q::ZERO, &[(Q::HALF.neg(), cosine)]))
+}
+
+/// Viète's roots 2 √(-p/3) cos((acos(c) - 2 π k) / 3); the middle one is -2 √(-p/3) sin(asin(c) / 3),
+/// which keeps its digits where it is much smaller than the others, as of a cubic that is nearly linear.
+fn three_roots(g: &mut Graph, p: Id, cosine: Id) -> Option<[Id; 3]> {
+    let third = g.sum(Q::ZERO, &[(Q::new(-1, 3)?, p)]);
+    let root = g.sqrt(third);
     let angle = g.call(Fun::Acos, &[cosine]);
     let beside = g.call(Fun::Asin, &[cosine]);
     let beside = g.sum(Q::ZERO, &[(q_third().neg(), beside)]);
@@ -130,7 +146,8 @@ fn three_roots(g: &mut Graph, p: Id, q: Id) -> Option<[Id; 3]> {
     Some([first, middle, last])
 }
 
-/// Cardano's root, with the sum that does not cancel: C - p / (3 C), C³ = -(q/2 ± √D).
+/// Cardano's root, with the sum that does not cancel: C - p / (3 C), C³ = -(q/2 ± √D). Where p outweighs q the difference does,
+/// and -2 √(p/3) sinh(asinh(q / 2 (3 / p)^(3/2)) / 3) does not.
 fn one_root(g: &mut Graph, p: Id, q: Id, discriminant: Id) -> Option<Id> {
     let root = g.sqrt(discriminant);
     let sign = g.call(Fun::Sign, &[q]);
@@ -138,5 +155,19 @@ fn one_root(g: &mut Graph, p: Id, q: Id, discriminant: Id) -> Option<Id> {
     let cube = g.sum(Q::ZERO, &[(Q::HALF.neg(), q), (Q::int(-1), away)]);
     let c = g.call(Fun::Cbrt, &[cube]);
     let rest = g.div(p, c);
-    Some(g.sum(Q::ZERO, &[(Q::ONE, c), (Q::new(-1, 3)?, rest)]))
+    let cardano = g.sum(Q::ZERO, &[(Q::ONE, c), (Q::new(-1, 3)?, rest)]);
+
+    let third = g.sum(Q::ZERO, &[(Q::new(1, 3)?, p)]);
+    let root = g.sqrt(third);
+    let cube = g.powi(root, -3);
+    let sine = g.mul(q, cube);
+    let sine = g.sum(Q::ZERO, &[(Q::HALF, sine)]);
+    let angle = g.call(Fun::Asinh, &[sine]);
+    let angle = g.sum(Q::ZERO, &[(q_third().neg(), angle)]);
+    let sine = g.call(Fun::Sinh, &[angle]);
+    let product = g.mul(root, sine);
+    let by_angle = g.sum(Q::ZERO, &[(Q::int(-2), product)]);
+    let (p3, q2) = (g.powi(p, 3), g.powi(q, 2));
+    let outweighs = g.sum(Q::ZERO, &[(Q::int(4), p3), (Q::int(-27), q2)]);
+    Some(g.if_positive(outweighs, by_angle, cardano))
 }
