@@ -1487,3 +1487,35 @@ fn a_cubic_without_its_cube_is_a_quadratic() {
         }
     }
 }
+
+// A cylinder as it is seen, where single coordinates of a direction vanish.
+
+#[sampler]
+fn cylinder_seen(u: [Uniform; 2], o: Vec3, r: f64, h: f64) -> Direction {
+    let phi = TAU * u[1];
+    let p = Vec3::new(r * phi.cos(), r * phi.sin(), h * u[0]);
+    Direction::from_vec((p - o).normalize())
+}
+
+#[test]
+fn a_cylinder_is_seen_in_planes_of_coordinates_too() {
+    for (o, u0) in [([0.0, 0.0, 0.0], 0.3), ([0.3, 0.2, 0.1], 0.6), ([0.0, -0.5, 1.0], 0.1)] {
+        let seen = cylinder_seen(Vec3::new(o[0], o[1], o[2]), 1.0, 2.0);
+        for u1 in [0.0, 0.25, 0.5, 0.75, 0.1, 1e-9] {
+            let phi: f64 = TAU * u1;
+            let d = Vec3::new(phi.cos() - o[0], phi.sin() - o[1], 2.0 * u0 - o[2]);
+            // Squared distance over the cosine, of points uniform by area, of which one is seen from within.
+            let cosine = (d.x * phi.cos() + d.y * phi.sin()) / d.length();
+            let truth = d.dot(d) / cosine / (2.0 * TAU);
+            let sample = seen.sample([u0, u1]);
+            for p in [sample.pdf().value(), seen.pdf(&sample).value()] {
+                assert!((p / truth - 1.0).abs() < 1e-12, "{o:?} {u1} {p} {truth}");
+            }
+        }
+        // Where the first coordinate is zero exactly.
+        let w = Direction::from_vec(Vec3::new(0.0, 1.0, 0.1).normalize());
+        let beside = Direction::from_vec(Vec3::new(1e-9, 1.0, 0.1).normalize());
+        let [at, near] = [w, beside].map(|w| seen.pdf(&w).value());
+        assert!((at / near - 1.0).abs() < 1e-7, "{at} {near}");
+    }
+}

@@ -18,6 +18,7 @@ mod numeric;
 mod pair;
 mod peel;
 mod pieces;
+mod pivot;
 pub(crate) mod polar;
 mod quadric;
 mod rational;
@@ -296,6 +297,7 @@ fn step(
     }
     closed
         .or_else(|| ruled::ruled(g, state))
+        .or_else(|| pivot::scaled_pair(g, state))
         .or_else(|| rational::name_coefficients(g, state))
         .or_else(|| rational::eliminate(g, state))
 }
