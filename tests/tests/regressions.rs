@@ -1519,3 +1519,47 @@ fn a_cylinder_is_seen_in_planes_of_coordinates_too() {
         assert!((at / near - 1.0).abs() < 1e-7, "{at} {near}");
     }
 }
+
+// Comparisons of which the outcome follows from others.
+
+#[sampler]
+fn in_order(u: [Uniform; 3]) -> Vec3 {
+    let (a, b) = (u[0].min(u[1]), u[0].max(u[1]));
+    let (c, d) = (b.min(u[2]), b.max(u[2]));
+    Vec3::new(a.min(c), a.max(c), d)
+}
+
+#[map]
+fn onto_cube(w: Direction) -> Surface {
+    let (x, y, z) = (w.x.abs(), w.y.abs(), w.z.abs());
+    if x > y && x > z {
+        Surface::from_vec(w.vec() / x)
+    } else if y > z {
+        Surface::from_vec(w.vec() / y)
+    } else {
+        Surface::from_vec(w.vec() / z)
+    }
+}
+
+#[test]
+fn what_is_larger_than_the_larger_one_is_the_largest() {
+    // Six orders of three uniforms.
+    for u in [[0.3, 0.9, 0.5], [0.9, 0.5, 0.3], [0.2, 0.1, 0.8]] {
+        both(in_order(), u, 6.0);
+        let mut sorted = u;
+        sorted.sort_by(f64::total_cmp);
+        let x = in_order().sample(u).value();
+        assert_eq!([x.x, x.y, x.z], sorted);
+    }
+    assert_eq!(in_order().pdf(&Vec3::new(0.5, 0.3, 0.9)).value(), 0.0);
+    let cube = Sampler::<f64>::then(sphere_by_half_angles(), onto_cube());
+    for u in [[0.1, 0.2], [0.45, 0.01], [0.55, 0.26], [0.45, 0.6], [0.9, 0.8], [0.4, 0.74]] {
+        let sample = cube.sample(u);
+        let x = sample.value().vec();
+        // Solid angle per area of a face at a distance of one.
+        let truth = 0.25 / PI / x.length().powi(3);
+        for p in [sample.pdf().value(), cube.pdf(&sample).value()] {
+            assert!((p / truth - 1.0).abs() < 1e-13, "{u:?} {p} {truth}");
+        }
+    }
+}

@@ -10,7 +10,7 @@ use quote::ToTokens;
 use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::body::Body;
-use super::order::{assume_both, assume_nonnegative, assume_order};
+use super::order::{assume_both, assume_nonnegative, assume_order, follows};
 use super::{Test, Value, proven};
 use crate::expr::{Fun, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
@@ -155,6 +155,10 @@ impl Body<'_> {
     fn compare(&mut self, difference: Id, strict: bool, asked: Asked) -> bool {
         let repeated = self.repeated(difference, strict);
         let settled = repeated.or_else(|| settled(self.graph.range(difference), strict));
+        let settled = settled.or_else(|| {
+            let known = self.known_here();
+            follows(&self.graph, difference, &known)
+        });
         let place = self.way.position;
         self.way.position += 1;
         let outcome = match self.way.outcomes.get(place) {

@@ -66,6 +66,44 @@ fn assume_quotients(g: &mut Graph, y: Id, x: Id, range: Interval) {
     }
 }
 
+/// Of so many differences in order more are not added up, and of more that are known nothing is.
+const MOST_ADDED: usize = 3;
+const MOST_KNOWN: usize = 16;
+
+/// Whether a difference is positive where others are not negative: of a > b and b > c follows a > c. Where it is zero, all that
+/// add up to it are.
+pub(super) fn follows(g: &Graph, difference: Id, known: &[Id]) -> Option<bool> {
+    if !(2..=MOST_KNOWN).contains(&known.len()) || g.deps(difference) & UNKNOWNS == 0 {
+        return None;
+    }
+    // Of what is tried nothing is to be left in the graph, as the order of sums follows that in which parts came.
+    let mut g = g.clone();
+    let opposite = g.neg(difference);
+    let mut is_sum = |wanted| adds_up(&mut g, wanted, known, MOST_ADDED);
+    if is_sum(difference) {
+        Some(true)
+    } else if is_sum(opposite) {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// Whether an expression is a sum of some that are not negative, and of what is not negative by its range.
+fn adds_up(g: &mut Graph, wanted: Id, known: &[Id], most: usize) -> bool {
+    let terms = |g: &Graph, id: Id| match g.node(id) {
+        Node::Sum(_, terms) => terms.len(),
+        _ => 1,
+    };
+    g.range(wanted).nonnegative()
+        || most > 0
+            && known.iter().any(|&part| {
+                let rest = g.sub(wanted, part);
+                // What it does not have in common with the sum would have to be in others.
+                terms(g, rest) <= terms(g, wanted) && adds_up(g, rest, known, most - 1)
+            })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,6 +122,17 @@ mod tests {
         let opposite = g.neg(squares);
         assert!(g.range(opposite).nonpositive());
         assert!(g.range(quotient).hi <= 1.0);
+    }
+
+    #[test]
+    fn what_follows_from_two_comparisons() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Unknown(i), "u", Interval::new(-1.0, 1.0)));
+        let (first, second, third) = (g.sub(a, b), g.sub(b, c), g.sub(a, c));
+        let back = g.sub(c, a);
+        assert_eq!(follows(&g, third, &[first, second]), Some(true));
+        assert_eq!(follows(&g, back, &[first, second]), Some(false));
+        assert_eq!(follows(&g, second, &[first, third]), None);
     }
 
     #[test]
