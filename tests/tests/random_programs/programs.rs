@@ -1861,7 +1861,7 @@ pub mod wide_037 {
     }
 }
 
-// wide_038 is refused: cannot invert this map: stuck at `0 = sin(u₁ π) cos(2 u₂ π) c + sin(u₁ π) sin(2 u₂ π) d + cos(u₁ π) e`, which should give u₁ and u₂. `sin(u₁ π) cos(2 u₂ π) c + sin(u₁ π) sin(2 u₂ π) d + cos(u₁ π) e` and `sin(u₁ π) cos(2 u₂ π) f + sin(u₁ π) sin(2 u₂ π) g + cos(u₁ π) h` have no closed inverse, and a numerical one needs a proof that each is monotone in one of u₁ and u₂, with a determinant of their derivatives of one sign: there is none for u₁ in [0.000000, 1.000000], u₂ in [0.000000, 1.000000], c in [-1053.881920, 948.450880], d in [-563.932160, 594.957440], e in [-1256.102400, 1124.313600], as it increases at u₁ = 0.2944, u₂ = 0.4584, c = -876.0130, d = 343.6376, e = -654.3711 and decreases at u₁ = 0.2726, u₂ = 0.8944, c = -963.4216, d = 522.8185, e = 331.7252. If it is so, narrow the domains of the parameters, or write the map as a composition of maps that can be inverted one at a time
+// wide_038 is refused: cannot invert this map: stuck at `0 = (3/5 + x) (384 sin(u₁ π) cos(2 u₂ π) / 625 + 96 cos(u₁ π) / 125 - 113 sin(u₁ π) sin(2 u₂ π) / 625) - y (384 sin(u₁ π) sin(2 u₂ π) / 625 + 72 cos(u₁ π) / 125 - 337 sin(u₁ π) cos(2 u₂ π) / 625)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let theta = PI * u[0];
@@ -3080,7 +3080,7 @@ pub mod wide_103 {
     }
 }
 
-// wide_104 is refused: cannot invert this map: stuck at `0 = 113 √(1 - u₁²) sin(2 u₂ π) a + 360 u₁ b + 384 √(1 - u₁²) sin(2 u₂ π) b - 480 u₁ a - 384 √(1 - u₁²) cos(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) b`, which should give u₁ and u₂. `113 √(1 - u₁²) sin(2 u₂ π) a + 360 u₁ b + 384 √(1 - u₁²) sin(2 u₂ π) b - 480 u₁ a - 384 √(1 - u₁²) cos(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) b` and `175 u₁ a + 360 u₁ c + 384 √(1 - u₁²) sin(2 u₂ π) c - 360 √(1 - u₁²) cos(2 u₂ π) a - 480 √(1 - u₁²) sin(2 u₂ π) a - 337 √(1 - u₁²) cos(2 u₂ π) c` have no closed inverse, and a numerical one needs a proof that each is monotone in one of u₁ and u₂, with a determinant of their derivatives of one sign: there is none for u₁ in [0.000000, 1.000000], u₂ in [0.000000, 1.000000], a in [-0.333333, 1.666667], b in [-0.666667, 1.333333], as it increases at u₁ = 0.9657, u₂ = 0.9931, a = 0.5296, b = 0.4277 and decreases at u₁ = 0.7383, u₂ = 0.3875, a = 1.6200, b = 1.3032. If it is so, narrow the domains of the parameters, or write the map as a composition of maps that can be inverted one at a time
+// wide_104 is refused: cannot invert this map: stuck at `0 = (2/3 + x) (96 u₁ / 125 + 384 √(1 - u₁²) cos(2 u₂ π) / 625 - 113 √(1 - u₁²) sin(2 u₂ π) / 625) - (1/3 + y) (72 u₁ / 125 + 384 √(1 - u₁²) sin(2 u₂ π) / 625 - 337 √(1 - u₁²) cos(2 u₂ π) / 625)`, which should give u₁ and u₂. Write the map with each uniform in one place, or as a composition of samplers and maps that can be inverted one at a time
 // #[sampler]
 // pub fn compiled(u: [Uniform; 2]) -> Direction {
 //     let r = (1.0 - u[0] * u[0]).sqrt();
