@@ -124,12 +124,29 @@ pub struct Triangles {
     pub vertices: Vec<[Vec3; 3]>,
     /// Shading normals at the corners, of unit length but for instances; empty if the mesh is flat.
     pub normals: Vec<[Vec3; 3]>,
-    /// Texture coordinates at the corners; empty if the mesh has none.
+    /// Texture coordinates at the corners; empty if they are [`DEFAULT_TEXCOORDS`] everywhere.
     pub texcoords: Vec<[Vec2; 3]>,
     /// For each attribute of the mesh its values at the corners.
     pub attributes: Vec<Vec<[Vec3; 3]>>,
     /// Number of triangles left out because they have no area.
     pub degenerate: usize,
+}
+
+/// Texture coordinates at the corners, in the order of the file, of a triangle that has none: as in Mitsuba, the
+/// weights of the second and the third corner.
+pub const DEFAULT_TEXCOORDS: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
+
+impl Triangles {
+    /// Gives the last triangle the texture coordinates of one without any. They are written down from the first one on
+    /// whose corners are not in the order of the file, where the default of the new order would be another.
+    fn push_default_texcoords(&mut self, is_reversed: bool) {
+        if is_reversed && self.texcoords.is_empty() {
+            self.texcoords = vec![DEFAULT_TEXCOORDS; self.vertices.len() - 1];
+        }
+        if is_reversed || !self.texcoords.is_empty() {
+            self.texcoords.push(outside_first(DEFAULT_TEXCOORDS, is_reversed));
+        }
+    }
 }
 
 /// The triangles of a mesh placed in the world, with `origin` as zero. Unless `face_normals` is
@@ -180,6 +197,8 @@ pub fn place(mesh: &Mesh, placement: &Placement, face_normals: bool, origin: DVe
             let at = |corner: u32| mesh.texcoords.get(corner as usize).copied().unwrap_or_default();
             let corners = corners.map(|corner| at(corner).as_vec2());
             result.texcoords.push(outside_first(corners, turned));
+        } else {
+            result.push_default_texcoords(reverse != turned);
         }
         for (attribute, values) in mesh.attributes.iter().zip(&mut result.attributes) {
             values.push(outside_first(attribute.corners(index, *triangle), turned));
@@ -208,8 +227,14 @@ pub fn settled(mesh: &Mesh, placement: &Placement) -> Mesh {
         let normals = mesh.normals.iter().map(|n| (matrix * *n).normalize_or_zero());
         (normals.collect(), mesh.normal_triangles.iter().map(orient).collect())
     };
-    let texcoord_triangles = mesh.texcoord_triangles.iter().map(orient).collect();
-    let texcoords = mesh.texcoords.clone();
+    let (texcoords, texcoord_triangles) = if reverse && mesh.texcoord_triangles.is_empty() {
+        // What corners have without any depends on their order, which is no longer that of the file.
+        let default = DEFAULT_TEXCOORDS.map(|uv| uv.as_dvec2()).to_vec();
+        (default, vec![orient(&[0, 1, 2]); triangles.len()])
+    } else {
+        let corners = mesh.texcoord_triangles.iter().map(orient).collect();
+        (mesh.texcoords.clone(), corners)
+    };
     let attributes = mesh.attributes.clone();
     Mesh {
         positions,
@@ -333,6 +358,49 @@ mod tests {
         // Without them the order of the corners does.
         let t = place(&mesh, &placement(DMat4::IDENTITY, false), true);
         assert_eq!(unit_normal(&t.vertices[0]), Some(Vec3::Z));
+    }
+
+    /// The texture coordinates at the corner of a triangle that lies at a place.
+    fn texcoord_at(t: &Triangles, triangle: usize, place: Vec3) -> Vec2 {
+        let corner = t.vertices[triangle].iter().position(|v| *v == place).expect("a corner");
+        t.texcoords.get(triangle).unwrap_or(&DEFAULT_TEXCOORDS)[corner]
+    }
+
+    #[test]
+    fn corners_without_texture_coordinates_keep_those_of_their_order_in_the_file() {
+        let mirror = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        let corners =
+            [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 1.]].map(Vec3::from_array);
+        let expected = [(0, 0, Vec2::ZERO), (0, 1, Vec2::X), (0, 2, Vec2::Y), (1, 3, Vec2::Y)];
+        let mut plain = quad();
+        plain.drop_unused();
+        let (normals, normal_triangles) = (vec![DVec3::NEG_Z], vec![[0; 3]; 2]);
+        let contradicting = Mesh { normals, normal_triangles, ..plain.clone() };
+        // Nothing is stored where nothing is turned.
+        assert!(place(&plain, &placement(DMat4::IDENTITY, false), false).texcoords.is_empty());
+        for mesh in [plain, contradicting] {
+            for (to_world, flip) in
+                [(DMat4::IDENTITY, false), (DMat4::IDENTITY, true), (mirror, false), (mirror, true)]
+            {
+                let p = placement(to_world, flip);
+                let instance =
+                    Placement { to_world: mirror, flip_normals: false, is_instance: true };
+                let moved = super::place(&settled(&mesh, &p), &instance, false, DVec3::ZERO);
+                for (triangle, corner, uv) in expected {
+                    let at = to_world.transform_point3(corners[corner].as_dvec3());
+                    let there = mirror.transform_point3(at).as_vec3();
+                    for face_normals in [true, false] {
+                        let t = place(&mesh, &p, face_normals);
+                        assert_eq!(
+                            texcoord_at(&t, triangle, at.as_vec3()),
+                            uv,
+                            "{to_world} {flip}"
+                        );
+                    }
+                    assert_eq!(texcoord_at(&moved, triangle, there), uv, "{to_world} {flip}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -85,7 +85,8 @@ pub struct Scene {
     /// Shading normals at the corners of the triangles of smooth shapes, of unit length but for instances; see
     /// [`Scene::corner_normals`].
     pub normals: Vec<[Vec3; 3]>,
-    /// Texture coordinates at the corners of the triangles of shapes that have them.
+    /// Texture coordinates at the corners of the triangles of shapes that have them, or whose corners are not in the
+    /// order of their file.
     pub texcoords: Vec<[Vec2; 3]>,
     /// The textures that materials refer to.
     pub textures: Vec<Texture>,

@@ -86,6 +86,12 @@ mod tests {
             <transform name="to_world"><scale value="2"/><rotate z="1" angle="30"/>
             <rotate x="1" angle="-70"/></transform></shape>"#;
         let bent = r#"<shape type="obj"><string name="filename" value="bent.obj"/></shape>"#;
+        let [gem, flipped_gem] = [false, true].map(|flip| {
+            format!(
+                r#"<shape type="obj"><string name="filename" value="../meshes/gem.obj"/>
+                <boolean name="flip_normals" value="{flip}"/></shape>"#
+            )
+        });
         let down = Vec3::NEG_Z;
         // From `scene.ray_intersect` of Mitsuba 3.9.1.
         for (shape, origin, direction, du, dv) in [
@@ -108,6 +114,8 @@ mod tests {
             (r#"<shape type="cube"/>"#, above, down, [0.0, 2.0, 0.0], [2.0, 0.0, 0.0]),
             (bent, Vec3::new(0.3, -0.2, 3.0), down, [1.0, -0.25, 0.125], [0.0, -1.25, 0.125]),
             (bent, Vec3::new(-0.3, 0.2, 3.0), down, [1.0, -0.25, -0.5], [0.0, -1.25, -0.5]),
+            (&gem, above, down, [0.690983, 0.0, -0.951057], [-0.309017, 0.9, -0.951057]),
+            (&flipped_gem, above, down, [0.690983, 0.0, -0.951057], [-0.309017, 0.9, -0.951057]),
         ] {
             let found = of(shape, origin, direction);
             let near = |a: Vec3, b: [f32; 3]| (a - Vec3::from(b)).length() < 2e-5;
