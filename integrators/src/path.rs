@@ -24,7 +24,8 @@ pub struct PathSettings {
     pub max_depth: Option<u32>,
     /// The number of vertices from which Russian roulette may end a path.
     pub rr_depth: u32,
-    /// Emitters that the camera sees directly are left out.
+    /// Light that the camera sees at its source is left out. Whether the camera sees what is behind shapes that emit is up
+    /// to the scene ([`Scene::sight_of_eyes`]), which both should be told of: [`PathSettings::new`] takes this from there.
     pub hide_emitters: bool,
     /// Which of an integrator's techniques are used.
     pub techniques: Selection,

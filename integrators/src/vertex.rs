@@ -62,6 +62,17 @@ pub enum Seen<K: SceneKind = Everything> {
     Sky(SkyOf<K>),
 }
 
+impl<K: SceneKind> Seen<K> {
+    /// The surface, if it is one.
+    #[inline]
+    pub fn surface(self) -> Option<Surface<K>> {
+        match self {
+            Seen::Surface(surface) => Some(surface),
+            Seen::Sky(_) => None,
+        }
+    }
+}
+
 /// The eye of a camera that is an atom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Eye<K: SceneKind = Everything> {
@@ -182,6 +193,12 @@ impl<K: SceneKind> SceneVertex<K> {
             Place::Surface(surface) => Some(surface.primitive),
             _ => None,
         }
+    }
+
+    /// Whether it is an eye, or a point of the lens.
+    #[inline]
+    pub fn is_eye(&self) -> bool {
+        matches!(self.place, Place::Camera | Place::Parallel(_))
     }
 
     /// Whether it may emit light: a lamp, the sky, or a surface that shines.

@@ -10,7 +10,7 @@ use crate::kind::{Everything, NotCovered, Oriented, Presence, SceneKind, With, c
 use crate::lights::{AreaLight, Form, Lights};
 use crate::render::shares::Shares;
 use crate::scattering::{Material, Scattering};
-use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sky, Tangents, hit};
+use crate::scene::{Camera, Filter, Hit, Primitive, PrimitiveId, Scene, Sight, Sky, Tangents, hit};
 use crate::strategies::Pixel;
 use crate::vertex::{Eye, Place, SceneVertex, Seen, SkyOf, Surface};
 
@@ -138,18 +138,30 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// What a ray from a vertex in direction `w` meets first.
     #[inline]
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        self.seen(from.position, w.vec().into(), from.primitive())
+        self.seen(self.sight_from(from), from.position, w.vec().into(), from.primitive())
+    }
+
+    /// What rays from a vertex meet.
+    #[inline]
+    fn sight_from(&self, from: &SceneVertex<K>) -> Sight<'s> {
+        if from.is_eye() { self.scene.sight_of_eyes() } else { self.scene.sight() }
     }
 
     /// What a point of the film of a parallel projection sees.
     pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
         let parallel = self.parallel()?;
-        self.seen(parallel.point(film), parallel.forward, None)
+        self.seen(self.scene.sight_of_eyes(), parallel.point(film), parallel.forward, None)
     }
 
     /// The first surface on a ray that leaves a primitive, or the sky behind everything.
-    fn seen(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Seen<K>> {
-        self.scene.intersect_then(origin, w, from, |hit| match hit {
+    fn seen(
+        &self,
+        sight: Sight<'s>,
+        origin: Vec3,
+        w: Vec3,
+        from: Option<PrimitiveId>,
+    ) -> Option<Seen<K>> {
+        sight.intersect_then(origin, w, from, |hit| match hit {
             Some(hit) => Some(Seen::Surface(self.surface_at(&hit))),
             // Without a sky that shines there is nothing to see.
             None => self.sky().map(Seen::Sky),
@@ -178,10 +190,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// The first surface on a ray that leaves a primitive, or none.
     #[inline]
     pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
-        match self.seen(origin, w, from)? {
-            Seen::Surface(surface) => Some(surface),
-            Seen::Sky(_) => None,
-        }
+        self.seen(self.scene.sight(), origin, w, from)?.surface()
     }
 
     /// The first surface that light from infinitely far away meets, where it comes through the point `p`
@@ -237,24 +246,31 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// The surface that a ray from a vertex in direction `w` meets first.
     pub fn hit(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Surface<K>> {
-        self.trace(from.position, w.vec().into(), from.primitive())
+        self.cast(from, w)?.surface()
     }
 
-    /// Whether nothing lies between two vertices.
+    /// Whether nothing lies between two vertices. An eye sees none that lies on a shape which is hidden from it.
     pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
+        let is_seen = from.is_eye() || to.is_eye();
+        if is_seen
+            && [from, to].iter().filter_map(|v| v.primitive()).any(|id| self.scene.is_hidden(id))
+        {
+            return false;
+        }
+        let sight = if is_seen { self.scene.sight_of_eyes() } else { self.scene.sight() };
         if let Some(film) = self.parallel() {
             // Such an eye sees what lies in front of its film.
             for (eye, other) in [(from, to), (to, from)] {
                 if matches!(eye.place, Place::Parallel(_)) {
                     let before = film.before(other.position);
-                    return self.scene.visible(before, None, other.position, other.primitive());
+                    return sight.visible(before, None, other.position, other.primitive());
                 }
             }
         }
         if to.is_infinite() {
-            return self.scene.is_open(from.position, from.primitive(), to.position);
+            return sight.is_open(from.position, from.primitive(), to.position);
         }
-        self.scene.visible(from.position, from.primitive(), to.position, to.primitive())
+        sight.visible(from.position, from.primitive(), to.position, to.primitive())
     }
 
     /// Whether a flat light shines to the side on which a point lies.

@@ -174,8 +174,10 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
     camera.origin = (position - origin).as_vec3();
     let bounds = parts.primitives.iter().map(super::Primitive::bounds);
     let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
+    let reach = Vec3::splat(camera.reach());
     let mut scene = Scene {
-        tracer: Tracer::new(&parts.primitives, Vec3::splat(camera.reach())),
+        tracer: Tracer::new(&parts.primitives, reach),
+        seen_by_eyes: integrator.hide_emitters.then(|| parts.tracer_of_eyes(reach)).flatten(),
         facts: facts(&parts.primitives, &parts.primitive_shapes, &parts.shapes),
         primitives: parts.primitives,
         primitive_shapes: parts.primitive_shapes,
@@ -404,6 +406,18 @@ impl<'a> Builder<'a> {
 }
 
 impl Parts {
+    /// What rays from eyes meet where these are not to see shapes that emit; none if there are no such shapes.
+    ///
+    /// A tree of its own costs rays nothing, and leaves no question of where a ray goes on that has passed through a
+    /// shape, or through two at the same place.
+    fn tracer_of_eyes(&self, reach: Vec3) -> Option<Tracer> {
+        let is_dark = |shape: u32| self.shapes[shape as usize].emission.is_none();
+        let shapes = (0..).zip(&self.primitive_shapes);
+        let dark: Vec<u32> = shapes.filter(|(_, of)| is_dark(**of)).map(|(id, _)| id).collect();
+        let any_emits = dark.len() < self.primitives.len();
+        any_emits.then(|| Tracer::among(&self.primitives, &dark, reach))
+    }
+
     fn add(&mut self, mut shape: Shape, geometry: Geometry) {
         let index = self.shapes.len() as u32;
         shape.first_primitive = self.primitives.len() as u32;

@@ -43,7 +43,7 @@ impl Clip {
             let part = Vec2::new((k % 16) as f32 + 0.5, (k / 16) as f32 + 0.5) / 16.0;
             let direction =
                 camera.direction(part * Vec2::new(film.width as f32, film.height as f32));
-            let hit = scene.intersect(camera.origin, direction, None);
+            let hit = scene.sight_of_eyes().intersect(camera.origin, direction, None);
             hit.is_some_and(|hit| {
                 let depth = hit.t * direction.dot(camera.forward);
                 match self {

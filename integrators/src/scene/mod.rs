@@ -122,7 +122,16 @@ pub struct Scene {
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,
+    /// The same without the shapes that emit, if eyes are not to see these.
+    seen_by_eyes: Option<Tracer>,
     facts: Vec<Facts>,
+}
+
+/// What rays meet of a scene.
+#[derive(Clone, Copy)]
+pub struct Sight<'s> {
+    scene: &'s Scene,
+    tracer: &'s Tracer,
 }
 
 /// Where a ray meets the scene.
@@ -199,22 +208,7 @@ impl Scene {
         direction: Vec3,
         skip: Option<PrimitiveId>,
     ) -> Option<Hit> {
-        self.intersect_then(origin, direction, skip, identity)
-    }
-
-    /// The same with what becomes of the hit or of there being none, which is computed on the way: what is
-    /// not asked of a hit costs nothing.
-    #[inline(always)]
-    pub fn intersect_then<T>(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        skip: Option<PrimitiveId>,
-        then: impl FnOnce(Option<Hit>) -> T,
-    ) -> T {
-        count_nearest();
-        let ray = Cast { scene: self, from: End { point: origin, on: skip }, direction, then };
-        self.tracer.machine().run(ray)
+        self.sight().intersect(origin, direction, skip)
     }
 
     /// Whether the open segment between two points is free. Each point may lie on a primitive,
@@ -227,22 +221,30 @@ impl Scene {
         b: Vec3,
         b_primitive: Option<PrimitiveId>,
     ) -> bool {
-        if !(is_finite(a) && is_finite(b)) {
-            return false;
-        }
-        count_occlusion();
-        let (from, to) = (End { point: a, on: a_primitive }, End { point: b, on: b_primitive });
-        self.tracer.machine().run(Between { scene: self, from, to })
+        self.sight().visible(a, a_primitive, b, b_primitive)
     }
 
     /// Whether nothing lies in a direction of unit length from a point, which may lie on a primitive.
     pub fn is_open(&self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
-        count_occlusion();
-        self.tracer.machine().run(Outwards {
-            scene: self,
-            from: End { point: from, on },
-            direction,
-        })
+        self.sight().is_open(from, on, direction)
+    }
+
+    /// All surfaces.
+    #[inline(always)]
+    pub fn sight(&self) -> Sight<'_> {
+        Sight { scene: self, tracer: &self.tracer }
+    }
+
+    /// What rays from eyes meet: shapes that emit are not there if the scene hides them.
+    #[inline(always)]
+    pub fn sight_of_eyes(&self) -> Sight<'_> {
+        Sight { scene: self, tracer: self.seen_by_eyes.as_ref().unwrap_or(&self.tracer) }
+    }
+
+    /// Whether rays from eyes pass through a primitive.
+    #[inline]
+    pub fn is_hidden(&self, id: PrimitiveId) -> bool {
+        self.seen_by_eyes.is_some() && self.shape(id).emission.is_some()
     }
 
     /// An end of a ray with the surface that it lies on.
@@ -362,9 +364,60 @@ impl Scene {
     }
 }
 
+impl<'s> Sight<'s> {
+    /// [`Scene::intersect`] of these surfaces.
+    pub fn intersect(
+        self,
+        origin: Vec3,
+        direction: Vec3,
+        skip: Option<PrimitiveId>,
+    ) -> Option<Hit> {
+        self.intersect_then(origin, direction, skip, identity)
+    }
+
+    /// The same with what becomes of the hit or of there being none, which is computed on the way: what is
+    /// not asked of a hit costs nothing.
+    #[inline(always)]
+    pub fn intersect_then<T>(
+        self,
+        origin: Vec3,
+        direction: Vec3,
+        skip: Option<PrimitiveId>,
+        then: impl FnOnce(Option<Hit>) -> T,
+    ) -> T {
+        count_nearest();
+        let ray = Cast { sight: self, from: End { point: origin, on: skip }, direction, then };
+        self.tracer.machine().run(ray)
+    }
+
+    /// [`Scene::visible`] among these surfaces.
+    #[inline(always)]
+    pub fn visible(
+        self,
+        a: Vec3,
+        a_primitive: Option<PrimitiveId>,
+        b: Vec3,
+        b_primitive: Option<PrimitiveId>,
+    ) -> bool {
+        if !(is_finite(a) && is_finite(b)) {
+            return false;
+        }
+        count_occlusion();
+        let (from, to) = (End { point: a, on: a_primitive }, End { point: b, on: b_primitive });
+        self.tracer.machine().run(Between { sight: self, from, to })
+    }
+
+    /// [`Scene::is_open`] among these surfaces.
+    pub fn is_open(self, from: Vec3, on: Option<PrimitiveId>, direction: Vec3) -> bool {
+        count_occlusion();
+        let from = End { point: from, on };
+        self.tracer.machine().run(Outwards { sight: self, from, direction })
+    }
+}
+
 /// Finds what a ray meets first, and what becomes of it.
 struct Cast<'a, F> {
-    scene: &'a Scene,
+    sight: Sight<'a>,
     from: End,
     direction: Vec3,
     then: F,
@@ -375,9 +428,9 @@ impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
 
     #[inline(always)]
     fn run<E: Eight>(self, at: At<'_, E>) -> T {
-        let (scene, direction) = (self.scene, self.direction);
+        let (Sight { scene, tracer }, direction) = (self.sight, self.direction);
         let start = scene.end(self.from);
-        let hit = match scene.tracer.nearest::<E>(at, start, direction) {
+        let hit = match tracer.nearest::<E>(at, start, direction) {
             Some(raw) => Some(scene.hit(self.from.point, direction, &raw)),
             None => None,
         };
@@ -385,14 +438,14 @@ impl<T, F: FnOnce(Option<Hit>) -> T> Task for Cast<'_, F> {
     }
 
     fn run_plainly(self, room: &Room) -> T {
-        let Cast { scene, from, direction, then } = self;
-        then(plainly(Cast { scene, from, direction, then: identity::<Option<Hit>> }, room))
+        let Cast { sight, from, direction, then } = self;
+        then(plainly(Cast { sight, from, direction, then: identity::<Option<Hit>> }, room))
     }
 }
 
 /// Finds whether nothing lies between two points.
 struct Between<'a> {
-    scene: &'a Scene,
+    sight: Sight<'a>,
     from: End,
     to: End,
 }
@@ -402,14 +455,14 @@ impl Task for Between<'_> {
 
     #[inline(always)]
     fn run<E: Eight>(self, at: At<'_, E>) -> bool {
-        let (from, to) = (self.scene.end(self.from), self.scene.end(self.to));
-        self.scene.tracer.unoccluded::<E>(at, from, to)
+        let Sight { scene, tracer } = self.sight;
+        tracer.unoccluded::<E>(at, scene.end(self.from), scene.end(self.to))
     }
 }
 
 /// Finds whether a ray meets nothing.
 struct Outwards<'a> {
-    scene: &'a Scene,
+    sight: Sight<'a>,
     from: End,
     direction: Vec3,
 }
@@ -419,7 +472,8 @@ impl Task for Outwards<'_> {
 
     #[inline(always)]
     fn run<E: Eight>(self, at: At<'_, E>) -> bool {
-        self.scene.tracer.is_open::<E>(at, self.scene.end(self.from), self.direction)
+        let Sight { scene, tracer } = self.sight;
+        tracer.is_open::<E>(at, scene.end(self.from), self.direction)
     }
 }
 

@@ -221,7 +221,8 @@ pub struct Integrator {
     pub max_depth: Option<u32>,
     /// The path length from which Russian roulette may end a path.
     pub rr_depth: u32,
-    /// Whether emitters that the camera sees directly are invisible.
+    /// Whether emitters that the camera sees directly are invisible: it sees what is behind shapes that emit
+    /// ([`super::Scene::sight_of_eyes`]), and a black sky.
     pub hide_emitters: bool,
     /// The ids of shapes that are openings which light has to pass: those of the file, and of who loads it.
     pub portals: Vec<String>,

@@ -44,6 +44,12 @@ impl Tracer {
     /// Builds the tree. `camera` is where most rays come from: rounding errors grow with its
     /// distance too.
     pub fn new(primitives: &[Primitive], camera: Vec3) -> Self {
+        let all: Vec<u32> = (0..primitives.len() as u32).collect();
+        Self::among(primitives, &all, camera)
+    }
+
+    /// The same over some of the primitives of a scene, by their numbers in ascending order.
+    pub fn among(primitives: &[Primitive], chosen: &[u32], camera: Vec3) -> Self {
         let largest = primitives.iter().map(|p| {
             let bounds = p.bounds();
             bounds.min.abs().max(bounds.max.abs()).max_element()
@@ -51,7 +57,8 @@ impl Tracer {
         let largest = largest.fold(camera.abs().max_element(), f32::max);
         let scale = power_of_two_scale(largest);
         let padding = PADDING * largest * scale;
-        let boxes = primitives.iter().map(|p| {
+        let boxes = chosen.iter().map(|&index| {
+            let p = &primitives[index as usize];
             let bounds = p.bounds();
             Boxed {
                 bounds: Aabb::new(
@@ -63,9 +70,9 @@ impl Tracer {
         });
         let (mut packets, mut others) = (Vec::new(), Vec::new());
         let tree = build(&boxes.collect::<Vec<_>>(), |indices| {
-            let corners = |&index: &u32| match primitives[index as usize] {
+            let corners = |&place: &u32| match primitives[chosen[place as usize] as usize] {
                 Primitive::Triangle { v0, v1, v2 } => {
-                    Some((PrimitiveId(index), [v0, v1, v2].map(|v| v * scale)))
+                    Some((PrimitiveId(chosen[place as usize]), [v0, v1, v2].map(|v| v * scale)))
                 }
                 _ => None,
             };
@@ -73,8 +80,9 @@ impl Tracer {
                 packets.push(Packet::new(indices.iter().filter_map(corners)));
                 return Below::Packet(packets.len() - 1);
             }
-            let primitive = scaled(&primitives[indices[0] as usize], scale);
-            others.push(Item { primitive, id: PrimitiveId(indices[0]) });
+            let id = chosen[indices[0] as usize];
+            let primitive = scaled(&primitives[id as usize], scale);
+            others.push(Item { primitive, id: PrimitiveId(id) });
             Below::Other(others.len() - 1)
         });
         let unit = 1.0 / scale;

@@ -89,7 +89,7 @@ fn closed() -> (Scene, [f32; 3]) {
 
 /// Every integrator, with the numbers of its samples in the open and in the closed furnace: so many that two percent
 /// show.
-fn integrators(scene: &Scene) -> Vec<(&'static str, [u32; 2], Algorithm)> {
+pub fn integrators(scene: &Scene) -> Vec<(&'static str, [u32; 2], Algorithm)> {
     let path = settings(scene);
     let bidirectional = Bidirectional::new(path);
     let portals = Portals::new(scene).expect("a portal");

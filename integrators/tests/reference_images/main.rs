@@ -15,6 +15,7 @@ mod algorithms;
 #[path = "../common/mod.rs"]
 mod common;
 mod furnaces;
+mod hidden;
 mod models;
 mod scenes;
 mod techniques;
