@@ -3,7 +3,7 @@
 use crate::bidirectional::Bidirectional;
 use crate::chains::{ChainIntegrator, ChainKernel};
 use crate::gradient_domain::GradientDomain;
-use crate::instant_radiosity::InstantRadiosity;
+use crate::instant_radiosity::{InstantRadiosity, RadiosityKernel};
 use crate::integrator::{Integrator, Kernel};
 use crate::kind::{self, Everything, NotCovered, SceneKind};
 use crate::light_tracer::LightTracer;
@@ -88,7 +88,10 @@ impl Algorithm {
             _ if !kind::KINDS.contains(&kind) => None,
             Algorithm::LightTracer(it) => Some(general(scene, it, sampler)),
             Algorithm::Tridirectional(it) => Some(general(scene, it, sampler)),
-            Algorithm::InstantRadiosity(it) => Some(general(scene, it, sampler)),
+            Algorithm::InstantRadiosity(it) => {
+                let kernel = RadiosityKernel::<Everything>::new(scene, it, sampler);
+                Some(kernel.map(|kernel| Box::new(kernel) as _))
+            }
             Algorithm::PhotonMapping(it) => {
                 let kernel = PhotonKernel::<Everything>::new(scene, it, seed);
                 Some(kernel.map(|kernel| Box::new(kernel) as _))

@@ -1,19 +1,23 @@
 //! Instant radiosity (Keller 1997; Aether 2017, section 7.6): light paths that all pixels share, whose
 //! vertices are virtual point lights.
 
-use aether_core::{Arena, Snapshot, UniformSource};
+use std::sync::{PoisonError, RwLock};
+
+use aether_core::{Arena, Snapshot};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
 use crate::integrand::Radiance;
-use crate::integrator::{Integrator, Received};
-use crate::kind::SceneKind;
+use crate::integrator::Received;
+use crate::kind::{Everything, NotCovered, SceneKind};
 use crate::path::PathSettings;
-use crate::render::{Splats, Technique};
+use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
+use crate::scene::{Filter, Sampler, Scene};
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path};
+use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path, light_step};
 use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
+use crate::work::in_parts;
 use crate::world::World;
 
 /// Settings of instant radiosity. It does not find caustics: light that mirrors or glass throw on what the camera sees,
@@ -28,76 +32,129 @@ pub struct InstantRadiosity {
     pub clamp: Option<f32>,
 }
 
-/// What one thread reuses: the light paths of a sample.
-pub struct VirtualLights<'a, K: SceneKind> {
-    scratch: Scratch<'a, K, LightStrategies<'a, K>>,
-    paths: Vec<Snapshot<SceneVertex<K>, LightStrategies<'a, K>>>,
+impl InstantRadiosity {
+    /// About as many bytes as the light paths of a sample may take. Where nothing else limits their lengths, they are
+    /// counted as paths of 32 vertices.
+    pub fn bytes(&self) -> u64 {
+        let vertices = (self.path.most_vertices() - 1).min(COUNTED);
+        let path = size_of::<LightPath<Everything>>() + HEAP;
+        let path = path + vertices * LightPath::<Everything>::BYTES_OF_A_STEP;
+        u64::from(self.light_paths) * path as u64
+    }
 }
 
-impl Integrator for InstantRadiosity {
-    type Scratch<'a, K: SceneKind> = VirtualLights<'a, K>;
-    const SHARES: bool = true;
+/// How many light paths a camera path is connected to before the arena, which keeps all that is made in it, is cleared.
+const AT_ONCE: usize = 256;
 
-    fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> VirtualLights<'a, K> {
-        let limit = self.clamp.unwrap_or(f32::INFINITY);
-        let scratch = Scratch::with(Radiance::clamped(world, limit));
-        VirtualLights { scratch, paths: Vec::new() }
+/// More vertices than paths mostly have that Russian roulette ends.
+const COUNTED: usize = 32;
+
+/// What an allocation takes beside its contents, in bytes.
+const HEAP: usize = 16;
+
+/// A light path without its strategies, which its vertices tell.
+type LightPath<K> = Snapshot<SceneVertex<K>, ()>;
+
+/// What one thread reuses: memory for paths, and the camera path that is connected to one part of the light paths after the
+/// other.
+struct Connector<'a, K: SceneKind> {
+    scratch: Scratch<'a, K, LightStrategies<'a, K>>,
+    begun: Snapshot<SceneVertex<K>, LightStrategies<'a, K>>,
+}
+
+/// Instant radiosity in a scene, as the render engine calls it.
+pub struct RadiosityKernel<'s, K: SceneKind> {
+    world: World<'s, K>,
+    settings: InstantRadiosity,
+    sampler: Sampler,
+    /// The light paths of a sample, which all threads share.
+    paths: RwLock<Vec<LightPath<K>>>,
+}
+
+impl<'s, K: SceneKind> RadiosityKernel<'s, K> {
+    /// Instant radiosity in a scene, with the kind and the seed of `sampler`; the same seed gives the same image.
+    ///
+    /// # Errors
+    /// If the scene needs what the kind leaves out.
+    pub fn new(
+        scene: &'s Scene,
+        settings: InstantRadiosity,
+        sampler: Sampler,
+    ) -> Result<Self, NotCovered> {
+        let world = World::new(scene)?;
+        Ok(RadiosityKernel { world, settings, sampler, paths: RwLock::default() })
     }
 
-    fn begin<'a, K: SceneKind>(
-        &'a self,
-        world: &'a World<'a, K>,
-        VirtualLights { paths, .. }: &mut VirtualLights<'a, K>,
-        seed: u64,
+    /// Some of the light paths of a sample, by their numbers; fewer if the render is cancelled.
+    fn shoot(
+        &self,
         sample: u32,
-    ) {
-        let longest = self.path.most_vertices() - 1;
-        let mut arena = Arena::new();
-        paths.clear();
-        for k in 0..self.light_paths {
+        paths: std::ops::Range<usize>,
+        cancelled: Cancelled<'_>,
+    ) -> Vec<LightPath<K>> {
+        let path = self.settings.path;
+        let lengths = (path.most_vertices() - 1, path.rr_depth);
+        let (seed, mut arena) = (self.sampler.seed, Arena::new());
+        let mut known = Snapshot::<_, LightStrategies<K>>::new();
+        let shoot = |k: usize| {
             arena.clear();
-            let uniforms =
-                &mut Uniforms::independent(seed, u64::MAX - u64::from(k), u64::from(sample));
-            let light = light_path(world, &arena, uniforms, (longest, self.path.rr_depth));
-            paths.push(Snapshot::of(&light.slice(0..light.len())));
-        }
+            let uniforms = &mut Uniforms::independent(seed, u64::MAX - k as u64, u64::from(sample));
+            let light = light_path(&self.world, &arena, uniforms, lengths);
+            known.store(&light.slice(0..light.len()));
+            // In memory of its own size, with nothing between: there may be millions.
+            Snapshot::from_steps(known.steps().map(|(vertex, _, code)| (*vertex, (), code)))
+        };
+        paths.take_while(|_| !cancelled()).map(shoot).collect()
     }
 
-    fn sample<'a, K: SceneKind>(
+    /// One sample of a pixel; given up if the render is cancelled meanwhile.
+    fn sample<'a>(
         &'a self,
-        world: &'a World<'a, K>,
-        VirtualLights { scratch, paths }: &mut VirtualLights<'a, K>,
-        uniforms: &mut impl UniformSource<f32>,
-        pixel: Pixel,
-        splats: &mut Splats,
+        paths: &[LightPath<K>],
+        Connector { scratch, begun }: &mut Connector<'a, K>,
+        uniforms: &mut Uniforms,
+        (pixel, splats): (Pixel, &mut Splats),
+        cancelled: Cancelled<'_>,
     ) -> Vec3 {
         let Scratch { arena, estimator } = scratch;
         arena.clear();
-        let longest = self.path.most_vertices();
+        let (world, settings) = (&self.world, self.settings.path);
+        let (longest, rr) = (settings.most_vertices(), settings.rr_depth);
         let mut received = Received::new(pixel, splats);
         let aim = received.aim();
         let mut camera = camera_path(world, arena, uniforms, aim, (longest.min(2), 0));
         let response = received.begin_with(estimator.integrand(), &camera);
         let mut add = |by: Technique, path: &Path<'_, K, _>, share: f32| {
-            if self.path.techniques.has(by) {
+            if settings.techniques.has(by) {
                 let value = estimator.of(path) * share;
                 received.add_own(by, value, value);
             }
         };
-        if longest >= 2 && !self.path.hide_emitters {
+        if longest >= 2 && !settings.hide_emitters {
             add(Technique::edge(camera.len(), 0), &camera, response);
         }
         // What is seen in mirrors is followed; everything else is lit by the virtual lights.
         while camera.is_complete() && camera.len() < longest {
-            for light in paths.iter() {
-                let light = arena.restore(light);
-                for s in 1..=light.len().min(longest - camera.len()) {
-                    let path = camera.concat(&light.slice(0..s).reverse());
-                    let share = response / self.light_paths as f32;
-                    add(Technique::edge(camera.len(), s), &path, share);
+            begun.store(&camera);
+            for lights in paths.chunks(AT_ONCE) {
+                if cancelled() {
+                    received.give_up();
+                    return Vec3::ZERO;
+                }
+                arena.clear();
+                let camera = arena.restore(begun);
+                for light in lights {
+                    let light = arena.restore_with(light, |i, ()| light_step(world, i, rr));
+                    for s in 1..=light.len().min(longest - camera.len()) {
+                        let path = camera.concat(&light.slice(0..s).reverse());
+                        let share = response / self.settings.light_paths as f32;
+                        add(Technique::edge(camera.len(), s), &path, share);
+                    }
                 }
             }
-            camera.append(sample_bsdf(world, self.path.rr_depth, None)).sample(uniforms);
+            arena.clear();
+            camera = arena.restore(begun);
+            camera.append(sample_bsdf(world, rr, None)).sample(uniforms);
             let mirrored = |i| is_atom(&camera, i);
             if !camera.is_complete() || !mirrored(camera.len() - 2) {
                 break;
@@ -105,5 +162,42 @@ impl Integrator for InstantRadiosity {
             add(Technique::edge(camera.len(), 0), &camera, response);
         }
         received.own
+    }
+}
+
+impl<K: SceneKind> AnyKernel for RadiosityKernel<'_, K> {
+    fn worker(&self) -> Worker<'_> {
+        self.worker_until(&|| false)
+    }
+
+    fn worker_until<'a>(&'a self, cancelled: Cancelled<'a>) -> Worker<'a> {
+        let limit = self.settings.clamp.unwrap_or(f32::INFINITY);
+        let scratch = Scratch::with(Radiance::clamped(&self.world, limit));
+        let mut connector = Connector { scratch, begun: Snapshot::new() };
+        let paths = self.paths.read().unwrap_or_else(PoisonError::into_inner);
+        let film = &self.world.scene.film;
+        Box::new(move |pixel, sample, splats| {
+            let Sampler { kind, seed, .. } = self.sampler;
+            let mut uniforms = Uniforms::of_pixel(kind, seed, pixel, film, sample);
+            let to = (pixel, splats);
+            self.sample(&paths, &mut connector, &mut uniforms, to, cancelled).to_array()
+        })
+    }
+
+    fn filter(&self) -> Option<Filter> {
+        Some(self.world.scene.film.filter)
+    }
+
+    fn largest_pass(&self) -> u32 {
+        1
+    }
+
+    fn begin_pass(&self, first: u32, threads: usize, cancelled: Cancelled<'_>) -> bool {
+        let mut known = self.paths.write().unwrap_or_else(PoisonError::into_inner);
+        // There is never memory for those of two samples.
+        *known = Vec::new();
+        let count = self.settings.light_paths as usize;
+        *known = in_parts(count, threads, |part| self.shoot(first, part, cancelled));
+        known.len() == count
     }
 }

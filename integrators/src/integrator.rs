@@ -31,17 +31,6 @@ pub trait Integrator: Send + Sync {
     /// A new scratch object.
     fn scratch<'a, K: SceneKind>(&'a self, world: &'a World<'a, K>) -> Self::Scratch<'a, K>;
 
-    /// Called before the samples with a number, of one pixel or of many: makes what they have in common.
-    fn begin<'a, K: SceneKind>(
-        &'a self,
-        world: &'a World<'a, K>,
-        scratch: &mut Self::Scratch<'a, K>,
-        seed: u64,
-        sample: u32,
-    ) {
-        let _ = (world, scratch, seed, sample);
-    }
-
     /// One estimate of the linear Rec. 709 value of a pixel. What it contributes to others goes to
     /// `splats`; the sum over all pixels' samples with the same number is what counts.
     fn sample<'a, K: SceneKind>(
@@ -160,6 +149,11 @@ impl<'s> Received<'s> {
         }
     }
 
+    /// Has nothing of the sample count, as the render is cancelled before it is complete.
+    pub fn give_up(&mut self) {
+        self.splats.give_up();
+    }
+
     /// Adds to its own pixel of a layer.
     pub fn add_to(&mut self, layer: Layer, value: Vec3) {
         self.splats.add_to(layer, self.pixel, value.to_array());
@@ -209,12 +203,7 @@ pub(crate) fn worker<'a, K: SceneKind, I: Integrator>(
 ) -> Worker<'a> {
     let mut scratch = integrator.scratch(world);
     let film = &world.scene.film;
-    let mut begun = None;
     Box::new(move |pixel, sample, splats| {
-        if begun != Some(sample) {
-            integrator.begin(world, &mut scratch, seed, sample);
-            begun = Some(sample);
-        }
         let mut uniforms = Uniforms::of_pixel(sampler, seed, pixel, film, sample);
         let value = integrator.sample(world, &mut scratch, &mut uniforms, pixel, splats);
         value.to_array()

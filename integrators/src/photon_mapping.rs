@@ -15,7 +15,7 @@ use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
 use crate::photons::{Photon, PhotonMap, seen_size, shrunk};
-use crate::render::{AnyKernel, Splats, Technique, Worker};
+use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Pixel, sample_bsdf};
 use crate::subpaths::{Scratch, camera_path, is_atom, light_path};
@@ -72,13 +72,18 @@ impl<'s, K: SceneKind> PhotonKernel<'s, K> {
         self.settings.light_paths.map_or(self.world.pixels(), |paths| paths as usize)
     }
 
-    /// The photons of some light paths of a sample.
-    fn shoot(&self, sample: u32, paths: std::ops::Range<usize>) -> Vec<Photon> {
+    /// The photons of some light paths of a sample; not all of them if the render is cancelled.
+    fn shoot(
+        &self,
+        sample: u32,
+        paths: std::ops::Range<usize>,
+        cancelled: Cancelled<'_>,
+    ) -> Vec<Photon> {
         let world = &self.world;
         let longest = self.settings.path.most_vertices();
         let Scratch { mut arena, estimator } = Scratch::<K, LightStrategies<K>>::new(world);
         let mut photons = Vec::new();
-        for k in paths {
+        for k in paths.take_while(|_| !cancelled()) {
             arena.clear();
             let uniforms =
                 &mut Uniforms::independent(self.seed, u64::MAX - k as u64, u64::from(sample));
@@ -192,10 +197,15 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         1
     }
 
-    fn begin_pass(&self, first: u32, threads: usize) {
-        let photons = in_parts(self.light_paths(), threads, |part| self.shoot(first, part));
+    fn begin_pass(&self, first: u32, threads: usize, cancelled: Cancelled<'_>) -> bool {
+        let photons =
+            in_parts(self.light_paths(), threads, |part| self.shoot(first, part, cancelled));
+        if cancelled() {
+            return false;
+        }
         let radius = self.settings.radius * self.size * shrunk(self.settings.alpha, first);
         let map = PhotonMap::new(photons, radius);
         *self.map.write().unwrap_or_else(PoisonError::into_inner) = map;
+        true
     }
 }

@@ -15,7 +15,7 @@ use crate::integrator::Received;
 use crate::kind::{NotCovered, SceneKind};
 use crate::path::PathSettings;
 use crate::photons::{PhotonMap, Placed, seen_size, shrunk};
-use crate::render::{AnyKernel, Splats, Technique, Worker};
+use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Aim, Pixel};
 use crate::subpaths::{
@@ -91,11 +91,17 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         Ok(MergingKernel { world, size, settings, seed, lights })
     }
 
-    /// Some of the light paths of a sample, by their numbers.
-    fn shoot(&self, sample: u32, paths: std::ops::Range<usize>) -> Vec<LightPath<K>> {
+    /// Some of the light paths of a sample, by their numbers; fewer if the render is cancelled.
+    fn shoot(
+        &self,
+        sample: u32,
+        paths: std::ops::Range<usize>,
+        cancelled: Cancelled<'_>,
+    ) -> Vec<LightPath<K>> {
         let (longest, rr) = (self.settings.path.most_vertices(), self.settings.path.rr_depth);
         let mut arena = Arena::new();
         paths
+            .take_while(|_| !cancelled())
             .map(|k| {
                 arena.clear();
                 let uniforms =
@@ -238,11 +244,16 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
         1
     }
 
-    fn begin_pass(&self, first: u32, threads: usize) {
-        let paths = in_parts(self.world.pixels(), threads, |part| self.shoot(first, part));
+    fn begin_pass(&self, first: u32, threads: usize, cancelled: Cancelled<'_>) -> bool {
+        let paths =
+            in_parts(self.world.pixels(), threads, |part| self.shoot(first, part, cancelled));
+        if paths.len() < self.world.pixels() {
+            return false;
+        }
         let radius = self.settings.radius * self.size * shrunk(self.settings.alpha, first);
         let ends = PhotonMap::new(ends(&paths), radius);
         *self.lights.write().unwrap_or_else(PoisonError::into_inner) = LightPaths { paths, ends };
+        true
     }
 }
 

@@ -49,6 +49,9 @@ impl<V: Vertex, S: Strategy<V>> Snapshot<V, S> {
 }
 
 impl<V: Vertex, S> Snapshot<V, S> {
+    /// What a vertex takes, with its strategy and what else is known of it.
+    pub const BYTES_OF_A_STEP: usize = size_of::<(V, S, Entry)>();
+
     /// How many vertices the path has.
     pub fn len(&self) -> usize {
         self.steps.len()

@@ -175,11 +175,12 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
             }
             Algorithm::Bidirectional(Bidirectional { light_paths, ..bidirectional })
         }
-        "vpl" => Algorithm::InstantRadiosity(InstantRadiosity {
-            path,
-            light_paths: plan.light_paths.unwrap_or(256),
-            clamp: plan.clamp,
-        }),
+        "vpl" => {
+            let light_paths = plan.light_paths.unwrap_or(256);
+            let radiosity = InstantRadiosity { path, light_paths, clamp: plan.clamp };
+            check_bytes(&radiosity)?;
+            Algorithm::InstantRadiosity(radiosity)
+        }
         "ppm" => {
             let settings = PhotonMapping::new(path);
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
@@ -215,6 +216,23 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
         Failure::new(format!("--techniques of integrator `{}`: {why}", plan.integrator))
     })?;
     Ok(algorithm)
+}
+
+/// The most bytes that the light paths of a sample, or images of techniques, may take.
+pub(super) const MOST_BYTES: u64 = 8_000_000_000;
+
+/// That the light paths of instant radiosity fit into memory.
+fn check_bytes(radiosity: &InstantRadiosity) -> Result<(), Failure> {
+    let (bytes, paths) = (radiosity.bytes(), radiosity.light_paths);
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let fitting = MOST_BYTES / (bytes / u64::from(paths));
+    Err(Failure::new(format!(
+        "{paths} light paths of integrator `vpl` may take {:.1} GB; ask for fewer, `--light-paths {fitting}`, or for \
+         shorter ones, `--max-depth`",
+        bytes as f64 / 1e9
+    )))
 }
 
 /// The integrators, by their names in scene files and on the command line.
@@ -268,6 +286,28 @@ mod tests {
         assert_eq!(plan.sampler, SamplerKind::Multijitter);
         let plan = Plan::new(&scene(), &arguments(&["--max-depth", "0"]));
         assert_eq!(plan.max_depth, Some(0));
+    }
+
+    #[test]
+    fn light_paths_that_memory_has_no_room_for_are_refused() {
+        let with = |line: &[&str]| {
+            let plan = Plan::new(&scene(), &arguments(&[&["--integrator", "vpl"], line].concat()));
+            algorithm_for(&scene(), &plan).map(|_| ()).map_err(|failure| failure.to_string())
+        };
+        // Seven edges are eight vertices, of which the eye is not one of the light path: some hundred bytes each.
+        let message = with(&["--light-paths", "16777216"]).unwrap_err();
+        assert!(
+            message.starts_with("16777216 light paths of integrator `vpl` may take 1"),
+            "{message}"
+        );
+        assert!(message.contains(" GB; ask for fewer, `--light-paths "), "{message}");
+        // What it says fits does, and shorter ones do.
+        let fewer = message.split('`').nth(3).expect("a remedy");
+        assert_eq!(with(&fewer.split(' ').collect::<Vec<_>>()), Ok(()), "{message}");
+        assert_eq!(with(&["--light-paths", "16777216", "--max-depth", "2"]), Ok(()));
+        // Paths of any length have one all the same.
+        assert!(with(&["--light-paths", "16777216", "--max-depth", "-1"]).is_err());
+        assert_eq!(with(&["--light-paths", "1000000", "--max-depth", "-1"]), Ok(()));
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::checkpoint::checkpoint;
-use super::kernel::{Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator};
+use super::kernel::{MOST_BYTES, Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator};
 use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
@@ -95,9 +95,6 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     }
     Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
-
-/// The most bytes that images of techniques may take.
-const MOST_BYTES: u64 = 8_000_000_000;
 
 /// The most vertices of paths whose techniques get images, if these fit into memory; 0 without such images.
 fn layered(arguments: &RenderArguments, (width, height): (u32, u32)) -> Result<usize, Failure> {

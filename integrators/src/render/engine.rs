@@ -144,7 +144,10 @@ impl<'a> Job<'a> {
         let mut cancelled = observer.cancelled();
         while !cancelled && let Some(samples) = next_pass(self.budget, &self.state()) {
             let samples = samples.min(kernel.largest_pass());
-            kernel.begin_pass(self.done, self.threads);
+            if !kernel.begin_pass(self.done, self.threads, &|| observer.cancelled()) {
+                cancelled = true;
+                break;
+            }
             // A pass that waits while its state is written goes on where each pixel is.
             while !self.run_pass(samples) {
                 self.keep_state();
@@ -215,8 +218,9 @@ impl<'a> Job<'a> {
         let waits = AtomicBool::new(false);
         let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let work = self.work();
+        let cancelled = || self.observer.cancelled();
         let job = || {
-            let mut worker = self.kernel.worker();
+            let mut worker = self.kernel.worker_until(&cancelled);
             while !waits.load(Ordering::Relaxed)
                 && let Some(tile) = self.tiles.get(next.fetch_add(1, Ordering::Relaxed))
             {
@@ -248,17 +252,20 @@ impl<'a> Job<'a> {
             let rows = tile.pixels.len() as u32 / tile.width;
             Gathered::new(filter, self.size, tile.origin, (tile.width, rows))
         });
-        for (index, pixel) in tile.pixels.iter_mut().enumerate() {
+        'pixels: for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
                 break;
             }
             let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
             let position = (tile.origin.0 + dx, tile.origin.1 + dy);
             let begin = pixel.count();
-            moved |= begin < target;
             for number in begin..target {
                 splats.begin();
                 let value = worker(position, number, &mut splats);
+                if splats.is_given_up() {
+                    break 'pixels;
+                }
+                moved = true;
                 // What others get a share of may not be beyond all measure.
                 let most = if splats.shares().is_some() { MOST } else { f32::MAX };
                 let valid = value.iter().all(|v| v.abs() <= most);

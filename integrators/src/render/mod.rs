@@ -59,6 +59,9 @@ pub trait PixelKernel: Sync {
 /// that sample contributes to other pixels.
 pub type Worker<'a> = Box<dyn FnMut((u32, u32), u32, &mut Splats) -> [f32; 3] + 'a>;
 
+/// Whether a render has been cancelled, to be asked by what takes long.
+pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
+
 /// A Markov chain.
 pub trait MarkovChain: Send {
     /// Takes a step, and splats what it contributes. A step counts like a sample: the steps with the same number,
@@ -87,6 +90,13 @@ pub type Chain<'a> = Box<dyn MarkovChain + 'a>;
 pub trait AnyKernel: Sync {
     /// The kernel with a scratch object of its own, for the use of one thread.
     fn worker(&self) -> Worker<'_>;
+
+    /// The same, which may give a sample up if the render is cancelled while it is computed ([`Splats::give_up`]): for
+    /// kernels of which a single sample can take long.
+    fn worker_until<'a>(&'a self, cancelled: Cancelled<'a>) -> Worker<'a> {
+        let _ = cancelled;
+        self.worker()
+    }
 
     /// The Markov chain with this number, if the image is made of them: one for each tile of the image, which
     /// takes a step beside each sample of each of its pixels. What they find adds up.
@@ -124,9 +134,11 @@ pub trait AnyKernel: Sync {
         u32::MAX
     }
 
-    /// Called before each pass, with the number of its first sample.
-    fn begin_pass(&self, first: u32, threads: usize) {
-        let _ = (first, threads);
+    /// Called before each pass, with the number of its first sample. Returns false if the render was cancelled before
+    /// all that samples need was made; then none is asked for.
+    fn begin_pass(&self, first: u32, threads: usize, cancelled: Cancelled<'_>) -> bool {
+        let _ = (first, threads, cancelled);
+        true
     }
 
     /// What of a render was computed when the kernel was made.

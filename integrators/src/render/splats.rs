@@ -107,6 +107,9 @@ pub struct Splats {
     /// Those of the sample under way, if it is known where it lies.
     shares: Shares,
     lies: bool,
+    /// How many contributions waited when the sample under way began, and whether it has been given up.
+    before: usize,
+    given_up: bool,
 }
 
 impl Splats {
@@ -118,6 +121,19 @@ impl Splats {
     /// Begins a sample, of which nothing is known.
     pub(super) fn begin(&mut self) {
         self.lies = false;
+        (self.before, self.given_up) = (self.waiting.len(), false);
+    }
+
+    /// Takes back what the sample under way has added, which is not to count: the render is cancelled before it is
+    /// complete.
+    pub fn give_up(&mut self) {
+        self.waiting.truncate(self.before);
+        self.given_up = true;
+    }
+
+    /// Whether the last sample was given up.
+    pub(super) fn is_given_up(&self) -> bool {
+        self.given_up
     }
 
     /// The sample under way lies at a film point: what pixels have in it, to be moved there, if samples are shared.

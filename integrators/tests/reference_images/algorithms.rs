@@ -1,5 +1,7 @@
 //! All integrators against the same images as the path tracer.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use aether_core::special::beta_inc;
 use integrators::algorithm::Algorithm;
 use integrators::bidirectional::Bidirectional;
@@ -15,7 +17,7 @@ use integrators::photon_mapping::PhotonMapping;
 use integrators::poisson::Reconstruction;
 use integrators::portals::Portals;
 use integrators::primary_sample::PrimarySample;
-use integrators::render::{Budget, Film, Layer, RenderSettings, render};
+use integrators::render::{Budget, Film, Layer, Observer, Progress, RenderSettings, render};
 use integrators::scene::{Filter, Scene};
 use integrators::tridirectional::Tridirectional;
 use integrators::vertex_merging::VertexMerging;
@@ -474,8 +476,56 @@ fn the_number_of_threads_does_not_change_a_bit_of_splats() {
         Algorithm::Metropolis(metropolis),
         Algorithm::PhotonMapping(PhotonMapping::new(path)),
         Algorithm::VertexMerging(VertexMerging::new(path)),
+        Algorithm::InstantRadiosity(InstantRadiosity { path, light_paths: 64, clamp: None }),
     ] {
         let one = render(algorithm.clone(), 1);
         assert!(one == render(algorithm.clone(), 3), "{algorithm:?}");
+    }
+}
+
+/// Cancels when it has been asked for so many times whether to.
+struct Impatient {
+    patience: u32,
+    asked: AtomicU32,
+}
+
+impl Observer for Impatient {
+    fn progress(&self, _: &Progress) {}
+
+    fn cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.patience
+    }
+}
+
+#[test]
+fn instant_radiosity_ends_within_a_sample_when_it_is_cancelled() {
+    let scene = scene("cornell-box");
+    let path = settings(&scene);
+    let render = |light_paths, patience| {
+        let lights = InstantRadiosity { path, light_paths, clamp: None };
+        let kernel = Algorithm::InstantRadiosity(lights)
+            .kernel("Everything", &scene, scene.sampler.seeded(5))
+            .expect("a kind")
+            .expect("it covers the scene");
+        let size = (scene.film.width, scene.film.height);
+        let settings = RenderSettings::new(size, Budget::Samples(1));
+        let settings = RenderSettings { threads: Some(1), ..settings };
+        render(&*kernel, &settings, &Impatient { patience, asked: AtomicU32::new(0) })
+    };
+    // While light paths are made; one takes a few rays.
+    let early = render(1 << 24, 1000);
+    assert!(early.cancelled && early.film.samples() == (0, 0));
+    assert!(early.work.rays() < 100_000, "{}", early.work.rays());
+    // While they light the first pixel that sees any surface, of which nothing counts then.
+    let within = render(100_000, 100_100);
+    assert!(within.cancelled);
+    assert!(within.film.pixels().iter().all(|pixel| pixel.mean() == [0.0; 3]));
+    assert!(within.work.rays() > 100_000);
+    // While they light others: those that are complete are as they would have been.
+    let whole = render(20, u32::MAX).film;
+    let part = render(20, 4_000).film;
+    assert_eq!((whole.samples(), part.samples()), ((1, 1), (0, 1)));
+    for (pixel, complete) in part.pixels().iter().zip(whole.pixels()) {
+        assert!(pixel.count() == 0 || pixel == complete);
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::film_filter::{FilmProfile, PixelPoints};
 use crate::render::progress::StateWriter;
-use crate::render::{MarkovChain, PixelKernel};
+use crate::render::{Cancelled, MarkovChain, PixelKernel};
 use crate::scene::SamplerKind;
 use crate::stored::Stored;
 use crate::uniforms::Uniforms;
@@ -172,6 +172,78 @@ fn invalid_samples_are_black_and_counted() {
     let rendered = render(&Broken, &settings(4, 2), &());
     assert_eq!(rendered.invalid_samples, 2 * 37 * 21);
     assert!(rendered.film.image().pixels().iter().all(|p| *p == [0.5; 3]));
+}
+
+/// Samples of one that also add one to another pixel. While the fifth sample is computed, or what a pass needs, the render is
+/// cancelled.
+struct Slow {
+    /// How many samples have begun.
+    begun: AtomicU32,
+    cancelled: AtomicBool,
+    is_slow_to_begin: bool,
+}
+
+impl Slow {
+    fn new(is_slow_to_begin: bool) -> Self {
+        let (begun, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
+        Slow { begun, cancelled, is_slow_to_begin }
+    }
+}
+
+impl AnyKernel for Slow {
+    fn worker(&self) -> Worker<'_> {
+        self.worker_until(&|| false)
+    }
+
+    fn worker_until<'a>(&'a self, cancelled: Cancelled<'a>) -> Worker<'a> {
+        Box::new(move |_, _, splats| {
+            splats.add((0, 0), [1.0; 3]);
+            if self.begun.fetch_add(1, Ordering::Relaxed) == 4 {
+                self.cancelled.store(true, Ordering::Relaxed);
+            }
+            if cancelled() {
+                splats.give_up();
+            }
+            [1.0; 3]
+        })
+    }
+
+    fn splats(&self) -> bool {
+        true
+    }
+
+    fn begin_pass(&self, _: u32, _: usize, cancelled: Cancelled<'_>) -> bool {
+        self.cancelled.store(self.is_slow_to_begin, Ordering::Relaxed);
+        !cancelled()
+    }
+}
+
+impl Observer for Slow {
+    fn progress(&self, _: &Progress) {}
+
+    fn cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+#[test]
+fn a_sample_that_is_given_up_does_not_count() {
+    let slow = Slow::new(false);
+    let rendered = render(&slow, &settings(1, 1), &slow);
+    assert!(rendered.cancelled);
+    let counts: Vec<u32> = rendered.film.pixels().iter().map(|pixel| pixel.count()).collect();
+    assert_eq!(counts.iter().sum::<u32>(), 4);
+    // Light paths do not depend on pixels: each of four adds as much as if there were no others.
+    let first = rendered.film.image().pixels()[0][0];
+    assert_eq!(first, 1.0 + 37.0 * 21.0);
+}
+
+#[test]
+fn nothing_is_sampled_before_all_that_it_needs_is_made() {
+    let slow = Slow::new(true);
+    let rendered = render(&slow, &settings(1, 2), &slow);
+    assert!(rendered.cancelled);
+    assert_eq!((rendered.film.samples(), slow.begun.into_inner()), ((0, 0), 0));
 }
 
 /// Cancels after a number of work units, and checks what is reported.
