@@ -46,6 +46,12 @@ impl Selection {
         self.patterns.is_empty()
     }
 
+    /// Whether all connect light paths to the eye, as a light tracer does.
+    pub fn is_light_tracing(&self) -> bool {
+        let is_edge_to_eye = |p: &Pattern| p.joint.is_empty() && p.camera == (1, 1);
+        !self.is_all() && self.patterns.iter().all(is_edge_to_eye)
+    }
+
     /// Those of a list that lives as long as the program, as settings do.
     fn listed(patterns: Vec<Pattern>) -> Self {
         let mut edges = [0; FEW];

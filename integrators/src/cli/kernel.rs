@@ -17,7 +17,7 @@ use crate::poisson::Reconstruction;
 use crate::portals::Portals;
 use crate::primary_sample::PrimarySample;
 use crate::render::AnyKernel;
-use crate::scene::{Bsdf, Overrides, Sampler, SamplerKind, Scene};
+use crate::scene::{Bsdf, Overrides, Sampler, SamplerKind, Scene, Shape};
 use crate::selection::Selection;
 use crate::tridirectional::Tridirectional;
 use crate::vertex_merging::VertexMerging;
@@ -119,6 +119,23 @@ pub(super) fn warn_of_integrator(scene: &Scene, plan: &Plan) {
             None => warn(&format!("warning: integrator `{}`: {message}", wanted.name)),
         }
     }
+}
+
+/// Warns of light that light tracing by itself does not find.
+pub(super) fn warn_of_lost_light(scene: &Scene, plan: &Plan) {
+    if loses_light(scene, plan) {
+        warn(
+            "warning: light tracing alone loses light at a `bumpmap` or `normalmap` around what transmits, whose normals \
+             are flipped for the viewer and not for the light; use another integrator, or give the material \
+             <boolean name=\"flip_invalid_normals\" value=\"false\"/>",
+        );
+    }
+}
+
+fn loses_light(scene: &Scene, plan: &Plan) -> bool {
+    let from_lights = plan.integrator == "ptracer" || plan.techniques.is_light_tracing();
+    let flips = |shape: &Shape| scene.bsdfs[shape.bsdf as usize].flips_transmitting();
+    from_lights && scene.shapes.iter().any(flips)
 }
 
 /// Warns of options of other integrators than the one that renders.
@@ -286,6 +303,33 @@ mod tests {
         assert_eq!(plan.sampler, SamplerKind::Multijitter);
         let plan = Plan::new(&scene(), &arguments(&["--max-depth", "0"]));
         assert_eq!(plan.max_depth, Some(0));
+    }
+
+    #[test]
+    fn light_tracing_alone_loses_light_where_normals_of_glass_are_flipped() {
+        let loses = |bsdf: &str, line: &[&str]| {
+            let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+            let xml = SCENE.replace(r#"<bsdf type="diffuse"/>"#, bsdf);
+            let textures = folder.join("../tests/scenes/textures");
+            let scene = Scene::from_str(&xml, &textures, &[]).unwrap();
+            loses_light(&scene, &Plan::new(&scene, &arguments(line)))
+        };
+        let bumped = |flip: &str, nested: &str| {
+            format!(
+                r#"<bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="normalmap">{flip}
+                <texture name="normalmap" type="bitmap"><string name="filename" value="normals.png"/>
+                <boolean name="raw" value="true"/></texture><bsdf type="{nested}"/></bsdf></bsdf>"#
+            )
+        };
+        let (light, glass) = (["--integrator", "ptracer"], bumped("", "dielectric"));
+        assert!(loses(&glass, &light));
+        assert!(loses(&glass, &["--integrator", "bdpt", "--techniques", "*:1"]));
+        assert!(!loses(&glass, &["--integrator", "bdpt", "--techniques", "*:1,0:*"]));
+        assert!(!loses(&glass, &["--integrator", "bdpt"]));
+        assert!(!loses(&bumped("", "diffuse"), &light));
+        let flip = r#"<boolean name="flip_invalid_normals" value="false"/>"#;
+        assert!(!loses(&bumped(flip, "dielectric"), &light));
+        assert!(!loses(r#"<bsdf type="dielectric"/>"#, &light));
     }
 
     #[test]

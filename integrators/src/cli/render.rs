@@ -8,7 +8,10 @@ use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
 use super::checkpoint::checkpoint;
-use super::kernel::{MOST_BYTES, Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator};
+use super::kernel::{
+    MOST_BYTES, Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator,
+    warn_of_lost_light,
+};
 use super::live::Live;
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
@@ -40,6 +43,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
     let kernel = kernel_for(&scene, &plan)?;
     warn_of_integrator(&scene, &plan);
     warn_of_idle_options(&plan, arguments);
+    warn_of_lost_light(&scene, &plan);
     if plan.max_depth.is_none() && plan.rr_depth > ENDLESS {
         warn(&format!(
             "warning: paths of any length without Russian roulette before {} vertices may never end between walls that \

@@ -281,6 +281,29 @@ impl Bsdf {
         }
     }
 
+    /// Whether light passes through it, other than through holes.
+    pub fn transmits(&self) -> bool {
+        match self {
+            Self::Dielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(_) => true,
+            Self::Mask { nested, .. } | Self::Bump { nested, .. } => nested.transmits(),
+            Self::Blend { nested, .. } => nested.iter().any(Self::transmits),
+            _ => false,
+        }
+    }
+
+    /// Whether it transmits light at turned normals that are flipped where they face away from the viewer
+    /// ([`Bump::flip_invalid`]): whether they do is not known to the light.
+    pub fn flips_transmitting(&self) -> bool {
+        match self {
+            Self::Bump { bump, nested } => bump.flip_invalid && nested.transmits(),
+            Self::Mask { nested, .. } => nested.flips_transmitting(),
+            Self::TwoSided(nested) | Self::Blend { nested, .. } => {
+                nested.iter().any(Self::flips_transmitting)
+            }
+            _ => false,
+        }
+    }
+
     /// Has rough plastic lose light as that of Mitsuba 3.9 does; see [`RoughPlastic::conserving`].
     pub fn lose_energy(&mut self) {
         match self {
