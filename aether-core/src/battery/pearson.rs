@@ -34,7 +34,7 @@ impl Pearson {
         let deviation = (count - expected) / (expected + variance).sqrt();
         self.statistic += deviation * deviation;
         self.bins += 1.0;
-        if !(deviation.abs() < self.worst.0) {
+        if deviation.is_nan() || deviation.abs() >= self.worst.0 {
             self.worst = (deviation.abs(), name.to_owned());
         }
     }
@@ -61,7 +61,7 @@ impl Pearson {
             Some(format!("{count} samples where {:.1} are expected; {figures}", expected.max(0.0)))
         } else {
             // A NaN is not right.
-            (!(p >= rate)).then(|| figures.clone())
+            (p.is_nan() || p < rate).then(|| figures.clone())
         };
         report.conclude(check, failure, figures);
     }

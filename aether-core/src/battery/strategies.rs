@@ -167,12 +167,12 @@ impl<'p, V: Vertex, S: Strategy<V>, Q: Strategy<V>> StrategyBattery<'p, V, S, Q>
         let (mut told, mut off, mut lost, mut worst) = (0, 0, 0, None::<(f64, Drawn<V>)>);
         for drawn in samples {
             let density = self.density(&self.strategy, &drawn.vertex, drawn.dirac);
-            if !(density > 0.0) {
+            if density.is_nan() || density <= 0.0 {
                 lost += 1;
             } else if let Some(own) = drawn.value {
                 told += 1;
                 let error = (own.to_f64() / density - 1.0).abs();
-                if !(error <= tolerance) {
+                if error.is_nan() || error > tolerance {
                     off += 1;
                     if worst.is_none_or(|(most, _)| error > most) {
                         worst = Some((error, *drawn));
@@ -221,10 +221,10 @@ impl<'p, V: Vertex, S: Strategy<V>, Q: Strategy<V>> StrategyBattery<'p, V, S, Q>
              the uniforms give a vertex with a density"
         );
         let noise = (error * error + found * (1.0 - found) / n).sqrt();
-        let failure = if !(error < COARSE) {
+        let failure = if error.is_nan() || error >= COARSE {
             Some(format!("{figures}: not resolved, take a reference that is more like it"))
         } else {
-            (!((total - found).abs() < 5.0 * noise + f64::EPSILON.sqrt())).then(|| figures.clone())
+            ((total - found).abs() > 5.0 * noise + f64::EPSILON.sqrt()).then(|| figures.clone())
         };
         report.conclude("mass", failure, figures);
         let missing = n - counts.iter().sum::<f64>();
