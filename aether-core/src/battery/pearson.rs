@@ -84,7 +84,7 @@ mod tests {
         assert!(passes(&[(100.0, 110.0), (210.0, 200.0), (3.0, 1.0)]));
         assert!(!passes(&[(100.0, 170.0), (270.0, 200.0)]));
         // Many small bins are one that is not small, and what should not be there at all is seen.
-        assert!(!passes(&[(100.0, 100.0); 9].map(|_| (0.0, 4.0)).as_slice()));
+        assert!(!passes(&[(0.0, 4.0); 9]));
         assert!(!passes(&[(100.0, 131.0), (31.0, 0.0)]) && passes(&[(100.0, 101.0), (1.0, 0.0)]));
         assert!(!passes(&[(f64::NAN, 100.0), (100.0, 100.0)]));
     }
