@@ -73,6 +73,24 @@ pub fn place_of_root<R: Real>(f: impl Fn(R) -> R, target: R, lo: R, hi: R) -> R 
     R::select(at_hi.le(target), hi + (target - at_hi) * scale, lo + (target - at_lo) * scale)
 }
 
+/// The last number before a pole at an end of the range of an increasing function: of the end and the numbers next to it the
+/// one that rounding has not put beyond the pole, where values have the sign of the other side.
+#[doc(hidden)]
+pub fn before_pole<R: Real>(f: impl Fn(R) -> R, end: R, other: R) -> R {
+    let (from, width) = (end.exact(), (other - end).exact());
+    let unit = (from.abs().max(width.abs()) * R::EPSILON * R::of(0.5)).copysign(width);
+    let upper = width.lt(R::ZERO);
+    let (mut best, mut at_best) = (from, f(from).exact());
+    for roundings in [0.5, 1.0, 2.0, 4.0, 8.0] {
+        let next = from + unit * R::of(roundings);
+        let at_next = f(next).exact();
+        let better = R::select(upper, at_next - at_best, at_best - at_next).gt(R::ZERO);
+        best = R::select(better, next, best);
+        at_best = R::select(better, at_next, at_best);
+    }
+    best
+}
+
 /// The same where the target may lie beyond the values: then the root lies beyond the ends, as far
 /// outside as the target is on the scale of the function.
 #[doc(hidden)]
@@ -296,6 +314,20 @@ mod tests {
         );
         let slope = smoothstep(root.value).1;
         assert!((root.error * slope / 1e-9 - 1.0).abs() < 1e-3, "{root:?}");
+    }
+
+    #[test]
+    fn an_end_that_is_rounded_beyond_a_pole() {
+        let end = core::f32::consts::FRAC_PI_2;
+        let tan = |t: f32| (t + t.tan(), 1.0 + t.cos().powi(-2));
+        assert!(tan(end).0 < 0.0);
+        let [first, last] =
+            [[-end, end], [end, -end]].map(|[a, b]| before_pole(|t| tan(t).0, a, b));
+        assert_eq!((first, last), (end.next_down() * -1.0, end.next_down()));
+        // Nothing is beyond a pole in double precision, nor is an end without one.
+        let end = core::f64::consts::FRAC_PI_2;
+        assert_eq!(before_pole(f64::tan, end, 0.0), end);
+        assert_eq!(before_pole(f64::exp, 1.0, 0.0), 1.0);
     }
 
     #[test]

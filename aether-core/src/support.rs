@@ -4,7 +4,7 @@ mod limits;
 mod manifold;
 
 use crate::real::{Mask, Real, Single};
-pub use crate::root::{place_of_root, root_inside, root_or_beyond, root_or_fold};
+pub use crate::root::{before_pole, place_of_root, root_inside, root_or_beyond, root_or_fold};
 use limits::tiny_beside;
 pub use limits::{
     closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,

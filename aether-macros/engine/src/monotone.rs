@@ -116,6 +116,15 @@ fn inputs(ranges: &[Interval], n: u32, corner: Option<u32>) -> Vec<f64> {
     ranges.iter().enumerate().map(input).collect()
 }
 
+/// The nth values of inputs in the ranges that they are declared with; the first ones are at corners.
+pub(crate) fn values_of(g: &Graph, leaves: &[Leaf], n: u32) -> Vec<f64> {
+    let ranges: Vec<Interval> = leaves.iter().map(|leaf| g.leaf_range(*leaf)).collect();
+    let corners = 1 << leaves.len().min(MOST_CORNERS);
+    let mut at = inputs(&ranges, n, Some(n).filter(|n| *n < corners));
+    unit_lengths(g, leaves, &mut at);
+    at
+}
+
 /// Scales the inputs that are coordinates of unit vectors.
 fn unit_lengths(g: &Graph, leaves: &[Leaf], at: &mut [f64]) {
     for unit in g.units() {

@@ -3,6 +3,7 @@
 use crate::eval::{Evaluated, Evaluator};
 use crate::expr::{Graph, Id, Leaf, Root, children, leaf_bit};
 use crate::hash::Map;
+use crate::monotone::{inputs_of, leaves_of, values_of};
 use crate::number::Number;
 
 /// Steps after which a root is as good as it gets; bisection alone needs fewer.
@@ -102,6 +103,41 @@ fn is_double<T: Number>() -> bool {
     (T::from_ratio(1, 3) - T::from_f64(1.0 / 3.0)).to_f64() == 0.0
 }
 
+/// Points at which the ends of a root are looked at.
+const POINTS: u32 = 16;
+
+/// Whether rounding to `T`, which has this unit, puts an end of a root beyond a pole of its body, where values have the
+/// sign of the other side: what increases is smaller at the upper end than before it, or larger at the lower one.
+pub fn passes_pole<T: Number>(g: &Graph, root: &Root, [end, other]: [Id; 2], unit: f64) -> bool {
+    let leaves = leaves_of(g, root.body, root.variable);
+    let leaves = [end, other].iter().fold(leaves, |mut leaves, id| {
+        let more = inputs_of(g, *id).unwrap_or_default();
+        leaves.extend(more.into_iter().filter(|l| !leaves.contains(l)).collect::<Vec<_>>());
+        leaves
+    });
+    let points = if leaves.len() > 1 { POINTS } else { 1 };
+    (0..points).any(|n| {
+        let at = values_of(g, &leaves, n);
+        let number =
+            |l: Leaf| T::from_f64(leaves.iter().position(|k| *k == l).map_or(f64::NAN, |k| at[k]));
+        let [end, other] = [end, other].map(|id| Evaluator::new(g, &number).value(id).to_f64());
+        let body = Body::new(g, root, &number);
+        lies_beyond_pole(&|t: T| body.at(t).0, [end, other].map(T::from_f64), unit)
+    })
+}
+
+/// Whether an end of a range in which a function increases lies beyond a pole that the function has there.
+fn lies_beyond_pole<T: Number>(body: &dyn Fn(T) -> T, [end, other]: [T; 2], unit: f64) -> bool {
+    let towards = (other - end).to_f64();
+    let step = 8.0 * unit * end.to_f64().abs().max(towards.abs());
+    let at = |steps: f64| body(end + T::from_f64((steps * step).copysign(towards))).to_f64();
+    let [at_end, before, far] = [0.0, 1.0, 8.0].map(at);
+    let falls = if towards < 0.0 { at_end < before } else { at_end > before };
+    // Next to a zero, where rounding has any sign, values grow with the distance.
+    let grows = before.abs() > 2.0 * far.abs();
+    step.is_finite() && falls && grows && at_end * before < 0.0 && (at_end - before).is_finite()
+}
+
 /// The end, or a number beyond it, if the target is no value of the body between the ends.
 fn beyond<T: Number>(
     root: &Root,
@@ -118,6 +154,10 @@ fn beyond<T: Number>(
     } else {
         return None;
     };
+    let ends = if below >= target { [lo, hi] } else { [hi, lo] };
+    if lies_beyond_pole(&|t| body(t).0, ends, f64::EPSILON) {
+        return None;
+    }
     if root.inside {
         return Some(end);
     }

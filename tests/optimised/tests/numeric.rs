@@ -32,6 +32,26 @@ fn student(u: [Uniform; 1]) -> f64 {
     )
 }
 
+/// Rises to a pole, before which the quarter turn of single precision does not end.
+#[sampler]
+fn up_to_a_pole(u: [Uniform; 1]) -> f64 {
+    let t = FRAC_PI_2 * u[0];
+    t.tan() + t
+}
+
+/// The same by the equation.
+#[sampler]
+fn solved_up_to_a_pole(u: [Uniform; 1]) -> f64 {
+    solve(|t| t.tan() + t, 0.0..FRAC_PI_2, u[0] / (1.0 - u[0]))
+}
+
+/// Between two poles.
+#[sampler]
+fn between_poles(u: [Uniform; 1]) -> f64 {
+    let t = PI * (u[0] - 0.5);
+    t.tan() + t
+}
+
 /// The raised cosine, whose slope vanishes at both ends.
 #[sampler]
 fn raised_cosine(u: [Uniform; 1]) -> f64 {
@@ -303,4 +323,43 @@ fn only_what_must_be_is_numerical() {
     }
     assert!(inverse(Bent::<f64>::DERIVATION.inverse));
     assert!(!inverse(Logistic::<f64>::DERIVATION.inverse));
+}
+
+#[test]
+fn ends_that_rounding_puts_beyond_a_pole() {
+    for i in 1..200_u16 {
+        let u = f32::from(i) / 200.0;
+        let (up, between) = (up_to_a_pole().sample([u]), between_poles().sample([u]));
+        let [up_again, between_again] =
+            [up_to_a_pole().pdf(&*up).value(), between_poles().pdf(&*between).value()];
+        for (found, t, width) in [
+            ([up.pdf().value(), up_again], FRAC_PI_2 * f64::from(u), FRAC_PI_2),
+            ([between.pdf().value(), between_again], PI * (f64::from(u) - 0.5), PI),
+        ] {
+            let truth = 1.0 / (width * (1.0 + t.cos().powi(-2)));
+            for p in found {
+                assert!((f64::from(p) / truth - 1.0).abs() < 1e-3, "{u} {t} {p} {truth}");
+            }
+        }
+        let sample = solved_up_to_a_pole().sample([u]);
+        let (t, u) = (f64::from(sample.value()), f64::from(u));
+        let slope = 1.0 + t.cos().powi(-2);
+        let truth = slope / (1.0 + t.tan() + t).powi(2);
+        assert!((t.tan() + t - u / (1.0 - u)).abs() < 2e-7 * slope, "{u} {t}");
+        // Of the cosine next to the pole the sine tells the square of the distance from it.
+        let digits = 1e-5 + 3e-7 / (1.0 - u).powi(2);
+        for p in [sample.pdf().value(), solved_up_to_a_pole().pdf(&*sample).value()] {
+            assert!((f64::from(p) / truth - 1.0).abs() < digits, "{u} {t} {p} {truth}");
+        }
+    }
+    // Samples in double precision are as they were, also at the ends.
+    for u in [1e-9_f64, 0.3, 0.5, 0.999_999] {
+        let sample = between_poles().sample([u]);
+        let (own, again) = (sample.pdf().value(), between_poles().pdf(&*sample).value());
+        let t: f64 = PI * (u - 0.5);
+        let truth = 1.0 / (PI * (1.0 + t.cos().powi(-2)));
+        for p in [own, again] {
+            assert!((p / truth - 1.0).abs() < 1e-6, "{u} {p} {truth}");
+        }
+    }
 }

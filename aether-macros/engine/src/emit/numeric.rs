@@ -5,6 +5,8 @@ use quote::{format_ident, quote};
 
 use super::code::Code;
 use crate::expr::{BOUNDS, Graph, Id, Leaf, Node, Root, children};
+use crate::number::Single;
+use crate::root::passes_pole;
 
 /// The name of a bound variable in emitted code.
 pub(super) fn variable(leaf: Leaf) -> TokenStream {
@@ -54,6 +56,14 @@ pub(super) fn place(code: &mut Code, root: &Root) -> TokenStream {
     code.named(&call)
 }
 
+/// Whether rounding in single or double precision puts the ends beyond poles.
+pub(super) fn poles(g: &Graph, root: &Root) -> [bool; 2] {
+    [[root.lo, root.hi], [root.hi, root.lo]].map(|ends| {
+        passes_pole::<Single>(g, root, ends, f64::from(f32::EPSILON))
+            || passes_pole::<f64>(g, root, ends, f64::EPSILON)
+    })
+}
+
 /// The call, with the body and its slope as one closure. What [`outside`] lists has been written.
 pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
     let mut inner = code.inner();
@@ -66,5 +76,25 @@ pub(super) fn root(code: &Code, root: &Root) -> TokenStream {
         (false, false) => quote!(root_or_beyond),
         (false, true) => quote!(root_or_fold),
     };
-    quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi))
+    let poles = poles(code.graph(), root);
+    if poles == [false; 2] {
+        return quote!(::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi));
+    }
+    let value = {
+        let mut inner = code.inner();
+        let body = inner.value(root.body);
+        let lets = inner.statements();
+        quote!(|#t: R| { #lets #body })
+    };
+    let place = |pole: bool, here: &TokenStream, there: &TokenStream| match pole {
+        true => quote!(::aether_core::support::before_pole(#value, #here, #there)),
+        false => quote!(#here),
+    };
+    let [first, last] = [place(poles[0], &lo, &hi), place(poles[1], &hi, &lo)];
+    let body = if poles[0] { quote!(R::select(#t.le(first), -R::INFINITY, #body)) } else { body };
+    let body = if poles[1] { quote!(R::select(#t.ge(last), R::INFINITY, #body)) } else { body };
+    quote!({
+        let (first, last) = (#first, #last);
+        ::aether_core::support::#function(|#t: R| { #lets (#body, #slope) }, #target, #lo, #hi)
+    })
 }

@@ -248,7 +248,8 @@ fn place_of_root(code: &mut Code, id: Id, bounds: [Option<f64>; 4]) -> Option<To
     let mut asked = [bounds[1]?, bounds[2]?];
     sorted::sort_by(&mut asked, f64::total_cmp);
     sorted::sort_by(&mut ends, f64::total_cmp);
-    (!root.inside && asked == ends).then(|| numeric::place(code, root))
+    let ends_known = !root.inside && asked == ends && numeric::poles(g, root) == [false; 2];
+    ends_known.then(|| numeric::place(code, root))
 }
 
 /// The inputs that make an expression infinite or no number if they are so themselves.
