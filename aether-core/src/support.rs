@@ -89,6 +89,12 @@ pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     if usual.all() { sum.sqrt() } else { scaled_root(sum, scaled) }
 }
 
+/// The same of a sum with a positive number among its terms, which only overflows.
+#[inline(always)]
+pub fn large_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
+    if sum.lt(R::INFINITY).all() { sum.sqrt() } else { scaled_root(sum, scaled) }
+}
+
 /// Takes the closure by value, as what is rare does, and hands it on as one of any type: what follows is compiled once.
 #[cold]
 #[inline(never)]

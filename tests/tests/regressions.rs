@@ -1560,6 +1560,30 @@ fn what_is_larger_than_the_larger_one_is_the_largest() {
         let truth = 0.25 / PI / x.length().powi(3);
         for p in [sample.pdf().value(), cube.pdf(&sample).value()] {
             assert!((p / truth - 1.0).abs() < 1e-13, "{u:?} {p} {truth}");
+
+/// The square of what divides the sample leaves the range of numbers before it does.
+#[sampler(a in 0.001..=700.0)]
+fn over_a_large_cosine(u: [Uniform; 1], a: f64) -> f64 {
+    (a * u[0]).sinh() / a.cosh()
+}
+
+#[test]
+fn one_and_a_square_that_overflows_have_a_root() {
+    // The density is cosh a / (a cosh(a u)).
+    for (a, u) in [(700.0, 0.99), (700.0, 0.6), (400.0, 0.9), (2.0, 0.3)] {
+        let sampler = over_a_large_cosine(a).unwrap();
+        let sample = sampler.sample([u]);
+        let truth = f64::cosh(a) / (a * f64::cosh(a * u));
+        for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+            assert!((p / truth - 1.0).abs() < 1e-12, "{a} {u} {p} {truth}");
+        }
+    }
+    for (a, u) in [(80.0_f32, 0.99_f32), (85.0, 0.8), (50.0, 0.95)] {
+        let sampler = over_a_large_cosine(a).unwrap();
+        let sample = sampler.sample([u]);
+        let truth = a.cosh() / (a * (a * u).cosh());
+        for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+            assert!((p / truth - 1.0).abs() < 1e-4, "{a} {u} {p} {truth}");
         }
     }
 }

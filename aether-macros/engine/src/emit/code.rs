@@ -8,8 +8,9 @@ use quote::{format_ident, quote};
 use super::paired::pairs;
 use super::powers::{Related, ThreeHalves, related, three_halves};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children, divided};
+use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children, divided};
 use crate::number::{Dd, Number};
+use crate::overflow::SAFE;
 use crate::rational::Q;
 
 /// Writes expressions over the type `R`, with inputs named by `input`.
@@ -225,6 +226,12 @@ impl<'a> Code<'a> {
     /// Writes the root of a sum of squares, which has to be looked after, once for all that it divides.
     fn write_rescued(&mut self, b: Id) {
         if self.scaled_squares(b).is_none() {
+            if let Some(scaled) = self.large_squares(b) {
+                let base = self.reference(b);
+                let root = quote!(::aether_core::support::large_root(#base, move |up: R| #scaled));
+                let name = self.named(&root);
+                self.rescued.insert(b, name);
+            }
             return;
         }
         // What is seldom asked for takes numbers, not places in memory where they had to be for it.
@@ -647,6 +654,40 @@ impl<'a> Code<'a> {
     /// √base; a sum of squares small enough to underflow is computed again on another scale.
     fn root(&self, b: Id, base: &TokenStream) -> TokenStream {
         self.rescued.get(&b).cloned().unwrap_or_else(|| quote!(#base.sqrt()))
+    }
+
+    /// A number and squares, some of which overflow where exponentials of parameters do not, each square times `up`.
+    fn large_squares(&self, b: Id) -> Option<TokenStream> {
+        let Node::Sum(c, terms) = self.graph.node(b) else { return None };
+        if c.is_zero() || c.is_negative() || !terms.iter().any(|(_, t)| self.may_overflow(*t)) {
+            return None;
+        }
+        let scaled = terms.iter().map(|(q, t)| {
+            let Node::Product(factors) = self.graph.node(*t) else { return None };
+            let is_square = |(_, e): &(Id, Id)| self.graph.as_number(*e) == Some(Q::int(2));
+            if q.is_negative() || !factors.iter().all(is_square) {
+                return None;
+            }
+            let bases: Vec<_> =
+                factors.iter().map(|(b, _)| self.known(*b)).collect::<Option<_>>()?;
+            let (base, k) = (joined(&bases), rational(*q));
+            Some(quote!({ let q = #base * up; q * q * #k }))
+        });
+        let scaled: Vec<TokenStream> = scaled.collect::<Option<_>>()?;
+        let c = rational(*c);
+        Some(quote!(up * up * #c + #(#scaled)+*))
+    }
+
+    /// Whether the square of an exponential of parameters is a factor that overflows in single precision.
+    fn may_overflow(&self, term: Id) -> bool {
+        let Node::Product(factors) = self.graph.node(term) else { return false };
+        factors.iter().any(|(b, _)| match self.graph.node(*b) {
+            Node::Call(Fun::Cosh | Fun::Sinh | Fun::Exp | Fun::ExpM1, args) => {
+                let range = self.graph.range(args[0]);
+                range.hi.max(-range.lo) > 0.5 * SAFE && self.graph.deps(*b) & (UNKNOWNS | OUTS) == 0
+            }
+            _ => false,
+        })
     }
 
     /// A sum of squares (with factors that are not negative), each square times `up`.
