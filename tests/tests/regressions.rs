@@ -1587,3 +1587,30 @@ fn one_and_a_square_that_overflows_have_a_root() {
         }
     }
 }
+
+/// A sphere but for its poles, by quotients of large numbers.
+#[sampler(a in 1e-6..=1e6)]
+fn sphere_by_large_numbers(u: [Uniform; 2], a: f64) -> Direction {
+    let q = a.powi(4);
+    let c = (2.0 * u[0] - 1.0) * q / (1.0 + q);
+    let r = (1.0 - c * c).sqrt();
+    let phi = TAU * u[1];
+    Direction::new(r * phi.cos(), r * phi.sin(), c)
+}
+
+#[test]
+fn roots_of_a_product_that_overflows_are_taken_apart() {
+    for a in [1e6_f32, 3e5, 1e4, 1.0] {
+        let sampler = sphere_by_large_numbers(a).unwrap();
+        for u in [[0.3_f32, 0.2], [0.5, 0.6], [0.999, 0.9], [1e-6, 0.4]] {
+            let sample = sampler.sample(u);
+            let w = sample.value();
+            assert!((w.dot(w) - 1.0).abs() < 1e-5, "{a} {u:?} {w:?}");
+            let q = f64::from(a).powi(4);
+            let truth = (1.0 + q) / (4.0 * PI * q);
+            for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+                assert!((f64::from(p) / truth - 1.0).abs() < 1e-5, "{a} {u:?} {p} {truth}");
+            }
+        }
+    }
+}

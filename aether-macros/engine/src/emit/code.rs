@@ -8,7 +8,7 @@ use quote::{format_ident, quote};
 use super::paired::pairs;
 use super::powers::{Related, ThreeHalves, related, three_halves};
 use crate::eval::evaluate;
-use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children, divided};
+use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, OUTS, UNKNOWNS, children, divided};
 use crate::number::{Dd, Number};
 use crate::overflow::SAFE;
 use crate::rational::Q;
@@ -487,6 +487,7 @@ impl<'a> Code<'a> {
         let is_known = |b: &Id| self.rescued.contains_key(b);
         let roots = factors.iter().filter(|(b, e)| half(e) && !is_known(b)).count();
         let side = self.side_of_roots(factors);
+        parts.apart = [false, true].into_iter().any(|below| self.overflows(factors, below));
         let shared = self.graph.shared_powers(factors);
         for &power in &shared {
             let times = |q| divided(q, &shared).filter(|by| by.power == power).map(|by| by.times);
@@ -581,6 +582,21 @@ impl<'a> Code<'a> {
                 quote!(#value.abs())
             }
         }
+    }
+
+    /// Whether the product of the factors on one side that have a root is larger than any number of single precision where the
+    /// parameter that all large ones have is as large as it is declared to be.
+    fn overflows(&self, factors: &[(Id, Id)], below: bool) -> bool {
+        let has_root = |e: Id| {
+            self.graph.as_number(e).is_some_and(|q| q.den() == 2 && q.is_negative() == below)
+        };
+        let under = factors.iter().filter(|(_, e)| has_root(*e)).map(|(b, _)| *b);
+        let bounded = under.filter(|b| self.graph.range(*b).hi.is_finite());
+        let (largest, shared) = bounded.fold((1.0, Deps::MAX), |(largest, shared), b| {
+            let hi = self.graph.range(b).hi;
+            (largest * hi, if hi > LARGE { shared & self.graph.deps(b) } else { shared })
+        });
+        largest > f64::from(f32::MAX) && shared & !(UNKNOWNS | OUTS) != 0
     }
 
     /// The root, above or below the line, that all factors have which are no numbers and have one: with numbers on the
@@ -718,6 +734,9 @@ impl<'a> Code<'a> {
     }
 }
 
+/// What is larger has its part in a product's being too large.
+const LARGE: f64 = 1e6;
+
 /// The inputs among the bases of a sum of products.
 fn bases(g: &Graph, id: Id) -> Vec<Id> {
     let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
@@ -740,6 +759,8 @@ struct Parts {
     bottom: Vec<TokenStream>,
     root_top: Vec<TokenStream>,
     root_bottom: Vec<TokenStream>,
+    /// Whether what has a root is too large in single precision to be multiplied before the root is taken.
+    apart: bool,
 }
 
 impl Parts {
@@ -775,6 +796,7 @@ impl Parts {
             match &roots[..] {
                 [] => {}
                 [one] => whole.push(quote!(#one.sqrt())),
+                many if self.apart => whole.extend(many.iter().map(|one| quote!(#one.sqrt()))),
                 many => {
                     let product = joined(many);
                     whole.push(quote!((#product).sqrt()));
