@@ -1614,3 +1614,24 @@ fn roots_of_a_product_that_overflows_are_taken_apart() {
         }
     }
 }
+
+/// A weight between zero and one whose inverse, taken over eˢ, is infinity over infinity in single precision.
+#[sampler(s in 0.0..=200.0)]
+fn with_a_small_exponential(u: [Uniform; 1], s: f64) -> f64 {
+    let k = (-s).exp();
+    u[0] / (1.0 + k * u[0])
+}
+
+#[test]
+fn an_exponential_above_and_below_the_line_is_taken_over_it() {
+    for s in [0.0_f32, 1.0, 50.0, 100.0, 150.0, 200.0] {
+        let sampler = with_a_small_exponential(s).unwrap();
+        for u in [0.1_f32, 0.5, 0.9] {
+            let sample = sampler.sample([u]);
+            let truth = (1.0 + (-s).exp() * u).powi(2);
+            for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+                assert!((p / truth - 1.0).abs() < 1e-5, "{s} {u} {p} {truth}");
+            }
+        }
+    }
+}

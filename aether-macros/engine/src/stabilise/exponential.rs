@@ -72,8 +72,8 @@ pub(super) fn other_end(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     })
 }
 
-/// A product of sums several of which have a term e^t, each over it: (e^a - e^t) / (e^t - 1) as (e^(a - t) - 1) / (1 - e^-t), of
-/// which nothing is out of range where e^t is.
+/// A product of sums several of which have a term e^t, or of one and e^t itself, each over it: (e^a - e^t) / (e^t - 1) as
+/// (e^(a - t) - 1) / (1 - e^-t), of which nothing is out of range where e^t is, and x e^t / (e^t - x) as x / (1 - x e^-t).
 pub(super) fn over_largest(g: &mut Graph, factors: &[(Id, Id)]) -> Vec<Id> {
     let sums: Vec<Vec<Id>> = factors.iter().map(|(base, _)| exponentials(g, *base)).collect();
     let mut found: Vec<Id> = Vec::new();
@@ -86,9 +86,12 @@ pub(super) fn over_largest(g: &mut Graph, factors: &[(Id, Id)]) -> Vec<Id> {
     found.into_iter().map(|power| over(g, factors, power)).collect()
 }
 
-/// The exponentials among the terms of a sum that may be out of range.
+/// The exponentials among the terms of a sum that may be out of range, or the one that it is.
 fn exponentials(g: &Graph, sum: Id) -> Vec<Id> {
-    let Node::Sum(_, terms) = g.node(sum) else { return Vec::new() };
+    let terms = match g.node(sum) {
+        Node::Sum(_, terms) => &terms[..],
+        _ => &[(Q::ONE, sum)],
+    };
     let is_large = |t: &Id| match g.node(*t) {
         Node::Call(Fun::Exp, args) => g.range(args[0]).hi > SAFE,
         _ => false,
