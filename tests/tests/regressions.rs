@@ -1635,3 +1635,32 @@ fn an_exponential_above_and_below_the_line_is_taken_over_it() {
         }
     }
 }
+
+/// A truncated exponential as it is often written, with what loses its digits for a small rate.
+#[sampler(k in 0.0..=30.0)]
+fn exponential_without_expm1(u: [Uniform; 1], k: f64) -> f64 {
+    let m = 1.0 - (-k).exp();
+    -(1.0 - m * u[0]).ln() / k
+}
+
+#[test]
+fn a_limit_that_the_written_form_has_not() {
+    for k in [0.0, 1e-300, 1e-17, 1e-12, 1e-6] {
+        let sampler = exponential_without_expm1(k).unwrap();
+        for u in [0.1, 0.5, 0.9] {
+            let sample = sampler.sample([u]);
+            assert!((sample.value() - u).abs() < 1e-6, "{k} {u} {}", sample.value());
+            for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+                assert!((p - 1.0).abs() < 1e-6, "{k} {u} {p}");
+            }
+        }
+    }
+    for k in [0.0_f32, 1e-20, 1e-5] {
+        let sampler = exponential_without_expm1(k).unwrap();
+        let sample = sampler.sample([0.3]);
+        assert!((sample.value() - 0.3).abs() < 1e-5);
+        for p in [sample.pdf().value(), sampler.pdf(&sample).value()] {
+            assert!((p - 1.0).abs() < 1e-5, "{k} {p}");
+        }
+    }
+}

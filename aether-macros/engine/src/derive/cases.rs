@@ -171,9 +171,39 @@ fn points(problem: &Problem) -> Vec<Point> {
     if !problem.vanishing.is_empty() {
         points.iter_mut().for_each(|point| vanish(problem, &mut point.params));
         points.retain(on_way);
+    } else if problem.argument.is_none() {
+        let beside = beside_limits(problem, &points);
+        points.extend(beside.into_iter().filter(on_way));
     }
     points
 }
+
+/// Points with a parameter next to an end of zero, where the map has no value for zero itself: a form that has a limit there
+/// is better than one that loses its digits on the way.
+fn beside_limits(problem: &Problem, points: &[Point]) -> Vec<Point> {
+    let ends_at_zero =
+        |kind: &Kind| matches!(kind, Kind::Scalar(Some(d)) if d.lo == 0.0 || d.hi == 0.0);
+    let places = placed(&problem.kinds).filter(|(kind, _)| ends_at_zero(kind));
+    let mut beside = Vec::new();
+    for (_, place) in places {
+        let with = |point: &Point, scale: f64| {
+            let mut point = Point { stress: true, ..point.clone() };
+            point.params[place.start] = point.params[place.start] * Dd::from_f64(scale);
+            point
+        };
+        let plain = points.iter().filter(|p| p.interior && !p.stress).step_by(3);
+        let none = |point: &&Point| {
+            let zero = with(point, 0.0);
+            evaluate(problem, &zero, &zero.unknowns).iter().all(|x| x.to_f64().is_nan())
+        };
+        beside.extend(plain.filter(none).take(MOST_BESIDE).map(|point| with(point, BESIDE)));
+    }
+    beside
+}
+
+/// How many points with a parameter next to zero there are, and how much closer to it than others that is.
+const MOST_BESIDE: usize = 8;
+const BESIDE: f64 = 1e-9;
 
 /// How many points in a row may be brought to a way in vain.
 const MOST_FAILED: usize = 20;
