@@ -1560,6 +1560,9 @@ fn what_is_larger_than_the_larger_one_is_the_largest() {
         let truth = 0.25 / PI / x.length().powi(3);
         for p in [sample.pdf().value(), cube.pdf(&sample).value()] {
             assert!((p / truth - 1.0).abs() < 1e-13, "{u:?} {p} {truth}");
+        }
+    }
+}
 
 /// The square of what divides the sample leaves the range of numbers before it does.
 #[sampler(a in 0.001..=700.0)]
