@@ -323,7 +323,7 @@ mod tests {
         assert!(tan(end).0 < 0.0);
         let [first, last] =
             [[-end, end], [end, -end]].map(|[a, b]| before_pole(|t| tan(t).0, a, b));
-        assert_eq!((first, last), (end.next_down() * -1.0, end.next_down()));
+        assert_eq!((first, last), (-end.next_down(), end.next_down()));
         // Nothing is beyond a pole in double precision, nor is an end without one.
         let end = core::f64::consts::FRAC_PI_2;
         assert_eq!(before_pole(f64::tan, end, 0.0), end);
