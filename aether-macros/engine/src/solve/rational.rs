@@ -446,8 +446,13 @@ pub(super) fn name_coefficients(g: &mut Graph, state: &State) -> Option<Vec<Stat
     (sums > 0).then(|| vec![next])
 }
 
-/// Isolates one unknown of an equation with several and substitutes it into the others.
+/// Isolates one unknown of an equation with several and substitutes it into the others: if there is one that is divided by a
+/// number alone, that one, since anything else may be zero somewhere.
 pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
+    eliminate_by(g, state, true).or_else(|| eliminate_by(g, state, false))
+}
+
+fn eliminate_by(g: &mut Graph, state: &State, by_number: bool) -> Option<Vec<State>> {
     for i in 0..state.equations.len() {
         let eq = state.equations[i].clone();
         // What an equation gave another one holds already: doing it again leads round in circles.
@@ -468,6 +473,9 @@ pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
             let [c0, c1] = &c[..] else { continue };
             let (c0, c1) = (c0.to_expr(g), c1.to_expr(g));
             if g.has(c1, leaf_bit(leaf)) || g.has(c0, leaf_bit(leaf)) {
+                continue;
+            }
+            if by_number && g.as_number(c1).is_none() {
                 continue;
             }
             let value = g.div(c0, c1);
