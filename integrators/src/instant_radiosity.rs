@@ -3,7 +3,7 @@
 
 use std::sync::{PoisonError, RwLock};
 
-use aether_core::{Arena, Snapshot};
+use aether_core::Snapshot;
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -14,7 +14,9 @@ use crate::path::PathSettings;
 use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
 use crate::scene::{Filter, Sampler, Scene};
 use crate::strategies::{Pixel, sample_bsdf};
-use crate::subpaths::{Path, Scratch, camera_path, is_atom, light_path, light_step};
+use crate::subpaths::{
+    LightPath, Path, Scratch, camera_path, is_atom, light_step, shared_light_paths,
+};
 use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::work::in_parts;
@@ -52,9 +54,6 @@ const COUNTED: usize = 32;
 /// What an allocation takes beside its contents, in bytes.
 const HEAP: usize = 16;
 
-/// A light path without its strategies, which its vertices tell.
-type LightPath<K> = Snapshot<SceneVertex<K>, ()>;
-
 /// What one thread reuses: memory for paths, and the camera path that is connected to one part of the light paths after the
 /// other.
 struct Connector<'a, K: SceneKind> {
@@ -83,28 +82,6 @@ impl<'s, K: SceneKind> RadiosityKernel<'s, K> {
     ) -> Result<Self, NotCovered> {
         let world = World::new(scene)?;
         Ok(RadiosityKernel { world, settings, sampler, paths: RwLock::default() })
-    }
-
-    /// Some of the light paths of a sample, by their numbers; fewer if the render is cancelled.
-    fn shoot(
-        &self,
-        sample: u32,
-        paths: std::ops::Range<usize>,
-        cancelled: Cancelled<'_>,
-    ) -> Vec<LightPath<K>> {
-        let path = self.settings.path;
-        let lengths = (path.most_vertices() - 1, path.rr_depth);
-        let (seed, mut arena) = (self.sampler.seed, Arena::new());
-        let mut known = Snapshot::<_, LightStrategies<K>>::new();
-        let shoot = |k: usize| {
-            arena.clear();
-            let uniforms = &mut Uniforms::independent(seed, u64::MAX - k as u64, u64::from(sample));
-            let light = light_path(&self.world, &arena, uniforms, lengths);
-            known.store(&light.slice(0..light.len()));
-            // In memory of its own size, with nothing between: there may be millions.
-            Snapshot::from_steps(known.steps().map(|(vertex, _, code)| (*vertex, (), code)))
-        };
-        paths.take_while(|_| !cancelled()).map(shoot).collect()
     }
 
     /// One sample of a pixel; given up if the render is cancelled meanwhile.
@@ -197,7 +174,12 @@ impl<K: SceneKind> AnyKernel for RadiosityKernel<'_, K> {
         // There is never memory for those of two samples.
         *known = Vec::new();
         let count = self.settings.light_paths as usize;
-        *known = in_parts(count, threads, |part| self.shoot(first, part, cancelled));
+        let path = self.settings.path;
+        let (number, lengths) =
+            ((self.sampler.seed, first), (path.most_vertices() - 1, path.rr_depth));
+        *known = in_parts(count, threads, |part| {
+            shared_light_paths(&self.world, number, lengths, part, cancelled)
+        });
         known.len() == count
     }
 }

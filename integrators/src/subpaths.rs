@@ -2,17 +2,20 @@
 
 use aether_core::estimator::{Estimator, Factors};
 use aether_core::strategy::Dirac;
-use aether_core::{Arena, RandomSequence, Strategy, UniformSource};
+use aether_core::{Arena, RandomSequence, Snapshot, Strategy, UniformSource};
 use glam::Vec3;
 
-use crate::emission::{SampleEmission, SampleEmitter, sample_emission, sample_emitter};
+use crate::emission::{
+    LightStrategies, SampleEmission, SampleEmitter, sample_emission, sample_emitter,
+};
 use crate::integrand::Radiance;
 use crate::kind::SceneKind;
-use crate::render::Technique;
+use crate::render::{Cancelled, Technique};
 use crate::strategies::{
     Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf, sample_camera,
     sample_camera_direction, sample_light,
 };
+use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
 use crate::world::World;
 
@@ -100,6 +103,30 @@ pub fn light_path<'r, 'a, K: SceneKind, S: FromBothEnds<'a, K>>(
         path.go_on(number + 1, light_step::<K, S>(world, number, rr_depth), uniforms);
     }
     *path.go_on(longest, light_step::<K, S>(world, 2, rr_depth), uniforms)
+}
+
+/// A light path without its strategies, which its vertices tell.
+pub type LightPath<K> = Snapshot<SceneVertex<K>, ()>;
+
+/// Some of the light paths that all pixels share in a sample, by their numbers, of at most `longest` vertices; fewer if
+/// the render is cancelled. Russian roulette may end them from the vertex number `rr_depth` on.
+pub fn shared_light_paths<K: SceneKind>(
+    world: &World<'_, K>,
+    (seed, sample): (u64, u32),
+    (longest, rr_depth): (usize, u32),
+    paths: std::ops::Range<usize>,
+    cancelled: Cancelled<'_>,
+) -> Vec<LightPath<K>> {
+    let (mut arena, mut known) = (Arena::new(), Snapshot::<_, LightStrategies<K>>::new());
+    let shoot = |k: usize| {
+        arena.clear();
+        let uniforms = &mut Uniforms::independent(seed, u64::MAX - k as u64, u64::from(sample));
+        let light = light_path(world, &arena, uniforms, (longest, rr_depth));
+        known.store(&light.slice(0..light.len()));
+        // In memory of its own size, with nothing between: there may be millions.
+        Snapshot::from_steps(known.steps().map(|(vertex, _, code)| (*vertex, (), code)))
+    };
+    paths.take_while(|_| !cancelled()).map(shoot).collect()
 }
 
 /// The strategy of the vertex with this number of a path from a light.

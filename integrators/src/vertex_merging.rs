@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 use std::sync::{PoisonError, RwLock};
 
-use aether_core::{Arena, PowerHeuristic, Snapshot, combine};
+use aether_core::{Arena, PowerHeuristic, combine};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
@@ -19,7 +19,8 @@ use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
 use crate::strategies::{Aim, Pixel};
 use crate::subpaths::{
-    Path, Scratch, camera_path, connection, extend, light_path, light_step, splits,
+    LightPath, Path, Scratch, camera_path, connection, extend, light_step, shared_light_paths,
+    splits,
 };
 use crate::uniforms::Uniforms;
 use crate::vertex::SceneVertex;
@@ -61,8 +62,6 @@ impl Placed for End {
     }
 }
 
-type LightPath<K> = Snapshot<SceneVertex<K>, ()>;
-
 /// The light paths of a sample of the image, one for each pixel, and where they end.
 struct LightPaths<K: SceneKind> {
     paths: Vec<LightPath<K>>,
@@ -89,27 +88,6 @@ impl<'s, K: SceneKind> MergingKernel<'s, K> {
         let world = World::new(scene)?;
         let size = seen_size(&world);
         Ok(MergingKernel { world, size, settings, seed, lights })
-    }
-
-    /// Some of the light paths of a sample, by their numbers; fewer if the render is cancelled.
-    fn shoot(
-        &self,
-        sample: u32,
-        paths: std::ops::Range<usize>,
-        cancelled: Cancelled<'_>,
-    ) -> Vec<LightPath<K>> {
-        let (longest, rr) = (self.settings.path.most_vertices(), self.settings.path.rr_depth);
-        let mut arena = Arena::new();
-        paths
-            .take_while(|_| !cancelled())
-            .map(|k| {
-                arena.clear();
-                let uniforms =
-                    &mut Uniforms::independent(self.seed, u64::MAX - k as u64, u64::from(sample));
-                let light = light_path(&self.world, &arena, uniforms, (longest - 1, rr));
-                Snapshot::<_, LightStrategies<K>>::of(&light.slice(0..light.len())).map(|_| ())
-            })
-            .collect()
     }
 
     /// A light path, with the strategies that would go on to `size` vertices.
@@ -245,8 +223,11 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
     }
 
     fn begin_pass(&self, first: u32, threads: usize, cancelled: Cancelled<'_>) -> bool {
-        let paths =
-            in_parts(self.world.pixels(), threads, |part| self.shoot(first, part, cancelled));
+        let path = self.settings.path;
+        let (number, lengths) = ((self.seed, first), (path.most_vertices() - 1, path.rr_depth));
+        let paths = in_parts(self.world.pixels(), threads, |part| {
+            shared_light_paths(&self.world, number, lengths, part, cancelled)
+        });
         if paths.len() < self.world.pixels() {
             return false;
         }

@@ -138,34 +138,37 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// What a ray from a vertex in direction `w` meets first.
     #[inline]
     pub fn cast(&self, from: &SceneVertex<K>, w: &Direction<f32>) -> Option<Seen<K>> {
-        self.seen(self.sight_from(from), from.position, w.vec().into(), from.primitive())
-    }
-
-    /// What rays from a vertex meet.
-    #[inline]
-    fn sight_from(&self, from: &SceneVertex<K>) -> Sight<'s> {
-        if from.is_eye() { self.scene.sight_of_eyes() } else { self.scene.sight() }
+        if self.scene.hides_emitters() && from.is_eye() {
+            return self.seen_by_eye(from.position, w.vec().into());
+        }
+        self.seen(from.position, w.vec().into(), from.primitive())
     }
 
     /// What a point of the film of a parallel projection sees.
     pub fn seen_from_film(&self, film: &Vec2<f32>) -> Option<Seen<K>> {
         let parallel = self.parallel()?;
-        self.seen(self.scene.sight_of_eyes(), parallel.point(film), parallel.forward, None)
+        self.seen_by_eye(parallel.point(film), parallel.forward)
     }
 
     /// The first surface on a ray that leaves a primitive, or the sky behind everything.
-    fn seen(
-        &self,
-        sight: Sight<'s>,
-        origin: Vec3,
-        w: Vec3,
-        from: Option<PrimitiveId>,
-    ) -> Option<Seen<K>> {
-        sight.intersect_then(origin, w, from, |hit| match hit {
+    fn seen(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Seen<K>> {
+        self.scene.sight().intersect_then(origin, w, from, |hit| self.seen_at(hit))
+    }
+
+    /// The same of a ray from an eye, which may not see shapes that emit: by itself, as all other rays know while compiling
+    /// where their tree is.
+    #[cold]
+    fn seen_by_eye(&self, origin: Vec3, w: Vec3) -> Option<Seen<K>> {
+        self.seen_at(self.scene.sight_of_eyes().intersect(origin, w, None))
+    }
+
+    #[inline(always)]
+    fn seen_at(&self, hit: Option<Hit>) -> Option<Seen<K>> {
+        match hit {
             Some(hit) => Some(Seen::Surface(self.surface_at(&hit))),
             // Without a sky that shines there is nothing to see.
             None => self.sky().map(Seen::Sky),
-        })
+        }
     }
 
     /// The piece of surface at a hit.
@@ -190,7 +193,7 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// The first surface on a ray that leaves a primitive, or none.
     #[inline]
     pub fn trace(&self, origin: Vec3, w: Vec3, from: Option<PrimitiveId>) -> Option<Surface<K>> {
-        self.seen(self.scene.sight(), origin, w, from)?.surface()
+        self.seen(origin, w, from)?.surface()
     }
 
     /// The first surface that light from infinitely far away meets, where it comes through the point `p`
@@ -251,13 +254,21 @@ impl<'s, K: SceneKind> World<'s, K> {
 
     /// Whether nothing lies between two vertices. An eye sees none that lies on a shape which is hidden from it.
     pub fn visible(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
-        let is_seen = from.is_eye() || to.is_eye();
-        if is_seen
-            && [from, to].iter().filter_map(|v| v.primitive()).any(|id| self.scene.is_hidden(id))
-        {
-            return false;
+        if self.scene.hides_emitters() && (from.is_eye() || to.is_eye()) {
+            return self.visible_to_eye(from, to);
         }
-        let sight = if is_seen { self.scene.sight_of_eyes() } else { self.scene.sight() };
+        self.visible_in(self.scene.sight(), from, to)
+    }
+
+    #[cold]
+    fn visible_to_eye(&self, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
+        let mut on = [from, to].into_iter().filter_map(SceneVertex::primitive);
+        !on.any(|id| self.scene.is_hidden(id))
+            && self.visible_in(self.scene.sight_of_eyes(), from, to)
+    }
+
+    #[inline(always)]
+    fn visible_in(&self, sight: Sight<'_>, from: &SceneVertex<K>, to: &SceneVertex<K>) -> bool {
         if let Some(film) = self.parallel() {
             // Such an eye sees what lies in front of its film.
             for (eye, other) in [(from, to), (to, from)] {

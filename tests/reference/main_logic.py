@@ -22,9 +22,9 @@ INTEGRATORS = [
     ("mlt", [("mutations.rs", "propose"), ("mutations.rs", "follow"), ("mutations.rs", "is_smooth"),
              ("metropolis.rs", "contribution"), ("metropolis.rs", "covers"), ("metropolis.rs", "shares"),
              ("metropolis.rs", "seeds"), ("metropolis.rs", "chain"), ("metropolis.rs", "step")]),
-    ("vpl", [("instant_radiosity.rs", "shoot"), ("instant_radiosity.rs", "sample")]),
+    ("vpl", [("subpaths.rs", "shared_light_paths"), ("instant_radiosity.rs", "sample")]),
     ("ppm", [("photon_mapping.rs", "shoot"), ("photon_mapping.rs", "gather")]),
-    ("vcm", [("vertex_merging.rs", "shoot"), ("vertex_merging.rs", "light"), ("vertex_merging.rs", "techniques"),
+    ("vcm", [("subpaths.rs", "shared_light_paths"), ("vertex_merging.rs", "light"), ("vertex_merging.rs", "techniques"),
              ("vertex_merging.rs", "made"), ("vertex_merging.rs", "sample"), ("vertex_merging.rs", "ends")]),
     ("ptracer", [("light_tracer.rs", "sample")]),
 ]

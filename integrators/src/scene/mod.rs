@@ -241,10 +241,16 @@ impl Scene {
         Sight { scene: self, tracer: self.seen_by_eyes.as_ref().unwrap_or(&self.tracer) }
     }
 
+    /// Whether there are shapes that eyes do not see.
+    #[inline(always)]
+    pub fn hides_emitters(&self) -> bool {
+        self.seen_by_eyes.is_some()
+    }
+
     /// Whether rays from eyes pass through a primitive.
     #[inline]
     pub fn is_hidden(&self, id: PrimitiveId) -> bool {
-        self.seen_by_eyes.is_some() && self.shape(id).emission.is_some()
+        self.hides_emitters() && self.shape(id).emission.is_some()
     }
 
     /// An end of a ray with the surface that it lies on.
