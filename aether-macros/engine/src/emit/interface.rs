@@ -6,8 +6,8 @@ use syn::{Attribute, FnArg, ItemFn};
 
 use super::legal::legal;
 use crate::parse::{
-    Constant, Constants, Domain, NUMBERS, Options, Param, ParamKind, Signature, is_of_the_language,
-    type_name,
+    Constant, Constants, Domain, Options, Param, ParamKind, Signature, is_number,
+    is_of_the_language, type_name,
 };
 use crate::points::Kind;
 use crate::walk::{self, Bound, Look};
@@ -269,8 +269,8 @@ fn own_names(item: &ItemFn) -> TokenStream {
         }
     }
     names.0.retain(|name| !bound.0.iter().any(|bound| name == bound));
-    let is_number = |name: &Ident| NUMBERS.contains(&&*name.to_string());
-    let (numbers, functions): (Vec<_>, Vec<_>) = names.0.into_iter().partition(is_number);
+    let (numbers, functions): (Vec<_>, Vec<_>) =
+        names.0.into_iter().partition(|name| is_number(&name.to_string()));
     let functions = (!functions.is_empty()).then(|| {
         quote! {
             #[allow(unused_imports)]

@@ -5,7 +5,8 @@ use syn::{Expr, Lit, Member, UnOp};
 use super::Value;
 use super::body::Body;
 use super::methods;
-use crate::expr::{Graph, Id};
+use super::special::number;
+use crate::expr::Id;
 use crate::rational::Q;
 
 /// What paths of constants are made of.
@@ -107,45 +108,11 @@ impl Body<'_> {
                 format!("`{name}` of `{module}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
             );
         }
-        let g = &mut self.graph;
-        let pi = g.pi();
-        let scaled = |g: &mut Graph, q: Q, t: Id| g.sum(Q::ZERO, &[(q, t)]);
-        let ratio = |n: i64, d: i64| Q::new(i128::from(n), i128::from(d)).unwrap_or(Q::ONE);
-        let id = match name.as_str() {
-            "PI" => pi,
-            "TAU" => scaled(g, Q::int(2), pi),
-            "FRAC_PI_2" => scaled(g, ratio(1, 2), pi),
-            "FRAC_PI_3" => scaled(g, ratio(1, 3), pi),
-            "FRAC_PI_4" => scaled(g, ratio(1, 4), pi),
-            "FRAC_PI_6" => scaled(g, ratio(1, 6), pi),
-            "FRAC_PI_8" => scaled(g, ratio(1, 8), pi),
-            "FRAC_1_PI" => g.powi(pi, -1),
-            "FRAC_2_PI" => {
-                let r = g.powi(pi, -1);
-                scaled(g, Q::int(2), r)
-            }
-            "SQRT_2" => {
-                let two = g.int(2);
-                g.sqrt(two)
-            }
-            "FRAC_1_SQRT_2" => {
-                let half = g.number(Q::HALF);
-                g.sqrt(half)
-            }
-            "E" => {
-                let one = g.int(1);
-                g.call(crate::expr::Fun::Exp, &[one])
-            }
-            "LN_2" => {
-                let two = g.int(2);
-                g.call(crate::expr::Fun::Ln, &[two])
-            }
-            _ => {
-                return self.error(
-                    p,
-                    format!("`{name}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
-                );
-            }
+        let Some(id) = number(&mut self.graph, &name) else {
+            return self.error(
+                p,
+                format!("`{name}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
+            );
         };
         Some(Value::Scalar(id))
     }

@@ -29,7 +29,7 @@ pub use pieces::{Segment, Test};
 pub use rebound::bound_once;
 pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature, type_name};
-pub use special::{NUMBERS, is_of_the_language};
+pub use special::{is_number, is_of_the_language};
 use stages::Cut;
 pub use stages::{Stage, stages};
 pub use value::Value;

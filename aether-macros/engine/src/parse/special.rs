@@ -38,27 +38,53 @@ fn function_of(g: &mut Graph, name: &str, x: Id) -> Option<Id> {
     Some(g.call(f, &[x]))
 }
 
-/// The names of numbers, which are those of `std::f64::consts`.
-pub const NUMBERS: [&str; 13] = [
-    "PI",
-    "TAU",
-    "E",
-    "LN_2",
-    "SQRT_2",
-    "FRAC_1_SQRT_2",
-    "FRAC_1_PI",
-    "FRAC_2_PI",
-    "FRAC_PI_2",
-    "FRAC_PI_3",
-    "FRAC_PI_4",
-    "FRAC_PI_6",
-    "FRAC_PI_8",
-];
+/// A number of `std::f64::consts`, by its name.
+pub fn number(g: &mut Graph, name: &str) -> Option<Id> {
+    let pi = g.pi();
+    let scaled = |g: &mut Graph, q: Q, t: Id| g.sum(Q::ZERO, &[(q, t)]);
+    let ratio = |n: i64, d: i64| Q::new(i128::from(n), i128::from(d)).unwrap_or(Q::ONE);
+    Some(match name {
+        "PI" => pi,
+        "TAU" => scaled(g, Q::int(2), pi),
+        "FRAC_PI_2" => scaled(g, ratio(1, 2), pi),
+        "FRAC_PI_3" => scaled(g, ratio(1, 3), pi),
+        "FRAC_PI_4" => scaled(g, ratio(1, 4), pi),
+        "FRAC_PI_6" => scaled(g, ratio(1, 6), pi),
+        "FRAC_PI_8" => scaled(g, ratio(1, 8), pi),
+        "FRAC_1_PI" => g.powi(pi, -1),
+        "FRAC_2_PI" => {
+            let r = g.powi(pi, -1);
+            scaled(g, Q::int(2), r)
+        }
+        "SQRT_2" => {
+            let two = g.int(2);
+            g.sqrt(two)
+        }
+        "FRAC_1_SQRT_2" => {
+            let half = g.number(Q::HALF);
+            g.sqrt(half)
+        }
+        "E" => {
+            let one = g.int(1);
+            g.call(Fun::Exp, &[one])
+        }
+        "LN_2" => {
+            let two = g.int(2);
+            g.call(Fun::Ln, &[two])
+        }
+        _ => return None,
+    })
+}
+
+/// Whether a name is that of a number of the language.
+pub fn is_number(name: &str) -> bool {
+    number(&mut Graph::new(), name).is_some()
+}
 
 /// Whether a name that stands alone in a body is that of a number or of a function of the language.
 pub fn is_of_the_language(name: &str) -> bool {
     let others = ["solve", "precomputed", "require"];
-    NUMBERS.contains(&name) || others.contains(&name) || SPECIAL.split(' ').any(|f| f == name)
+    is_number(name) || others.contains(&name) || SPECIAL.split(' ').any(|f| f == name)
 }
 
 /// The names that [`special_function`] knows, for messages.
