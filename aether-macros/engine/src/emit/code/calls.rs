@@ -1,0 +1,93 @@
+//! Functions as text.
+
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::quote;
+
+use super::Code;
+use crate::expr::{Fun, Id};
+
+impl Code<'_> {
+    /// A function of what has been written.
+    pub(super) fn call(&self, f: Fun, args: &[Id]) -> TokenStream {
+        let a = self.reference(args[0]);
+        match f {
+            Fun::Atan2 => {
+                let b = self.reference(args[1]);
+                quote!(#a.atan2(#b))
+            }
+            Fun::Pow1p => {
+                let e = self.reference(args[1]);
+                // 1 to any power is 1, as for `powf`.
+                let one = quote!(#a.ge(R::ZERO).and(#a.le(R::ZERO)));
+                quote!(R::select(#one, R::ONE, (#e * #a.ln_1p()).exp()))
+            }
+            Fun::LnBeta => {
+                let b = self.reference(args[1]);
+                quote!(::aether_core::special::ln_beta(#a, #b))
+            }
+            Fun::BetaInc | Fun::BetaIncInv => {
+                let inverse = f == Fun::BetaIncInv;
+                let name = if inverse { quote!(beta_quantile) } else { quote!(beta_tail) };
+                let [b, c, rest] = [1, 2, 3].map(|i| self.reference(args[i]));
+                quote!(::aether_core::special::#name(#b, #c, [#a, #rest]))
+            }
+            Fun::Turn => quote!(::aether_core::support::turn(#a)),
+            Fun::TurnTo => {
+                let middle = self.reference(args[1]);
+                quote!(::aether_core::support::turn_to(#a, #middle))
+            }
+            Fun::SinPi => quote!(#a.sin_pi()),
+            Fun::CosPi => quote!(#a.cos_pi()),
+            Fun::Sign => quote!(R::ONE.copysign(#a)),
+            _ => match special(f) {
+                Some(name) => {
+                    let name = Ident::new(name, Span::call_site());
+                    quote!(::aether_core::special::#name(#a))
+                }
+                None => {
+                    let method = Ident::new(method(f), Span::call_site());
+                    quote!(#a.#method())
+                }
+            },
+        }
+    }
+}
+
+/// The name of a function of `aether_core::special`.
+fn special(f: Fun) -> Option<&'static str> {
+    Some(match f {
+        Fun::Erf => "erf",
+        Fun::Erfc => "erfc",
+        Fun::ErfInv => "erf_inv",
+        Fun::ErfcInv => "erfc_inv",
+        Fun::LnErfc => "ln_erfc",
+        Fun::ErfcInvExp => "erfc_inv_exp",
+        Fun::LambertW => "lambert_w",
+        Fun::LnGamma => "ln_gamma",
+        _ => return None,
+    })
+}
+
+fn method(f: Fun) -> &'static str {
+    match f {
+        Fun::Exp => "exp",
+        Fun::ExpM1 => "exp_m1",
+        Fun::Ln => "ln",
+        Fun::Ln1p => "ln_1p",
+        Fun::Sin => "sin",
+        Fun::Cos => "cos",
+        Fun::Tan => "tan",
+        Fun::Asin => "asin",
+        Fun::Acos => "acos",
+        Fun::Atan | Fun::Atan2 => "atan",
+        Fun::Sinh => "sinh",
+        Fun::Cosh => "cosh",
+        Fun::Tanh => "tanh",
+        Fun::Asinh => "asinh",
+        Fun::Acosh => "acosh",
+        Fun::Atanh => "atanh",
+        Fun::Cbrt => "cbrt",
+        // All others are written by `expression`.
+        _ => "abs",
+    }
+}
