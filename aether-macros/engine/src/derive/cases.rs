@@ -6,7 +6,7 @@ use super::{Problem, Target};
 use crate::differences::{self, evaluate};
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
-use crate::measure::Inputs;
+use crate::measure::{Inputs, Measure};
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, Rng, map_points, placed, sampler_points, with_other_signs};
 use crate::solve::Solution;
@@ -127,7 +127,7 @@ pub(super) fn exact_values(g: &Graph, id: Id, cases: &[Case]) -> Vec<f64> {
 }
 
 /// The same points with numbers of single precision, as far as they still are of the domain.
-pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Case> {
+fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Case> {
     let rounded = |case: &Case| {
         let point = case.point.in_single(&problem.kinds, problem.argument.as_ref());
         let point = point.filter(|point| on_this_way(problem, point))?;
@@ -137,6 +137,27 @@ pub(super) fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Ca
         (case.outs.iter().all(held) && held(&case.volume)).then_some(case)
     };
     cases.iter().filter_map(rounded).collect()
+}
+
+/// The cases, and then what they are in single precision.
+pub(super) fn with_single(problem: &Problem, volume: Id, cases: Vec<Case>) -> Vec<Case> {
+    let single = in_single(problem, volume, &cases);
+    cases.into_iter().chain(single).collect()
+}
+
+/// What errors are measured at: by the unknowns, or by the coordinates.
+pub(super) fn measured<'c>(
+    problem: &Problem,
+    cases: impl Iterator<Item = &'c Case> + Clone,
+    unknowns: bool,
+) -> Measure {
+    let points = |single: bool| -> Vec<Inputs> {
+        let cases = cases.clone().filter(|c| c.single == single);
+        // Grazing directions are for the forms of inverses.
+        let cases = cases.filter(|c| !(unknowns && c.point.grazing));
+        cases.map(|c| inputs(problem, c, unknowns)).collect()
+    };
+    Measure::new(points(false), points(true))
 }
 
 fn is_guarded(problem: &Problem) -> bool {

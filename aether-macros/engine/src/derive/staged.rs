@@ -2,6 +2,8 @@
 //! made of. The volume is the product of those of both steps.
 
 use super::Problem;
+use super::determinant::any_volume;
+use super::opened::opened;
 use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{self, Source, simplify};
 use crate::parse::Stage;
@@ -15,13 +17,13 @@ const FIRST: u8 = 10;
 const FORMS: usize = 4;
 
 /// Forms of √det(JᵀJ) in terms of the unknowns and of the named numbers.
-pub(super) fn volumes(problem: &mut Problem, stage: &Stage) -> Option<Vec<Id>> {
+fn volumes(problem: &mut Problem, stage: &Stage) -> Option<Vec<Id>> {
     let names: Vec<Leaf> = stage.named.iter().map(|(leaf, _)| *leaf).collect();
     let unknowns = std::mem::replace(&mut problem.unknowns, names);
     let outputs = std::mem::replace(&mut problem.outputs, stage.outputs.clone());
     let frames = problem.frames.clone();
     problem.frames.extend(stage.frame);
-    let outer = super::any_volume(problem);
+    let outer = any_volume(problem);
     problem.frames = frames;
     (problem.unknowns, problem.outputs) = (unknowns, outputs);
     let g = &mut problem.graph;
@@ -44,8 +46,29 @@ fn without_frame(g: &mut Graph, volume: Id, stage: &Stage) -> Id {
     g.substitute(volume, &sizes.into())
 }
 
+/// Volumes in terms of the unknowns, and in terms of a stage if there is one that is enough, in all forms that there are.
+pub(super) fn in_terms_of(
+    problem: &mut Problem,
+    stage: Option<&Stage>,
+    found: Vec<Id>,
+) -> [Vec<Id>; 2] {
+    let named = stage.and_then(|stage| volumes(problem, stage));
+    let mut forms = match (named, stage) {
+        (Some(named), Some(stage)) => {
+            [named.iter().map(|&v| spelled_out(problem, stage, v)).collect(), named]
+        }
+        _ => [found.clone(), found],
+    };
+    for forms in &mut forms {
+        let open: Vec<Id> =
+            forms.iter().filter_map(|&form| opened(&mut problem.graph, form)).collect();
+        forms.extend(open);
+    }
+    forms
+}
+
 /// An expression in which the named numbers are spelled out.
-pub(super) fn spelled_out(problem: &mut Problem, stage: &Stage, id: Id) -> Id {
+fn spelled_out(problem: &mut Problem, stage: &Stage, id: Id) -> Id {
     let g = &mut problem.graph;
     let names = stage.named.iter().chain(&stage.constants);
     let values = sorted::map(names.map(|(leaf, value)| (g.get_leaf(*leaf), *value)));
