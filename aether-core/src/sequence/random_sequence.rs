@@ -20,7 +20,7 @@ pub(crate) struct Handle {
     /// A slice out of range: there is no such technique.
     pub absent: bool,
     /// Numbers the blocks of sampling dimensions.
-    lane: u8,
+    lane: u16,
 }
 
 impl Handle {
@@ -34,6 +34,9 @@ impl Handle {
 /// Lanes of blocks: two for each of the first four sequences, one for the sequence itself and one
 /// for what is appended to slices of it.
 const LANES: u32 = 8;
+
+/// What is added to the blocks of what is appended to a path in opposite order: half of those that a piece of a sample has.
+const TURNED: u16 = 1 << 15;
 
 /// The block of sampling dimensions from which the first path of an arena ([`Arena::sequence`]) draws a step.
 pub const fn first_block(step: u32) -> u32 {
@@ -72,7 +75,7 @@ impl<V: Vertex, S> fmt::Debug for RandomSequence<'_, V, S> {
 
 impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     pub(crate) fn empty(arena: &'a Arena<V, S>, number: u8) -> Self {
-        let lane = number.min(LANES as u8 / 2 - 1) * 2;
+        let lane = u16::from(number.min(LANES as u8 / 2 - 1) * 2);
         let place = Place::new(0, 0);
         RandomSequence {
             arena,
@@ -146,7 +149,10 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// [`RandomSequence::sample`].
     ///
     /// The vertex will draw from a block of sampling dimensions that its position in the path and
-    /// the kind of the path (which [`Arena::sequence`], a slice or not) determine.
+    /// the kind of the path (which [`Arena::sequence`], a slice or not, reversed or not) determine. So what is appended to two
+    /// slices of one length draws the same numbers, of a source that numbers dimensions
+    /// ([`UniformSource::start`]): where they are to be several samples, or vertices of one path, each needs a block of its own
+    /// ([`RandomSequence::append_in`]).
     pub fn append(&mut self, strategy: impl Into<S>) -> &mut Self {
         self.append_in(self.block_at(self.size()), strategy)
     }
@@ -311,11 +317,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     }
 
     /// The path in opposite order; its strategies go on to travel as they did. What is pending can
-    /// no longer be sampled.
+    /// no longer be sampled. A path may go on from both of its ends: what is appended in this order draws other numbers
+    /// than what is appended in the other.
     pub fn reverse(&self) -> Self {
         let h = self.handle;
         let (len, ended) = if h.complete() { (h.len, h.ended) } else { (0, true) };
-        self.with(Handle { place: h.place.reverse(), len, ended, ..h })
+        self.with(Handle { place: h.place.reverse(), len, ended, lane: h.lane ^ TURNED, ..h })
     }
 
     /// This path, then `other`. What is pending in the middle can no longer be sampled. Paths of

@@ -1,6 +1,7 @@
 //! What paths are made of: slices, concatenations, reversals, densities and what they cost.
 
-use crate::world::{Camera, Light, PINHOLE, SURVIVAL, Seen, Spot, Step, Walks, Ways, World};
+use crate::oracle::LIMIT;
+use crate::world::{Camera, Light, Mean, PINHOLE, SURVIVAL, Seen, Spot, Step, Walks, Ways, World};
 use aether_core::sequence::{Arena, DynStrategy, Erased, PathView, RandomSequence};
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Strategy, Vertex};
 use aether_core::{
@@ -343,4 +344,30 @@ fn blocks_follow_the_structure_of_the_path() {
     sorted.sort_unstable();
     sorted.dedup();
     assert_eq!(sorted.len(), 9, "{:?}", blocks.0);
+}
+
+#[test]
+fn a_path_goes_on_from_both_of_its_ends_by_other_numbers() {
+    // From a vertex in the middle, x one way and y the other, both with density 2 x: the mean of x y is (2/3)² = 4/9. Drawn by
+    // the same numbers it would be that of a square, 1/2.
+    let world = World::default();
+    let mut arena: Walks<'_> = Arena::new();
+    let mut products = Mean::default();
+    for sample in 0..20_000 {
+        arena.clear();
+        let mut uniforms = Pcg32::new(3, 0, sample);
+        let mut middle = arena.sequence();
+        middle.append(Light(&world)).sample(&mut uniforms);
+        let (mut ahead, mut back, mut turned_twice) =
+            (middle, middle.reverse(), middle.reverse().reverse());
+        for way in [&mut ahead, &mut back, &mut turned_twice] {
+            way.append(Light(&world)).sample(&mut uniforms);
+        }
+        let path = back.reverse().concat(&ahead.slice(1..));
+        assert_eq!(path.len(), 3);
+        products.add(spots(&path)[0] * spots(&path)[2]);
+        // A path that has been turned twice goes on as if it had never been.
+        assert_eq!(turned_twice.vertex(1), ahead.vertex(1));
+    }
+    assert!(products.z(4.0 / 9.0).abs() < LIMIT, "{}", products.z(4.0 / 9.0));
 }
