@@ -49,6 +49,14 @@ pub(super) struct Wanted {
     pub ends: [usize; 2],
 }
 
+impl Wanted {
+    /// Whether the path has a vertex of the current one twice, by what is told of each of its vertices. No mutation makes such
+    /// a path: it has one place less to differ in than its density is stated for.
+    pub fn repeats(&self, in_common: &[bool]) -> bool {
+        in_common.iter().filter(|is_common| **is_common).count() > self.common
+    }
+}
+
 /// What a mutation is run for: to make a proposal, or to find the density of one path. A mutation that asks here
 /// saves work, and changes nothing else.
 #[derive(Clone, Copy, Debug)]

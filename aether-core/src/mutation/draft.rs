@@ -23,6 +23,8 @@ const VERTICES: u32 = 2;
 /// strategies travel forwards, from the first on, then those that travel backwards, from the last
 /// on. So how many there are and what strategies make them can depend on the current path and on
 /// choices, but never on other new vertices; strategies see those, and may decline.
+///
+/// A draft that keeps a vertex twice makes no proposal, nor does one that keeps a vertex of another path than the current one.
 pub struct Draft<'a, V: Vertex, S> {
     path: RandomSequence<'a, V, S>,
 }
@@ -84,7 +86,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
     }
 
     /// The path with its new vertices drawn; `None` if a strategy yields no vertex, or if something
-    /// is kept that is not of the current path.
+    /// is kept that is not of the current path, or is kept twice.
     pub(super) fn draw<U: UniformSource<V::Real> + ?Sized>(
         &self,
         origin: &Origin<'a, V, S>,
@@ -93,6 +95,12 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
         let (arena, draft) = (self.path.arena, self.place()?);
         if !core::ptr::eq(arena, origin.arena()) || !origin.can_draw(draft) {
             return None;
+        }
+        {
+            let in_common = &mut arena.replay.borrow_mut().in_common;
+            if origin.wanted(draft, in_common).repeats(in_common) {
+                return None;
+            }
         }
         let n = draft.len as usize;
         // What the mutation has put together is nowhere else.

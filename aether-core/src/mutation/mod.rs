@@ -14,9 +14,10 @@
 //! identity in the arena, never by their coordinates: two paths of an arena have a vertex in common
 //! only if one was made from the other. Given paths with vertices in common, only those choices
 //! count that keep all of them: any other would have to hit one of them by chance, which is
-//! infinitely less likely. A proposal that draws a vertex anew where the old one was is another
-//! proposal than the one that keeps it, also where both look alike, and each is balanced against its
-//! own way back. So the chain is right for atoms (a pinhole, a mirror, paths on a grid) too.
+//! infinitely less likely. No vertex is kept twice. A proposal that draws a vertex anew where the old
+//! one was is another proposal than the one that keeps it, also where both look alike, and each is
+//! balanced against its own way back. So the chain is right for atoms (a pinhole, a mirror, paths on a
+//! grid) too.
 //!
 //! Dirac factors cancel like against like. A vertex keeps its factor while it keeps both neighbours;
 //! where a neighbour is new, the factor must have been drawn together with it. If `to` carries a
@@ -229,7 +230,8 @@ where
     let mut sum = PathDensity::ZERO;
     let to = to.handle.place;
     let wanted = origin.wanted(to, in_common);
-    loop {
+    let mut has_turn = !wanted.repeats(in_common);
+    while has_turn {
         let mut decide = Decisions::replay(decided, wanted);
         let draft = mutation.propose(from, &mut decide).and_then(|draft| draft.place());
         let probability = decide.finish();
@@ -238,9 +240,7 @@ where
         }
         // The draft is nowhere else: what a mutation is given outlives nothing that it could be kept in.
         from.arena.tape.truncate(origin.steps);
-        if !advance(decided) {
-            break;
-        }
+        has_turn = advance(decided);
     }
     *from.arena.replay.borrow_mut() = replay;
     sum

@@ -322,6 +322,39 @@ fn drafts_that_cannot_be_drawn_make_no_proposal() {
 }
 
 #[test]
+fn a_draft_that_keeps_a_vertex_twice_makes_no_proposal() {
+    let arena = Walks::new();
+    let from = path(&arena, &[0.35, 0.6], false);
+    // With two vertices that are one, the path would have a density per measure of one place less than all others have.
+    let twice = mutation(|path: &Path<'_, '_>, decide: &mut Choosing<'_>| {
+        let kept = |i: usize| path.slice(i..i + 1).keep();
+        let order = [[0, 1, 1], [0, 2, 0], [2, 1, 0]][decide.index(3)?];
+        Some(kept(order[0]).concat(&kept(order[1])).concat(&kept(order[2])))
+    });
+    for (u, exists) in [(0.1, false), (0.5, false), (0.9, true)] {
+        assert_eq!(propose(&twice, &from, &mut || u).is_some(), exists, "{u}");
+    }
+    let piece = |i: usize| from.slice(i..i + 1);
+    let join = |[a, b, c]: [usize; 3]| piece(a).concat(&piece(b)).concat(&piece(c));
+    for order in [[0, 1, 1], [0, 2, 0]] {
+        assert!(conditional_pdf(&twice, &from, &join(order)).is_zero(), "{order:?}");
+    }
+    assert!((conditional_pdf(&twice, &from, &join([2, 1, 0])).value() - 1.0 / 3.0).abs() < 1e-15);
+    // The same at the ends of a path, where most vertices are looked for.
+    let (longer, ends) = (from.concat(&piece(2)), piece(0).concat(&from));
+    let whole = |first: bool| {
+        mutation(move |path: &Path<'_, '_>, _: &mut Choosing<'_>| {
+            let (all, end) = (path.keep(), if first { path.slice(0..1) } else { path.slice(2..3) });
+            Some(if first { end.keep().concat(&all) } else { all.concat(&end.keep()) })
+        })
+    };
+    for (first, to) in [(false, longer), (true, ends)] {
+        assert!(propose(&whole(first), &from, &mut || 0.5).is_none());
+        assert!(conditional_pdf(&whole(first), &from, &to).is_zero());
+    }
+}
+
+#[test]
 fn a_shift_stretches_by_the_ratio_of_its_densities() {
     let arena = Walks::new();
     let shift = mutation(|path: &Path<'_, '_>, _: &mut Choosing<'_>| {
