@@ -32,8 +32,8 @@ impl<'a, V: Vertex, S> Rated<'a, V, S> {
 ///
 /// The quotient is formed of numbers with a wide exponent. The probability is zero if f is zero at
 /// the proposal, if there is no way back, or if a density has a pole; it is one if f is zero at the
-/// current path (a chain that was begun outside the support) and the proposal is a good one. Where f
-/// is zero at the proposal no density is evaluated.
+/// current path (a chain that was begun outside the support), to which no way back is needed, and the
+/// mutation makes the proposal. Where f is zero at the proposal no density is evaluated.
 ///
 /// For several mutations, see [`Mutations`](crate::mutation::Mutations).
 pub fn accept_probability<'a, V, S, M>(
@@ -66,12 +66,12 @@ pub(super) fn acceptance<R: Scalar>(
     if !there.is_regular() {
         return R::ZERO;
     }
+    if !current.is_regular() {
+        return R::ONE;
+    }
     let back = back();
     if !back.is_regular() {
         return R::ZERO;
-    }
-    if !current.is_regular() {
-        return R::ONE;
     }
     ((proposal * back) / (current * there)).value().min(R::ONE)
 }

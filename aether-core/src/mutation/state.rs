@@ -57,15 +57,17 @@ impl<R: Real, C> Transition<R, C> {
 impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
     /// A chain that begins at a path.
     ///
-    /// If the target is zero there, which it is for a path that is not complete, the chain moves on
-    /// with the first proposal for which it is not.
+    /// If the target is zero there, the chain moves on with the first proposal for which it is not. It counts as zero for a
+    /// path that has no [`Snapshot::of`], whose place the empty path takes: one that is not complete, or has been merged.
     pub fn new<T: Into<PathDensity<V::Real>>>(
         path: &RandomSequence<'_, V, S>,
         target: &impl Fn(&RandomSequence<'_, V, S>) -> (T, C),
     ) -> Self {
         let (value, contribution) = target(path);
-        let target = Rated::new(*path, value).target;
-        Self::resumed(Snapshot::of(path), target, contribution, 0)
+        let start = Snapshot::of(path);
+        let is_kept = path.is_complete() && start.len() == path.len();
+        let target = if is_kept { Rated::new(*path, value).target } else { PathDensity::ZERO };
+        Self::resumed(start, target, contribution, 0)
     }
 
     /// A chain that goes on where another was after so many steps: at its path, where the target function and the
@@ -171,7 +173,9 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
         transition.probability = acceptance(
             [current.target, proposal.target],
             || conditional_pdf(mutation, &current.path, &proposal.path) * selected.probability,
+        // Known once there is a way back to be weighed.
             || {
+        weights.clear();
                 mutations.weigh(&proposal.path, weights);
                 let selected = probabilities(weights).and_then(|there| there.get(i));
                 selected.filter(|back| back.probability > V::Real::ZERO).map_or(

@@ -355,6 +355,40 @@ fn a_draft_that_keeps_a_vertex_twice_makes_no_proposal() {
 }
 
 #[test]
+fn a_chain_moves_on_from_a_path_that_it_cannot_begin_with() {
+    let world = World::default();
+    let arena = Walks::new();
+    let anew = mutation(|path: &Path<'_, '_>, _: &mut Choosing<'_>| {
+        let mut draft = path.slice(0..0).keep();
+        draft.append(Light(&world)).append(Light(&world));
+        Some(draft)
+    });
+    // Of a path that has not found all of its vertices the last one found may look bright; so may two that have met.
+    let bright = |path: &Path<'_, '_>| (path.last().map_or(0.0, |spot| spot.0), ());
+    let mut pending = arena.sequence();
+    pending.append(Light(&world)).sample(&mut || 0.5).append(Light(&world));
+    let mut back = arena.sequence();
+    back.append(Light(&world)).append(Step(&world)).sample(&mut || 0.5);
+    let merged = path(&arena, &[0.35], false).merge(&back.reverse(), 0.1);
+    assert!(!pending.is_complete() && merged.is_complete() && bright(&merged).0 > 0.0);
+    // No way leads back to the empty path, nor has one to.
+    for start in [pending, merged] {
+        let mut chain = MarkovChainState::new(&start, &bright);
+        assert!(chain.target().is_zero());
+        let mut among = chain.clone();
+        let uniforms = |step| Pcg32::new(1, 0, step);
+        let step = chain.step(&mut Walks::new(), &anew, &bright, uniforms);
+        assert!(step.accepted && chain.path().len() == 2);
+        let all = Mutations(&[&anew]);
+        for k in 0..2 {
+            let step = among.step_among(&mut Walks::new(), &all, &bright, uniforms);
+            assert!(step.selected == Some(0) && (step.accepted || k > 0));
+        }
+        assert_eq!(among.path().len(), 2);
+    }
+}
+
+#[test]
 fn a_shift_stretches_by_the_ratio_of_its_densities() {
     let arena = Walks::new();
     let shift = mutation(|path: &Path<'_, '_>, _: &mut Choosing<'_>| {
