@@ -42,15 +42,19 @@ pub struct Transition<R, C> {
     pub selected: Option<usize>,
 }
 
-impl<R: Real, C> Transition<R, C> {
-    /// The contributions with the probabilities that their paths come next. They sum to one; to
+impl<R: Scalar, C> Transition<R, C> {
+    /// The contributions with the probabilities that their paths come next, of those that may. They sum to one; to
     /// count all of them instead of only the path that comes next makes for less variance (Veach
     /// and Guibas 1997).
+    ///
+    /// A proposal at which the target function is zero never comes next: what it contributes may be no number, as a colour
+    /// over its brightness is.
     pub fn weighted(self) -> impl Iterator<Item = (C, R)> {
         let stay = R::ONE - self.probability;
         let probability = self.probability;
         core::iter::once((self.current, stay))
             .chain(self.proposal.map(|contribution| (contribution, probability)))
+            .filter(|(_, probability)| *probability > R::ZERO)
     }
 }
 
@@ -169,13 +173,13 @@ impl<V: Vertex, S: Strategy<V>, C: Clone> MarkovChainState<V, S, C> {
             return transition;
         };
         transition.proposal = Some(contribution.clone());
+        // Known once there is a way back to be weighed.
         let weights = &mut self.weights[1];
+        weights.clear();
         transition.probability = acceptance(
             [current.target, proposal.target],
             || conditional_pdf(mutation, &current.path, &proposal.path) * selected.probability,
-        // Known once there is a way back to be weighed.
             || {
-        weights.clear();
                 mutations.weigh(&proposal.path, weights);
                 let selected = probabilities(weights).and_then(|there| there.get(i));
                 selected.filter(|back| back.probability > V::Real::ZERO).map_or(

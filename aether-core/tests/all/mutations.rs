@@ -389,6 +389,36 @@ fn a_chain_moves_on_from_a_path_that_it_cannot_begin_with() {
 }
 
 #[test]
+fn what_cannot_come_next_does_not_count() {
+    let arena = Walks::new();
+    let world = World::default();
+    let anew = mutation(|path: &Path<'_, '_>, _: &mut Choosing<'_>| {
+        Some(*path.slice(0..0).keep().append(Light(&world)))
+    });
+    // A colour over its brightness, which is no number where there is none: half of all proposals, 1 - u < 1/4, and the start.
+    let seen = |path: &Path<'_, '_>| {
+        let f = path.last().map_or(0.0, |spot| (spot.0 - 0.5).max(0.0));
+        (f, f / f)
+    };
+    let mut start = arena.sequence();
+    start.append(Light(&world)).sample(&mut || 0.9);
+    assert_eq!(seen(&start).0, 0.0);
+    let mut chain = MarkovChainState::new(&start, &seen);
+    let (mut sum, mut dark) = (0.0, 0);
+    for _ in 0..200 {
+        let step = chain.step(&mut Walks::new(), &anew, &seen, |step| Pcg32::new(1, 0, step));
+        let is_dark = chain.target().is_zero();
+        dark += usize::from(is_dark);
+        if !is_dark {
+            sum += step.weighted().map(|(colour, weight)| weight * colour).sum::<f64>();
+            let total: f64 = step.weighted().map(|(_, weight)| weight).sum();
+            assert!((total - 1.0).abs() < 1e-15);
+        }
+    }
+    assert!((sum + dark as f64 - 200.0).abs() < 1e-12, "{sum} {dark}");
+}
+
+#[test]
 fn a_shift_stretches_by_the_ratio_of_its_densities() {
     let arena = Walks::new();
     let shift = mutation(|path: &Path<'_, '_>, _: &mut Choosing<'_>| {
