@@ -157,7 +157,8 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.append_in(self.block_at(self.size()), strategy)
     }
 
-    /// [`RandomSequence::append`] of a strategy again and again, until the path has `size` steps.
+    /// [`RandomSequence::append`] of a strategy again and again, until the path has `size` steps, or more by the last ones of a
+    /// joint strategy.
     pub fn append_up_to(&mut self, size: usize, strategy: impl Into<S>) -> &mut Self {
         if !self.handle.absent && self.size() < size {
             let known = self.intern(strategy);
@@ -168,13 +169,15 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self
     }
 
-    /// Appends a strategy and samples it again and again, until the path has `size` vertices or it finds nothing.
+    /// Samples what has been appended, and then appends a strategy and samples it again and again, until the path has `size`
+    /// vertices, or more by the last draw of a joint strategy, or something finds nothing.
     pub fn go_on<U: UniformSource<V::Real> + ?Sized>(
         &mut self,
         size: usize,
         strategy: impl Into<S>,
         uniforms: &mut U,
     ) -> &mut Self {
+        self.sample(uniforms);
         if self.is_complete() && self.size() < size {
             let known = self.intern(strategy);
             while self.is_complete() && self.size() < size {

@@ -371,3 +371,18 @@ fn a_path_goes_on_from_both_of_its_ends_by_other_numbers() {
     }
     assert!(products.z(4.0 / 9.0).abs() < LIMIT, "{}", products.z(4.0 / 9.0));
 }
+
+#[test]
+fn going_on_takes_the_steps_that_are_pending_first() {
+    let world = World::default();
+    let arena: Walks<'_> = Arena::new();
+    let mut path = arena.sequence();
+    path.append(Camera).append(Step(&world)).go_on(5, Step(&world), &mut || 0.25);
+    assert_eq!((path.len(), path.size()), (5, 5));
+    // Where a step finds nothing, none follows it.
+    let mut died = arena.sequence();
+    died.append(Camera).append(Step(&world)).go_on(5, Step(&world), &mut || 0.99);
+    assert_eq!((died.len(), died.size()), (1, 2));
+    died.go_on(5, Step(&world), &mut || 0.25);
+    assert_eq!((died.len(), died.size()), (1, 2));
+}
