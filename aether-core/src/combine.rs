@@ -33,6 +33,9 @@ pub trait Combine<H> {
 ///
 /// Paths without a sample yield no item, but take part as techniques: what matters to the weights is
 /// what could have been sampled.
+///
+/// # Panics
+/// If the techniques are paths of different arenas.
 pub fn combine<H: Default, C: Combine<H>>(techniques: C) -> C::Output {
     techniques.combine_with(H::default())
 }

@@ -23,8 +23,11 @@ impl<V: Vertex, S> Clone for Paths<'_, V, S> {
 impl<V: Vertex, S> Copy for Paths<'_, V, S> {}
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
-    /// A list of paths of this arena, in memory of the arena. Paths of other arenas and paths that
-    /// do not exist (slices out of range) are left out.
+    /// A list of paths of this arena, in memory of the arena. Paths that do not exist (slices out of
+    /// range) are left out.
+    ///
+    /// # Panics
+    /// If a path is of another arena: its density under the techniques of this one is not known.
     pub fn collect<'a>(
         &'a self,
         paths: impl IntoIterator<Item = RandomSequence<'a, V, S>>,
@@ -33,13 +36,20 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
     }
 
     /// [`Arena::collect`] with the number of samples that each technique takes.
+    ///
+    /// # Panics
+    /// As [`Arena::collect`].
     pub fn collect_counted<'a>(
         &'a self,
         paths: impl IntoIterator<Item = (RandomSequence<'a, V, S>, usize)>,
     ) -> Paths<'a, V, S> {
         let (mut start, mut len) = (self.lists.borrow().len(), 0);
         for (path, count) in paths {
-            if core::ptr::eq(path.arena, self) && !path.handle.absent {
+            assert!(
+                core::ptr::eq(path.arena, self),
+                "paths of different arenas cannot be combined: they must all be of the arena that made the first one"
+            );
+            if !path.handle.absent {
                 let mut lists = self.lists.borrow_mut();
                 if lists.len() != start + len {
                     // Making the path has collected others: this list goes on at the end.

@@ -386,3 +386,15 @@ fn going_on_takes_the_steps_that_are_pending_first() {
     died.go_on(5, Step(&world), &mut || 0.25);
     assert_eq!((died.len(), died.size()), (1, 2));
 }
+
+#[test]
+#[should_panic(expected = "paths of different arenas cannot be combined")]
+fn paths_of_two_arenas_are_not_combined() {
+    let world = World::default();
+    let (one, other): (Walks<'_>, Walks<'_>) = (Arena::new(), Arena::new());
+    let ours = path(&one, &world, Camera.into(), 3);
+    let theirs = path(&other, &world, Camera.into(), 3);
+    let weights = combine::<BalanceHeuristic, _>([ours, theirs]).map(|path| path.weight);
+    // Each would have a weight of one half, and not one of them one.
+    assert_eq!(weights.sum::<f64>(), 1.0);
+}
