@@ -6,7 +6,7 @@ use core::fmt;
 use crate::combine::{Combined, Heuristic, WeightedSample};
 use crate::path_density::PathDensity;
 use crate::point::Point;
-use crate::real::Scalar;
+use crate::real::{Real, Scalar};
 use crate::sampler::{Sample, Sampler};
 use crate::sequence::{Arena, KEY, Key, Memo, NONE, PathView, Place, RandomSequence, Unfolded};
 use crate::strategy::{Reads, Strategy, Vertex};
@@ -414,8 +414,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         (value.multiply(self.closing(end)), scale)
     }
 
-    /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing
-    /// are left out, and their weights are not computed.
+    /// The paths with their weighted contributions, weight × f / p. Paths that contribute nothing, those of
+    /// techniques that take no samples among them, are left out, and their weights are not computed.
     pub fn each<'a, S, H>(
         &self,
         mut combined: Combined<'a, I::Vertex, S, H>,
@@ -428,9 +428,13 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         core::iter::from_fn(move || {
             while let Some((technique, path)) = combined.next_sample() {
                 let estimate = self.of(&path);
-                if !estimate.is_zero() {
+                if estimate.is_zero() {
+                    continue;
+                }
+                let samples = combined.samples_of(technique);
+                if samples > RealOf::<I>::ZERO {
                     let value = estimate.times(combined.weight_of(technique));
-                    let alone = estimate.over(combined.samples_of(technique));
+                    let alone = estimate.over(samples);
                     return Some(Contribution { path, technique, value, alone });
                 }
             }

@@ -398,3 +398,17 @@ fn paths_of_two_arenas_are_not_combined() {
     // Each would have a weight of one half, and not one of them one.
     assert_eq!(weights.sum::<f64>(), 1.0);
 }
+
+#[test]
+fn a_technique_that_takes_no_samples_contributes_nothing() {
+    let world = World::default();
+    let arena: Walks<'_> = Arena::new();
+    let a = path(&arena, &world, Camera.into(), 3);
+    let estimator = Estimator::paths(Seen(&world));
+    let all = || combine::<BalanceHeuristic, _>([(a, 0), (a, 2)]);
+    let found: Vec<_> = estimator.each(all()).collect();
+    assert_eq!(found.len(), 1);
+    let half = 0.5 * estimator.of(&a);
+    assert_eq!((found[0].technique, found[0].value, found[0].alone), (1, half, half));
+    assert_eq!(all().map(|path| path.weight).collect::<Vec<_>>(), [0.0, 0.5]);
+}
