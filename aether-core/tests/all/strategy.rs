@@ -432,6 +432,25 @@ fn densities_are_shared_between_lengths_that_compare_alike() {
     assert_eq!(evaluated, 5);
 }
 
+/// Up to 2 where the inverse of a slope is positive, else up to 4.
+#[strategy]
+fn sloping(_path: &PathView<Spot>, slope: f64) -> Spot {
+    let x = draw(Interval(0.0, if 1.0 / slope > 0.0 { 2.0 } else { 4.0 }));
+    Spot::at(x)
+}
+
+#[test]
+fn zeros_of_different_signs_are_different_arguments() {
+    let arena = Arena::<Spot, Sloping>::new();
+    for (slope, density) in [(0.0, 0.5), (-0.0, 0.25), (0.0, 0.5)] {
+        let mut path = arena.sequence();
+        path.append(sloping(slope)).sample(&mut || 0.25);
+        assert_eq!(path.pdf().value(), density, "{slope:?}");
+        assert_eq!(path.vertex(0), Some(Spot::at(0.25 / density)));
+    }
+    assert!(!sloping(0.0).same(&sloping(-0.0)) && sloping(-0.0).same(&sloping(-0.0)));
+}
+
 /// Drawn points in either half go the same way, by different maps.
 #[strategy]
 fn folded(path: &PathView<Spot>) -> Spot {

@@ -140,6 +140,10 @@ fn is_reference(ty: &Type) -> bool {
     matches!(ty, Type::Reference(reference) if reference.mutability.is_none())
 }
 
+fn is_number(ty: &Type) -> bool {
+    matches!(ty, Type::Path(path) if path.path.is_ident("f32") || path.path.is_ident("f64"))
+}
+
 fn and(conditions: Option<&syn::WhereClause>, more: &[TokenStream]) -> TokenStream {
     let given = conditions.map(|clause| {
         let predicates = clause.predicates.iter();
@@ -477,7 +481,8 @@ fn parameters(signature: &Signature) -> TokenStream {
 }
 
 /// Whether two strategies have the same arguments, as far as that can be told: references by
-/// address, numbers by value, strategies to delegate to by asking them.
+/// address, numbers by their bits, as zeros of different signs are equal and yet not the same, strategies to
+/// delegate to by asking them, and all else by equality.
 fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
     let (site, vertex) = (Span::mixed_site(), &signature.vertex);
     let some = quote_spanned!(site=> ::core::option::Option::Some);
@@ -488,6 +493,8 @@ fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
     let equal = signature.fields.iter().map(|Field { name, ty, .. }| {
         if is_reference(ty) {
             quote_spanned!(site=> ::core::ptr::eq(self.#name, other.#name))
+        } else if is_number(ty) {
+            quote_spanned!(site=> self.#name.to_bits() == other.#name.to_bits())
         } else if strategies.contains(&name) {
             quote_spanned! {site=>
                 ::aether_core::strategy::Strategy::<#vertex>::same(&self.#name, &other.#name)

@@ -46,7 +46,7 @@ fn a_right_strategy_has_all_items() {
         "let vertex = Hit :: new (hit , __point_1) ;",
         "Drawn { value : own , dirac : :: core :: option :: Option :: None , .. drawn } . visible ()",
         "recall (target , || { let w = :: aether_core :: forms :: emitted :: point_of",
-        "true && :: core :: ptr :: eq (self . scene , other . scene) && (& Alike (& self . q , & other . q)) . alike ()",
+        "true && :: core :: ptr :: eq (self . scene , other . scene) && self . q . to_bits () == other . q . to_bits ()",
         "locally constant `hit` of `scene.cast(here, &w)`, read from the vertex",
     ] {
         assert!(text.contains(part), "{part}\nis not in\n{text}");
