@@ -1,6 +1,6 @@
 //! An interval cut into bins.
 
-use super::TableError;
+use super::{TableError, at_least};
 use crate::real::Scalar;
 
 /// How far outside a bin a point may lie by rounding, in units of the spacing of numbers at the far
@@ -25,12 +25,9 @@ impl<R: Scalar> Axis<R> {
     /// than the largest number.
     pub fn new(knots: &[R]) -> Result<Self, TableError> {
         let wrong = |index: usize, value: R| TableError::Knot { index, value: value.to_f64() };
-        let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
-            return Err(TableError::Count { what: "knots", expected: 2, found: 0 });
+        let [first, .., last] = knots else {
+            return Err(TableError::TooFew { what: "knots", least: 2, found: knots.len() });
         };
-        if knots.len() < 2 {
-            return Err(TableError::Count { what: "knots", expected: 2, found: 1 });
-        }
         for (index, knot) in knots.iter().enumerate() {
             if !(knot.finite() && (index == 0 || knots[index - 1] < *knot)) {
                 return Err(wrong(index, *knot));
@@ -50,12 +47,10 @@ impl<R: Scalar> Axis<R> {
     /// No bins; an end that is not finite, or `high` not above `low`; more bins than there are
     /// numbers between.
     pub fn even(low: R, high: R, bins: usize) -> Result<Self, TableError> {
+        at_least(1, "bins", bins)?;
         let share = |k: usize| R::of(k as f64 / bins as f64);
         // Symmetric, so that both ends are exact.
         let knots: Vec<R> = (0..=bins).map(|k| low * share(bins - k) + high * share(k)).collect();
-        if bins == 0 {
-            return Err(TableError::Count { what: "bins", expected: 1, found: 0 });
-        }
         Self::new(&knots)
     }
 

@@ -2,7 +2,7 @@
 
 use super::cells::{Linear, Stretched, UniformInterval, linear, stretched, uniform_interval};
 use super::piecewise::{Pieces, Piecewise};
-use super::{Axis, TableError, expect};
+use super::{Axis, TableError, at_least, expect};
 use crate::discrete::Cdf;
 use crate::discrete::weights::relative;
 use crate::map::Then;
@@ -96,6 +96,7 @@ impl<R: Scalar> PiecewiseLinear1D<R> {
     /// Fewer than two values; one that is negative, NaN or infinite; none that is positive.
     pub fn new(values: &[R]) -> Result<Self, TableError> {
         relative(values)?;
+        at_least(2, "values", values.len())?;
         Self::on(Axis::even(R::ZERO, R::ONE, values.len() - 1)?, values)
     }
 

@@ -67,6 +67,15 @@ pub enum TableError {
         /// How many there are.
         found: usize,
     },
+    /// Fewer numbers than any table has.
+    TooFew {
+        /// Which numbers.
+        what: &'static str,
+        /// How many there must be at least.
+        least: usize,
+        /// How many there are.
+        found: usize,
+    },
     /// A knot is not finite, not above the one before, or too far from it for the number type.
     Knot {
         /// Which knot, counted from zero.
@@ -90,6 +99,9 @@ impl fmt::Display for TableError {
             TableError::Count { what, expected, found } => {
                 write!(f, "{found} {what} where the table needs {expected}")
             }
+            TableError::TooFew { what, least, found } => {
+                write!(f, "{found} {what} where the table needs {least} or more")
+            }
             TableError::Knot { index, value } => write!(
                 f,
                 "knot {index} is {value}: knots are finite, two or more, and each lies above the one \
@@ -106,6 +118,11 @@ impl From<WeightError> for TableError {
     fn from(error: WeightError) -> Self {
         TableError::Weights(error)
     }
+}
+
+/// That there are so many numbers at least.
+fn at_least(least: usize, what: &'static str, found: usize) -> Result<(), TableError> {
+    if found >= least { Ok(()) } else { Err(TableError::TooFew { what, least, found }) }
 }
 
 /// That there are as many numbers as there must be.

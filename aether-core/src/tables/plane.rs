@@ -7,7 +7,7 @@ use super::cells::{
 use super::grid::{CellTable, Grid, Rows};
 use super::line::line;
 use super::piecewise::Piecewise;
-use super::{Axis, Dependent, Family, TableError, Warp, expect};
+use super::{Axis, Dependent, Family, TableError, Warp, at_least, expect};
 use crate::discrete::weights::relative;
 use crate::map::Then;
 use crate::real::Scalar;
@@ -36,7 +36,8 @@ impl<R: Scalar> PiecewiseConstant2D<R> {
     /// positive.
     pub fn new(values: &[R], columns: usize) -> Result<Self, TableError> {
         relative(values)?;
-        let (x, y) = unit_axes(columns, values.len().checked_div(columns).unwrap_or(0))?;
+        at_least(1, "values in a row", columns)?;
+        let (x, y) = unit_axes(columns, values.len() / columns)?;
         Self::on(x, y, values)
     }
 
@@ -60,7 +61,8 @@ impl<R: Scalar> PiecewiseConstant2D<R> {
     /// As [`Self::new`].
     pub fn latitude_longitude(values: &[R], columns: usize) -> Result<Self, TableError> {
         let values: Vec<f64> = relative(values)?;
-        let rows = values.len().checked_div(columns).unwrap_or(0);
+        at_least(1, "values in a row", columns)?;
+        let rows = values.len() / columns;
         let (x, y) = unit_axes(columns, rows)?;
         expect("values", columns * rows, values.len())?;
         let step = core::f64::consts::PI / rows as f64;
@@ -129,8 +131,10 @@ impl<R: Scalar> PiecewiseLinear2D<R> {
     /// negative, NaN or infinite; none that is positive.
     pub fn new(values: &[R], nodes: usize) -> Result<Self, TableError> {
         relative(values)?;
-        let rows = values.len().checked_div(nodes).unwrap_or(0);
-        let (x, y) = unit_axes(nodes.saturating_sub(1), rows.saturating_sub(1))?;
+        at_least(2, "nodes in a row", nodes)?;
+        let rows = values.len() / nodes;
+        at_least(2, "rows of nodes", rows)?;
+        let (x, y) = unit_axes(nodes - 1, rows - 1)?;
         Self::on(x, y, values)
     }
 

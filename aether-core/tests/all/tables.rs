@@ -552,3 +552,29 @@ fn more_digits_leave_a_table_as_it_is() -> Result<(), TableError> {
     assert!(Axis::<f64>::new(&[1.0, 1.0 + 1e-12])?.cast::<f32>().is_err());
     Ok(())
 }
+
+#[test]
+fn a_table_of_too_few_nodes_names_what_it_was_given() {
+    let message = |error: Option<TableError>| error.map_or(String::new(), |e| e.to_string());
+    assert_eq!(
+        message(PiecewiseLinear1D::new(&[1.0]).err()),
+        "1 values where the table needs 2 or more"
+    );
+    assert_eq!(
+        message(PiecewiseLinear2D::new(&[1.0, 2.0], 1).err()),
+        "1 nodes in a row where the table needs 2 or more"
+    );
+    assert_eq!(
+        message(PiecewiseLinear2D::new(&[1.0, 2.0, 3.0], 3).err()),
+        "1 rows of nodes where the table needs 2 or more"
+    );
+    // No table has half a row.
+    assert_eq!(
+        message(PiecewiseLinear2D::new(&[1.0; 5], 2).err()),
+        "5 values where the table needs 4"
+    );
+    assert_eq!(
+        message(PiecewiseConstant2D::new(&[1.0], 0).err()),
+        "0 values in a row where the table needs 1 or more"
+    );
+}
