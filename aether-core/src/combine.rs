@@ -17,6 +17,11 @@ pub use shifted::Shifted;
 /// [`Arena::collect`](crate::sequence::Arena::collect)ed ones), or samples of samplers of one space
 /// (a tuple or array of `&Sample`). In place of each, a pair with the number of samples that its
 /// technique takes.
+///
+/// A technique stands once in the list, with one of its samples: where it takes several, the others are combined in
+/// lists of their own, with the same numbers, and a sample that stands in several lists counts once. (All of them in one list,
+/// each with their number, would count as that many techniques of so many samples, and the estimate would be too small.
+/// Without numbers they are techniques that take one sample each, which is right too.)
 pub trait Combine<H> {
     /// The weighted samples: an iterator or an array.
     type Output: IntoIterator;
