@@ -95,6 +95,9 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// nothing leads in a single direction, none of these paths is made, and the weight of each follows from sums over
     /// the techniques along either walk: it costs the same however long the path is (as in Georgiev, "Implementing Vertex
     /// Connection and Merging", 2012).
+    ///
+    /// # Panics
+    /// If the walks are of different arenas.
     pub fn connections<S, H, D, U>(
         &self,
         walks: [&RandomSequence<'_, I::Vertex, S>; 2],
@@ -108,9 +111,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         U: UniformSource<RealOf<I>> + ?Sized,
     {
         let [first, second] = walks;
-        if !core::ptr::eq(first.arena, second.arena) {
-            return;
-        }
+        assert!(
+            core::ptr::eq(first.arena, second.arena),
+            "walks of different arenas cannot be joined: make both by `sequence` of one arena"
+        );
         let arena = first.arena;
         self.remember(arena.contents());
         draw_lasts(first, connections, uniforms);

@@ -76,6 +76,9 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
     }
 
     /// This draft, then `other`.
+    ///
+    /// # Panics
+    /// If they are of different arenas.
     pub fn concat(&self, other: &Self) -> Self {
         Draft { path: self.path.concat(&other.path) }
     }

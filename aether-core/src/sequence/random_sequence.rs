@@ -328,11 +328,17 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.with(Handle { place: h.place.reverse(), len, ended, lane: h.lane ^ TURNED, ..h })
     }
 
-    /// This path, then `other`. What is pending in the middle can no longer be sampled. Paths of
-    /// different arenas have no concatenation: the result does not exist.
+    /// This path, then `other`. What is pending in the middle can no longer be sampled.
+    ///
+    /// # Panics
+    /// If the paths are of different arenas.
     pub fn concat(&self, other: &Self) -> Self {
+        assert!(
+            core::ptr::eq(self.arena, other.arena),
+            "paths of different arenas cannot be joined: make both by `sequence` of one arena"
+        );
         let (h, o) = (self.handle, other.handle);
-        if h.absent || o.absent || !core::ptr::eq(self.arena, other.arena) {
+        if h.absent || o.absent {
             return self.absent();
         }
         let tape = &self.arena.tape;
@@ -372,6 +378,9 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     /// of both densities and the kernel: how often two samples meet like this, as long as the density of
     /// `other` hardly changes within the kernel (from which the bias of merging comes). Where one path could
     /// not have gone on from the other's end, or a joint draw would be cut, the result does not exist.
+    ///
+    /// # Panics
+    /// As [`RandomSequence::concat`].
     pub fn merge(&self, other: &Self, kernel: V::Real) -> Self {
         let (h, o) = (self.handle, other.handle);
         if h.absent || o.absent || h.place.len == 0 || o.place.len == 0 {

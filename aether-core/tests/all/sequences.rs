@@ -2,6 +2,7 @@
 
 use crate::oracle::LIMIT;
 use crate::world::{Camera, Light, Mean, PINHOLE, SURVIVAL, Seen, Spot, Step, Walks, Ways, World};
+use aether_core::estimator::{Connections, Techniques};
 use aether_core::sequence::{Arena, DynStrategy, Erased, PathView, RandomSequence};
 use aether_core::strategy::{Conditional, Dirac, Drawn, Reads, Strategy, Vertex};
 use aether_core::{
@@ -411,4 +412,36 @@ fn a_technique_that_takes_no_samples_contributes_nothing() {
     let half = 0.5 * estimator.of(&a);
     assert_eq!((found[0].technique, found[0].value, found[0].alone), (1, half, half));
     assert_eq!(all().map(|path| path.weight).collect::<Vec<_>>(), [0.0, 0.5]);
+}
+
+#[test]
+#[should_panic(expected = "paths of different arenas cannot be joined")]
+fn paths_of_two_arenas_are_not_joined() {
+    let world = World::default();
+    let (one, other): (Walks<'_>, Walks<'_>) = (Arena::new(), Arena::new());
+    let eye = path(&one, &world, Camera.into(), 3);
+    let light = path(&other, &world, Light(&world).into(), 2);
+    assert_eq!(eye.concat(&light.reverse()).len(), 5);
+}
+
+#[test]
+#[should_panic(expected = "walks of different arenas cannot be joined")]
+fn walks_of_two_arenas_are_not_joined() {
+    let world = World::default();
+    let (one, other): (Walks<'_>, Walks<'_>) = (Arena::new(), Arena::new());
+    let eye = path(&one, &world, Camera.into(), 3);
+    let light = path(&other, &world, Light(&world).into(), 2);
+    let mut techniques = Techniques::new(BalanceHeuristic);
+    techniques.reach(5, |_, _| 1);
+    let connections = Connections {
+        lengths: 2..=5,
+        ending: None,
+        fewest_ending: 0,
+        techniques: &techniques,
+        is_drawn: |_, _| true,
+    };
+    let mut sum = 0.0;
+    let estimator = Estimator::paths(Seen(&world));
+    estimator.connections([&eye, &light], &connections, &mut || 0.5, |path| sum += path.value);
+    assert!(sum > 0.0, "nothing was found, and nothing said");
 }
