@@ -1,17 +1,22 @@
 //! Equations that are rational in one unknown or in one root of it.
 
+mod polynomial;
+mod radicals;
+
 use std::collections::BTreeMap;
 
-use super::{Condition, Equation, State, scale};
+use super::{Condition, Equation, State};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Deps, Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::cost;
 use crate::overflow::SAFE;
-use crate::poly::{Expander, Poly, RatFun, coefficients, within_part_of_budget};
-use crate::rational::Q;
+use crate::poly::{Expander, within_part_of_budget};
 use crate::sorted;
+pub(super) use polynomial::name_coefficients;
+pub(super) use radicals::clear;
+use radicals::{isolatable, mentions_root, roots_in, squared};
 
 /// Solves an equation with a single unknown that occurs several times, if it is rational of degree
 /// one or two in some subexpression.
@@ -164,288 +169,6 @@ fn shorter(g: &Graph, first: &[Root], second: &[Root]) -> bool {
     work(first) < work(second)
 }
 
-/// The same for known = √… times something rational: both sides squared. Which of the roots have the
-/// sign of the known side shows when they are tried.
-fn squared(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
-    let (_, body) = g.split(rhs);
-    let root = |e: Id, g: &Graph| g.as_number(e).is_some_and(|q| q.den() == 2);
-    if !g.factors(body).into_iter().any(|(_, e)| root(e, g)) {
-        return None;
-    }
-    let (known, rhs) = (g.powi(known, 2), g.powi(rhs, 2));
-    roots(g, known, rhs)
-}
-
-/// Whether a square root of something open occurs in an expression.
-fn mentions_root(g: &Graph, id: Id) -> bool {
-    match g.node(id) {
-        Node::Product(f) => f
-            .iter()
-            .any(|(b, e)| g.as_number(*e).is_some_and(|q| q.den() == 2) || mentions_root(g, *b)),
-        Node::Sum(_, t) => t.iter().any(|(_, t)| mentions_root(g, *t)),
-        _ => false,
-    }
-}
-
-fn roots_in(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Vec<Root>> {
-    let polynomial = clear(g, known, rhs, open)?;
-    let atoms: Vec<Id> = polynomial.atoms().into_iter().filter(|a| g.has(*a, UNKNOWNS)).collect();
-    match atoms[..] {
-        [atom] => {
-            let values = polynomial_roots(g, &polynomial, atom)?;
-            Some(values.into_iter().map(|value| Root { atom, value, also: None }).collect())
-        }
-        [a, b] => radical(g, known, rhs, [a, b], open)
-            .or_else(|| radical(g, known, rhs, [b, a], open))
-            .or_else(|| isolated(g, &polynomial, &atoms, open)),
-        [_, _, _] => isolated(g, &polynomial, &atoms, open),
-        _ => None,
-    }
-}
-
-/// The numerator of rhs - known, as a polynomial.
-pub(super) fn clear(g: &mut Graph, known: Id, rhs: Id, open: Deps) -> Option<Poly> {
-    let difference = g.sub(rhs, known);
-    Some(Expander::new(g).only(open).expand(difference)?.num)
-}
-
-/// Atoms u and t = √(α + β u): substitutes u = (t² - α) / β and solves for t.
-fn radical(g: &mut Graph, known: Id, rhs: Id, [u, t]: [Id; 2], open: Deps) -> Option<Vec<Root>> {
-    let Node::Product(f) = g.node(t).clone() else { return None };
-    if f.len() != 1 || g.as_number(f[0].1) != Some(Q::HALF) {
-        return None;
-    }
-    let radicand = Expander::new(g).only(open).expand(f[0].0)?;
-    if !radicand.den.is_empty() {
-        return None;
-    }
-    let c = radicand.num.by_powers_of(u)?;
-    let [alpha, beta] = &c[..] else { return None };
-    let (alpha, beta) = (alpha.to_expr(g), beta.to_expr(g));
-    if g.has(alpha, UNKNOWNS) || g.has(beta, UNKNOWNS) {
-        return None;
-    }
-    let fresh = g.leaf(Leaf::Unknown(23), "t", Interval::POSITIVE);
-    let t2 = g.powi(fresh, 2);
-    let top = g.sub(t2, alpha);
-    let inner = g.div(top, beta);
-    let substituted = g.substitute(rhs, &BTreeMap::from([(t, fresh), (u, inner)]));
-    let polynomial = clear(g, known, substituted, open)?;
-    let values = polynomial_roots(g, &polynomial, fresh)?;
-    Some(
-        values
-            .into_iter()
-            .map(|v| {
-                let exact = g.substitute(inner, &BTreeMap::from([(fresh, v)]));
-                let simple = Expander::new(g).only(open).normal_form(exact).unwrap_or(exact);
-                Root { atom: u, value: simple, also: Some((t, v)) }
-            })
-            .collect(),
-    )
-}
-
-/// Atoms u and roots of polynomials of it, of which the equation has one product: A + B √R = 0 as A² - B² R = 0, where that has
-/// a low degree.
-fn isolated(g: &mut Graph, equation: &Poly, atoms: &[Id], open: Deps) -> Option<Vec<Root>> {
-    let radicand = |g: &Graph, atom: Id| match g.node(atom) {
-        Node::Product(f) if f.len() == 1 && g.as_number(f[0].1) == Some(Q::HALF) => Some(f[0].0),
-        _ => None,
-    };
-    let (roots, plain): (Vec<Id>, Vec<Id>) =
-        atoms.iter().partition(|&&atom| radicand(g, atom).is_some());
-    let [u] = plain[..] else { return None };
-    let (mut alone, mut times) = (None, equation.clone());
-    let (mut above, mut below) = (Poly::constant(Q::ONE), Poly::constant(Q::ONE));
-    for &root in &roots {
-        let c = times.by_powers_of(root)?;
-        let [rest, with] = &c[..] else { return None };
-        // Besides the first of them the others stand by themselves nowhere.
-        match &alone {
-            None => alone = Some(rest.clone()),
-            Some(_) if rest.is_zero() => {}
-            Some(_) => return None,
-        }
-        let under = radicand(g, root)?;
-        let under = Expander::new(g).only(open).expand(under)?;
-        let mut factors = under.den.iter();
-        let den = factors
-            .try_fold(Poly::constant(Q::ONE), |all, (factor, e)| all.mul(&factor.powi(*e)?))?;
-        (above, below, times) = (above.mul(&under.num)?, below.mul(&den)?, with.clone());
-    }
-    let alone = alone?;
-    let is_free =
-        |g: &Graph, p: &Poly| p.atoms().into_iter().all(|atom| atom == u || !g.has(atom, UNKNOWNS));
-    if ![&alone, &times, &above, &below].into_iter().all(|p| is_free(g, p)) {
-        return None;
-    }
-    let squared = alone.mul(&alone)?.mul(&below)?.sub(&times.mul(&times)?.mul(&above)?)?;
-    let values = polynomial_roots(g, &squared, u)?;
-    Some(values.into_iter().map(|value| Root { atom: u, value, also: None }).collect())
-}
-
-/// The roots of a polynomial of degree one or two in `atom`.
-fn polynomial_roots(g: &mut Graph, p: &Poly, atom: Id) -> Option<Vec<Id>> {
-    let mut c: Vec<Poly> = p.by_powers_of(atom)?.into_iter().map(|c| modulo_units(g, c)).collect();
-    while c.last().is_some_and(Poly::is_zero) {
-        c.pop();
-    }
-    match &c[..] {
-        [c0, c1] => Some(vec![quotient(g, &c0.scale(Q::int(-1))?, c1)?]),
-        [c0, c1, c2] if c0.is_zero() => {
-            let other = quotient(g, &c1.scale(Q::int(-1))?, c2)?;
-            Some(vec![g.int(0), other])
-        }
-        [c0, c1, c2] => {
-            let discriminant = c1.mul(c1)?.sub(&c0.mul(c2)?.scale(Q::int(4))?)?;
-            let discriminant = modulo_units(g, discriminant);
-            let mut quotient = |num: &Poly, den: &Poly| quotient(g, num, den);
-            if let Some(root) = discriminant.sqrt() {
-                let minus = c1.scale(Q::int(-1))?;
-                let twice = c2.scale(Q::int(2))?;
-                let a = quotient(&minus.add(&root)?, &twice)?;
-                let b = quotient(&minus.sub(&root)?, &twice)?;
-                return Some(vec![a, b]);
-            }
-            Some(quadratic(g, c0, c1, c2, &discriminant))
-        }
-        _ => None,
-    }
-}
-
-fn quotient(g: &mut Graph, num: &Poly, den: &Poly) -> Option<Id> {
-    let mut e = Expander::new(g);
-    let inverse = e.recip(&RatFun { num: den.clone(), den: vec![] })?;
-    let r = e.mul(&RatFun { num: num.clone(), den: vec![] }, &inverse)?;
-    Some(e.to_expr(&r))
-}
-
-/// A polynomial in known quantities, shorter by what the lengths of unit vectors say.
-fn modulo_units(g: &mut Graph, p: Poly) -> Poly {
-    let units = g.units().to_vec();
-    let whole = p.to_expr(g);
-    let expander = units.into_iter().fold(Expander::new(g), Expander::unit);
-    let reduced = { expander }.expand(whole).filter(|r| r.den.is_empty());
-    match reduced {
-        Some(r) if r.num.terms(g).len() < p.terms(g).len() => r.num,
-        _ => p,
-    }
-}
-
-/// Both roots in the form 2c₀ / (-c₁ ∓ √D): the sum below does not cancel for one of the signs.
-///
-/// The discriminant is multiplied out only where that makes it shorter.
-fn quadratic(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly, discriminant: &Poly) -> Vec<Id> {
-    // √D = s √r, of which both signs are taken.
-    let composed = composed(g, c0, c1, c2);
-    let whole = || (Poly::constant(Q::ONE), discriminant.clone());
-    // Of a product each factor may show what the whole of it does not.
-    let parts = if c1.is_zero() { square_parts(c0, c2) } else { None };
-    let (s, r) = parts.or_else(|| discriminant.square_part()).unwrap_or_else(whole);
-    let (c0, c1, s) = without_common(c0, c1, &s);
-    let halved = c1.exact_div(&r).filter(|_| r.as_constant().is_none());
-    let (scale, r) = r.integral().unwrap_or((Q::ONE, r));
-    let (c0, s, mut under) = (c0.to_expr(g), s.to_expr(g), r.to_expr(g));
-    let plain = r == *discriminant && scale == Q::ONE;
-    if plain && cost(g, composed) < cost(g, under) {
-        under = composed;
-    }
-    let scale = g.number(scale);
-    let scale = g.sqrt(scale);
-    let root = g.sqrt(under);
-    let root = g.mul(scale, root);
-    let root = without_signs(g, root);
-    let top = g.sum(Q::ZERO, &[(Q::int(2), c0)]);
-    // -c₁ ∓ s √r, or √r times a sum where c₁ is a multiple of r.
-    let (outside, c1, s) = match halved {
-        Some(c) => {
-            let c = c.to_expr(g);
-            (root, g.mul(c, root), s)
-        }
-        None => (g.int(1), c1.to_expr(g), g.mul(s, root)),
-    };
-    [Q::ONE, Q::int(-1)]
-        .into_iter()
-        .map(|sign| {
-            let bottom = g.sum(Q::ZERO, &[(Q::int(-1), c1), (sign, s)]);
-            let bottom = g.mul(outside, bottom);
-            g.div(top, bottom)
-        })
-        .collect()
-}
-
-/// -4 c₀ c₂ as s² r, with as much in s as each of the factors shows.
-fn square_parts(c0: &Poly, c2: &Poly) -> Option<(Poly, Poly)> {
-    let [(s0, r0), (s2, r2)] = [c0.square_part()?, c2.square_part()?];
-    Some((s0.mul(&s2)?.scale(Q::int(2))?, r0.mul(&r2)?.scale(Q::int(-1))?))
-}
-
-/// c₁² - 4 c₀ c₂, not multiplied out.
-fn composed(g: &mut Graph, c0: &Poly, c1: &Poly, c2: &Poly) -> Id {
-    let (c0, c1, c2) = (c0.to_expr(g), c1.to_expr(g), c2.to_expr(g));
-    let (square, other) = (g.powi(c1, 2), g.mul(c0, c2));
-    g.sum(Q::ZERO, &[(Q::ONE, square), (Q::int(-4), other)])
-}
-
-/// Three polynomials without the factors of the third that divide them all.
-fn without_common(c0: &Poly, c1: &Poly, s: &Poly) -> (Poly, Poly, Poly) {
-    let mut all = (c0.clone(), c1.clone(), s.clone());
-    for (factor, e) in s.split() {
-        for _ in 0..e {
-            let divided =
-                (all.0.exact_div(&factor), all.1.exact_div(&factor), all.2.exact_div(&factor));
-            let (Some(a), Some(b), Some(c)) = divided else { break };
-            all = (a, b, c);
-        }
-    }
-    all
-}
-
-/// √(x² d) as x √d: where both signs of a root are taken, neither needs the size of x, and each of
-/// the answers stays with one branch of the map.
-fn without_signs(g: &mut Graph, root: Id) -> Id {
-    let (q, body) = g.split(root);
-    let factors: Vec<(Id, Id)> = g
-        .factors(body)
-        .into_iter()
-        .map(|(b, e)| match g.node(b) {
-            Node::Call(Fun::Abs, args) => (args[0], e),
-            _ => (b, e),
-        })
-        .collect();
-    let body = g.product(&factors);
-    g.sum(Q::ZERO, &[(q, body)])
-}
-
-/// Gives the coefficients of polynomial equations in several unknowns names, where they are sums. Multiplied
-/// out in all that follows, these would become long, and cancel: b - a and c - d of the corners a, b, c
-/// and d are small where the corners are not.
-pub(super) fn name_coefficients(g: &mut Graph, state: &State) -> Option<Vec<State>> {
-    let mut next = state.clone();
-    let mut sums = 0;
-    for e in next.equations.iter_mut().filter(|e| !e.modulo_turn) {
-        if (g.deps(e.rhs) & UNKNOWNS).count_ones() < 2 {
-            continue;
-        }
-        let difference = g.sub(e.rhs, e.known);
-        let mut terms = Vec::new();
-        for (open, known) in coefficients(g, difference)? {
-            let long =
-                matches!(g.node(known), Node::Sum(c, t) if t.len() + usize::from(!c.is_zero()) > 1);
-            let value = match (long, next.solution.names.iter().find(|(_, v)| **v == known)) {
-                (true, Some((name, _))) => *name,
-                (true, None) => {
-                    sums += 1;
-                    scale::next_name(g, &mut next.solution, known)?
-                }
-                (false, _) => known,
-            };
-            terms.push((Q::ONE, g.mul(value, open)));
-        }
-        *e = Equation { known: g.int(0), rhs: g.sum(Q::ZERO, &terms), modulo_turn: false };
-    }
-    (sums > 0).then(|| vec![next])
-}
-
 /// Isolates one unknown of an equation with several and substitutes it into the others: if there is one that is divided by a
 /// number alone, that one, since anything else may be zero somewhere.
 pub(super) fn eliminate(g: &mut Graph, state: &State) -> Option<Vec<State>> {
@@ -505,18 +228,4 @@ fn eliminate_by(g: &mut Graph, state: &State, by_number: bool) -> Option<Vec<Sta
         }
     }
     None
-}
-
-/// (unknown, atom) pairs such that the equation is linear in the atom and the atom holds only that unknown.
-fn isolatable(g: &mut Graph, known: Id, rhs: Id) -> Vec<(Leaf, Id)> {
-    let Some(p) = clear(g, known, rhs, UNKNOWNS) else { return vec![] };
-    let mut found = Vec::new();
-    for atom in p.atoms() {
-        for i in 0..24 {
-            if g.deps(atom) & UNKNOWNS == leaf_bit(Leaf::Unknown(i)) {
-                found.push((Leaf::Unknown(i), atom));
-            }
-        }
-    }
-    found
 }

@@ -1,18 +1,22 @@
 //! Emits the items of a strategy: the hidden function, the struct, its constructor, the trait.
 
+mod declared;
+mod documented;
+mod structure;
+
 use proc_macro2::{Span, TokenStream};
-use quote::{ToTokens, quote, quote_spanned};
-use syn::spanned::Spanned;
-use syn::{Expr, GenericParam, Ident, ItemFn, Type, parse_quote};
+use quote::{quote, quote_spanned};
+use syn::{ItemFn, Type, parse_quote};
 
 use super::analyse::Analysed;
-use super::names::{delegate, form, is_stop, referenced};
-use super::reads::{Reads, comparisons};
+use super::reads::Reads;
 use super::signature::{Field, Signature};
-use super::tree::{Apart, Body, Form, Kind, Other, Plan, Step};
 use super::{density, sample};
 use crate::diagnostics::is_lint;
 use crate::walk;
+use declared::{atoms, classes, declared, same, told_apart};
+pub use documented::documentation;
+use structure::{Qualify, and, cloneable, constructor, is_reference, real, structure};
 
 /// Everything that the attribute emits; without a plan the methods are left unimplemented.
 pub fn item(
@@ -49,147 +53,8 @@ pub fn hidden(function: &ItemFn, signature: Option<&Signature>) -> TokenStream {
     }
 }
 
-fn real(vertex: &Type) -> TokenStream {
-    quote!(<#vertex as ::aether_core::strategy::Vertex>::Real)
-}
-
-/// Makes the special forms name functions of the runtime.
-struct Qualify<'a> {
-    real: &'a TokenStream,
-    vertex: &'a Type,
-    /// Whether there are several vertices.
-    joint: bool,
-}
-
-impl Qualify<'_> {
-    fn expr(&self, expr: &mut Expr) -> bool {
-        if let Expr::Return(_) = expr
-            && is_stop(expr)
-            && let Expr::Return(ret) = expr
-            && let Some(stop) = ret.expr.take()
-        {
-            *expr = *stop;
-        }
-        if let Expr::MethodCall(call) = expr
-            && call.method == "identified_by"
-            && let Some((name, choice)) = form(&call.receiver)
-            && name == "choose"
-        {
-            let (real, vertex) = (self.real, self.vertex);
-            let (distribution, rule) = (&choice.args, &call.args);
-            let function = Ident::new("choose_identified", name.span());
-            *expr = parse_quote! {
-                ::aether_core::forms::#function::<#vertex, #real, _, _>(#distribution, #rule)
-            };
-        } else if self.joint && delegate(expr).is_some() {
-            // It is refused, and has no type: that alone is the error.
-            *expr = parse_quote!(::aether_core::forms::stop());
-        } else if let Some((name, call)) = form(expr) {
-            let (real, vertex) = (self.real, self.vertex);
-            let generics = match name.to_string().as_str() {
-                "choose" | "draw" | "atom" => quote!(::<#real, _>),
-                "delegate" => quote!(::<#vertex, _>),
-                _ => TokenStream::new(),
-            };
-            let arguments = &call.args;
-            *expr = parse_quote!(::aether_core::forms::#name #generics (#arguments));
-        }
-        true
-    }
-}
-
-fn names(fields: &[Field]) -> Vec<&Ident> {
-    fields.iter().map(|field| &field.name).collect()
-}
-
-/// The struct, and `Clone` for it.
-fn structure(function: &ItemFn, signature: &Signature) -> TokenStream {
-    let Signature { name, generics, fields, .. } = signature;
-    let visibility = &function.vis;
-    let (implementation, arguments, conditions) = generics.split_for_impl();
-    let names = names(fields);
-    let types: Vec<_> = fields.iter().map(|field| &field.ty).collect();
-    let (marker, marker_type) = marker(signature);
-    let marker_field = marker_type.map(|ty| quote!(#marker: #ty,));
-    let marker_value = marker_field.as_ref().map(|_| quote!(#marker: ::core::marker::PhantomData,));
-    let documentation = format!("The strategy that [`{}`](fn@{0}) returns.", function.sig.ident);
-    let cloned = cloneable(signature);
-    let conditions_and = and(conditions, &cloned);
-    quote! {
-        #[doc = #documentation]
-        #visibility struct #name #generics #conditions { #(#names: #types,)* #marker_field }
-
-        #[automatically_derived]
-        #[allow(clippy::all, clippy::pedantic)]
-        impl #implementation ::core::clone::Clone for #name #arguments #conditions_and {
-            #[inline]
-            fn clone(&self) -> Self {
-                Self { #(#names: ::core::clone::Clone::clone(&self.#names),)* #marker_value }
-            }
-        }
-    }
-}
-
-/// What cloning asks of the parameters: nothing of references.
-fn cloneable(signature: &Signature) -> Vec<TokenStream> {
-    let owned = signature.fields.iter().map(|field| &field.ty).filter(|ty| !is_reference(ty));
-    owned.map(|ty| quote!(#ty: ::core::clone::Clone)).collect()
-}
-
-fn is_reference(ty: &Type) -> bool {
-    matches!(ty, Type::Reference(reference) if reference.mutability.is_none())
-}
-
 fn is_number(ty: &Type) -> bool {
     matches!(ty, Type::Path(path) if path.path.is_ident("f32") || path.path.is_ident("f64"))
-}
-
-fn and(conditions: Option<&syn::WhereClause>, more: &[TokenStream]) -> TokenStream {
-    let given = conditions.map(|clause| {
-        let predicates = clause.predicates.iter();
-        quote!(#(#predicates,)*)
-    });
-    quote!(where #given #(#more,)*)
-}
-
-/// The field that stands for generics which no parameter mentions.
-fn marker(signature: &Signature) -> (Ident, Option<TokenStream>) {
-    let mut name = "marker".to_owned();
-    while signature.fields.iter().any(|field| field.name == name) {
-        name.push('_');
-    }
-    let unused = signature.unused.iter().map(|parameter| match parameter {
-        GenericParam::Lifetime(parameter) => {
-            let lifetime = &parameter.lifetime;
-            quote!(&#lifetime ())
-        }
-        GenericParam::Type(parameter) => parameter.ident.to_token_stream(),
-        GenericParam::Const(_) => TokenStream::new(),
-    });
-    let unused: Vec<_> = unused.collect();
-    let ty =
-        (!unused.is_empty()).then(|| quote!(::core::marker::PhantomData<fn() -> (#(#unused,)*)>));
-    (Ident::new(&name, Span::mixed_site()), ty)
-}
-
-fn constructor(function: &ItemFn, signature: &Signature, documentation: &str) -> TokenStream {
-    let Signature { name, generics, fields, .. } = signature;
-    let (visibility, ident) = (&function.vis, &function.sig.ident);
-    let (_, arguments, conditions) = generics.split_for_impl();
-    let attributes = function.attrs.iter().filter(|attribute| !is_lint(attribute));
-    let names = names(fields);
-    let types = fields.iter().map(|field| &field.ty);
-    let (marker, marker_type) = marker(signature);
-    let marker = marker_type.map(|_| quote!(#marker: ::core::marker::PhantomData));
-    quote! {
-        #(#attributes)*
-        #[doc = #documentation]
-        #[must_use]
-        #[allow(clippy::all, clippy::pedantic)]
-        #visibility fn #ident #generics (#(#names: #types),*) -> #name #arguments #conditions {
-            #name { #(#names,)* #marker }
-        }
-    }
 }
 
 fn strategy(
@@ -372,90 +237,6 @@ fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStr
     }
 }
 
-/// Makes sure that two strategies, or one and an atom of the body, can be told apart.
-fn told_apart(Apart { strategy, other }: &Apart, vertex: &Type) -> TokenStream {
-    let site = strategy.span().resolved_at(Span::mixed_site());
-    let emitted = quote_spanned!(site=> ::aether_core::forms::emitted);
-    match other {
-        Other::Atom(direction) => quote_spanned! {site=>
-            #emitted::apart_from_atom::<#vertex, _, #direction>(|| #strategy);
-        },
-        Other::Strategy(other) => quote_spanned! {site=>
-            #emitted::apart_from::<#vertex, _, _>(|| #strategy, || #other);
-        },
-    }
-}
-
-/// The kinds of atoms that the body or the strategies that it delegates to may yield: any if their
-/// types have no name here.
-fn atoms(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
-    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
-    let module = quote_spanned!(site=> ::aether_core::strategy);
-    let (mut position, mut direction) = (false, false);
-    let mut others = Vec::new();
-    if let Some(plan) = plan {
-        plan.walk(&mut |_| {}, &mut |leaf| match leaf.kind {
-            Kind::Density(_) => {}
-            Kind::AtomPosition => position = true,
-            Kind::AtomDirection(_) => direction = true,
-        });
-        plan.delegates(&mut |strategy| {
-            let field = referenced(strategy)
-                .and_then(|name| signature.fields.iter().find(|field| field.name == *name));
-            others.push(match field {
-                Some(Field { ty, .. }) => {
-                    quote_spanned!(site=> <#ty as #module::Strategy<#vertex>>::ATOMS)
-                }
-                None => quote_spanned!(site=> #module::Atoms::ANY),
-            });
-        });
-    }
-    quote_spanned! {site=>
-        #module::Atoms { position: #position, direction: #direction } #(.and(#others))*
-    }
-}
-
-/// What the body reads of the path, and what the strategies read that it delegates to.
-fn declared(signature: &Signature, reads: Reads, plan: Option<&Plan>) -> TokenStream {
-    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
-    let Reads { vertices, length } = reads;
-    let vertices =
-        if vertices == usize::MAX { quote!(usize::MAX) } else { vertices.to_token_stream() };
-    let mut delegates = Vec::new();
-    if let Some(plan) = plan {
-        plan.delegates(&mut |strategy| delegates.push(strategy));
-    }
-    let parameters = (!delegates.is_empty()).then(|| parameters(signature));
-    quote_spanned! {site=>
-        #parameters
-        ::aether_core::strategy::Reads { vertices: #vertices, length: #length }
-            #(.and(::aether_core::strategy::Strategy::<#vertex>::reads(&#delegates)))*
-    }
-}
-
-/// The method that says which lengths of the path make no difference, where the body only compares the length.
-fn classes(function: &ItemFn, signature: &Signature, plan: Option<&Plan>) -> Option<TokenStream> {
-    let site = Span::mixed_site();
-    let mut delegates = false;
-    plan?.delegates(&mut |_| delegates = true);
-    if delegates {
-        return None;
-    }
-    let fixed = signature.fields.iter().filter(|field| !field.mutable);
-    let names: Vec<&Ident> = fixed.map(|field| &field.name).collect();
-    let comparisons = comparisons(&function.block, &signature.path, &names)?;
-    let parameters = parameters(signature);
-    Some(quote_spanned! {site=>
-        #[inline]
-        fn length_class(&self, len: usize) -> u32 {
-            #parameters
-            let class = 0;
-            #(let class = 2 * class + u32::from(#comparisons);)*
-            class
-        }
-    })
-}
-
 /// Binds the path and the parameters to their names.
 fn prelude(signature: &Signature) -> TokenStream {
     let site = Span::mixed_site();
@@ -478,98 +259,4 @@ fn parameters(signature: &Signature) -> TokenStream {
         }
     });
     quote_spanned!(site=> #(#fields)*)
-}
-
-/// Whether two strategies have the same arguments, as far as that can be told: references by
-/// address, numbers by their bits, as zeros of different signs are equal and yet not the same, strategies to
-/// delegate to by asking them, and all else by equality.
-fn same(signature: &Signature, plan: Option<&Plan>) -> TokenStream {
-    let (site, vertex) = (Span::mixed_site(), &signature.vertex);
-    let some = quote_spanned!(site=> ::core::option::Option::Some);
-    let mut strategies = Vec::new();
-    if let Some(plan) = plan {
-        plan.delegates(&mut |strategy| strategies.extend(referenced(strategy)));
-    }
-    let equal = signature.fields.iter().map(|Field { name, ty, .. }| {
-        if is_reference(ty) {
-            quote_spanned!(site=> ::core::ptr::eq(self.#name, other.#name))
-        } else if is_number(ty) {
-            quote_spanned!(site=> self.#name.to_bits() == other.#name.to_bits())
-        } else if strategies.contains(&name) {
-            quote_spanned! {site=>
-                ::aether_core::strategy::Strategy::<#vertex>::same(&self.#name, &other.#name)
-            }
-        } else {
-            // Equal, if the type knows equality.
-            quote_spanned!(site=> (&Alike(&self.#name, &other.#name)).alike() == #some(true))
-        }
-    });
-    quote_spanned! {site=>
-        #[allow(unused_imports)]
-        use ::aether_core::forms::emitted::{Alike, ByEquality as _, Otherwise as _};
-        true #(&& #equal)*
-    }
-}
-
-/// What the density sums over, as Markdown.
-pub fn documentation(body: &Body) -> String {
-    let mut lines = Vec::new();
-    let mut add = |line: String| {
-        if !lines.contains(&line) {
-            lines.push(line);
-        }
-    };
-    let mut ends = 0;
-    body.walk(
-        &mut |step| {
-            if let Step::Bind { pat, form } = step {
-                add(describe(&source(pat), form));
-            }
-        },
-        &mut |_| ends += 1,
-    );
-    body.delegates(&mut |strategy| {
-        ends += 1;
-        lines.push(format!("the vertex of `{}`", source(strategy)));
-    });
-    let lines: String = lines.iter().map(|line| format!("\n- {line}")).collect();
-    let ways = if ends == 1 { "one way".to_owned() } else { format!("{ends} ways") };
-    format!(
-        "\n\n# Distribution\n\nDerived: the density sums over all outcomes of the discrete choices, \
-         and {ways} to make the vertex.\n{lines}"
-    )
-}
-
-fn describe(name: &str, form: &Form) -> String {
-    match form {
-        Form::Choose { distribution, rule: None } => {
-            format!("choice `{name}` of `{}`, enumerated", source(distribution))
-        }
-        Form::Choose { distribution, rule: Some(_) } => {
-            format!("choice `{name}` of `{}`, identified from the vertex", source(distribution))
-        }
-        Form::Draw(sampler) => format!("random variable `{name}` of `{}`", source(sampler)),
-        Form::Constant(call) => {
-            format!("locally constant `{name}` of `{}`, read from the vertex", source(call))
-        }
-        Form::Atom(atom) => format!("draws `{name}`, always the same: `{}`", source(atom)),
-        Form::Given(value) => format!("given `{name}`, `{}`", source(value)),
-    }
-}
-
-/// Tokens as they are usually written.
-fn source(tokens: &impl ToTokens) -> String {
-    const TIGHT: [(&str, &str); 9] = [
-        (" . ", "."),
-        (" (", "("),
-        ("( ", "("),
-        (" )", ")"),
-        (" ,", ","),
-        (" :: ", "::"),
-        ("& ", "&"),
-        (":: ", "::"),
-        (" ::", "::"),
-    ];
-    let text = tokens.to_token_stream().to_string().replace(['\n', '`'], " ");
-    TIGHT.iter().fold(text, |text, (loose, tight)| text.replace(loose, tight))
 }
