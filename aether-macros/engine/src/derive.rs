@@ -56,6 +56,7 @@ pub use borders::Border;
 pub use cases::on_which_way;
 pub use continuity::Limit;
 pub(crate) use fractions::by_fractions;
+pub(crate) use joint::{Block, blocks};
 pub use problem::{Derived, Part, Preimage, Problem, Target};
 pub use scaled::Scaled;
 pub use signs::Signs;

@@ -1,12 +1,13 @@
 //! The oracle of verification: derivatives of the forward map by differences in double-double.
 
-use crate::derive::Problem;
+use crate::derive::{Block, Problem, blocks};
 use crate::eval::Evaluator;
 use crate::expr::Leaf;
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point};
 
-/// √det(JᵀJ) at a point, by central differences and orthogonalisation; `None` if not finite.
+/// √det(JᵀJ) at a point, by central differences and orthogonalisation; `None` if not finite. Of several points that are had
+/// one after another, the product of those of each.
 pub fn volume(problem: &Problem, point: &Point) -> Option<f64> {
     volume_by(problem, point, STEP)
 }
@@ -29,8 +30,26 @@ fn volume_by(problem: &Problem, point: &Point, step: f64) -> Option<f64> {
         }
         _ => (0..problem.unknowns.len()).map(|j| along_axis(problem, point, j, step)).collect(),
     };
-    let v = span(columns.into_iter().collect::<Option<_>>()?).to_f64();
+    let columns: Vec<Vec<Dd>> = columns.into_iter().collect::<Option<_>>()?;
+    let v = covered(point_by_point(problem, columns));
+    let v = v.to_f64();
     v.is_finite().then_some(v)
+}
+
+/// The columns of the Jacobian for each point of the result, where these can be had one after another: those of its own
+/// unknowns, in its own coordinates. A curve that an earlier number moves is no longer for that.
+pub fn point_by_point(problem: &Problem, columns: Vec<Vec<Dd>>) -> Vec<Vec<Vec<Dd>>> {
+    let Some(blocks) = blocks(problem) else { return vec![columns] };
+    let of_block = |block: &Block| {
+        let own = problem.unknowns.iter().zip(&columns).filter(|(u, _)| block.own.contains(u));
+        own.map(|(_, column)| column[block.place.clone()].to_vec()).collect()
+    };
+    blocks.iter().map(of_block).collect()
+}
+
+/// The product of the volumes that the columns of each point span.
+pub fn covered(points: Vec<Vec<Vec<Dd>>>) -> Dd {
+    points.into_iter().fold(Dd::from_f64(1.0), |product, columns| product * span(columns))
 }
 
 /// Whether the map keeps the orientation of its unknowns at a point, or turns it round; for a direction as it is seen from
@@ -125,7 +144,7 @@ fn dot(a: &[Dd], b: &[Dd]) -> Dd {
 }
 
 /// The volume that the columns span, by Gram–Schmidt: never through the normal equations.
-pub fn span(columns: Vec<Vec<Dd>>) -> Dd {
+fn span(columns: Vec<Vec<Dd>>) -> Dd {
     let mut volume = Dd::from_f64(1.0);
     let mut basis: Vec<Vec<Dd>> = Vec::new();
     for mut c in columns {

@@ -140,3 +140,20 @@ fn a_cube_root_of_a_cosine() {
     assert!((item.pdf(&[], &[x]) / truth - 1.0).abs() < 1e-12);
     assert!((item.preimages(&[], &[x])[0][0] - u).abs() < 1e-12);
 }
+
+/// A curve that an earlier number moves: its density is per length of the curve as that number leaves it, whatever way the
+/// points go as the number changes.
+#[test]
+fn a_number_and_a_point_of_a_curve_that_moves_with_it() {
+    let circle = "let phi = TAU * u[1]; let circle = Curve::new((1.0 + t) * phi.cos(), (1.0 + t) * phi.sin(), t * t);";
+    for (space, last) in [("(f64, Curve)", "(t, circle)"), ("(Curve, f64)", "(circle, t)")] {
+        let item = compile(&format!(
+            "fn ring(u: [Uniform; 2]) -> {space} {{ let t = u[0].sqrt(); {circle} {last} }}"
+        ));
+        let x = item.forward(&[], &[0.49, 0.3]).expect("a value");
+        // 2 t per length of the number, and one over the length of the circle.
+        let expected = 2.0 * 0.7 / (std::f64::consts::TAU * 1.7);
+        let found = item.pdf(&[], &x);
+        assert!((found / expected - 1.0).abs() < 1e-12, "{space}: {found} {expected}");
+    }
+}

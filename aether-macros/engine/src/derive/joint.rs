@@ -1,6 +1,8 @@
 //! The change of measure of several points sampled together.
 
-use super::{Problem, Target};
+use std::ops::Range;
+
+use super::{Part, Problem, Target};
 use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::jacobian::{self, Source};
 use crate::rational::Q;
@@ -9,17 +11,24 @@ use crate::solve::linear::{dot, is_frame};
 /// How many equal forms of a product are kept.
 const FORMS: usize = 3;
 
-/// The volume of a result of several points that can be had one after another: the first from some of
-/// the unknowns, the second from others given the first, and so on. Then the Jacobian is triangular in
-/// blocks, and the volume is the product of those of the points, each with what came before held
-/// fixed. `None` for a single point, or if there is no such order.
-pub(super) fn volume(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
+/// A point of a result with the unknowns that make it once those before it are known.
+pub(crate) struct Block {
+    /// Which of the points it is, with the places of its coordinates.
+    pub(crate) part: Part,
+    pub(crate) place: Range<usize>,
+    /// The unknowns that are its own.
+    pub(crate) own: Vec<Leaf>,
+}
+
+/// The points of a result that can be had one after another: the first from some of the unknowns, the second from others
+/// given the first, and so on. `None` for a single point, or if there is no such order.
+pub(crate) fn blocks(problem: &Problem) -> Option<Vec<Block>> {
     let mut open = problem.placed();
     if open.len() < 2 {
         return None;
     }
     let mut unknowns: Vec<Leaf> = problem.unknowns.clone();
-    let mut product = vec![problem.graph.int(1)];
+    let mut blocks = Vec::new();
     while !open.is_empty() {
         let (index, own) = open.iter().enumerate().find_map(|(i, (part, place))| {
             let used = |u: &&Leaf| {
@@ -30,6 +39,18 @@ pub(super) fn volume(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
         })?;
         let (part, place) = open.remove(index);
         unknowns.retain(|u| !own.contains(u));
+        blocks.push(Block { part, place, own });
+    }
+    Some(blocks)
+}
+
+/// The volume of a result of several points that can be had one after another. Then the Jacobian is triangular in
+/// blocks, and the volume is the product of those of the points, each with what came before held
+/// fixed. `None` for a single point, or if there is no such order.
+pub(super) fn volume(problem: &mut Problem) -> Option<Result<Vec<Id>, String>> {
+    let blocks = blocks(problem)?;
+    let mut product = vec![problem.graph.int(1)];
+    for Block { part, place, own } in blocks {
         let outputs = problem.outputs[place].to_vec();
         let g = &mut problem.graph;
         let source = (Source::Free, part.target == Target::Direction);

@@ -3,7 +3,7 @@
 use super::Problem;
 use super::density::pick;
 use crate::derivative::derivative;
-use crate::differences::{span, tangents};
+use crate::differences::{covered, point_by_point, tangents};
 use crate::expr::{Id, Leaf};
 use crate::measure::Measure;
 use crate::number::{Dd, Number};
@@ -68,8 +68,10 @@ fn spanned(problem: &mut Problem, measure: &mut Measure) -> Vec<f64> {
             let w = [0, 1, 2].map(|i| Dd::from_f64(point[&Leaf::Unknown(i)]));
             vectors = tangents(w).map(|t| combined(&vectors, t)).to_vec();
         }
-        let reversed: Vec<Vec<Dd>> = vectors.iter().rev().cloned().collect();
-        let [v, other] = [vectors, reversed].map(span);
+        let points = point_by_point(problem, vectors);
+        let reversed = points.iter().map(|columns| columns.iter().rev().cloned().collect());
+        let other = covered(reversed.collect());
+        let v = covered(points);
         let known = (v - other).abs().to_f64() <= CONFIRMED * v.to_f64();
         let v = widths.iter().fold(v, |v, width| v / width[k]);
         if known { v.to_f64() } else { f64::NAN }
