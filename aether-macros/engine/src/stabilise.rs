@@ -560,22 +560,32 @@ fn squares(g: &mut Graph, c: Q, terms: &[(Q, Id)]) -> Option<Id> {
     let (pos, neg) = if p.is_negative() { ((q, t), (p.neg(), s)) } else { ((p, s), (q.neg(), t)) };
     let mut root = |(q, t): (Q, Id)| {
         let k = g.number(q.sqrt()?);
-        let half: Option<Vec<(Id, Id)>> = g
-            .factors(t)
-            .into_iter()
-            .map(|(b, e)| {
-                let e = g.as_number(e)?;
-                let h = e.mul(Q::HALF)?;
-                e.is_even().then(|| (b, g.number(h)))
-            })
-            .collect();
-        let t = g.product(&half?);
+        let t = root_of_square(g, t)?;
         Some(g.mul(k, t))
     };
     let (a, b) = (root(pos)?, root(neg)?);
     let d = g.sub(a, b);
     let s = g.add(a, b);
     Some(g.mul(d, s))
+}
+
+/// What a product is the square of. Beside other squares an exponential is one too: a² e^(2t) is (a e^t)².
+fn root_of_square(g: &mut Graph, t: Id) -> Option<Id> {
+    let factors = g.factors(t);
+    let alone = factors.len() == 1;
+    let mut halves = Vec::new();
+    for (b, e) in factors {
+        let h = g.as_number(e)?.mul(Q::HALF)?;
+        match g.node(b).clone() {
+            Node::Call(Fun::Exp, args) if !alone => {
+                let half = g.sum(Q::ZERO, &[(h, args[0])]);
+                halves.push((g.call(Fun::Exp, &[half]), g.int(1)));
+            }
+            _ if h.is_int() => halves.push((b, g.number(h))),
+            _ => return None,
+        }
+    }
+    Some(g.product(&halves))
 }
 
 /// A - √b as (A² - b) / (A + √b), where A may be a root or a sum without one. Only where both have the same sign:

@@ -157,3 +157,27 @@ fn a_number_and_a_point_of_a_curve_that_moves_with_it() {
         assert!((found / expected - 1.0).abs() < 1e-12, "{space}: {found} {expected}");
     }
 }
+
+/// The sine of the angle of a lobe of Henyey and Greenstein whose anisotropy is an exponential: its square, 1 - c², is a
+/// product, of which nothing cancels next to the poles and nothing leaves the range of numbers.
+#[test]
+fn a_cosine_over_an_exponential_has_a_sine_in_factors() {
+    let item = compile(
+        "fn scattered(u: [Uniform; 3]) -> (f64, Direction) {
+            let t = u[0];
+            let g = 0.9 * (-t).exp();
+            let s = (1.0 - g * g) / (1.0 - g + 2.0 * g * u[1]);
+            let c = (1.0 + g * g - s * s) / (2.0 * g);
+            let r = (1.0 - c * c).sqrt();
+            let phi = TAU * u[2];
+            (t, Direction::new(r * phi.cos(), r * phi.sin(), c))
+        }",
+    );
+    for (t, v) in [(0.4, 0.3), (0.7, 1e-12), (0.2, 1.0 - 1e-12)] {
+        let x = item.forward(&[], &[t, v, 0.0]).expect("a value");
+        let g = 0.9 * (-t).exp();
+        let product = v * (1.0 - v) * (1.0 + g * v) * (1.0 - g + g * v);
+        let expected = 2.0 * product.sqrt() * (1.0 - g * g) / (1.0 - g + 2.0 * g * v).powi(2);
+        assert!((x[1] / expected - 1.0).abs() < 1e-13, "{t} {v}: {} {expected}", x[1]);
+    }
+}
