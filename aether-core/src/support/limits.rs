@@ -213,8 +213,8 @@ fn beside_by<R: Real, const P: usize, const M: usize>(
 }
 
 /// The map at `u`, as its value `x` there, and whether it has one; where a uniform of exactly zero leads to 0/0, its
-/// limit from inside. What comes out where `wanted` is false does not matter. In a space that is `bounded`, what is infinite
-/// is no value.
+/// limit from inside. What comes out where `wanted` is false does not matter. In a space that is `bounded`, as where a
+/// direction is part of the point, what is infinite is no value.
 ///
 /// The value is given because it is computed in place then, which a function that is called again here might not be.
 #[inline(always)]
@@ -225,13 +225,10 @@ pub fn closed<R: Real, const P: usize, const N: usize, const M: usize>(
     x: [R; M],
     forward: impl Fn(&[R; P], &[R; N]) -> [R; M],
 ) -> ([R; M], R::Mask) {
-    // What is infinite stays so, as where no coordinate of a direction is infinite alone; a sum of such numbers may be none.
+    // Elsewhere what is infinite stays so; a sum of such numbers may be none.
     let sum = sum(&x);
-    if sum.ge(sum).all() {
-        (x, R::Mask::TRUE)
-    } else {
-        rarely_closed(wanted, bounded, *p, *u, x, forward)
-    }
+    let told = if bounded { is_number(sum) } else { sum.ge(sum) };
+    if told.all() { (x, R::Mask::TRUE) } else { rarely_closed(wanted, bounded, *p, *u, x, forward) }
 }
 
 #[cold]
@@ -324,6 +321,11 @@ mod tests {
         let infinite =
             |bounded| closed(true, bounded, (&[far], &[0.5]), [far, -far], |p, _| [p[0], -p[0]]);
         assert!(infinite(false).1 && !infinite(true).1);
+        // Nor is a direction two coordinates of which are infinite alike.
+        let alike = |bounded| {
+            closed(true, bounded, (&[far], &[0.5]), [far, far, 0.2], |p, _| [p[0], p[0], 0.2])
+        };
+        assert!(alike(false).1 && !alike(true).1);
     }
 
     #[test]

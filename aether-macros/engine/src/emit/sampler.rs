@@ -115,9 +115,18 @@ pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
     }
 }
 
-/// Whether no point of the space has infinite coordinates.
+/// Whether no point of the space has infinite coordinates, a direction or several points with one.
 fn is_bounded(e: &Emitter) -> bool {
-    matches!(e.signature().space, Space::Direction)
+    has_a_direction(&e.signature().space)
+}
+
+/// Whether a direction is a point of the space, or part of one.
+fn has_a_direction(space: &Space) -> bool {
+    match space {
+        Space::Direction => true,
+        Space::Joint(parts) => parts.iter().any(has_a_direction),
+        _ => false,
+    }
 }
 
 /// The coordinates of the image of `u` under the only piece, and whether they have values.
