@@ -181,3 +181,53 @@ fn a_cosine_over_an_exponential_has_a_sine_in_factors() {
         assert!((x[1] / expected - 1.0).abs() < 1e-13, "{t} {v}: {} {expected}", x[1]);
     }
 }
+
+/// What a body makes of functions has no value where one of them has none, whatever is left of them: no sample there, and no
+/// density.
+#[test]
+fn a_function_that_is_undone_has_its_domain() {
+    let wide = "2.0 * u[0] - 1.0";
+    for (body, upper) in [
+        (format!("({wide}).sqrt().powi(2)"), 1.0),
+        (format!("({wide}).ln().exp()"), 1.0),
+        (format!("({wide}).powf(1.5).powf(2.0 / 3.0)"), 1.0),
+        (format!("let r = ({wide}).sqrt(); r * r"), 1.0),
+        ("(2.0 * u[0] - 1.0).ln_1p().exp_m1()".into(), f64::NAN),
+        ("(2.0 * u[0]).asin().sin()".into(), 1.0),
+    ] {
+        let item = compile(&format!("fn undone(u: [Uniform; 1]) -> f64 {{ {body} }}"));
+        for u in [0.1, 0.45, 0.55, 0.9] {
+            let x = if body.contains("asin") { 2.0 * u } else { 2.0 * u - 1.0 };
+            let defined = upper.is_nan() || (0.0..=upper).contains(&x);
+            let found = item.forward(&[], &[u]).map(|x| x[0]);
+            assert_eq!(found.is_some(), defined, "{body} {u}");
+            assert!(found.is_none_or(|found| (found - x).abs() < 1e-14), "{body} {u}");
+            assert_eq!(item.pdf(&[], &[x]), if defined { 0.5 } else { 0.0 }, "{body} {u}");
+        }
+    }
+    // Where arguments are never negative nothing is asked.
+    let ball = compile(
+        "fn squared(u: [Uniform; 1]) -> f64 { let r = (1.0 - u[0] * (2.0 - u[0])).sqrt(); r * r }",
+    );
+    assert!(ball.parsed.pieces[0].tests.is_empty());
+}
+
+/// `powf` of a negative number has no value, also where the exponent has an odd divisor.
+#[test]
+fn a_broken_power_of_what_may_be_negative() {
+    let item =
+        compile("fn f(u: [Uniform; 1]) -> f64 { (2.0 * u[0] - 1.0).powf(2.0 / 3.0) + u[0] }");
+    assert!(item.forward(&[], &[0.4]).is_none() && item.pdf(&[], &[0.8]) > 0.0);
+    for u in [0.6f64, 0.9] {
+        let t = 2.0 * u - 1.0;
+        let x = item.forward(&[], &[u]).expect("a value")[0];
+        assert!((x - t.powf(2.0 / 3.0) - u).abs() < 1e-14, "{u}: {x}");
+        let expected = 1.0 / (4.0 / 3.0 * t.powf(-1.0 / 3.0) + 1.0);
+        assert!((item.pdf(&[], &[x]) / expected - 1.0).abs() < 1e-12);
+    }
+    // Of 0.4 the real root would make |-0.2|^(2/3) + 0.4.
+    assert_eq!(item.preimages(&[], &[0.04f64.cbrt() + 0.4]).len(), 1);
+    let cube = compile("fn f(u: [Uniform; 1]) -> f64 { (2.0 * u[0] - 1.0).powf(1.0 / 3.0) }");
+    assert!(cube.forward(&[], &[0.2]).is_none() && cube.pdf(&[], &[-0.5]) == 0.0);
+    assert!((cube.pdf(&[], &[0.5]) - 3.0 * 0.25 / 2.0).abs() < 1e-14);
+}

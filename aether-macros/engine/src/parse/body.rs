@@ -7,6 +7,7 @@ use quote::{ToTokens, quote};
 use syn::{BinOp, Block, Expr, Pat, Stmt};
 
 use super::branch::Way;
+use super::defined::Partial;
 use super::made::Making;
 use super::stages::Cut;
 use super::{Domain, Options, Param, ParamKind, Segment, Source, Space, Test, Value};
@@ -22,6 +23,8 @@ pub struct Body<'a> {
     pub graph: Graph,
     /// Conditions `require(…)`: expressions that must be positive.
     pub requirements: Vec<Id>,
+    /// What functions that are not defined everywhere were taken of.
+    pub(super) partial: Vec<Partial>,
     /// The way through the comparisons.
     pub way: Way,
     /// What the item computes once.
@@ -69,6 +72,7 @@ impl<'a> Body<'a> {
         Body {
             graph,
             requirements: vec![],
+            partial: vec![],
             way,
             making: Making::default(),
             of_names: vec![],

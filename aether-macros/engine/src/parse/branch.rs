@@ -152,6 +152,19 @@ impl Body<'_> {
         self.compare(difference, strict, asked)
     }
 
+    /// How many comparisons there were so far.
+    pub(super) fn comparisons(&self) -> usize {
+        self.way.position
+    }
+
+    /// Whether `difference > 0`, as the comparison in this place, whether or not those before it were made.
+    pub(super) fn decide_at(&mut self, place: usize, difference: Id) -> bool {
+        let none = Outcome { holds: true, open: false, proven: false, required: false };
+        self.way.outcomes.resize(self.way.outcomes.len().max(place), none);
+        self.way.position = place;
+        self.decide(difference, true)
+    }
+
     fn compare(&mut self, difference: Id, strict: bool, asked: Asked) -> bool {
         let repeated = self.repeated(difference, strict);
         let settled = repeated.or_else(|| settled(self.graph.range(difference), strict));
@@ -209,7 +222,7 @@ impl Body<'_> {
     }
 
     /// What is not negative on the way so far.
-    fn known_here(&mut self) -> Vec<Id> {
+    pub(super) fn known_here(&mut self) -> Vec<Id> {
         let Self { way, declared, graph: g, .. } = self;
         let made = way.made.iter().map(|&(difference, _, holds)| (difference, holds));
         let all = made.chain(declared.iter().map(|test| (test.difference, true)));

@@ -176,7 +176,9 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
     }
     let g = &mut body.graph;
     if let Some(f) = function_named(name) {
-        return Some(Value::Scalar(g.call(f, &[x])));
+        let value = g.call(f, &[x]);
+        body.note_partial(value);
+        return Some(Value::Scalar(value));
     }
     let id = match name {
         "sqrt" => g.sqrt(x),
@@ -213,6 +215,7 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
             );
         }
     };
+    body.note_partial(id);
     Some(Value::Scalar(id))
 }
 
@@ -239,11 +242,15 @@ fn scalar_with_argument(
         }
         "powf" => {
             let e = body.scalar(a)?;
-            Some(Value::Scalar(body.graph.pow(x, e)))
+            let power = body.graph.pow(x, e);
+            body.note_partial(power);
+            Some(Value::Scalar(power))
         }
         "log" => {
             let base = body.scalar(a)?;
-            Some(Value::Scalar(logarithm(&mut body.graph, x, base)))
+            let value = logarithm(&mut body.graph, x, base);
+            body.note_partial(value);
+            Some(Value::Scalar(value))
         }
         "hypot" => {
             let y = body.scalar(a)?;

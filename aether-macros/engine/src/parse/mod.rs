@@ -4,6 +4,7 @@ mod attribute;
 mod body;
 mod bounded;
 mod branch;
+mod defined;
 mod expression;
 mod made;
 mod methods;
@@ -308,6 +309,7 @@ impl Reader<'_> {
         let segments = body.confine(&self.signature.source, &unknowns, segments);
         let result = body.result(&self.item.block)?;
         let (point, atom) = body.ending(result, self.signature, &self.item.block)?;
+        let point = point.filter(|(outputs, _)| atom.is_some() || body.is_defined(outputs));
         let Body { graph, requirements, making, way, .. } = body;
         let constants = making.constants;
         let (scalars, vectors) = (body.scalars, body.vectors);
