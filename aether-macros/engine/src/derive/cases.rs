@@ -52,7 +52,7 @@ pub(super) fn cases(problem: &Problem, volume: Id) -> Result<(Vec<Case>, bool), 
     let out: Vec<Case> =
         points.into_iter().filter_map(|point| case(problem, volume, point)).collect();
     if out.iter().filter(|c| !c.point.corner).count() < 8 {
-        return Err("the map has a finite value at too few points of its domain to be checked; declare the domain of its parameters, as in `#[sampler(alpha in 1e-4..=1.0)]`".into());
+        return Err(too_few(problem).into());
     }
     if out.iter().filter(|c| c.point.interior).all(|c| c.volume == 0.0) {
         let n = problem.outputs.len();
@@ -158,6 +158,18 @@ pub(super) fn measured<'c>(
         cases.map(|c| inputs(problem, c, unknowns)).collect()
     };
     Measure::new(points(false), points(true))
+}
+
+/// What is wrong with a map that has a value at hardly any point, and what to do.
+fn too_few(problem: &Problem) -> &'static str {
+    match problem.argument {
+        None => {
+            "the map has a finite value at too few points of its domain to be checked; declare the domain of its parameters, as in `#[sampler(alpha in 1e-4..=1.0)]`"
+        }
+        Some(_) => {
+            "the map has a finite value at too few points of the space that its argument is of. Say by a branch where it is defined, and return an `Option`: `if p.x > 0.0 && p.x < 1.0 && p.y > 0.0 && p.y < 1.0 { Some(…) } else { None }` for the unit square. If it is so because of the parameters, declare their domain, as in `#[map(alpha in 1e-4..=1.0)]`"
+        }
+    }
 }
 
 fn is_guarded(problem: &Problem) -> bool {

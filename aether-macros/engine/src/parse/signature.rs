@@ -412,6 +412,10 @@ const MAX_POINTS: usize = 8;
 /// The most coordinates of a result, for which there are bits in [`crate::expr::Deps`].
 const MAX_COORDINATES: usize = 24;
 
+/// The most dimensions of a manifold, for which the runtime has measures, and of the space that it lies in.
+const MAX_EMBEDDED: usize = 4;
+const MAX_AROUND: usize = 8;
+
 /// The most uniforms: those of eight points on surfaces.
 const MAX_UNIFORMS: usize = 16;
 
@@ -435,7 +439,13 @@ fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
         Some("SurfacePoint") => Some(Space::SurfacePoint),
         Some("Surface") => Some(Space::Embedded { k: 2, n: 3 }),
         Some("Curve") => Some(Space::Embedded { k: 1, n: 3 }),
-        Some("Embedded") => embedded(ty),
+        Some("Embedded") => {
+            let found = embedded(ty);
+            if found.is_none() {
+                errors.error(ty, format!("the numbers of `Embedded<K, N>` are literals: a manifold of K dimensions, one to {MAX_EMBEDDED}, of points with N coordinates, K to {MAX_AROUND}. More numbers are several points, a tuple, or are sampled one given the others in a `#[strategy]`"));
+            }
+            return found;
+        }
         _ => None,
     };
     if found.is_none() {
@@ -475,7 +485,9 @@ fn embedded(ty: &Type) -> Option<Space> {
         })
         .collect();
     match numbers[..] {
-        [k, n] if k >= 1 && k <= n && n <= 8 => Some(Space::Embedded { k, n }),
+        [k, n] if (1..=MAX_EMBEDDED).contains(&k) && (k..=MAX_AROUND).contains(&n) => {
+            Some(Space::Embedded { k, n })
+        }
         _ => None,
     }
 }
