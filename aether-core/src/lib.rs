@@ -17,6 +17,9 @@
 //! assert!((flight.pdf(&t).value() - 2.0 * (-2.0 * t.value()).exp()).abs() < 1e-15);
 //! ```
 //!
+//! Emitted code names this crate `::aether_core`. A crate that knows it by another name,
+//! `ae = { package = "aether-core", … }`, says at its root `extern crate ae as aether_core;`.
+//!
 //! The [`guide`] explains the language in chapters. Where things are:
 //!
 //! - random variables: [`sampler`](mod@sampler), [`map`](mod@map), [`pairs`], [`mixture`](mod@mixture),

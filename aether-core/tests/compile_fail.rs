@@ -42,6 +42,23 @@ fn every_file_says_what_its_mistake_is() {
     }
 }
 
+/// A crate may depend on this one under another name, if it says at its root what emitted code calls it.
+#[test]
+fn a_renamed_dependency_is_known_to_emitted_code() {
+    let compiler = Compiler::of_this_build();
+    let program = "use ae::prelude::*;
+        #[sampler]
+        fn twice(u: [Uniform; 1]) -> f64 { 2.0 * u[0] }
+        fn main() { assert_eq!(twice().pdf(&0.5f64).value(), 0.5); }";
+    let file = compiler.scratch.join("renamed.rs");
+    let message = |root: &str| {
+        fs::write(&file, root.to_owned() + program).expect("can be written");
+        compiler.message_as(&file, "ae")
+    };
+    assert!(message("").is_some_and(|text| text.contains("aether_core")));
+    assert_eq!(message("extern crate ae as aether_core;\n"), None);
+}
+
 /// The programs that do not compile.
 fn mistakes() -> Vec<PathBuf> {
     let folder = fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/ui"));
@@ -97,9 +114,14 @@ impl Compiler {
 
     /// What rustc says of a program that does not compile, without what differs between machines.
     fn message(&self, file: &Path) -> Option<String> {
+        self.message_as(file, "aether_core")
+    }
+
+    /// The same of a program that knows this crate by a name.
+    fn message_as(&self, file: &Path, name: &str) -> Option<String> {
         // Where rustc finds the lines of this crate that a message shows.
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace is around");
-        let mut library = OsString::from("aether_core=");
+        let mut library = OsString::from(format!("{name}="));
         library.push(&self.library);
         let mut dependencies = OsString::from("dependency=");
         dependencies.push(&self.libraries);
