@@ -231,3 +231,26 @@ fn a_broken_power_of_what_may_be_negative() {
     assert!(cube.forward(&[], &[0.2]).is_none() && cube.pdf(&[], &[-0.5]) == 0.0);
     assert!((cube.pdf(&[], &[0.5]) - 3.0 * 0.25 / 2.0).abs() < 1e-14);
 }
+
+/// The way through a pole at which one of two lengths is infinite: the other one is found there.
+#[test]
+fn a_patch_seen_from_the_origin_has_its_middle() {
+    let item = compile(
+        "fn seen(u: [Uniform; 2]) -> Direction {
+            let (x, y) = (u[0] - 0.5, u[1] - 0.5);
+            Direction::from_vec(Vec3::new(x, y, x * x + y * y + 1.0).normalize())
+        }",
+    );
+    // Of a point (p, q, 1 + s) with s = p² + q² the area is |1 - s|, and what is seen of it that over the third power of
+    // the distance.
+    for (p, q) in [(0.0f64, 0.0f64), (1e-9, 0.0), (-1e-5, 2e-5), (0.3, -0.2)] {
+        let s = p * p + q * q;
+        let length = (s + (1.0 + s) * (1.0 + s)).sqrt();
+        let x = [p, q, 1.0 + s].map(|c| c / length);
+        let expected = length.powi(3) / (1.0 - s);
+        let found = item.pdf(&[], &x);
+        assert!((found / expected - 1.0).abs() < 1e-12, "{p} {q}: {found} {expected}");
+        let back = item.preimages(&[], &x);
+        assert!(back.len() == 1 && (back[0][0] - 0.5 - p).abs() < 1e-15, "{p}: {back:?}");
+    }
+}

@@ -195,8 +195,10 @@ fn quadratic(g: &mut Graph, a: Id, b: Id, c: Id) -> Vec<Id> {
     let root = g.sqrt(discriminant);
     let (up, down) = (g.add(middle, root), g.sub(middle, root));
     let (larger, smaller) = (g.div(up, a), g.div(down, a));
-    // Roots of different signs: only one is a length.
     let (ra, rc) = (g.range(a), g.range(c));
+    // Of two lengths, whose sum is positive then, the smaller one stays where the other is infinite.
+    let smaller = if ra.nonnegative() && rc.lo > 0.0 { g.div(c, up) } else { smaller };
+    // Roots of different signs: only one is a length.
     match (ra.nonnegative() && rc.hi < 0.0, ra.nonpositive() && rc.lo > 0.0) {
         (true, _) => vec![larger],
         (_, true) => vec![smaller],
