@@ -254,3 +254,34 @@ fn a_patch_seen_from_the_origin_has_its_middle() {
         assert!(back.len() == 1 && (back[0][0] - 0.5 - p).abs() < 1e-15, "{p}: {back:?}");
     }
 }
+
+/// A quadrangle by its homography, whose Jacobian is the determinant of its matrix over the third power of what divides it.
+#[test]
+fn a_projective_map_of_the_square() {
+    let item = compile(
+        "fn quadrangle(u: [Uniform; 2]) -> Vec2 {
+            let w = 0.3 * u[0] + 0.2 * u[1] + 1.0;
+            Vec2::new((1.1 * u[0] + 0.4 * u[1] + 0.2) / w, (0.9 * u[1] - 0.2 * u[0] + 0.3) / w)
+        }",
+    );
+    let rows = [[1.1, 0.4, 0.2], [-0.2, 0.9, 0.3], [0.3, 0.2, 1.0]];
+    let minor = |i: usize, j: usize| rows[1][i] * rows[2][j] - rows[1][j] * rows[2][i];
+    let determinant =
+        rows[0][0] * minor(1, 2) - rows[0][1] * minor(0, 2) + rows[0][2] * minor(0, 1);
+    for u in [[0.0, 0.0], [0.25, 0.75], [0.9, 0.1]] {
+        let [x, y, w] = rows.map(|r| r[0] * u[0] + r[1] * u[1] + r[2]);
+        let found = item.pdf(&[], &[x / w, y / w]);
+        let expected = w.powi(3) / determinant;
+        assert!((found / expected - 1.0).abs() < 1e-13, "{u:?}: {found} {expected}");
+        let back = &item.preimages(&[], &[x / w, y / w])[0];
+        assert!((back[0] - u[0]).abs() < 1e-14 && (back[1] - u[1]).abs() < 1e-14, "{back:?}");
+    }
+    assert_eq!(item.pdf(&[], &[1.1, 0.3]), 0.0);
+    // The same with parameters.
+    compile(
+        "fn by_corners(u: [Uniform; 2], a: Vec3, b: Vec3, c: Vec3) -> Vec2 {
+            let p = u[0] * a + u[1] * b + c;
+            Vec2::new(p.x / p.z, p.y / p.z)
+        }",
+    );
+}

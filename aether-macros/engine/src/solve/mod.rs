@@ -20,6 +20,7 @@ mod peel;
 mod pieces;
 mod pivot;
 pub(crate) mod polar;
+mod projective;
 mod quadric;
 mod rational;
 mod repeated;
@@ -265,6 +266,7 @@ fn step(
         .or_else(|| peel::unique(g, state))
         .or_else(|| logarithm::combine(g, state))
         .or_else(|| linear::linear_system(g, state, frames))
+        .or_else(|| projective::quotients(g, state, frames))
         .or_else(|| scale::up_to_scale(g, state, frames))
         .or_else(|| circle::circle_pair(g, state))
         .or_else(|| normalise::common(g, state))
