@@ -22,7 +22,7 @@ mod tests {
     use crate::eval::evaluate;
     use crate::expr::Leaf;
     use crate::interval::Interval;
-    use crate::stabilise::one_minus;
+    use crate::stabilise::ends::one_minus;
 
     #[test]
     fn what_is_left_of_one_keeps_its_digits() {
