@@ -1,6 +1,7 @@
 //! From a Rust function to expressions.
 
 mod attribute;
+mod bindings;
 mod body;
 mod bounded;
 mod branch;
@@ -10,7 +11,9 @@ mod made;
 mod methods;
 mod mixed;
 mod order;
+mod parameters;
 mod pieces;
+mod point;
 mod proven;
 mod rebound;
 mod shared;
