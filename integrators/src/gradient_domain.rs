@@ -18,7 +18,7 @@ use crate::integrator::{Integrator, Received};
 use crate::kind::SceneKind;
 use crate::path::{PathSettings, ended};
 use crate::poisson::{ALPHA, Reconstruction, reconstruct};
-use crate::render::{Layer, Rendered, Splats};
+use crate::render::{Layer, Layers, Rendered, Splats};
 use crate::shift::{FilmShift, ShiftStrategies};
 use crate::strategies::{Pixel, sample_bsdf, sample_camera, sample_camera_direction, sample_light};
 use crate::subpaths::Scratch;
@@ -128,8 +128,16 @@ impl GradientDomain {
 
 /// The image that fits what was rendered and its gradients. Of other integrators, what was rendered.
 pub fn reconstructed(rendered: &Rendered, reconstruction: Reconstruction) -> RgbImage {
-    let image = rendered.film.image();
-    let layer = |layer: Layer| rendered.layers.get(&layer).map(|[image, _]| image.clone());
+    with_gradients(rendered.film.image(), &rendered.layers, reconstruction)
+}
+
+/// [`reconstructed`], of an image and those beside it.
+pub fn with_gradients(
+    image: RgbImage,
+    layers: &Layers,
+    reconstruction: Reconstruction,
+) -> RgbImage {
+    let layer = |layer: Layer| layers.get(&layer).map(|[image, _]| image.clone());
     let gradients = [Layer::Dx, Layer::Dy].map(layer);
     if reconstruction == Reconstruction::None || gradients.iter().all(Option::is_none) {
         return image;

@@ -271,6 +271,40 @@ fn convergence_measures_and_reports() {
 }
 
 #[test]
+fn convergence_measures_the_images_that_renders_write() {
+    let directory = Directory::new("gradients");
+    let path = |name: &str| directory.0.join(name).to_str().unwrap().to_owned();
+    let [scene, out, image] = ["room.xml", "out", "image.exr"].map(path);
+    std::fs::write(&scene, ROOM).unwrap();
+    let reference = directory.exr("reference.exr", RgbImage::filled(16, 12, [0.3; 3]), None);
+    let variants = ["l1=gdpt", "l2=gdpt --reconstruction l2", "none=gdpt --reconstruction none"];
+    let variants = variants.map(|variant| format!("--variant={variant}"));
+    let mut line = vec!["convergence", &scene, "--budget=0.05", "--repeats=1", "-o", &out];
+    line.extend(["--integrators=path", "--reference", reference.to_str().unwrap()]);
+    line.extend(variants.iter().map(String::as_str));
+    stdout(&aether(&line));
+    let errors = std::fs::read_to_string(directory.0.join("out/errors.csv")).unwrap();
+    for (label, options) in [
+        ("path", &["path"][..]),
+        ("l1", &["gdpt"]),
+        ("l2", &["gdpt", "--reconstruction=l2"]),
+        ("none", &["gdpt", "--reconstruction=none"]),
+    ] {
+        let of_label = |row: &&str| row.split(',').nth(2) == Some(label);
+        let row = errors.lines().rfind(of_label).unwrap();
+        let fields: Vec<&str> = row.split(',').collect();
+        let line = ["render", &scene, "--spp", fields[4], "-o", &image, "--integrator"];
+        stdout(&aether(&[&line[..], options].concat()));
+        let text = stdout(&compare(Path::new(&image), &reference, &["--json"]));
+        let rendered: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let (measured, rendered) = (&fields[8..10], [&rendered["rmse"], &rendered["relmse"]]);
+        for (measured, rendered) in measured.iter().zip(rendered) {
+            assert_eq!(*measured, format!("{:.6e}", rendered.as_f64().unwrap()), "{row}");
+        }
+    }
+}
+
+#[test]
 fn a_render_ends_at_its_target_and_tells_what_it_did() {
     let directory = Directory::new("target");
     let (scene, output) = (directory.0.join("room.xml"), directory.0.join("out.exr"));

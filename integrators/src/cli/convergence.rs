@@ -96,11 +96,12 @@ type Images = Vec<(Curve, Vec<RgbImage>)>;
 impl<'a> Run<'a> {
     fn subject(&self, label: &str, arguments: &RenderArguments) -> Subject<'a> {
         let (plan, scene) = (Plan::new(self.scene, arguments), self.scene);
+        let reconstruction = plan.reconstruction;
         let kernel = move |seed| {
             let plan = Plan { seed, ..plan.clone() };
             kernel_for(scene, &plan).map_err(|error| error.to_string())
         };
-        Subject { name: label.to_owned(), kernel: Box::new(kernel) }
+        Subject { name: label.to_owned(), kernel: Box::new(kernel), reconstruction }
     }
 
     fn effort(&self) -> Effort {

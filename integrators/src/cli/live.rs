@@ -13,7 +13,7 @@ use crate::image::png::srgb_encode;
 use crate::image::{RgbImage, is_finite};
 use crate::render::checkpoint::Checkpoint;
 use crate::render::progress::StateWriter;
-use crate::render::{Film, Observer, Progress};
+use crate::render::{Film, Layers, Observer, Progress};
 
 /// Seconds between two pictures in the terminal.
 const INTERVAL: f64 = 1.0;
@@ -105,7 +105,7 @@ impl Observer for Live<'_> {
         self.terminal.cancelled()
     }
 
-    fn look(&self, film: &Film, progress: &Progress) {
+    fn look(&self, film: &Film, progress: &Progress, _: &dyn Fn() -> Layers) {
         let Ok(mut state) = self.state.lock() else { return };
         if let Some(seconds) = self.shown
             && is_due(&mut state.shown, seconds)

@@ -1,14 +1,15 @@
 //! Renders with growing numbers of samples.
 
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 use super::record::{Curve, Row};
 use super::reference::Reference;
+use crate::gradient_domain::{reconstructed, with_gradients};
 use crate::image::RgbImage;
 use crate::image::compare::compare_pixels;
-use crate::render::{
-    AnyKernel, Budget, Film, Observer, Progress, RenderSettings, Rendered, render,
-};
+use crate::poisson::Reconstruction;
+use crate::render::{AnyKernel, Budget, Film, Layers, Observer, Progress, RenderSettings, render};
 use crate::work::Work;
 
 /// An integrator with a scene, for a seed, or why there is none.
@@ -20,6 +21,8 @@ pub struct Subject<'a> {
     pub name: String,
     /// The integrator for a seed.
     pub kernel: Box<MakeKernel<'a>>,
+    /// How an image is made of gradients, if it renders any.
+    pub reconstruction: Reconstruction,
 }
 
 /// What all renders have in common.
@@ -78,7 +81,7 @@ pub fn reference_seed(k: usize) -> u64 {
 }
 
 /// The errors of one render at the steps of its [`ladder`], and its last image. The images at smaller numbers of
-/// samples are the beginnings of one render. Measuring is not counted as rendering.
+/// samples are the beginnings of one render. Measuring is not counted as rendering, what makes an image of gradients is.
 ///
 /// # Errors
 /// If the integrator cannot render the scene, an image cannot be compared, or the observer cancels.
@@ -98,9 +101,11 @@ pub fn measure(
         renderer: "aether".to_owned(),
         integrator: subject.name.clone(),
     };
-    let watch = Watch { ladder: ladder(samples), observer, looks: Mutex::default() };
-    let Rendered { film, cancelled, .. } = render(kernel.as_ref(), &settings, &watch);
-    if cancelled {
+    let reconstruction = subject.reconstruction;
+    let ladder = ladder(samples);
+    let watch = Watch { ladder, observer, reconstruction, looks: Mutex::default() };
+    let rendered = render(kernel.as_ref(), &settings, &watch);
+    if rendered.cancelled {
         return Err("interrupted".to_owned());
     }
     let looks = watch.looks.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -108,7 +113,9 @@ pub fn measure(
         let row = row(&curve, seed, (*spp, *seconds), image, reference)?;
         Ok(Row { rays: Some(work.rays()), densities: Some(work.densities), ..row })
     };
-    Ok((looks.iter().map(row).collect::<Result<_, String>>()?, film.image()))
+    let rows = looks.iter().map(row).collect::<Result<_, String>>()?;
+    let last = looks.into_iter().next_back().map(|(.., image)| image);
+    Ok((rows, last.unwrap_or_else(|| reconstructed(&rendered, reconstruction))))
 }
 
 /// The row of an image.
@@ -141,6 +148,7 @@ pub fn row(
 struct Watch<'o> {
     ladder: Vec<u32>,
     observer: &'o dyn Observer,
+    reconstruction: Reconstruction,
     /// Samples, seconds, work and image.
     looks: Mutex<Vec<(u32, f64, Work, RgbImage)>>,
 }
@@ -154,9 +162,13 @@ impl Observer for Watch<'_> {
         self.observer.cancelled()
     }
 
-    fn look(&self, film: &Film, progress: &Progress) {
+    fn look(&self, film: &Film, progress: &Progress, layers: &dyn Fn() -> Layers) {
         if self.ladder.contains(&progress.samples) {
-            let look = (progress.samples, progress.seconds, progress.work, film.image());
+            let (image, layers) = (film.image(), layers());
+            let begin = Instant::now();
+            let image = with_gradients(image, &layers, self.reconstruction);
+            let seconds = progress.seconds + begin.elapsed().as_secs_f64();
+            let look = (progress.samples, seconds, progress.work, image);
             self.looks.lock().unwrap_or_else(PoisonError::into_inner).push(look);
         }
     }

@@ -74,7 +74,9 @@ fn measured(estimators: &[Estimator]) -> Measurements {
     let mut all = Measurements::default();
     for (name, estimate) in estimators {
         let kernel = |seed| Ok(Box::new(Constant { seed, estimate: *estimate }) as Box<_>);
-        let subject = Subject { name: (*name).to_owned(), kernel: Box::new(kernel) };
+        let reconstruction = Default::default();
+        let subject =
+            Subject { name: (*name).to_owned(), kernel: Box::new(kernel), reconstruction };
         let mut images = Vec::new();
         for seed in 0..6 {
             let (rows, image) = measure(&subject, (seed, 256), &effort, &reference, &()).unwrap();

@@ -12,7 +12,7 @@ use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
 use super::splats::{MOST, SplatSums};
 use super::windows::{Batches, WINDOW, decides_at, window_errors};
-use super::{AnyKernel, Budget, Chain, ErrorBudget, Layer, RenderSettings, Splats, Worker};
+use super::{AnyKernel, Budget, Chain, ErrorBudget, Layers, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
 use crate::scene::Filter;
 use crate::work::{Work, threads};
@@ -37,7 +37,7 @@ pub struct Rendered {
     /// kernel.
     pub invalid_samples: u64,
     /// The images beside the image that samples added to, each with the variance of its pixels.
-    pub layers: BTreeMap<Layer, [RgbImage; 2]>,
+    pub layers: Layers,
     /// Whether the observer ended the render before the budget was used.
     pub cancelled: bool,
 }
@@ -350,7 +350,7 @@ impl<'a> Job<'a> {
             }
         }
         let begin = Instant::now();
-        self.observer.look(&film, &self.progress(0, 0, self.work()));
+        self.observer.look(&film, &self.progress(0, 0, self.work()), &|| self.layers());
         self.looking += begin.elapsed().as_secs_f64();
     }
 
@@ -387,7 +387,7 @@ impl<'a> Job<'a> {
     }
 
     /// The images beside the image.
-    fn layers(&self) -> BTreeMap<Layer, [RgbImage; 2]> {
+    fn layers(&self) -> Layers {
         let Some(sums) = &self.splats else { return BTreeMap::new() };
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
         let image = |pixels: &[[[f64; 3]; 2]], part: usize| {

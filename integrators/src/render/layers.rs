@@ -5,10 +5,13 @@ use std::collections::BTreeMap;
 use super::{Layer, Technique};
 use crate::image::RgbImage;
 
+/// The images beside an image, each with the variance of its pixels.
+pub type Layers = BTreeMap<Layer, [RgbImage; 2]>;
+
 /// What techniques contribute, on one sheet: a row for the paths of each length, first with weights, then alone;
 /// in a row the techniques by the number of vertices that come from the light. Longer paths carry less light:
 /// each row is 1.5 times as bright as it is for each vertex beyond the second. `None` if no technique has a layer.
-pub fn contact_sheet(layers: &BTreeMap<Layer, [RgbImage; 2]>) -> Option<RgbImage> {
+pub fn contact_sheet(layers: &Layers) -> Option<RgbImage> {
     let mut rows: BTreeMap<_, Vec<(Technique, &RgbImage)>> = BTreeMap::new();
     for (layer, [image, _]) in layers {
         if let Layer::Technique { weighted, technique } = *layer {

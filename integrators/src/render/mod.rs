@@ -29,6 +29,7 @@ mod windows;
 
 pub use engine::{Rendered, render, resume};
 pub use film::Film;
+pub use layers::Layers;
 pub use progress::{Observer, Progress};
 pub use splats::{Layer, SplatSums, Splats, Technique};
 pub use windows::WINDOW;

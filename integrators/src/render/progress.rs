@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::Film;
+use super::{Film, Layers};
 use crate::work::Work;
 
 /// The state of a render.
@@ -37,9 +37,10 @@ pub trait Observer: Sync {
     fn cancelled(&self) -> bool;
 
     /// Called after each pass with the image so far, in which all pixels have the same number of samples (unless
-    /// sampling is adaptive). The time that it takes is not counted as rendering.
-    fn look(&self, film: &Film, progress: &Progress) {
-        let _ = (film, progress);
+    /// sampling is adaptive), and with what makes the images beside it. The time that it takes is not counted as
+    /// rendering.
+    fn look(&self, film: &Film, progress: &Progress, layers: &dyn Fn() -> Layers) {
+        let _ = (film, progress, layers);
     }
 
     /// Whether the state of the render is wanted now, to go on from it later ([`resume`](super::resume)). Asked after

@@ -3,7 +3,7 @@
 use super::*;
 use crate::film_filter::{FilmProfile, PixelPoints};
 use crate::render::progress::StateWriter;
-use crate::render::{Cancelled, MarkovChain, PixelKernel};
+use crate::render::{Cancelled, Layer, MarkovChain, PixelKernel};
 use crate::scene::SamplerKind;
 use crate::stored::Stored;
 use crate::uniforms::Uniforms;
@@ -131,7 +131,7 @@ impl Observer for Look {
         false
     }
 
-    fn look(&self, film: &Film, progress: &Progress) {
+    fn look(&self, film: &Film, progress: &Progress, _: &dyn Fn() -> Layers) {
         assert_eq!(film.samples(), (progress.samples, progress.samples));
         self.0.lock().unwrap().push(progress.samples);
     }
