@@ -320,6 +320,29 @@ fn a_sampler_takes_the_place_of_the_scenes() {
 }
 
 #[test]
+fn a_checkpoint_takes_the_place_of_no_other_file_of_the_render() {
+    let directory = Directory::new("one-file");
+    let link = directory.path("link");
+    std::fs::create_dir(&link).unwrap();
+    let fails = |options: &[&str], reason: &str| {
+        let run = directory.render(&[&["ball.xml"], options].concat()).output().unwrap();
+        assert_eq!(run.status.code(), Some(2), "{options:?}");
+        let text = message(&run);
+        let expected = format!(": {reason}; name another file with --checkpoint");
+        assert!(text.starts_with("error: ") && text.contains(&expected), "{options:?}: {text}");
+    };
+    let image = "the render writes an image to it";
+    fails(&["--checkpoint", "ball.exr"], image);
+    fails(&["--checkpoint", "link/../ball.png"], image);
+    fails(&["-o", "link/a.exr", "--checkpoint", "./link/a.exr"], image);
+    fails(&["--integrator", "gdpt", "--checkpoint", "ball-primal.exr"], image);
+    fails(&["--technique-images", "--checkpoint", "ball-techniques.png"], image);
+    fails(&["--checkpoint", "ball.xml"], "the scene is read from it");
+    assert_eq!(std::fs::read_to_string(directory.path("ball.xml")).unwrap(), SCENE);
+    assert!(!directory.path("ball.exr").exists());
+}
+
+#[test]
 fn a_checkpoint_of_something_else_is_refused() {
     let directory = Directory::new("foreign");
     let options = ["--spp", "4", "--checkpoint", "state"];

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use flate2::CrcWriter;
 
@@ -13,15 +13,36 @@ use crate::image::check_writable;
 use crate::render::checkpoint::Checkpoint;
 use crate::scene::Scene;
 
-/// The checkpoint of a render, in a file.
+/// The checkpoint of a render, in a file that is neither read nor one of those `written`.
 pub(super) fn checkpoint(
     file: &Path,
     scene: &Scene,
     plan: &Plan,
-    arguments: &RenderArguments,
+    (arguments, written): (&RenderArguments, &[PathBuf]),
 ) -> Result<Checkpoint, Failure> {
-    check_writable(file)?;
-    Ok(Checkpoint::new(file, settings(scene, plan, arguments)?))
+    let is_same = |other: &PathBuf| place(other) == place(file);
+    let used = match (scene.files.iter().any(is_same), written.iter().any(is_same)) {
+        (true, _) => "the scene is read from it",
+        (_, true) => "the render writes an image to it",
+        _ => {
+            check_writable(file)?;
+            return Ok(Checkpoint::new(file, settings(scene, plan, arguments)?));
+        }
+    };
+    let file = file.display();
+    Err(Failure::new(format!(
+        "`{file}` cannot keep the state of the render: {used}; name another file with --checkpoint"
+    )))
+}
+
+/// A file, whether it exists or not, by the one name that its directory has.
+fn place(file: &Path) -> PathBuf {
+    let directory = file.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let in_directory = || {
+        let directory = directory.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(directory.join(file.file_name()?))
+    };
+    file.canonicalize().ok().or_else(in_directory).unwrap_or_else(|| file.to_owned())
 }
 
 /// All that the samples depend on, apart from how many there are, by names that a user knows.

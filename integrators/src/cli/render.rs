@@ -51,7 +51,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
             plan.rr_depth
         ));
     }
-    keep_files_of(&scene, &written(&output, &plan, arguments))?;
+    let written = written(&output, &plan, arguments);
+    keep_files_of(&scene, &written)?;
 
     let terminal = Terminal::new();
     let settings = RenderSettings {
@@ -61,7 +62,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
         layered: layered(arguments, plan.size)?,
     };
     let checkpoint = match &arguments.checkpoint {
-        Some(file) => Some(checkpoint(file, &scene, &plan, arguments)?),
+        Some(file) => Some(checkpoint(file, &scene, &plan, (arguments, &written))?),
         None => None,
     };
     let live = Live::new(&terminal, arguments, &output, checkpoint.as_ref());
