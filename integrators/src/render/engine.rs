@@ -391,7 +391,7 @@ impl<'a> Job<'a> {
         let Some(sums) = &self.splats else { return BTreeMap::new() };
         let (width, height) = (self.size.0 as usize, self.size.1 as usize);
         let image = |pixels: &[[[f64; 3]; 2]], part: usize| {
-            RgbImage::from_fn(width, height, |x, y| pixels[y * width + x][part].map(|v| v as f32))
+            RgbImage::from_fn(width, height, |x, y| pixels[y * width + x][part].map(single))
         };
         let layers = lock(sums).layers(self.samples());
         let images = |pixels: Vec<_>| [image(&pixels, 0), image(&pixels, 1)];
@@ -448,6 +448,11 @@ fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<
         }
     }
     tiles
+}
+
+/// A number in single precision, where what is beyond its range is its end.
+fn single(v: f64) -> f32 {
+    v.min(f64::from(f32::MAX)) as f32
 }
 
 /// Locks what threads share. A thread that panicked ends the render anyway, so its poison does not matter.

@@ -195,7 +195,7 @@ impl Film {
 }
 
 /// The relative error of an image: root mean square of the standard errors of its pixels over the
-/// mean of its pixels. `None` while it is unknown or the image is black.
+/// mean of its pixels. `None` while it is unknown, too large to be told, or the image is black.
 pub fn relative_error<'a>(pixels: impl Iterator<Item = &'a PixelEstimate>) -> Option<f64> {
     let (mut variance, mut mean, mut count) = (0.0, 0.0, 0.0);
     for pixel in pixels {
@@ -203,7 +203,7 @@ pub fn relative_error<'a>(pixels: impl Iterator<Item = &'a PixelEstimate>) -> Op
         mean += pixel.mean().iter().sum::<f64>();
         count += 3.0;
     }
-    (mean > 0.0).then(|| (variance / count).sqrt() / (mean / count))
+    (mean > 0.0 && variance < f64::INFINITY).then(|| (variance / count).sqrt() / (mean / count))
 }
 
 #[cfg(test)]

@@ -200,7 +200,8 @@ impl Splats {
 /// The sums of the contributions to each pixel and of their squares.
 ///
 /// They are integers, multiples of 2⁻⁶⁴: adding them is exact, so that their order does not matter, and the
-/// image depends neither on threads nor on passes.
+/// image depends neither on threads nor on passes. Squares are rounded upwards, and a sum of squares that there is no
+/// room for is infinite: no variance is less than it is.
 #[derive(Clone, Debug)]
 pub struct SplatSums {
     width: usize,
@@ -248,7 +249,8 @@ impl SplatSums {
             for (c, value) in value.into_iter().enumerate() {
                 let value = f64::from(value);
                 sum[c] += (value * ONE) as i128;
-                squares[c] = squares[c].saturating_add((value * value * ONE) as i128);
+                let square = ((value * value * ONE) as i128).saturating_add((value != 0.0).into());
+                squares[c] = squares[c].saturating_add(square);
             }
         }
     }
@@ -302,7 +304,13 @@ impl SplatSums {
 fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
     let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
     if samples > 0.0 {
-        [over(sum, samples), over(squares, samples * samples)]
+        let mut variance = over(squares, samples * samples);
+        for (variance, squares) in variance.iter_mut().zip(squares) {
+            if squares == i128::MAX {
+                *variance = f64::INFINITY;
+            }
+        }
+        [over(sum, samples), variance]
     } else {
         [[0.0; 3]; 2]
     }
@@ -413,6 +421,25 @@ mod tests {
         assert_eq!(SplatSums::load(&mut &file[..]).unwrap().layers(4.0), expected);
         assert_eq!(layer(2, 1).to_string(), "weighted.s1t2");
         assert_eq!(sums.estimate(1, 4.0)[0], [0.0; 3]);
+    }
+
+    #[test]
+    fn no_variance_is_less_than_it_is() {
+        for value in [1e-18f32, 1e-13, 3e-10, 1.0, 2.9e9, 1e10, 1e15] {
+            let (mut splats, mut sums) = (Splats::default(), SplatSums::new((1, 1)));
+            for _ in 0..10 {
+                splats.add((0, 0), [value, -value, 0.0]);
+            }
+            sums.take(&mut splats);
+            let [_, variance] = sums.estimate(0, 5.0);
+            // Ten squares over 25.
+            let exact = 10.0 * f64::from(value).powi(2) / 25.0;
+            assert!(variance[0] >= exact * (1.0 - 1e-12), "{value:e}: {variance:?}, not {exact:e}");
+            assert!(variance[0] == variance[1] && variance[2] == 0.0, "{variance:?}");
+            if (1e-8..1e9).contains(&value) {
+                approx::assert_relative_eq!(variance[0], exact, max_relative = 1e-3);
+            }
+        }
     }
 
     #[test]
