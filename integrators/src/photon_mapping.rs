@@ -27,6 +27,15 @@ use crate::world::World;
 /// they reflect much.
 const SMOOTH: f32 = 0.1;
 
+/// More photons than paths mostly have that Russian roulette ends.
+const COUNTED: usize = 8;
+
+/// Where each photon is at once: with those of its thread, among all, sorted, and in the map of the pass before.
+const COPIES: usize = 4;
+
+/// What sorting them takes beside, in bytes: buckets, places and the beginnings of buckets.
+const SORTED: usize = 32;
+
 /// Settings of photon mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonMapping {
@@ -44,6 +53,13 @@ impl PhotonMapping {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
         PhotonMapping { path, light_paths: None, radius: 0.02, alpha: 2.0 / 3.0 }
+    }
+
+    /// About as many bytes as the photons of so many light paths may take. Where nothing else limits the lengths of these, they
+    /// are counted as paths of eight.
+    pub fn bytes(&self, light_paths: u32) -> u64 {
+        let photons = (self.path.most_vertices() - 1).min(COUNTED);
+        u64::from(light_paths) * (photons * (COPIES * size_of::<Photon>() + SORTED)) as u64
     }
 }
 

@@ -195,11 +195,14 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
         "vpl" => {
             let light_paths = plan.light_paths.unwrap_or(256);
             let radiosity = InstantRadiosity { path, light_paths, clamp: plan.clamp };
-            check_bytes(&radiosity)?;
+            check_bytes("vpl", light_paths, radiosity.bytes())?;
             Algorithm::InstantRadiosity(radiosity)
         }
         "ppm" => {
             let settings = PhotonMapping::new(path);
+            if let Some(light_paths) = plan.light_paths {
+                check_bytes("ppm", light_paths, settings.bytes(light_paths))?;
+            }
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
         "vcm" => Algorithm::VertexMerging(VertexMerging::new(path)),
@@ -238,15 +241,14 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
 /// The most bytes that the light paths of a sample, or images of techniques, may take.
 pub(super) const MOST_BYTES: u64 = 8_000_000_000;
 
-/// That the light paths of instant radiosity fit into memory.
-fn check_bytes(radiosity: &InstantRadiosity) -> Result<(), Failure> {
-    let (bytes, paths) = (radiosity.bytes(), radiosity.light_paths);
+/// That so many light paths of an integrator, which take so many bytes, fit into memory.
+fn check_bytes(integrator: &str, paths: u32, bytes: u64) -> Result<(), Failure> {
     if bytes <= MOST_BYTES {
         return Ok(());
     }
     let fitting = MOST_BYTES / (bytes / u64::from(paths));
     Err(Failure::new(format!(
-        "{paths} light paths of integrator `vpl` may take {:.1} GB; ask for fewer, `--light-paths {fitting}`, or for \
+        "{paths} light paths of integrator `{integrator}` may take {:.1} GB; ask for fewer, `--light-paths {fitting}`, or for \
          shorter ones, `--max-depth`",
         bytes as f64 / 1e9
     )))
@@ -334,10 +336,12 @@ mod tests {
 
     #[test]
     fn light_paths_that_memory_has_no_room_for_are_refused() {
-        let with = |line: &[&str]| {
-            let plan = Plan::new(&scene(), &arguments(&[&["--integrator", "vpl"], line].concat()));
+        let of = |integrator: &str, line: &[&str]| {
+            let line = [&["--integrator", integrator], line].concat();
+            let plan = Plan::new(&scene(), &arguments(&line));
             algorithm_for(&scene(), &plan).map(|_| ()).map_err(|failure| failure.to_string())
         };
+        let with = |line: &[&str]| of("vpl", line);
         // Seven edges are eight vertices, of which the eye is not one of the light path: some hundred bytes each.
         let message = with(&["--light-paths", "16777216"]).unwrap_err();
         assert!(
@@ -352,6 +356,14 @@ mod tests {
         // Paths of any length have one all the same.
         assert!(with(&["--light-paths", "16777216", "--max-depth", "-1"]).is_err());
         assert_eq!(with(&["--light-paths", "1000000", "--max-depth", "-1"]), Ok(()));
+        // Seven photons of 52 bytes each are 6.1 GB, and twice that while they are sorted.
+        let message = of("ppm", &["--light-paths", "16777216"]).unwrap_err();
+        assert!(message.starts_with("16777216 light paths of integrator `ppm` may"), "{message}");
+        let fewer = message.split('`').nth(3).expect("a remedy");
+        assert_eq!(of("ppm", &fewer.split(' ').collect::<Vec<_>>()), Ok(()), "{message}");
+        assert!(of("ppm", &["--light-paths", "16777216", "--max-depth", "-1"]).is_err());
+        assert_eq!(of("ppm", &["--light-paths", "4000000"]), Ok(()));
+        assert_eq!(of("ppm", &[]), Ok(()));
     }
 
     #[test]
