@@ -196,6 +196,47 @@ fn ctrl_c_keeps_what_has_been_rendered() {
     assert!(directory.path("ball.png").exists());
 }
 
+/// Interrupts a render that would take hours, once it has kept its state and something else has been done.
+#[cfg(unix)]
+fn interrupted_when(directory: &Directory, mut render: Command, done: impl FnOnce()) -> Child {
+    render.args(["--checkpoint", "state", "--checkpoint-every", "0.05"]);
+    let mut child = render.spawn().unwrap();
+    while !directory.path("state").exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    done();
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+    child
+}
+
+#[cfg(unix)]
+#[test]
+fn an_image_that_has_no_place_any_more_is_saved_elsewhere() {
+    let directory = Directory::new("elsewhere");
+    for integrator in ["path", "gdpt"] {
+        let _ = std::fs::remove_file(directory.path("state"));
+        std::fs::create_dir_all(directory.path("gone")).unwrap();
+        std::fs::create_dir_all(directory.path("saved")).unwrap();
+        let options =
+            ["ball.xml", "--time", "10000", "-o", "gone/a.exr", "--integrator", integrator];
+        let mut render = directory.render(&options);
+        render.env("TMPDIR", directory.path("saved"));
+        let remove = || std::fs::remove_dir_all(directory.path("gone")).unwrap();
+        let child = interrupted_when(&directory, render, remove);
+        let run = child.wait_with_output().unwrap();
+        let text = message(&run);
+        assert_eq!(run.status.code(), Some(2), "{text}");
+        assert!(text.contains("error: cannot write `gone/a.exr`: "), "{text}");
+        let place = text.split("; the image is in `").nth(1).expect("a place").split('`').next();
+        let exr = Exr::read(Path::new(place.unwrap())).unwrap();
+        assert_eq!(exr.attributes["integrator"], Attribute::Text(integrator.to_owned()));
+        assert!(exr.rgb.pixels().iter().any(|p| p[0] > 0.0));
+        std::fs::remove_dir_all(directory.path("saved")).unwrap();
+    }
+}
+
 /// What a render leaves that does not depend on the clock.
 fn lasting(exr: Exr) -> Exr {
     let mut attributes = exr.attributes;

@@ -212,10 +212,11 @@ fn write_files(
     let attributes = attributes(plan, arguments, rendered);
     let gradients = plan.integrator == "gdpt";
     let is_device = output.exists() && !output.is_file();
-    if gradients && !is_device {
-        // What was sampled first, as it takes a while to make a large image of it.
-        write_gradients(output, rendered, &attributes)?;
-    }
+    // What was sampled first, as it takes a while to make a large image of it; which is written whatever becomes of that.
+    let sampled = match gradients && !is_device {
+        true => write_gradients(output, rendered, &attributes),
+        false => Ok(()),
+    };
     let rgb = reconstructed(rendered, plan.reconstruction);
     // The variance of what gradients and pixels make together is not known.
     let known = !gradients || plan.reconstruction == Reconstruction::None;
@@ -225,16 +226,30 @@ fn write_files(
         }
     }
     let exr = Exr { rgb, variance: variance.filter(|_| known), layers, attributes };
-    exr.write(output)?;
     if is_device {
+        exr.write(output)?;
         return Ok(Vec::new());
     }
+    write_or_save(&exr, output)?;
+    sampled?;
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
     let Some(sheet) = contact_sheet(&rendered.layers) else { return Ok(vec![picture]) };
     let techniques = beside(output, "-techniques.png");
     png::write(&sheet, &techniques)?;
     Ok(vec![picture, techniques])
+}
+
+/// Writes an image, and where that fails, for a disk that is full or a directory that is gone, into the directory for temporary
+/// files: it may have taken hours. That is an error all the same, which says where the image is.
+fn write_or_save(exr: &Exr, output: &Path) -> Result<(), Failure> {
+    let Err(error) = exr.write(output) else { return Ok(()) };
+    let name = beside(output, &format!("-{}.exr", std::process::id()));
+    let saved = std::env::temp_dir().join(name.file_name().unwrap_or_default());
+    if exr.write(&saved).is_err() {
+        return Err(error.into());
+    }
+    Err(Failure::new(format!("{error}; the image is in `{}`", saved.display())))
 }
 
 /// What is written beside an image that is made of gradients and of what was sampled.
