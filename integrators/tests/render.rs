@@ -237,6 +237,32 @@ fn an_image_that_has_no_place_any_more_is_saved_elsewhere() {
     }
 }
 
+#[cfg(unix)]
+#[test]
+fn an_image_is_written_before_its_albedo_is_found() {
+    let directory = Directory::new("aovs");
+    let options = ["ball.xml", "--time", "10000", "--aovs", "--threads", "1", "--max-depth", "1"];
+    let render = directory.render(&[&options[..], &["--size", "1200x800"]].concat());
+    let mut child = interrupted_when(&directory, render, || ());
+    // What a second Ctrl-C would leave.
+    let output = directory.path("ball.exr");
+    let first = loop {
+        if let Ok(first) = std::fs::read(&output) {
+            break first;
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    let run = child.wait_with_output().unwrap();
+    assert_eq!(run.status.code(), Some(130), "{}", message(&run));
+    let exr = Exr::read(&output).unwrap();
+    assert!(["albedo", "normal", "depth"].iter().all(|name| exr.layers.contains_key(*name)));
+    std::fs::write(directory.path("first.exr"), first).unwrap();
+    let first = Exr::read(&directory.path("first.exr")).unwrap();
+    assert!(first.layers.is_empty() && first.rgb == exr.rgb);
+    assert_eq!(first.attributes, exr.attributes);
+}
+
 /// What a render leaves that does not depend on the clock.
 fn lasting(exr: Exr) -> Exr {
     let mut attributes = exr.attributes;

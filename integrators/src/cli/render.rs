@@ -25,7 +25,9 @@ use crate::render::Layer;
 use crate::render::film::relative_error;
 use crate::render::layers::contact_sheet;
 use crate::render::splats::BYTES_OF_A_SUM;
-use crate::render::{AnyKernel, Budget, ErrorBudget, RenderSettings, Rendered, render};
+use crate::render::{
+    AnyKernel, Budget, ErrorBudget, Observer, Progress, RenderSettings, Rendered, render,
+};
 use crate::scene::Scene;
 
 /// The most samples of each pixel for albedo, normal and depth, which have little noise.
@@ -84,13 +86,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
             "warning: `{name}` contributes no images of techniques: no path with so few vertices carries light"
         ));
     }
-    let mut layers = BTreeMap::new();
-    if arguments.aovs {
-        let samples = rendered.film.samples().1.min(AOV_SAMPLES);
-        layers = aovs(&scene, settings, samples, plan.seed, &())
-            .map_err(|error| Failure::new(error.to_string()))?;
-    }
-    let pictures = write_files(&output, &plan, arguments, &rendered, layers)?;
+    let more = || seen(&scene, settings, (arguments, &plan), &rendered, &terminal);
+    let pictures = write_files(&output, &plan, arguments, &rendered, &more)?;
     print(&summary(&output, &pictures, &rendered))?;
     if arguments.stats {
         print(&statistics(&rendered))?;
@@ -98,7 +95,45 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<ExitCode, Failure> {
             print(&counted)?;
         }
     }
-    Ok(if rendered.cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+    let cancelled = rendered.cancelled || terminal.cancelled();
+    Ok(if cancelled { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
+}
+
+/// Further images by their names.
+type More = BTreeMap<String, RgbImage>;
+
+/// Albedo, normal and depth, if they are asked for, of a render that is over; none if it is interrupted now.
+fn seen(
+    scene: &Scene,
+    settings: RenderSettings,
+    (arguments, plan): (&RenderArguments, &Plan),
+    rendered: &Rendered,
+    terminal: &Terminal,
+) -> Result<More, Failure> {
+    if !arguments.aovs {
+        return Ok(More::new());
+    }
+    let samples = rendered.film.samples().1.min(AOV_SAMPLES);
+    // A Ctrl-C that has ended the render does not end these.
+    let observer: &dyn Observer = if rendered.cancelled { &() } else { &Quiet(terminal) };
+    let images = aovs(scene, settings, samples, plan.seed, observer)
+        .map_err(|error| Failure::new(error.to_string()))?;
+    if observer.cancelled() {
+        warn("interrupted; the image is kept without albedo, normal and depth");
+        return Ok(More::new());
+    }
+    Ok(images)
+}
+
+/// Listens to Ctrl-C and shows nothing.
+struct Quiet<'t>(&'t Terminal);
+
+impl Observer for Quiet<'_> {
+    fn progress(&self, _: &Progress) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
 }
 
 /// The most vertices of paths whose techniques get images, if these fit into memory; 0 without such images.
@@ -200,13 +235,13 @@ fn keep_files_of(scene: &Scene, written: &[PathBuf]) -> Result<(), Failure> {
 }
 
 /// Writes the EXR and, unless the output is a device, the PNG and the sheet of techniques, whose paths are
-/// returned.
+/// returned. What else is to be seen takes its time: the image is written before, and with it once more.
 fn write_files(
     output: &Path,
     plan: &Plan,
     arguments: &RenderArguments,
     rendered: &Rendered,
-    mut layers: BTreeMap<String, RgbImage>,
+    more: &dyn Fn() -> Result<More, Failure>,
 ) -> Result<Vec<PathBuf>, Failure> {
     let variance = rendered.film.variance();
     let attributes = attributes(plan, arguments, rendered);
@@ -220,18 +255,25 @@ fn write_files(
     let rgb = reconstructed(rendered, plan.reconstruction);
     // The variance of what gradients and pixels make together is not known.
     let known = !gradients || plan.reconstruction == Reconstruction::None;
+    let mut layers = More::new();
     for (layer, [image, _]) in &rendered.layers {
         if let Layer::Technique { .. } = layer {
             layers.insert(layer.to_string(), image.clone());
         }
     }
-    let exr = Exr { rgb, variance: variance.filter(|_| known), layers, attributes };
+    let mut exr = Exr { rgb, variance: variance.filter(|_| known), layers, attributes };
     if is_device {
+        exr.layers.extend(more()?);
         exr.write(output)?;
         return Ok(Vec::new());
     }
     write_or_save(&exr, output)?;
     sampled?;
+    let more = more()?;
+    if !more.is_empty() {
+        exr.layers.extend(more);
+        write_or_save(&exr, output)?;
+    }
     let picture = output.with_extension("png");
     png::write(&exr.rgb, &picture)?;
     let Some(sheet) = contact_sheet(&rendered.layers) else { return Ok(vec![picture]) };
@@ -436,8 +478,8 @@ mod tests {
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
         let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);
-        let layers = BTreeMap::from([("albedo".to_owned(), RgbImage::filled(7, 5, [0.5; 3]))]);
-        let pictures = write_files(&output, &plan, &arguments, &rendered, layers).unwrap();
+        let more = || Ok(More::from([("albedo".to_owned(), RgbImage::filled(7, 5, [0.5; 3]))]));
+        let pictures = write_files(&output, &plan, &arguments, &rendered, &more).unwrap();
         assert_eq!(pictures, [output.with_extension("png")]);
         let exr = Exr::read(&output).unwrap();
         std::fs::remove_file(&output).unwrap();
