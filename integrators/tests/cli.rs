@@ -270,6 +270,47 @@ fn convergence_measures_and_reports() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_the_seeds_that_have_been_measured() {
+    let directory = Directory::new("seeds");
+    let path = |name: &str| directory.0.join(name).to_str().unwrap().to_owned();
+    let [scene, out] = ["room.xml", "out"].map(path);
+    std::fs::write(&scene, ROOM).unwrap();
+    let reference = directory.exr("reference.exr", RgbImage::filled(16, 12, [0.3; 3]), None);
+    let line = ["convergence", &scene, "--budget=0.2", "--repeats=1000", "--integrators=path,bdpt"];
+    let more = ["-o", &out, "--reference", reference.to_str().unwrap()];
+    // On a busy machine no seed may be complete: then once more, with more patience.
+    let run = [2000, 8000, 32_000, 60_000].into_iter().find_map(|patience| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_aether"));
+        command.args(line).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let child = command.spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(patience));
+        let kill = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        assert!(kill.unwrap().success());
+        let run = child.wait_with_output().unwrap();
+        directory.0.join("out/errors.csv").exists().then_some(run)
+    });
+    let run = run.expect("a seed after a minute");
+    let (text, message) =
+        [run.stdout, run.stderr].map(|bytes| String::from_utf8(bytes).unwrap()).into();
+    assert_eq!(run.status.code(), Some(130), "{message}");
+    let errors = std::fs::read_to_string(directory.0.join("out/errors.csv")).unwrap();
+    let seeds = |name: &str| {
+        let rows = errors.lines().map(|row| row.split(',').collect::<Vec<_>>());
+        let mut seeds: Vec<u64> =
+            rows.filter(|row| row[2] == name).map(|row| row[3].parse().unwrap()).collect();
+        seeds.dedup();
+        seeds
+    };
+    // The same seeds of both, without gaps.
+    let complete = seeds("path").len() as u64;
+    assert!((1..1000).contains(&complete), "{complete}");
+    assert_eq!(seeds("path"), (0..complete).collect::<Vec<_>>());
+    assert_eq!(seeds("path"), seeds("bdpt"));
+    assert!(text.contains(&format!("interrupted after {complete} of 1000 seeds")), "{text}");
+}
+
 #[test]
 fn convergence_measures_the_images_that_renders_write() {
     let directory = Directory::new("gradients");

@@ -45,14 +45,19 @@ pub(super) fn run(arguments: &ConvergenceArguments) -> Result<ExitCode, Failure>
     let terminal = Terminal::new();
     let outcome = run.measure(&entries, &output, &terminal);
     terminal.finish();
-    if terminal.cancelled() {
-        warn("interrupted; nothing is written");
+    let cancelled = terminal.cancelled();
+    if cancelled && outcome.is_err() {
+        warn("interrupted before a seed was complete; nothing is written");
         return Ok(ExitCode::from(INTERRUPTED));
     }
     let measurements = outcome?;
     measurements.write(&output).map_err(Failure::new)?;
     print(&measurements.report(&output).map_err(Failure::new)?)?;
     print(&format!("{}", output.join("report.html").display()))?;
+    if cancelled {
+        warn("interrupted; the seeds that were complete are kept");
+        return Ok(ExitCode::from(INTERRUPTED));
+    }
     Ok(ExitCode::SUCCESS)
 }
 
@@ -158,12 +163,19 @@ impl<'a> Run<'a> {
         let mut all = Measurements { notes: slow, ..Measurements::default() };
         let mut images: Images = Vec::new();
         // Seed by seed, so that a machine that is busy for a while disturbs all integrators alike.
-        for k in 0..u64::from(self.arguments.repeats) {
-            for (subject, samples) in &measured {
-                let seed = self.arguments.seed.wrapping_add(k);
-                let (rows, image) =
-                    measure(subject, (seed, *samples), &effort, &reference, terminal)
-                        .map_err(Failure::new)?;
+        let (mut repeats, wanted) = (0, self.arguments.repeats);
+        while repeats < wanted {
+            let seed = self.arguments.seed.wrapping_add(repeats.into());
+            let of_seed = |(subject, samples): &(Subject<'_>, u32)| {
+                measure(subject, (seed, *samples), &effort, &reference, terminal)
+            };
+            let of_seed: Result<Vec<_>, String> = measured.iter().map(of_seed).collect();
+            // Seeds that are complete are not lost if the next one is interrupted.
+            if of_seed.is_err() && repeats > 0 && terminal.cancelled() {
+                break;
+            }
+            repeats += 1;
+            for (rows, image) in of_seed.map_err(Failure::new)? {
                 note_broken(&mut all.notes, &image, &rows);
                 keep(&mut images, &rows, image);
                 all.rows.extend(rows);
@@ -172,7 +184,11 @@ impl<'a> Run<'a> {
         all.rows
             .sort_by_key(|row| measured.iter().position(|(s, _)| s.name == row.curve.integrator));
         self.take(list, &reference, (&mut all, &mut images))?;
-        for program in &self.arguments.against {
+        if repeats < wanted {
+            all.notes
+                .push(format!("{}: interrupted after {repeats} of {wanted} seeds.", self.name));
+        }
+        for program in self.arguments.against.iter().filter(|_| repeats == wanted) {
             // What has been measured is not lost if another program fails.
             let outcome = self.render_with(program, output, measured[0].1).and_then(|list| {
                 self.take(read_images(list)?, &reference, (&mut all, &mut images))
@@ -187,7 +203,7 @@ impl<'a> Run<'a> {
             .iter()
             .filter_map(|(curve, images)| estimate(curve, images, &all.rows, &reference))
             .collect();
-        if self.arguments.repeats < 3 {
+        if repeats < 3 {
             all.notes.push(format!("{}: intervals and biases need three seeds.", self.name));
         }
         self.pictures(&mut all, &images, &reference)?;
