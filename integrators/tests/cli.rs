@@ -256,6 +256,13 @@ fn convergence_measures_and_reports() {
         (&["--variant=x=path --spp 3"], "--spp is no option of a single integrator here"),
         (&["--variant=x=path -Dgrey=1"], "-Dgrey is no option of a single integrator here"),
         (&["--images", "none.csv"], "none.csv"),
+        // Before anything is measured or rendered.
+        (
+            &["--reference-by=path,mlt"],
+            "cannot be made by `mlt`, whose samples depend on each other",
+        ),
+        (&["--reference-by=path,teapot"], "integrator `teapot` is not supported"),
+        (&["--reference-by=path,tridir"], "the scene has no portal"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
         (&["--crop=9,9,9,9"], "does not lie in the image of 16x12 pixels"),
     ] {

@@ -7,6 +7,7 @@ use super::arguments::{ConvergenceArguments, RenderArguments, render_arguments};
 use super::kernel::{Plan, algorithm_for, kernel_for, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
+use crate::algorithm::Algorithm;
 use crate::convergence::adapter::{self, Request};
 use crate::convergence::bias::{Spread, spread};
 use crate::convergence::measure::{
@@ -129,6 +130,7 @@ impl<'a> Run<'a> {
         for (_, arguments) in entries {
             algorithm_for(self.scene, &Plan::new(self.scene, arguments))?;
         }
+        let makers = self.makers()?;
         let (columns, rows) = self.plan.size;
         let size = (columns as usize, rows as usize);
         if let Some(crop) = self.arguments.crop {
@@ -157,7 +159,7 @@ impl<'a> Run<'a> {
         }
         let reference = match given {
             Some(reference) => reference,
-            None => self.make_reference(&output.join("reference.exr"), terminal)?,
+            None => self.make_reference(&makers, &output.join("reference.exr"), terminal)?,
         };
         slow.extend(reference.doubts.iter().map(|doubt| format!("{}: {doubt}", self.name)));
         let mut all = Measurements { notes: slow, ..Measurements::default() };
@@ -215,13 +217,35 @@ impl<'a> Run<'a> {
         self.arguments.reference.as_ref().map(read).transpose().map_err(Failure::new)
     }
 
+    /// The integrators that make the reference, unless it is given.
+    fn makers(&self) -> Result<Vec<(&str, RenderArguments)>, Failure> {
+        let is_made = self.arguments.reference.is_none();
+        let names = self.arguments.reference_by.iter().filter(|_| is_made);
+        let maker = |name: &'a String| {
+            let arguments = render_arguments(self.arguments, name).map_err(Failure::new)?;
+            let algorithm = algorithm_for(self.scene, &Plan::new(self.scene, &arguments))?;
+            if matches!(algorithm, Algorithm::Metropolis(_) | Algorithm::PrimarySample(_)) {
+                return Err(Failure::new(format!(
+                    "the reference cannot be made by `{name}`, whose samples depend on each other, so that its variance \
+                     is not known; give other integrators with --reference-by, or --reference"
+                )));
+            }
+            Ok((name.as_str(), arguments))
+        };
+        names.map(maker).collect()
+    }
+
     /// Renders the reference by several integrators.
-    fn make_reference(&self, path: &Path, terminal: &Terminal) -> Result<Reference, Failure> {
+    fn make_reference(
+        &self,
+        makers: &[(&str, RenderArguments)],
+        path: &Path,
+        terminal: &Terminal,
+    ) -> Result<Reference, Failure> {
         let seconds = self.arguments.reference_time.unwrap_or(16.0 * self.arguments.budget);
         let mut parts = Vec::new();
-        for (k, name) in self.arguments.reference_by.iter().enumerate() {
-            let arguments = render_arguments(self.arguments, name).map_err(Failure::new)?;
-            let subject = self.subject(name, &arguments);
+        for (k, (name, arguments)) in makers.iter().enumerate() {
+            let subject = self.subject(name, arguments);
             let kernel = (subject.kernel)(reference_seed(k)).map_err(Failure::new)?;
             let settings = RenderSettings {
                 threads: self.arguments.threads,
@@ -235,7 +259,7 @@ impl<'a> Run<'a> {
                      other integrators with --reference-by, more seconds with --reference-time, or --reference"
                 )));
             };
-            parts.push((name.clone(), rendered.film.image(), variance));
+            parts.push(((*name).to_owned(), rendered.film.image(), variance));
         }
         let mut reference = Reference::union(&parts)?;
         if let [(name, ..)] = &parts[..]
