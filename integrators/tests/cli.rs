@@ -263,6 +263,7 @@ fn convergence_measures_and_reports() {
         ),
         (&["--reference-by=path,teapot"], "integrator `teapot` is not supported"),
         (&["--reference-by=path,tridir"], "the scene has no portal"),
+        (&["--seed=18446744073709551613"], "give a --seed of at most 18446744073709551612"),
         (&["--crop=9,9,9"], "such as 10,20,64,48"),
         (&["--crop=9,9,9,9"], "does not lie in the image of 16x12 pixels"),
     ] {

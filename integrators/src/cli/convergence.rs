@@ -33,6 +33,13 @@ pub(super) fn run(arguments: &ConvergenceArguments) -> Result<ExitCode, Failure>
         None => PathBuf::from(format!("convergence-{name}")),
     };
     let entries = entries(arguments)?;
+    if arguments.seed.checked_add(arguments.repeats.into()).is_none() {
+        let most = u64::MAX - u64::from(arguments.repeats);
+        return Err(Failure::new(format!(
+            "there are no {} seeds from {} on; give a --seed of at most {most}",
+            arguments.repeats, arguments.seed
+        )));
+    }
     let Some((_, first)) = entries.first() else {
         return Err(Failure::new(
             "there is no integrator to measure; give --integrators or --variant",
@@ -167,7 +174,7 @@ impl<'a> Run<'a> {
         // Seed by seed, so that a machine that is busy for a while disturbs all integrators alike.
         let (mut repeats, wanted) = (0, self.arguments.repeats);
         while repeats < wanted {
-            let seed = self.arguments.seed.wrapping_add(repeats.into());
+            let seed = self.arguments.seed + u64::from(repeats);
             let of_seed = |(subject, samples): &(Subject<'_>, u32)| {
                 measure(subject, (seed, *samples), &effort, &reference, terminal)
             };
