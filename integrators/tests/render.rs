@@ -167,6 +167,23 @@ fn what_is_not_supported_is_named_with_its_place() {
     fails("", &["ball.xml"]);
 }
 
+#[test]
+fn a_file_tells_the_options_that_its_image_depends_on() {
+    let directory = Directory::new("settings");
+    for (options, settings) in [
+        (&["--integrator=gdpt", "--reconstruction=l2"][..], "reconstruction=l2"),
+        (&["--integrator=gdpt"], "reconstruction=l1"),
+        (&["--integrator=vpl", "--light-paths=3", "--clamp=0.5"], "light_paths=3 clamp=0.5"),
+        (&["--integrator=mlt", "--chained-direct"], "chained_direct"),
+        (&["--target-error=9", "--adaptive"], "target_error=9 adaptive"),
+        (&["--mitsuba3-roughplastic"], "mitsuba3_roughplastic"),
+    ] {
+        let exr = directory.rendered("settings.exr", options);
+        let expected = format!("max_depth=4 rr_depth=5 {settings}");
+        assert_eq!(exr.attributes["settings"], Attribute::Text(expected));
+    }
+}
+
 /// Interrupts a render that would take hours, after a while.
 #[cfg(unix)]
 fn interrupted(directory: &Directory, after: Duration) -> Output {

@@ -320,6 +320,27 @@ fn write_gradients(
     Ok(())
 }
 
+/// The options that an image depends on and that have no attribute of their own.
+fn options(plan: &Plan, arguments: &RenderArguments) -> Vec<String> {
+    let is_set = |name: &str, value: bool| value.then(|| name.to_owned());
+    let reconstruction = match plan.reconstruction {
+        Reconstruction::L1 => "reconstruction=l1",
+        Reconstruction::L2 => "reconstruction=l2",
+        Reconstruction::None => "reconstruction=none",
+    };
+    let options = [
+        is_set(reconstruction, plan.integrator == "gdpt"),
+        plan.light_paths.map(|paths| format!("light_paths={paths}")),
+        plan.clamp.map(|limit| format!("clamp={limit}")),
+        is_set("chained_direct", arguments.chained_direct),
+        arguments.target_error.map(|target| format!("target_error={target}")),
+        is_set("adaptive", arguments.adaptive),
+        is_set("mitsuba3_roughplastic", arguments.mitsuba3_roughplastic),
+    ];
+    let portals = arguments.portals.iter().map(|id| format!("portal={id}"));
+    options.into_iter().flatten().chain(portals).collect()
+}
+
 /// How the image was made, for the header of the file.
 fn attributes(
     plan: &Plan,
@@ -334,6 +355,7 @@ fn attributes(
     if !plan.techniques.is_all() {
         settings += &format!(" techniques={}", plan.techniques);
     }
+    settings.extend(options(plan, arguments).iter().map(|option| format!(" {option}")));
     let text = |text: &str| Attribute::Text(text.to_owned());
     let count = |samples: u32| Attribute::Integer(i32::try_from(samples).unwrap_or(i32::MAX));
     let (fewest, most) = rendered.film.samples();
