@@ -17,6 +17,7 @@ use super::load_texture::{Attributes, Textures, attributes_shown};
 use super::model::{Bounds, Emitter, Primitive, Rectangle, Shape};
 use super::settings::Integrator;
 use super::shapes::{self, Geometry, MAX_COORDINATE, Source};
+use super::size::strange_size;
 use super::texture::{Colour, Patch};
 use super::trace::Tracer;
 use super::{Scene, facts, xml};
@@ -206,6 +207,8 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         .filter_map(|(clip, warning)| clip.matters(&scene).then_some(warning))
         .collect();
     scene.warnings.extend(cut);
+    let size = strange_size(&scene.bounds).map(|message| root.error_at("", message));
+    scene.warnings.extend(size);
     Ok(scene)
 }
 

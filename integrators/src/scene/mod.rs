@@ -31,6 +31,7 @@ mod serialized;
 pub mod settings;
 mod shapes;
 mod simd;
+mod size;
 pub mod spectrum;
 mod stack;
 mod tangents;
