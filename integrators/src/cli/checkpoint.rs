@@ -20,7 +20,8 @@ pub(super) fn checkpoint(
     plan: &Plan,
     (arguments, written): (&RenderArguments, &[PathBuf]),
 ) -> Result<Checkpoint, Failure> {
-    let is_same = |other: &PathBuf| place(other) == place(file);
+    let own = place(file);
+    let is_same = |other: &PathBuf| place(other) == own;
     let used = match (scene.files.iter().any(is_same), written.iter().any(is_same)) {
         (true, _) => "the scene is read from it",
         (_, true) => "the render writes an image to it",
@@ -36,7 +37,7 @@ pub(super) fn checkpoint(
 }
 
 /// A file, whether it exists or not, by the one name that its directory has.
-fn place(file: &Path) -> PathBuf {
+pub(super) fn place(file: &Path) -> PathBuf {
     let directory = file.parent().filter(|parent| !parent.as_os_str().is_empty());
     let in_directory = || {
         let directory = directory.unwrap_or(Path::new(".")).canonicalize().ok()?;

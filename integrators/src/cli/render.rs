@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::RenderArguments;
-use super::checkpoint::checkpoint;
+use super::checkpoint::{checkpoint, place};
 use super::kernel::{
     MOST_BYTES, Plan, kernel_for, load, warn_of_idle_options, warn_of_integrator,
     warn_of_lost_light,
@@ -224,9 +224,8 @@ fn beside(output: &Path, end: &str) -> PathBuf {
 
 /// That nothing which a scene is read from would be overwritten.
 fn keep_files_of(scene: &Scene, written: &[PathBuf]) -> Result<(), Failure> {
-    let read: Vec<PathBuf> =
-        scene.files.iter().filter_map(|file| file.canonicalize().ok()).collect();
-    let is_read = |file: &&PathBuf| file.canonicalize().is_ok_and(|file| read.contains(&file));
+    let read: Vec<PathBuf> = scene.files.iter().map(|file| place(file)).collect();
+    let is_read = |file: &&PathBuf| read.contains(&place(file));
     let Some(file) = written.iter().find(is_read) else { return Ok(()) };
     Err(Failure::new(format!(
         "the scene is read from `{}`, which the render would overwrite; name another output with -o",

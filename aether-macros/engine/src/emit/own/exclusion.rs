@@ -7,7 +7,7 @@ use crate::expr::{Id, Node};
 use crate::rational::Q;
 
 /// Whether the images of two pieces have no more than a border in common, by the ranges of a coordinate.
-pub(in crate::emit) fn apart(e: &Emitter, j: usize, k: usize) -> bool {
+fn apart(e: &Emitter, j: usize, k: usize) -> bool {
     let range = |piece: usize, i: usize| {
         let problem = &e.parsed.pieces[piece].problem;
         problem.graph.range(problem.outputs[i])

@@ -9,8 +9,8 @@ use crate::interval::Interval;
 use crate::poly::{Expander, Poly};
 use crate::rational::Q;
 
-/// The same for known = √… times something rational: both sides squared. Which of the roots have the
-/// sign of the known side shows when they are tried.
+/// The roots of known = √… times something rational: of both sides squared. Which of them have the sign of the known side
+/// shows when they are tried.
 pub(super) fn squared(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
     let (_, body) = g.split(rhs);
     let root = |e: Id, g: &Graph| g.as_number(e).is_some_and(|q| q.den() == 2);
