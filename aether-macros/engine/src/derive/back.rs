@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 
 use super::Problem;
 use super::cases::Case;
-use super::density::{pick, recognised};
 use super::holding::never_negative;
 use super::implied::implied;
+use super::pick::pick;
+use super::recognised::recognised;
 use super::scaled::{Scaled, scaled};
 use crate::expr::{Graph, Id, Leaf, Node};
 use crate::jacobian::{cost_together, simplify};

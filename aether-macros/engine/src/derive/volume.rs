@@ -1,7 +1,7 @@
 //! The volume in the form that is measured to be best. Where forms disagree, the columns of the Jacobian decide.
 
 use super::Problem;
-use super::density::pick;
+use super::pick::pick;
 use crate::derivative::derivative;
 use crate::differences::{covered, point_by_point, tangents};
 use crate::expr::{Id, Leaf};
