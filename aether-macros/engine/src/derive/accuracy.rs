@@ -1,7 +1,8 @@
 //! By how much what was derived is off in double precision inside of the domain, beyond what rounding its inputs costs.
 
 use super::Problem;
-use super::cases::{Case, inputs, recovers};
+use super::cases::{Case, inputs};
+use super::occurring::recovers;
 use crate::eval::{Evaluator, evaluate};
 use crate::expr::{Graph, Id, Leaf, OUTS, leaf_bit};
 use crate::measure::Inputs;

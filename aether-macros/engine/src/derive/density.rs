@@ -1,8 +1,9 @@
 //! The density in the form that is measured to be best.
 
 use super::by_inverse::by_the_inverse;
-use super::cases::{Case, exact_values, recovers};
+use super::cases::{Case, exact_values};
 use super::factored::factored;
+use super::occurring::recovers;
 use super::one_root::by_one_root;
 use super::opened::opened;
 use super::pick::pick;

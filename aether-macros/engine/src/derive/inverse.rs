@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::cases::{Case, of_other_signs, prune};
+use super::cases::{Case, of_other_signs};
 use super::line::line;
+use super::occurring::prune;
 use super::{Problem, staged};
 use crate::expr::{Graph, Id, Leaf};
 use crate::jacobian::{cost_together, simplify};

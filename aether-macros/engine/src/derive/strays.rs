@@ -4,7 +4,8 @@
 //! was given a name its definition. Such an inverse answers for points that the map never reaches, and
 //! verification by images alone would not notice.
 
-use super::cases::{Case, try_all};
+use super::cases::Case;
+use super::occurring::try_all;
 use super::{Problem, Target};
 use crate::differences::evaluate;
 use crate::number::{Dd, Number};
