@@ -13,10 +13,10 @@ mod seen;
 use crate::derivative::derivative;
 use crate::expr::{Graph, Id, Leaf};
 use crate::interval::Interval;
+use seen::{POINTS, sign_inside};
 
 pub(crate) use leaves::{any_input, centre, inputs_of, inside, leaves_of};
 pub(crate) use proof::{Proof, halves};
-use seen::{POINTS, sign_inside};
 pub(crate) use seen::{seen_sign, sign_at, values_of};
 
 /// Why monotonicity could not be shown.

@@ -1,15 +1,15 @@
 //! What depends on what: which statements wait for inversion, which random point each vertex is
 //! made from, which vertices are atoms and of which kind.
 
-use std::collections::BTreeSet;
+mod forms;
+mod statements;
 
-use proc_macro2::Span;
-use quote::{ToTokens, format_ident};
-use syn::{Expr, Ident, Pat, Stmt};
+use quote::ToTokens;
+use syn::{Expr, Ident, Pat};
 
-use super::names::{bare, bound, mentioned, mentioned_by, mentioned_in_guard, pattern, referenced};
+use super::names::{bare, mentioned, mentioned_in_guard};
 use super::scope::{Facts, Scope, Turn};
-use super::tree::{Action, Apart, Block, Body, End, Form, Leaf, Other, Plan, Step};
+use super::tree::{Action, Apart, Block, Body, End, Leaf, Other, Plan, Step};
 use crate::diagnostics::Diagnostics;
 
 /// Analyses a body that yields `count` vertices. `connected` is what the attribute says of every
@@ -234,219 +234,6 @@ impl Analysis<'_> {
             );
         }
     }
-
-    /// Binds the names of a pattern, none of which may hide what is still needed.
-    fn bind(&mut self, pat: &Pat, facts: Facts, scope: &mut Scope) {
-        super::misuse::check_pattern(pat, self.diagnostics);
-        for name in bound(pat) {
-            let text = name.to_string();
-            if scope.needed.contains(&text) || scope.points.contains_key(&text) {
-                self.diagnostics.error(
-                    &name,
-                    format!(
-                        "`{name}` hides a value that the density needs later: give this another \
-                         name"
-                    ),
-                );
-            }
-            scope.facts.insert(text, facts);
-        }
-    }
-
-    fn plain(&mut self, statement: Stmt, scope: &mut Scope, steps: &mut Vec<Action>) {
-        if let Stmt::Local(local) = &statement
-            && let Some(init) = &local.init
-            && let Some((map, of)) = self.map_of(&init.expr, scope, steps)
-            && let Some(name) = plain_name(&local.pat)
-        {
-            self.mapped(name, map, of, scope, steps);
-            return;
-        }
-        let names = mentioned_by(&statement);
-        let facts = scope.of(&names);
-        match &statement {
-            Stmt::Local(local) => self.bind(&local.pat, facts, scope),
-            // It may change what it mentions.
-            _ => {
-                for name in &names {
-                    if let Some(known) = scope.facts.get_mut(name) {
-                        *known = known.and(facts);
-                    }
-                }
-            }
-        }
-        if !facts.random {
-            steps.push(Action::Plain(statement));
-            return;
-        }
-        scope.needed.extend(names);
-        if let Stmt::Local(local) = &statement {
-            scope.needed.extend(bound(&local.pat).iter().map(Ident::to_string));
-        } else if !matches!(statement, Stmt::Macro(_)) {
-            self.diagnostics.error(
-                &statement,
-                "this statement depends on what was drawn, which a density knows only after \
-                 inversion: write it as a `let` without changing other variables",
-            );
-        }
-        steps.push(Action::Late(statement));
-    }
-
-    /// If `expr` is a map applied to a random point: the map, and the point's name, after binding
-    /// the points within it.
-    pub(super) fn map_of(
-        &mut self,
-        expr: &Expr,
-        scope: &mut Scope,
-        steps: &mut Vec<Action>,
-    ) -> Option<(Expr, Ident)> {
-        let Expr::MethodCall(call) = bare(expr) else { return None };
-        if call.method != "apply" || call.args.len() != 1 {
-            return None;
-        }
-        let argument = &call.args[0];
-        if let Some(name) = referenced(argument) {
-            let known = scope.points.contains_key(&name.to_string());
-            return known.then(|| ((*call.receiver).clone(), name.clone()));
-        }
-        let inner = match bare(argument) {
-            Expr::Reference(reference) => &reference.expr,
-            other => other,
-        };
-        let (map, of) = self.map_of(inner, scope, steps)?;
-        self.hoisted += 1;
-        let name = format_ident!("__point_{}", self.hoisted, span = Span::mixed_site());
-        self.mapped(name.clone(), map, of, scope, steps);
-        Some(((*call.receiver).clone(), name))
-    }
-
-    /// `let name = map.apply(&of);`
-    pub(super) fn mapped(
-        &mut self,
-        name: Ident,
-        map: Expr,
-        of: Ident,
-        scope: &mut Scope,
-        steps: &mut Vec<Action>,
-    ) {
-        let facts = scope.of_expr(&map);
-        if facts.random {
-            self.diagnostics.error(
-                &map,
-                "this map depends on the drawn point that it is applied to, in more ways than \
-                 through its argument: make one #[map] of both",
-            );
-        }
-        let origin = of.to_string();
-        let facts = facts.and(scope.facts.get(&origin).copied().unwrap_or_default());
-        // The image is drawn, it is not what a call found.
-        let facts = Facts { calls: 0, ..facts };
-        let mut ancestors = scope.points.get(&origin).cloned().unwrap_or_default();
-        ancestors.insert(origin);
-        self.bind(&pattern(&name), Facts { random: true, path: false, ..facts }, scope);
-        scope.points.insert(name.to_string(), ancestors);
-        steps.push(Action::Map { name, map, of });
-    }
-
-    fn form(&mut self, pat: Pat, form: Form, scope: &mut Scope) -> Option<Action> {
-        match form {
-            Form::Given(value) => {
-                let facts = scope.of_expr(&value);
-                if facts.random {
-                    self.diagnostics.error(
-                        &value,
-                        "this depends on what was drawn: use `constant(..)`, and implement `Recall` \
-                         for the vertex, so that the density can read it back",
-                    );
-                }
-                self.bind(&pat, facts, scope);
-                Some(Action::Given { pat, value })
-            }
-            Form::Constant(call) => {
-                let facts = scope.of_expr(&call);
-                let ray = facts.path && (facts.random || scope.drawn.is_none());
-                let number = self.calls.len();
-                self.calls.push((call.clone(), None));
-                let facts = Facts {
-                    calls: 1_u128.checked_shl(number as u32).unwrap_or(0),
-                    random: false,
-                    path: false,
-                    constant: true,
-                    ray: facts.ray || ray,
-                    ..facts
-                };
-                self.bind(&pat, facts, scope);
-                Some(Action::Constant { pat, call, number })
-            }
-            Form::Draw(sampler) => self.draw(&pat, sampler, scope),
-            Form::Atom(sampler) => {
-                scope.atom = true;
-                self.draw(&pat, sampler, scope)
-            }
-            Form::Choose { distribution, rule } => self.choose(pat, distribution, rule, scope),
-        }
-    }
-
-    fn draw(&mut self, pat: &Pat, sampler: Expr, scope: &mut Scope) -> Option<Action> {
-        let (inner, ty) = match pat {
-            Pat::Type(typed) => (&*typed.pat, Some((*typed.ty).clone())),
-            other => (other, None),
-        };
-        let Some(name) = plain_name(inner) else {
-            self.diagnostics.error(pat, "what is drawn needs a plain name: `let w = draw(..);`");
-            // Goes on as if every name were the point, so as not to report what follows from this.
-            for name in bound(pat) {
-                scope.points.insert(name.to_string(), BTreeSet::new());
-                scope.drawn = Some(name);
-            }
-            return None;
-        };
-        if let Some(before) = &scope.drawn {
-            self.diagnostics.error(
-                &sampler,
-                format!(
-                    "a second draw: this vertex is already made from `{before}`. Use one sampler of \
-                     both, or maps of `{before}`"
-                ),
-            );
-        }
-        // What only shapes the distribution does not make a later call a ray from the path.
-        self.bind(pat, Facts { random: true, ..Facts::default() }, scope);
-        scope.drawn = Some(name.clone());
-        scope.points.insert(name.to_string(), BTreeSet::new());
-        Some(Action::Draw { name, ty, sampler })
-    }
-
-    fn choose(
-        &mut self,
-        pat: Pat,
-        distribution: Expr,
-        rule: Option<Expr>,
-        scope: &mut Scope,
-    ) -> Option<Action> {
-        let random = scope.of_expr(&distribution).random;
-        if let Some(rule) = &rule
-            && scope.of_expr(rule).random
-        {
-            self.diagnostics.error(
-                rule,
-                "the rule tells the outcome from the vertex alone: it cannot use what was drawn",
-            );
-        }
-        let facts = Facts { choice: rule.is_none(), ..Facts::default() };
-        self.bind(&pat, facts, scope);
-        let number = self.choices;
-        self.choices += 1;
-        if !random {
-            return Some(Action::Choose { pat, distribution, rule, number });
-        }
-        self.late = true;
-        scope.needed.extend(mentioned(&distribution));
-        scope.needed.extend(bound(&pat).iter().map(Ident::to_string));
-        self.hoisted += 1;
-        let index = format_ident!("__outcome_{}", self.hoisted, span = Span::mixed_site());
-        Some(Action::LateChoose { pat, index, distribution, rule, number })
-    }
 }
 
 /// Calls `visit` with the patterns of the `let`s of a condition; whether there are any.
@@ -461,13 +248,5 @@ fn bindings(condition: &Expr, visit: &mut impl FnMut(&Pat)) -> bool {
             bindings(&both.right, visit) || left
         }
         _ => false,
-    }
-}
-
-fn plain_name(pat: &Pat) -> Option<Ident> {
-    match pat {
-        Pat::Ident(pat) if pat.by_ref.is_none() && pat.subpat.is_none() => Some(pat.ident.clone()),
-        Pat::Type(typed) => plain_name(&typed.pat),
-        _ => None,
     }
 }
