@@ -5,6 +5,8 @@
 //! is comparing expressions, and sharing is free. Nothing is ever multiplied out here: the written
 //! shape of a sampler is what its author meant to be evaluated ([`crate::poly`] expands on demand).
 
+mod build;
+mod declared;
 mod index;
 mod power;
 mod product;
@@ -14,16 +16,16 @@ mod shed;
 mod substitute;
 mod sum;
 
-pub use power::{Together, divided};
-pub use root::{BOUNDS, Root};
-pub use shed::shed;
-
 use std::cell::RefCell;
 
 use crate::hash::{Map, Set};
 use crate::interval::Interval;
 use crate::rational::Q;
 use crate::sorted;
+
+pub use power::{Together, divided};
+pub use root::{BOUNDS, Root};
+pub use shed::shed;
 
 /// An expression: an index into its [`Graph`].
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
@@ -285,66 +287,6 @@ impl Graph {
         opposite.map(|(k, _)| (j, k))
     }
 
-    /// Declares an input with its printed name and the interval of its values.
-    pub fn leaf(&mut self, leaf: Leaf, name: &str, range: Interval) -> Id {
-        self.leaf_ranges.insert(leaf, range);
-        self.names.insert(leaf, name.to_owned());
-        self.intern(Node::Leaf(leaf))
-    }
-    /// The expression of a declared input.
-    pub fn get_leaf(&mut self, leaf: Leaf) -> Id {
-        self.intern(Node::Leaf(leaf))
-    }
-    /// Whether an expression is this input.
-    pub fn is_leaf(&self, id: Id, leaf: Leaf) -> bool {
-        *self.node(id) == Node::Leaf(leaf)
-    }
-    /// The interval that an input was declared with.
-    pub fn leaf_range(&self, leaf: Leaf) -> Interval {
-        self.leaf_ranges.get(&leaf).copied().unwrap_or(Interval::ALL)
-    }
-    /// The printed name of an input.
-    pub fn name(&self, leaf: Leaf) -> &str {
-        self.names.get(&leaf).map_or("?", String::as_str)
-    }
-
-    /// Declares that the squares of three expressions add up to one.
-    pub fn declare_unit(&mut self, coordinates: [Id; 3]) {
-        self.units.push(coordinates);
-    }
-    /// The triples that were declared so.
-    pub fn units(&self) -> &[[Id; 3]] {
-        &self.units
-    }
-    /// Notes three expressions that the author calls a vector.
-    pub fn note_vector(&mut self, coordinates: [Id; 3]) {
-        if !self.vectors.contains(&coordinates) {
-            self.vectors.push(coordinates);
-        }
-    }
-    /// The vectors that were noted, in the order in which they were made.
-    pub fn vectors(&self) -> &[[Id; 3]] {
-        &self.vectors
-    }
-    /// Notes three vectors, perpendicular to each other and of unit length, that the body makes a frame of.
-    pub fn note_frame(&mut self, columns: [[Id; 3]; 3]) {
-        columns.iter().for_each(|column| self.note_vector(*column));
-        if !self.made_frames.contains(&columns) {
-            self.made_frames.push(columns);
-        }
-    }
-    /// The frames that were noted.
-    pub fn made_frames(&self) -> &[[[Id; 3]; 3]] {
-        &self.made_frames
-    }
-    /// Notes that a vector is another one turned by a frame.
-    pub fn note_turned(&mut self, turned: TurnedVector) {
-        self.turned.push(turned);
-    }
-    /// The vectors that were noted as turned.
-    pub fn turned(&self) -> &[TurnedVector] {
-        &self.turned
-    }
     /// Σ coefficient · term without the rules for sums, for the equation of a unit vector.
     pub fn plain_sum(&mut self, terms: &[(Q, Id)]) -> Id {
         let mut list = terms.to_vec();
@@ -375,105 +317,6 @@ impl Graph {
     /// The exact rational value, if the expression is one.
     pub fn as_number(&self, id: Id) -> Option<Q> {
         if let Node::Number(q) = self.node(id) { Some(*q) } else { None }
-    }
-
-    /// The exact number `q`.
-    pub fn number(&mut self, q: Q) -> Id {
-        self.intern(Node::Number(q))
-    }
-    /// The integer `n`.
-    pub fn int(&mut self, n: i64) -> Id {
-        let place = (n + 3) as usize;
-        if let Some(Some(known)) = self.small.get(place) {
-            return *known;
-        }
-        let id = self.number(Q::int(n));
-        if let Some(known) = self.small.get_mut(place) {
-            *known = Some(id);
-        }
-        id
-    }
-    /// The circle constant.
-    pub fn pi(&mut self) -> Id {
-        self.intern(Node::Pi)
-    }
-    /// A double, kept exactly.
-    pub fn float(&mut self, x: f64) -> Id {
-        self.intern(Node::Float(x.to_bits()))
-    }
-
-    /// Splits an expression into a rational coefficient and the rest.
-    pub fn split(&mut self, id: Id) -> (Q, Id) {
-        match self.node(id) {
-            Node::Number(q) => {
-                let q = *q;
-                (q, self.int(1))
-            }
-            Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => terms[0],
-            _ => (Q::ONE, id),
-        }
-    }
-
-    /// a + b.
-    pub fn add(&mut self, a: Id, b: Id) -> Id {
-        self.sum(Q::ZERO, &[(Q::ONE, a), (Q::ONE, b)])
-    }
-    /// a - b.
-    pub fn sub(&mut self, a: Id, b: Id) -> Id {
-        self.sum(Q::ZERO, &[(Q::ONE, a), (Q::int(-1), b)])
-    }
-    /// -a.
-    pub fn neg(&mut self, a: Id) -> Id {
-        self.sum(Q::ZERO, &[(Q::int(-1), a)])
-    }
-    /// a · b.
-    pub fn mul(&mut self, a: Id, b: Id) -> Id {
-        let one = self.int(1);
-        self.product(&[(a, one), (b, one)])
-    }
-    /// a / b.
-    pub fn div(&mut self, a: Id, b: Id) -> Id {
-        let one = self.int(1);
-        let minus = self.int(-1);
-        self.product(&[(a, one), (b, minus)])
-    }
-    /// a^e.
-    pub fn pow(&mut self, a: Id, e: Id) -> Id {
-        self.product(&[(a, e)])
-    }
-    /// a^n.
-    pub fn powi(&mut self, a: Id, n: i64) -> Id {
-        let e = self.int(n);
-        self.pow(a, e)
-    }
-    /// √a.
-    pub fn sqrt(&mut self, a: Id) -> Id {
-        let half = self.number(Q::HALF);
-        self.pow(a, half)
-    }
-    /// A function of its arguments, in canonical form.
-    ///
-    /// Those of the incomplete beta function have one more than it takes: what the first leaves of one, whose digits
-    /// may be known where they are lost in the first. Left out, it is that difference.
-    pub fn call(&mut self, f: Fun, args: &[Id]) -> Id {
-        if let (Fun::BetaInc | Fun::BetaIncInv, &[x, a, b]) = (f, args) {
-            let one = self.int(1);
-            let rest = self.sub(one, x);
-            return self.call(f, &[x, a, b, rest]);
-        }
-        crate::functions::simplify_call(self, f, args)
-            .unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
-    }
-    /// `yes` where `test` is greater than zero, else `no`.
-    pub fn if_positive(&mut self, test: Id, yes: Id, no: Id) -> Id {
-        let range = self.range(test);
-        if yes == no || range.hi <= 0.0 {
-            no
-        } else if range.lo > 0.0 {
-            yes
-        } else {
-            self.intern(Node::If(test, yes, no))
-        }
     }
 }
 

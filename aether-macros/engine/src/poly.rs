@@ -7,16 +7,18 @@
 mod collect;
 mod dependence;
 mod factor;
+mod monomial;
 mod pairs;
 mod ratfun;
+mod written;
 
-use std::cmp::Ordering;
 use std::rc::Rc;
 
-use crate::expr::{Deps, Graph, Id};
+use crate::expr::{Deps, Id};
 use crate::hash::Map;
 use crate::rational::Q;
 use crate::sorted;
+use monomial::{half, merge, over, times};
 
 pub use collect::{coefficients, gathered};
 pub use dependence::{parts_of_one, relation};
@@ -264,177 +266,12 @@ impl Poly {
             .collect();
         (k, common.into(), Poly(rest))
     }
-    /// The terms as (coefficient, product of atoms) pairs.
-    pub fn terms(&self, g: &mut Graph) -> Vec<(Q, Id)> {
-        let mut out = Vec::new();
-        for (m, q) in &self.0 {
-            let f: Vec<_> = m.iter().map(|(a, e)| (*a, g.int(i64::from(*e)))).collect();
-            out.push((*q, g.product(&f)));
-        }
-        out
-    }
-    /// The expression, with common factors taken out.
-    pub fn to_expr(&self, g: &mut Graph) -> Id {
-        let factors = self.factors(g, 1);
-        g.product(&factors)
-    }
-
-    /// The polynomial to a power, as factors of a product: content, common atoms and the rest, the
-    /// rest with a sign that makes it positive where that is known.
-    fn factors(&self, g: &mut Graph, power: i64) -> Vec<(Id, Id)> {
-        let parts = self.split();
-        if parts.iter().filter(|(p, _)| p.len() > 1).map(|(_, e)| e).sum::<u32>() > 1
-            && let Some(factors) = self.in_parts(g, &parts, power)
-        {
-            return factors;
-        }
-        let (mut k, common, rest) = self.content();
-        let mut factors = Vec::new();
-        for (a, e) in common.iter() {
-            let e = g.int(i64::from(*e) * power);
-            factors.push((*a, e));
-        }
-        let mut constant = Q::ZERO;
-        let mut terms = Vec::new();
-        for (m, q) in &rest.0 {
-            if m.is_empty() {
-                constant = *q;
-                continue;
-            }
-            let f: Vec<_> = m.iter().map(|(a, e)| (*a, g.int(i64::from(*e)))).collect();
-            let t = g.product(&f);
-            terms.push((*q, t));
-        }
-        let mut body = g.sum(constant, &terms);
-        if g.range(body).nonpositive() && !g.range(body).nonnegative() {
-            body = g.neg(body);
-            k = k.neg();
-        }
-        let e = g.int(power);
-        factors.push((body, e));
-        let k = g.number(k);
-        factors.push((k, e));
-        factors
-    }
-}
-
-impl Poly {
-    /// The polynomial to a power as a product of parts, which multiply to it but for a constant.
-    fn in_parts(&self, g: &mut Graph, parts: &[(Poly, u32)], power: i64) -> Option<Vec<(Id, Id)>> {
-        let mut rest = self.clone();
-        let mut factors = Vec::new();
-        for (part, e) in parts {
-            for _ in 0..*e {
-                rest = rest.exact_div(part)?;
-            }
-            factors.extend(part.factors(g, power * i64::from(*e)));
-        }
-        let k = g.number(rest.as_constant()?);
-        let e = g.int(power);
-        factors.push((k, e));
-        Some(factors)
-    }
-}
-
-/// The sum of two lists of terms in order.
-fn merge(a: &[(Mono, Q)], b: &[(Mono, Q)]) -> Option<Vec<(Mono, Q)>> {
-    let mut r = Vec::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        match order(&a[i].0, &b[j].0) {
-            Ordering::Less => {
-                r.push(a[i].clone());
-                i += 1;
-            }
-            Ordering::Greater => {
-                r.push(b[j].clone());
-                j += 1;
-            }
-            Ordering::Equal => {
-                let q = a[i].1.add(b[j].1)?;
-                if !q.is_zero() {
-                    r.push((a[i].0.clone(), q));
-                }
-                i += 1;
-                j += 1;
-            }
-        }
-    }
-    r.extend_from_slice(&a[i..]);
-    r.extend_from_slice(&b[j..]);
-    Some(r)
-}
-
-/// The lexicographic order of monomials.
-fn order(a: &[(Id, u32)], b: &[(Id, u32)]) -> Ordering {
-    let mut k = 0;
-    while k < a.len() && k < b.len() {
-        let (x, y) = (a[k], b[k]);
-        if x.0.0 != y.0.0 {
-            return x.0.0.cmp(&y.0.0);
-        }
-        if x.1 != y.1 {
-            return x.1.cmp(&y.1);
-        }
-        k += 1;
-    }
-    a.len().cmp(&b.len())
-}
-
-/// The product of two monomials.
-fn times(a: &Mono, b: &Mono) -> Mono {
-    if a.is_empty() || b.is_empty() {
-        return if a.is_empty() { b.clone() } else { a.clone() };
-    }
-    let mut r = Vec::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() && j < b.len() {
-        let (x, y) = (a[i], b[j]);
-        match x.0.0.cmp(&y.0.0) {
-            Ordering::Greater => {
-                r.push(x);
-                i += 1;
-            }
-            Ordering::Less => {
-                r.push(y);
-                j += 1;
-            }
-            Ordering::Equal => {
-                r.push((x.0, x.1 + y.1));
-                i += 1;
-                j += 1;
-            }
-        }
-    }
-    r.extend_from_slice(&a[i..]);
-    r.extend_from_slice(&b[j..]);
-    r.into()
-}
-
-/// The quotient of two monomials, if it is one.
-fn over(a: &[(Id, u32)], b: &[(Id, u32)]) -> Option<Mono> {
-    let mut r = Vec::with_capacity(a.len());
-    let mut j = 0;
-    for &(x, e) in a {
-        let below = if j < b.len() && b[j].0.0 == x.0 { b[j].1 } else { 0 };
-        j += usize::from(below > 0);
-        match e.checked_sub(below)? {
-            0 => {}
-            left => r.push((x, left)),
-        }
-    }
-    (j == b.len()).then(|| r.into())
-}
-
-/// The square root of a monomial, if it is one.
-fn half(m: &[(Id, u32)]) -> Option<Mono> {
-    m.iter().map(|(a, e)| (e % 2 == 0).then_some((*a, e / 2))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Leaf;
+    use crate::expr::{Graph, Leaf};
     use crate::interval::Interval;
 
     fn three() -> (Graph, Id, Id, Id) {
