@@ -243,6 +243,10 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
         true
     }
 
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
+
     fn preparation(&self) -> Preparation {
         self.preparation
     }

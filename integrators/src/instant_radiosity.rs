@@ -161,6 +161,10 @@ impl<K: SceneKind> AnyKernel for RadiosityKernel<'_, K> {
         })
     }
 
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
+
     fn filter(&self) -> Option<Filter> {
         Some(self.world.scene.film.filter)
     }

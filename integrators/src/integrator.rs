@@ -219,6 +219,10 @@ impl<K: SceneKind, I: Integrator> AnyKernel for Kernel<'_, K, I> {
         I::SPLATS
     }
 
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
+
     fn filter(&self) -> Option<Filter> {
         I::SHARES.then_some(self.world.scene.film.filter)
     }

@@ -205,6 +205,10 @@ impl<K: SceneKind> AnyKernel for PhotonKernel<'_, K> {
         })
     }
 
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
+
     fn filter(&self) -> Option<Filter> {
         Some(self.world.scene.film.filter)
     }

@@ -214,6 +214,10 @@ impl<K: SceneKind> AnyKernel for MergingKernel<'_, K> {
         true
     }
 
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
+
     fn filter(&self) -> Option<Filter> {
         Some(self.world.scene.film.filter)
     }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
+use integrators::image::RgbImage;
 use integrators::image::exr::{Attribute, Exr};
 
 /// A ball under a lamp; the ball's material is on line 15.
@@ -538,4 +539,62 @@ fn options_of_other_integrators_are_pointed_out() {
     assert_eq!(warnings(&["--clamp", "2", "--reconstruction", "l2"]), 2);
     assert_eq!(warnings(&["--integrator", "mlt", "--sampler", "ldsampler"]), 1);
     assert_eq!(warnings(&["--integrator", "vpl", "--clamp", "2", "--light-paths", "3"]), 0);
+}
+
+/// A glass ball in front of a wall, under a lamp of any brightness.
+const LAMP: &str = r#"<scene version="3.0.0">
+    <default name="radiance" value="20"/>
+    <default name="filter" value="box"/>
+    <integrator type="path"><integer name="max_depth" value="6"/></integrator>
+    <sensor type="perspective"><float name="fov" value="45"/>
+        <transform name="to_world"><lookat origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+        <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/>
+            <rfilter type="$filter"/></film>
+    </sensor>
+    <shape type="sphere"><bsdf type="dielectric"/></shape>
+    <shape type="rectangle">
+        <transform name="to_world"><scale value="4"/><translate z="-2"/></transform>
+        <bsdf type="diffuse"><rgb name="reflectance" value="0.5 0.3 0.1"/></bsdf>
+    </shape>
+    <shape type="sphere">
+        <point name="center" x="1" y="3" z="2"/><float name="radius" value="0.5"/>
+        <emitter type="area"><rgb name="radiance" value="$radiance"/></emitter>
+    </shape>
+</scene>"#;
+
+#[test]
+fn dim_and_bright_scenes_look_alike() {
+    let directory = Directory::new("brightness");
+    std::fs::write(directory.path("lamp.xml"), LAMP).unwrap();
+    let image = |options: &[&str], exponent: i32| {
+        let radiance = format!("radiance={:e}", 2f64.powi(exponent - 4));
+        let name = format!("{exponent}.exr");
+        let fixed = ["lamp.xml", "-o", &name, "--spp", "4", "-D", &radiance];
+        let run = directory.render(&[&fixed[..], options].concat()).output().unwrap();
+        assert_eq!((run.status.code(), message(&run).as_str()), (Some(0), ""), "{options:?}");
+        Exr::read(&directory.path(&name)).unwrap()
+    };
+    let integrators: [&[&str]; 7] = [
+        &["--integrator", "path", "-D", "filter=gaussian"],
+        &["--integrator", "path", "-D", "filter=mitchell"],
+        &["--integrator", "bdpt", "-D", "filter=gaussian", "--technique-images", "4"],
+        &["--integrator", "ptracer"],
+        &["--integrator", "vcm"],
+        &["--integrator", "mlt"],
+        &["--integrator", "pssmlt"],
+    ];
+    for options in integrators {
+        let usual = image(options, 0);
+        for exponent in [-60, 60] {
+            let (other, scale) = (image(options, exponent), 2f32.powi(exponent));
+            let unscaled = |image: &RgbImage| -> Vec<[f32; 3]> {
+                image.pixels().iter().map(|pixel| pixel.map(|v| v / scale)).collect()
+            };
+            assert!(unscaled(&other.rgb) == usual.rgb.pixels(), "{options:?}, 2^{exponent}");
+            assert!(other.layers.keys().eq(usual.layers.keys()), "{options:?}, 2^{exponent}");
+            for (name, image) in &other.layers {
+                assert!(unscaled(image) == usual.layers[name].pixels(), "{name}, 2^{exponent}");
+            }
+        }
+    }
 }

@@ -22,7 +22,7 @@ use crate::stored::Stored;
 /// What a file begins with.
 const NAME: &[u8; 16] = b"AetherCheckpoint";
 /// Of the format, the state of integrators included.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// A file for the state of a render.
 #[derive(Clone, Debug)]

@@ -10,7 +10,7 @@ use super::film::{Film, PixelEstimate, relative_error};
 use super::gathered::Gathered;
 use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
-use super::splats::{MOST, SplatSums};
+use super::splats::SplatSums;
 use super::windows::{Batches, WINDOW, decides_at, window_errors};
 use super::{AnyKernel, Budget, Chain, ErrorBudget, Layers, RenderSettings, Splats, Worker};
 use crate::image::RgbImage;
@@ -129,7 +129,8 @@ impl<'a> Job<'a> {
             good_enough: false,
             invalid: AtomicU64::new(0),
             splats: has_splats.then(|| {
-                let sums = SplatSums::new(settings.size);
+                let exponent = kernel.brightness_exponent();
+                let sums = SplatSums::new(settings.size).as_bright_as(exponent);
                 Mutex::new(if filter.is_some() { sums.with_shares() } else { sums })
             }),
             filter,
@@ -248,9 +249,11 @@ impl<'a> Job<'a> {
         let (target, mut moved) = (self.done + samples, false);
         let (mut invalid, mut splats) = (0, Splats::new(self.layered));
         splats.is_shared = self.filter.is_some();
+        let sums = self.splats.as_ref().map(lock);
+        let (scale, most_shared) = sums.map_or((1.0, f64::MAX), |sums| (sums.scale(), sums.most()));
         let mut gathered = self.filter.map(|filter| {
             let rows = tile.pixels.len() as u32 / tile.width;
-            Gathered::new(filter, self.size, tile.origin, (tile.width, rows))
+            Gathered::new(filter, self.size, tile.origin, (tile.width, rows)).scaled_by(scale)
         });
         'pixels: for (index, pixel) in tile.pixels.iter_mut().enumerate() {
             if self.observer.cancelled() {
@@ -267,8 +270,11 @@ impl<'a> Job<'a> {
                 }
                 moved = true;
                 // What others get a share of may not be beyond all measure.
-                let most = if splats.shares().is_some() { MOST } else { f32::MAX };
-                let valid = value.iter().all(|v| v.abs() <= most);
+                let most = match splats.shares() {
+                    Some(_) => most_shared.min(f32::MAX.into()),
+                    None => f32::MAX.into(),
+                };
+                let valid = value.iter().all(|v| f64::from(v.abs()) <= most);
                 let mut value = if valid { value } else { [0.0; 3] };
                 invalid += u64::from(!valid);
                 match (&mut gathered, splats.shares()) {

@@ -24,7 +24,8 @@ pub(super) const MOST_SQUARE: f64 = pow2(70);
 /// How many numbers can be added to each sum: 2⁵⁰ at most each, of which the first part has 38 bits.
 const MOST_ADDED: u32 = 1 << 13;
 
-const fn pow2(exponent: i64) -> f64 {
+/// A power of two.
+pub(super) const fn pow2(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
@@ -60,6 +61,8 @@ fn add([sums, squares]: &mut Parts, numbers: [f64; 3]) {
 pub(super) struct Gathered {
     first: Pixel,
     width: usize,
+    /// A power of two that values are multiplied by, as they are in the sums that these are handed over to.
+    scale: f64,
     sums: Vec<Parts>,
     added: u32,
 }
@@ -76,7 +79,13 @@ impl Gathered {
         let first = (x.saturating_sub(reach), y.saturating_sub(reach));
         let end = (size.0.min(x + columns + reach), size.1.min(y + rows + reach));
         let [width, height] = [end.0 - first.0, end.1 - first.1].map(|n| n as usize);
-        Gathered { first, width, sums: vec![Parts::default(); width * height], added: 0 }
+        let sums = vec![Parts::default(); width * height];
+        Gathered { first, width, scale: 1.0, sums, added: 0 }
+    }
+
+    /// The same with values multiplied by a power of two.
+    pub fn scaled_by(self, scale: f64) -> Self {
+        Gathered { scale, ..self }
     }
 
     fn index(&self, (x, y): Pixel) -> usize {
@@ -88,14 +97,14 @@ impl Gathered {
         self.added >= MOST_ADDED
     }
 
-    /// Adds to each pixel its share of a value, whose magnitude is 2⁵⁰ at most, of a sample of a pixel of the tile that lies
+    /// Adds to each pixel its share of a value, whose magnitude is 2⁵⁰ at most once it is scaled, of a sample of a pixel of the tile that lies
     /// where the filter of that reaches.
     pub fn add(&mut self, shares: &Shares, value: [f32; 3]) {
         let (first, [across, down]) = shares.parts();
         if !across.is_empty() && !down.is_empty() {
             let start = self.index(first);
             for (row, down) in self.sums[start..].chunks_mut(self.width).zip(down) {
-                let value = value.map(|v| f64::from(v * down));
+                let value = value.map(|v| f64::from(v * down) * self.scale);
                 for (sums, across) in row.iter_mut().zip(across) {
                     add(sums, value.map(|v| v * f64::from(*across)));
                 }
@@ -103,7 +112,8 @@ impl Gathered {
         }
         if let Some((pixel, counts)) = shares.own() {
             let index = self.index(pixel);
-            add(&mut self.sums[index], value.map(|v| f64::from(v * counts)));
+            let value = value.map(|v| f64::from(v * counts) * self.scale);
+            add(&mut self.sums[index], value);
         }
         self.added += 1;
     }

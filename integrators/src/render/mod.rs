@@ -152,6 +152,12 @@ pub trait AnyKernel: Sync {
         false
     }
 
+    /// Roughly how bright the image is, as the power of two. Sums of what samples add to other pixels than their own are in
+    /// units that follow from it: a contribution may be 2⁵⁰ times as bright, and of a fainter one than 2⁻⁶⁴ times nothing is kept.
+    fn brightness_exponent(&self) -> i32 {
+        0
+    }
+
     /// The reconstruction filter, if samples say where on the film they lie ([`Splats::lie`]): where it is wider than a
     /// pixel, they are shared among the pixels that it reaches ([`shares`]). Their values are then those of their film points,
     /// times Σ_j |f_j|; all samples with the same number should lie at the same place of their pixels.

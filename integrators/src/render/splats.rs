@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read, Write};
 
-use super::gathered::{MOST_SQUARE, Parts, SQUARE_UNIT};
+use super::gathered::{MOST_SQUARE, Parts, SQUARE_UNIT, pow2};
 use super::shares::Shares;
 use crate::stored::{Stored, malformed};
 
@@ -199,12 +199,14 @@ impl Splats {
 
 /// The sums of the contributions to each pixel and of their squares.
 ///
-/// They are integers, multiples of 2⁻⁶⁴: adding them is exact, so that their order does not matter, and the
-/// image depends neither on threads nor on passes. Squares are rounded upwards, and a sum of squares that there is no
-/// room for is infinite: no variance is less than it is.
+/// They are integers, multiples of 2⁻⁶⁴ times a power of two that follows from the scene: adding them is exact, so that their
+/// order does not matter, and the image depends neither on threads nor on passes. Squares are rounded upwards, and a sum of
+/// squares that there is no room for is infinite: no variance is less than it is.
 #[derive(Clone, Debug)]
 pub struct SplatSums {
     width: usize,
+    /// A power of two that contributions are multiplied by; squares by its square.
+    scale: f64,
     sums: Vec<[[i128; 3]; 2]>,
     /// Of samples that are shared among pixels; empty if there are none. Squares are in units of their own.
     shared: Vec<[[i128; 3]; 2]>,
@@ -217,15 +219,33 @@ pub const BYTES_OF_A_SUM: u64 = size_of::<[[i128; 3]; 2]>() as u64;
 
 /// One, in the units of the sums.
 const ONE: f64 = 18_446_744_073_709_551_616.0;
-/// What a contribution may be at most.
-pub(super) const MOST: f32 = 1e15;
+/// What a contribution may be at most, once it is scaled.
+const MOST: f64 = 1e15;
 
 impl SplatSums {
     /// For an image of this size (columns, rows).
     pub fn new(size: (u32, u32)) -> Self {
         let pixels = size.0 as usize * size.1 as usize;
         let (sums, layers) = (vec![[[0; 3]; 2]; pixels], BTreeMap::new());
-        SplatSums { width: size.0 as usize, sums, shared: Vec::new(), layers, invalid: 0 }
+        let width = size.0 as usize;
+        SplatSums { width, scale: 1.0, sums, shared: Vec::new(), layers, invalid: 0 }
+    }
+
+    /// The same for an image as bright as this power of two, roughly ([`Scene::brightness_exponent`]).
+    ///
+    /// [`Scene::brightness_exponent`]: crate::scene::Scene::brightness_exponent
+    pub(super) fn as_bright_as(self, exponent: i32) -> Self {
+        SplatSums { scale: pow2(-i64::from(exponent)), ..self }
+    }
+
+    /// What contributions are multiplied by.
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// What a contribution may be at most.
+    pub(super) fn most(&self) -> f64 {
+        MOST / self.scale
     }
 
     /// The same, for shares in samples too.
@@ -237,6 +257,7 @@ impl SplatSums {
     pub fn take(&mut self, splats: &mut Splats) {
         for ((x, y), layer, value) in splats.waiting.drain(..) {
             let pixel = y as usize * self.width + x as usize;
+            let value = value.map(|v| f64::from(v) * self.scale);
             if !value.iter().all(|v| v.abs() <= MOST) {
                 self.invalid += u64::from(layer.is_none());
                 continue;
@@ -247,15 +268,14 @@ impl SplatSums {
                 Some(layer) => &mut self.layers.entry(layer).or_insert_with(blank)[pixel],
             };
             for (c, value) in value.into_iter().enumerate() {
-                let value = f64::from(value);
-                sum[c] += (value * ONE) as i128;
+                sum[c] = sum[c].saturating_add((value * ONE) as i128);
                 let square = ((value * value * ONE) as i128).saturating_add((value != 0.0).into());
                 squares[c] = squares[c].saturating_add(square);
             }
         }
     }
 
-    /// Adds to a pixel what samples that are shared among pixels have added up to, and their squares, in parts that are
+    /// Adds to a pixel what samples that are shared among pixels have added up to, scaled, and their squares, in parts that are
     /// multiples of the units of these sums.
     pub(super) fn gather(&mut self, (x, y): (u32, u32), parts: Parts) {
         let sums = &mut self.shared[y as usize * self.width + x as usize];
@@ -269,7 +289,7 @@ impl SplatSums {
 
     /// What shared samples add to the mean of a pixel, if it has shares of so many.
     pub(super) fn shared(&self, pixel: usize, samples: f64) -> [f64; 3] {
-        estimate([self.shared[pixel][0], [0; 3]], samples)[0]
+        self.unscaled([self.shared[pixel][0], [0; 3]], samples)[0]
     }
 
     /// What the variance of the mean of a pixel with shares of so many samples is at most, if each adds a number that knows
@@ -277,7 +297,8 @@ impl SplatSums {
     pub(super) fn shared_at_most(&self, pixel: usize, samples: f64) -> [f64; 3] {
         self.shared[pixel][1].map(|squares| {
             let squares = squares as f64 * SQUARE_UNIT;
-            if squares < MOST_SQUARE { squares / (samples * samples) } else { f64::INFINITY }
+            let over = samples * self.scale;
+            if squares < MOST_SQUARE { squares / (over * over) } else { f64::INFINITY }
         })
     }
 
@@ -290,35 +311,36 @@ impl SplatSums {
     /// after `samples` samples of each pixel. Light paths are many, and each adds little to a pixel: the
     /// variance of their sum is the sum of squares.
     pub fn estimate(&self, pixel: usize, samples: f64) -> [[f64; 3]; 2] {
-        estimate(self.sums[pixel], samples)
+        self.unscaled(self.sums[pixel], samples)
     }
 
     /// [`SplatSums::estimate`] for the pixels of each layer that anything was added to.
     pub fn layers(&self, samples: f64) -> BTreeMap<Layer, Vec<[[f64; 3]; 2]>> {
-        let pixels = |sums: &Vec<_>| sums.iter().map(|sums| estimate(*sums, samples)).collect();
+        let pixels =
+            |sums: &Vec<_>| sums.iter().map(|sums| self.unscaled(*sums, samples)).collect();
         self.layers.iter().map(|(layer, sums)| (*layer, pixels(sums))).collect()
     }
-}
 
-/// The mean of so many samples, and the variance of the mean.
-fn estimate([sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
-    let over = |sum: [i128; 3], scale: f64| sum.map(|s| s as f64 / ONE / scale);
-    if samples > 0.0 {
-        let mut variance = over(squares, samples * samples);
+    /// The mean of so many samples, and the variance of the mean.
+    fn unscaled(&self, [sum, squares]: [[i128; 3]; 2], samples: f64) -> [[f64; 3]; 2] {
+        if samples <= 0.0 {
+            return [[0.0; 3]; 2];
+        }
+        let over = |sum: [i128; 3], by: f64| sum.map(|s| s as f64 / ONE / by);
+        let by = samples * self.scale;
+        let mut variance = over(squares, by * by);
         for (variance, squares) in variance.iter_mut().zip(squares) {
             if squares == i128::MAX {
                 *variance = f64::INFINITY;
             }
         }
-        [over(sum, samples), variance]
-    } else {
-        [[0.0; 3]; 2]
+        [over(sum, by), variance]
     }
 }
 
 impl Stored for SplatSums {
     fn store(&self, to: &mut dyn Write) -> io::Result<()> {
-        (self.width, self.invalid, self.layers.len()).store(to)?;
+        (self.width, self.scale, self.invalid, self.layers.len()).store(to)?;
         self.sums.store(to)?;
         self.shared.store(to)?;
         self.layers.iter().try_for_each(|(layer, sums)| {
@@ -328,14 +350,14 @@ impl Stored for SplatSums {
     }
 
     fn load(from: &mut dyn Read) -> io::Result<Self> {
-        let (width, invalid, layers) = <(usize, u64, usize)>::load(from)?;
+        let (width, scale, invalid, layers) = <(usize, f64, u64, usize)>::load(from)?;
         let (sums, shared): (Vec<_>, Vec<_>) = Stored::load(from)?;
         let layers =
             (0..layers).map(|_| Stored::load(from)).collect::<io::Result<BTreeMap<_, _>>>()?;
         if layers.values().any(|layer: &Vec<_>| layer.len() != sums.len()) {
             return Err(malformed("a layer has another size than the image"));
         }
-        Ok(SplatSums { width, sums, shared, layers, invalid })
+        Ok(SplatSums { width, scale, sums, shared, layers, invalid })
     }
 }
 

@@ -5,6 +5,7 @@
 //! what is supported instead. Conventions are Mitsuba's: see [`Primitive`], [`ShapeKind`],
 //! [`Camera`] and [`Filter`].
 
+mod brightness;
 pub mod bsdf;
 pub mod camera;
 pub mod document;
