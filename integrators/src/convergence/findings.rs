@@ -1,6 +1,6 @@
 //! What is strange about measurements, in words.
 
-use super::statistics::{CONFIDENCE, student};
+use super::statistics::{CONFIDENCE, Sums, median, student};
 use super::summary::{ABOVE_FLOOR, SceneSummary, Summary};
 
 /// The least standard deviation of the logarithm that seeds are taken to have.
@@ -59,12 +59,14 @@ fn outlier(summary: &Summary) -> Option<String> {
     let last = summary.points.last().filter(|point| point.by_seed.len() >= 4)?;
     let n = last.by_seed.len() as f64;
     let limit = student(1.0 - (1.0 - CONFIDENCE) / n, n - 2.0) * (1.0 + 1.0 / (n - 1.0)).sqrt();
+    let errors: Vec<f64> = last.by_seed.iter().map(|(_, error)| error.ln()).collect();
+    // Squared distances from their middle tell those from the mean of the others.
+    let (sums, centre) = (Sums::of(&errors), median(&errors));
+    let squares = Sums::of(&errors.iter().map(|x| (x - centre).powi(2)).collect::<Vec<_>>());
     let distance = |k: usize| {
-        let others = last.by_seed.iter().enumerate().filter(|(i, _)| *i != k);
-        let others: Vec<f64> = others.map(|(_, (_, error))| error.ln()).collect();
-        let mean = others.iter().sum::<f64>() / (n - 1.0);
-        let squares: f64 = others.iter().map(|x| (x - mean).powi(2)).sum();
-        (last.by_seed[k].1.ln() - mean).abs() / (squares / (n - 2.0)).sqrt().max(LEAST_SPREAD)
+        let mean = sums.mean_without(Some(k));
+        let squares = squares.without(Some(k)) - (n - 1.0) * (mean - centre).powi(2);
+        (errors[k] - mean).abs() / (squares / (n - 2.0)).max(0.0).sqrt().max(LEAST_SPREAD)
     };
     let distances = (0..last.by_seed.len()).map(|k| (k, distance(k)));
     let (k, _) = distances.filter(|(_, d)| *d > limit).max_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -32,27 +32,59 @@ pub fn student(confidence: f64, freedom: f64) -> f64 {
 }
 
 /// A function of several independent repetitions, with its interval by the jackknife (Tukey 1958): how much the
-/// value changes when each is left out. `statistic` gets the numbers of those that are in; `None` if it has
-/// no value, or with fewer than three repetitions.
+/// value changes when each is left out. `statistic` gets the number of the one that is left out, first that of none; `None` if
+/// it has no value, or with fewer than three repetitions.
 pub fn jackknife(
     repetitions: usize,
-    statistic: impl Fn(&[usize]) -> Option<f64>,
+    statistic: impl Fn(Option<usize>) -> Option<f64>,
 ) -> Option<Interval> {
     if repetitions < 3 {
         return None;
     }
-    let all: Vec<usize> = (0..repetitions).collect();
-    let value = statistic(&all)?;
-    let without = |k: usize| -> Option<f64> {
-        let others: Vec<usize> = all.iter().copied().filter(|i| *i != k).collect();
-        statistic(&others)
-    };
-    let parts: Vec<f64> = all.iter().map(|k| without(*k)).collect::<Option<_>>()?;
+    let value = statistic(None)?;
+    let parts: Vec<f64> = (0..repetitions).map(|k| statistic(Some(k))).collect::<Option<_>>()?;
     let n = repetitions as f64;
     let mean = parts.iter().sum::<f64>() / n;
     let squares: f64 = parts.iter().map(|part| (part - mean).powi(2)).sum();
     let half = student(CONFIDENCE, n - 1.0) * (squares * (n - 1.0) / n).sqrt();
     Some(Interval { value, low: value - half, high: value + half })
+}
+
+/// A sum of values, and what it is without each of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sums {
+    all: f64,
+    without: Vec<f64>,
+}
+
+impl Sums {
+    /// Those of some values. What is left of a sum is added up, not subtracted from it: next to a large value it would lose
+    /// its digits.
+    pub fn of(values: &[f64]) -> Self {
+        let mut without = Vec::with_capacity(values.len());
+        let mut all = 0.0;
+        for value in values {
+            without.push(all);
+            all += value;
+        }
+        let mut after = 0.0;
+        for (without, value) in without.iter_mut().zip(values).rev() {
+            *without += after;
+            after += value;
+        }
+        Sums { all, without }
+    }
+
+    /// The sum without the value with this number.
+    pub fn without(&self, left_out: Option<usize>) -> f64 {
+        left_out.map_or(self.all, |k| self.without[k])
+    }
+
+    /// The mean without the value with this number.
+    pub fn mean_without(&self, left_out: Option<usize>) -> f64 {
+        let count = self.without.len() - usize::from(left_out.is_some());
+        self.without(left_out) / count as f64
+    }
 }
 
 /// The quantile of some values, interpolated between neighbours; NaN if there are none.
@@ -104,15 +136,21 @@ mod tests {
     #[test]
     fn the_jackknife_of_a_mean_is_its_interval() {
         let values = [1.0, 2.0, 4.0, 9.0];
-        let mean = |which: &[usize]| {
-            Some(which.iter().map(|i| values[*i]).sum::<f64>() / which.len() as f64)
-        };
+        let sums = Sums::of(&values);
+        let mean = |left_out: Option<usize>| Some(sums.mean_without(left_out));
         let interval = jackknife(4, mean).unwrap();
         // Standard error: the root of 38 / 3 / 4.
         let half = student(0.99, 3.0) * (38.0f64 / 12.0).sqrt();
         approx::assert_relative_eq!(interval.high - 4.0, half, max_relative = 1e-12);
         assert!((interval.value, interval.contains(4.1)) == (4.0, true));
         assert_eq!(jackknife(2, mean), None);
+    }
+
+    #[test]
+    fn what_is_left_of_a_sum_keeps_its_digits() {
+        let sums = Sums::of(&[0.25, 1e30, 0.5, 2.0]);
+        assert_eq!([Some(0), Some(1), None].map(|k| sums.without(k)), [1e30, 2.75, 1e30]);
+        assert_eq!(sums.mean_without(Some(1)), 2.75 / 3.0);
     }
 
     #[test]

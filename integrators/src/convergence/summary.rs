@@ -1,7 +1,7 @@
 //! Curves of errors: medians, slopes, efficiencies.
 
 use super::record::{Curve, Estimate, Row};
-use super::statistics::{Interval, jackknife, median, quantile, slope};
+use super::statistics::{Interval, Sums, jackknife, median, quantile, slope};
 
 /// The number of samples of the baseline whose error others are to reach.
 pub const TARGET_SAMPLES: u32 = 64;
@@ -26,15 +26,14 @@ pub struct Point {
 }
 
 impl Point {
-    /// The mean relMSE over some of the seeds.
-    fn mean(&self, seeds: &[usize]) -> f64 {
-        seeds.iter().map(|i| self.by_seed[*i].1).sum::<f64>() / seeds.len() as f64
+    /// The sums of relMSE over seeds.
+    fn sums(&self) -> Sums {
+        Sums::of(&self.by_seed.iter().map(|(_, error)| *error).collect::<Vec<_>>())
     }
 
     /// The mean relMSE of all seeds without what the reference adds to it.
     pub fn above(&self, floor: f64) -> f64 {
-        let all: Vec<usize> = (0..self.by_seed.len()).collect();
-        self.mean(&all) - floor
+        self.sums().mean_without(None) - floor
     }
 }
 
@@ -198,14 +197,15 @@ fn fitted_slope(points: &[Point], floor: f64) -> Option<Interval> {
             && f64::from(point.spp) >= most / OCTAVES.exp2()
             && point.above(floor) > (ABOVE_FLOOR - 1.0) * floor
     };
-    let points: Vec<&Point> = points.iter().filter(counts).collect();
+    let points: Vec<(u32, Sums)> =
+        points.iter().filter(counts).map(|point| (point.spp, point.sums())).collect();
     if points.len() < 3 {
         return None;
     }
-    jackknife(seeds, |which| {
-        let place = |point: &&Point| {
-            let error = point.mean(which) - floor;
-            (f64::from(point.spp).ln(), 0.5 * error.ln())
+    jackknife(seeds, |left_out| {
+        let place = |(spp, errors): &(u32, Sums)| {
+            let error = errors.mean_without(left_out) - floor;
+            (f64::from(*spp).ln(), 0.5 * error.ln())
         };
         slope(&points.iter().map(place).collect::<Vec<_>>()).filter(|slope| slope.is_finite())
     })
