@@ -38,7 +38,7 @@ impl InstantRadiosity {
     /// About as many bytes as the light paths of a sample may take. Where nothing else limits their lengths, they are
     /// counted as paths of 32 vertices.
     pub fn bytes(&self) -> u64 {
-        let vertices = (self.path.most_vertices() - 1).min(COUNTED);
+        let vertices = self.path.light_vertices(COUNTED);
         let path = size_of::<LightPath<Everything>>() + HEAP;
         let path = path + vertices * LightPath::<Everything>::BYTES_OF_A_STEP;
         u64::from(self.light_paths) * path as u64
@@ -52,7 +52,7 @@ const AT_ONCE: usize = 256;
 const COUNTED: usize = 32;
 
 /// What an allocation takes beside its contents, in bytes.
-const HEAP: usize = 16;
+pub(crate) const HEAP: usize = 16;
 
 /// What one thread reuses: memory for paths, and the camera path that is connected to one part of the light paths after the
 /// other.

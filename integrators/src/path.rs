@@ -72,6 +72,12 @@ impl PathSettings {
     pub fn most_vertices(&self) -> usize {
         self.max_depth.map_or(usize::MAX, |edges| edges as usize + 1)
     }
+
+    /// How many vertices of a light path memory is needed for, if Russian roulette mostly ends it before it has `ended` ones:
+    /// all that it may have without the eye, or those that Russian roulette leaves.
+    pub fn light_vertices(&self, ended: usize) -> usize {
+        (self.most_vertices() - 1).min(ended.max(self.rr_depth as usize))
+    }
 }
 
 /// The technique of paths from the camera whose last vertices are made by some steps.

@@ -28,13 +28,13 @@ use crate::world::World;
 const SMOOTH: f32 = 0.1;
 
 /// More photons than paths mostly have that Russian roulette ends.
-const COUNTED: usize = 8;
+pub(crate) const COUNTED: usize = 8;
 
 /// Where each photon is at once: with those of its thread, among all, sorted, and in the map of the pass before.
 const COPIES: usize = 4;
 
 /// What sorting them takes beside, in bytes: buckets, places and the beginnings of buckets.
-const SORTED: usize = 32;
+pub(crate) const SORTED: usize = 32;
 
 /// Settings of photon mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl PhotonMapping {
     /// About as many bytes as the photons of so many light paths may take. Where nothing else limits the lengths of these, they
     /// are counted as paths of eight.
     pub fn bytes(&self, light_paths: u32) -> u64 {
-        let photons = (self.path.most_vertices() - 1).min(COUNTED);
+        let photons = self.path.light_vertices(COUNTED);
         u64::from(light_paths) * (photons * (COPIES * size_of::<Photon>() + SORTED)) as u64
     }
 }

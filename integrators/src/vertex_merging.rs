@@ -11,9 +11,11 @@ use aether_core::{Arena, PowerHeuristic, combine};
 use glam::Vec3;
 
 use crate::emission::LightStrategies;
+use crate::instant_radiosity::HEAP;
 use crate::integrator::Received;
-use crate::kind::{NotCovered, SceneKind};
+use crate::kind::{Everything, NotCovered, SceneKind};
 use crate::path::PathSettings;
+use crate::photon_mapping::{COUNTED, SORTED};
 use crate::photons::{PhotonMap, Placed, seen_size, shrunk};
 use crate::render::{AnyKernel, Cancelled, Splats, Technique, Worker};
 use crate::scene::{Filter, SamplerKind, Scene};
@@ -42,6 +44,14 @@ impl VertexMerging {
     /// With the usual settings.
     pub fn new(path: PathSettings) -> Self {
         VertexMerging { path, radius: 0.005, alpha: 0.75 }
+    }
+
+    /// About as many bytes as so many light paths and their ends may take, counted as those of photon mapping are: paths
+    /// with their thread's and among all, and ends in a list, sorted, and in the map of the pass before.
+    pub fn bytes(&self, light_paths: u64) -> u64 {
+        let path = 2 * size_of::<LightPath<Everything>>() + HEAP;
+        let vertex = LightPath::<Everything>::BYTES_OF_A_STEP + 3 * size_of::<End>() + SORTED;
+        light_paths * (path + self.path.light_vertices(COUNTED) * vertex) as u64
     }
 }
 

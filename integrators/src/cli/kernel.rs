@@ -181,6 +181,8 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
     let techniques = plan.techniques;
     let path = PathSettings { max_depth: plan.max_depth, techniques, ..PathSettings::new(scene) };
     let bidirectional = Bidirectional::new(path);
+    let pixels = u64::from(plan.size.0) * u64::from(plan.size.1);
+    let fewer_paths = |fitting| format!("ask for fewer, `--light-paths {fitting}`");
     let algorithm = match plan.integrator.as_str() {
         "path" => Algorithm::Path(path),
         "ptracer" => Algorithm::LightTracer(LightTracer { path }),
@@ -195,17 +197,27 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
         "vpl" => {
             let light_paths = plan.light_paths.unwrap_or(256);
             let radiosity = InstantRadiosity { path, light_paths, clamp: plan.clamp };
-            check_bytes("vpl", light_paths, radiosity.bytes())?;
+            check_bytes("vpl", u64::from(light_paths), radiosity.bytes(), fewer_paths)?;
             Algorithm::InstantRadiosity(radiosity)
         }
         "ppm" => {
             let settings = PhotonMapping::new(path);
-            if let Some(light_paths) = plan.light_paths {
-                check_bytes("ppm", light_paths, settings.bytes(light_paths))?;
-            }
+            // As many as pixels, of which there are fewer than 2^32.
+            let light_paths = plan.light_paths.unwrap_or(pixels as u32);
+            let bytes = settings.bytes(light_paths);
+            check_bytes("ppm", u64::from(light_paths), bytes, fewer_paths)?;
             Algorithm::PhotonMapping(PhotonMapping { light_paths: plan.light_paths, ..settings })
         }
-        "vcm" => Algorithm::VertexMerging(VertexMerging::new(path)),
+        "vcm" => {
+            let settings = VertexMerging::new(path);
+            check_bytes("vcm", pixels, settings.bytes(pixels), |fitting| {
+                let smaller = (fitting as f64 / pixels as f64).sqrt();
+                let [width, height] = [plan.size.0, plan.size.1]
+                    .map(|side| (f64::from(side) * smaller).max(1.0) as u32);
+                format!("one for each pixel: ask for a smaller image, `--size {width}x{height}`")
+            })?;
+            Algorithm::VertexMerging(settings)
+        }
         "mlt" => {
             let (mutations, direct) = (plan.mutations, plan.separate_direct);
             Algorithm::Metropolis(Metropolis { mutations, direct, ..Metropolis::new(path) })
@@ -241,16 +253,21 @@ pub(super) fn algorithm_for(scene: &Scene, plan: &Plan) -> Result<Algorithm, Fai
 /// The most bytes that the light paths of a sample, or images of techniques, may take.
 pub(super) const MOST_BYTES: u64 = 8_000_000_000;
 
-/// That so many light paths of an integrator, which take so many bytes, fit into memory.
-fn check_bytes(integrator: &str, paths: u32, bytes: u64) -> Result<(), Failure> {
+/// That so many light paths of an integrator, which take so many bytes, fit into memory; how to ask for as many as fit is said
+/// otherwise.
+fn check_bytes(
+    integrator: &str,
+    paths: u64,
+    bytes: u64,
+    remedy: impl Fn(u64) -> String,
+) -> Result<(), Failure> {
     if bytes <= MOST_BYTES {
         return Ok(());
     }
-    let fitting = MOST_BYTES / (bytes / u64::from(paths));
     Err(Failure::new(format!(
-        "{paths} light paths of integrator `{integrator}` may take {:.1} GB; ask for fewer, `--light-paths {fitting}`, or for \
-         shorter ones, `--max-depth`",
-        bytes as f64 / 1e9
+        "{paths} light paths of integrator `{integrator}` may take {:.1} GB; {}, or for shorter ones, `--max-depth`",
+        bytes as f64 / 1e9,
+        remedy(MOST_BYTES / (bytes / paths))
     )))
 }
 
@@ -364,6 +381,33 @@ mod tests {
         assert!(of("ppm", &["--light-paths", "16777216", "--max-depth", "-1"]).is_err());
         assert_eq!(of("ppm", &["--light-paths", "4000000"]), Ok(()));
         assert_eq!(of("ppm", &[]), Ok(()));
+    }
+
+    #[test]
+    fn images_whose_light_paths_memory_has_no_room_for_are_refused() {
+        let of = |integrator: &str, (width, height): (u32, u32), line: &[&str]| {
+            let line = [&["--integrator", integrator], line].concat();
+            let plan = Plan { size: (width, height), ..Plan::new(&scene(), &arguments(&line)) };
+            algorithm_for(&scene(), &plan).map(|_| ()).map_err(|failure| failure.to_string())
+        };
+        let large = (16_384, 8192);
+        for integrator in ["vcm", "ppm"] {
+            let message = of(integrator, large, &[]).unwrap_err();
+            let beginning = format!("134217728 light paths of integrator `{integrator}` may take ");
+            assert!(message.starts_with(&beginning), "{message}");
+            assert!(of(integrator, (1920, 1080), &["--max-depth", "-1"]).is_ok());
+            assert!(of(integrator, large, &["--max-depth", "-1"]).is_err());
+        }
+        let message = of("vcm", large, &[]).unwrap_err();
+        assert!(message.contains(" GB; one for each pixel: ask for a smaller image, `--size "));
+        // What it says fits does.
+        let fitting = message.split('`').nth(3).expect("a remedy");
+        let size = fitting.trim_start_matches("--size ").split_once('x').expect("a size");
+        let size = (size.0.parse().expect("columns"), size.1.parse().expect("rows"));
+        assert_eq!(of("vcm", size, &[]), Ok(()), "{message}");
+        let message = of("ppm", large, &[]).unwrap_err();
+        let fewer = message.split('`').nth(3).expect("a remedy");
+        assert_eq!(of("ppm", large, &fewer.split(' ').collect::<Vec<_>>()), Ok(()), "{message}");
     }
 
     #[test]
