@@ -468,6 +468,27 @@ fn a_checkpoint_of_something_else_is_refused() {
 }
 
 #[test]
+fn a_parameter_that_is_the_number_of_samples_may_grow() {
+    let directory = Directory::new("more-samples");
+    let kept = ["-D", "grey=0.6", "--checkpoint", "state"];
+    directory.rendered("four.exr", &[&kept[..], &["-D", "spp=4"]].concat());
+    let eight = directory.rendered("eight.exr", &[&kept[..], &["-D", "spp=8"]].concat());
+    let whole = directory.rendered("whole.exr", &["-D", "grey=0.6", "--spp", "8"]);
+    assert_eq!((samples(&eight), &eight.rgb), (8, &whole.rgb));
+    // As an option may, and for another reason than the number of samples not.
+    let option = directory.rendered("option.exr", &[&kept[..], &["--spp", "10"]].concat());
+    assert_eq!(samples(&option), 10);
+    let both = SCENE.replace(r#"value="20""#, r#"value="$spp""#);
+    std::fs::write(directory.path("ball.xml"), both).unwrap();
+    let options = ["ball.xml", "--checkpoint", "other", "-D"];
+    let first = directory.render(&[&options[..], &["spp=4"]].concat()).output().unwrap();
+    assert_eq!(first.status.code(), Some(0), "{}", message(&first));
+    let second = directory.render(&[&options[..], &["spp=8"]].concat()).output().unwrap();
+    assert_eq!(second.status.code(), Some(2));
+    assert!(message(&second).contains("its parameters is"), "{}", message(&second));
+}
+
+#[test]
 fn what_techniques_contribute_adds_up_to_the_image() {
     let directory = Directory::new("techniques");
     let names = ["path", "gdpt", "vpl", "ppm", "vcm", "ptracer", "mlt", "pssmlt", "bdpt"];

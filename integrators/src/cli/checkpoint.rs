@@ -56,6 +56,9 @@ fn settings(
     let Plan { techniques, light_paths, clamp, mutations, separate_direct, .. } = plan;
     // Windows that are good enough for one target may not be for another.
     let adaptive = arguments.target_error.filter(|_| arguments.adaptive);
+    let counts_samples = |name: &String| scene.sample_parameters.contains(name);
+    let parameters: Vec<_> =
+        arguments.defines.iter().filter(|(name, _)| !counts_samples(name)).collect();
     let mut settings = vec![
         ("version of the program", env!("CARGO_PKG_VERSION").to_owned()),
         ("size", format!("{}x{}", size.0, size.1)),
@@ -74,7 +77,7 @@ fn settings(
         ("separate direct light", separate_direct.to_string()),
         ("technique images", format!("{:?}", arguments.technique_images)),
         ("adaptive target error", format!("{adaptive:?}")),
-        ("parameters", format!("{:?}", arguments.defines)),
+        ("parameters", format!("{parameters:?}")),
         ("portals", format!("{:?}", arguments.portals)),
         ("mitsuba3_roughplastic", arguments.mitsuba3_roughplastic.to_string()),
     ]

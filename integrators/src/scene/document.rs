@@ -100,6 +100,8 @@ pub struct Document {
     pub warnings: RefCell<Vec<SceneError>>,
     /// The files that have been read, in this order.
     pub files: RefCell<Vec<PathBuf>>,
+    /// The parameters from outside that say nothing but how many samples there are.
+    pub sample_parameters: Vec<String>,
 }
 
 impl Document {

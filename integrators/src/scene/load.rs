@@ -200,6 +200,7 @@ fn build(document: &Document, overrides: &Overrides) -> Result<Scene, SceneError
         bounds,
         warnings: document.warnings.take(),
         files: document.files.take(),
+        sample_parameters: document.sample_parameters.clone(),
         degenerate_triangles: parts.degenerate,
     };
     let cut: Vec<SceneError> = clips

@@ -121,6 +121,8 @@ pub struct Scene {
     pub warnings: Vec<SceneError>,
     /// The files that it was read from: the scene file, and what that refers to.
     pub files: Vec<PathBuf>,
+    /// The parameters from outside that say nothing but how many samples there are.
+    pub sample_parameters: Vec<String>,
     /// How many triangles were left out because they have no area.
     pub degenerate_triangles: usize,
     tracer: Tracer,

@@ -19,6 +19,9 @@ struct Parameter {
     name: String,
     value: String,
     used: bool,
+    /// Whether it comes from outside the file, and whether something else than a number of samples is made of it.
+    outside: bool,
+    matters: bool,
 }
 
 impl Parameters {
@@ -27,7 +30,8 @@ impl Parameters {
         let mut list: Vec<Parameter> = Vec::new();
         for (name, value) in defines {
             list.retain(|p| p.name != *name);
-            list.push(Parameter { name: name.clone(), value: value.clone(), used: false });
+            let (name, value) = (name.clone(), value.clone());
+            list.push(Parameter { name, value, used: false, outside: true, matters: false });
         }
         Self { list, ..Self::default() }
     }
@@ -44,13 +48,15 @@ impl Parameters {
         if self.list.len() >= MOST_PARAMETERS {
             return Err(format!("more than {MOST_PARAMETERS} parameters"));
         }
-        self.list.push(Parameter { name: name.to_owned(), value: value.to_owned(), used: true });
+        let (name, value) = (name.to_owned(), value.to_owned());
+        self.list.push(Parameter { name, value, used: true, outside: false, matters: false });
         Ok(())
     }
 
     /// Replaces each `$name` by its value; of several names that fit the longest wins, as in
-    /// Mitsuba. What is inserted is not searched again.
-    pub fn substitute(&mut self, text: &str) -> Result<String, String> {
+    /// Mitsuba. What is inserted is not searched again. `counts_samples` if the text says how many samples there are, and
+    /// nothing else.
+    pub fn substitute(&mut self, text: &str, counts_samples: bool) -> Result<String, String> {
         let mut result = String::with_capacity(text.len());
         let mut rest = text;
         while let Some(dollar) = rest.find('$') {
@@ -67,6 +73,7 @@ impl Parameters {
                 ));
             };
             parameter.used = true;
+            parameter.matters |= !counts_samples;
             self.replaced += 1;
             self.inserted += parameter.value.len();
             if self.replaced > MOST_REPLACED || self.inserted > MOST_INSERTED {
@@ -80,6 +87,12 @@ impl Parameters {
         }
         result.push_str(rest);
         Ok(result)
+    }
+
+    /// The parameters from outside that say nothing but how many samples there are.
+    pub fn counting_samples(&self) -> Vec<String> {
+        let counting = self.list.iter().filter(|p| p.outside && !p.matters);
+        counting.map(|p| p.name.clone()).collect()
     }
 
     /// A parameter that was defined from outside but that no file mentions.
@@ -98,10 +111,10 @@ mod tests {
         let mut p = Parameters::new(&[("spp".into(), "4".into()), ("x".into(), "$spp".into())]);
         p.set_default("spp", "64").unwrap();
         p.set_default("spp_max", "128").unwrap();
-        assert_eq!(p.substitute("a $spp_max,$spp."), Ok("a 128,4.".to_owned()));
+        assert_eq!(p.substitute("a $spp_max,$spp.", false), Ok("a 128,4.".to_owned()));
         assert_eq!(p.unused(), Some("x"));
-        assert_eq!(p.substitute("$x"), Ok("$spp".to_owned()));
+        assert_eq!(p.substitute("$x", false), Ok("$spp".to_owned()));
         assert_eq!(p.unused(), None);
-        assert!(p.substitute("$nope/a").unwrap_err().contains("$nope;"));
+        assert!(p.substitute("$nope/a", false).unwrap_err().contains("$nope;"));
     }
 }

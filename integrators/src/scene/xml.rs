@@ -68,6 +68,7 @@ pub fn read_str(
             format!("-D {name}=…: the scene has no parameter ${name}"),
         ));
     }
+    reader.document.sample_parameters = reader.parameters.counting_samples();
     reader.resolve_references()?;
     reader.document.objects.iter_mut().filter(|object| object.old).for_each(upgrade);
     reader.document.reject_cycles()?;
@@ -93,6 +94,13 @@ pub(super) struct Context {
     depth: usize,
     /// Whether the file is of a version before 2, in which names were written otherwise.
     old: bool,
+}
+
+/// Whether an element says how many samples a sampler has, by its name in any version.
+fn is_sample_count(node: Node) -> bool {
+    let is_sampler = |parent: Node| parent.tag_name().name() == "sampler";
+    matches!(node.attribute("name"), Some("sample_count" | "sampleCount"))
+        && node.parent_element().is_some_and(is_sampler)
 }
 
 pub(super) type Attributes<'a> = Vec<(&'a str, String)>;
@@ -281,7 +289,8 @@ impl Reader {
                     place.error(format!("unknown attribute \"{name}\"; supported: {known}"))
                 );
             }
-            let value = self.parameters.substitute(attribute.value());
+            let counts_samples = name == "value" && is_sample_count(node);
+            let value = self.parameters.substitute(attribute.value(), counts_samples);
             result.push((name, value.map_err(|e| place.error(e))?));
         }
         for (index, name) in required.iter().enumerate() {
