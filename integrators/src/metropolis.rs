@@ -1,6 +1,7 @@
 //! Metropolis light transport in path space (Veach and Guibas 1997; Aether 2017, section 7.3): chains of paths,
 //! mutated by the functions of [`crate::mutations`]. The densities of mutations are derived.
 
+use std::fmt;
 use std::io::{self, Read, Write};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -255,6 +256,13 @@ impl Default for MutationSet {
     /// All of them.
     fn default() -> Self {
         MutationSet([true; MUTATIONS.len()])
+    }
+}
+
+impl fmt::Display for MutationSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let used = MUTATIONS.iter().zip(self.0).filter(|(_, used)| *used);
+        f.write_str(&used.map(|(name, _)| *name).collect::<Vec<_>>().join(","))
     }
 }
 

@@ -176,6 +176,7 @@ fn a_file_tells_the_options_that_its_image_depends_on() {
         (&["--integrator=gdpt"], "reconstruction=l1"),
         (&["--integrator=vpl", "--light-paths=3", "--clamp=0.5"], "light_paths=3 clamp=0.5"),
         (&["--integrator=mlt", "--chained-direct"], "chained_direct"),
+        (&["--integrator=mlt", "--mutations=caustic,lens"], "mutations=lens,caustic"),
         (&["--target-error=9", "--adaptive"], "target_error=9 adaptive"),
         (&["--mitsuba3-roughplastic"], "mitsuba3_roughplastic"),
     ] {
@@ -451,7 +452,7 @@ fn a_checkpoint_of_something_else_is_refused() {
     refused(&kept, &["--sampler", "ldsampler"], "its sampler is `independent`");
     refused(&kept, &["--size", "8x8"], "its size is `24x16`");
     refused(&kept, &["--technique-images"], "technique images");
-    refused(&kept, &["-D", "grey=0.6"], "parameters");
+    refused(&kept, &["-D", "grey=0.6"], "its -D grey is nothing, and that of this render `0.6`");
     refused(b"<scene/>", &[], "no checkpoint");
     refused(&kept[..kept.len() / 2], &[], "cut short");
     let with = |at: usize, byte: u8| {
@@ -485,7 +486,7 @@ fn a_parameter_that_is_the_number_of_samples_may_grow() {
     assert_eq!(first.status.code(), Some(0), "{}", message(&first));
     let second = directory.render(&[&options[..], &["spp=8"]].concat()).output().unwrap();
     assert_eq!(second.status.code(), Some(2));
-    assert!(message(&second).contains("its parameters is"), "{}", message(&second));
+    assert!(message(&second).contains("its -D spp is `4`"), "{}", message(&second));
 }
 
 #[test]

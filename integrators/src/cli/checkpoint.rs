@@ -9,6 +9,7 @@ use flate2::CrcWriter;
 use super::Failure;
 use super::arguments::RenderArguments;
 use super::kernel::Plan;
+use super::settings::{of_samples, settings};
 use crate::image::check_writable;
 use crate::render::checkpoint::Checkpoint;
 use crate::scene::Scene;
@@ -27,7 +28,7 @@ pub(super) fn checkpoint(
         (_, true) => "the render writes an image to it",
         _ => {
             check_writable(file)?;
-            return Ok(Checkpoint::new(file, settings(scene, plan, arguments)?));
+            return Ok(Checkpoint::new(file, identity(scene, plan, arguments)?));
         }
     };
     let file = file.display();
@@ -47,43 +48,12 @@ pub(super) fn place(file: &Path) -> PathBuf {
 }
 
 /// All that the samples depend on, apart from how many there are, by names that a user knows.
-fn settings(
+fn identity(
     scene: &Scene,
     plan: &Plan,
     arguments: &RenderArguments,
 ) -> Result<Vec<(String, String)>, Failure> {
-    let Plan { integrator, size, crop, seed, max_depth, rr_depth, kind, .. } = plan;
-    let Plan { techniques, light_paths, clamp, mutations, separate_direct, .. } = plan;
-    // Windows that are good enough for one target may not be for another.
-    let adaptive = arguments.target_error.filter(|_| arguments.adaptive);
-    let counts_samples = |name: &String| scene.sample_parameters.contains(name);
-    let parameters: Vec<_> =
-        arguments.defines.iter().filter(|(name, _)| !counts_samples(name)).collect();
-    let mut settings = vec![
-        ("version of the program", env!("CARGO_PKG_VERSION").to_owned()),
-        ("size", format!("{}x{}", size.0, size.1)),
-        ("crop", format!("{},{}", crop.0, crop.1)),
-        ("integrator", integrator.clone()),
-        ("seed", seed.to_string()),
-        ("sampler", plan.sampler_name().to_owned()),
-        ("kind", kind.clone()),
-        ("max_depth", max_depth.map_or("-1".to_owned(), |depth| depth.to_string())),
-        ("rr_depth", rr_depth.to_string()),
-        ("hide_emitters", scene.integrator.hide_emitters.to_string()),
-        ("techniques", techniques.to_string()),
-        ("light paths", format!("{light_paths:?}")),
-        ("clamp", format!("{clamp:?}")),
-        ("mutations", format!("{mutations:?}")),
-        ("separate direct light", separate_direct.to_string()),
-        ("technique images", format!("{:?}", arguments.technique_images)),
-        ("adaptive target error", format!("{adaptive:?}")),
-        ("parameters", format!("{parameters:?}")),
-        ("portals", format!("{:?}", arguments.portals)),
-        ("mitsuba3_roughplastic", arguments.mitsuba3_roughplastic.to_string()),
-    ]
-    .into_iter()
-    .map(|(name, value)| (name.to_owned(), value))
-    .collect::<Vec<_>>();
+    let mut settings = of_samples(settings(plan, arguments));
     for (number, file) in scene.files.iter().enumerate() {
         let contents = digest(file).map_err(|error| {
             Failure::new(format!("`{}` cannot be read again: {error}", file.display()))

@@ -55,6 +55,10 @@ pub(super) struct Plan {
     pub separate_direct: bool,
     /// How an image is made of its gradients, for integrators that have them.
     pub reconstruction: Reconstruction,
+    /// Whether the camera does not see lights.
+    pub hide_emitters: bool,
+    /// The parameters that say nothing but how many samples there are.
+    pub sample_parameters: Vec<String>,
 }
 
 impl Plan {
@@ -85,6 +89,8 @@ impl Plan {
             mutations: arguments.mutations.unwrap_or_default(),
             separate_direct: !arguments.chained_direct,
             reconstruction: arguments.reconstruction.unwrap_or_default(),
+            hide_emitters: requested.hide_emitters,
+            sample_parameters: scene.sample_parameters.clone(),
         }
     }
 }

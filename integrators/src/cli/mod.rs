@@ -3,7 +3,8 @@
 //! - `arguments`: the command line and its limits.
 //! - `kernel`: from a scene file to something that can be rendered.
 //! - `render`, `compare`, `inspect`, `convergence`, `report`: one module for each command.
-//! - `checkpoint`: what a render that goes on has to have in common with the one before.
+//! - `settings`: the options that an image depends on; `checkpoint`: what a render that goes on has to have in common with the
+//!   one before.
 //! - `terminal`: the progress bar and Ctrl-C; `live`: the picture while it grows.
 //!
 //! Exit codes: 0 on success, 2 on wrong usage or input (with a message on stderr), 130 when a
@@ -18,6 +19,7 @@ mod kernel;
 mod live;
 mod render;
 mod report;
+mod settings;
 mod terminal;
 
 use std::fmt;

@@ -13,6 +13,7 @@ use super::kernel::{
     warn_of_lost_light,
 };
 use super::live::Live;
+use super::settings::{of_image, settings};
 use super::terminal::{Terminal, duration, percent};
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::aovs::aovs;
@@ -319,49 +320,19 @@ fn write_gradients(
     Ok(())
 }
 
-/// The options that an image depends on and that have no attribute of their own.
-fn options(plan: &Plan, arguments: &RenderArguments) -> Vec<String> {
-    let is_set = |name: &str, value: bool| value.then(|| name.to_owned());
-    let reconstruction = match plan.reconstruction {
-        Reconstruction::L1 => "reconstruction=l1",
-        Reconstruction::L2 => "reconstruction=l2",
-        Reconstruction::None => "reconstruction=none",
-    };
-    let options = [
-        is_set(reconstruction, plan.integrator == "gdpt"),
-        plan.light_paths.map(|paths| format!("light_paths={paths}")),
-        plan.clamp.map(|limit| format!("clamp={limit}")),
-        is_set("chained_direct", arguments.chained_direct),
-        arguments.target_error.map(|target| format!("target_error={target}")),
-        is_set("adaptive", arguments.adaptive),
-        is_set("mitsuba3_roughplastic", arguments.mitsuba3_roughplastic),
-    ];
-    let portals = arguments.portals.iter().map(|id| format!("portal={id}"));
-    options.into_iter().flatten().chain(portals).collect()
-}
-
 /// How the image was made, for the header of the file.
 fn attributes(
     plan: &Plan,
     arguments: &RenderArguments,
     rendered: &Rendered,
 ) -> BTreeMap<String, Attribute> {
-    let max_depth = plan.max_depth.map_or("-1".to_owned(), |depth| depth.to_string());
-    let mut settings = format!("max_depth={max_depth} rr_depth={}", plan.rr_depth);
-    for (name, value) in &arguments.defines {
-        settings += &format!(" -D {name}={value}");
-    }
-    if !plan.techniques.is_all() {
-        settings += &format!(" techniques={}", plan.techniques);
-    }
-    settings.extend(options(plan, arguments).iter().map(|option| format!(" {option}")));
     let text = |text: &str| Attribute::Text(text.to_owned());
     let count = |samples: u32| Attribute::Integer(i32::try_from(samples).unwrap_or(i32::MAX));
     let (fewest, most) = rendered.film.samples();
     let mut attributes = BTreeMap::from([
         ("scene", text(&arguments.scene.to_string_lossy())),
         ("integrator", text(&plan.integrator)),
-        ("settings", text(&settings)),
+        ("settings", text(&of_image(&settings(plan, arguments)))),
         // As text, for a seed has 64 bits and an integer attribute 32.
         ("seed", text(&plan.seed.to_string())),
         ("sampler", text(plan.sampler_name())),
@@ -494,6 +465,8 @@ mod tests {
             mutations: Default::default(),
             separate_direct: true,
             reconstruction: Default::default(),
+            hide_emitters: false,
+            sample_parameters: Vec::new(),
         };
         let settings = RenderSettings::new(plan.size, Budget::Samples(4));
         let rendered = render(&Alternating, &settings, &());
