@@ -48,7 +48,7 @@ impl<R: Scalar> PathDensity<R> {
         (self.mantissa, self.exponent)
     }
 
-    #[inline]
+    #[inline(always)]
     fn normalised(mantissa: R, exponent: i32) -> Self {
         if Self::is_usual(mantissa) {
             PathDensity { mantissa, exponent }
@@ -63,6 +63,8 @@ impl<R: Scalar> PathDensity<R> {
         mantissa >= R::of(LEAST) && mantissa < R::of(MOST)
     }
 
+    #[cold]
+    #[inline(never)]
     fn moved(mut mantissa: R, mut exponent: i32) -> Self {
         if mantissa == R::INFINITY {
             return Self::INFINITY;
@@ -156,11 +158,7 @@ impl<R: Scalar> Mul for PathDensity<R> {
         if self.exponent | other.exponent == 0 && Self::is_usual(mantissa) {
             return PathDensity { mantissa, exponent: 0 };
         }
-        if self.is_zero() || other.is_zero() {
-            return Self::ZERO;
-        }
-        let exponent = self.exponent.saturating_add(other.exponent);
-        Self::normalised(self.mantissa * other.mantissa, exponent)
+        self.multiplied(other)
     }
 }
 
@@ -181,11 +179,7 @@ impl<R: Scalar> Div for PathDensity<R> {
         if self.exponent | other.exponent == 0 && Self::is_usual(mantissa) {
             return PathDensity { mantissa, exponent: 0 };
         }
-        if self.is_zero() || other.is_infinite() {
-            return Self::ZERO;
-        }
-        let exponent = self.exponent.saturating_sub(other.exponent);
-        Self::normalised(self.mantissa / other.mantissa, exponent)
+        self.divided(other)
     }
 }
 
@@ -201,8 +195,33 @@ impl<R: Scalar> Add for PathDensity<R> {
     }
 }
 
+/// What is unusual is not in line.
 impl<R: Scalar> PathDensity<R> {
+    /// The product of any two numbers.
+    #[cold]
+    #[inline(never)]
+    fn multiplied(self, other: Self) -> Self {
+        if self.is_zero() || other.is_zero() {
+            return Self::ZERO;
+        }
+        let exponent = self.exponent.saturating_add(other.exponent);
+        Self::normalised(self.mantissa * other.mantissa, exponent)
+    }
+
+    /// The quotient of any two numbers.
+    #[cold]
+    #[inline(never)]
+    fn divided(self, other: Self) -> Self {
+        if self.is_zero() || other.is_infinite() {
+            return Self::ZERO;
+        }
+        let exponent = self.exponent.saturating_sub(other.exponent);
+        Self::normalised(self.mantissa / other.mantissa, exponent)
+    }
+
     /// The sum of two numbers of different sizes.
+    #[cold]
+    #[inline(never)]
     fn plus(self, other: Self) -> Self {
         let (large, small) = if self < other { (other, self) } else { (self, other) };
         if small.is_zero() || large.is_infinite() {

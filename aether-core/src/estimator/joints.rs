@@ -223,16 +223,17 @@ where
             Stop { id, visible, fixed, own: PathDensity::new(own) }
         }));
         side.find_tails(end);
-        side.questions.clear();
-        side.steady.clear();
-        for k in 0..place.len as usize {
+        let mut alike: Option<(Question, u32)> = None;
+        side.steps.clear();
+        side.steps.extend((0..place.len as usize).map(|k| {
             let id = tape.way(place, k).strategy();
             let strategy = &strategies[id as usize];
             let question = (id << 1 | end as u32, length_class(strategy, strategy.reads(), k));
-            let is_steady = side.questions.last() == Some(&question);
-            side.steady.push(if is_steady { side.steady[k - 1] } else { k as u32 });
-            side.questions.push(question);
-        }
+            *alike.insert(match alike {
+                Some(alike) if alike.0 == question => alike,
+                _ => (question, k as u32),
+            })
+        }));
         side.ratios.clear();
         side.ratios.resize(len, [None; 2]);
         side.ending = None;
@@ -335,10 +336,10 @@ where
             Some(_) => &Tail::EMPTY,
             None => &second.tails[joint.length - joint.first],
         };
-        let vertices = |tail: &Tail| each_last(|k| tape.vertex_of(tail.ids[k]));
-        let ([a, b, c], [d, e, f]) = (vertices(ahead), vertices(behind));
+        let vertices = |tail: &Tail| tail.ids.map(|id| tape.vertex_of(id));
+        let ([a, b], [c, d]) = (vertices(ahead), vertices(behind));
         let mut window = Window {
-            vertices: [None, None, c, b, a, d, e, f, None, None],
+            vertices: [None, None, b, a, c, d, None, None],
             sees_next: ahead.sees_next | behind.sees_next,
             fixed: ahead.fixed | behind.fixed,
         };
@@ -363,13 +364,19 @@ where
             return value;
         }
         // What goes on behind the edge may vanish without a shadow ray.
-        let reads = self.estimator.reads();
+        let (reads, shown) = (self.estimator.reads(), self.estimator.shown());
         let own = if last.is_some() { behind } else { behind.min(reads - 1) };
-        for k in (first..first + own).rev() {
-            let view = PathView::of_window(&joined.window, joined.place(k), false, k + 1);
-            value = value.multiply(self.estimator.extended(view));
-            if value.is_zero() {
-                return value;
+        let view = |place: usize| {
+            let len = first + place + 1 - BEHIND;
+            PathView::of_window(&joined.window, place, false, len, shown)
+        };
+        for distance in [1, 0] {
+            if distance < own {
+                let factor = self.estimator.integrand.extend(view(BEHIND + distance));
+                value = value.multiply(factor);
+                if value.is_zero() {
+                    return value;
+                }
             }
         }
         if last.is_some() {
@@ -379,8 +386,7 @@ where
         if last.is_none() && behind >= reads {
             return value;
         }
-        let view = PathView::of_window(&joined.window, joined.place(length - 1), false, length);
-        value.multiply(self.estimator.closing(view))
+        value.multiply(self.estimator.integrand.end(view(joined.place(length - 1))))
     }
 
     /// Where vertex `i` of a path is on the tape.

@@ -59,9 +59,9 @@ pub(crate) struct Window<'p, V> {
     pub fixed: u16,
 }
 
-/// How many places a window has: two times as many vertices as a view has at hand, and on either side two empty places, as a
-/// view looks up two places on both sides of its last vertex, whichever way it goes.
-pub(crate) const WINDOW: usize = 2 * LAST + 4;
+/// How many places a window has: two times as many vertices as are read before one next to the middle, and on either side two
+/// empty places, as a view looks up two places on both sides of its last vertex, whichever way it goes.
+pub(crate) const WINDOW: usize = 2 * (LAST - 1) + 4;
 
 impl<'p, V: Vertex> PathView<'p, V> {
     /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.
@@ -111,14 +111,15 @@ impl<'p, V: Vertex> PathView<'p, V> {
         PathView { hidden, ..view }
     }
 
-    /// Of `len` vertices of which the last one is at a place of a window, two places from its ends at least, and those
-    /// before it are before that place, or behind it.
+    /// Of what is read of `len` vertices of which the last one is at a place of a window, two places from its ends at least,
+    /// and those before it are before that place, or behind it; no more are read than a view has at hand.
     #[inline(always)]
     pub(crate) fn of_window(
         window: &'p Window<'p, V>,
         place: usize,
         backward: bool,
         len: usize,
+        reads: Reads,
     ) -> Self {
         let [before, here, behind] = [place - 2, place, place + 2].map(|i| window.vertices[i]);
         let (next, last) = match backward {
@@ -126,7 +127,11 @@ impl<'p, V: Vertex> PathView<'p, V> {
             false => (window.vertices[place - 1], before),
         };
         let source = Source::Window(window, place as u8, backward);
-        PathView { hidden: len.saturating_sub(LAST), ..Self::new(source, [here, next, last], len) }
+        let view = Self::new(source, [here, next, last], len);
+        match reads.length {
+            true => PathView { hidden: len.saturating_sub(reads.vertices), ..view },
+            false => PathView { len: len.min(reads.vertices), ..view },
+        }
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].

@@ -1,9 +1,9 @@
 //! What is remembered of two walks, and of how their vertices could have been made.
 
-use super::{BEHIND, End, Walk};
+use super::{BEHIND, End, READS, Walk};
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
-use crate::sequence::{LAST, NONE};
+use crate::sequence::NONE;
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
@@ -28,7 +28,7 @@ pub(super) struct Stop<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tail {
     /// Their ids, beginning at the joint; [`NONE`] where the piece has no more.
-    pub ids: [u32; LAST],
+    pub ids: [u32; READS],
     /// A bit for each place of the window from which the next one is known to be seen.
     pub sees_next: u16,
     /// A bit for each place of the window whose vertex can be nowhere else.
@@ -37,16 +37,16 @@ pub(super) struct Tail {
 
 impl Tail {
     /// That of no vertices.
-    pub const EMPTY: Tail = Tail { ids: [NONE; LAST], sees_next: 0, fixed: 0 };
+    pub const EMPTY: Tail = Tail { ids: [NONE; READS], sees_next: 0, fixed: 0 };
 
     /// That of a piece with one more vertex.
     fn then<R>(&self, stop: &Stop<R>, end: End) -> Tail {
-        let [first, second, _] = self.ids;
+        let [first, _] = self.ids;
         let (visible, fixed) = (u16::from(stop.visible), u16::from(stop.fixed));
         // What was next to the joint moves away from it. The edge to the vertex before, which is further away, has the number
         // of its first place.
         let moved = |bits: u16, next: u16, at: usize| match end {
-            End::First => (bits >> 1 | next << at) & PLACES << (at + 1 - LAST),
+            End::First => (bits >> 1 | next << at) & PLACES << (at + 1 - READS),
             End::Second => (bits << 1 | next << at) & PLACES << at,
         };
         let (place, edge) = match end {
@@ -54,7 +54,7 @@ impl Tail {
             End::Second => (BEHIND, BEHIND),
         };
         Tail {
-            ids: [stop.id, first, second],
+            ids: [stop.id, first],
             sees_next: moved(self.sees_next, visible, edge),
             fixed: moved(self.fixed, fixed, place),
         }
@@ -62,7 +62,7 @@ impl Tail {
 }
 
 /// A bit for each vertex of a tail.
-const PLACES: u16 = (1 << LAST) - 1;
+const PLACES: u16 = (1 << READS) - 1;
 
 /// What is known of one of two walks.
 #[derive(Clone, Debug)]
@@ -73,10 +73,8 @@ pub(super) struct Side<R> {
     pub stops: Vec<Stop<R>>,
     /// What is next to a joint, by the number of vertices of the piece.
     pub tails: Vec<Tail>,
-    /// How each of its steps makes a vertex, or would.
-    pub questions: Vec<Question>,
-    /// The first one of those up to each step that make their vertices alike.
-    pub steady: Vec<u32>,
+    /// How each of its steps makes a vertex, or would, and the first one of those up to it that do so alike.
+    pub steps: Vec<(Question, u32)>,
     /// The densities with which the other walk would have made each vertex, over that of its own walk, and how it would,
     /// for the two ways that were asked for last: as far as they depend on vertices of this walk alone.
     pub ratios: Vec<[Answer<R>; 2]>,
@@ -109,7 +107,7 @@ impl<R: Scalar> Side<R> {
     /// Whether the `count` steps up to one make their vertices as each of them does for a vertex before.
     #[inline]
     pub fn is_steady(&self, step: usize, count: usize) -> bool {
-        self.steady.get(step).is_some_and(|first| *first as usize + count <= step)
+        self.steps.get(step).is_some_and(|(_, first)| *first as usize + count <= step)
     }
 }
 
@@ -128,8 +126,7 @@ impl<R: Scalar> Joints<R> {
             walk: None,
             stops: Vec::new(),
             tails: Vec::new(),
-            questions: Vec::new(),
-            steady: Vec::new(),
+            steps: Vec::new(),
             ratios: Vec::new(),
             ending: None,
             sums: Vec::new(),
@@ -162,7 +159,7 @@ mod tests {
             assert_eq!(side.tails.len(), 8);
             for (len, tail) in side.tails.iter().enumerate() {
                 let mut expected = Tail::EMPTY;
-                for (j, stop) in side.stops[..len].iter().rev().take(LAST).enumerate() {
+                for (j, stop) in side.stops[..len].iter().rev().take(READS).enumerate() {
                     let (place, edge) = match end {
                         End::First => (BEHIND - 1 - j, BEHIND - 2 - j),
                         End::Second => (BEHIND + j, BEHIND + j),

@@ -1,7 +1,7 @@
 //! The weights of paths of two pieces: sums over the techniques that would have joined them elsewhere.
 
 use super::known::Question;
-use super::{DensityOf, End, Joined, Joint, Pieces, READS};
+use super::{BEHIND, DensityOf, End, Joined, Joint, Pieces, READS};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
@@ -26,16 +26,16 @@ where
                 let density = self.near_by_step(joined, End::First, n - 1);
                 sum = sum * self.heuristic.term(density / own);
             }
-            let further = self.chain(joined, End::First, first);
+            let further = self.ahead(joined);
             if further.is_zero() {
                 return sum;
             }
             let density = self.near_by_step(joined, End::Second, n - 1);
             return sum + further * self.heuristic.term(density / own);
         }
-        let ahead = self.chain(joined, End::First, first);
+        let ahead = self.ahead(joined);
         if first < n {
-            return ahead + self.chain(joined, End::Second, n - first);
+            return ahead + self.behind(joined);
         }
         let mass = self.row[n - 1].mass;
         if !self.ends || mass.is_zero() {
@@ -46,24 +46,62 @@ where
         ahead + mass * self.heuristic.term(density / own)
     }
 
+    /// The sum of the techniques that join a path before the end of its first piece.
+    #[inline(never)]
+    fn ahead(&self, joined: &Joined<'_, I::Vertex>) -> DensityOf<I> {
+        self.chain(joined, End::First, joined.joint.first)
+    }
+
+    /// The sum of the techniques that join a path behind the beginning of its second piece.
+    #[inline(never)]
+    fn behind(&self, joined: &Joined<'_, I::Vertex>) -> DensityOf<I> {
+        self.chain(joined, End::Second, joined.joint.length - joined.joint.first)
+    }
+
     /// The sum of the techniques that join a path before the end of a piece of `len` vertices. What it starts from is
     /// that of those that do before the last vertices of the piece, for which alone the joint matters.
+    #[inline(always)]
     fn chain(&self, joined: &Joined<'_, I::Vertex>, end: End, len: usize) -> DensityOf<I> {
-        let (start, far) = (len.saturating_sub(READS), len > READS);
-        let mut sum = self.joints.sides[end as usize].sums[start];
-        for k in start..len {
-            let ending = |i: usize| match far {
-                true => self.far_ending(),
-                false => self.near(joined, End::First, i, self.ending),
-            };
-            sum = self.mass(joined.joint.length, end, k, ending) + sum;
-            if !sum.is_zero() {
-                let i = joined.joint.index(end, k);
-                let other = self.near_by_step(joined, end.other(), i);
-                sum = sum * self.heuristic.term(other / self.own(end, k));
-            }
+        const { assert!(READS == 2, "a link for each vertex that a strategy reads") };
+        let mut sum = self.joints.sides[end as usize].sums[len.saturating_sub(READS)];
+        if len > 1 {
+            sum = self.link(joined, end, len, 1, sum);
+        }
+        if len > 0 {
+            sum = self.link(joined, end, len, 0, sum);
         }
         sum
+    }
+
+    /// The sum behind a vertex of a piece of `len` vertices, so many before its last one, from that before it. In line, as
+    /// where all of it lies in the window is known with the end and the distance.
+    #[inline(always)]
+    fn link(
+        &self,
+        joined: &Joined<'_, I::Vertex>,
+        end: End,
+        len: usize,
+        distance: usize,
+        before: DensityOf<I>,
+    ) -> DensityOf<I> {
+        let (n, k) = (joined.joint.length, len - 1 - distance);
+        let mut mass = self.mass(n, end, k);
+        if self.is_ending(n, end, k) {
+            let density = match len > READS {
+                true => self.far_ending(),
+                false => self.near(joined, End::First, n - 1, self.ending),
+            };
+            mass = mass * self.heuristic.term(density / self.own(End::Second, 0));
+        }
+        let sum = mass + before;
+        if sum.is_zero() {
+            return sum;
+        }
+        let place = if end == End::First { BEHIND - 1 - distance } else { BEHIND + distance };
+        let question = self.question(joined.joint, end.other(), joined.joint.index(end, k));
+        let Some(question) = question else { return PathDensity::ZERO };
+        let other = self.at_place(joined, end.other(), place, question.0 >> 1);
+        sum * self.heuristic.term(other / self.own(end, k))
     }
 
     /// The density of the first vertex of the second walk as one that is drawn for itself, where that follows from the
@@ -128,7 +166,11 @@ where
     /// The sum behind vertex k of a walk, far from the joint, from that before it.
     fn sum_behind(&mut self, joint: Joint, end: End, k: usize) -> DensityOf<I> {
         let before = self.joints.sides[end as usize].sums[k];
-        let sum = self.mass(joint.length, end, k, |_| self.far_ending()) + before;
+        let mut mass = self.mass(joint.length, end, k);
+        if self.is_ending(joint.length, end, k) {
+            mass = mass * self.heuristic.term(self.far_ending() / self.own(End::Second, 0));
+        }
+        let sum = mass + before;
         if sum.is_zero() {
             return sum;
         }
@@ -160,29 +202,26 @@ where
     #[inline(always)]
     fn question(&self, joint: Joint, end: End, i: usize) -> Option<Question> {
         let step = joint.index(end, i);
-        self.joints.sides[end as usize].questions.get(step).copied()
+        self.joints.sides[end as usize].steps.get(step).map(|(question, _)| *question)
     }
 
     /// What stands for the technique that joins a path of n vertices behind `k` vertices of a piece: the term of its
-    /// number of samples. Where it draws the last vertex for itself, that has another density than its walk's:
-    /// `ending`, of the vertex with this number.
-    #[inline]
-    fn mass(
-        &self,
-        n: usize,
-        end: End,
-        k: usize,
-        ending: impl FnOnce(usize) -> DensityOf<I>,
-    ) -> DensityOf<I> {
-        let first = if end == End::First { k } else { n - k };
-        let mass = self.row[first].mass;
-        if !(self.ends && first + 1 == n) || mass.is_zero() {
-            return mass;
+    /// number of samples. Nothing of one that draws the last vertex for itself behind all of the first piece: it does not
+    /// continue what the second walk would have begun.
+    #[inline(always)]
+    fn mass(&self, n: usize, end: End, k: usize) -> DensityOf<I> {
+        match end {
+            End::First if self.ends && k + 1 == n => PathDensity::ZERO,
+            End::First => self.row[k].mass,
+            End::Second => self.row[n - k].mass,
         }
-        if end == End::First {
-            return PathDensity::ZERO; // It does not continue what the second walk would have begun.
-        }
-        mass * self.heuristic.term(ending(n - 1) / self.own(End::Second, 0))
+    }
+
+    /// Whether the technique that joins a path of n vertices behind `k` vertices of the second piece draws the last vertex
+    /// for itself, which has another density then than that of its walk.
+    #[inline(always)]
+    fn is_ending(&self, n: usize, end: End, k: usize) -> bool {
+        end == End::Second && k == 1 && self.ends && !self.row[n - 1].mass.is_zero()
     }
 
     /// The density of vertex `i` of a path, far from the joint, under a strategy that comes from one end: it depends on
@@ -192,7 +231,8 @@ where
         let Some(target) = self.tape.at_hand(at) else { return PathDensity::ZERO };
         let strategy = &self.strategies[(question.0 >> 1) as usize];
         let is_fixed = self.tape.is_drawn_with(at, Dirac::Position);
-        let view = self.before(joint, i, end, strategy.reads().vertices);
+        let reads = strategy.reads();
+        let view = self.before(joint, i, end, reads.vertices).limited(reads);
         evaluated(strategy, view, target, is_fixed)
     }
 
@@ -212,13 +252,26 @@ where
         i: usize,
         strategy: u32,
     ) -> DensityOf<I> {
-        let (place, backward) = (joined.place(i), end == End::Second);
+        self.at_place(joined, end, joined.place(i), strategy)
+    }
+
+    /// The same of the vertex at a place of the window, in line.
+    #[inline(always)]
+    fn at_place(
+        &self,
+        joined: &Joined<'_, I::Vertex>,
+        end: End,
+        place: usize,
+        strategy: u32,
+    ) -> DensityOf<I> {
         let Some(target) = joined.window.vertices[place] else { return PathDensity::ZERO };
         let is_fixed = joined.window.fixed >> place & 1 == 1;
+        let backward = end == End::Second;
         let last = if backward { place + 1 } else { place - 1 };
-        let len = joined.joint.index(end, i);
-        let view = PathView::of_window(&joined.window, last, backward, len);
-        evaluated(&self.strategies[strategy as usize], view, target, is_fixed)
+        let len = joined.joint.index(end, joined.joint.first + place - BEHIND);
+        let strategy = &self.strategies[strategy as usize];
+        let view = PathView::of_window(&joined.window, last, backward, len, strategy.reads());
+        evaluated(strategy, view, target, is_fixed)
     }
 
     /// The density with which the last vertex of a path was drawn for itself.
@@ -236,7 +289,7 @@ where
     }
 }
 
-/// The density of a vertex under a strategy after a path, or its probability if it can be nowhere else.
+/// The density of a vertex under a strategy after what it reads of a path, or its probability if it can be nowhere else.
 #[inline(always)]
 fn evaluated<V: Vertex, S: Strategy<V>>(
     strategy: &S,
@@ -246,6 +299,5 @@ fn evaluated<V: Vertex, S: Strategy<V>>(
 ) -> PathDensity<V::Real> {
     let dirac = is_fixed.then_some(Dirac::Position);
     count_densities(1);
-    let view = path.asking(dirac).limited(strategy.reads());
-    PathDensity::new(strategy.pdf(view, target).of_kind(dirac))
+    PathDensity::new(strategy.pdf(path.asking(dirac), target).of_kind(dirac))
 }
