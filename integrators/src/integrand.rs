@@ -36,8 +36,8 @@ pub struct Radiance<'w, 's, K: SceneKind = Everything> {
     sights: [Cell<Option<Seen>>; SIGHTS],
 }
 
-/// How many sights are remembered: more than a path from a light mostly has.
-const SIGHTS: usize = 16;
+/// How many sights are remembered: so many more than a path from a light mostly has that few have the same place.
+const SIGHTS: usize = 64;
 
 /// A vertex that was looked for from an eye, and where it is seen if it is.
 type Seen = (Look, Option<Sight>);
@@ -135,7 +135,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
         // An odd factor; the upper bits of a product depend on all others.
         let mixed =
             (look[3] ^ look[4].rotate_left(11) ^ look[5].rotate_left(22)).wrapping_mul(0x9e37_79b9);
-        let place = &self.sights[(mixed >> 28) as usize % SIGHTS];
+        let place = &self.sights[(mixed >> 26) as usize % SIGHTS];
         if let Some((known, sight)) = place.get()
             && known == look
         {
