@@ -6,7 +6,7 @@ use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::tape::{Question, Unfolded, Way};
 use crate::sequence::{Arena, Memo, PathView, Place};
-use crate::strategy::{Dirac, Reads, Strategy, Vertex};
+use crate::strategy::{Dirac, Drawn, Reads, Strategy, Vertex};
 use crate::uniform::UniformSource;
 use crate::work::count_densities;
 
@@ -34,15 +34,10 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let view = PathView::of_unfolded(&unfolded, place.range(0, i), reads);
         let Some(drawn) = strategy.sample(view, uniforms) else { return false };
         drop(unfolded);
-        let mut question = Question::NOTHING;
         if drawn.value.is_some() {
             count_densities(1);
-            if reads.vertices <= REMEMBERED {
-                question =
-                    Question::new(way.strategy(), drawn.dirac, length_class(strategy, reads, i));
-            }
         }
-        self.tape.take(place, i, &drawn, question);
+        self.tape.take(place, i, &drawn, answered(strategy, way.strategy(), &drawn, i));
         true
     }
 
@@ -208,6 +203,21 @@ fn evaluate<V: Vertex, S: Strategy<V>>(
     let view = PathView::of_unfolded(tape, before, strategy.reads()).asking(dirac);
     count_densities(1);
     strategy.pdf(view, &target).of_kind(dirac)
+}
+
+/// The question that drawing a vertex has answered, as number `i` of its path.
+#[inline(always)]
+pub(super) fn answered<V: Vertex, S: Strategy<V>>(
+    strategy: &S,
+    id: u32,
+    drawn: &Drawn<V>,
+    i: usize,
+) -> Question {
+    let reads = strategy.reads();
+    if drawn.value.is_none() || reads.vertices > REMEMBERED {
+        return Question::NOTHING;
+    }
+    Question::new(id, drawn.dirac, length_class(strategy, reads, i))
 }
 
 /// The class of the length of a path before a vertex, as far as it matters to a strategy.

@@ -3,9 +3,11 @@
 use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
+use crate::estimator::{Fork, RING};
 use crate::path_density::PathDensity;
+use crate::sequence::evaluate::answered;
 use crate::sequence::tape::{Merger, Question};
-use crate::sequence::{Arena, Part, PathView, Place};
+use crate::sequence::{Arena, LAST, Part, PathView, Place};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -180,12 +182,47 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.sample(uniforms);
         if self.is_complete() && self.size() < size {
             let known = self.intern(strategy);
+            let reads = self.arena.strategies.borrow()[known.0 as usize].reads();
+            if S::VERTICES == 1 && reads.vertices <= LAST && self.is_run() && !self.handle.ended {
+                self.draw_on(size, known.0, uniforms);
+            }
             while self.is_complete() && self.size() < size {
                 self.push(self.block_at(self.size()), known);
                 self.sample(uniforms);
             }
         }
         self
+    }
+
+    /// Draws one vertex after the other behind a run by a strategy that is known, until there are `size` vertices or it finds
+    /// nothing: of those that it reads none is looked up, as each is at hand as it was drawn.
+    fn draw_on<U>(&mut self, size: usize, id: u32, uniforms: &mut U)
+    where
+        U: UniformSource<V::Real> + ?Sized,
+    {
+        self.own(self.size());
+        let (tape, strategies, mut len) =
+            (&self.arena.tape, self.arena.strategies.borrow(), self.len());
+        let strategy = &strategies[id as usize];
+        let mut kept = [None; RING];
+        for i in len.saturating_sub(LAST)..len {
+            kept[i % RING] = tape.unfolded().drawn(self.handle.place, i);
+        }
+        while len < size {
+            let block = self.block_at(len);
+            uniforms.start(block);
+            let drawn = Fork::new(&kept, len).draw(strategy, uniforms);
+            let Some(drawn) = drawn else {
+                tape.push(id, block, Part::new(0, 1));
+                (self.handle.place.len, self.handle.ended) = (len as u32 + 1, true);
+                self.handle.len = len as u32;
+                return;
+            };
+            tape.extend_run((id, block), len, &drawn, answered(strategy, id, &drawn, len));
+            kept[len % RING] = Some(drawn);
+            len += 1;
+        }
+        (self.handle.len, self.handle.place.len) = (len as u32, len as u32);
     }
 
     /// The block of sampling dimensions of what is appended as step `i`.

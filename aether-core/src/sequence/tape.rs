@@ -231,6 +231,26 @@ impl<V: Vertex> Tape<V> {
         vertices.push(Kept { vertex, value, question, at, before, reversed });
     }
 
+    /// Adds a step behind a run of so many that ends where the tape does, with the vertex that it has drawn; what was told of
+    /// its density answers a question.
+    #[inline(always)]
+    pub fn extend_run(
+        &self,
+        (strategy, block): (u32, u32),
+        run: usize,
+        drawn: &Drawn<V>,
+        question: Question,
+    ) {
+        let (mut entries, mut vertices) = (self.entries.borrow_mut(), self.vertices.borrow_mut());
+        let (visible, dirac, run) = (drawn.visible, drawn.dirac, run as u32);
+        self.note(dirac);
+        let (at, vertex) = (entries.len() as u32, vertices.len() as u32);
+        let way = Way::new(strategy, Part::new(0, 1));
+        entries.push(Entry { way, vertex, block, run: run + 1, visible, dirac });
+        let (vertex, value) = (drawn.vertex, drawn.value);
+        vertices.push(Kept { vertex, value, question, at, before: run, reversed: false });
+    }
+
     /// Keeps a vertex that was drawn for itself, as a path of its own.
     pub fn keep(&self, drawn: &Drawn<V>) -> Place {
         let place = Place::new(self.len(), 1);
