@@ -120,8 +120,8 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         draw_lasts(first, connections, uniforms);
         if Pieces::<I, S, H, D>::are_plain(self, walks, connections) {
             let tape = arena.tape.unfolded();
-            let pieces = Pieces::new(self, walks, connections, &tape);
-            if let Some(mut pieces) = pieces {
+            let mut pieces = Pieces::new(self, walks, connections, &tape);
+            if pieces.prepare() {
                 return pieces.visit(&mut visit);
             }
         }

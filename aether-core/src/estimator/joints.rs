@@ -19,10 +19,9 @@ use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_usab
 use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::{
-    Arena, LAST, PathView, Place, RandomSequence, Step, Unfolded, WINDOW, Window, each_last,
-    length_class,
+    Arena, LAST, PathView, Place, RandomSequence, Unfolded, WINDOW, Window, length_class,
 };
-use crate::strategy::{Dirac, Strategy};
+use crate::strategy::{Dirac, Strategy, Vertex};
 pub(crate) use known::Joints;
 use known::{Question, Stop, Tail};
 
@@ -165,18 +164,19 @@ where
             && connections.ending.is_none_or(|by| by.reads().vertices <= READS)
     }
 
-    /// The pieces of two walks; `None` if paths have to be made to weigh them.
+    /// The pieces of two walks. In line, as there is much in them.
+    #[inline(always)]
     pub fn new(
         estimator: &'r Estimator<I, Factors<I::Value>>,
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
         connections: &'r Connections<'r, S, RealOf<I>, H, D>,
         tape: &'r Unfolded<'r, I::Vertex>,
-    ) -> Option<Self> {
+    ) -> Self {
         let arena = walks[0].arena;
         let ending = connections.ending.map(|strategy| arena.intern(strategy.clone()));
         let joints = arena.joints.borrow_mut();
         let carried = core::mem::take(&mut estimator.factors.borrow_mut().carried);
-        let mut pieces = Pieces {
+        Pieces {
             estimator,
             connections,
             heuristic: connections.techniques.heuristic(),
@@ -189,12 +189,17 @@ where
             ends: false,
             joints,
             carried,
-        };
-        for end in [End::First, End::Second] {
-            pieces.learn(end);
-            pieces.joints.sides[end as usize].forget_sums();
         }
-        pieces.carry().then_some(pieces)
+    }
+
+    /// Looks up the walks, and computes what their pieces carry; returns whether that stays in the range of numbers.
+    /// Otherwise paths have to be made to weigh them.
+    pub fn prepare(&mut self) -> bool {
+        for end in [End::First, End::Second] {
+            self.learn(end);
+            self.joints.sides[end as usize].forget_sums();
+        }
+        self.carry()
     }
 
     /// How a strategy makes the vertex of a step from one end.
@@ -243,15 +248,18 @@ where
     /// stays in the range of numbers.
     fn carry(&mut self) -> bool {
         let (estimator, arena, tape) = (self.estimator, self.arena, self.tape);
-        let [first, second] = self.walks;
+        let ([first, second], integrand) = (self.walks, &estimator.integrand);
+        let (reads, shown) = (estimator.reads(), estimator.shown());
         let [ahead, behind] = &mut self.carried;
         if ahead.begin(arena.contents(), first) {
             let mut value = I::Value::one();
             ahead.values.push(value);
-            for (k, stop) in self.joints.sides[0].stops.iter().enumerate() {
+            let stops = &self.joints.sides[0].stops;
+            for (k, stop) in stops.iter().enumerate() {
                 if !value.is_zero() {
-                    let factor = estimator.new_factor(tape, first.place, k);
-                    value = per(value.multiply(factor), stop.own.value());
+                    let window = last_of(tape, &stops[..k + 1]);
+                    let view = PathView::of_window(&window, LAST_PLACE, false, k + 1, shown);
+                    value = per(value.multiply(integrand.extend(view)), stop.own.value());
                 }
                 ahead.values.push(value);
             }
@@ -262,18 +270,19 @@ where
         let mut value = I::Value::one();
         behind.values.push(value);
         // All that the factor reads which closes a path, if there is so much of the second walk.
-        let (reads, mut closing) = (estimator.reads(), I::Value::one());
-        for (k, stop) in self.joints.sides[1].stops.iter().enumerate() {
-            let place = second.place.range(0, k + 1).reverse();
+        let mut closing = I::Value::one();
+        let stops = &self.joints.sides[1].stops;
+        for (k, stop) in stops.iter().enumerate() {
+            let window = last_of(tape, &stops[..k + 1]);
+            let view = PathView::of_window(&window, LAST_PLACE + 1 - reads, true, reads, shown);
             // The edge that the new vertex completes: all that its factor reads is there.
             if k + 1 >= reads {
-                value = value.multiply(estimator.new_factor(tape, place, reads - 1));
+                value = value.multiply(integrand.extend(view));
             }
             value = per(value, stop.own.value());
             behind.in_range &= is_usable(value);
             if k + 1 == reads {
-                let view = PathView::of_unfolded(tape, place, estimator.shown());
-                closing = estimator.closing(view);
+                closing = integrand.end(view);
             }
             behind.values.push(value.multiply(closing));
         }
@@ -388,32 +397,22 @@ where
         }
         value.multiply(self.estimator.integrand.end(view(joined.place(length - 1))))
     }
+}
 
-    /// Where vertex `i` of a path is on the tape.
-    #[inline]
-    fn position(&self, joint: Joint, i: usize) -> usize {
-        match joint.last {
-            _ if i < joint.first => self.walks[0].place.at(i),
-            Some(last) => last as usize,
-            None => self.walks[1].place.at(joint.index(End::Second, i)),
-        }
-    }
+/// The place in a window of the last vertex of [`last_of`].
+const LAST_PLACE: usize = BEHIND;
 
-    /// What lies before vertex `i` of a path, coming from one end, of which so many vertices are read.
-    #[inline]
-    fn before(&self, joint: Joint, i: usize, end: End, read: usize) -> PathView<'_, I::Vertex> {
-        let (n, backward) = (joint.length, end == End::Second);
-        let len = if backward { n - 1 - i } else { i };
-        let last = each_last(|j| {
-            if j >= len.min(read) {
-                return Step::NONE;
-            }
-            let i = if backward { i + 1 + j } else { i - 1 - j };
-            let ahead = i < joint.first || joint.last.is_some();
-            Step::new(self.position(joint, i), ahead == backward)
-        });
-        PathView::of_last(self.tape, last, len, read)
+/// The last vertices of the first ones of a walk, in its order.
+#[inline(always)]
+fn last_of<'r, V: Vertex>(tape: &'r Unfolded<'r, V>, stops: &[Stop<V::Real>]) -> Window<'r, V> {
+    let mut window = Window { vertices: [None; WINDOW], sees_next: 0, fixed: 0 };
+    for (back, stop) in stops.iter().rev().take(LAST).enumerate() {
+        let place = LAST_PLACE - back;
+        window.vertices[place] = tape.vertex_of(stop.id);
+        window.sees_next |= u16::from(stop.visible) << (place - 1);
+        window.fixed |= u16::from(stop.fixed) << place;
     }
+    window
 }
 
 impl<I: PathIntegrand, S, H, D> Drop for Pieces<'_, I, S, H, D> {

@@ -27,7 +27,7 @@ pub(crate) use random_sequence::Handle;
 pub use random_sequence::{RandomSequence, first_block};
 use ratios::LastFactors;
 pub use snapshot::Snapshot;
-pub(crate) use tape::{NONE, Part, Place, Step, Tape, Unfolded};
+pub(crate) use tape::{NONE, Part, Place, Tape, Unfolded};
 pub use view::PathView;
 pub(crate) use view::{LAST, LastDrawn, WINDOW, Window, each_last};
 
@@ -74,12 +74,25 @@ pub(crate) struct Listed<R> {
 /// With how many strategies that are known already a strategy is compared: those that were asked for last.
 const COMPARED: usize = 16;
 
-/// The ids of those, the last one first.
+/// The ids of those, the last one first; the others in any order.
 #[derive(Debug, Default)]
 struct Recent {
     ids: [u32; COMPARED],
-    /// How many there are.
+    /// How many there have been.
     known: usize,
+}
+
+impl Recent {
+    /// Puts an id before the others. If there is no room for all, the place that was taken first is taken again.
+    #[inline]
+    fn add(&mut self, id: u32) {
+        let place = match self.known < COMPARED {
+            true => self.known,
+            false => 1 + self.known % (COMPARED - 1),
+        };
+        (self.ids[place], self.known) = (self.ids[0], self.known + 1);
+        self.ids[0] = id;
+    }
 }
 
 impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
@@ -142,17 +155,16 @@ impl<V: Vertex, S: Strategy<V>> Arena<V, S> {
         let recent = &mut *self.recent.borrow_mut();
         {
             let strategies = self.strategies.borrow();
-            for i in 0..recent.known {
+            for i in 0..recent.known.min(COMPARED) {
                 if strategies[recent.ids[i] as usize].same(&strategy) {
                     recent.ids.swap(0, i);
                     return recent.ids[0];
                 }
             }
         }
-        recent.ids.copy_within(..recent.known.min(COMPARED - 1), 1);
-        recent.known = COMPARED.min(recent.known + 1);
-        recent.ids[0] = self.add(strategy);
-        recent.ids[0]
+        let id = self.add(strategy);
+        recent.add(id);
+        id
     }
 
     /// The id of a strategy of its own, with which no other is compared.

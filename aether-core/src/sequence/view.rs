@@ -1,6 +1,6 @@
 //! What strategies and integrands see of a path.
 
-use crate::sequence::tape::{Place, Step, Tape, Unfolded};
+use crate::sequence::tape::{Place, Tape, Unfolded};
 use crate::strategy::{Dirac, Drawn, Reads, Vertex};
 
 /// The vertices before the one in question, in the direction of travel: for a path that was sampled
@@ -17,7 +17,7 @@ pub struct PathView<'p, V: Vertex> {
     dirac: Option<Dirac>,
 }
 
-/// How many vertices a view knows at most of steps that lie anywhere on a tape, and how many of any it has at hand.
+/// How many vertices of any path a view has at hand.
 pub(crate) const LAST: usize = 3;
 
 /// What `of` says of each of the last vertices, the last one first.
@@ -41,9 +41,6 @@ enum Source<'p, V: Vertex> {
     Unfolded(&'p Unfolded<'p, V>, Place),
     /// The last vertices as they were drawn, the last one first.
     Drawn(LastDrawn<'p, V>),
-    /// Steps none of which leads in a single direction: of the last ones, the last one first, is known where they are,
-    /// as far as they are read.
-    Last(&'p Unfolded<'p, V>, [Step; LAST]),
     /// The last of vertices that end, or in opposite order begin, at a place of a window; no others are read.
     Window(&'p Window<'p, V>, u8, bool),
 }
@@ -93,22 +90,6 @@ impl<'p, V: Vertex> PathView<'p, V> {
     pub(crate) fn of_drawn(last: LastDrawn<'p, V>, len: usize) -> Self {
         let recent = last.map(|drawn| drawn.map(|drawn| &drawn.vertex));
         Self::new(Source::Drawn(last), recent, len)
-    }
-
-    /// Of `len` steps, the last of which, the last one first, lie anywhere on a tape on which no step leads in a single
-    /// direction, and of which so many are read.
-    #[inline(always)]
-    pub(crate) fn of_last(
-        tape: &'p Unfolded<'p, V>,
-        last: [Step; LAST],
-        len: usize,
-        read: usize,
-    ) -> Self {
-        let at_hand =
-            |k: usize| if k < read && k < len { tape.at_hand(last[k].at()) } else { None };
-        let hidden = len.saturating_sub(LAST);
-        let view = Self::new(Source::Last(tape, last), each_last(at_hand), len);
-        PathView { hidden, ..view }
     }
 
     /// Of what is read of `len` vertices of which the last one is at a place of a window, two places from its ends at least,
@@ -223,7 +204,6 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Tape(tape, place) => tape.vertex(place.at(i)),
             Source::Unfolded(tape, place) => tape.at_hand(place.at(i)).copied(),
             Source::Drawn(_) | Source::Window(..) => None,
-            Source::Last(tape, last) => tape.at_hand(last.get(k)?.at()).copied(),
         }
     }
 
@@ -253,10 +233,6 @@ impl<'p, V: Vertex> PathView<'p, V> {
             Source::Tape(tape, place) => tape.unfolded().visible(place, i),
             Source::Unfolded(tape, place) => tape.visible(place, i),
             Source::Drawn(last) => last.get(k).is_some_and(|last| last.is_some_and(|d| d.visible)),
-            Source::Last(tape, last) => {
-                let step = |k: usize| last.get(k).copied().filter(|step| *step != Step::NONE);
-                step(k).zip(step(k + 1)).is_some_and(|(step, before)| tape.sees(step, before))
-            }
             Source::Window(window, place, backward) => {
                 let place = usize::from(place);
                 let edge = if backward { place + k } else { place.wrapping_sub(k + 1) };
@@ -290,10 +266,6 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 };
                 let drawn = bearer.and_then(|k| *last.get(k)?);
                 drawn.is_some_and(|drawn| drawn.dirac == Some(dirac))
-            }
-            Source::Last(tape, last) => {
-                let known = last.get(self.len - 1 - i).filter(|step| **step != Step::NONE);
-                known.is_some_and(|step| tape.is_drawn_with(step.at(), dirac))
             }
             Source::Window(window, place, backward) => {
                 let (place, k) = (usize::from(place), self.len - 1 - i);

@@ -1,7 +1,7 @@
 //! The weights of paths of two pieces: sums over the techniques that would have joined them elsewhere.
 
 use super::known::Question;
-use super::{BEHIND, DensityOf, End, Joined, Joint, Pieces, READS};
+use super::{BEHIND, DensityOf, End, Joined, Joint, LAST_PLACE, Pieces, READS, last_of};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
@@ -98,8 +98,7 @@ where
             return sum;
         }
         let place = if end == End::First { BEHIND - 1 - distance } else { BEHIND + distance };
-        let question = self.question(joined.joint, end.other(), joined.joint.index(end, k));
-        let Some(question) = question else { return PathDensity::ZERO };
+        let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
         let other = self.at_place(joined, end.other(), place, question.0 >> 1);
         sum * self.heuristic.term(other / self.own(end, k))
     }
@@ -113,43 +112,47 @@ where
 
     /// The sums of all but the last two vertices of either walk, for paths with so many vertices.
     pub(super) fn sum_up(&mut self, n: usize) {
-        for end in [End::First, End::Second] {
-            let len = self.walks[end as usize].len.min(n);
-            // Of the other piece only the length matters.
-            let first = if end == End::First { len } else { n - len };
-            let joint = Joint { length: n, first, last: None };
-            let far = len.saturating_sub(READS);
-            if far == 0 {
-                continue; // All of it is next to the joint.
-            }
-            let is_ending_known = end == End::First || self.know_ending(joint);
-            if !is_ending_known || !self.is_as_before(n, end) {
-                self.joints.sides[end as usize].forget_sums();
-            }
-            for k in self.joints.sides[end as usize].sums.len()..far + 1 {
-                let sum = self.sum_behind(joint, end, k - 1);
-                self.joints.sides[end as usize].sums.push(sum);
-            }
-            self.joints.sides[end as usize].summed = n;
-        }
+        self.sum_up_from(n, End::First);
+        self.sum_up_from(n, End::Second);
     }
 
-    /// Whether the sums of a side that are known are those of paths with n vertices.
-    fn is_as_before(&self, n: usize, end: End) -> bool {
+    /// The same of one walk. In line, as much is known with the end.
+    #[inline(always)]
+    fn sum_up_from(&mut self, n: usize, end: End) {
+        let len = self.walks[end as usize].len.min(n);
+        let far = len.saturating_sub(READS);
+        if far == 0 {
+            return; // All of it is next to the joint.
+        }
+        let is_ending_known = end == End::First || self.know_ending(n);
+        let known = self.joints.sides[end as usize].sums.len() - 1;
+        if known > 0 && !(is_ending_known && self.is_as_before(n, end, known)) {
+            self.joints.sides[end as usize].forget_sums();
+        }
+        let side = &self.joints.sides[end as usize];
+        let (first, mut sum) = (side.sums.len() - 1, side.sums[side.sums.len() - 1]);
+        for k in first..far {
+            sum = self.sum_behind(n, end, k, sum);
+            self.joints.sides[end as usize].sums.push(sum);
+        }
+        self.joints.sides[end as usize].summed = n;
+    }
+
+    /// Whether the sums of a side of which so many are known are those of paths with n vertices.
+    #[inline(always)]
+    fn is_as_before(&self, n: usize, end: End, known: usize) -> bool {
         let [side, other] = [end, end.other()].map(|end| &self.joints.sides[end as usize]);
-        let (known, likeness) = (side.sums.len() - 1, self.connections.techniques.likeness(n));
+        let likeness = self.connections.techniques.likeness(n);
         let alike = if end == End::First { likeness.ahead } else { likeness.behind };
-        known == 0
-            || side.summed + 1 == n
-                && known <= alike
-                && other.is_steady(n - 1, known)
-                && self.ends == self.connections.end(n - 1)
+        side.summed + 1 == n
+            && known <= alike
+            && other.is_steady(n - 1, known)
+            && self.ends == self.connections.end(n - 1)
     }
 
     /// Finds the density of the first vertex of the second walk as one that is drawn for itself, far from the joint;
     /// returns whether it was known.
-    fn know_ending(&mut self, joint: Joint) -> bool {
-        let n = joint.length;
+    fn know_ending(&mut self, n: usize) -> bool {
         if !self.ends {
             return true;
         }
@@ -158,51 +161,52 @@ where
         if known.is_some_and(|(asked, _)| asked == question) {
             return true;
         }
-        let density = self.density(joint, End::First, n - 1, question);
+        let density = self.density(End::Second, 0, n - 1, question);
         self.joints.sides[End::Second as usize].ending = Some((question, density));
         false
     }
 
     /// The sum behind vertex k of a walk, far from the joint, from that before it.
-    fn sum_behind(&mut self, joint: Joint, end: End, k: usize) -> DensityOf<I> {
-        let before = self.joints.sides[end as usize].sums[k];
-        let mut mass = self.mass(joint.length, end, k);
-        if self.is_ending(joint.length, end, k) {
+    #[inline(always)]
+    fn sum_behind(&mut self, n: usize, end: End, k: usize, before: DensityOf<I>) -> DensityOf<I> {
+        let mut mass = self.mass(n, end, k);
+        if self.is_ending(n, end, k) {
             mass = mass * self.heuristic.term(self.far_ending() / self.own(End::Second, 0));
         }
         let sum = mass + before;
         if sum.is_zero() {
             return sum;
         }
-        let question = self.question(joint, end.other(), joint.index(end, k));
-        sum * self.heuristic.term(self.ratio(joint, end, k, question))
+        sum * self.heuristic.term(self.ratio(n, end, k))
     }
 
     /// The density with which the other walk would have made vertex k of a piece, far from the joint, over that under its
     /// own walk: mostly it is the same for paths of several lengths.
-    fn ratio(
-        &mut self,
-        joint: Joint,
-        end: End,
-        k: usize,
-        question: Option<Question>,
-    ) -> DensityOf<I> {
-        let i = joint.index(end, k);
-        let Some(question) = question else { return PathDensity::ZERO };
-        let known = self.joints.sides[end as usize].ratios[k];
-        if let Some((_, ratio)) = known.iter().flatten().find(|(asked, _)| *asked == question) {
-            return *ratio;
+    #[inline(always)]
+    fn ratio(&mut self, n: usize, end: End, k: usize) -> DensityOf<I> {
+        let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
+        let [last, before] = self.joints.sides[end as usize].ratios[k];
+        for (asked, ratio) in [last, before].into_iter().flatten() {
+            if asked == question {
+                return ratio;
+            }
         }
-        let ratio = self.density(joint, end.other(), i, question) / self.own(end, k);
-        self.joints.sides[end as usize].ratios[k] = [Some((question, ratio)), known[0]];
+        self.new_ratio(end, k, n - 1 - k, question)
+    }
+
+    /// The same, not known.
+    #[inline(never)]
+    fn new_ratio(&mut self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
+        let ratio = self.density(end, k, len, question) / self.own(end, k);
+        let known = &mut self.joints.sides[end as usize].ratios[k];
+        *known = [Some((question, ratio)), known[0]];
         ratio
     }
 
-    /// How the walk from one end would make vertex `i` of a path, if it has a step for it.
+    /// How the walk from one end would make vertex k of the other walk in a path of n vertices, if it has a step for it.
     #[inline(always)]
-    fn question(&self, joint: Joint, end: End, i: usize) -> Option<Question> {
-        let step = joint.index(end, i);
-        self.joints.sides[end as usize].steps.get(step).map(|(question, _)| *question)
+    fn question(&self, n: usize, end: End, k: usize) -> Option<Question> {
+        self.joints.sides[end as usize].steps.get(n - 1 - k).map(|(question, _)| *question)
     }
 
     /// What stands for the technique that joins a path of n vertices behind `k` vertices of a piece: the term of its
@@ -224,22 +228,22 @@ where
         end == End::Second && k == 1 && self.ends && !self.row[n - 1].mass.is_zero()
     }
 
-    /// The density of vertex `i` of a path, far from the joint, under a strategy that comes from one end: it depends on
-    /// nothing but vertices of one piece.
-    fn density(&self, joint: Joint, end: End, i: usize, question: Question) -> DensityOf<I> {
-        let at = self.position(joint, i);
-        let Some(target) = self.tape.at_hand(at) else { return PathDensity::ZERO };
+    /// The density of vertex `k` of a walk, far from the joint, under a strategy of the other walk behind so many vertices: it
+    /// depends on nothing but the next vertices of this walk.
+    fn density(&self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
+        let stops = &self.joints.sides[end as usize].stops[..k + READS + 1];
+        let (window, place) = (last_of(self.tape, stops), LAST_PLACE - READS);
+        let Some(target) = window.vertices[place] else { return PathDensity::ZERO };
         let strategy = &self.strategies[(question.0 >> 1) as usize];
-        let is_fixed = self.tape.is_drawn_with(at, Dirac::Position);
-        let reads = strategy.reads();
-        let view = self.before(joint, i, end, reads.vertices).limited(reads);
-        evaluated(strategy, view, target, is_fixed)
+        let view = PathView::of_window(&window, place + 1, true, len, strategy.reads());
+        evaluated(strategy, view, target, stops[k].fixed)
     }
 
     /// The density of vertex `i` of a path, next to the joint, under the step of a walk that would make it.
     #[inline]
     fn near_by_step(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize) -> DensityOf<I> {
-        let question = self.question(joined.joint, end, i);
+        let k = joined.joint.index(end.other(), i);
+        let question = self.question(joined.joint.length, end, k);
         question.map_or(PathDensity::ZERO, |question| self.near(joined, end, i, question.0 >> 1))
     }
 
