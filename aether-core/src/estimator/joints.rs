@@ -132,8 +132,9 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, H, D> {
     tape: &'r Unfolded<'r, I::Vertex>,
     strategies: Ref<'r, [S]>,
     walks: [Walk; 2],
-    /// The strategy that draws last vertices for themselves.
+    /// The strategy that draws last vertices for themselves, and how many vertices it reads.
     ending: u32,
+    ending_reads: usize,
     /// The techniques of paths of the length in question, and whether the last vertex is drawn for itself by one of them.
     row: &'r [Technique<RealOf<I>>],
     ends: bool,
@@ -185,6 +186,7 @@ where
             strategies: Ref::map(arena.strategies.borrow(), Vec::as_slice),
             walks: walks.map(|walk| Walk { place: walk.handle.place, len: walk.len() }),
             ending: ending.unwrap_or(u32::MAX),
+            ending_reads: connections.ending.map_or(0, |strategy| strategy.reads().vertices),
             row: &[],
             ends: false,
             joints,

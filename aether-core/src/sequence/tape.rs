@@ -252,10 +252,10 @@ impl<V: Vertex> Tape<V> {
     }
 
     /// Keeps a vertex that was drawn for itself, as a path of its own.
+    #[inline]
     pub fn keep(&self, drawn: &Drawn<V>) -> Place {
         let place = Place::new(self.len(), 1);
-        self.push(0, 0, Part::new(0, 1));
-        self.take(place, 0, drawn, Question::NOTHING);
+        self.extend_run((0, 0), 0, drawn, Question::NOTHING);
         place
     }
 

@@ -87,7 +87,7 @@ where
         let (n, k) = (joined.joint.length, len - 1 - distance);
         let mut mass = self.mass(n, end, k);
         if self.is_ending(n, end, k) {
-            let density = match len > READS {
+            let density = match len > self.ending_reads {
                 true => self.far_ending(),
                 false => self.near(joined, End::First, n - 1, self.ending),
             };
@@ -120,11 +120,11 @@ where
     #[inline(always)]
     fn sum_up_from(&mut self, n: usize, end: End) {
         let len = self.walks[end as usize].len.min(n);
+        let is_ending_known = end == End::First || len <= self.ending_reads || self.know_ending(n);
         let far = len.saturating_sub(READS);
         if far == 0 {
             return; // All of it is next to the joint.
         }
-        let is_ending_known = end == End::First || self.know_ending(n);
         let known = self.joints.sides[end as usize].sums.len() - 1;
         if known > 0 && !(is_ending_known && self.is_as_before(n, end, known)) {
             self.joints.sides[end as usize].forget_sums();
@@ -185,13 +185,11 @@ where
     #[inline(always)]
     fn ratio(&mut self, n: usize, end: End, k: usize) -> DensityOf<I> {
         let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
-        let [last, before] = self.joints.sides[end as usize].ratios[k];
-        for (asked, ratio) in [last, before].into_iter().flatten() {
-            if asked == question {
-                return ratio;
-            }
+        match &self.joints.sides[end as usize].ratios[k] {
+            [Some((asked, ratio)), _] if *asked == question => *ratio,
+            [_, Some((asked, ratio))] if *asked == question => *ratio,
+            _ => self.new_ratio(end, k, n - 1 - k, question),
         }
-        self.new_ratio(end, k, n - 1 - k, question)
     }
 
     /// The same, not known.
@@ -231,8 +229,9 @@ where
     /// The density of vertex `k` of a walk, far from the joint, under a strategy of the other walk behind so many vertices: it
     /// depends on nothing but the next vertices of this walk.
     fn density(&self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
-        let stops = &self.joints.sides[end as usize].stops[..k + READS + 1];
-        let (window, place) = (last_of(self.tape, stops), LAST_PLACE - READS);
+        let stops = &self.joints.sides[end as usize].stops;
+        let next = READS.min(stops.len() - 1 - k);
+        let (window, place) = (last_of(self.tape, &stops[..k + next + 1]), LAST_PLACE - next);
         let Some(target) = window.vertices[place] else { return PathDensity::ZERO };
         let strategy = &self.strategies[(question.0 >> 1) as usize];
         let view = PathView::of_window(&window, place + 1, true, len, strategy.reads());

@@ -199,9 +199,6 @@ impl Place {
 pub(crate) struct Step(u32);
 
 impl Step {
-    /// No step.
-    pub const NONE: Step = Step(u32::MAX);
-
     /// The step at a position.
     #[inline(always)]
     pub fn new(at: usize, turned: bool) -> Self {
