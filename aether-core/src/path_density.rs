@@ -38,6 +38,16 @@ impl<R: Scalar> PathDensity<R> {
         Self::normalised(value, 0)
     }
 
+    /// A number of ordinary range over another number.
+    #[inline(always)]
+    pub(crate) fn quotient(value: R, divisor: Self) -> Self {
+        let mantissa = value / divisor.mantissa;
+        if divisor.exponent == 0 && Self::is_usual(mantissa) {
+            return PathDensity { mantissa, exponent: 0 };
+        }
+        Self::new(value).divided(divisor)
+    }
+
     /// The number m 2^(96 e) of a mantissa m and an exponent e: what [`PathDensity::parts`] has given, unchanged.
     pub fn from_parts(mantissa: R, exponent: i32) -> Self {
         Self::normalised(mantissa, exponent)

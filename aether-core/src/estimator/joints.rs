@@ -275,17 +275,18 @@ where
         let mut closing = I::Value::one();
         let stops = &self.joints.sides[1].stops;
         for (k, stop) in stops.iter().enumerate() {
-            let window = last_of(tape, &stops[..k + 1]);
-            let view = PathView::of_window(&window, LAST_PLACE + 1 - reads, true, reads, shown);
             // The edge that the new vertex completes: all that its factor reads is there.
             if k + 1 >= reads {
+                let window = last_of(tape, &stops[..k + 1]);
+                let place = LAST_PLACE + 1 - reads;
+                let view = PathView::of_window(&window, place, true, reads, shown);
                 value = value.multiply(integrand.extend(view));
+                if k + 1 == reads {
+                    closing = integrand.end(view);
+                }
             }
             value = per(value, stop.own.value());
             behind.in_range &= is_usable(value);
-            if k + 1 == reads {
-                closing = integrand.end(view);
-            }
             behind.values.push(value.multiply(closing));
         }
         behind.in_range

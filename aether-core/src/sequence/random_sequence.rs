@@ -204,10 +204,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         let (tape, strategies, mut len) =
             (&self.arena.tape, self.arena.strategies.borrow(), self.len());
         let strategy = &strategies[id as usize];
-        let mut kept = [None; RING];
-        for i in len.saturating_sub(LAST)..len {
-            kept[i % RING] = tape.unfolded().drawn(self.handle.place, i);
+        let reads = strategy.reads();
+        let (mut kept, unfolded) = ([None; RING], tape.unfolded());
+        for i in len.saturating_sub(reads.vertices)..len {
+            kept[i % RING] = unfolded.drawn(self.handle.place, i);
         }
+        drop(unfolded);
         while len < size {
             let block = self.block_at(len);
             uniforms.start(block);

@@ -5,6 +5,7 @@ use super::{BEHIND, DensityOf, End, Joined, Joint, LAST_PLACE, Pieces, READS, la
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
+use crate::real::Real;
 use crate::sequence::{PathView, Place};
 use crate::strategy::{Dirac, Strategy, Vertex};
 use crate::work::count_densities;
@@ -24,14 +25,14 @@ where
             let mut sum = self.row[n].mass;
             if !sum.is_zero() {
                 let density = self.near_by_step(joined, End::First, n - 1);
-                sum = sum * self.heuristic.term(density / own);
+                sum = sum * self.heuristic.term(PathDensity::quotient(density, own));
             }
             let further = self.ahead(joined);
             if further.is_zero() {
                 return sum;
             }
             let density = self.near_by_step(joined, End::Second, n - 1);
-            return sum + further * self.heuristic.term(density / own);
+            return sum + further * self.heuristic.term(PathDensity::quotient(density, own));
         }
         let ahead = self.ahead(joined);
         if first < n {
@@ -43,7 +44,7 @@ where
         }
         let density = self.near(joined, End::First, n - 1, self.ending);
         let own = self.own(End::First, n - 1);
-        ahead + mass * self.heuristic.term(density / own)
+        ahead + mass * self.heuristic.term(PathDensity::quotient(density, own))
     }
 
     /// The sum of the techniques that join a path before the end of its first piece.
@@ -89,7 +90,7 @@ where
         if self.is_ending(n, end, k) {
             let density = match len > self.ending_reads {
                 true => self.far_ending(),
-                false => self.near(joined, End::First, n - 1, self.ending),
+                false => PathDensity::new(self.near(joined, End::First, n - 1, self.ending)),
             };
             mass = mass * self.heuristic.term(density / self.own(End::Second, 0));
         }
@@ -100,7 +101,7 @@ where
         let place = if end == End::First { BEHIND - 1 - distance } else { BEHIND + distance };
         let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
         let other = self.at_place(joined, end.other(), place, question.0 >> 1);
-        sum * self.heuristic.term(other / self.own(end, k))
+        sum * self.heuristic.term(PathDensity::quotient(other, self.own(end, k)))
     }
 
     /// The density of the first vertex of the second walk as one that is drawn for itself, where that follows from the
@@ -161,7 +162,7 @@ where
         if known.is_some_and(|(asked, _)| asked == question) {
             return true;
         }
-        let density = self.density(End::Second, 0, n - 1, question);
+        let density = PathDensity::new(self.density(End::Second, 0, n - 1, question));
         self.joints.sides[End::Second as usize].ending = Some((question, density));
         false
     }
@@ -195,7 +196,8 @@ where
     /// The same, not known.
     #[inline(never)]
     fn new_ratio(&mut self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
-        let ratio = self.density(end, k, len, question) / self.own(end, k);
+        let density = self.density(end, k, len, question);
+        let ratio = PathDensity::quotient(density, self.own(end, k));
         let known = &mut self.joints.sides[end as usize].ratios[k];
         *known = [Some((question, ratio)), known[0]];
         ratio
@@ -228,11 +230,11 @@ where
 
     /// The density of vertex `k` of a walk, far from the joint, under a strategy of the other walk behind so many vertices: it
     /// depends on nothing but the next vertices of this walk.
-    fn density(&self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
+    fn density(&self, end: End, k: usize, len: usize, question: Question) -> RealOf<I> {
         let stops = &self.joints.sides[end as usize].stops;
         let next = READS.min(stops.len() - 1 - k);
         let (window, place) = (last_of(self.tape, &stops[..k + next + 1]), LAST_PLACE - next);
-        let Some(target) = window.vertices[place] else { return PathDensity::ZERO };
+        let Some(target) = window.vertices[place] else { return RealOf::<I>::ZERO };
         let strategy = &self.strategies[(question.0 >> 1) as usize];
         let view = PathView::of_window(&window, place + 1, true, len, strategy.reads());
         evaluated(strategy, view, target, stops[k].fixed)
@@ -240,21 +242,15 @@ where
 
     /// The density of vertex `i` of a path, next to the joint, under the step of a walk that would make it.
     #[inline]
-    fn near_by_step(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize) -> DensityOf<I> {
+    fn near_by_step(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize) -> RealOf<I> {
         let k = joined.joint.index(end.other(), i);
         let question = self.question(joined.joint.length, end, k);
-        question.map_or(PathDensity::ZERO, |question| self.near(joined, end, i, question.0 >> 1))
+        question.map_or(RealOf::<I>::ZERO, |question| self.near(joined, end, i, question.0 >> 1))
     }
 
     /// The density of vertex `i` of a path, next to the joint, under a strategy that comes from one end.
     #[inline(never)]
-    fn near(
-        &self,
-        joined: &Joined<'_, I::Vertex>,
-        end: End,
-        i: usize,
-        strategy: u32,
-    ) -> DensityOf<I> {
+    fn near(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize, strategy: u32) -> RealOf<I> {
         self.at_place(joined, end, joined.place(i), strategy)
     }
 
@@ -266,8 +262,8 @@ where
         end: End,
         place: usize,
         strategy: u32,
-    ) -> DensityOf<I> {
-        let Some(target) = joined.window.vertices[place] else { return PathDensity::ZERO };
+    ) -> RealOf<I> {
+        let Some(target) = joined.window.vertices[place] else { return RealOf::<I>::ZERO };
         let is_fixed = joined.window.fixed >> place & 1 == 1;
         let backward = end == End::Second;
         let last = if backward { place + 1 } else { place - 1 };
@@ -282,7 +278,7 @@ where
         let last = joined.joint.last;
         let known = last.and_then(|at| self.tape.own(Place::new(at as usize, 1), 0));
         let i = joined.joint.length - 1;
-        known.map_or_else(|| self.near(joined, End::First, i, self.ending), PathDensity::new)
+        PathDensity::new(known.unwrap_or_else(|| self.near(joined, End::First, i, self.ending)))
     }
 
     /// The density of vertex `k` of a walk under its own strategy.
@@ -299,8 +295,8 @@ fn evaluated<V: Vertex, S: Strategy<V>>(
     path: PathView<'_, V>,
     target: &V,
     is_fixed: bool,
-) -> PathDensity<V::Real> {
+) -> V::Real {
     let dirac = is_fixed.then_some(Dirac::Position);
     count_densities(1);
-    PathDensity::new(strategy.pdf(path.asking(dirac), target).of_kind(dirac))
+    strategy.pdf(path.asking(dirac), target).of_kind(dirac)
 }
