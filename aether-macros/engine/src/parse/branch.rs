@@ -81,9 +81,11 @@ pub struct Way {
     pub(super) tests: Vec<(usize, Test)>,
     /// Comparisons made on this reading: difference, whether strict, and the outcome.
     made: Vec<(Id, bool, bool)>,
-    /// What each `floor` passes, by the place of its first comparison: later readings know more of its argument,
-    /// and have to make the same comparisons.
-    spans: BTreeMap<usize, Span>,
+    /// What each `floor` passes, by the place of its first comparison and the number of those before it, of which some make no
+    /// comparison: later readings know more of its argument, and have to make the same comparisons.
+    spans: BTreeMap<(usize, usize), Span>,
+    /// How many there were on this reading.
+    floors: usize,
     /// What follows for the parameters if any point takes this way.
     pub(super) existence: Vec<Test>,
     /// Whether a comparison was found to have the other outcome wherever this way leads.
@@ -122,7 +124,7 @@ impl Way {
                     proven: false,
                     required: false,
                 });
-                self.spans.retain(|begin, _| *begin <= place);
+                self.spans.retain(|(begin, _), _| *begin <= place);
                 return Some(self.again(vec![]));
             }
         }
@@ -436,7 +438,9 @@ impl Body<'_> {
 
     /// The largest integer not above x, as a number: a piece for each integer that x passes.
     pub(super) fn floor(&mut self, at: &impl ToTokens, x: Id) -> Option<Id> {
-        let Span { first, last, count } = match self.way.spans.get(&self.way.position) {
+        let own = (self.way.position, self.way.floors);
+        self.way.floors += 1;
+        let Span { first, last, count } = match self.way.spans.get(&own) {
             Some(span) => *span,
             None => {
                 let range = self.graph.range(x);
@@ -445,7 +449,7 @@ impl Body<'_> {
                 }
                 let (first, last) = (libm::floor(range.lo) as i64, libm::ceil(range.hi) as i64 - 1);
                 let span = Span { first, last, count: self.steps(x) };
-                self.way.spans.insert(self.way.position, span);
+                self.way.spans.insert(own, span);
                 span
             }
         };
@@ -558,6 +562,19 @@ mod tests {
             }
             // There is no step beyond the last.
             assert_eq!(item.pdf(&[n], &[n + 0.25]), 0.0);
+        }
+    }
+
+    /// A `floor` of what stays below one compares nothing, and one after it is none the less of its own argument.
+    #[test]
+    fn each_floor_is_that_of_its_own_argument() {
+        let text = "fn f(u: [Uniform; 1]) -> f64 { (0.5 * u[0]).floor() + (3.0 * u[0]).fract() }";
+        let item = Item::new("".parse().unwrap(), text.parse().unwrap(), true).unwrap();
+        for u in [0.1_f64, 0.5, 0.9] {
+            let x = (3.0 * u).fract();
+            assert!((item.forward(&[], &[u]).unwrap()[0] - x).abs() < 1e-15);
+            assert!((item.pdf(&[], &[x]) - 1.0).abs() < 1e-12);
+            assert_eq!(item.preimages(&[], &[x]).len(), 3);
         }
     }
 
