@@ -1,6 +1,8 @@
 //! Small vectors and matrices over any [`Real`], with free conversions to glam.
 
-use core::ops::{Add, Div, Index, Mul, Neg, Sub};
+use core::ops::{
+    Add, AddAssign, Div, DivAssign, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign,
+};
 
 use crate::point::Direction;
 use crate::real::{Real, Scalar};
@@ -45,6 +47,44 @@ macro_rules! vector {
             /// The vector of length one in this direction.
             #[inline(always)]
             pub fn normalize(self) -> Self { self / self.length() }
+            /// Euclidean length of the difference.
+            #[inline(always)]
+            pub fn distance(self, other: impl Into<Self>) -> R {
+                self.distance_squared(other).sqrt()
+            }
+            /// Squared Euclidean length of the difference.
+            #[inline(always)]
+            pub fn distance_squared(self, other: impl Into<Self>) -> R {
+                let other: Self = other.into();
+                (self - other).length_squared()
+            }
+            /// Between this and `other`, which is reached at `t` = 1.
+            #[inline(always)]
+            pub fn lerp(self, other: impl Into<Self>, t: R) -> Self {
+                let other: Self = other.into();
+                self * (R::ONE - t) + other * t
+            }
+        }
+        impl<R: Real> AddAssign for $name<R> {
+            #[inline(always)]
+            fn add_assign(&mut self, o: Self) { *self = *self + o; }
+        }
+        impl<R: Real> SubAssign for $name<R> {
+            #[inline(always)]
+            fn sub_assign(&mut self, o: Self) { *self = *self - o; }
+        }
+        impl<R: Real> MulAssign<R> for $name<R> {
+            #[inline(always)]
+            fn mul_assign(&mut self, k: R) { *self = *self * k; }
+        }
+        impl<R: Real> DivAssign<R> for $name<R> {
+            #[inline(always)]
+            fn div_assign(&mut self, k: R) { *self = *self / k; }
+        }
+        impl<R: Real> IndexMut<usize> for $name<R> {
+            fn index_mut(&mut self, i: usize) -> &mut R {
+                match i { $($i => &mut self.$field,)* _ => panic!("a {} has {} coordinates, not {}", stringify!($name), $n, i + 1) }
+            }
         }
         impl<R: Real> Add for $name<R> {
             type Output = Self;
@@ -97,7 +137,20 @@ vector!(
     /// A vector of space.
     Vec3, 3, x 0, y 1, z 2);
 
+impl<R: Real> Vec2<R> {
+    /// The x axis.
+    pub const X: Self = Vec2::new(R::ONE, R::ZERO);
+    /// The y axis.
+    pub const Y: Self = Vec2::new(R::ZERO, R::ONE);
+}
+
 impl<R: Real> Vec3<R> {
+    /// The x axis.
+    pub const X: Self = Vec3::new(R::ONE, R::ZERO, R::ZERO);
+    /// The y axis.
+    pub const Y: Self = Vec3::new(R::ZERO, R::ONE, R::ZERO);
+    /// The z axis.
+    pub const Z: Self = Vec3::new(R::ZERO, R::ZERO, R::ONE);
     /// Vector product.
     #[inline(always)]
     pub fn cross(self, other: impl Into<Self>) -> Self {
@@ -293,6 +346,14 @@ impl<R: Real> Mul<R> for Direction<R> {
     #[inline(always)]
     fn mul(self, k: R) -> Vec3<R> {
         self.vec() * k
+    }
+}
+
+impl<R: Real> Div<R> for Direction<R> {
+    type Output = Vec3<R>;
+    #[inline(always)]
+    fn div(self, k: R) -> Vec3<R> {
+        self.vec() / k
     }
 }
 
