@@ -11,8 +11,8 @@ use crate::diagnostics::Diagnostics;
 use crate::eval::Evaluator;
 use crate::expr::{Graph, Id, Leaf};
 use crate::parse::{
-    Options, Parsed, Piece, Signature, Test, bound_once, has_one_end, parse, shared, signature,
-    stages,
+    Options, Parsed, Piece, Signature, Test, bound_once, has_one_end, parse, plain, shared,
+    signature, stages,
 };
 
 /// How far outside [0, 1] a uniform may be recovered, and how far (relative to its size) the image
@@ -93,9 +93,10 @@ impl Item {
         options: &Options,
         errors: &mut Diagnostics,
     ) -> Option<Item> {
+        let function = &plain(function);
         let making = !options.of_names.is_empty();
         if making && !has_one_end(function) {
-            errors.error(&function.sig.ident, "domains are declared of names of a body that has one end: leave `return` away, or pass what they stand for as parameters");
+            errors.error(&function.sig.ident, "domains are declared of names of a body that has one end, and no names that change in blocks: leave `return` and such assignments away, or pass what they stand for as parameters");
             return None;
         }
         let mut parsed = parse(function, signature, options, making, errors)?;

@@ -1,7 +1,7 @@
 //! What names of a body stand for.
 
 use proc_macro2::TokenStream;
-use syn::Pat;
+use syn::{Expr, Pat};
 
 use super::Value;
 use super::body::Body;
@@ -13,16 +13,18 @@ use crate::walk::Bound;
 impl Body<'_> {
     pub(super) fn local(&mut self, local: &syn::Local) -> Option<()> {
         let Some(init) = &local.init else {
-            let _ = self.bind(&local.pat, Value::Unknown);
-            return self.error(local, "give this name its value at once, so that it stands for one formula: `let r = …;`, also `let r = if … { … } else { … };`");
+            // A value comes later, on each way before it is used.
+            return self.bind(&local.pat, Value::Unit);
         };
-        if init.diverge.is_some() {
-            self.bind_names(&local.pat);
-            return self.error(local, "`let … else` has no meaning here, because every value of a body exists: write `let x = …;`. Where there is no sample, `return None;` from a function that returns an `Option`");
+        if let Some((_, otherwise)) = &init.diverge {
+            return self.bind_or_leave(local, &init.expr, otherwise);
         }
         self.name_constant(local, &init.expr);
         let mut value = self.expr(&init.expr);
-        if let (Some(Value::Unit), None) = (&value, &self.returned) {
+        if self.left() && value.is_some() {
+            return Some(());
+        }
+        if let Some(Value::Unit) = &value {
             self.errors.error(&init.expr, "this has no value on one way through it: an `if` needs an `else`, and a block ends with its value, without a semicolon");
             value = None;
         }
@@ -73,37 +75,74 @@ impl Body<'_> {
         .collect()
     }
 
-    /// Makes the names of a pattern known without values, so that one mistake is reported once.
-    fn bind_names(&mut self, pat: &Pat) {
-        let mut bound = Bound::default();
-        walk::pat(&mut bound, pat);
-        self.names.extend(bound.0.into_iter().map(|name| (name, Value::Unknown)));
+    /// `let pattern = value else { … };`
+    fn bind_or_leave(&mut self, local: &syn::Local, value: &Expr, otherwise: &Expr) -> Option<()> {
+        let pat = match &local.pat {
+            Pat::Type(typed) => &*typed.pat,
+            pat => pat,
+        };
+        let fits = self.expr(value).and_then(|value| self.fits(pat, &value));
+        if fits == Some(false) {
+            return self.expr(otherwise).map(|_| ());
+        }
+        if fits.is_none() {
+            // The names are known in any case, so that one mistake is reported once.
+            let mut bound = Bound::default();
+            walk::pat(&mut bound, pat);
+            bound.0.iter().for_each(|name| self.declare(name, Value::Unknown));
+        }
+        fits.map(|_| ())
     }
 
     pub(super) fn bind(&mut self, pat: &Pat, value: Value) -> Option<()> {
         match (pat, value) {
             (Pat::Ident(p), value) => {
-                self.parameters.entry(p.ident.to_string()).and_modify(|shadowed| *shadowed = true);
-                if p.subpat.is_some() || p.by_ref.is_some() || p.mutability.is_some() {
-                    self.names.insert(p.ident.to_string(), value);
+                self.declare(&p.ident.to_string(), value);
+                if p.subpat.is_some() || p.by_ref.is_some() {
                     return self
-                        .error(p, "values do not change here, so that every name stands for one formula: use a new `let` with a new name");
+                        .error(p, "a name is bound to a value here: leave `ref` and `@` away");
                 }
-                self.names.insert(p.ident.to_string(), value);
                 Some(())
             }
             (Pat::Type(p), value) => self.bind(&p.pat, value),
             (Pat::Paren(p), value) => self.bind(&p.pat, value),
+            (Pat::Reference(p), value) => self.bind(&p.pat, value),
             (Pat::Wild(_), _) => Some(()),
-            (Pat::Tuple(p), Value::Unknown) => {
-                let values = vec![Value::Unknown; p.elems.len()];
+            (Pat::Tuple(p), value @ (Value::Unknown | Value::Unit)) => {
+                let values = vec![value; p.elems.len()];
                 self.bind_each(&p.elems, values)
             }
             (Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
                 self.bind_each(&p.elems, values)
             }
-            (Pat::Slice(p), Value::Uniforms(ids)) if p.elems.len() == ids.len() => {
-                self.bind_each(&p.elems, ids.into_iter().map(Value::Scalar).collect())
+            (Pat::Slice(p), value) if value.elements().is_some() => {
+                let mut values = value.elements().unwrap_or_default();
+                // What a `..` passes over.
+                if let Some(rest) = p.elems.iter().position(|p| matches!(p, Pat::Rest(_))) {
+                    let after = p.elems.len() - 1 - rest;
+                    if rest + after <= values.len() {
+                        values.splice(rest..values.len() - after, [Value::Unit]);
+                    }
+                }
+                if p.elems.len() != values.len() {
+                    let count = values.len();
+                    return self.error(p, format!("this array has {count} elements"));
+                }
+                self.bind_each(&p.elems, values)
+            }
+            (Pat::Rest(_), _) => Some(()),
+            (Pat::Struct(p), Value::Vector(v)) => {
+                let mut bound = Some(());
+                for field in &p.fields {
+                    let syn::Member::Named(name) = &field.member else { continue };
+                    let Some(i) =
+                        ["x", "y", "z"].iter().take(v.len()).position(|axis| name == axis)
+                    else {
+                        return self.error(name, format!("a vector has no `{name}`"));
+                    };
+                    bound = self.bind(&field.pat, Value::Scalar(v[i])).and(bound);
+                }
+                bound
             }
             (pat, value) => {
                 let what = value.describe();

@@ -5,9 +5,12 @@ use std::collections::HashMap;
 use quote::ToTokens;
 use syn::{Block, Expr, Stmt};
 
+use super::assign::{Scope, operator};
 use super::branch::Way;
+use super::calls::Items;
 use super::defined::Partial;
 use super::made::Making;
+use super::repeat::Leaving;
 use super::stages::Cut;
 use super::{Domain, Test, Value};
 use crate::diagnostics::Diagnostics;
@@ -35,6 +38,16 @@ pub struct Body<'a> {
     /// What is declared of the parameters together.
     pub(super) declared: Vec<Test>,
     pub(super) names: HashMap<String, Value>,
+    /// What belongs to the blocks that are being read.
+    pub(super) scopes: Vec<Scope>,
+    /// The constants and functions of these.
+    pub(super) items: Items,
+    /// How deep calls of functions of the body are within each other.
+    pub(super) calls: usize,
+    /// How many turns of loops there were.
+    pub(super) turns: usize,
+    /// A `break` or a `continue` that was met.
+    pub(super) leaving: Option<Leaving>,
     /// The names of parameters, and whether they have come to stand for something else.
     pub(super) parameters: HashMap<String, bool>,
     /// Whether the operands of a comparison are being read.
@@ -78,6 +91,11 @@ impl<'a> Body<'a> {
             depth: 0,
             declared: vec![],
             names,
+            scopes: vec![],
+            items: Items::default(),
+            calls: 0,
+            turns: 0,
+            leaving: None,
             parameters: HashMap::new(),
             comparing: false,
             returned: None,
@@ -105,25 +123,32 @@ impl<'a> Body<'a> {
         self.returned.get_or_insert(value);
     }
 
-    /// Reports an error on tokens.
+    /// Reports an error on tokens; nothing if they are not reached, as there was a `return` before.
     pub fn error<T>(
         &mut self,
         tokens: impl ToTokens,
         message: impl core::fmt::Display,
     ) -> Option<T> {
-        self.errors.error(tokens, message);
+        if !self.left() {
+            self.errors.error(tokens, message);
+        }
         None
     }
 
     /// The value of a block.
     pub fn block(&mut self, block: &Block) -> Option<Value> {
-        let saved = self.names.clone();
         self.depth += 1;
+        let result = self.scoped(|body| body.statements(block));
+        self.depth -= 1;
+        result
+    }
+
+    fn statements(&mut self, block: &Block) -> Option<Value> {
         let mut result = None;
-        let mut failed = false;
+        let mut failed = self.declare_items(block).is_none();
         let last = block.stmts.len().saturating_sub(1);
         for (i, stmt) in block.stmts.iter().enumerate() {
-            if self.returned.is_some() {
+            if self.left() {
                 break;
             }
             match stmt {
@@ -137,42 +162,36 @@ impl<'a> Body<'a> {
                     failed |= value.is_none();
                     self.returned = self.returned.take().or(value);
                 }
-                Stmt::Expr(e @ (Expr::If(_) | Expr::Match(_)), None) if i < last => {
-                    failed |= self.expr(e).is_none();
-                }
-                Stmt::Expr(e @ (Expr::If(_) | Expr::Match(_)), Some(_)) => {
-                    failed |= self.expr(e).is_none();
-                }
-                Stmt::Expr(e @ (Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_)), _) => {
-                    failed = true;
-                    let _ = self.expr(e);
-                }
-                Stmt::Item(syn::Item::Use(_)) => {}
+                Stmt::Expr(e, _) if is_statement(e) => failed |= self.expr(e).is_none(),
+                Stmt::Item(item) => failed |= self.item(item).is_none(),
                 Stmt::Macro(m) => {
-                    failed = true;
-                    let _ = self
-                        .expr(&Expr::Macro(syn::ExprMacro { attrs: vec![], mac: m.mac.clone() }));
+                    let value = self.of_macro(&m.mac);
+                    failed |= value.is_none();
+                    result = value.filter(|_| i == last && m.semi_token.is_none());
                 }
                 Stmt::Expr(e, semicolon) if self.errors.is_empty() || i < last => {
                     failed = true;
                     self.statement(e, semicolon.is_some() && i == last);
                 }
                 Stmt::Expr(..) => failed = true,
-                other => {
-                    failed = true;
-                    self.errors.error(other, "a body is a chain of `let`s and a result; this statement has no place in it: move it out of the function");
-                }
             }
         }
-        self.names = saved;
-        self.depth -= 1;
+        // What was not reached is not read.
+        if self.left() && self.errors.is_empty() {
+            return Some(Value::Unit);
+        }
         if failed {
             return None;
         }
-        if self.returned.is_some() {
+        if self.left() {
             return Some(Value::Unit);
         }
-        if result.is_none() && matches!(block.stmts.last(), Some(Stmt::Expr(_, Some(_))) | None) {
+        let open = matches!(
+            block.stmts.last(),
+            Some(Stmt::Expr(_, Some(_)) | Stmt::Macro(_) | Stmt::Item(_)) | None
+        );
+        let open = open || self.depth > 1 && matches!(block.stmts.last(), Some(Stmt::Local(_)));
+        if result.is_none() && open {
             return Some(Value::Unit);
         }
         if result.is_none() && self.errors.is_empty() {
@@ -186,22 +205,10 @@ impl<'a> Body<'a> {
 
     /// What is wrong with an expression as a statement.
     fn statement(&mut self, e: &Expr, last: bool) {
-        let assigns = match e {
-            Expr::Assign(_) => true,
-            Expr::Binary(b) => {
-                let text = b.op.to_token_stream().to_string();
-                text.len() > 1
-                    && text.ends_with('=')
-                    && !matches!(text.as_str(), "==" | "<=" | ">=" | "!=")
-            }
-            _ => false,
-        };
-        let message = if assigns {
-            "values do not change here, so that every name stands for one formula: use a new `let` with a new name"
-        } else if last {
+        let message = if last {
             "the result of the function is its last expression: leave the semicolon after it away"
         } else {
-            "a body is a chain of `let`s and a result, and a value that is not used has no place in it: give it a name with `let`, or leave it away"
+            "a value that is not used has no place in a body: give it a name with `let`, or leave it away"
         };
         self.errors.error(e, message);
     }
@@ -237,6 +244,16 @@ impl<'a> Body<'a> {
                 "this is one number more than an item can keep: give it fewer parameters",
             ),
         }
+    }
+}
+
+/// Whether an expression does something as a statement: chooses, repeats, assigns, or leaves.
+fn is_statement(e: &Expr) -> bool {
+    match e {
+        Expr::If(_) | Expr::Match(_) | Expr::Block(_) | Expr::ForLoop(_) | Expr::While(_) => true,
+        Expr::Loop(_) | Expr::Break(_) | Expr::Continue(_) | Expr::Assign(_) => true,
+        Expr::Binary(b) => operator(&b.op).is_some(),
+        _ => false,
     }
 }
 

@@ -245,6 +245,14 @@ impl Body<'_> {
             BinOp::Le(_) | BinOp::Ge(_) => false,
             BinOp::And(_) | BinOp::Or(_) => return Some(self.short_circuit(b)),
             BinOp::Eq(_) | BinOp::Ne(_) => {
+                let values = self.expr(&b.left).zip(self.expr(&b.right));
+                let (left, right) = match values {
+                    Some(values) => values,
+                    None => return Some(None),
+                };
+                if let Some(equal) = self.equal(&left, &right) {
+                    return Some(Some(Value::Bool(equal == matches!(b.op, BinOp::Eq(_)))));
+                }
                 return Some(self.error(b, "real numbers are equal with probability zero: compare with `<`, `<=`, `>` or `>=`"));
             }
             _ => return None,
@@ -263,7 +271,7 @@ impl Body<'_> {
         if let Some(name) = unknown.found.first().cloned() {
             return self.error(&name, format!("`{name}` is no parameter, and a relation is between the parameters of the function: add it to them, or write its value"));
         }
-        let (larger, smaller) = self.operands(b)?;
+        let (larger, smaller, _) = self.operands(b)?;
         let difference = self.graph.sub(larger, smaller);
         if self.graph.has(difference, UNKNOWNS) {
             return self.error(b, "a relation is between parameters: this one depends on what is sampled; write it as a branch of the body");
@@ -274,12 +282,15 @@ impl Body<'_> {
     }
 
     fn comparison(&mut self, b: &ExprBinary, strict: bool) -> Option<Value> {
-        let (larger, smaller) = self.operands(b)?;
-        Some(Value::Bool(self.exceeds(larger, smaller, strict)))
+        let (larger, smaller, whole) = self.operands(b)?;
+        Some(Value::Bool(match whole {
+            true => self.whole_exceeds(larger, smaller, strict),
+            false => self.exceeds(larger, smaller, strict),
+        }))
     }
 
     /// Whether one number is larger than another on this way, or as large if not strict.
-    fn exceeds(&mut self, larger: Id, smaller: Id, strict: bool) -> bool {
+    pub(super) fn exceeds(&mut self, larger: Id, smaller: Id, strict: bool) -> bool {
         let difference = self.graph.sub(larger, smaller);
         let holds = self.decide(difference, strict);
         // The difference may no longer show what was compared.
@@ -288,13 +299,15 @@ impl Body<'_> {
         holds
     }
 
-    /// What is larger and what is smaller if the comparison holds.
-    fn operands(&mut self, b: &ExprBinary) -> Option<(Id, Id)> {
+    /// What is larger and what is smaller if the comparison holds, and whether both are integers.
+    fn operands(&mut self, b: &ExprBinary) -> Option<(Id, Id, bool)> {
         // Inside a comparison the size of a number is a number like any other.
         let outer = std::mem::replace(&mut self.comparing, true);
         let (left, right) = (self.expr(&b.left), self.expr(&b.right));
         self.comparing = outer;
-        let (left, right) = match (left?, right?) {
+        let (left, right) = (left?, right?);
+        let whole = matches!((&left, &right), (Value::Integer(_), Value::Integer(_)));
+        let (left, right) = match (left.real(), right.real()) {
             (Value::Scalar(left), Value::Scalar(right)) => (left, right),
             (Value::Vector(_) | Value::Point(..), _) | (_, Value::Vector(_) | Value::Point(..)) => {
                 return self.error(b, "vectors have no order: compare coordinates, `a.x < b.x`, or lengths, `a.length() < b.length()`");
@@ -308,8 +321,8 @@ impl Body<'_> {
             }
         };
         Some(match b.op {
-            BinOp::Lt(_) | BinOp::Le(_) => (right, left),
-            _ => (left, right),
+            BinOp::Lt(_) | BinOp::Le(_) => (right, left, whole),
+            _ => (left, right, whole),
         })
     }
 
@@ -323,8 +336,13 @@ impl Body<'_> {
 
     /// The value of an expression that must be a truth value.
     pub(super) fn truth(&mut self, e: &Expr) -> Option<bool> {
+        if let Expr::Let(test) = e {
+            let value = self.expr(&test.expr)?;
+            return self.fits(&test.pat, &value);
+        }
         match self.expr(e)? {
             Value::Bool(b) => Some(b),
+            Value::Unit if self.left() => Some(false),
             other => {
                 let what = other.describe();
                 self.error(e, format!("a comparison is needed here, and this is {what}"))
@@ -334,79 +352,21 @@ impl Body<'_> {
 
     /// `if condition { … } else { … }`.
     pub(super) fn branch(&mut self, e: &syn::ExprIf) -> Option<Value> {
-        if let Expr::Let(_) = &*e.cond {
-            return self.error(&e.cond, "patterns have no meaning for numbers: compare them");
-        }
-        if self.truth(&e.cond)? {
-            return self.block(&e.then_branch);
+        // What a pattern of the condition binds is known in its block.
+        let taken = self.scoped(|body| {
+            let holds = body.truth(&e.cond)?;
+            if body.left() {
+                return Some(Some(Value::Unit));
+            }
+            Some(if holds { Some(body.block(&e.then_branch)?) } else { None })
+        })?;
+        if taken.is_some() {
+            return taken;
         }
         match &e.else_branch {
             Some((_, other)) => self.expr(other),
             None => Some(Value::Unit),
         }
-    }
-
-    /// `match` over truth values, over ranges of numbers, or over anything with guarded arms.
-    pub(super) fn choice(&mut self, e: &syn::ExprMatch) -> Option<Value> {
-        let value = self.expr(&e.expr)?;
-        for arm in &e.arms {
-            let saved = self.names.clone();
-            if self.fits(&arm.pat, &value)? {
-                let result = self.expr(&arm.body);
-                self.names = saved;
-                return result;
-            }
-            self.names = saved;
-        }
-        self.error(e.match_token, "no arm of this `match` is taken: end it with `_ => …`")
-    }
-
-    fn fits(&mut self, pattern: &syn::Pat, value: &Value) -> Option<bool> {
-        match (pattern, value) {
-            (syn::Pat::Wild(_), _) => Some(true),
-            (syn::Pat::Paren(p), _) => self.fits(&p.pat, value),
-            (syn::Pat::Guard(p), _) => {
-                Some(self.fits(&p.pat, value)? && self.truth(&p.guard)?)
-            }
-            (syn::Pat::Lit(syn::ExprLit { lit: syn::Lit::Bool(l), .. }), Value::Bool(b)) => {
-                Some(l.value == *b)
-            }
-            (syn::Pat::Range(p), Value::Scalar(x)) => self.lies_in(p, *x),
-            (syn::Pat::Or(p), _) => {
-                for case in &p.cases {
-                    if self.fits(case, value)? {
-                        return Some(true);
-                    }
-                }
-                Some(false)
-            }
-            (syn::Pat::Tuple(p), Value::Tuple(values)) if p.elems.len() == values.len() => {
-                let mut all = true;
-                for (p, v) in p.elems.iter().zip(values) {
-                    all &= self.fits(p, v)?;
-                }
-                Some(all)
-            }
-            (syn::Pat::Ident(p), _) if is_constant(&p.ident) => self.error(
-                pattern,
-                format!("`{}` looks like a constant, and a number equals that with probability zero: an arm is a range, or a name that is no constant's", p.ident),
-            ),
-            (syn::Pat::Ident(_), _) => self.bind(pattern, value.clone()).map(|()| true),
-            _ => self.error(pattern, "an arm is `true`, `false`, a range as in `0.0..0.5`, a tuple of these, or a name with a guard, as in `x if x < 0.5 =>`"),
-        }
-    }
-
-    /// Whether a number lies in the range of a pattern, `low..high` or `low..=high`; either end may be left away.
-    fn lies_in(&mut self, range: &syn::PatRange, x: Id) -> Option<bool> {
-        if let Some(low) = &range.start {
-            let low = self.scalar(low)?;
-            if !self.exceeds(x, low, false) {
-                return Some(false);
-            }
-        }
-        let Some(high) = &range.end else { return Some(true) };
-        let high = self.scalar(high)?;
-        Some(self.exceeds(high, x, matches!(range.limits, syn::RangeLimits::HalfOpen(_))))
     }
 
     /// |x|, as x or -x.
@@ -523,12 +483,6 @@ impl Look for UnknownNames<'_> {
         call.args.iter().for_each(|argument| walk::expr(self, argument));
         false
     }
-}
-
-/// Whether a name is written as those of constants are.
-fn is_constant(name: &syn::Ident) -> bool {
-    let name = name.to_string();
-    name.len() > 1 && name.starts_with(|c: char| c.is_uppercase()) && name == name.to_uppercase()
 }
 
 /// What a range says of `x > 0`, or of `x >= 0`.

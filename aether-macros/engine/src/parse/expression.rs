@@ -3,9 +3,12 @@
 use syn::{Expr, Lit, Member, UnOp};
 
 use super::Value;
+use super::assign::operator;
 use super::body::Body;
 use super::methods;
-use super::special::number;
+use super::repeat::Leaving;
+use super::special::{limit, number};
+use super::{vectors, whole};
 use crate::expr::Id;
 use crate::rational::Q;
 
@@ -16,7 +19,9 @@ impl Body<'_> {
     /// The value of an expression that must be a number.
     pub fn scalar(&mut self, e: &Expr) -> Option<Id> {
         match self.expr(e)? {
-            Value::Scalar(id) => Some(id),
+            Value::Scalar(id) | Value::Integer(id) => Some(id),
+            // Nothing of what follows on this way is looked at.
+            Value::Unit if self.left() => Some(self.graph.int(0)),
             Value::Uniforms(_) => {
                 self.error(e, "this is the array of all uniforms; take one of them: `u[0]`")
             }
@@ -46,21 +51,34 @@ impl Body<'_> {
             Expr::Index(i) => self.index(i),
             Expr::Field(f) => self.field(f),
             Expr::Tuple(t) => Some(Value::Tuple(t.elems.iter().map(|e| self.expr(e)).collect::<Option<_>>()?)),
-            Expr::Array(a) => Some(Value::Vector(a.elems.iter().map(|e| self.scalar(e)).collect::<Option<_>>()?)),
+            Expr::Array(a) => Some(Value::List(a.elems.iter().map(|e| self.expr(e)).collect::<Option<_>>()?)),
+            Expr::Repeat(r) => {
+                let (value, count) = (self.expr(&r.expr)?, self.known_index(&r.len)?);
+                Some(Value::List(vec![value; count]))
+            }
             Expr::MethodCall(m) => methods::method(self, m),
             Expr::Call(c) => methods::call(self, c),
-            Expr::Cast(c) => self.error(c, "all numbers of a body are real and of one precision, which whoever samples chooses, so there is nothing to cast: leave it away. The integer part of a number is `x.floor()`"),
+            Expr::Struct(s) => vectors::literal(self, s),
+            Expr::Cast(c) => self.cast(c),
+            Expr::Range(r) => self.range_of_integers(r),
             Expr::If(e) => self.branch(e),
             Expr::Match(e) => self.choice(e),
+            Expr::Try(e) => self.tried(e),
+            Expr::Let(_) => self.truth(e).map(Value::Bool),
+            Expr::Closure(f) => self.closure(f),
+            Expr::ForLoop(e) => self.repeat(e),
+            Expr::Assign(_) => self.assignment(e)?.map(|()| Value::Unit),
+            Expr::Break(b) if b.label.is_none() && b.expr.is_none() => self.leave_turn(Leaving::Loop),
+            Expr::Continue(c) if c.label.is_none() => self.leave_turn(Leaving::Turn),
             Expr::Return(r) => {
                 let value = r.expr.as_ref().and_then(|e| self.expr(e))?;
                 self.leave(value);
                 Some(Value::Unit)
             }
-            Expr::Closure(_) | Expr::ForLoop(_) | Expr::While(_) | Expr::Loop(_) => {
-                self.error(e, "loops and closures cannot be inverted: write the formula out, or give each step a `#[map]` and compose them")
+            Expr::While(_) | Expr::Loop(_) => {
+                self.error(e, "a loop that goes on until something holds has no formula: with a known number of steps write `for i in 0..8`; what is accepted or rejected at random has a density that nobody knows in general")
             }
-            Expr::Macro(m) => self.error(m, "a body is read as mathematics and evaluated in other forms, so a macro has no place in it: write the formula out, and print where the sample is used"),
+            Expr::Macro(m) => self.of_macro(&m.mac),
             other => self.error(other, "this expression has no meaning in a sampler or map; use numbers, vectors, `let` and the functions of the language"),
         }
     }
@@ -71,7 +89,8 @@ impl Body<'_> {
             Lit::Int(i) => i.suffix(),
             _ => "",
         };
-        if !matches!(suffix, "" | "f64") {
+        let whole = matches!(lit, Lit::Int(_)) && suffix != "f64";
+        if !matches!(suffix, "" | "f64") && !whole::is_type(suffix) {
             return self.error(lit, "all numbers of a body are of one precision, which whoever samples chooses: leave the suffix of this literal away");
         }
         let text = match lit {
@@ -87,7 +106,7 @@ impl Body<'_> {
                 _ => return self.error(lit, "this number is out of range"),
             },
         };
-        Some(Value::Scalar(id))
+        Some(if whole { Value::Integer(id) } else { Value::Scalar(id) })
     }
 
     fn path(&mut self, p: &syn::ExprPath) -> Option<Value> {
@@ -98,7 +117,20 @@ impl Body<'_> {
         if p.path.segments.len() == 1
             && let Some(v) = self.names.get(&name)
         {
-            return if matches!(v, Value::Unknown) { None } else { Some(v.clone()) };
+            return match v.clone() {
+                Value::Unknown => None,
+                Value::Flag(id) => {
+                    // Which of the two it is, a way through the body tells.
+                    let margin = self.graph.sum(Q::HALF.neg(), &[(Q::ONE, id)]);
+                    Some(Value::Bool(self.decide(margin, true)))
+                }
+                value => Some(value),
+            };
+        }
+        if let [.., owner, _] = &p.path.segments.iter().collect::<Vec<_>>()[..]
+            && let Some(v) = axis(&owner.ident.to_string(), &name)
+        {
+            return Some(Value::Vector(v.iter().map(|&c| self.graph.int(c)).collect()));
         }
         let before = p.path.segments.iter().rev().skip(1);
         let mut modules = before.map(|segment| segment.ident.to_string());
@@ -107,6 +139,13 @@ impl Body<'_> {
                 p,
                 format!("`{name}` of `{module}` is not known here: a body sees its parameters, its own `let`s and the constants of `std::f64::consts`; pass anything else as a parameter"),
             );
+        }
+        let of_type = p.path.segments.iter().rev().nth(1).is_some_and(|s| s.ident == "f64");
+        if of_type && matches!(name.as_str(), "INFINITY" | "NEG_INFINITY" | "NAN") {
+            return self.error(p, format!("`{name}` is no number to compute with, and a point is never compared with it: leave the bound away, `x.max(0.0)` for `x.clamp(0.0, f64::INFINITY)`"));
+        }
+        if let Some(id) = limit(&mut self.graph, &name).filter(|_| of_type) {
+            return Some(Value::Scalar(id));
         }
         let Some(id) = number(&mut self.graph, &name) else {
             return self.error(
@@ -122,6 +161,9 @@ impl Body<'_> {
             UnOp::Neg(_) => {
                 let minus = self.graph.int(-1);
                 let v = self.expr(&u.expr)?;
+                if let Value::Integer(n) = v {
+                    return Some(Value::Integer(self.graph.neg(n)));
+                }
                 methods::scale(self, &u.expr, v, minus)
             }
             UnOp::Deref(_) => self.expr(&u.expr),
@@ -133,6 +175,9 @@ impl Body<'_> {
         if let Some(value) = self.logic(b) {
             return value;
         }
+        if operator(&b.op).is_some() {
+            return self.assignment(&Expr::Binary(b.clone()))?.map(|()| Value::Unit);
+        }
         let left = self.expr(&b.left);
         let right = self.expr(&b.right);
         let (left, right) = (left?, right?);
@@ -141,11 +186,16 @@ impl Body<'_> {
 
     fn index(&mut self, i: &syn::ExprIndex) -> Option<Value> {
         let base = self.expr(&i.expr)?;
-        let Expr::Lit(syn::ExprLit { lit: Lit::Int(n), .. }) = &*i.index else {
-            return self
-                .error(&i.index, "an index says which unknown is meant, so it must be known here: write a literal, `u[0]`");
-        };
-        let n: usize = n.base10_parse().ok()?;
+        let n = self.known_index(&i.index)?;
+        if let Value::List(values) = &base {
+            return match values.get(n) {
+                Some(value) => Some(value.clone()),
+                None => {
+                    let len = values.len();
+                    self.error(&i.index, format!("there are only {len} of these, counted from 0"))
+                }
+            };
+        }
         let list = match &base {
             Value::Uniforms(v) | Value::Vector(v) => v,
             other => {
@@ -183,4 +233,18 @@ impl Body<'_> {
             }
         }
     }
+}
+
+/// A constant of a type of vectors.
+fn axis(owner: &str, name: &str) -> Option<Vec<i64>> {
+    let count = match owner {
+        "Vec2" => 2,
+        "Vec3" => 3,
+        _ => return None,
+    };
+    if name == "ZERO" {
+        return Some(vec![0; count]);
+    }
+    let place = ["X", "Y", "Z"].iter().take(count).position(|axis| *axis == name)?;
+    Some((0..count).map(|i| i64::from(i == place)).collect())
 }

@@ -9,6 +9,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{ToTokens, format_ident, quote};
 use syn::{Expr, ItemFn, Pat};
 
+use super::assign::operator;
 use super::body::{Body, is_call};
 use super::signature::MOST_NUMBERS;
 use super::{Domain, Options, Signature, Space, Value};
@@ -123,13 +124,17 @@ impl Options {
     }
 }
 
-/// Whether a body has the same constants on each way through it: it has one end.
+/// Whether a body has the same constants on each way through it: it has one end, and no names that change within blocks.
 pub fn has_one_end(item: &ItemFn) -> bool {
     struct Returns(bool);
     impl Look for Returns {
         fn expr(&mut self, e: &Expr) -> bool {
-            self.0 |= matches!(e, Expr::Return(_));
+            self.0 |= matches!(e, Expr::Return(_) | Expr::Try(_) | Expr::Assign(_));
+            self.0 |= matches!(e, Expr::Binary(b) if operator(&b.op).is_some());
             true
+        }
+        fn call_of_macro(&mut self, call: &syn::Macro) {
+            self.0 |= call.path.is_ident("unreachable");
         }
     }
     let mut returns = Returns(false);
@@ -223,7 +228,7 @@ impl Body<'_> {
         v: &[Id],
         straight: bool,
     ) -> Option<Vec<Id>> {
-        if straight && of_few(&self.graph, v, v.len()) {
+        if v.len() > 3 || straight && of_few(&self.graph, v, v.len()) {
             return None;
         }
         let unit = straight && self.has_unit_length(v);

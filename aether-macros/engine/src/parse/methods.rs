@@ -1,16 +1,18 @@
 //! Operators, methods and constructors of the language.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall, Lit};
+use syn::{BinOp, Expr, ExprBinary, ExprCall, ExprMethodCall};
 
 use super::body::Body;
 use super::bounded::{bounded_argument, kept};
 use super::mixed::marked;
 use super::special::{SPECIAL, special_function};
+use super::vectors::{around, matrix_method, vector, vector_method};
+use super::whole::is_type;
 use super::{Space, Value};
-use crate::expr::{Fun, Graph, Id, TurnedVector, shed};
+use crate::expr::{Fun, Graph, Id, shed};
 use crate::rational::Q;
-use crate::solve::linear::{cross, dot};
+use crate::solve::linear::dot;
 
 /// value · k.
 pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
@@ -34,7 +36,7 @@ pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {
 }
 
 /// x + sign · y.
-fn sum(g: &mut Graph, x: Id, y: Id, sign: Q) -> Id {
+pub(super) fn sum(g: &mut Graph, x: Id, y: Id, sign: Q) -> Id {
     let sum = g.sum(Q::ZERO, &[(Q::ONE, x), (sign, y)]);
     shed(g, sum)
 }
@@ -42,16 +44,21 @@ fn sum(g: &mut Graph, x: Id, y: Id, sign: Q) -> Id {
 /// left op right.
 pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Option<Value> {
     use Value::{Matrix, Scalar};
+    if body.left() {
+        return Some(Value::Unit);
+    }
+    if let (Value::Integer(x), Value::Integer(y)) = (&left, &right) {
+        return body.of_integers(b, *x, *y);
+    }
+    let (left, right) = (left.real(), right.real());
+    if let (BinOp::Rem(_), Scalar(x), Scalar(y)) = (&b.op, &left, &right) {
+        return body.remainder(&b.op, *x, *y).map(Scalar);
+    }
     let g = &mut body.graph;
     match (&b.op, &left, &right) {
         (BinOp::Add(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE))),
         (BinOp::Sub(_), Scalar(x), Scalar(y)) => Some(Scalar(sum(g, *x, *y, Q::ONE.neg()))),
         (BinOp::Mul(_), Scalar(x), Scalar(y)) => Some(Scalar(g.mul(*x, *y))),
-        (BinOp::Div(_), Scalar(x), Scalar(y)) if is_integer(&b.left) && is_integer(&b.right) => {
-            let quotient = g.div(*x, *y);
-            let whole = g.as_number(quotient).and_then(|q| Q::new(q.num() / q.den(), 1));
-            Some(Scalar(whole.map_or(quotient, |whole| g.number(whole))))
-        }
         (BinOp::Div(_), Scalar(x), Scalar(y)) => Some(Scalar(g.div(*x, *y))),
         (BinOp::Add(_) | BinOp::Sub(_), x, y) if same_length(x, y) => {
             let sign = Q::int(if matches!(b.op, BinOp::Add(_)) { 1 } else { -1 });
@@ -78,20 +85,8 @@ pub fn binary(body: &mut Body, b: &ExprBinary, left: Value, right: Value) -> Opt
         }
         _ => body.error(
             b.op,
-            "of the operators only + - * / are functions of numbers that can be inverted. The rest of a division is `x.rem_euclid(y)`, and of a division by one `x.fract()`",
+            "of the operators only + - * / % are functions of numbers that can be inverted",
         ),
-    }
-}
-
-/// Whether this is arithmetic of integer literals, which divide without a rest.
-fn is_integer(e: &Expr) -> bool {
-    match e {
-        Expr::Lit(literal) => matches!(&literal.lit, Lit::Int(n) if n.suffix() != "f64"),
-        Expr::Paren(inner) => is_integer(&inner.expr),
-        Expr::Group(inner) => is_integer(&inner.expr),
-        Expr::Unary(negated) => is_integer(&negated.expr),
-        Expr::Binary(both) => is_integer(&both.left) && is_integer(&both.right),
-        _ => false,
     }
 }
 
@@ -102,13 +97,35 @@ fn same_length(a: &Value, b: &Value) -> bool {
 /// receiver.method(args).
 pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {
     let name = m.method.to_string();
+    if let Some(inside) = body.contains(m) {
+        return inside;
+    }
     if let Some(bounded) = bounded_argument(&name, &m.receiver) {
         let x = bounded.value(body)?;
         return scalar_function(body, m, &name, x);
     }
     let receiver = body.expr(&m.receiver)?;
+    if body.left() {
+        return Some(Value::Unit);
+    }
     let args: Vec<&Expr> = m.args.iter().collect();
+    if let Some(all) = receiver.elements() {
+        return body.list_method(m, all, &args);
+    }
+    if let Some(value) = body.option_method(m, &receiver) {
+        return value;
+    }
     match (&receiver, &args[..]) {
+        (Value::Integer(x), _) => body.integer_method(m, *x, &args),
+        (Value::Bool(b), [a]) if matches!(name.as_str(), "then_some" | "then") => {
+            if !b {
+                return Some(Value::Nothing);
+            }
+            match body.expr(a)? {
+                Value::Callable(f) if name == "then" => body.apply(m, &f, vec![]),
+                value => Some(value),
+            }
+        }
         (Value::Scalar(x), []) => scalar_function(body, m, &name, *x),
         (Value::Scalar(x), [a]) => scalar_with_argument(body, m, &name, *x, a),
         (Value::Scalar(x), [a, b]) if name == "mul_add" => {
@@ -162,16 +179,18 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
         "abs" => return Some(Value::Scalar(body.absolute(x))),
         "signum" => return Some(Value::Scalar(body.signum(x))),
         "floor" => return body.floor(&m.method, x).map(Value::Scalar),
+        "ceil" => return body.ceiling(&m.method, x).map(Value::Scalar),
+        "trunc" => return body.truncated(&m.method, x).map(Value::Scalar),
+        "round" => return body.rounded(&m.method, x).map(Value::Scalar),
         "fract" => {
-            let whole = body.floor(&m.method, x)?;
-            if !body.graph.range(x).nonnegative() {
-                return body.error(
-                    &m.method,
-                    "`fract` is x - trunc(x), which turns round at zero, and this number may be negative: write `x - x.floor()` if that is meant, or declare domains of parameters that exclude it",
-                );
-            }
+            let whole = body.truncated(&m.method, x)?;
             return Some(Value::Scalar(body.graph.sub(x, whole)));
         }
+        // What is no number is no sample, so that there is nothing to ask.
+        "is_nan" | "is_infinite" => return Some(Value::Bool(false)),
+        "is_finite" => return Some(Value::Bool(true)),
+        "is_sign_positive" => return Some(Value::Bool(body.decide(x, false))),
+        "is_sign_negative" => return Some(Value::Bool(!body.decide(x, false))),
         _ => {}
     }
     let g = &mut body.graph;
@@ -201,17 +220,11 @@ fn scalar_function(body: &mut Body, m: &ExprMethodCall, name: &str, x: Id) -> Op
             let (s, c) = (g.call(Fun::Sin, &[x]), g.call(Fun::Cos, &[x]));
             return Some(Value::Tuple(vec![Value::Scalar(s), Value::Scalar(c)]));
         }
-        "clone" | "to_owned" => x,
-        "ceil" | "round" | "trunc" => {
-            return body.error(
-                &m.method,
-                format!("`{name}` is not a function of the language: write it with `floor`"),
-            );
-        }
+        "clone" | "to_owned" | "into" => x,
         _ => {
             return body.error(
                 &m.method,
-                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp2 exp_m1 ln ln_1p log log2 log10 sin cos sin_cos tan asin acos atan atan2 to_radians to_degrees sinh cosh tanh asinh acosh atanh abs powi powf hypot mul_add; free functions are {SPECIAL}"),
+                format!("`{name}` is not a function of the language. Numbers have: sqrt cbrt recip exp exp2 exp_m1 ln ln_1p log log2 log10 sin cos sin_cos tan asin acos atan atan2 to_radians to_degrees sinh cosh tanh asinh acosh atanh abs signum floor ceil round trunc fract powi powf hypot mul_add; free functions are {SPECIAL}"),
             );
         }
     };
@@ -273,103 +286,37 @@ fn scalar_with_argument(
         }
         "rem_euclid" => {
             let period = body.scalar(a)?;
-            // Whatever its sign, the rest is not negative.
-            let period = body.absolute(period);
-            let turns = body.graph.div(x, period);
-            let turns = body.floor(&m.method, turns)?;
-            let whole = body.graph.mul(turns, period);
-            Some(Value::Scalar(body.graph.sub(x, whole)))
+            body.rest(&m.method, x, period).map(Value::Scalar)
         }
-        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot, atan2, min, max (both: clamp), copysign and rem_euclid")),
-    }
-}
-
-fn vector_method(
-    body: &mut Body,
-    m: &ExprMethodCall,
-    name: &str,
-    v: Vec<Id>,
-    args: &[&Expr],
-) -> Option<Value> {
-    match (name, args) {
-        ("length" | "length_squared" | "normalize", []) => {
-            let g = &mut body.graph;
-            let squared = dot(g, &v, &v);
-            match name {
-                "length_squared" => Some(Value::Scalar(squared)),
-                "length" => Some(Value::Scalar(g.sqrt(squared))),
-                _ => {
-                    let e = g.number(Q::HALF.neg());
-                    let r = g.pow(squared, e);
-                    let unit: Vec<Id> = v.iter().map(|&c| g.mul(c, r)).collect();
-                    if let [x, y, z] = unit[..] {
-                        g.note_vector([x, y, z]);
-                    }
-                    Some(Value::Vector(unit))
-                }
-            }
+        "div_euclid" => {
+            let period = body.scalar(a)?;
+            body.turns(&m.method, x, period).map(Value::Scalar)
         }
-        ("dot" | "cross", [a]) => {
-            let other = body.expr(a)?;
-            let Some(w) = other.vector().filter(|w| w.len() == v.len()).map(<[Id]>::to_vec) else {
-                return body.error(a, format!("`{name}` needs another vector with as many coordinates"));
-            };
-            let g = &mut body.graph;
-            if name == "dot" {
-                return Some(Value::Scalar(dot(g, &v, &w)));
-            }
-            if v.len() != 3 {
-                return body.error(m, "the vector product is one of vectors of space");
-            }
-            Some(Value::Vector(cross(&mut body.graph, &v, &w)))
+        "midpoint" => {
+            let y = body.scalar(a)?;
+            Some(Value::Scalar(body.graph.sum(Q::ZERO, &[(Q::HALF, x), (Q::HALF, y)])))
         }
-        ("vec" | "clone", []) => Some(Value::Vector(v)),
-        _ => body.error(&m.method, format!("`{name}` is not a method of vectors in the language: there are dot, cross, length, length_squared and normalize")),
-    }
-}
-
-fn matrix_method(
-    body: &mut Body,
-    m: &ExprMethodCall,
-    name: &str,
-    matrix: Value,
-    args: &[&Expr],
-) -> Option<Value> {
-    let Value::Matrix(columns) = matrix else { return None };
-    let transposed: [Vec<Id>; 3] = [0, 1, 2].map(|i| columns.iter().map(|c| c[i]).collect());
-    match (name, args) {
-        ("transpose", []) => Some(Value::Matrix(transposed)),
-        ("to_world" | "to_local", [a]) => {
-            let v = body.expr(a)?;
-            let Some(v) = v.vector().filter(|v| v.len() == 3).map(<[Id]>::to_vec) else {
-                return body.error(a, format!("`{name}` needs a vector of space"));
-            };
-            let is_outward = name == "to_world";
-            let rows = if is_outward { &transposed } else { &columns };
-            let g = &mut body.graph;
-            let turned: Vec<Id> = rows.iter().map(|r| dot(g, r, &v)).collect();
-            if let ([x, y, z], Ok(inside)) = (&turned[..], v.try_into()) {
-                let (written, axes) = ([*x, *y, *z], columns.map(|c| [c[0], c[1], c[2]]));
-                g.note_vector(written);
-                if is_outward && g.made_frames().contains(&axes) {
-                    g.note_turned(TurnedVector { axes, inside, written });
-                }
-            }
-            Some(Value::Vector(turned))
-        }
-        _ => body.error(&m.method, format!("`{name}` is not a method of matrices in the language: there are transpose, and to_world and to_local of frames")),
+        _ => body.error(&m.method, format!("`{name}` is not a function of two numbers in the language: there are powi, powf, log, hypot, atan2, min, max (both: clamp), copysign, midpoint, rem_euclid and div_euclid")),
     }
 }
 
 /// Type::constructor(args) and functions.
 pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
+    let args: Vec<&Expr> = c.args.iter().collect();
     let Expr::Path(p) = &*c.func else {
-        return body.error(c, "only named functions can be called here");
+        return match body.expr(&c.func)? {
+            Value::Callable(f) => body.call_with(c, &f, &args),
+            _ => body.error(c, "only functions can be called here"),
+        };
     };
+    if let Some(name) = p.path.get_ident()
+        && let Some(Value::Callable(f)) = body.names.get(&name.to_string()).cloned()
+    {
+        return body.call_with(c, &f, &args);
+    }
     let names: Vec<String> = p.path.segments.iter().map(|s| s.ident.to_string()).collect();
     let name = names.last().cloned().unwrap_or_default();
     let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
-    let args: Vec<&Expr> = c.args.iter().collect();
     let is_module = names.len() > 1 && names[0].starts_with(char::is_lowercase);
     if is_module && !OURS.contains(&names[0].as_str()) {
         return unknown_function(body, c, &names.join("::"));
@@ -377,7 +324,32 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     match (owner.as_str(), name.as_str(), &args[..]) {
         (_, "solve", [f, range, target]) => super::solve::solve(body, c, [f, range, target]),
         (_, "precomputed", [a]) if names.len() == 1 => body.precomputed(a),
-        (_, "Some", [a]) => body.expr(a),
+        (_, "Some", [a]) => match body.expr(a)? {
+            Value::Nothing => body.error(
+                a,
+                "an option of an option has no meaning here: a point exists, or it does not",
+            ),
+            value => Some(value),
+        },
+        ("f64", "from", [a]) => {
+            let value = match body.expr(a)? {
+                Value::Bool(b) => Value::Scalar(body.graph.int(i64::from(b))),
+                value => value,
+            };
+            body.converted(a, value, "f64")
+        }
+        (ty, "from", [a]) if is_type(ty) => {
+            let value = body.expr(a)?;
+            body.converted(a, value, ty)
+        }
+        ("Vec2" | "Vec3", "from_array", [a]) => {
+            let v = vector(body, a)?;
+            if let [x, y, z] = v[..] {
+                body.graph.note_vector([x, y, z]);
+            }
+            Some(Value::Vector(v))
+        }
+        ("Vec2" | "Vec3", "from", [a]) => vector(body, a).map(Value::Vector),
         ("Mixed", "Continuous", [_]) | ("Mixed", "Atom", [_, _]) => marked(body, c, &args),
         ("Vec2", "new", [x, y]) => Some(Value::Vector(vec![body.scalar(x)?, body.scalar(y)?])),
         ("Vec3", "new", [x, y, z]) => {
@@ -431,7 +403,19 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
 }
 
 /// Crates and modules that paths to functions of the language start with: others may have functions of the same names.
-const OURS: [&str; 11] = [
+const OURS: [&str; 23] = [
+    "usize",
+    "isize",
+    "u8",
+    "u16",
+    "u32",
+    "u64",
+    "u128",
+    "i8",
+    "i16",
+    "i32",
+    "i64",
+    "i128",
     "std",
     "core",
     "f64",
@@ -444,33 +428,6 @@ const OURS: [&str; 11] = [
     "vec",
     "mixed",
 ];
-
-/// The frame about a direction, as `Frame::around` makes it (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"):
-/// a piece above the horizon, and one below.
-fn around(body: &mut Body, e: &Expr) -> Option<Value> {
-    let value = body.expr(e)?;
-    let typed = matches!(value, Value::Point(Space::Direction, ..));
-    let n = value.vector().and_then(|n| <[Id; 3]>::try_from(n).ok());
-    let Some([x, y, z]) = n.filter(|n| typed || body.graph.units().contains(n)) else {
-        let what = value.describe();
-        return body.error(e, format!("a frame is about a direction, and this is {what}: write `Frame::around(Direction::from_vec(v))` for a vector of unit length"));
-    };
-    let sign = body.signum(z);
-    let g = &mut body.graph;
-    let one = g.int(1);
-    let below = g.add(sign, z);
-    let a = g.div(one, below);
-    let across = [[x, x], [x, y], [y, y]].map(|pair| {
-        let product = g.mul(pair[0], pair[1]);
-        g.mul(product, a)
-    });
-    let turned = [across[0], across[1], x].map(|c| g.mul(sign, c));
-    let right = [g.sub(one, turned[0]), g.neg(turned[1]), g.neg(turned[2])];
-    let up = [g.neg(across[1]), g.sub(sign, across[2]), g.neg(y)];
-    let columns = [right, up, [x, y, z]];
-    g.note_frame(columns);
-    Some(Value::Matrix(columns.map(|column| column.to_vec())))
-}
 
 fn unknown_function(body: &mut Body, c: &ExprCall, name: &str) -> Option<Value> {
     let way = if body.own_name == name {
@@ -493,15 +450,4 @@ fn space_named(name: &str) -> Option<Space> {
         "Curve" => Space::Embedded { k: 1, n: 3 },
         _ => return None,
     })
-}
-
-fn vector(body: &mut Body, e: &Expr) -> Option<Vec<Id>> {
-    let value = body.expr(e)?;
-    match value.vector() {
-        Some(v) => Some(v.to_vec()),
-        None => {
-            let what = value.describe();
-            body.error(e, format!("a vector is needed here, and this is {what}"))
-        }
-    }
 }

@@ -1,21 +1,28 @@
 //! From a Rust function to expressions.
 
+mod assign;
 mod attribute;
 mod bindings;
 mod body;
 mod bounded;
 mod branch;
+mod calls;
 mod defined;
 mod expression;
+mod macros;
 mod made;
 mod methods;
 mod mixed;
 mod order;
 mod parameters;
+mod patterns;
 mod pieces;
+mod plain;
 mod point;
 mod proven;
 mod rebound;
+mod repeat;
+mod rounding;
 mod shared;
 mod signature;
 mod solve;
@@ -23,13 +30,17 @@ mod special;
 mod stages;
 mod value;
 mod vanishing;
+mod vectors;
+mod whole;
 
 pub use attribute::{Domain, Options, Relation};
 pub use body::Body;
+pub use calls::Callable;
 pub use made::{Constant, Constants, Made, has_one_end};
 pub use mixed::{AtomWay, Mark};
 pub(crate) use order::assume_nonnegative;
 pub use pieces::{Segment, Test};
+pub use plain::plain;
 pub use rebound::bound_once;
 pub use shared::shared;
 pub use signature::{Param, ParamKind, Signature, Source, Space, signature, type_name};

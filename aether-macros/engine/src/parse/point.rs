@@ -41,16 +41,25 @@ impl Body<'_> {
 
     /// Whether tokens mention a name that depends on the first parameter.
     pub fn depends(&self, tokens: &impl ToTokens) -> bool {
-        let open = |id: &Id| self.graph.has(*id, UNKNOWNS);
         let mut found = false;
         each_name(tokens.to_token_stream(), &mut |name| {
-            found |= self.names.get(&name).is_some_and(|v| match v {
-                Value::Scalar(id) => open(id),
-                Value::Uniforms(_) => true,
-                v => v.vector().is_some_and(|v| v.iter().any(open)),
-            });
+            found |= self.names.get(&name).is_some_and(|v| self.is_sampled(v));
         });
         found
+    }
+
+    /// Whether a value depends on the first parameter.
+    fn is_sampled(&self, value: &Value) -> bool {
+        let open = |id: &Id| self.graph.has(*id, UNKNOWNS);
+        match value {
+            Value::Scalar(id) | Value::Integer(id) => open(id),
+            Value::Uniforms(_) => true,
+            Value::Matrix(columns) => columns.iter().flatten().any(open),
+            Value::Tuple(all) | Value::List(all) => all.iter().any(|v| self.is_sampled(v)),
+            Value::Callable(f) => f.depends,
+            Value::Mixed(_, point) => self.is_sampled(point),
+            v => v.vector().is_some_and(|v| v.iter().any(open)),
+        }
     }
 
     /// The coordinates of the result, for the space that the signature promises, and the identities of
@@ -125,7 +134,7 @@ impl Body<'_> {
 /// The coordinates of one point, and its identity if it has one.
 fn part(space: &Space, value: &Value) -> Option<(Vec<Id>, Option<TokenStream>)> {
     match (space, value) {
-        (Space::Line, Value::Scalar(id)) => Some((vec![*id], None)),
+        (Space::Line, Value::Scalar(id) | Value::Integer(id)) => Some((vec![*id], None)),
         (Space::Plane, Value::Vector(v)) if v.len() == 2 => Some((v.clone(), None)),
         (Space::Volume, Value::Vector(v)) if v.len() == 3 => Some((v.clone(), None)),
         (s, Value::Point(t, v, identity)) if s == t => Some((v.clone(), identity.clone())),

@@ -28,7 +28,12 @@ struct Parts {
 pub fn shared(item: &ItemFn) -> Option<ItemFn> {
     let mut parts = Parts::default();
     let (last, bindings) = item.block.stmts.split_last()?;
+    let mut statements: Vec<Stmt> = Vec::new();
     for statement in bindings {
+        if let Stmt::Item(_) = statement {
+            statements.push(statement.clone());
+            continue;
+        }
         let Stmt::Local(local) = statement else { return None };
         let value = &local.init.as_ref().filter(|init| init.diverge.is_none())?.expr;
         parts.bind(&local.pat, value)?;
@@ -41,7 +46,6 @@ pub fn shared(item: &ItemFn) -> Option<ItemFn> {
     }
     // Operands come first, so that each is spelled out by the time it is needed.
     let mut spelled: BTreeMap<String, Expr> = BTreeMap::new();
-    let mut statements: Vec<Stmt> = Vec::new();
     for (place, part) in parts.all.iter().enumerate() {
         let name = name(place);
         let mut expression = part.expression.clone();

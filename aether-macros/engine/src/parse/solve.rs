@@ -16,10 +16,17 @@ const DEPTH: u8 = 4;
 
 /// The root, as a node, once its closure is proven to be monotone.
 pub fn solve(body: &mut Body, c: &ExprCall, [f, range, target]: [&Expr; 3]) -> Option<Value> {
+    // A closure with a name is called in place.
+    let called: Expr = syn::parse_quote!(|t| #f(t));
+    let named = match f {
+        Expr::Path(p) => p.path.get_ident().and_then(|name| body.names.get(&name.to_string())),
+        _ => None,
+    };
+    let f = if let Some(Value::Callable(_)) = named { &called } else { f };
     let Some((name, function)) = closure(f) else {
         return body.error(
             f,
-            "the function to be solved is written in place, as a closure with one argument: `solve(|t| t + t.powi(3), 0.0..1.0, u[0])`",
+            "the function to be solved is a closure with one argument: `solve(|t| t + t.powi(3), 0.0..1.0, u[0])`",
         );
     };
     let Expr::Range(range) = range else {
@@ -49,13 +56,23 @@ pub fn solve(body: &mut Body, c: &ExprCall, [f, range, target]: [&Expr; 3]) -> O
     let t = body.graph.get_leaf(variable);
     let outer = body.names.insert(name.clone(), Value::Scalar(t));
     body.bound += 1;
-    let value = body.scalar(function);
+    // A `return` of the closure is its own.
+    let returned = body.returned.take();
+    let value = body.expr(function);
+    let value = body.returned.take().or(value);
+    body.returned = returned;
     body.bound -= 1;
     match outer {
         Some(value) => body.names.insert(name.clone(), value),
         None => body.names.remove(&name),
     };
-    let value = value?;
+    let value = match value?.real() {
+        Value::Scalar(id) => id,
+        other => {
+            let what = other.describe();
+            return body.error(function, format!("a number is needed here, and this is {what}"));
+        }
+    };
     match direction(&mut body.graph, value, variable) {
         Ok(sign) => {
             let g = &mut body.graph;

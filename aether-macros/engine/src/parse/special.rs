@@ -68,10 +68,36 @@ pub fn number(g: &mut Graph, name: &str) -> Option<Id> {
             let one = g.int(1);
             g.call(Fun::Exp, &[one])
         }
-        "LN_2" => {
-            let two = g.int(2);
-            g.call(Fun::Ln, &[two])
+        "FRAC_2_SQRT_PI" => {
+            let half = g.number(Q::HALF.neg());
+            let r = g.pow(pi, half);
+            scaled(g, Q::int(2), r)
         }
+        "LN_2" | "LN_10" => {
+            let base = g.int(if name == "LN_2" { 2 } else { 10 });
+            g.call(Fun::Ln, &[base])
+        }
+        "LOG2_E" | "LOG10_E" => {
+            let base = g.int(if name == "LOG2_E" { 2 } else { 10 });
+            let l = g.call(Fun::Ln, &[base]);
+            g.powi(l, -1)
+        }
+        "LOG2_10" | "LOG10_2" => {
+            let (two, ten) = (g.int(2), g.int(10));
+            let (two, ten) = (g.call(Fun::Ln, &[two]), g.call(Fun::Ln, &[ten]));
+            if name == "LOG2_10" { g.div(ten, two) } else { g.div(two, ten) }
+        }
+        _ => return None,
+    })
+}
+
+/// A number of the type `f64` itself, `f64::EPSILON`: the same in whatever precision the item runs.
+pub fn limit(g: &mut Graph, name: &str) -> Option<Id> {
+    Some(match name {
+        "EPSILON" => g.number(Q::new(1, 1 << 52)?),
+        "MAX" => g.float(f64::MAX),
+        "MIN" => g.float(f64::MIN),
+        "MIN_POSITIVE" => g.float(f64::MIN_POSITIVE),
         _ => return None,
     })
 }

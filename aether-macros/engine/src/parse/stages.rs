@@ -176,6 +176,10 @@ impl Uses {
         walk::pat(&mut mentioned, &uniforms.pat);
         let mut statements = Vec::new();
         for statement in &item.block.stmts {
+            // What items say does not depend on names of the body.
+            if let Stmt::Item(_) = statement {
+                continue;
+            }
             let bound = match statement {
                 Stmt::Local(local) => mentioned.in_part(|m| walk::pat(m, &local.pat)),
                 _ => vec![],

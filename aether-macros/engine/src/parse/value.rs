@@ -1,15 +1,19 @@
 //! What a name or an expression in a body stands for.
 
+use std::rc::Rc;
+
 use proc_macro2::TokenStream;
 
 use crate::expr::Id;
-use crate::parse::{Mark, Space};
+use crate::parse::{Callable, Mark, Space};
 
 /// The value of an expression while a body is read.
 #[derive(Clone, Debug)]
 pub enum Value {
     /// A number.
     Scalar(Id),
+    /// A number of an integer type.
+    Integer(Id),
     /// Two or three numbers.
     Vector(Vec<Id>),
     /// Three columns of three numbers.
@@ -18,13 +22,19 @@ pub enum Value {
     Uniforms(Vec<Id>),
     /// A tuple.
     Tuple(Vec<Value>),
+    /// An array, or what goes through one or through a range of integers.
+    List(Vec<Value>),
+    /// A closure, or a function within the body.
+    Callable(Rc<Callable>),
     /// A point of a space, by its constructor.
     Point(Space, Vec<Id>, Option<TokenStream>),
     /// A point of a distribution with atoms, and whether it lies on one.
     Mixed(Mark, Box<Value>),
+    /// A parameter that is a truth value: one if it is true, zero if not.
+    Flag(Id),
     /// A truth value, on the way through the body that is being read.
     Bool(bool),
-    /// No value: a branch without `else`.
+    /// No value: a branch without `else`, or a name that has none yet.
     Unit,
     /// No sample: `None`.
     Nothing,
@@ -39,16 +49,36 @@ impl Value {
     pub fn describe(&self) -> &'static str {
         match self {
             Value::Scalar(_) => "a number",
+            Value::Integer(_) => "an integer",
             Value::Vector(_) => "a vector",
             Value::Matrix(_) => "a matrix",
             Value::Uniforms(_) => "the array of uniforms",
             Value::Tuple(_) => "a tuple",
+            Value::List(_) => "an array",
+            Value::Callable(_) => "a function",
             Value::Point(..) => "a point",
             Value::Mixed(..) => "a `Mixed` point",
-            Value::Bool(_) => "a truth value",
+            Value::Bool(_) | Value::Flag(_) => "a truth value",
             Value::Unit => "no value at all",
             Value::Nothing => "`None`",
             Value::Opaque(_) | Value::Unknown => "an opaque value",
+        }
+    }
+
+    /// The same, with an integer as any number.
+    pub fn real(self) -> Value {
+        match self {
+            Value::Integer(id) => Value::Scalar(id),
+            other => other,
+        }
+    }
+
+    /// The elements of an array.
+    pub fn elements(&self) -> Option<Vec<Value>> {
+        match self {
+            Value::List(values) => Some(values.clone()),
+            Value::Uniforms(ids) => Some(ids.iter().map(|id| Value::Scalar(*id)).collect()),
+            _ => None,
         }
     }
 
