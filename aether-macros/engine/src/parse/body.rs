@@ -163,6 +163,16 @@ impl<'a> Body<'a> {
                     self.returned = self.returned.take().or(value);
                 }
                 Stmt::Expr(e, _) if is_statement(e) => failed |= self.expr(e).is_none(),
+                Stmt::Expr(e @ Expr::Call(call), Some(_)) if self.is_own(call) => {
+                    match self.expr(e) {
+                        Some(Value::Unit) => {}
+                        Some(_) => {
+                            failed = true;
+                            self.statement(e, i == last);
+                        }
+                        None => failed = true,
+                    }
+                }
                 Stmt::Item(item) => failed |= self.item(item).is_none(),
                 Stmt::Macro(m) => {
                     let value = self.of_macro(&m.mac);
@@ -201,6 +211,13 @@ impl<'a> Body<'a> {
             );
         }
         result
+    }
+
+    /// Whether a call is of a closure or a function of the body.
+    fn is_own(&self, call: &syn::ExprCall) -> bool {
+        let Expr::Path(p) = &*call.func else { return false };
+        let own = p.path.get_ident().and_then(|name| self.names.get(&name.to_string()));
+        matches!(own, Some(Value::Callable(_)))
     }
 
     /// What is wrong with an expression as a statement.

@@ -43,6 +43,9 @@ impl Body<'_> {
             Expr::Lit(l) => self.literal(&l.lit),
             Expr::Paren(p) => self.expr(&p.expr),
             Expr::Group(p) => self.expr(&p.expr),
+            Expr::Reference(r) if r.mutability.is_some() => {
+                self.error(r, "names change here by assignment alone, not through a reference: write `x = f(x);` for `f(&mut x);`")
+            }
             Expr::Reference(r) => self.expr(&r.expr),
             Expr::Block(b) if b.label.is_none() => self.block(&b.block),
             Expr::Path(p) => self.path(p),

@@ -69,6 +69,9 @@ impl Body<'_> {
                 pattern,
                 format!("`{}` looks like a constant, and a number equals that with probability zero: an arm is a range, or a name that is no constant's", p.ident),
             ),
+            (Pat::Ident(p), _) if p.by_ref.is_some() => {
+                self.error(p, "a name is bound to a value here: leave `ref` away")
+            }
             (Pat::Ident(p), _) => {
                 if let Some((_, within)) = &p.subpat
                     && !self.fits(within, value)?
