@@ -13,6 +13,7 @@ mod mixed;
 mod mutations;
 mod mutations_enumerated;
 mod oracle;
+mod parameters;
 mod random_walk;
 mod reflected_lobes;
 mod rough_dielectric;

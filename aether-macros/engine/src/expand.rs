@@ -10,7 +10,7 @@ use crate::diagnostics::Diagnostics;
 use crate::emit::text::source;
 use crate::emit::{Emitter, Support, Texts, Ways, compose};
 use crate::interpret::Item;
-use crate::parse::{Options, ParamKind, signature};
+use crate::parse::{Options, signature};
 
 /// Expands `#[sampler]`.
 pub fn sampler(attr: TokenStream, item: TokenStream) -> TokenStream {
@@ -41,7 +41,7 @@ fn expand(attr: TokenStream, item: TokenStream, sampler: bool) -> TokenStream {
         options.declared_of_names(&function, &signature);
         for d in &options.domains {
             let parameter = signature.params.iter().find(|p| p.name == d.name);
-            if parameter.is_some_and(|p| p.kind != ParamKind::Scalar) {
+            if parameter.is_some_and(|p| !p.kind.is_number()) {
                 errors.error(&d.name, format!("`{0}` is no number, and a domain is a range of numbers: write relations of its parts, such as `where {0}.x > 0.0`", d.name));
             }
             if parameter.is_none() {

@@ -10,10 +10,10 @@ use quote::{ToTokens, quote};
 use syn::{Expr, ItemFn, Lit, Pat, Stmt};
 
 use super::documentation::measures;
-use super::interface::{hidden_body, hidden_body_with, interface};
+use super::interface::{given, hidden_body, hidden_body_with, interface};
 use super::item::point_type;
 use crate::diagnostics::Diagnostics;
-use crate::parse::{Constants, Domain, Options, Param, ParamKind, Signature, Source, type_name};
+use crate::parse::{Constants, Domain, Options, Param, Signature, Source, type_name};
 use crate::walk::{self, Bound, Look};
 
 /// Whether a body calls other samplers or maps.
@@ -177,7 +177,7 @@ pub fn emit(
     }
     let names: Vec<&Ident> = signature.params.iter().map(|p: &Param| &p.name).collect();
     let ty = type_name(&signature.name);
-    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
+    let generic = signature.params.iter().any(|p| p.kind.is_real());
     let args = if generic { quote!(<R>) } else { quote!() };
     let about = format!(
         "\nA composition: densities divide by the change of measure of each map, over all preimages. \
@@ -188,7 +188,11 @@ pub fn emit(
     let interface = interface(item, signature, options, &Constants::default(), &docs);
     let hidden = hidden_body(item);
     let point = point_type(&signature.space);
-    let unpack = quote!(#(let #names = self.#names;)* #plain);
+    let fields = signature.params.iter().map(|p| {
+        let name = &p.name;
+        given(&p.kind, quote!(self.#name))
+    });
+    let unpack = quote!(#(let #names = #fields;)* #plain);
     let implementation = match &signature.source {
         Source::Uniforms { count, .. } => quote! {
             #[automatically_derived]
@@ -260,14 +264,13 @@ pub fn fallback_with(
         return hidden;
     };
     // With domains the constructor is one that may fail, as it will be; what is wrong may be a relation itself.
-    let is_number = |d: &&Domain| {
-        signature.params.iter().any(|p| p.name == d.name && p.kind == ParamKind::Scalar)
-    };
+    let is_number =
+        |d: &&Domain| signature.params.iter().any(|p| p.name == d.name && p.kind.is_number());
     let domains = options.domains.iter().filter(is_number).cloned().collect();
     let options = Options { domains, ..Options::default() };
     let interface = interface(item, &signature, &options, &Constants::default(), &quote!());
     let ty = type_name(&signature.name);
-    let generic = signature.params.iter().any(|p| p.kind != ParamKind::Identity);
+    let generic = signature.params.iter().any(|p| p.kind.is_real());
     let args = if generic { quote!(<R>) } else { quote!() };
     let point = point_type(&signature.space);
     let point = if signature.mixed { quote!(::aether_core::Mixed<#point>) } else { point };

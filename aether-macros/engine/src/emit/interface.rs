@@ -29,8 +29,9 @@ pub fn interface(
     let names: Vec<&Ident> = signature.params.iter().map(|p| &p.name).collect();
     let types: Vec<TokenStream> =
         signature.params.iter().map(|p| param_type(p.kind.clone())).collect();
-    let generic =
-        signature.params.iter().any(|p| p.kind != ParamKind::Identity) || !constants.all.is_empty();
+    let kept_types = signature.params.iter().map(|p| field_type(&p.kind));
+    let kept: Vec<TokenStream> = signature.params.iter().filter_map(kept).collect();
+    let generic = signature.params.iter().any(|p| p.kind.is_real()) || !constants.all.is_empty();
     let (bounds, default, args) = if generic {
         (quote!(<R: ::aether_core::Real>), quote!(<R: ::aether_core::Real = f64>), quote!(<R>))
     } else {
@@ -40,17 +41,26 @@ pub fn interface(
     let plain: Vec<TokenStream> = signature.params.iter().filter_map(in_double).collect();
     let compute = compute(constants, &plain);
     let asked = constants.all.iter().filter_map(|c| Some((c.domain.as_ref()?, &c.fields[0])));
-    let asked: Vec<TokenStream> = asked.map(|(d, field)| in_domain(d, field, name)).collect();
+    let lanes = if generic { quote!(R) } else { quote!(f64) };
+    let asked: Vec<TokenStream> =
+        asked.map(|(d, field)| in_domain(d, field, (name, &lanes))).collect();
+    let is_integer = |d: &Domain| {
+        let is_it = |p: &Param| p.name == d.name && matches!(p.kind, ParamKind::Integer(_));
+        signature.params.iter().any(is_it)
+    };
+    let double = quote!(f64);
     let checks: Vec<TokenStream> = options
         .domains
         .iter()
-        .map(|d| in_domain(d, &d.name, name))
+        .map(|d| in_domain(d, &d.name, (name, if is_integer(d) { &double } else { &lanes })))
         .chain(options.relations.iter().map(|r| {
             let (comparison, text, item_name) = (&r.comparison, &r.text, name.to_string());
             let left = &comparison.left;
+            let whole = signature.params.iter().any(|p| matches!(p.kind, ParamKind::Integer(_)));
+            let left = if whole { quote!((#left) as f64) } else { quote!(#left) };
             quote! {
                 #[allow(unused)]
-                for lane in 0..<R as ::aether_core::Real>::LANES {
+                for lane in 0..<#lanes as ::aether_core::Real>::LANES {
                     use ::aether_core::Real as _;
                     #(#plain)*
                     if !(#comparison) {
@@ -80,7 +90,7 @@ pub fn interface(
     quote! {
         #[doc = #struct_doc]
         #[derive(Clone, Copy, Debug)]
-        #vis struct #ty #default { #(#names: #types,)* #(#hidden: R),* }
+        #vis struct #ty #default { #(#names: #kept_types,)* #(#hidden: R),* }
 
         #(#user_docs)*
         #docs
@@ -88,6 +98,7 @@ pub fn interface(
         #(#other)*
         #[allow(clippy::too_many_arguments, clippy::manual_range_contains, clippy::approx_constant)]
         #vis fn #name #bounds (#(#names: #types),*) -> #returns {
+            #(#kept)*
             #(#checks)*
             #compute
             #(#asked)*
@@ -134,7 +145,7 @@ fn compute(constants: &Constants, plain: &[TokenStream]) -> TokenStream {
 }
 
 /// Asks for a number to lie in the domain that is declared of it.
-fn in_domain(d: &Domain, field: &Ident, item: &Ident) -> TokenStream {
+fn in_domain(d: &Domain, field: &Ident, (item, lanes): (&Ident, &TokenStream)) -> TokenStream {
     let (text, item) = (&d.text, item.to_string());
     let (lo, hi) = (bound(d.interval.lo), bound(d.interval.hi));
     let upper = if d.closed { quote!(<=) } else { quote!(<) };
@@ -162,7 +173,7 @@ fn in_domain(d: &Domain, field: &Ident, item: &Ident) -> TokenStream {
     };
     quote! {
         #given
-        for lane in 0..<R as ::aether_core::Real>::LANES {
+        for lane in 0..<#lanes as ::aether_core::Real>::LANES {
             let value = ::aether_core::Real::to_f64(::aether_core::Real::lane(#field, lane));
             if !(value >= #lo && value #upper #hi #whole) {
                 #outside
@@ -198,6 +209,8 @@ fn in_double(p: &Param) -> Option<TokenStream> {
             let columns = [quote!(#name.x), quote!(#name.y), quote!(#name.z)].map(vector);
             quote!(::aether_core::Frame::from_unit_axes(#(#columns),*))
         }
+        ParamKind::Integer(_) | ParamKind::Flag => given(&p.kind, quote!(#name)),
+        ParamKind::Array(_) => quote!(#name.map(|number| number.lane(lane).to_f64())),
         ParamKind::Identity => return None,
     };
     Some(quote!(let #name = #value;))
@@ -217,8 +230,44 @@ pub(super) fn bound(x: f64) -> TokenStream {
     }
 }
 
+/// The type of a field.
+fn field_type(kind: &ParamKind) -> TokenStream {
+    match kind {
+        ParamKind::Integer(_) | ParamKind::Flag => quote!(f64),
+        kind => param_type(kind.clone()),
+    }
+}
+
+/// What a parameter is kept as, under its own name.
+fn kept(p: &Param) -> Option<TokenStream> {
+    let name = &p.name;
+    match p.kind {
+        ParamKind::Integer(_) => Some(quote!(let #name = #name as f64;)),
+        ParamKind::Flag => Some(quote!(let #name = f64::from(#name);)),
+        _ => None,
+    }
+}
+
+/// What a field was given as.
+pub(super) fn given(kind: &ParamKind, field: TokenStream) -> TokenStream {
+    match kind {
+        ParamKind::Integer(ty) => {
+            let ty = Ident::new(ty, proc_macro2::Span::call_site());
+            quote!((#field as #ty))
+        }
+        ParamKind::Flag => quote!((#field != 0.0)),
+        _ => field,
+    }
+}
+
 fn param_type(kind: ParamKind) -> TokenStream {
     match kind {
+        ParamKind::Integer(ty) => {
+            let ty = Ident::new(ty, proc_macro2::Span::call_site());
+            quote!(#ty)
+        }
+        ParamKind::Flag => quote!(bool),
+        ParamKind::Array(n) => quote!([R; #n]),
         ParamKind::Scalar => quote!(R),
         ParamKind::Vec2 => quote!(::aether_core::Vec2<R>),
         ParamKind::Vec3 => quote!(::aether_core::Vec3<R>),

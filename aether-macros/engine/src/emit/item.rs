@@ -123,7 +123,7 @@ impl Emitter<'_> {
         if self.is_generic() { (Some(bounds), None) } else { (None, Some(bounds)) }
     }
     fn is_generic(&self) -> bool {
-        self.signature().params.iter().any(|p| p.kind != ParamKind::Identity)
+        self.signature().params.iter().any(|p| p.kind.is_real())
             || !self.parsed.constants.all.is_empty()
     }
 
@@ -276,6 +276,11 @@ impl Emitter<'_> {
             let name = &param.name;
             match param.kind {
                 ParamKind::Scalar => list.push(quote!(self.#name)),
+                ParamKind::Integer(_) | ParamKind::Flag => list.push(quote!(R::of(self.#name))),
+                ParamKind::Array(n) => list.extend((0..n).map(|i| {
+                    let i = proc_macro2::Literal::usize_unsuffixed(i);
+                    quote!(self.#name[#i])
+                })),
                 ParamKind::Vec2 => list.extend([quote!(self.#name.x), quote!(self.#name.y)]),
                 ParamKind::Vec3 | ParamKind::Direction => {
                     list.extend([quote!(self.#name.x), quote!(self.#name.y), quote!(self.#name.z)]);

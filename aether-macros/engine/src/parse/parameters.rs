@@ -3,6 +3,7 @@
 use quote::quote;
 
 use super::body::Body;
+use super::whole::range_of;
 use super::{Options, Param, ParamKind, Segment, Source, Value};
 use crate::expr::{Graph, Id, Leaf};
 use crate::interval::Interval;
@@ -75,6 +76,25 @@ impl Body<'_> {
                     _ => Kind::Scalar(domain),
                 });
                 Value::Scalar(id)
+            }
+            ParamKind::Integer(ty) => {
+                let all = range_of(ty);
+                let range = options.domain(&name).map_or(all, |d| d.interval.intersection(all));
+                let id = self.scalar_param(&name, range);
+                self.whole.push(id);
+                kinds.push(Kind::Whole(range));
+                Value::Integer(id)
+            }
+            ParamKind::Flag => {
+                let range = Interval::new(0.0, 1.0);
+                kinds.push(Kind::Whole(range));
+                Value::Flag(self.scalar_param(&name, range))
+            }
+            ParamKind::Array(n) => {
+                kinds.extend(vec![Kind::Scalar(None); n]);
+                let number =
+                    |i| Value::Scalar(self.scalar_param(&format!("{name}[{i}]"), Interval::ALL));
+                Value::List((0..n).map(number).collect())
             }
             ParamKind::Vec2 | ParamKind::Vec3 => {
                 let n = if p.kind == ParamKind::Vec2 { 2 } else { 3 };

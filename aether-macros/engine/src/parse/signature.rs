@@ -3,6 +3,7 @@
 use proc_macro2::Ident;
 use syn::{FnArg, GenericArgument, ItemFn, Pat, PathArguments, ReturnType, Type};
 
+use super::whole::integer_type;
 use crate::diagnostics::Diagnostics;
 use crate::points::Kind;
 
@@ -91,13 +92,30 @@ pub enum ParamKind {
     Direction,
     /// `SurfaceId`
     Identity,
+    /// `u32` and other types of integers, by name.
+    Integer(&'static str),
+    /// `bool`
+    Flag,
+    /// `[f64; N]`
+    Array(usize),
 }
 
 impl ParamKind {
+    /// Whether it is made of numbers of the precision that whoever samples chooses.
+    pub fn is_real(&self) -> bool {
+        !matches!(self, ParamKind::Identity | ParamKind::Integer(_) | ParamKind::Flag)
+    }
+
+    /// Whether a domain may be declared of it.
+    pub fn is_number(&self) -> bool {
+        matches!(self, ParamKind::Scalar | ParamKind::Integer(_))
+    }
+
     /// How many numbers it takes.
-    fn numbers(&self) -> usize {
+    pub fn numbers(&self) -> usize {
         match self {
-            ParamKind::Scalar => 1,
+            ParamKind::Scalar | ParamKind::Integer(_) | ParamKind::Flag => 1,
+            ParamKind::Array(n) => *n,
             ParamKind::Vec2 => 2,
             ParamKind::Vec3 | ParamKind::Direction => 3,
             ParamKind::Mat3 | ParamKind::Frame => 9,
@@ -344,8 +362,13 @@ fn first_input(
 }
 
 fn uniforms(ty: &Type) -> Option<usize> {
+    array_of(ty, "Uniform")
+}
+
+/// The length of an array of a type, as a literal.
+fn array_of(ty: &Type, name: &str) -> Option<usize> {
     match ty {
-        Type::Array(a) if last_segment(&a.elem).is_some_and(|s| s == "Uniform") => match &a.len {
+        Type::Array(a) if last_segment(&a.elem).is_some_and(|s| s == name) => match &a.len {
             syn::Expr::Lit(l) => match &l.lit {
                 syn::Lit::Int(i) => i.base10_parse().ok(),
                 _ => None,
@@ -381,7 +404,12 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
         );
         return None;
     }
+    if let Some(count) = array_of(&p.ty, "f64") {
+        return Some(Param { name: name.ident.clone(), kind: ParamKind::Array(count) });
+    }
     let kind = match last_segment(&p.ty).as_deref() {
+        Some("bool") => ParamKind::Flag,
+        Some(ty) if integer_type(ty).is_some() => ParamKind::Integer(integer_type(ty)?),
         Some("f64") => ParamKind::Scalar,
         Some("Vec2") => ParamKind::Vec2,
         Some("Vec3") => ParamKind::Vec3,
@@ -399,7 +427,7 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
             return None;
         }
         _ => {
-            errors.error(&p.ty, "a parameter is one of `f64`, `Vec2`, `Vec3`, `Mat3`, `Frame`, `Direction`, `SurfaceId`; compute what you need from other types before, and pass the numbers");
+            errors.error(&p.ty, "a parameter is one of `f64`, `[f64; N]` with a literal N, `Vec2`, `Vec3`, `Mat3`, `Frame`, `Direction`, `SurfaceId`, `bool`, `u32` and other integers; compute what you need from other types before, and pass the numbers");
             return None;
         }
     };

@@ -83,7 +83,14 @@ impl Body<'_> {
             let name = p.name.to_string();
             let Some(mut value) = self.names.remove(&name) else { continue };
             let mut coordinates: Vec<&mut Id> = match &mut value {
-                Value::Scalar(id) => vec![id],
+                Value::Scalar(id) | Value::Integer(id) => vec![id],
+                Value::List(all) => all
+                    .iter_mut()
+                    .filter_map(|number| match number {
+                        Value::Scalar(id) => Some(id),
+                        _ => None,
+                    })
+                    .collect(),
                 Value::Vector(ids) => ids.iter_mut().collect(),
                 Value::Matrix(columns) => columns.iter_mut().flatten().collect(),
                 _ => vec![],

@@ -94,13 +94,7 @@ fn parameters(item: &Item, given: &Value) -> Vec<f64> {
     let mut list = Vec::new();
     for param in &item.parsed.signature.params {
         let name = param.name.to_string();
-        let count = match param.kind {
-            ParamKind::Scalar => 1,
-            ParamKind::Vec2 => 2,
-            ParamKind::Vec3 | ParamKind::Direction => 3,
-            ParamKind::Mat3 | ParamKind::Frame => 9,
-            ParamKind::Identity => 0,
-        };
+        let count = param.kind.numbers();
         let value = [name.clone(), name.to_uppercase()]
             .into_iter()
             .map(|n| &given[n])
