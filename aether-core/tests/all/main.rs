@@ -1,6 +1,7 @@
 //! The tests of what strategies, sequences, estimators and tables do, as one program: what they instantiate is compiled once,
 //! and they run beside each other.
 
+mod as_found;
 mod choices;
 mod combine_samples;
 mod grid;
