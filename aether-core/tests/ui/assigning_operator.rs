@@ -1,4 +1,4 @@
-// `+=`. Values do not change.
+// Changing a name that is not `mut`.
 use aether_core::prelude::*;
 
 #[sampler]

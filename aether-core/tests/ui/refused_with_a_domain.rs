@@ -3,7 +3,7 @@ use aether_core::prelude::*;
 
 #[sampler(k in 0.5..=2.0)]
 fn odd(u: [Uniform; 1], k: f64) -> f64 {
-    k.round() * u[0]
+    k.next_up() * u[0]
 }
 
 fn main() {
