@@ -590,7 +590,7 @@ fn dim_and_bright_scenes_look_alike() {
     std::fs::write(directory.path("lamp.xml"), LAMP).unwrap();
     let image = |options: &[&str], exponent: i32| {
         let radiance = format!("radiance={:e}", 2f64.powi(exponent - 4));
-        let name = format!("{exponent}.exr");
+        let name = format!("lamp{exponent}.exr");
         let fixed = ["lamp.xml", "-o", &name, "--spp", "4", "-D", &radiance];
         let run = directory.render(&[&fixed[..], options].concat()).output().unwrap();
         assert_eq!((run.status.code(), message(&run).as_str()), (Some(0), ""), "{options:?}");

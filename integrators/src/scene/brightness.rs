@@ -92,7 +92,7 @@ mod tests {
         for light in lights {
             let usual = exponent_of(&light(1.0));
             assert!((-8..8).contains(&usual), "{usual} of {}", light(1.0));
-            for power in [-100, -60, -1, 1, 60, 100] {
+            for power in [-100, -60, -1, 1, 30, 50] {
                 assert_eq!(exponent_of(&light(2f64.powi(power))), usual + power, "{power}");
             }
         }
