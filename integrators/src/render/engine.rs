@@ -130,7 +130,7 @@ impl<'a> Job<'a> {
             invalid: AtomicU64::new(0),
             splats: has_splats.then(|| {
                 let exponent = kernel.brightness_exponent();
-                let sums = SplatSums::new(settings.size).as_bright_as(exponent);
+                let sums = SplatSums::new(settings.size).with_brightness(exponent);
                 Mutex::new(if filter.is_some() { sums.with_shares() } else { sums })
             }),
             filter,

@@ -234,7 +234,7 @@ impl SplatSums {
     /// The same for an image as bright as this power of two, roughly ([`Scene::brightness_exponent`]).
     ///
     /// [`Scene::brightness_exponent`]: crate::scene::Scene::brightness_exponent
-    pub(super) fn as_bright_as(self, exponent: i32) -> Self {
+    pub(super) fn with_brightness(self, exponent: i32) -> Self {
         SplatSums { scale: pow2(-i64::from(exponent)), ..self }
     }
 
