@@ -85,8 +85,9 @@ impl Body<'_> {
         let Some((low, high)) = ends else {
             return self.error(range, "the ends of a range have to be integers that are known here, as how many steps there are decides which formula it is: write literals or constants, or declare the domain of a parameter that is an integer, `#[sampler(n in 1..=4)]`");
         };
-        let high = if let RangeLimits::Closed(_) = range.limits { high + 1 } else { high };
-        if high - low > MOST_TURNS as i64 {
+        let high =
+            if let RangeLimits::Closed(_) = range.limits { high.saturating_add(1) } else { high };
+        if high.saturating_sub(low) > MOST_TURNS as i64 {
             return self.turn(range).and_then(|()| {
                 self.error(range, format!("these are more than {MOST_TURNS} integers"))
             });

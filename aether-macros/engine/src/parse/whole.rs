@@ -181,11 +181,11 @@ impl Body<'_> {
                 ("min", [y]) => Some(x.min(*y)),
                 ("max", [y]) => Some(x.max(*y)),
                 ("clamp", [a, b]) if a <= b => Some(x.clamp(*a, *b)),
-                ("abs", []) => Some(x.abs()),
+                ("abs", []) => x.checked_abs(),
                 ("pow", [n]) => x.checked_pow(u32::try_from(*n).ok()?),
                 ("rem_euclid", [n]) => x.checked_rem_euclid(*n),
                 ("div_euclid", [n]) => x.checked_div_euclid(*n),
-                ("saturating_sub", [n]) => Some((x - n).max(0)),
+                ("saturating_sub", [n]) => Some(x.saturating_sub(*n).max(0)),
                 _ => None,
             }
         });
