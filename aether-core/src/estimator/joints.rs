@@ -349,9 +349,9 @@ where
             None => &second.tails[joint.length - joint.first],
         };
         let vertices = |tail: &Tail| tail.ids.map(|id| tape.vertex_of(id));
-        let ([a, b], [c, d]) = (vertices(ahead), vertices(behind));
+        let ([a, b, c], [d, e, f]) = (vertices(ahead), vertices(behind));
         let mut window = Window {
-            vertices: [None, None, b, a, c, d, None, None],
+            vertices: [None, None, c, b, a, d, e, f, None, None],
             sees_next: ahead.sees_next | behind.sees_next,
             fixed: ahead.fixed | behind.fixed,
         };

@@ -56,9 +56,9 @@ pub(crate) struct Window<'p, V> {
     pub fixed: u16,
 }
 
-/// How many places a window has: two times as many vertices as are read before one next to the middle, and on either side two
-/// empty places, as a view looks up two places on both sides of its last vertex, whichever way it goes.
-pub(crate) const WINDOW: usize = 2 * (LAST - 1) + 4;
+/// How many places a window has: two times as many vertices as a view has at hand, and on either side two empty
+/// places, as a view looks up two places on both sides of its last vertex, whichever way it goes.
+pub(crate) const WINDOW: usize = 2 * LAST + 4;
 
 impl<'p, V: Vertex> PathView<'p, V> {
     /// A view of vertices that are in no sequence: to call a strategy by hand, in a test say.

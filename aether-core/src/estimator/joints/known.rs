@@ -1,9 +1,9 @@
 //! What is remembered of two walks, and of how their vertices could have been made.
 
-use super::{BEHIND, End, READS, Walk};
+use super::{BEHIND, End, Walk};
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
-use crate::sequence::NONE;
+use crate::sequence::{LAST, NONE};
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
@@ -28,7 +28,7 @@ pub(super) struct Stop<R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tail {
     /// Their ids, beginning at the joint; [`NONE`] where the piece has no more.
-    pub ids: [u32; READS],
+    pub ids: [u32; LAST],
     /// A bit for each place of the window from which the next one is known to be seen.
     pub sees_next: u16,
     /// A bit for each place of the window whose vertex can be nowhere else.
@@ -37,16 +37,16 @@ pub(super) struct Tail {
 
 impl Tail {
     /// That of no vertices.
-    pub const EMPTY: Tail = Tail { ids: [NONE; READS], sees_next: 0, fixed: 0 };
+    pub const EMPTY: Tail = Tail { ids: [NONE; LAST], sees_next: 0, fixed: 0 };
 
     /// That of a piece with one more vertex.
     fn then<R>(&self, stop: &Stop<R>, end: End) -> Tail {
-        let [first, _] = self.ids;
+        let [first, second, _] = self.ids;
         let (visible, fixed) = (u16::from(stop.visible), u16::from(stop.fixed));
         // What was next to the joint moves away from it. The edge to the vertex before, which is further away, has the number
         // of its first place.
         let moved = |bits: u16, next: u16, at: usize| match end {
-            End::First => (bits >> 1 | next << at) & PLACES << (at + 1 - READS),
+            End::First => (bits >> 1 | next << at) & PLACES << (at + 1 - LAST),
             End::Second => (bits << 1 | next << at) & PLACES << at,
         };
         let (place, edge) = match end {
@@ -54,7 +54,7 @@ impl Tail {
             End::Second => (BEHIND, BEHIND),
         };
         Tail {
-            ids: [stop.id, first],
+            ids: [stop.id, first, second],
             sees_next: moved(self.sees_next, visible, edge),
             fixed: moved(self.fixed, fixed, place),
         }
@@ -62,7 +62,7 @@ impl Tail {
 }
 
 /// A bit for each vertex of a tail.
-const PLACES: u16 = (1 << READS) - 1;
+const PLACES: u16 = (1 << LAST) - 1;
 
 /// What is known of one of two walks.
 #[derive(Clone, Debug)]
@@ -159,7 +159,7 @@ mod tests {
             assert_eq!(side.tails.len(), 8);
             for (len, tail) in side.tails.iter().enumerate() {
                 let mut expected = Tail::EMPTY;
-                for (j, stop) in side.stops[..len].iter().rev().take(READS).enumerate() {
+                for (j, stop) in side.stops[..len].iter().rev().take(LAST).enumerate() {
                     let (place, edge) = match end {
                         End::First => (BEHIND - 1 - j, BEHIND - 2 - j),
                         End::Second => (BEHIND + j, BEHIND + j),
