@@ -225,4 +225,8 @@ impl AnyKernel for MisjudgingTracer<'_> {
     fn filter(&self) -> Option<Filter> {
         Some(self.world.scene.film.filter)
     }
+
+    fn brightness_exponent(&self) -> i32 {
+        self.world.scene.brightness_exponent()
+    }
 }
