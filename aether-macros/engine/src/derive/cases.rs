@@ -114,6 +114,11 @@ fn case(problem: &Problem, volume: Id, point: Point) -> Option<Case> {
     (required && finite).then_some(Case { point, outs, exact_outs, volume, single: false })
 }
 
+/// An unknown at each point that is tried.
+pub(super) fn unknown_of(cases: &[Case], i: usize) -> Vec<f64> {
+    cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect()
+}
+
 /// The values of an expression of the points themselves, before they are rounded.
 pub(super) fn exact_values(g: &Graph, id: Id, cases: &[Case]) -> Vec<f64> {
     let value = |case: &Case| {

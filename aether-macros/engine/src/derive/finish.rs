@@ -1,6 +1,6 @@
 //! What is emitted of a preimage: its unknowns in their best forms, and what they are tested by.
 
-use super::cases::Case;
+use super::cases::{Case, unknown_of};
 use super::holding::never_negative;
 use super::opened::opened;
 use super::opposed::without_length;
@@ -11,7 +11,6 @@ use super::{Preimage, Problem};
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::jacobian::{cost, cost_together};
 use crate::measure::Measure;
-use crate::number::Number;
 use crate::overflow::guard;
 use crate::points::Kind;
 use crate::rational::Q;
@@ -64,11 +63,6 @@ pub(super) fn finish(
         borders: vec![None; n],
         signs: vec![None; n],
     }
-}
-
-/// An unknown at each point that is tried.
-fn unknown_of(cases: &[Case], i: usize) -> Vec<f64> {
-    cases.iter().map(|c| c.point.unknowns[i].to_f64()).collect()
 }
 
 /// The unknowns, each in its most accurate form.

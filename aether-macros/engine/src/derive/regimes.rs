@@ -9,14 +9,13 @@
 use std::collections::BTreeMap;
 
 use super::Problem;
-use super::cases::Case;
+use super::cases::{Case, unknown_of};
 use super::near_one::tells_an_angle;
 use super::units::by_one;
 use crate::expr::{Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
 use crate::measure::{Inputs, Measure};
-use crate::number::Number;
 use crate::poly::{Expander, Poly, RatFun};
 use crate::rational::Q;
 use crate::stabilise::{GOOD, stabilise_to};
@@ -40,7 +39,7 @@ pub(super) fn best_coordinates(
     cases: &[Case],
     measure: &mut Measure,
 ) -> Id {
-    let truth: Vec<f64> = cases.iter().map(|c| c.point.unknowns[index].to_f64()).collect();
+    let truth = unknown_of(cases, index);
     best_forms(&mut problem.graph, value, units, &truth, measure)
 }
 

@@ -318,7 +318,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
     let name = names.last().cloned().unwrap_or_default();
     let owner = names.len().checked_sub(2).map(|i| names[i].clone()).unwrap_or_default();
     let is_module = names.len() > 1 && names[0].starts_with(char::is_lowercase);
-    if is_module && !OURS.contains(&names[0].as_str()) {
+    if is_module && !is_type(&names[0]) && !OURS.contains(&names[0].as_str()) {
         return unknown_function(body, c, &names.join("::"));
     }
     match (owner.as_str(), name.as_str(), &args[..]) {
@@ -403,19 +403,7 @@ pub fn call(body: &mut Body, c: &ExprCall) -> Option<Value> {
 }
 
 /// Crates and modules that paths to functions of the language start with: others may have functions of the same names.
-const OURS: [&str; 23] = [
-    "usize",
-    "isize",
-    "u8",
-    "u16",
-    "u32",
-    "u64",
-    "u128",
-    "i8",
-    "i16",
-    "i32",
-    "i64",
-    "i128",
+const OURS: [&str; 11] = [
     "std",
     "core",
     "f64",

@@ -407,9 +407,12 @@ fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
     if let Some(count) = array_of(&p.ty, "f64") {
         return Some(Param { name: name.ident.clone(), kind: ParamKind::Array(count) });
     }
-    let kind = match last_segment(&p.ty).as_deref() {
+    let ty = last_segment(&p.ty);
+    if let Some(ty) = ty.as_deref().and_then(integer_type) {
+        return Some(Param { name: name.ident.clone(), kind: ParamKind::Integer(ty) });
+    }
+    let kind = match ty.as_deref() {
         Some("bool") => ParamKind::Flag,
-        Some(ty) if integer_type(ty).is_some() => ParamKind::Integer(integer_type(ty)?),
         Some("f64") => ParamKind::Scalar,
         Some("Vec2") => ParamKind::Vec2,
         Some("Vec3") => ParamKind::Vec3,

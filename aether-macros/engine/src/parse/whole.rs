@@ -19,7 +19,7 @@ const MOST_VALUES: f64 = 16.0;
 
 /// Whether a name is that of a type of integers.
 pub(super) fn is_type(name: &str) -> bool {
-    TYPES.contains(&name)
+    integer_type(name).is_some()
 }
 
 /// The type of integers that has a name.
