@@ -6,12 +6,12 @@ use quote::ToTokens;
 use syn::{Block, Expr, Stmt};
 
 use super::assign::{Scope, operator};
-use super::branch::Way;
 use super::calls::Items;
 use super::defined::Partial;
 use super::made::Making;
 use super::repeat::Leaving;
 use super::stages::Cut;
+use super::way::Way;
 use super::{Domain, Test, Value};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf};

@@ -5,9 +5,9 @@ use syn::{Expr, Lit, Member, UnOp};
 use super::Value;
 use super::assign::operator;
 use super::body::Body;
-use super::methods;
 use super::repeat::Leaving;
 use super::special::{limit, number};
+use super::{functions, methods, operators};
 use super::{vectors, whole};
 use crate::expr::Id;
 use crate::rational::Q;
@@ -60,7 +60,7 @@ impl Body<'_> {
                 Some(Value::List(vec![value; count]))
             }
             Expr::MethodCall(m) => methods::method(self, m),
-            Expr::Call(c) => methods::call(self, c),
+            Expr::Call(c) => functions::call(self, c),
             Expr::Struct(s) => vectors::literal(self, s),
             Expr::Cast(c) => self.cast(c),
             Expr::Range(r) => self.range_of_integers(r),
@@ -167,7 +167,7 @@ impl Body<'_> {
                 if let Value::Integer(n) = v {
                     return Some(Value::Integer(self.graph.neg(n)));
                 }
-                methods::scale(self, &u.expr, v, minus)
+                operators::scale(self, &u.expr, v, minus)
             }
             UnOp::Deref(_) => self.expr(&u.expr),
             _ => self.truth(&u.expr).map(|b| Value::Bool(!b)),
@@ -184,7 +184,7 @@ impl Body<'_> {
         let left = self.expr(&b.left);
         let right = self.expr(&b.right);
         let (left, right) = (left?, right?);
-        methods::binary(self, b, left, right)
+        operators::binary(self, b, left, right)
     }
 
     fn index(&mut self, i: &syn::ExprIndex) -> Option<Value> {

@@ -7,13 +7,17 @@ mod body;
 mod bounded;
 mod branch;
 mod calls;
+mod compare;
 mod defined;
 mod expression;
+mod functions;
 mod macros;
 mod made;
 mod methods;
 mod mixed;
+mod operators;
 mod order;
+mod param;
 mod parameters;
 mod patterns;
 mod pieces;
@@ -26,11 +30,14 @@ mod rounding;
 mod shared;
 mod signature;
 mod solve;
+mod space;
 mod special;
 mod stages;
+mod steps;
 mod value;
 mod vanishing;
 mod vectors;
+mod way;
 mod whole;
 
 pub use attribute::{Domain, Options, Relation};
@@ -39,11 +46,13 @@ pub use calls::Callable;
 pub use made::{Constant, Constants, Made, has_one_end};
 pub use mixed::{AtomWay, Mark};
 pub(crate) use order::assume_nonnegative;
+pub use param::{Param, ParamKind};
 pub use pieces::{Segment, Test};
 pub use plain::plain;
 pub use rebound::bound_once;
 pub use shared::shared;
-pub use signature::{Param, ParamKind, Signature, Source, Space, signature, type_name};
+pub use signature::{Signature, Source, signature, type_name};
+pub use space::Space;
 pub use special::{is_number, is_of_the_language};
 use stages::Cut;
 pub use stages::{Stage, stages};
@@ -102,7 +111,7 @@ pub struct Piece {
     /// Which uniforms (or points) take this way.
     pub tests: Vec<Test>,
     /// The way, and the segments of the uniforms in terms of these expressions.
-    way: branch::Way,
+    way: way::Way,
     ends: Vec<Option<Segment>>,
 }
 
@@ -122,7 +131,7 @@ impl Piece {
 /// What reading a body once has found.
 struct Reading {
     graph: Graph,
-    way: branch::Way,
+    way: way::Way,
     unknowns: Vec<Leaf>,
     argument: Option<Kind>,
     kinds: Vec<Kind>,
@@ -158,12 +167,12 @@ pub fn parse(
     let (mut pieces, mut atoms, mut total) = (Vec::new(), Vec::new(), true);
     let mut identities = Vec::new();
     let mut constants = Constants::default();
-    let mut next = Some(branch::Way::default());
+    let mut next = Some(way::Way::default());
     while let Some(way) = next {
-        if pieces.len() + atoms.len() == branch::MAX_PIECES {
+        if pieces.len() + atoms.len() == way::MAX_PIECES {
             errors.error(
                 &item.sig.ident,
-                format!("the branches of this body multiply to more than {} cases: split it, and choose between the parts in a `#[strategy]`", branch::MAX_PIECES),
+                format!("the branches of this body multiply to more than {} cases: split it, and choose between the parts in a `#[strategy]`", way::MAX_PIECES),
             );
             return None;
         }
@@ -300,7 +309,7 @@ impl Reader<'_> {
     fn read(
         &mut self,
         mut graph: Graph,
-        (way, segments): (branch::Way, &[Option<(Segment, &Graph)>]),
+        (way, segments): (way::Way, &[Option<(Segment, &Graph)>]),
         cut: Cut,
     ) -> Option<Reading> {
         // What the item before has used up is no concern of this one.

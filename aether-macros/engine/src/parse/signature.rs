@@ -1,137 +1,11 @@
 //! The signature of a sampler or a map: names, parameters, spaces.
 
 use proc_macro2::Ident;
-use syn::{FnArg, GenericArgument, ItemFn, Pat, PathArguments, ReturnType, Type};
+use syn::{FnArg, ItemFn, Pat, ReturnType, Type};
 
-use super::whole::integer_type;
+use super::param::{Param, param};
+use super::space::{Space, argument_of, optional, space};
 use crate::diagnostics::Diagnostics;
-use crate::points::Kind;
-
-/// The space of a result or of a map's argument.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Space {
-    /// The real line.
-    Line,
-    /// The plane.
-    Plane,
-    /// Space, with volume.
-    Volume,
-    /// The unit sphere.
-    Direction,
-    /// A surface that the type identifies.
-    SurfacePoint,
-    /// A manifold of dimension `k` in R^`n` known only through the map.
-    Embedded {
-        /// Dimension of the manifold.
-        k: usize,
-        /// Dimension of the space around it.
-        n: usize,
-    },
-    /// Several points at once, with the product of their measures.
-    Joint(Vec<Space>),
-}
-
-impl Space {
-    /// Dimension and number of coordinates.
-    pub fn dimensions(&self) -> (usize, usize) {
-        match self {
-            Space::Line => (1, 1),
-            Space::Plane => (2, 2),
-            Space::Volume => (3, 3),
-            Space::Direction | Space::SurfacePoint => (2, 3),
-            Space::Embedded { k, n } => (*k, *n),
-            Space::Joint(parts) => parts
-                .iter()
-                .map(Space::dimensions)
-                .fold((0, 0), |(k, n), (dk, dn)| (k + dk, n + dn)),
-        }
-    }
-
-    /// The points that make up a joint one; a space of single points is its own only part.
-    pub fn parts(&self) -> Vec<Space> {
-        if let Space::Joint(parts) = self { parts.clone() } else { vec![self.clone()] }
-    }
-
-    /// Coordinates and kind of a map's argument.
-    pub fn argument(&self) -> (usize, Kind) {
-        match self {
-            Space::Line => (1, Kind::Vector(1)),
-            Space::Plane => (2, Kind::Vector(2)),
-            Space::Direction => (3, Kind::Direction),
-            _ => (3, Kind::Vector(3)),
-        }
-    }
-
-    /// The name of its measure.
-    pub fn measure(&self) -> &'static str {
-        match self {
-            Space::Line | Space::Embedded { k: 1, .. } => "length",
-            Space::Plane | Space::SurfacePoint | Space::Embedded { k: 2, .. } => "area",
-            Space::Volume => "volume",
-            Space::Direction => "solid angle",
-            Space::Joint(_) => "product of the parts' measures",
-            Space::Embedded { .. } => "Hausdorff measure",
-        }
-    }
-}
-
-/// What a parameter is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ParamKind {
-    /// `f64`
-    Scalar,
-    /// `Vec2`
-    Vec2,
-    /// `Vec3`
-    Vec3,
-    /// `Mat3`
-    Mat3,
-    /// `Frame`
-    Frame,
-    /// `Direction`
-    Direction,
-    /// `SurfaceId`
-    Identity,
-    /// `u32` and other types of integers, by name.
-    Integer(&'static str),
-    /// `bool`
-    Flag,
-    /// `[f64; N]`
-    Array(usize),
-}
-
-impl ParamKind {
-    /// Whether it is made of numbers of the precision that whoever samples chooses.
-    pub fn is_real(&self) -> bool {
-        !matches!(self, ParamKind::Identity | ParamKind::Integer(_) | ParamKind::Flag)
-    }
-
-    /// Whether a domain may be declared of it.
-    pub fn is_number(&self) -> bool {
-        matches!(self, ParamKind::Scalar | ParamKind::Integer(_))
-    }
-
-    /// How many numbers it takes.
-    pub fn numbers(&self) -> usize {
-        match self {
-            ParamKind::Scalar | ParamKind::Integer(_) | ParamKind::Flag => 1,
-            ParamKind::Array(n) => *n,
-            ParamKind::Vec2 => 2,
-            ParamKind::Vec3 | ParamKind::Direction => 3,
-            ParamKind::Mat3 | ParamKind::Frame => 9,
-            ParamKind::Identity => 0,
-        }
-    }
-}
-
-/// A parameter.
-#[derive(Clone, Debug)]
-pub struct Param {
-    /// Its name.
-    pub name: Ident,
-    /// Its type.
-    pub kind: ParamKind,
-}
 
 /// Where a point comes from.
 #[derive(Clone, Debug)]
@@ -195,16 +69,7 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
     let before = errors.len();
     let sig = &item.sig;
     qualifiers(sig, errors);
-    if !sig.generics.params.is_empty() {
-        let lifetimes = sig.generics.type_params().next().is_none()
-            && sig.generics.const_params().next().is_none();
-        errors.error(&sig.generics, if lifetimes {
-            "points and parameters are values, small ones, so there is nothing to borrow: leave the lifetimes and references away"
-        } else {
-            "a sampler or map is generic over its number type by itself: write `f64` and leave the generics away"
-        });
-        return None;
-    }
+    generics(sig, errors)?;
     let mut inputs = sig.inputs.iter();
     let source = first_input(item, inputs.next(), sampler, errors);
     if sig.receiver().is_some() {
@@ -229,27 +94,8 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
             format!("these parameters are {numbers} numbers, and up to {MOST_NUMBERS} are possible: sample from a table, as `Cdf` and `EnvironmentMap` do, or pass what the formula needs of them"),
         );
     }
-    let mut mixed = false;
-    let space = match &sig.output {
-        ReturnType::Type(_, ty) => {
-            let ty = optional(ty).unwrap_or(ty);
-            mixed = last_segment(ty).is_some_and(|name| name == "Mixed");
-            if mixed && !sampler {
-                errors.error(ty, "a map takes points to points, and only a sampler draws atoms: return the space itself");
-            }
-            match argument_of(ty, "Mixed") {
-                Some(inner) => space(inner, errors),
-                // The line, as `Mixed` has it for a default.
-                None if mixed => Some(Space::Line),
-                None => space(ty, errors),
-            }
-        }
-        ReturnType::Default => {
-            errors.error(&sig.ident, "the return type names the space of the result: add one of `-> f64`, `-> Vec2`, `-> Vec3`, `-> Direction`, `-> Surface`, `-> Curve`, `-> SurfacePoint`");
-            None
-        }
-    };
-    let (Some(source), Some(space)) = (source, space) else { return None };
+    let result = result(sig, sampler, errors);
+    let (source, (space, mixed)) = source.zip(result)?;
     if let Source::Uniforms { count, .. } = &source {
         check_dimensions(item, *count, &space, errors);
     }
@@ -260,6 +106,44 @@ pub fn signature(item: &ItemFn, sampler: bool, errors: &mut Diagnostics) -> Opti
         space,
         mixed,
     })
+}
+
+/// Refuses what is generic.
+fn generics(sig: &syn::Signature, errors: &mut Diagnostics) -> Option<()> {
+    if sig.generics.params.is_empty() {
+        return Some(());
+    }
+    let lifetimes =
+        sig.generics.type_params().next().is_none() && sig.generics.const_params().next().is_none();
+    errors.error(&sig.generics, if lifetimes {
+        "points and parameters are values, small ones, so there is nothing to borrow: leave the lifetimes and references away"
+    } else {
+        "a sampler or map is generic over its number type by itself: write `f64` and leave the generics away"
+    });
+    None
+}
+
+/// The space of the result, and whether its distribution has atoms.
+fn result(sig: &syn::Signature, sampler: bool, errors: &mut Diagnostics) -> Option<(Space, bool)> {
+    let ReturnType::Type(_, ty) = &sig.output else {
+        errors.error(&sig.ident, "the return type names the space of the result: add one of `-> f64`, `-> Vec2`, `-> Vec3`, `-> Direction`, `-> Surface`, `-> Curve`, `-> SurfacePoint`");
+        return None;
+    };
+    let ty = optional(ty).unwrap_or(ty);
+    let mixed = last_segment(ty).is_some_and(|name| name == "Mixed");
+    if mixed && !sampler {
+        errors.error(
+            ty,
+            "a map takes points to points, and only a sampler draws atoms: return the space itself",
+        );
+    }
+    let space = match argument_of(ty, "Mixed") {
+        Some(inner) => space(inner, errors),
+        // The line, as `Mixed` has it for a default.
+        None if mixed => Some(Space::Line),
+        None => space(ty, errors),
+    };
+    space.map(|space| (space, mixed))
 }
 
 /// Only a plain `fn` can be evaluated in all the ways that the compiler derives.
@@ -366,7 +250,7 @@ fn uniforms(ty: &Type) -> Option<usize> {
 }
 
 /// The length of an array of a type, as a literal.
-fn array_of(ty: &Type, name: &str) -> Option<usize> {
+pub(super) fn array_of(ty: &Type, name: &str) -> Option<usize> {
     match ty {
         Type::Array(a) if last_segment(&a.elem).is_some_and(|s| s == name) => match &a.len {
             syn::Expr::Lit(l) => match &l.lit {
@@ -379,151 +263,10 @@ fn array_of(ty: &Type, name: &str) -> Option<usize> {
     }
 }
 
-/// The types of parameters.
-const PARAMETERS: [&str; 7] = ["f64", "Vec2", "Vec3", "Mat3", "Frame", "Direction", "SurfaceId"];
-
-fn param(input: &FnArg, errors: &mut Diagnostics) -> Option<Param> {
-    let FnArg::Typed(p) = input else {
-        errors.error(input, "a sampler or map is a free function: it has no `self`");
-        return None;
-    };
-    let Pat::Ident(name) = &*p.pat else {
-        errors.error(&p.pat, "give this parameter a plain name: it is a field of the random variable. Several numbers are several parameters, or a `Vec2` or `Vec3`");
-        return None;
-    };
-    if let Type::Reference(reference) = &*p.ty
-        && PARAMETERS.iter().any(|t| last_segment(&reference.elem).is_some_and(|s| s == *t))
-    {
-        let ty = last_segment(&reference.elem).unwrap_or_default();
-        errors.error(
-            &p.ty,
-            format!(
-                "parameters are values, which the random variable keeps: write `{}: {ty}`",
-                name.ident
-            ),
-        );
-        return None;
-    }
-    if let Some(count) = array_of(&p.ty, "f64") {
-        return Some(Param { name: name.ident.clone(), kind: ParamKind::Array(count) });
-    }
-    let ty = last_segment(&p.ty);
-    if let Some(ty) = ty.as_deref().and_then(integer_type) {
-        return Some(Param { name: name.ident.clone(), kind: ParamKind::Integer(ty) });
-    }
-    let kind = match ty.as_deref() {
-        Some("bool") => ParamKind::Flag,
-        Some("f64") => ParamKind::Scalar,
-        Some("Vec2") => ParamKind::Vec2,
-        Some("Vec3") => ParamKind::Vec3,
-        Some("Mat3") => ParamKind::Mat3,
-        Some("Frame") => ParamKind::Frame,
-        Some("Direction") => ParamKind::Direction,
-        Some("SurfaceId") => ParamKind::Identity,
-        Some("f32") => {
-            errors
-                .error(&p.ty, "write `f64`: the emitted code is generic and runs in `f32` as well");
-            return None;
-        }
-        Some("Uniform") => {
-            errors.error(&p.ty, "uniforms come first and in one array: `u: [Uniform; 2]`");
-            return None;
-        }
-        _ => {
-            errors.error(&p.ty, "a parameter is one of `f64`, `[f64; N]` with a literal N, `Vec2`, `Vec3`, `Mat3`, `Frame`, `Direction`, `SurfaceId`, `bool`, `u32` and other integers; compute what you need from other types before, and pass the numbers");
-            return None;
-        }
-    };
-    Some(Param { name: name.ident.clone(), kind })
-}
-
-/// The most points of a tuple: as many as tuples are implemented for.
-const MAX_POINTS: usize = 8;
-
-/// The most coordinates of a result, for which there are bits in [`crate::expr::Deps`].
-const MAX_COORDINATES: usize = 24;
-
-/// The most dimensions of a manifold, for which the runtime has measures, and of the space that it lies in.
-const MAX_EMBEDDED: usize = 4;
-const MAX_AROUND: usize = 8;
-
 /// The most uniforms: those of eight points on surfaces.
 const MAX_UNIFORMS: usize = 16;
 
-fn space(ty: &Type, errors: &mut Diagnostics) -> Option<Space> {
-    if let Type::Tuple(tuple) = ty
-        && (2..=MAX_POINTS).contains(&tuple.elems.len())
-    {
-        let parts: Vec<Option<Space>> = tuple.elems.iter().map(|t| space(t, errors)).collect();
-        let joint = parts.into_iter().collect::<Option<Vec<Space>>>().map(Space::Joint)?;
-        if joint.dimensions().1 > MAX_COORDINATES {
-            errors.error(ty, format!("these points have more than {MAX_COORDINATES} coordinates together: sample fewer at once, each run given the one before, in a `#[strategy]`"));
-            return None;
-        }
-        return Some(joint);
-    }
-    let found = match last_segment(ty).as_deref() {
-        Some("f64") => Some(Space::Line),
-        Some("Vec2") => Some(Space::Plane),
-        Some("Vec3") => Some(Space::Volume),
-        Some("Direction") => Some(Space::Direction),
-        Some("SurfacePoint") => Some(Space::SurfacePoint),
-        Some("Surface") => Some(Space::Embedded { k: 2, n: 3 }),
-        Some("Curve") => Some(Space::Embedded { k: 1, n: 3 }),
-        Some("Embedded") => {
-            let found = embedded(ty);
-            if found.is_none() {
-                errors.error(ty, format!("the numbers of `Embedded<K, N>` are literals: a manifold of K dimensions, one to {MAX_EMBEDDED}, of points with N coordinates, K to {MAX_AROUND}. More numbers are several points, a tuple, or are sampled one given the others in a `#[strategy]`"));
-            }
-            return found;
-        }
-        _ => None,
-    };
-    if found.is_none() {
-        errors.error(ty, "this type names no space: use one of `f64` (length), `Vec2` (area), `Vec3` (volume), `Direction` (solid angle), `Surface` and `SurfacePoint` (area), `Curve` (length), `Embedded<K, N>`");
-    }
-    found
-}
-
-/// `T` of `Option<T>`: a body that may yield no sample.
-fn optional(ty: &Type) -> Option<&Type> {
-    argument_of(ty, "Option")
-}
-
-/// `T` of `Name<T>`.
-fn argument_of<'t>(ty: &'t Type, name: &str) -> Option<&'t Type> {
-    let Type::Path(p) = ty else { return None };
-    let last = p.path.segments.last().filter(|s| s.ident == name)?;
-    let PathArguments::AngleBracketed(arguments) = &last.arguments else { return None };
-    match arguments.args.first() {
-        Some(GenericArgument::Type(inner)) => Some(inner),
-        _ => None,
-    }
-}
-
-fn embedded(ty: &Type) -> Option<Space> {
-    let Type::Path(p) = ty else { return None };
-    let PathArguments::AngleBracketed(a) = &p.path.segments.last()?.arguments else { return None };
-    let numbers: Vec<usize> = a
-        .args
-        .iter()
-        .filter_map(|a| match a {
-            GenericArgument::Const(syn::Expr::Lit(l)) => match &l.lit {
-                syn::Lit::Int(i) => i.base10_parse().ok(),
-                _ => None,
-            },
-            _ => None,
-        })
-        .collect();
-    match numbers[..] {
-        [k, n] if (1..=MAX_EMBEDDED).contains(&k) && (k..=MAX_AROUND).contains(&n) => {
-            Some(Space::Embedded { k, n })
-        }
-        _ => None,
-    }
-}
-
-fn last_segment(ty: &Type) -> Option<String> {
+pub(super) fn last_segment(ty: &Type) -> Option<String> {
     match ty {
         Type::Path(p) => p.path.segments.last().map(|s| s.ident.to_string()),
         Type::Paren(p) => last_segment(&p.elem),

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use syn::{FnArg, Ident, ItemFn, Stmt};
 
-use super::branch::Way;
+use super::way::Way;
 use super::{Options, Parsed, Reader, Reading, Segment};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};

@@ -4,7 +4,7 @@
 //! is, and the body is read with zeros in the place of the parameters.
 
 use super::body::Body;
-use super::signature::{Param, ParamKind};
+use super::{Param, ParamKind};
 use super::{Reading, Value};
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::points::Kind;

@@ -3,7 +3,7 @@
 use syn::{Expr, ExprMethodCall};
 
 use super::body::Body;
-use super::methods::sum;
+use super::operators::sum;
 use super::{Space, Value};
 use crate::expr::{Id, TurnedVector};
 use crate::rational::Q;
