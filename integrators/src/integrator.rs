@@ -128,6 +128,10 @@ impl<'s> Received<'s> {
         technique: Technique,
         [value, alone]: [Vec3; 2],
     ) {
+        // Mostly there is one that has all of it.
+        if let Some(receiver) = film.only_receiver(point) {
+            return self.add_by(technique, receiver, value, alone);
+        }
         for (receiver, response) in film.receivers(point) {
             self.add_by(technique, receiver, value * response, alone * response);
         }

@@ -141,6 +141,22 @@ impl Film {
         along(point.x, pixel.0) * along(point.y, pixel.1)
     }
 
+    /// The pixel that a film point lies in, if the filter is a box, which has the value one there, and reaches no other
+    /// pixel: it does not lie between two of them.
+    #[inline]
+    pub fn only_receiver(&self, point: Vec2<f32>) -> Option<Pixel> {
+        if self.filter != Filter::Box {
+            return None;
+        }
+        // Only of numbers inside of the image a whole number below is found so.
+        let along = |x: f32, size: u32| {
+            let pixel = x as u32;
+            let is_inside = x > 0.0 && pixel < size && pixel as f32 != x;
+            is_inside.then_some(pixel)
+        };
+        Some((along(point.x, self.width)?, along(point.y, self.height)?))
+    }
+
     /// The pixels whose filters reach a film point, each with the value of its filter there.
     pub fn receivers(&self, point: Vec2<f32>) -> impl Iterator<Item = (Pixel, f32)> {
         let film = *self;
