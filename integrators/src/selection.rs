@@ -56,9 +56,7 @@ impl Selection {
     fn listed(patterns: Vec<Pattern>) -> Self {
         let mut edges = [0; FEW];
         for (camera, lights) in edges.iter_mut().enumerate() {
-            let has = |light: &usize| {
-                patterns.iter().any(|pattern| pattern.has(Technique::edge(camera, *light)))
-            };
+            let has = |light: &usize| patterns.iter().any(|it| it.has("", camera, *light));
             *lights = (0..FEW).filter(has).fold(0, |lights, light| lights | 1 << light);
         }
         Selection { patterns: patterns.leak(), edges: Box::leak(Box::new(edges)) }
@@ -71,12 +69,14 @@ impl Selection {
         if joint.is_empty() && camera < FEW && light < FEW {
             return self.edges[camera] >> light & 1 == 1;
         }
-        self.is_all() || self.lists(technique)
+        self.is_all() || self.lists(joint, camera, light)
     }
 
+    /// Whether a technique is listed. It is not taken as a value, which would have to lie in memory whether this is called
+    /// or not.
     #[cold]
-    fn lists(&self, technique: Technique) -> bool {
-        self.patterns.iter().any(|pattern| pattern.has(technique))
+    fn lists(&self, joint: &str, camera: usize, light: usize) -> bool {
+        self.patterns.iter().any(|pattern| pattern.has(joint, camera, light))
     }
 
     /// Those of some techniques that are among them.
@@ -116,11 +116,9 @@ impl Selection {
 }
 
 impl Pattern {
-    fn has(&self, technique: Technique) -> bool {
+    fn has(&self, joint: &str, camera: usize, light: usize) -> bool {
         let within = |count: usize, (fewest, most)| (fewest..=most).contains(&count);
-        self.joint == technique.joint
-            && within(technique.light, self.light)
-            && within(technique.camera, self.camera)
+        self.joint == joint && within(light, self.light) && within(camera, self.camera)
     }
 
     /// The techniques that two patterns have in common, if there are any.
