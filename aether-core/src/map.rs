@@ -55,6 +55,17 @@ pub trait Map<R: Real>: Copy {
         p / self.jacobian_between(x, y)
     }
 
+    /// Calls `visit` with every preimage of `y` (where the mask holds), and with the density at `y` by way of it if it has the
+    /// density one: one over the change of measure. The points that maps one after the other go through on the way back are
+    /// not computed again for that.
+    #[inline(always)]
+    fn preimages_pushed(&self, y: &Self::Target, mut visit: impl FnMut(Self::Source, R, R::Mask)) {
+        self.preimages(y, |x, valid| {
+            let density = if valid.any() { self.pushed(R::ONE, (&x, y)) } else { R::ZERO };
+            visit(x, density, valid);
+        });
+    }
+
     /// The natural logarithm of [`Map::jacobian`].
     #[inline]
     fn log_jacobian(&self, x: &Self::Source) -> R {
@@ -298,6 +309,18 @@ impl<R: Real, A: Map<R>, B: Map<R, Source = A::Target>> Map<R> for Then<A, B> {
     fn preimages(&self, z: &B::Target, mut visit: impl FnMut(A::Source, R::Mask)) {
         self.second.preimages(z, |y, outer| {
             self.first.preimages(&y, |x, inner| visit(x, outer.and(inner)));
+        });
+    }
+
+    #[inline(always)]
+    fn preimages_pushed(&self, z: &B::Target, mut visit: impl FnMut(A::Source, R, R::Mask)) {
+        self.second.preimages(z, |y, outer| {
+            self.first.preimages_pushed(&y, |x, density, inner| {
+                let valid = outer.and(inner);
+                let is_there = valid.any();
+                let density = if is_there { self.second.pushed(density, (&y, z)) } else { density };
+                visit(x, density, valid);
+            });
         });
     }
 

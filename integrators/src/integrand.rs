@@ -68,8 +68,8 @@ fn look<K: SceneKind>(eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Look {
 pub struct Sight {
     /// The point of the film, in pixels of the image.
     pub film: Vec2<f32>,
-    /// The change of measure from film area to that of the vertex.
-    change: f32,
+    /// The density at the vertex, in its measure, of what has the density one per film area.
+    density: f32,
 }
 
 impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
@@ -125,7 +125,7 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
             }
             _ => 1.0,
         };
-        response * (self.world.filter_scale / sight.change)
+        response * (self.world.filter_scale * sight.density)
     }
 
     /// Where an eye sees a vertex, visibility aside: remembered, as the response and the importance of a path and the
@@ -149,11 +149,11 @@ impl<'w, 's, K: SceneKind> Radiance<'w, 's, K> {
     /// The same, not remembered.
     fn found(&self, eye: &SceneVertex<K>, seen: &SceneVertex<K>) -> Option<Sight> {
         let mut sight = None;
-        film_points(self.world, eye, seen, |film, change| {
-            sight = Some(Sight { film, change });
+        film_points(self.world, eye, seen, |film, density| {
+            sight = Some(Sight { film, density });
         });
-        // A surface seen exactly from its edge has no change of measure, and is not seen.
-        sight.filter(|sight| sight.change > 0.0)
+        // A surface seen exactly from its edge has no density, and is not seen.
+        sight.filter(|sight| sight.density > 0.0 && sight.density < f32::INFINITY)
     }
 
     /// The scene.
@@ -307,8 +307,8 @@ fn geometry<K: SceneKind>(here: &SceneVertex<K>, next: &SceneVertex<K>, along: V
     }
 }
 
-/// Calls `visit` with the film points, in pixels of the image, from which an eye sees a vertex, and with the
-/// change of measure from film area to that of the vertex. There is one such point or none.
+/// Calls `visit` with the film points, in pixels of the image, from which an eye sees a vertex, and with the density at the
+/// vertex, in its measure, of what has the density one per film area. There is one such point or none.
 pub fn film_points<K: SceneKind>(
     world: &World<'_, K>,
     eye: &SceneVertex<K>,
@@ -341,9 +341,9 @@ fn preimages<M: Map<f32, Source = Vec2<f32>>>(
     x: &M::Target,
     mut visit: impl FnMut(Vec2<f32>, f32),
 ) {
-    map.preimages(x, |film: Vec2<f32>, exists| {
+    map.preimages_pushed(x, |film: Vec2<f32>, density, exists| {
         if exists {
-            visit(film, map.jacobian(&film));
+            visit(film, density);
         }
     });
 }
