@@ -48,6 +48,32 @@ impl<R: Scalar> PathDensity<R> {
         Self::new(value).divided(divisor)
     }
 
+    /// b / (a + b) with this number as a, which may be infinite, and b as usual: the weight of one beside others.
+    #[inline(always)]
+    pub(crate) fn share_beside(self, one: Self) -> R {
+        if self.exponent | one.exponent == 0 {
+            // Neither quotient nor sum of two such numbers leaves the range of numbers.
+            return R::ONE / (R::ONE + self.mantissa / one.mantissa);
+        }
+        (Self::ONE / (Self::ONE + self / one)).value()
+    }
+
+    /// (a + b) c^n, where `power` takes a plain number to the power n: at once if none of the numbers has an exponent and the
+    /// result needs none. Then c^n has not left the range of numbers either, as the sum is not zero and no less than 2^-48.
+    /// `None` where that does not hold, nor a value is more than zero.
+    #[inline(always)]
+    pub(crate) fn plain_sum_times(
+        [a, b]: [Self; 2],
+        (value, divisor): (R, Self),
+        power: impl Fn(R) -> R,
+    ) -> Option<Self> {
+        let mantissa = (a.mantissa + b.mantissa) * power(value / divisor.mantissa);
+        let is_plain = a.exponent | b.exponent | divisor.exponent == 0
+            && value > R::ZERO
+            && Self::is_usual(mantissa);
+        is_plain.then_some(PathDensity { mantissa, exponent: 0 })
+    }
+
     /// The number m 2^(96 e) of a mantissa m and an exponent e: what [`PathDensity::parts`] has given, unchanged.
     pub fn from_parts(mantissa: R, exponent: i32) -> Self {
         Self::normalised(mantissa, exponent)

@@ -23,6 +23,12 @@ impl<R, F: Fn(&[R], usize) -> R> Heuristic<R> for F {
 pub trait Separable<R: Scalar>: Heuristic<R> {
     /// The term of a ratio of densities.
     fn term(&self, ratio: PathDensity<R>) -> PathDensity<R>;
+
+    /// The same in plain numbers, where the ratio and the term are in their range: never more than `term` costs.
+    #[inline]
+    fn plain_term(&self, ratio: R) -> R {
+        self.term(PathDensity::new(ratio)).value()
+    }
 }
 
 /// Weights proportional to n_j p_j (Veach and Guibas 1995, balance heuristic).
@@ -40,6 +46,11 @@ impl<R: Scalar> Separable<R> for BalanceHeuristic {
     fn term(&self, ratio: PathDensity<R>) -> PathDensity<R> {
         ratio
     }
+
+    #[inline]
+    fn plain_term(&self, ratio: R) -> R {
+        ratio
+    }
 }
 
 /// Weights proportional to (n_j p_j)² (Veach and Guibas 1995, power heuristic with β = 2).
@@ -55,6 +66,11 @@ impl<R: Scalar> Heuristic<R> for PowerHeuristic {
 impl<R: Scalar> Separable<R> for PowerHeuristic {
     #[inline]
     fn term(&self, ratio: PathDensity<R>) -> PathDensity<R> {
+        ratio * ratio
+    }
+
+    #[inline]
+    fn plain_term(&self, ratio: R) -> R {
         ratio * ratio
     }
 }

@@ -326,8 +326,7 @@ where
                 self.sum_up(length);
                 is_summed_up = true;
             }
-            let others = self.others(&joined) / mass;
-            let weight = (PathDensity::ONE / (PathDensity::ONE + others)).value();
+            let weight = self.others(&joined).share_beside(mass);
             let alone = value.over(RealOf::<I>::of(samples as f64));
             visit(Connected { length, first, value: alone.times(weight), alone });
         }

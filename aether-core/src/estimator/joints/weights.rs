@@ -94,14 +94,27 @@ where
             };
             mass = mass * self.heuristic.term(density / self.own(End::Second, 0));
         }
-        let sum = mass + before;
-        if sum.is_zero() {
-            return sum;
+        if mass.is_zero() && before.is_zero() {
+            return PathDensity::ZERO;
         }
         let place = if end == End::First { BEHIND - 1 - distance } else { BEHIND + distance };
         let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
         let other = self.at_place(joined, end.other(), place, question.0 >> 1);
-        sum * self.heuristic.term(PathDensity::quotient(other, self.own(end, k)))
+        self.linked([mass, before], (other, self.own(end, k)))
+    }
+
+    /// A sum of terms times that of a ratio of densities.
+    #[inline(always)]
+    fn linked(
+        &self,
+        [mass, before]: [DensityOf<I>; 2],
+        (other, own): (RealOf<I>, DensityOf<I>),
+    ) -> DensityOf<I> {
+        let term = |ratio| self.heuristic.plain_term(ratio);
+        let plain = PathDensity::plain_sum_times([mass, before], (other, own), term);
+        // Where something has left the range of plain numbers, also a density that is zero.
+        let robust = || (mass + before) * self.heuristic.term(PathDensity::quotient(other, own));
+        plain.unwrap_or_else(robust)
     }
 
     /// The density of the first vertex of the second walk as one that is drawn for itself, where that follows from the
