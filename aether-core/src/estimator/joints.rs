@@ -23,7 +23,7 @@ use crate::sequence::{
 };
 use crate::strategy::{Dirac, Strategy, Vertex};
 pub(crate) use known::Joints;
-use known::{Question, Stop, Tail};
+use known::{Question, Side, Stop, Tail};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -219,21 +219,19 @@ where
         if side.walk == Some(walk) {
             return;
         }
-        side.walk = Some(walk);
-        side.stops.clear();
-        side.stops.extend((0..len).map(|k| {
-            let (id, visible, dirac) = tape.origin(place.at(k));
-            let fixed = dirac == Some(Dirac::Position);
-            let path = place.range(0, k + 1);
-            // Mostly drawing a vertex has told its density.
-            let own = tape.own(path, k).unwrap_or_else(|| arena.factor(place, k, path));
-            Stop { id, visible, fixed, own: PathDensity::new(own) }
-        }));
-        side.find_tails(end);
+        side.begin(walk);
+        // Of a walk that is one run, drawing a vertex has mostly told its density.
+        let steps = tape.steps_of_run(place);
+        for (k, step) in steps[..len].iter().enumerate() {
+            let fixed = step.dirac == Some(Dirac::Position);
+            let told = tape.value_of(step.vertex);
+            let own = told.unwrap_or_else(|| arena.factor(place, k, place.range(0, k + 1)));
+            let own = PathDensity::new(own);
+            side.add(Stop { id: step.vertex, visible: step.visible, fixed, own }, end);
+        }
         let mut alike: Option<(Question, u32)> = None;
-        side.steps.clear();
-        side.steps.extend((0..place.len as usize).map(|k| {
-            let id = tape.way(place, k).strategy();
+        side.steps.extend(steps.iter().enumerate().map(|(k, step)| {
+            let id = step.way.strategy();
             let strategy = &strategies[id as usize];
             let question = (id << 1 | end as u32, length_class(strategy, strategy.reads(), k));
             *alike.insert(match alike {
@@ -256,11 +254,11 @@ where
         if ahead.begin(arena.contents(), first) {
             let mut value = I::Value::one();
             ahead.values.push(value);
-            let stops = &self.joints.sides[0].stops;
+            let Side { stops, tails, .. } = &self.joints.sides[0];
             for (k, stop) in stops.iter().enumerate() {
                 if !value.is_zero() {
-                    let window = last_of(tape, &stops[..k + 1]);
-                    let view = PathView::of_window(&window, LAST_PLACE, false, k + 1, shown);
+                    let window = window(tape, [&tails[k + 1], &Tail::EMPTY]);
+                    let view = PathView::of_window(&window, BEHIND - 1, false, k + 1, shown);
                     value = per(value.multiply(integrand.extend(view)), stop.own.value());
                 }
                 ahead.values.push(value);
@@ -273,22 +271,23 @@ where
         behind.values.push(value);
         // All that the factor reads which closes a path, if there is so much of the second walk.
         let mut closing = I::Value::one();
-        let stops = &self.joints.sides[1].stops;
+        let Side { stops, tails, .. } = &self.joints.sides[1];
         for (k, stop) in stops.iter().enumerate() {
             // The edge that the new vertex completes: all that its factor reads is there.
             if k + 1 >= reads {
-                let window = last_of(tape, &stops[..k + 1]);
-                let place = LAST_PLACE + 1 - reads;
-                let view = PathView::of_window(&window, place, true, reads, shown);
+                let window = window(tape, [&Tail::EMPTY, &tails[k + 1]]);
+                let place = BEHIND + reads - 1;
+                let view = PathView::of_window(&window, place, false, reads, shown);
                 value = value.multiply(integrand.extend(view));
                 if k + 1 == reads {
                     closing = integrand.end(view);
                 }
             }
             value = per(value, stop.own.value());
-            behind.in_range &= is_usable(value);
             behind.values.push(value.multiply(closing));
         }
+        // What has left the range of numbers does not come back.
+        behind.in_range = stops.is_empty() || is_usable(value);
         behind.in_range
     }
 
@@ -347,13 +346,7 @@ where
             Some(_) => &Tail::EMPTY,
             None => &second.tails[joint.length - joint.first],
         };
-        let vertices = |tail: &Tail| tail.ids.map(|id| tape.vertex_of(id));
-        let ([a, b, c], [d, e, f]) = (vertices(ahead), vertices(behind));
-        let mut window = Window {
-            vertices: [None, None, c, b, a, d, e, f, None, None],
-            sees_next: ahead.sees_next | behind.sees_next,
-            fixed: ahead.fixed | behind.fixed,
-        };
+        let mut window = window(tape, [ahead, behind]);
         if let Some(last) = joint.last {
             let (vertex, visible, dirac) = tape.kept(last as usize);
             window.vertices[BEHIND] = vertex;
@@ -401,20 +394,16 @@ where
     }
 }
 
-/// The place in a window of the last vertex of [`last_of`].
-const LAST_PLACE: usize = BEHIND;
-
-/// The last vertices of the first ones of a walk, in its order.
+/// The last vertices of a piece of either walk, about the joint between them.
 #[inline(always)]
-fn last_of<'r, V: Vertex>(tape: &'r Unfolded<'r, V>, stops: &[Stop<V::Real>]) -> Window<'r, V> {
-    let mut window = Window { vertices: [None; WINDOW], sees_next: 0, fixed: 0 };
-    for (back, stop) in stops.iter().rev().take(LAST).enumerate() {
-        let place = LAST_PLACE - back;
-        window.vertices[place] = tape.vertex_of(stop.id);
-        window.sees_next |= u16::from(stop.visible) << (place - 1);
-        window.fixed |= u16::from(stop.fixed) << place;
+fn window<'r, V: Vertex>(tape: &'r Unfolded<'r, V>, [ahead, behind]: [&Tail; 2]) -> Window<'r, V> {
+    let vertices = |tail: &Tail| tail.ids.map(|id| tape.vertex_of(id));
+    let ([a, b, c], [d, e, f]) = (vertices(ahead), vertices(behind));
+    Window {
+        vertices: [None, None, c, b, a, d, e, f, None, None],
+        sees_next: ahead.sees_next | behind.sees_next,
+        fixed: ahead.fixed | behind.fixed,
     }
-    window
 }
 
 impl<I: PathIntegrand, S, H, D> Drop for Pieces<'_, I, S, H, D> {

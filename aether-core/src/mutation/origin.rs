@@ -101,7 +101,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
         let made_from = parent(k, tape.way(place, k).is_backward());
         let parent_was = parent(was, tape.way(self.path, was).is_backward());
         let parent_kept = id(tape, self.path, parent_was) == id(tape, place, made_from);
-        let (_, visible, dirac) = tape.origin(self.path.at(was));
+        let (_, visible, dirac) = tape.kept(self.path.at(was));
         let dirac = dirac.filter(|dirac| match dirac {
             Dirac::Position => true,
             Dirac::Direction => parent_kept && self.inherits_direction(tape, place, made_from),

@@ -87,15 +87,21 @@ pub(super) struct Side<R> {
 }
 
 impl<R: Scalar> Side<R> {
-    /// Finds what is next to a joint of any piece, now that the vertices are known.
-    pub fn find_tails(&mut self, end: End) {
+    /// Becomes that of a walk without any vertex yet.
+    pub fn begin(&mut self, walk: Walk) {
+        self.walk = Some(walk);
+        self.stops.clear();
+        self.steps.clear();
         self.tails.clear();
-        let mut tail = Tail::EMPTY;
-        self.tails.push(tail);
-        for stop in &self.stops {
-            tail = tail.then(stop, end);
-            self.tails.push(tail);
-        }
+        self.tails.push(Tail::EMPTY);
+    }
+
+    /// Adds a vertex, and what is next to a joint behind it.
+    #[inline(always)]
+    pub fn add(&mut self, stop: Stop<R>, end: End) {
+        let before = self.tails.last().copied().unwrap_or(Tail::EMPTY);
+        self.tails.push(before.then(&stop, end));
+        self.stops.push(stop);
     }
 
     /// Leaves no sum but the first one.
@@ -143,6 +149,7 @@ impl<R: Scalar> Joints<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sequence::Place;
 
     #[test]
     fn tails_are_the_last_vertices_of_pieces() {
@@ -154,8 +161,8 @@ mod tests {
         };
         for end in [End::First, End::Second] {
             let [mut side, _] = Joints::new().sides;
-            side.stops.extend((0..7).map(stop));
-            side.find_tails(end);
+            side.begin(Walk { place: Place::new(0, 7), len: 7 });
+            (0..7).for_each(|k| side.add(stop(k), end));
             assert_eq!(side.tails.len(), 8);
             for (len, tail) in side.tails.iter().enumerate() {
                 let mut expected = Tail::EMPTY;

@@ -1,7 +1,7 @@
 //! The weights of paths of two pieces: sums over the techniques that would have joined them elsewhere.
 
-use super::known::Question;
-use super::{BEHIND, DensityOf, End, Joined, Joint, LAST_PLACE, Pieces, READS, last_of};
+use super::known::{Question, Tail};
+use super::{BEHIND, DensityOf, End, Joined, Joint, Pieces, READS, window};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
@@ -175,7 +175,7 @@ where
         if known.is_some_and(|(asked, _)| asked == question) {
             return true;
         }
-        let density = PathDensity::new(self.density(End::Second, 0, n - 1, question));
+        let density = PathDensity::new(self.density(n, End::Second, 0, question));
         self.joints.sides[End::Second as usize].ending = Some((question, density));
         false
     }
@@ -202,14 +202,14 @@ where
         match &self.joints.sides[end as usize].ratios[k] {
             [Some((asked, ratio)), _] if *asked == question => *ratio,
             [_, Some((asked, ratio))] if *asked == question => *ratio,
-            _ => self.new_ratio(end, k, n - 1 - k, question),
+            _ => self.new_ratio(n, end, k, question),
         }
     }
 
     /// The same, not known.
     #[inline(never)]
-    fn new_ratio(&mut self, end: End, k: usize, len: usize, question: Question) -> DensityOf<I> {
-        let density = self.density(end, k, len, question);
+    fn new_ratio(&mut self, n: usize, end: End, k: usize, question: Question) -> DensityOf<I> {
+        let density = self.density(n, end, k, question);
         let ratio = PathDensity::quotient(density, self.own(end, k));
         let known = &mut self.joints.sides[end as usize].ratios[k];
         *known = [Some((question, ratio)), known[0]];
@@ -241,16 +241,19 @@ where
         end == End::Second && k == 1 && self.ends && !self.row[n - 1].mass.is_zero()
     }
 
-    /// The density of vertex `k` of a walk, far from the joint, under a strategy of the other walk behind so many vertices: it
-    /// depends on nothing but the next vertices of this walk.
-    fn density(&self, end: End, k: usize, len: usize, question: Question) -> RealOf<I> {
-        let stops = &self.joints.sides[end as usize].stops;
-        let next = READS.min(stops.len() - 1 - k);
-        let (window, place) = (last_of(self.tape, &stops[..k + next + 1]), LAST_PLACE - next);
-        let Some(target) = window.vertices[place] else { return RealOf::<I>::ZERO };
-        let strategy = &self.strategies[(question.0 >> 1) as usize];
-        let view = PathView::of_window(&window, place + 1, true, len, strategy.reads());
-        evaluated(strategy, view, target, stops[k].fixed)
+    /// The density of vertex `k` of a walk in a path of n vertices, far from the joint, under a strategy of the other walk: it
+    /// depends on nothing but the next vertices of this walk, behind which the path may be joined as well.
+    fn density(&self, n: usize, end: End, k: usize, question: Question) -> RealOf<I> {
+        let tails = &self.joints.sides[end as usize].tails;
+        let count = (k + 1 + READS).min(tails.len() - 1).min(n);
+        let (tail, distance) = (&tails[count], count - 1 - k);
+        let (first, pieces, place) = match end {
+            End::First => (count, [tail, &Tail::EMPTY], BEHIND - 1 - distance),
+            End::Second => (n - count, [&Tail::EMPTY, tail], BEHIND + distance),
+        };
+        let joint = Joint { length: n, first, last: None };
+        let joined = Joined { joint, window: window(self.tape, pieces) };
+        self.at_place(&joined, end.other(), place, question.0 >> 1)
     }
 
     /// The density of vertex `i` of a path, next to the joint, under the step of a walk that would make it.

@@ -49,12 +49,17 @@ impl<V: Vertex> Unfolded<'_, V> {
         self.vertices.get(id as usize).map(|kept| &kept.vertex)
     }
 
-    /// The id of the vertex of a step, whether it is known to see the one that it was made from, and the Dirac factor that
-    /// it was drawn with.
+    /// The steps of a place that is read in the order of the tape.
     #[inline(always)]
-    pub fn origin(&self, at: usize) -> (u32, bool, Option<Dirac>) {
-        let Entry { vertex, visible, dirac, .. } = &self.entries[at];
-        (*vertex, *visible, *dirac)
+    pub fn steps_of_run(&self, place: Place) -> &[Entry] {
+        let start = place.at(0);
+        &self.entries[start..start + place.len as usize]
+    }
+
+    /// What drawing the vertex with this id told of its density.
+    #[inline(always)]
+    pub fn value_of(&self, id: u32) -> Option<V::Real> {
+        self.vertices.get(id as usize)?.value
     }
 
     /// The id of vertex `i` of a place.
