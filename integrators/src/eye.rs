@@ -10,7 +10,7 @@ use crate::samplers::{ParallelHit, parallel_hit, pinhole, rotate};
 use crate::scene::Camera;
 use crate::scene::camera::Projection;
 use crate::vertex::SceneVertex;
-use crate::world::{World, film_centre};
+use crate::world::World;
 
 /// The surface that points of a lens lie on; no primitive has this number.
 pub const LENS: SurfaceId = SurfaceId(u32::MAX);
@@ -142,15 +142,15 @@ impl<'s, K: SceneKind> World<'s, K> {
     /// or a point of the lens, from which it is shifted.
     #[inline]
     pub fn film_centre(&self, eye: &SceneVertex<K>) -> Vec2<f32> {
-        let centre = film_centre(&self.scene.camera);
+        let centre = self.film.centre;
         let Some(lens) = self.lens() else { return centre };
         let (shift, scale) = (lens.shift(eye.position), self.film_scale());
         Vec2::new(centre.x + shift.x / scale.x, centre.y + shift.y / scale.y)
     }
 
     /// Width and height of a pixel at distance one.
+    #[inline]
     pub fn film_scale(&self) -> Vec2<f32> {
-        let Camera { width, height, tan_x, tan_y, .. } = self.scene.camera;
-        Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32)
+        self.film.scale
     }
 }

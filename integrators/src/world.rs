@@ -28,6 +28,8 @@ pub struct World<'s, K: SceneKind = Everything> {
     least_roughness: f32,
     /// The camera's axes: right, down, forward.
     pub camera_frame: Frame<f32>,
+    /// The film, as a pinhole sees it.
+    pub(crate) film: PinholeFilm,
     /// One over the integral of the reconstruction filter, and over the area of the lens if there is one.
     pub filter_scale: f32,
     /// The lens, if there is one.
@@ -64,7 +66,7 @@ impl<'s, K: SceneKind> World<'s, K> {
         let filter_scale = 1.0 / profile_integral(scene.film.filter).powi(2);
         let filter_scale = filter_scale / lens.map_or(1.0, |lens| lens.area());
         let lens = lens.and_then(|lens| K::ThinLens::with(|| lens));
-        let parallel = ParallelFilm::of(&scene.camera, film_centre(&scene.camera));
+        let parallel = ParallelFilm::of(&scene.camera, PinholeFilm::of(&scene.camera).centre);
         let parallel = parallel.and_then(|film| K::Orthographic::with(|| film));
         let lights = Lights::new(scene)?;
         let filter_table = K::SignedFilter::VALUE.and_then(|_| FilterTable::new(scene.film.filter));
@@ -76,6 +78,7 @@ impl<'s, K: SceneKind> World<'s, K> {
             least_roughness,
             pieces,
             camera_frame,
+            film: PinholeFilm::of(&scene.camera),
             filter_scale,
             lens,
             parallel,
@@ -431,11 +434,27 @@ impl Piece {
     }
 }
 
-/// The point of the film that the camera's axis goes through, in pixels of the image.
-pub(crate) fn film_centre(camera: &Camera) -> Vec2<f32> {
-    let Camera { width, height, principal, crop, .. } = *camera;
-    let along = |offset: f32, size: u32, crop: f32| (0.5 - offset) * size as f32 - crop;
-    Vec2::new(along(principal.x, width, crop.x), along(principal.y, height, crop.y))
+/// Where the film of a pinhole is, computed once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PinholeFilm {
+    /// The point that the camera's axis goes through, in pixels of the image.
+    pub centre: Vec2<f32>,
+    /// Width and height of a pixel at distance one.
+    pub scale: Vec2<f32>,
+}
+
+impl PinholeFilm {
+    fn of(camera: &Camera) -> Self {
+        let Camera { width, height, principal, crop, tan_x, tan_y, .. } = *camera;
+        let along = |offset: f32, size: u32, crop: f32| (0.5 - offset) * size as f32 - crop;
+        PinholeFilm {
+            centre: Vec2::new(
+                along(principal.x, width, crop.x),
+                along(principal.y, height, crop.y),
+            ),
+            scale: Vec2::new(2.0 * tan_x / width as f32, 2.0 * tan_y / height as f32),
+        }
+    }
 }
 
 fn camera_frame(camera: &Camera) -> Frame<f32> {
