@@ -164,6 +164,12 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     pub fn append_up_to(&mut self, size: usize, strategy: impl Into<S>) -> &mut Self {
         if !self.handle.absent && self.size() < size {
             let known = self.intern(strategy);
+            if known.1 == 1 {
+                self.own(self.size());
+                let blocks = (self.size()..size).map(|i| self.block_at(i));
+                self.arena.tape.push_each(known.0, blocks);
+                self.handle.place.len = size as u32;
+            }
             while self.size() < size {
                 self.push(self.block_at(self.size()), known);
             }

@@ -111,6 +111,13 @@ impl<V: Vertex> Tape<V> {
         self.entries.borrow_mut().push(entry);
     }
 
+    /// Adds steps of a strategy that draws one vertex, each with its block.
+    #[inline]
+    pub fn push_each(&self, strategy: u32, blocks: impl Iterator<Item = u32>) {
+        let way = Way::new(strategy, Part::new(0, 1));
+        self.entries.borrow_mut().extend(blocks.map(|block| Entry::pending(way, block)));
+    }
+
     /// Adds a step with a vertex of its own; nothing is known about the run that it belongs to.
     pub fn push_taken(&self, vertex: V, entry: Entry) {
         self.note(entry.dirac);
