@@ -28,7 +28,6 @@ pub use endings::{Ending, Endings};
 use joints::Carried;
 pub(crate) use joints::Joints;
 pub use steps::Steps;
-pub(crate) use steps::{Fork, RING};
 pub use techniques::Techniques;
 pub use value::Value;
 

@@ -117,10 +117,10 @@ pub(super) fn bits(mut set: u32) -> impl Iterator<Item = usize> {
 pub(super) const MOST_WAYS: usize = 16;
 
 /// How many of the last vertices are kept, in turns: a power of two, so that turns are a few bits of a number.
-pub(crate) const RING: usize = LAST.next_power_of_two();
+pub(super) const RING: usize = LAST.next_power_of_two();
 
 /// Where the ways to end a path part.
-pub(crate) struct Fork<'r, V: Vertex> {
+pub(super) struct Fork<'r, V: Vertex> {
     /// The last vertices that all ways share, the last one first.
     recent: LastDrawn<'r, V>,
     /// How many vertices all ways share.

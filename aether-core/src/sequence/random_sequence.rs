@@ -3,13 +3,13 @@
 use core::fmt;
 use core::ops::{Bound, RangeBounds};
 
-use crate::estimator::{Fork, RING};
 use crate::path_density::PathDensity;
 use crate::sequence::evaluate::answered;
 use crate::sequence::tape::{Merger, Question};
-use crate::sequence::{Arena, LAST, Part, PathView, Place};
+use crate::sequence::{Arena, Part, PathView, Place};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
+use crate::work::count_densities;
 
 /// Which steps of the arena make up a path, and what may still become of it.
 #[derive(Clone, Copy, Debug)]
@@ -188,8 +188,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         self.sample(uniforms);
         if self.is_complete() && self.size() < size {
             let known = self.intern(strategy);
-            let reads = self.arena.strategies.borrow()[known.0 as usize].reads();
-            if S::VERTICES == 1 && reads.vertices <= LAST && self.is_run() && !self.handle.ended {
+            if S::VERTICES == 1 && self.is_run() && !self.handle.ended {
                 self.draw_on(size, known.0, uniforms);
             }
             while self.is_complete() && self.size() < size {
@@ -201,33 +200,33 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     }
 
     /// Draws one vertex after the other behind a run by a strategy that is known, until there are `size` vertices or it finds
-    /// nothing: of those that it reads none is looked up, as each is at hand as it was drawn.
+    /// nothing.
     fn draw_on<U>(&mut self, size: usize, id: u32, uniforms: &mut U)
     where
         U: UniformSource<V::Real> + ?Sized,
     {
         self.own(self.size());
-        let (tape, strategies, mut len) =
-            (&self.arena.tape, self.arena.strategies.borrow(), self.len());
+        let (tape, strategies) = (&self.arena.tape, self.arena.strategies.borrow());
         let strategy = &strategies[id as usize];
-        let reads = strategy.reads();
-        let (mut kept, unfolded) = ([None; RING], tape.unfolded());
-        for i in len.saturating_sub(reads.vertices)..len {
-            kept[i % RING] = unfolded.drawn(self.handle.place, i);
-        }
-        drop(unfolded);
+        let (reads, mut len) = (strategy.reads(), self.len());
         while len < size {
             let block = self.block_at(len);
             uniforms.start(block);
-            let drawn = Fork::new(&kept, len).draw(strategy, uniforms);
+            let unfolded = tape.unfolded();
+            let place = self.handle.place.lengthened(len);
+            let view = PathView::of_unfolded(&unfolded, place, reads);
+            let drawn = strategy.sample(view, uniforms);
+            drop(unfolded);
             let Some(drawn) = drawn else {
                 tape.push(id, block, Part::new(0, 1));
                 (self.handle.place.len, self.handle.ended) = (len as u32 + 1, true);
                 self.handle.len = len as u32;
                 return;
             };
+            if drawn.value.is_some() {
+                count_densities(1);
+            }
             tape.extend_run((id, block), len, &drawn, answered(strategy, id, &drawn, len));
-            kept[len % RING] = Some(drawn);
             len += 1;
         }
         (self.handle.len, self.handle.place.len) = (len as u32, len as u32);

@@ -186,6 +186,12 @@ impl Place {
         Place { start: start as u32, reversed: self.reversed, len: to.saturating_sub(from) as u32 }
     }
 
+    /// Of a place that is read in the order of the tape, its first steps and what follows them there, so many.
+    #[inline(always)]
+    pub fn lengthened(self, len: usize) -> Self {
+        Place { len: len as u32, ..self }
+    }
+
     /// The same steps in opposite order.
     #[inline]
     pub fn reverse(self) -> Self {
