@@ -82,7 +82,12 @@ impl<'p, V: Vertex> PathView<'p, V> {
         let n = place.len as usize;
         let read = reads.vertices.min(n);
         let at_hand = |k: usize| if k < read { tape.at_hand(place.at(n - 1 - k)) } else { None };
-        Self::new(Source::Unfolded(tape, place), each_last(at_hand), n).limited(reads)
+        let view = Self::new(Source::Unfolded(tape, place), each_last(at_hand), n);
+        // As `limited` says, of a view of which nothing is hidden yet.
+        match reads.length {
+            true => PathView { hidden: n - read, ..view },
+            false => PathView { offset: n - read, len: read, ..view },
+        }
     }
 
     /// Of `len` vertices of which the last ones are at hand as they were drawn, and no others are read.
