@@ -301,6 +301,36 @@ mod tests {
     }
 
     #[test]
+    fn plain_numbers_are_those_of_wide_exponents() {
+        let square = |x: f32| x * x;
+        let steps = (-40..=40).map(|k| 1.3 * 2.0_f32.powi(3 * k));
+        let numbers: Vec<f32> = steps.chain([0.0, -0.7, f32::INFINITY, f32::NAN]).collect();
+        let mut plain = 0;
+        for &value in &numbers {
+            for &divisor in &numbers {
+                for (a, b) in
+                    [(0.0, 0.3), (3e-14, 0.0), (1e-16, 1e-18), (2e14, 2.7e14), (9.0, 1e15)]
+                {
+                    let [a, b, divisor] = [a, b, divisor].map(PathDensity::new);
+                    let ratio = PathDensity::quotient(value, divisor);
+                    let expected = (a + b) * (ratio * ratio);
+                    let found = PathDensity::plain_sum_times([a, b], (value, divisor), square);
+                    if let Some(found) = found {
+                        assert_eq!(found, expected, "{a:?} {b:?} {value} {divisor:?}");
+                        plain += 1;
+                    }
+                }
+            }
+            for &one in numbers.iter().filter(|one| **one > 0.0 && **one < f32::INFINITY) {
+                let [others, one] = [value, one].map(PathDensity::new);
+                let expected = (PathDensity::ONE / (PathDensity::ONE + others / one)).value();
+                assert_eq!(others.share_beside(one), expected, "{others:?} {one:?}");
+            }
+        }
+        assert!(plain > 500, "{plain}");
+    }
+
+    #[test]
     fn values_of_ordinary_range_are_exact() {
         for x in [1.0_f64, 0.1, 3.5e-300, 1.7e308, 5e-324, 123_456.0] {
             assert_eq!(PathDensity::new(x).value(), x);

@@ -395,6 +395,24 @@ mod tests {
     use crate::subpaths::camera_path;
 
     #[test]
+    fn densities_of_film_points_are_one_over_the_change_of_measure() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/scenes/cornell-box.xml");
+        let scene = Scene::load(file.as_ref(), &[]).unwrap();
+        let world = World::<Everything>::new(&scene).unwrap();
+        let (radiance, eye) = (Radiance::new(&world), SceneVertex::eye(world.eye()));
+        let (width, height) = (scene.film.width as f32, scene.film.height as f32);
+        for (across, down) in [(0.1, 0.2), (0.5, 0.5), (0.4, 0.7), (0.6, 0.9), (0.9, 0.4)] {
+            let film = Vec2::new(across * width, down * height);
+            let to_direction = world.film_to_direction(&eye);
+            let hit = world.hit(&eye, &to_direction.apply(&film)).unwrap();
+            let change = to_direction.then(hit.seen_from(eye.position)).jacobian(&film);
+            let sight = radiance.sight(&eye, &SceneVertex::on(hit)).unwrap();
+            assert!((sight.density * change - 1.0).abs() < 1e-5, "{sight:?} {change}");
+            assert!((sight.film.x - film.x).abs().max((sight.film.y - film.y).abs()) < 1e-2);
+        }
+    }
+
+    #[test]
     fn film_points_beyond_the_filter_of_their_own_pixel_count_for_others() {
         let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/scenes/tent-filter.xml");
         let mut scene = Scene::load(file.as_ref(), &[]).unwrap();

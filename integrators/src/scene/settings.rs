@@ -264,6 +264,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_point_inside_of_a_pixel_has_one_receiver() {
+        let film = Film { width: 3, height: 2, filter: Filter::Box };
+        let next = |x: f32| [x.next_down(), x, x.next_up()];
+        let places: Vec<f32> =
+            [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 1e20].into_iter().flat_map(next).collect();
+        for x in &places {
+            for y in &places {
+                let point = Vec2::new(*x, *y);
+                let all: Vec<_> = film.receivers(point).filter(|(_, by)| *by > 0.0).collect();
+                if let Some(only) = film.only_receiver(point) {
+                    assert_eq!(all, [(only, 1.0)], "{point:?}");
+                }
+            }
+        }
+        assert_eq!(film.only_receiver(Vec2::new(2.9, 0.1)), Some((2, 0)));
+        assert_eq!(film.only_receiver(Vec2::new(f32::NAN, 0.1)), None);
+        let wider = Film { filter: Filter::Tent { radius: 1.0 }, ..film };
+        assert_eq!(wider.only_receiver(Vec2::new(2.9, 0.1)), None);
+    }
+
+    #[test]
     fn filters_vanish_at_their_radius() {
         for filter in [Filter::Tent { radius: 1.5 }, Filter::Gaussian { stddev: 0.5 }] {
             let r = filter.radius();
