@@ -139,8 +139,9 @@ impl Bidirectional {
             let mut light = light_path(world, arena, uniforms, (longest.saturating_sub(1), rr));
             // What has ended might have gone on: it remains a technique.
             let total = (camera.len() + light.len()).min(longest);
-            extend(&mut camera, world, (total, rr));
+            // That from the light was made last, and need not be copied to go on.
             extend(&mut light, world, (total, rr));
+            extend(&mut camera, world, (total, rr));
             techniques.reach(total, |length, first| self.samples(world.pixels(), length, first));
             let eye = camera.vertex(0);
             films.clear();
