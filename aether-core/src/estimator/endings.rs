@@ -147,14 +147,15 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         steps: Option<&Steps<'_, S>>,
         endings: &Endings<'_, S, P>,
     ) -> bool {
-        let others = steps.into_iter().flat_map(|steps| steps.first.iter().chain([steps.then]));
-        let mut steps = endings.ways.iter().copied().flatten().chain(others);
+        let read_few = |steps: &[S]| steps.iter().all(|step| step.reads().vertices <= LAST);
         S::VERTICES == 1
-            && endings.ways.iter().all(|steps| steps.len() <= 1)
+            && endings.ways.iter().all(|steps| steps.len() <= 1 && read_few(steps))
             && endings.ways.len() <= MOST_WAYS
             && self.reads() <= LAST
             && walk.arena.most_read.get() <= LAST
-            && steps.all(|step| step.reads().vertices <= LAST)
+            && steps.is_none_or(|steps| {
+                read_few(steps.first) && read_few(core::slice::from_ref(steps.then))
+            })
             && walk.is_run()
     }
 
