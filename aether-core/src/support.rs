@@ -14,8 +14,8 @@ pub use intervals::{
     to_unit, undetermined, unit, within,
 };
 pub use limits::{
-    closed, density_at, finite, limit, limit_at, own_limit, plain, positive, rare_sample,
-    rare_sample_of_pieces, where_finite,
+    closed, finite, limit, limit_at, own_limit, plain, positive, rare_density,
+    rare_density_if_finite, rare_sample, rare_sample_of_pieces, where_finite,
 };
 pub use manifold::{leads_back, member, near, near_or_far, near_or_far_multiple, on_or_off};
 pub use recovery::{
@@ -23,7 +23,8 @@ pub use recovery::{
     merged, recover, recovered, recovered_around, recovered_as, same, same_around,
 };
 pub use stable::{
-    add_logs, beside_zero, by_power, exp_and_m1, large_root, log_density, not_negative, root,
+    add_logs, beside_zero, by_power, by_small_power, exp_and_m1, large_root, log_density,
+    not_negative, root,
 };
 pub use tracked::{admits, errors_of, off_zero, track, track_some, track_unit, widened};
 

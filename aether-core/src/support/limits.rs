@@ -14,7 +14,11 @@ type Forward<'f, R, const P: usize, const N: usize, const M: usize> =
 pub fn finite<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
     let told = together(x);
     // A sum of finite numbers may be none.
-    if told.all() { told } else { each_finite(*x) }
+    if told.all() {
+        return told;
+    }
+    // A copy, for the place of the array itself would have to be in memory on every way.
+    each_finite::<R, M>(core::array::from_fn(|i| x[i]))
 }
 
 /// What `value` finds where it is told which lanes have finite numbers.
@@ -138,27 +142,26 @@ pub fn limit<R: Real, const P: usize, const M: usize>(
     if undefined.any() { beside(d, *p, *x, density) } else { d }
 }
 
-/// The density at a point of the support: its limit where the formula is 0/0, and zero where it is no positive number.
-#[inline(always)]
-pub fn density_at<R: Real, const P: usize, const M: usize>(
+/// The density `d` of a point where a formula tells no positive number: its limit where that is 0/0, and otherwise zero.
+pub fn rare_density<R: Real, const P: usize, const M: usize>(
+    d: R,
     p: &[R; P],
     x: &[R; M],
     density: impl Fn(&[R; P], &[R; M]) -> R,
 ) -> R {
-    let d = density(p, x);
-    if d.ge(R::ZERO).all() { d } else { rare_density(d, *p, *x, density) }
+    let d = if d.ge(d).all() { d } else { beside_by(d, p, *x, &density) };
+    R::select(d.gt(R::ZERO), d, R::ZERO)
 }
 
-#[cold]
-#[inline(never)]
-fn rare_density<R: Real, const P: usize, const M: usize>(
+/// The same where coordinates that are not finite make the formula zero or no number.
+pub fn rare_density_if_finite<R: Real, const P: usize, const M: usize>(
     d: R,
-    p: [R; P],
-    x: [R; M],
+    p: &[R; P],
+    x: &[R; M],
     density: impl Fn(&[R; P], &[R; M]) -> R,
 ) -> R {
-    let d = if d.ge(d).all() { d } else { beside_by(d, &p, x, &density) };
-    R::select(d.gt(R::ZERO), d, R::ZERO)
+    let finite = each_finite(*x);
+    if finite.any() { R::select(finite, rare_density(d, p, x, density), R::ZERO) } else { R::ZERO }
 }
 
 #[cold]
@@ -303,9 +306,10 @@ mod tests {
     #[test]
     fn a_density_without_a_value_is_its_limit() {
         let ratio = |_: &[f64; 0], x: &[f64; 1]| x[0].sin() / x[0];
-        assert_eq!(density_at(&[], &[0.0], ratio), 1.0);
-        assert_eq!(density_at(&[], &[3.5], ratio), 0.0);
-        assert_eq!(density_at(&[], &[1.0], ratio), 1.0_f64.sin());
+        let density = |x: f64| rare_density(ratio(&[], &[x]), &[], &[x], ratio);
+        assert_eq!([density(0.0), density(3.5), density(1.0)], [1.0, 0.0, 1.0_f64.sin()]);
+        let faded = |x: f64| rare_density_if_finite(ratio(&[], &[x]), &[], &[x], ratio);
+        assert_eq!([faded(0.0), faded(f64::INFINITY), faded(f64::NAN)], [1.0, 0.0, 0.0]);
     }
 
     #[test]

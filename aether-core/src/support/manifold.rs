@@ -4,11 +4,12 @@ use super::{SLACK, Tracking, lane, limits, unit};
 use crate::real::{Mask, Real, Single};
 
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
-/// without error bounds.
+/// without error bounds. Nothing is near to what is not finite.
 #[inline(always)]
 pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
-    let tolerance = R::of(SLACK) * R::EPSILON * size;
+    // Next to what is infinite all that is finite would be near.
+    let tolerance = (R::of(SLACK) * R::EPSILON * size).min(R::EPSILON / R::MIN_POSITIVE);
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
 }
 

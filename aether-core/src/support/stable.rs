@@ -71,6 +71,13 @@ pub fn by_power<R: Real>(other: R, value: R, base: R, exponent: R) -> R {
     if usable.all() { value } else { R::select(usable, value, rare_power(base, exponent)) }
 }
 
+/// The same by way of a power that is at most one.
+#[inline(always)]
+pub fn by_small_power<R: Real>(other: R, value: R, base: R, exponent: R) -> R {
+    let usable = other.gt(R::MIN_POSITIVE);
+    if usable.all() { value } else { R::select(usable, value, rare_power(base, exponent)) }
+}
+
 /// A function of its own, so that it is not computed in advance.
 #[cold]
 #[inline(never)]

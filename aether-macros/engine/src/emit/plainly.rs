@@ -4,7 +4,7 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::border::border_test;
-use super::code::Code;
+use super::code::{Code, multiple_of};
 use super::item::Emitter;
 use super::passed::exceeds;
 use super::peeled::{UnitTest, sign_of, unit_test};
@@ -14,6 +14,7 @@ use crate::derive::{Preimage, Signs, Target};
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::hash::Set;
 use crate::interval::Interval;
+use crate::rational::Q;
 use crate::sorted;
 
 /// The tests of the unknowns that have to be tested; those that are told by a coordinate come first.
@@ -46,11 +47,88 @@ fn is_computed(place: Place, i: usize) -> bool {
     place.problem.graph.within(&all).contains(&tested[i])
 }
 
+/// What a test asks of an expression.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Condition {
+    /// It is positive.
+    Positive,
+    /// It is not negative.
+    NotNegative,
+    /// It is not negative, but for rounding.
+    HardlyNegative,
+    /// It is a finite number, as it lies between two.
+    Finite,
+}
+
+/// What the tests ask by which a point plainly has a preimage, as far as that is known.
+pub(super) fn conditions(place: Place) -> Vec<(Id, Condition)> {
+    let Preimage { requirements, asked, signs, .. } = place.preimage;
+    let mut code = Code::new(&place.problem.graph, &|_| TokenStream::new());
+    let mut all: Vec<(Id, Condition)> =
+        requirements.iter().map(|&id| (id, Condition::Positive)).collect();
+    all.extend(deciding(place, asked).into_iter().map(|(id, below)| match below {
+        true => (id, Condition::Positive),
+        false => (id, Condition::HardlyNegative),
+    }));
+    for i in units(place).concat() {
+        let UnitTest { inside, bounded, .. } = test(place, i, &mut code);
+        if inside.is_empty() {
+            continue;
+        }
+        all.extend(bounded.map(|id| (id, Condition::Finite)));
+        if let (None, Some(Signs { at_least_zero, positive, .. })) =
+            (&place.preimage.borders[i], &signs[i])
+        {
+            all.extend(at_least_zero.iter().map(|&id| (id, Condition::NotNegative)));
+            all.extend(positive.iter().map(|&id| (id, Condition::Positive)));
+        }
+    }
+    let kept = kept_between(place, 0.0).into_iter().filter(|(_, range)| range.width().is_finite());
+    let g = &place.problem.graph;
+    let within = g.within(&[place.preimage.density]);
+    let coordinate = |i: usize| within.iter().find(|id| g.is_leaf(**id, Leaf::Out(i as u8)));
+    all.extend(kept.filter_map(|(i, _)| Some((*coordinate(i)?, Condition::Finite))));
+    all
+}
+
 fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {
-    let at_least_zero = signs.at_least_zero.iter().map(|&id| (id, false));
-    let tests = at_least_zero.chain(signs.positive.iter().map(|&id| (id, true)));
-    let inside = tests.map(|(id, strict)| exceeds(code, id, strict)).collect();
-    UnitTest { inside, near: None, bounded: signs.bounded }
+    let (mut not_negative, mut inside) = (signs.at_least_zero.clone(), TokenStream::new());
+    for &id in &signs.positive {
+        // Only what lies right at the end, which nobody calls plain then, is told by two comparisons.
+        let opposite =
+            not_negative.iter().position(|other| within_size(code.graph(), id, *other).is_some());
+        let test = match opposite {
+            Some(i) => smaller(code, id, not_negative.remove(i)),
+            None => exceeds(code, id, true),
+        };
+        inside.extend(test);
+    }
+    let first: TokenStream = not_negative.iter().map(|&id| exceeds(code, id, false)).collect();
+    UnitTest { inside: quote!(#first #inside), near: None, bounded: signs.bounded }
+}
+
+/// Of a - x and a + x that are to be positive, x and a, where x is a coordinate: its size must be smaller.
+fn within_size(g: &Graph, difference: Id, sum: Id) -> Option<(Id, (Q, Id))> {
+    let two = |id: Id| match g.node(id) {
+        Node::Sum(c, terms) if c.is_zero() => <[(Q, Id); 2]>::try_from(terms.clone()).ok(),
+        _ => None,
+    };
+    let (less, more) = (two(difference)?, two(sum)?);
+    let is_coordinate = |id: Id| matches!(g.node(id), Node::Leaf(Leaf::Out(_)));
+    let minus = Q::int(-1);
+    let &(_, x) = less.iter().find(|(q, id)| *q == minus && is_coordinate(*id))?;
+    let &bound = less.iter().find(|(_, id)| *id != x)?;
+    (more.contains(&(Q::ONE, x)) && more.contains(&bound)).then_some((x, bound))
+}
+
+/// That the size of a coordinate is smaller, of the difference and the sum that are to be positive.
+fn smaller(code: &mut Code, difference: Id, sum: Id) -> TokenStream {
+    let Some((x, (q, bound))) = within_size(code.graph(), difference, sum) else {
+        return TokenStream::new();
+    };
+    let [x, bound] = [x, bound].map(|id| code.value(id));
+    let bound = multiple_of(q, bound);
+    quote!(.and(#bound.gt(#x.abs())))
 }
 
 /// What decides about the signs of conditions, and whether it stands below a line.

@@ -7,12 +7,14 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::code::Code;
+use super::fading::{Fading, fading};
 use super::item::Emitter;
 use super::own::excluding;
 use super::peeled::{UnitTest, passed_on};
 use super::pieces::{Place, is_unguarded};
-use super::plainly::{kept_between, unit_tests};
+use super::plainly::{Condition, conditions, kept_between, unit_tests};
 use super::sampler::{about, beside, general_density};
+use super::seldom::{numbers, taken_numbers};
 use super::sure::Sure;
 use super::tame::Tame;
 use crate::expr::{Leaf, OUTS, leaf_bit};
@@ -31,21 +33,24 @@ pub(super) fn density(e: &Emitter) -> Option<TokenStream> {
     }
     let places = e.places();
     let plain = places.iter().map(|&place| plain_preimage(e, place, &places));
-    let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places));
+    let first = belongs_first(e, &places);
+    let doubtful = places.iter().map(|&place| doubtful_preimage(e, place, &places, &member(first)));
     // What is read again after calls of functions need not be kept over them.
     let again = e.read_again();
     let [told, found] = ["told", "found"].map(|name| {
         places.iter().map(|place| format_ident!("{name}_{}", place.number)).collect::<Vec<_>>()
     });
-    let elsewhere = belongs_first(e, &places).then(elsewhere);
+    let elsewhere = first.then(|| elsewhere(e));
     Some(quote! {
         'quick: {
             #elsewhere
             let mut sum = R::ZERO;
             #(let (mut #told, mut #found) = (false, false);)*
             #(#plain)*
-            #again
-            #(#doubtful)*
+            if #(!#told)||* {
+                #again
+                #(#doubtful)*
+            }
             sum
         }
     })
@@ -62,23 +67,42 @@ pub(super) fn asks_of_others(e: &Emitter) -> bool {
     others
         && is_quick(e)
         && !e.has_surfaces()
-        && !places.iter().all(|place| tells_finite(e, *place))
+        && !places.iter().all(|place| needs_no_look(e, *place))
 }
 
 /// Whether it is looked first if a point belongs to the space: on another surface there is no preimage to look for, and of
 /// several preimages each would look again. A point that has a preimage is otherwise looked at afterwards.
 fn belongs_first(e: &Emitter, places: &[Place]) -> bool {
-    let several = places.len() > 1 && !places.iter().all(|place| tells_finite(e, *place));
+    let several = places.len() > 1 && !places.iter().all(|place| needs_no_look(e, *place));
     e.has_surfaces() || several
 }
 
+/// Whether a point belongs to the space, where that may have been looked at `first`: what is known is not computed again, nor kept.
+fn member(first: bool) -> TokenStream {
+    if first { quote!(<R::Mask as Mask>::TRUE) } else { quote!(belongs()) }
+}
+
 /// Leaves the block if a point does not belong to the space.
-fn elsewhere() -> TokenStream {
+fn elsewhere(e: &Emitter) -> TokenStream {
+    let (numbers, (_, m, _)) = (numbers(e), e.sizes());
     quote! {
         if !belongs().all() {
-            break 'quick if belongs().any() { pdf_anywhere::<R>(p, x, belongs(), None) } else { R::ZERO };
+            break 'quick if belongs().any() {
+                // What is handed on is a copy, for the place of what is not would have to be in memory on every way.
+                let x: [R; #m] = ::core::array::from_fn(|i| x[i]);
+                pdf_anywhere::<R>(#numbers belongs(), None)
+            } else {
+                R::ZERO
+            };
         }
     }
+}
+
+/// Whether nobody need ask if the coordinates of a point that plainly has a preimage are finite: if they are not, it has none, or
+/// the formula of the density tells none.
+fn needs_no_look(e: &Emitter, place: Place) -> bool {
+    let (_, m, _) = e.sizes();
+    tells_finite(e, place) || fading(place, m) != Fading::Stays
 }
 
 /// Whether a point with a coordinate that is not finite never plainly has a preimage.
@@ -105,7 +129,19 @@ fn tests(place: Place) -> impl Iterator<Item = UnitTest> {
 fn is_sure(place: Place) -> bool {
     let compared = tests(place).filter(|test| !test.inside.is_empty());
     let finite = compared.filter_map(|test| test.bounded);
-    Sure::new(&place.problem.graph, finite).is_positive(place.preimage.density)
+    let signs = conditions(place).into_iter().filter_map(|(id, condition)| match condition {
+        Condition::Positive => Some((id, true)),
+        Condition::NotNegative => Some((id, false)),
+        Condition::HardlyNegative | Condition::Finite => None,
+    });
+    let g = &place.problem.graph;
+    let within = g.within(&[place.preimage.density]);
+    let between = kept_between(place, 0.0).into_iter().filter_map(|(i, range)| {
+        let coordinate = within.iter().find(|id| g.is_leaf(**id, Leaf::Out(i as u8)))?;
+        Some((*coordinate, range))
+    });
+    let sure = Sure::new(g, finite).told(signs).between(between);
+    sure.is_positive(place.preimage.density)
 }
 
 /// The function for points that are not plainly inside or outside; if there is no quick way, that for all.
@@ -114,17 +150,20 @@ pub(super) fn anywhere(e: &Emitter) -> Option<TokenStream> {
         return None;
     }
     let inline = if is_quick(e) { quote!(never) } else { quote!(always) };
-    let (_, m, p) = e.sizes();
+    let (numbers, arrays) = taken_numbers(e);
+    let (_, m, _) = e.sizes();
     let density = general_density(e);
+    let rare = e.places().into_iter().filter(|_| is_quick(e)).map(|place| rare_density(e, place));
     Some(quote! {
+        #(#rare)*
         /// The density at any point, whose coordinates may be off by `errors` besides their rounding.
         #[inline(#inline)]
         fn pdf_anywhere<R: Real>(
-            p: [R; #p],
-            x: [R; #m],
+            #numbers
             belongs: R::Mask,
             errors: Option<&dyn Fn() -> [R; #m]>,
         ) -> R {
+            #arrays
             #density
         }
     })
@@ -138,21 +177,23 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
         ["plainly", "told", "found", "inverse", "back"].map(|name| format_ident!("{name}_{k}"));
     let forward = format_ident!("forward_{j}");
     let value = positive_density(e, place);
-    let on_manifold = place.derived.check_forward.then(|| {
+    let (belongs, numbers) = (member(belongs_first(e, places)), numbers(e));
+    let on_manifold = |beside: Option<TokenStream>| {
         let lies = format_ident!("lies_{k}");
         let image = match place.preimage.back {
             Some(_) => quote!(#back::<R>(&p, &x)),
             None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
         };
-        let elsewhere = quote!(break 'quick pdf_anywhere::<R>(p, x, belongs(), None););
+        let elsewhere = quote!(#beside break 'quick pdf_anywhere::<R>(#numbers #belongs, None););
         // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
         let otherwise = match place.preimage.back {
             Some(_) => quote! {
+                #beside
                 let [on, off] = ::aether_core::support::on_or_off::<R, #m, #s>(&p, &x, #lies::<R::Lane>);
                 if off.all() {
                     break 'inside;
                 }
-                if !on.all() { #elsewhere }
+                if !on.all() { break 'quick pdf_anywhere::<R>(#numbers #belongs, None); }
             },
             None => elsewhere,
         };
@@ -160,26 +201,34 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
             let scaled = format_ident!("scaled_{k}");
             return quote! {
                 let [on, off] = #scaled::<R>(&p, &x);
-                if off.all() {
-                    break 'inside;
+                if !on.all() {
+                    if off.all() {
+                        break 'inside;
+                    }
+                    #otherwise
                 }
-                if !on.all() { #otherwise }
             };
         }
         quote! {
             let back = #image;
             if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
         }
-    });
+    };
     let wide = place.wide();
     // On a border it may seem to lie on both sides.
     let beside = places[..k].iter().filter(|other| beside(e, other, &place));
     let beside: Vec<_> = beside.map(|other| format_ident!("found_{}", other.number)).collect();
     let twice = (!beside.is_empty()).then(
-        || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(p, x, belongs(), None); }),
+        || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(#numbers #belongs, None); }),
     );
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
-    let elsewhere = (!belongs_first(e, places) && !tells_finite(e, place)).then(elsewhere);
+    let asked = !belongs_first(e, places) && !needs_no_look(e, place);
+    // What is its own image, to a few roundings, is finite.
+    let (elsewhere, beside_manifold) = match place.derived.check_forward {
+        true => (None, asked.then(|| elsewhere(e))),
+        false => (asked.then(|| elsewhere(e)), None),
+    };
+    let on_manifold = place.derived.check_forward.then(|| on_manifold(beside_manifold));
     let again = e.read_again();
     // Nothing is added to where all others are excluded, or come later.
     let alone = k == 0 || excluding(e, place, places).count() + 1 == places.len();
@@ -208,9 +257,10 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 
 /// The density of a point that plainly has a preimage; zero where the formula is no positive number.
 fn positive_density(e: &Emitter, place: Place) -> TokenStream {
-    let (_, m, s) = e.sizes();
+    let (_, m, _) = e.sizes();
     let density = format_ident!("density_{}", place.number);
-    if is_sure(place) {
+    let fades = !tells_finite(e, place) && fading(place, m) == Fading::Fades;
+    if is_sure(place) && !fades {
         return quote!(#density::<R>(&p, &x));
     }
     if !place.problem.graph.has(place.preimage.density, OUTS) {
@@ -220,20 +270,48 @@ fn positive_density(e: &Emitter, place: Place) -> TokenStream {
     if Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]) {
         return quote!({ let d = #density::<R>(&p, &x); R::select(d.gt(R::ZERO), d, R::ZERO) });
     }
-    quote!(::aether_core::support::density_at::<R, #s, #m>(&p, &x, #density::<R>))
+    let (rare, numbers) = (format_ident!("rare_density_{}", place.number), numbers(e));
+    quote!({
+        let d = #density::<R>(&p, &x);
+        if d.ge(R::ZERO).all() { d } else { #rare::<R>(#numbers d) }
+    })
+}
+
+/// The function for what a formula of a density tells where it tells none: its limit where it is 0/0, and zero where it is no
+/// positive number or the point is not finite.
+fn rare_density(e: &Emitter, place: Place) -> TokenStream {
+    let (_, m, s) = e.sizes();
+    let [rare, density] =
+        ["rare_density", "density"].map(|name| format_ident!("{name}_{}", place.number));
+    let (numbers, arrays) = taken_numbers(e);
+    let fades = !tells_finite(e, place) && fading(place, m) == Fading::Fades;
+    let at = if fades { quote!(rare_density_if_finite) } else { quote!(rare_density) };
+    quote! {
+        #[cold]
+        #[inline(never)]
+        fn #rare<R: Real>(#numbers d: R) -> R {
+            #arrays
+            ::aether_core::support::#at::<R, #s, #m>(d, &p, &x, #density::<R>)
+        }
+    }
 }
 
 /// Leaves the block if only rounding may have put a point outside of a preimage.
-fn doubtful_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
+fn doubtful_preimage(
+    e: &Emitter,
+    place: Place,
+    places: &[Place],
+    belongs: &TokenStream,
+) -> TokenStream {
     let [possibly, told, support] =
         ["possibly", "told", "support"].map(|name| format_ident!("{name}_{}", place.number));
-    let (near, wide) = (about(place), place.wide());
+    let (near, wide, numbers) = (about(place), place.wide(), numbers(e));
     let tested = quote! {
         let ok = #possibly::<R>(&p, &x) #wide;
         if ok.any() {
             let (checked, ..) = #support::<R>(&p, &x);
             if ok.and(#near).any() {
-                break 'quick pdf_anywhere::<R>(p, x, belongs(), None);
+                break 'quick pdf_anywhere::<R>(#numbers #belongs, None);
             }
         }
     };

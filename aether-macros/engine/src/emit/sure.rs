@@ -13,6 +13,10 @@ pub(super) struct Sure<'a> {
     graph: &'a Graph,
     /// What is a number, as something finite is computed from it. It may be infinite if that divides by it.
     numbers: Set<Id>,
+    /// What is a number and not negative, and what is not zero either.
+    told: [Set<Id>; 2],
+    /// Between which numbers some coordinates lie.
+    between: Vec<(Id, Interval)>,
 }
 
 impl<'a> Sure<'a> {
@@ -35,7 +39,21 @@ impl<'a> Sure<'a> {
                 _ => {}
             }
         }
-        Sure { graph, numbers }
+        Sure { graph, numbers, told: Default::default(), between: Vec::new() }
+    }
+
+    /// Where, besides, these lie between numbers.
+    pub fn between(mut self, coordinates: impl Iterator<Item = (Id, Interval)>) -> Self {
+        self.between.extend(coordinates);
+        self
+    }
+
+    /// Where, besides, these have been found not to be negative, some of them to be positive.
+    pub fn told(mut self, signs: impl Iterator<Item = (Id, bool)>) -> Self {
+        for (id, positive) in signs {
+            self.told[usize::from(positive)].insert(id);
+        }
+        self
     }
 
     /// Whether an expression is a number and not negative, however it is rounded.
@@ -46,12 +64,21 @@ impl<'a> Sure<'a> {
     /// Between which numbers an expression lies that is never negative; `None` if it may be, or no number.
     fn positive(&self, id: Id) -> Option<Interval> {
         let g = self.graph;
+        if self.told.iter().any(|told| told.contains(&id)) {
+            return Some(Interval::POSITIVE);
+        }
         match g.node(id) {
             Node::Sum(c, terms) => {
-                let [(q, term)] = terms[..] else { return None };
-                let scaled =
-                    self.positive(term).filter(|_| !c.is_negative() && !q.is_negative())?;
-                Some(scaled.scale(q.to_f64()).add(Interval::point(c.to_f64())))
+                if let Some(range) = self.linear(*c, terms) {
+                    return Some(range).filter(|range| range.nonnegative());
+                }
+                if c.is_negative() {
+                    return None;
+                }
+                terms.iter().try_fold(Interval::point(c.to_f64()), |sum, &(q, term)| {
+                    let term = self.positive(term).filter(|_| !q.is_negative())?;
+                    Some(sum.add(term.scale(q.to_f64())))
+                })
             }
             Node::Product(factors) => {
                 factors.iter().try_fold(Interval::point(1.0), |product, &(base, exponent)| {
@@ -61,6 +88,15 @@ impl<'a> Sure<'a> {
             Node::Call(Fun::Abs, args) => self.number(args[0]),
             _ => Some(g.range(id)).filter(|range| g.deps(id) == 0 && range.nonnegative()),
         }
+    }
+
+    /// Between which numbers a sum of coordinates lies that lie between some.
+    fn linear(&self, c: Q, terms: &[(Q, Id)]) -> Option<Interval> {
+        let start = Interval::point(c.to_f64());
+        terms.iter().try_fold(start, |sum, (q, term)| {
+            let (_, range) = self.between.iter().find(|(id, _)| id == term)?;
+            Some(sum.add(range.scale(q.to_f64())))
+        })
     }
 
     /// A power whose exponent is a whole number of halves.

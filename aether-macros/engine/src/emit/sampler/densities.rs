@@ -7,6 +7,7 @@ use super::exists::{existence, existence_where_it_belongs};
 use crate::emit::item::{Emitter, point_type};
 use crate::emit::pieces::Place;
 use crate::emit::quick;
+use crate::emit::seldom::numbers;
 use crate::emit::tame::Tame;
 
 /// The density at `point`; the method that tells it, if it is one of its own; and that for points whose coordinates are finite, if
@@ -20,7 +21,10 @@ pub(super) fn density(e: &Emitter) -> [TokenStream; 3] {
         }
         (None, Some(quick)) if quick::asks_of_others(e) => return density_where(e, &quick),
         (None, Some(quick)) => quote!(let belongs = || -> R::Mask { #belongs }; #quick),
-        (None, None) => quote!(pdf_anywhere::<R>(p, x, #belongs, None)),
+        (None, None) => {
+            let handed_on = numbers(e);
+            quote!(pdf_anywhere::<R>(#handed_on #belongs, None))
+        }
     };
     let density = quote! {
         #parameters
@@ -64,7 +68,10 @@ pub(super) fn density_near(e: &Emitter) -> Option<TokenStream> {
     let (_, m, _) = e.sizes();
     let density = match e.support {
         Some(support) => support.density_near(e)?,
-        None => quote!(pdf_anywhere::<R>(p, x, #belongs, Some(&errors))),
+        None => {
+            let handed_on = numbers(e);
+            quote!(pdf_anywhere::<R>(#handed_on #belongs, Some(&errors)))
+        }
     };
     Some(quote! {
         fn pdf_near(
