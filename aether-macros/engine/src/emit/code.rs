@@ -18,7 +18,7 @@ use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
 use crate::number::{Dd, Number};
 use crate::rational::Q;
-pub(super) use literal::{multiple_of, number, rational};
+pub(super) use literal::{integer_power, multiple_of, number, rational};
 
 /// Writes expressions over the type `R`, with inputs named by `input`.
 pub struct Code<'a> {
@@ -125,7 +125,9 @@ impl<'a> Code<'a> {
             open.push((id, true));
             match self.graph.node(id) {
                 // The sides of a choice are computed only where they are taken.
-                Node::If(test, ..) => open.push((*test, false)),
+                Node::If(test, ..) => {
+                    open.push((finite_divisor(self.graph, *test).unwrap_or(*test), false));
+                }
                 Node::Root(r) => {
                     open.extend(
                         super::numeric::outside(self.graph, r).into_iter().map(|c| (c, false)),
@@ -216,9 +218,15 @@ impl<'a> Code<'a> {
             },
             Node::Call(f, args) => self.call(*f, args),
             Node::If(test, yes, no) => {
-                let test = self.reference(*test);
                 let (yes, no) = (self.side(*yes), self.side(*no));
-                quote!(::aether_core::support::either(#test.gt(R::ZERO), || #yes, || #no))
+                let test = match finite_divisor(self.graph, *test).map(|id| self.reference(id)) {
+                    Some(divisor) => quote!(#divisor.lt(R::INFINITY)),
+                    None => {
+                        let test = self.reference(*test);
+                        quote!(#test.gt(R::ZERO))
+                    }
+                };
+                quote!(::aether_core::support::either(#test, || #yes, || #no))
             }
             Node::Root(r) => super::numeric::root(self, r),
             _ => self.reference(id),
@@ -257,6 +265,14 @@ impl<'a> Code<'a> {
     }
 }
 
+/// What one is divided by in a test whether the quotient is positive, if it is not negative: it has to be finite.
+fn finite_divisor(g: &Graph, test: Id) -> Option<Id> {
+    let Node::Product(factors) = g.node(test) else { return None };
+    let [(base, exponent)] = factors[..] else { return None };
+    let divides = g.as_number(exponent) == Some(Q::int(-1));
+    (divides && g.range(base).nonnegative()).then_some(base)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,5 +292,25 @@ mod tests {
             text.contains("letq=Param_0_*(Param_2_*Param_2_*Param_2_)/Param_1_;(q*q)"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn growth_is_told_by_decay_and_finite_numbers_by_themselves() {
+        let mut g = Graph::new();
+        let k = g.leaf(Leaf::Param(0), "k", Interval::new(0.5, f64::INFINITY));
+        let minus = g.neg(k);
+        let decay = [Fun::Exp, Fun::ExpM1].map(|f| g.call(f, &[minus]));
+        let growth = g.call(Fun::ExpM1, &[k]);
+        let inverse = g.powi(growth, -1);
+        let choice = g.if_positive(inverse, decay[0], decay[1]);
+        let leaf = |_: Leaf| quote!(k);
+        let mut code = Code::new(&g, &leaf);
+        code.values(&[decay[0], decay[1], growth, choice]);
+        let text = code.statements().to_string().replace(' ', "");
+        assert!(
+            text.contains("exp_and_m1(") && text.contains("either(t3.lt(R::INFINITY)"),
+            "{text}"
+        );
+        assert_eq!(text.matches("exp").count(), 1, "{text}");
     }
 }

@@ -4,7 +4,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::code::{Code, multiple_of, rational};
+use super::code::{Code, integer_power, multiple_of, rational};
 use crate::expr::{Id, Node};
 use crate::parse::Test;
 use crate::rational::Q;
@@ -35,11 +35,42 @@ fn sides(code: &mut Code, difference: Id) -> Option<[TokenStream; 2]> {
     if above.is_negative() || !below.is_negative() {
         return None;
     }
+    if let (Some(first), Some(second)) = (first, second)
+        && above == Q::ONE
+        && below == Q::int(-1)
+        && let Some(lower) = lower_powers(code, first, second)
+    {
+        return Some(lower);
+    }
     let mut side = |q: Q, term: Option<Id>| match term {
         Some(term) => multiple_of(q, code.value(term)),
         None => rational(q),
     };
     Some([side(above, first), side(below.abs(), second)])
+}
+
+/// Two powers of numbers that are not negative in the order of lower ones, where these are whole: of r³, with r² = s a sum of
+/// squares, and a³ that of s and a².
+fn lower_powers(code: &mut Code, first: Id, second: Id) -> Option<[TokenStream; 2]> {
+    let g = code.graph();
+    let power = |id: Id| match g.node(id) {
+        Node::Product(factors) => match factors[..] {
+            [(base, e)] if g.range(base).nonnegative() => Some((base, g.as_number(e)?)),
+            _ => None,
+        },
+        _ => None,
+    };
+    let ((x, a), (y, b)) = (power(first)?, power(second)?);
+    if a.is_negative() || b.is_negative() || a.is_int() && b.is_int() {
+        return None;
+    }
+    // In lowest terms, the ratio of the exponents is that of the lower ones.
+    let ratio = a.mul(b.recip()?)?;
+    let lower = [(x, ratio.num()), (y, ratio.den())];
+    Some(lower.map(|(base, n)| {
+        let base = code.value(base);
+        integer_power(&base, n)
+    }))
 }
 
 #[cfg(test)]
@@ -70,6 +101,21 @@ mod tests {
         assert_eq!(text(between, false), "(u . ge ((v / R :: of (3.0))))");
         assert!(text(sum, true).contains(". gt (R :: ZERO)"));
         assert!(text(more, true).contains(". gt (R :: ZERO)"));
+    }
+
+    #[test]
+    fn roots_are_compared_by_what_they_are_roots_of() {
+        let mut g = Graph::new();
+        let [s, a] = [0, 1].map(|i| g.leaf(Leaf::Unknown(i), &format!("u{i}"), Interval::POSITIVE));
+        let exponent = g.number(Q::new(3, 2).unwrap());
+        let (cubed, other) = (g.pow(s, exponent), g.powi(a, 3));
+        let difference = g.sub(cubed, other);
+        let mut code = Code::new(&g, &|leaf| match leaf {
+            Leaf::Unknown(0) => quote!(s),
+            _ => quote!(a),
+        });
+        let [above, below] = sides(&mut code, difference).unwrap();
+        assert_eq!((above.to_string(), below.to_string()), ("s".into(), "(a * a)".into()));
     }
 
     #[test]

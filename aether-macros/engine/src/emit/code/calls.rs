@@ -4,11 +4,37 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
 use super::Code;
-use crate::expr::{Fun, Id};
+use crate::expr::{Fun, Id, Node};
+use crate::rational::Q;
 
 impl Code<'_> {
+    /// The exponential of the opposite of an expression, and that less one, if both have been written.
+    fn opposite(&self, x: Id) -> Option<[TokenStream; 2]> {
+        let multiple = |id: Id| match self.graph.node(id) {
+            Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => terms[0],
+            _ => (Q::ONE, id),
+        };
+        let (q, term) = multiple(x);
+        let written = |f: Fun| {
+            self.names.iter().find_map(|(id, name)| match self.graph.node(*id) {
+                Node::Call(g, args) if *g == f && multiple(args[0]) == (q.neg(), term) => {
+                    Some(quote!(#name))
+                }
+                _ => None,
+            })
+        };
+        Some([written(Fun::Exp)?, written(Fun::ExpM1)?])
+    }
+
     /// A function of what has been written.
     pub(super) fn call(&self, f: Fun, args: &[Id]) -> TokenStream {
+        if let (Fun::ExpM1, [x]) = (f, args)
+            && self.graph.range(*x).nonnegative()
+            && let Some([whole, less]) = self.opposite(*x)
+        {
+            // eˣ - 1 is (1 - e⁻ˣ) / e⁻ˣ, where that does not overflow.
+            return quote!((-(#less) / #whole));
+        }
         let a = self.reference(args[0]);
         match f {
             Fun::Atan2 => {

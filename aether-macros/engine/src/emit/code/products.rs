@@ -189,9 +189,10 @@ impl<'a> Code<'a> {
             let power = quote!(#base.powf(#exponent));
             let known = self.powers.iter().find_map(|(base, f, name)| {
                 let related = (*base == b).then(|| related(self.graph, e, *f)).flatten()?;
-                Some((related, name.clone()))
+                let range = self.graph.range(b).powers(self.graph.range(*f));
+                Some((related, name.clone(), range.at_most_one()))
             });
-            let value = known.map(|(Related { times, whole }, name)| {
+            let value = known.map(|(Related { times, whole }, name, small)| {
                 // What underflows as a square is told by it.
                 let name = match times.abs() {
                     1 => name,
@@ -204,7 +205,11 @@ impl<'a> Code<'a> {
                     (false, 1) => quote!(#base / #name),
                     (false, _) => quote!(R::ONE / #name),
                 };
-                quote!(::aether_core::support::by_power(#name, #value, #base, #exponent))
+                // A power that is at most one has not overflowed.
+                match small && times.abs() == 1 {
+                    true => quote!(::aether_core::support::by_small_power(#name, #value, #base, #exponent)),
+                    false => quote!(::aether_core::support::by_power(#name, #value, #base, #exponent)),
+                }
             });
             let name = self.named(&value.unwrap_or(power));
             self.powers.push((b, e, name));
