@@ -12,7 +12,9 @@ use super::jumps::jumps;
 use crate::derive::Derived;
 use crate::expr::UNKNOWNS;
 pub(super) use exclusion::{excluding, exclusive, folded};
-use one_piece::{has_parameters, is_tame, one_a_piece, single};
+use one_piece::{
+    density_beside, has_parameters, is_tame, one_a_piece, overlapping_with_density, single,
+};
 use several::among_several;
 
 /// The density at the uniforms, and the densities by way of the other preimages.
@@ -47,6 +49,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     let (ty, args, point) = (e.density_type(), e.generics(), point_type(&e.signature().space));
     let (n, _, _) = e.sizes();
     let (parameters, density) = (e.parameters(), at_the_point(e));
+    let beside = e.draws_pieces().then(|| density_beside(e));
     let told = e.is_whole().then(|| quote!(d: R,));
     let (outside, inside) = e.bounds();
     Some(quote! {
@@ -56,6 +59,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
                 #parameters
                 #density
             }
+            #beside
         }
     })
 }
@@ -75,6 +79,9 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
     if !e.is_single() {
         if is_alone(e) {
             return Some(pieces_with_density(e));
+        }
+        if e.draws_pieces() {
+            return Some(overlapping_with_density(e));
         }
         let parameters = e.parameters();
         let (drawn, told) = if e.is_drawn_at_once() {
@@ -185,15 +192,15 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     let (n, m, _) = e.sizes();
     let (made, parameters) = (e.point(&quote!(c)), e.parameters());
     let pieces = e.by_piece(|j| {
-        let [enter, forward, own, exists] =
-            ["enter", "forward", "own", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let [enter, both, exists] =
+            ["enter", "both", "exists"].map(|name| format_ident!("{name}_{j}"));
         let inside = inside(e, j, &quote!(t));
         quote! {
             let t = #enter::<R>(&p, &u);
-            let y = #forward::<R>(&p, &t);
+            let (y, own) = #both::<R>(&p, &t);
             c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
             exists = exists.or(taken.and(#exists::<R>(&p, &t)));
-            d = R::select(taken, #own::<R>(&p, &t), d);
+            d = R::select(taken, own, d);
             inside = inside.or(taken #inside);
         }
     });

@@ -12,7 +12,8 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::item::Emitter;
-use super::tame::Tame;
+use super::sampler::is_bounded;
+use super::tame::{Tame, has_values};
 use crate::derive::{Derived, Preimage, Problem};
 use crate::expr::{Id, Leaf};
 
@@ -62,7 +63,13 @@ impl<'a> Emitter<'a> {
     pub(super) fn forward_is_tame(&self, piece: usize) -> bool {
         let graph = &self.parsed.pieces[piece].problem.graph;
         let derived = &self.derived[piece];
-        !derived.undefined && Tame::new(graph, true, true).all(&derived.forward)
+        let is_tame = || Tame::new(graph, true, true).all(&derived.forward);
+        // In a space of directions, what is infinite is no value.
+        let has_values = || {
+            let unknowns = self.parsed.pieces[piece].problem.unknowns.len() as u32;
+            !is_bounded(self) && unknowns <= 3 && has_values(graph, unknowns, &derived.forward)
+        };
+        !derived.undefined && (is_tame() || has_values())
     }
 
     /// All preimages.
@@ -91,6 +98,12 @@ impl<'a> Emitter<'a> {
     /// be a limit has them apart.
     pub(super) fn is_drawn_at_once(&self) -> bool {
         self.is_single() || self.is_whole() && self.forward_is_tame(0)
+    }
+
+    /// Whether it is one of several pieces, of which each has one preimage, that the uniforms of a sample take, and one function
+    /// has the point and the density there.
+    pub(super) fn draws_pieces(&self) -> bool {
+        !self.is_whole() && self.derived.iter().all(|derived| derived.preimages.len() == 1)
     }
 
     /// All of them.

@@ -110,18 +110,24 @@ fn forward(e: &Emitter) -> TokenStream {
 /// The coordinates of the image of `t` under a piece, which the uniforms take where `taken` says so, and
 /// whether they have values.
 pub(super) fn image_in(e: &Emitter, j: usize) -> TokenStream {
+    let forward = format_ident!("forward_{j}");
+    closed_in(e, j, &quote!(#forward::<R>(&p, &t)))
+}
+
+/// The same where the coordinates are `value`.
+pub(super) fn closed_in(e: &Emitter, j: usize, value: &TokenStream) -> TokenStream {
     let (n, m, s) = e.sizes();
     let forward = format_ident!("forward_{j}");
     if e.forward_is_tame(j) {
-        quote!((#forward::<R>(&p, &t), <R::Mask as Mask>::TRUE))
+        quote!((#value, <R::Mask as Mask>::TRUE))
     } else {
-        let (value, bounded) = (quote!(#forward::<R>(&p, &t)), is_bounded(e));
+        let bounded = is_bounded(e);
         quote!(::aether_core::support::closed::<R, #s, #n, #m>(taken, #bounded, (&p, &t), #value, #forward::<R>))
     }
 }
 
 /// Whether no point of the space has infinite coordinates, a direction or several points with one.
-fn is_bounded(e: &Emitter) -> bool {
+pub(super) fn is_bounded(e: &Emitter) -> bool {
     has_a_direction(&e.signature().space)
 }
 

@@ -1,13 +1,13 @@
 //! A sample and its density where the way that it took tells the piece.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::exclusion::{exclusive, folded};
 use super::{Told, has_density, is_alone};
-use crate::emit::item::Emitter;
+use crate::emit::item::{Emitter, point_type};
 use crate::emit::pieces::Place;
-use crate::emit::sampler::{Asked, encircled, existence_where, value_at};
+use crate::emit::sampler::{Asked, closed_in, encircled, existence_where, value_at};
 use crate::emit::tame::Tame;
 use crate::expr::{OUTS, UNKNOWNS};
 
@@ -44,33 +44,101 @@ pub(super) fn has_parameters(e: &Emitter, piece: usize) -> bool {
 /// Where each piece has one preimage: that of the piece that `u` takes is `u` itself, with the density of the
 /// uniforms, and only pieces whose images overlap with its own are inverted.
 pub(super) fn one_a_piece(e: &Emitter) -> TokenStream {
-    let (n, _, _) = e.sizes();
-    let (coordinates, belongs) = (e.coordinates(), e.belongs());
-    let pieces = e.parsed.pieces.len();
+    let (declared, masks) = (declared(e), masks(e));
     let own = e.by_piece(|j| {
         let [enter, own] = ["enter", "own"].map(|name| format_ident!("{name}_{j}"));
-        let problem = &e.parsed.pieces[j].problem;
-        let ends = problem.segments.iter().enumerate().filter(|(_, s)| s.is_some());
-        let ends = ends.map(|(i, _)| quote!(.or(::aether_core::support::at_end(t[#i]))));
-        // What else decides about the piece has no known distance.
-        let ends = if problem.guards.is_empty() {
-            quote!(<R::Mask as Mask>::FALSE #(#ends)*)
-        } else {
-            quote!(<R::Mask as Mask>::TRUE)
-        };
-        let here = has_density(e, j, &quote!(t));
-        let taken = format_ident!("own_piece_{j}");
+        let here = here(e, j);
         quote! {
             let t = #enter::<R>(&p, &u);
             let d = #own::<R>(&p, &t);
-            let here = taken.and(#here);
-            sum = R::select(here, d, sum);
-            inner = inner.or(here);
-            at_border = at_border.or(here.and(#ends));
-            #taken = here;
+            #here
         }
     });
-    let masks: Vec<_> = (0..pieces).map(|j| format_ident!("own_piece_{j}")).collect();
+    quote! {
+        #declared
+        #own
+        self.density_beside(u, point, exists, (sum, inner, at_border), [#(#masks),*])
+    }
+}
+
+/// The point and its density from the piece that the uniforms take, where others may have it too.
+pub(super) fn overlapping_with_density(e: &Emitter) -> TokenStream {
+    let (n, m, _) = e.sizes();
+    let (parameters, made) = (e.parameters(), e.point(&quote!(c)));
+    let (declared, masks) = (declared(e), masks(e));
+    let pieces = e.by_piece(|j| {
+        let [enter, both, exists] =
+            ["enter", "both", "exists"].map(|name| format_ident!("{name}_{j}"));
+        let (here, y) = (here(e, j), closed_in(e, j, &quote!(y)));
+        quote! {
+            let t = #enter::<R>(&p, &u);
+            let (y, d) = #both::<R>(&p, &t);
+            let (y, known) = #y;
+            c = ::core::array::from_fn(|i| R::select(taken, y[i], c[i]));
+            exists = exists.or(taken.and(known).and(#exists::<R>(&p, &t)));
+            #here
+        }
+    });
+    quote! {
+        #[inline(always)]
+        fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+            #parameters
+            let mut c = [R::ZERO; #m];
+            let mut exists = <R::Mask as Mask>::FALSE;
+            #declared
+            #pieces
+            let point = #made;
+            let density = self.density_beside(u, point, exists, (sum, inner, at_border), [#(#masks),*]);
+            (point, exists, density)
+        }
+    }
+}
+
+/// The masks of which uniforms take a piece and have a density there.
+fn masks(e: &Emitter) -> Vec<Ident> {
+    (0..e.parsed.pieces.len()).map(|j| format_ident!("own_piece_{j}")).collect()
+}
+
+/// What is found of the density at the uniforms.
+fn declared(e: &Emitter) -> TokenStream {
+    let masks = masks(e);
+    quote! {
+        let mut sum = R::ZERO;
+        let mut inner = <R::Mask as Mask>::FALSE;
+        let mut at_border = <R::Mask as Mask>::FALSE;
+        #(let mut #masks = <R::Mask as Mask>::FALSE;)*
+    }
+}
+
+/// Notes the density `d` at the unknowns `t` of a piece.
+fn here(e: &Emitter, j: usize) -> TokenStream {
+    let problem = &e.parsed.pieces[j].problem;
+    let ends = problem.segments.iter().enumerate().filter(|(_, s)| s.is_some());
+    let ends = ends.map(|(i, _)| quote!(.or(::aether_core::support::at_end(t[#i]))));
+    // What else decides about the piece has no known distance.
+    let ends = if problem.guards.is_empty() {
+        quote!(<R::Mask as Mask>::FALSE #(#ends)*)
+    } else {
+        quote!(<R::Mask as Mask>::TRUE)
+    };
+    let here = has_density(e, j, &quote!(t));
+    let taken = format_ident!("own_piece_{j}");
+    quote! {
+        let here = taken.and(#here);
+        sum = R::select(here, d, sum);
+        inner = inner.or(here);
+        at_border = at_border.or(here.and(#ends));
+        #taken = here;
+    }
+}
+
+/// A method that adds to the density at the uniforms those of other pieces that reach the point.
+pub(super) fn density_beside(e: &Emitter) -> TokenStream {
+    let (n, _, _) = e.sizes();
+    let (coordinates, belongs) = (e.coordinates(), e.belongs());
+    let (pieces, masks) = (e.parsed.pieces.len(), masks(e));
+    let (parameters, point) = (e.parameters(), point_type(&e.signature().space));
+    let (_, inside) = e.bounds();
     let places = e.places();
     // Where one piece goes on from the end of another, rounding may put a sample of one into the other, but it is no second one.
     let wanted = |place: Place| {
@@ -120,11 +188,16 @@ pub(super) fn one_a_piece(e: &Emitter) -> TokenStream {
         }
     };
     quote! {
-        let mut sum = R::ZERO;
-        let mut inner = <R::Mask as Mask>::FALSE;
-        let mut at_border = <R::Mask as Mask>::FALSE;
-        #(let mut #masks = <R::Mask as Mask>::FALSE;)*
-        #own
+        #[inline(always)]
+        fn density_beside #inside(
+            &self,
+            u: [R; #n],
+            point: #point,
+            exists: R::Mask,
+            (mut sum, inner, at_border): (R, R::Mask, R::Mask),
+            [#(#masks),*]: [R::Mask; #pieces],
+        ) -> ::aether_core::PdfOf<Self, R> {
+        #parameters
         // At an end of a piece the map may only have a limit; the density at the point knows it.
         let outer = exists.and(inner.not());
         let limit = if outer.any() {
@@ -134,5 +207,6 @@ pub(super) fn one_a_piece(e: &Emitter) -> TokenStream {
         };
         #others
         ::aether_core::Density::new(R::select(exists, R::select(inner, sum, limit), R::ZERO))
+        }
     }
 }

@@ -34,7 +34,8 @@ impl<'a> Emitter<'a> {
         let mut code = Code::new(g, &at);
         let size_value = code.value(size);
         let size_lets = code.statements();
-        let joint = (is_sampler && self.is_drawn_at_once()).then(|| {
+        let at_once = self.is_drawn_at_once() || self.draws_pieces();
+        let joint = (is_sampler && at_once).then(|| {
             let mut code = Code::lenient(g, &at);
             let mut values = code.values(&[&derived.forward[..], &[size]].concat());
             let density = values.pop();
