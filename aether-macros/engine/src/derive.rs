@@ -49,7 +49,7 @@ mod units;
 mod valued;
 mod volume;
 
-use crate::expr::{Id, Leaf, leaf_bit};
+use crate::expr::{Id, Leaf, OUTS, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::measure::Measure;
 use crate::overflow::guard;
@@ -166,7 +166,13 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
     accuracy.add_own(problem, own, &trial.cases);
     let g = &mut problem.graph;
     let one = g.int(1);
-    let own_density = g.div(one, own);
+    // Of parameters alone, both are one number, and nothing need be asked of the sample then.
+    let own_density = match &preimages[..] {
+        [only] if !g.has(own, OUTS | UNKNOWNS) && !g.has(only.density, OUTS | UNKNOWNS) => {
+            only.density
+        }
+        _ => g.div(one, own),
+    };
     let Inverse { solutions, check_forward, .. } = inverse;
     Ok(Derived {
         forward,

@@ -104,7 +104,9 @@ impl Interval {
     }
     /// Powers of a base that is not negative, with exponents from an interval.
     pub fn powers(self, e: Interval) -> Interval {
-        if self.lo < 0.0 || !e.lo.is_finite() || !e.hi.is_finite() {
+        // Powers of what is at most one tend to zero; zero to the power of zero is one.
+        let unbounded = e.hi == f64::INFINITY && e.lo < 0.0;
+        if self.lo < 0.0 || !e.lo.is_finite() || e.hi.is_nan() || unbounded {
             return Interval::POSITIVE;
         }
         // Monotone in the base and in the exponent, so that the corners are extreme.

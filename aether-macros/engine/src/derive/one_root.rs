@@ -48,6 +48,40 @@ fn over_one_line(g: &mut Graph, sum: Id) -> Option<(Id, Vec<(Id, Q)>)> {
     Some((g.sum(Q::ZERO, &above), divisors))
 }
 
+/// A product with a root √s above a sum of s and multiples of √s, which has the root as a factor: √s / (s + a √s) is
+/// 1 / (√s + a).
+pub(super) fn over_its_root(g: &mut Graph, id: Id) -> Option<Id> {
+    let (q, body) = g.split(id);
+    let factors = g.factors(body);
+    let is = |g: &Graph, e: Id, q: Q| g.as_number(e) == Some(q);
+    let roots: Vec<Id> = factors.iter().filter(|f| is(g, f.1, Q::HALF)).map(|f| f.0).collect();
+    let divisors: Vec<Id> =
+        factors.iter().filter(|f| is(g, f.1, Q::int(-1))).map(|f| f.0).collect();
+    for (s, divisor) in roots.into_iter().flat_map(|s| divisors.iter().map(move |d| (s, *d))) {
+        let (Node::Sum(c, parts), Node::Sum(d, terms)) =
+            (g.node(s).clone(), g.node(divisor).clone())
+        else {
+            continue;
+        };
+        let rest: Vec<(Q, Id)> = terms.iter().filter(|t| !parts.contains(t)).copied().collect();
+        let has_root = |g: &mut Graph, term: Id| g.factors(term).contains(&(s, g.number(Q::HALF)));
+        let whole = c == d && rest.len() + parts.len() == terms.len();
+        if !whole || !rest.iter().all(|(_, term)| has_root(g, *term)) {
+            continue;
+        }
+        let root = g.sqrt(s);
+        let rest: Vec<(Q, Id)> = rest.into_iter().map(|(q, t)| (q, g.div(t, root))).collect();
+        let rest = g.sum(Q::ZERO, &rest);
+        let sum = g.add(root, rest);
+        let (half, minus) = (g.number(Q::HALF), g.int(-1));
+        let kept = factors.iter().filter(|f| **f != (s, half) && **f != (divisor, minus));
+        let kept: Vec<(Id, Id)> = kept.copied().chain([(sum, minus)]).collect();
+        let product = g.product(&kept);
+        return Some(g.sum(Q::ZERO, &[(q, product)]));
+    }
+    None
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,5 +115,22 @@ mod tests {
             let density = product(&mut g, of);
             assert_eq!(by_one_root(&mut g, density), None);
         }
+    }
+
+    #[test]
+    fn a_root_cancels_against_a_sum_of_its_square_and_multiples_of_it() {
+        let mut g = Graph::new();
+        let [x, y, z] = [0, 1, 2].map(|k| g.leaf(Leaf::Out(k), "x", Interval::new(-9.0, 9.0)));
+        let squares = [x, y].map(|x| (Q::ONE, g.powi(x, 2)));
+        let s = g.sum(Q::ZERO, &squares);
+        let root = g.sqrt(s);
+        let multiple = g.mul(z, root);
+        let (sum, other) = (g.add(s, multiple), g.add(s, z));
+        let density = g.div(root, sum);
+        let shorter = g.add(root, z);
+        let expected = g.powi(shorter, -1);
+        assert_eq!(over_its_root(&mut g, density), Some(expected));
+        let density = g.div(root, other);
+        assert_eq!(over_its_root(&mut g, density), None);
     }
 }

@@ -3,6 +3,7 @@
 //! products of inputs that have the same values at so many points are the same everywhere.
 
 use super::cases::Case;
+use super::one_root::over_its_root;
 use super::{Limit, Preimage};
 use crate::eval::Evaluator;
 use crate::expr::{Fun, Graph, Id, Node};
@@ -21,6 +22,12 @@ const LARGEST: i64 = 24;
 
 /// Has the density of a point be made of sums that its tests compute, where that costs less and is as accurate.
 pub(super) fn share_values(g: &mut Graph, preimage: &mut Preimage, measure: &mut Measure) {
+    if let Some(shorter) = over_its_root(g, preimage.density) {
+        let truth = measure.truths(g, preimage.density);
+        if is_as_good(g, [shorter, preimage.density], &truth, measure) {
+            preimage.density = shorter;
+        }
+    }
     let tests = computed(preimage);
     let (known, mut own) = (sums(g, &tests), sums(g, &[preimage.density]));
     own.retain(|sum| !known.contains(sum));
