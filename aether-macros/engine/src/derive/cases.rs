@@ -1,6 +1,6 @@
 //! What a map is at the points that it is tried at while it is compiled, and whether the derivatives are right there.
 
-use super::tried_points::{is_guarded, never_taken, on_this_way, points};
+use super::tried_points::{as_uniforms_make_them, is_guarded, never_taken, on_this_way, points};
 use super::{Problem, Target};
 use crate::differences::{self, evaluate};
 use crate::eval::Evaluator;
@@ -131,8 +131,11 @@ pub(super) fn exact_values(g: &Graph, id: Id, cases: &[Case]) -> Vec<f64> {
 /// The same points with numbers of single precision, as far as they still are of the domain.
 fn in_single(problem: &Problem, volume: Id, cases: &[Case]) -> Vec<Case> {
     let rounded = |case: &Case| {
-        let point = case.point.in_single(&problem.kinds, problem.argument.as_ref());
-        let point = point.filter(|point| on_this_way(problem, point))?;
+        let mut point = case.point.in_single(&problem.kinds, problem.argument.as_ref())?;
+        as_uniforms_make_them(problem, &mut point, true);
+        if !on_this_way(problem, &point) {
+            return None;
+        }
         let mut case = self::case(problem, volume, point)?;
         case.single = true;
         let held = |x: &f64| (*x as f32).is_finite();

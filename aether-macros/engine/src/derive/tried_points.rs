@@ -4,7 +4,7 @@ use super::Problem;
 use super::nearby;
 use crate::differences::evaluate;
 use crate::eval::Evaluator;
-use crate::expr::Leaf;
+use crate::expr::{Id, Leaf};
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point, map_points, placed, sampler_points};
 
@@ -44,7 +44,32 @@ pub(super) fn points(problem: &Problem) -> Vec<Point> {
         let beside = beside_limits(problem, &points);
         points.extend(beside.into_iter().filter(on_way));
     }
+    points.iter_mut().for_each(|point| as_uniforms_make_them(problem, point, false));
     points
+}
+
+/// Rounds the unknowns of segments that begin above zero to what uniforms can make of them, which are no closer to each other
+/// there than numbers are: what is left up to the end is not rounded then.
+pub(super) fn as_uniforms_make_them(problem: &Problem, point: &mut Point, single: bool) {
+    let segments = problem.segments.iter().zip(&mut point.unknowns);
+    for (segment, t) in segments.filter_map(|(segment, t)| Some((segment.as_ref()?, t))) {
+        let few = |id: Id| problem.graph.as_number(id).filter(|q| q.den().count_ones() == 1);
+        let (Some(low), Some(width)) = (few(segment.low), few(segment.width)) else { continue };
+        let (low, width) = (low.to_f64(), width.to_f64());
+        if low <= 0.0 || t.to_f64() <= 0.0 {
+            continue;
+        }
+        let u = low + width * t.to_f64();
+        let (u, least, most) = match single {
+            false => (u, low.next_up(), (low + width).next_down()),
+            true => {
+                let ends = [(low as f32).next_up(), ((low + width) as f32).next_down()];
+                let [least, most] = ends.map(f64::from);
+                (f64::from(u as f32), least, most)
+            }
+        };
+        *t = Dd::from_f64((u.max(least).min(most) - low) / width);
+    }
 }
 
 /// Points with a parameter next to an end of zero, where the map has no value for zero itself: a form that has a limit there
