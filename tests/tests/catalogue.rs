@@ -272,18 +272,19 @@ fn twins_take_the_parameters_of_their_items() -> Result<(), aether_core::DomainE
     Ok(())
 }
 
-/// Usual forms of an exponential that is cut off and of a line divide zero by zero where there is only a limit.
+/// The usual form of a height on the sphere loses the digits of the distance from the axis next to the poles; forms that care for
+/// the ends of their uniforms and domains keep them.
 #[test]
 fn digits_that_twins_lose_are_seen() -> Result<(), aether_core::DomainError> {
-    let names = ["exponential", "linear"].map(str::to_owned);
+    let names = ["exponential", "linear", "uniform sphere"].map(str::to_owned);
     let mut pairs = tests::twins::accuracy::EachPair::new(&names);
     tests::twins::pairs::visit_all(&mut pairs)?;
     let rows: Vec<u64> = pairs.errors.keys().copied().collect();
     assert!(rows.starts_with(&[3, 4, 5]), "{rows:?}");
-    for (row, loses) in [(3, false), (4, true), (5, true)] {
+    for (row, loses) in [(3, false), (4, false), (5, false), (60, true)] {
         let errors = &pairs.errors[&row];
         assert!(errors.derived.iter().all(|error| *error < 4.0), "row {row}: {errors:?}");
-        assert_eq!(errors.by_hand[0] > 1e6, loses, "row {row}: {errors:?}");
+        assert_eq!(errors.by_hand[0] > 1e3, loses, "row {row}: {errors:?}");
         assert!(loses || errors.by_hand.iter().all(|error| *error < 4.0), "{errors:?}");
     }
     Ok(())

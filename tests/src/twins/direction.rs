@@ -5,7 +5,7 @@ use core::f64::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
 use aether_core::prelude::{Direction, Vec3};
 
 use super::plane::concentric;
-use super::{by_hand, finite};
+use super::{by_hand, finite, quotient};
 
 /// The direction with this sine and cosine of the angle from the pole, at a share of a turn.
 #[inline(always)]
@@ -18,6 +18,42 @@ fn around(sine: f64, cosine: f64, turn: f64) -> Direction {
 #[inline(always)]
 fn sine2(w: &Direction) -> f64 {
     w.x * w.x + w.y * w.y
+}
+
+/// The power of the cosine of a direction, next to the pole by the sine.
+#[inline(always)]
+fn power(w: &Direction, n: f64) -> f64 {
+    if w.z > 0.5 { (n * (-sine2(w) / (1.0 + w.z)).ln_1p()).exp() } else { w.z.powf(n) }
+}
+
+/// e to minus 2 κ, and that less one: one from the other, where nothing cancels.
+#[inline(always)]
+fn decay(kappa: f64) -> (f64, f64) {
+    if kappa > 0.35 {
+        let whole = (-2.0 * kappa).exp();
+        (whole, whole - 1.0)
+    } else {
+        let less = (-2.0 * kappa).exp_m1();
+        (1.0 + less, less)
+    }
+}
+
+/// Minus κ times the depth of von Mises and Fisher's direction below the pole at a uniform: next to the far pole as the logarithm of
+/// what is small there.
+#[inline(always)]
+fn depth(kappa: f64, u: f64, (whole, less): (f64, f64)) -> f64 {
+    let e = (1.0 - u) * less;
+    if e > -0.5 {
+        return e.ln_1p();
+    }
+    let far = (u + (1.0 - u) * whole).ln();
+    if far > -2.0 * kappa { far } else { -2.0 * kappa }
+}
+
+/// What is left of two of that depth m; of a narrow lobe no sample comes near the far pole but that of zero.
+#[inline(always)]
+fn rest(kappa: f64, u: f64, m: f64) -> f64 {
+    if m < 1.5 || kappa > 300.0 { 2.0 - m } else { (u * (2.0 * kappa).exp_m1()).ln_1p() / kappa }
 }
 
 by_hand! {
@@ -48,19 +84,22 @@ by_hand! {
         (around(u[0].sqrt(), z, u[1]), z * FRAC_1_PI)
     }
 
-    /// Row 64: by a power of the cosine.
+    /// Row 64: by a power of the cosine. The sine is told by the logarithm of the cosine, for 1 - z² is lost next to the pole,
+    /// where nearly all of a narrow lobe lies.
     PowerCosine(n: f64): [2] => Direction;
     sample(u) {
-        let z = u[0].powf(1.0 / (n + 1.0));
-        around((1.0 - z * z).sqrt(), z, u[1])
+        let l = u[0].ln() / (n + 1.0);
+        around((-(2.0 * l).exp_m1()).sqrt(), l.exp(), u[1])
     }
     pdf(w) {
         let inside = w.z >= 0.0 && finite([w.x, w.y, w.z]);
-        if inside { (n + 1.0) / TAU * w.z.powf(n) } else { 0.0 }
+        if inside { (n + 1.0) / TAU * power(w, n) } else { 0.0 }
     }
     draw(u) {
-        let z = u[0].powf(1.0 / (n + 1.0));
-        (around((1.0 - z * z).sqrt(), z, u[1]), (n + 1.0) / TAU * (u[0] / z))
+        let l = u[0].ln() / (n + 1.0);
+        let z = l.exp();
+        let density = (n + 1.0) / TAU * quotient(u[0], z, || z.powf(n));
+        (around((-(2.0 * l).exp_m1()).sqrt(), z, u[1]), density)
     }
 
     /// Row 65: uniform in a cone.
@@ -128,11 +167,11 @@ by_hand! {
         (Direction::from_unit(Vec3::new(r * c, r * s, z)), 1.0 / ((z1 - z0) * d))
     }
 
-    /// Row 74: von Mises and Fisher.
+    /// Row 74: von Mises and Fisher. Next to the far pole, where 2 - m loses its digits, that is had as the depth below the pole is.
     VonMisesFisher(kappa: f64): [2] => Direction;
     sample(u) {
-        let m = -((1.0 - u[0]) * (-2.0 * kappa).exp_m1()).ln_1p() / kappa;
-        around((m * (2.0 - m)).sqrt(), 1.0 - m, u[1])
+        let m = -depth(kappa, u[0], decay(kappa)) / kappa;
+        around((m * rest(kappa, u[0], m)).sqrt(), 1.0 - m, u[1])
     }
     pdf(w) {
         if !finite([w.x, w.y, w.z]) {
@@ -142,10 +181,10 @@ by_hand! {
         -kappa * (-kappa * m).exp() / (TAU * (-2.0 * kappa).exp_m1())
     }
     draw(u) {
-        let mass = (-2.0 * kappa).exp_m1();
-        let e = (1.0 - u[0]) * mass;
-        let m = -e.ln_1p() / kappa;
-        (around((m * (2.0 - m)).sqrt(), 1.0 - m, u[1]), -kappa * (1.0 + e) / (TAU * mass))
+        let (whole, less) = decay(kappa);
+        let m = -depth(kappa, u[0], (whole, less)) / kappa;
+        let density = -kappa * (u[0] + (1.0 - u[0]) * whole) / (TAU * less);
+        (around((m * rest(kappa, u[0], m)).sqrt(), 1.0 - m, u[1]), density)
     }
 
     /// Row 75: Henyey and Greenstein.
@@ -317,7 +356,9 @@ by_hand! {
         if !finite([v.x, v.y, v.z]) {
             return 0.0;
         }
-        let h = Vec3::new(v.x + w.x, v.y + w.y, v.z + w.z);
+        let (h, m) = (v.vec() + w.vec(), w.vec() - v.vec());
+        // Of nearly opposite directions what is left is freed of what rounding has made of their lengths.
+        let h = h - 0.25 * h.dot(m) * m;
         let square = h.x * h.x + h.y * h.y + h.z * h.z;
         let a2 = alpha * alpha;
         let d = h.x * h.x + h.y * h.y + a2 * (h.z * h.z);
@@ -343,8 +384,8 @@ by_hand! {
     Mixture(p: f64, n: f64): [2] => Direction;
     sample(u) {
         if u[0] < p {
-            let z = (u[0] / p).powf(1.0 / (n + 1.0));
-            around((1.0 - z * z).sqrt(), z, u[1])
+            let l = (u[0] / p).ln() / (n + 1.0);
+            around((-(2.0 * l).exp_m1()).sqrt(), l.exp(), u[1])
         } else {
             let v = (u[0] - p) / (1.0 - p);
             around(v.sqrt(), (1.0 - v).sqrt(), u[1])
@@ -354,41 +395,50 @@ by_hand! {
         if !(w.z >= 0.0 && finite([w.x, w.y, w.z])) {
             return 0.0;
         }
-        p * (n + 1.0) / TAU * w.z.powf(n) + (1.0 - p) * (w.z * FRAC_1_PI)
+        p * (n + 1.0) / TAU * power(w, n) + (1.0 - p) * (w.z * FRAC_1_PI)
     }
     draw(u) {
         if u[0] < p {
             let t = u[0] / p;
-            let z = t.powf(1.0 / (n + 1.0));
-            let density = p * (n + 1.0) / TAU * (t / z) + (1.0 - p) * (z * FRAC_1_PI);
-            (around((1.0 - z * z).sqrt(), z, u[1]), density)
+            let l = t.ln() / (n + 1.0);
+            let z = l.exp();
+            let lobe = quotient(t, z, || z.powf(n));
+            let density = p * (n + 1.0) / TAU * lobe + (1.0 - p) * (z * FRAC_1_PI);
+            (around((-(2.0 * l).exp_m1()).sqrt(), z, u[1]), density)
         } else {
             let v = (u[0] - p) / (1.0 - p);
-            let z = (1.0 - v).sqrt();
-            let density = p * (n + 1.0) / TAU * z.powf(n) + (1.0 - p) * (z * FRAC_1_PI);
+            let z2 = 1.0 - v;
+            // The power of the cosine by that of its square, of which next to the pole no less is known than of the sine.
+            let lobe = if v < 0.5 { (0.5 * n * (-v).ln_1p()).exp() } else { z2.powf(0.5 * n) };
+            let z = z2.sqrt();
+            let density = p * (n + 1.0) / TAU * lobe + (1.0 - p) * (z * FRAC_1_PI);
             (around(v.sqrt(), z, u[1]), density)
         }
     }
 
-    /// Row 92: sheen.
+    /// Row 92: sheen. The cosine is told by the logarithm of the sine, for 1 - s² is lost next to the horizon, where nearly all
+    /// samples of a small roughness lie.
     Sheen(alpha: f64): [2] => Direction;
     sample(u) {
-        let s = u[0].powf(alpha / (2.0 * alpha + 1.0));
-        around(s, (1.0 - s * s).sqrt(), u[1])
+        let l = u[0].ln() * (alpha / (2.0 * alpha + 1.0));
+        around(l.exp(), (-(2.0 * l).exp_m1()).sqrt(), u[1])
     }
     pdf(w) {
         if !(w.z >= 0.0 && finite([w.x, w.y, w.z])) {
             return 0.0;
         }
-        let e = 1.0 / alpha;
-        (2.0 + e) * sine2(w).powf(0.5 * e) * w.z / TAU
+        let (e, z2) = (1.0 / alpha, w.z * w.z);
+        // The power of the sine by the cosine, where that is small.
+        let power = if z2 < 0.5 { (0.5 * e * (-z2).ln_1p()).exp() } else { sine2(w).powf(0.5 * e) };
+        (2.0 + e) * power * w.z / TAU
     }
     draw(u) {
-        let s = u[0].powf(alpha / (2.0 * alpha + 1.0));
-        let square = s * s;
-        let z = (1.0 - square).sqrt();
+        let l = u[0].ln() * (alpha / (2.0 * alpha + 1.0));
+        let s = l.exp();
+        let z = (-(2.0 * l).exp_m1()).sqrt();
         // The sine to the power of one over alpha is u over its square.
-        (around(s, z, u[1]), (2.0 + 1.0 / alpha) * (u[0] / square) * z / TAU)
+        let power = quotient(u[0], s * s, || s.powf(1.0 / alpha));
+        (around(s, z, u[1]), (2.0 + 1.0 / alpha) * power * z / TAU)
     }
 
     /// Row 99: a perspective camera.

@@ -2,7 +2,29 @@
 
 use core::f64::consts::{FRAC_1_PI, TAU};
 
-use super::by_hand;
+use super::{by_hand, quotient};
+
+/// A density that grows by no more than e to this keeps its digits as it is printed.
+const GROWTH: f64 = 30.0;
+
+/// A number next to zero for zero, whose products are no smaller than numbers are.
+#[inline(always)]
+fn not_zero(s: f64) -> f64 {
+    if s == 0.0 { 1e-150 } else { s }
+}
+
+/// The larger one of two numbers, or the second, if the first is none.
+#[inline(always)]
+pub(super) fn larger(x: f64, y: f64) -> f64 {
+    if x > y { x } else { y }
+}
+
+/// Two numbers over the larger one.
+#[inline(always)]
+fn over_larger(a: f64, b: f64) -> (f64, f64) {
+    let m = larger(a, b);
+    (a / m, b / m)
+}
 
 by_hand! {
     /// Row 1: uniform on an interval.
@@ -14,14 +36,16 @@ by_hand! {
     }
     draw(u) { (a + (b - a) * u[0], 1.0 / (b - a).abs()) }
 
-    /// Row 2: a power.
+    /// Row 2: a power, of either sign: samples lie below one or above it.
     Power(k: f64): [1] => f64;
     sample(u) { u[0].powf(1.0 / k) }
-    pdf(x) { if (0.0..=1.0).contains(x) { k * x.powf(k - 1.0) } else { 0.0 } }
+    pdf(x) {
+        if *x >= 0.0 && (x - 1.0) * k <= 0.0 { k.abs() * x.powf(k - 1.0) } else { 0.0 }
+    }
     draw(u) {
         let x = u[0].powf(1.0 / k);
         // x to the power of k - 1.
-        (x, k * u[0] / x)
+        (x, k.abs() * quotient(u[0], x, || x.powf(k - 1.0)))
     }
 
     /// Row 3: free flight.
@@ -30,30 +54,63 @@ by_hand! {
     pdf(x) { if *x >= 0.0 && x.is_finite() { s * (-s * x).exp() } else { 0.0 } }
     draw(u) { (-(-u[0]).ln_1p() / s, s * (1.0 - u[0])) }
 
-    /// Row 4: free flight within a distance.
+    /// Row 4: free flight within a distance. Nothing is declared of the rate and the distance: the rate may be zero, where there
+    /// is a limit, and either may be negative. Where the density grows by more than numbers hold it is that of the flight back.
     TruncatedExponential(s: f64, d: f64): [1] => f64;
-    sample(u) { -(u[0] * (-s * d).exp_m1()).ln_1p() / s }
+    sample(u) {
+        let s = not_zero(s);
+        let k = s * d;
+        if k > -GROWTH {
+            -(u[0] * (-k).exp_m1()).ln_1p() / s
+        } else {
+            d - (u[0] + (1.0 - u[0]) * k.exp()).ln() / s
+        }
+    }
     pdf(x) {
-        if (0.0..=d).contains(x) { -s * (-s * x).exp() / (-s * d).exp_m1() } else { 0.0 }
+        let s = not_zero(s);
+        let (t, k) = (x / d, s * d);
+        if !(0.0..=1.0).contains(&t) {
+            return 0.0;
+        }
+        if k > -GROWTH {
+            (s * (-s * x).exp() / (-k).exp_m1()).abs()
+        } else {
+            (s * (k - s * x).exp() / k.exp_m1()).abs()
+        }
     }
     draw(u) {
-        let mass = (-s * d).exp_m1();
-        let t = u[0] * mass;
-        (-t.ln_1p() / s, -s * (1.0 + t) / mass)
+        let s = not_zero(s);
+        let k = s * d;
+        if k > -GROWTH {
+            let mass = (-k).exp_m1();
+            let t = u[0] * mass;
+            (-t.ln_1p() / s, (s * (1.0 + t) / mass).abs())
+        } else {
+            let e = u[0] + (1.0 - u[0]) * k.exp();
+            (d - e.ln() / s, (s * e / k.exp_m1()).abs())
+        }
     }
 
-    /// Row 5: a line.
+    /// Row 5: a line. Of ends of any size, next to which their squares need not be numbers, the larger one is taken as one;
+    /// either may be zero.
     Linear(a: f64, b: f64): [1] => f64;
     sample(u) {
-        let s = ((1.0 - u[0]) * a * a + u[0] * b * b).sqrt();
-        u[0] * (a + b) / (a + s)
+        let (p, q) = over_larger(a, b);
+        let s = ((1.0 - u[0]) * p * p + u[0] * q * q).sqrt();
+        u[0] * (p + q) / larger(p + s, f64::MIN_POSITIVE)
     }
     pdf(x) {
-        if (0.0..=1.0).contains(x) { 2.0 * ((1.0 - x) * a + x * b) / (a + b) } else { 0.0 }
+        if !(0.0..=1.0).contains(x) {
+            return 0.0;
+        }
+        // There is no density between two ends of zero.
+        larger(2.0 * ((1.0 - x) * a + x * b) / (a + b), 0.0)
     }
     draw(u) {
-        let s = ((1.0 - u[0]) * a * a + u[0] * b * b).sqrt();
-        (u[0] * (a + b) / (a + s), 2.0 * s / (a + b))
+        let (p, q) = over_larger(a, b);
+        let s = ((1.0 - u[0]) * p * p + u[0] * q * q).sqrt();
+        let x = u[0] * (p + q) / larger(p + s, f64::MIN_POSITIVE);
+        (x, larger(2.0 * s / (p + q), 0.0))
     }
 
     /// Row 6: a tent.
@@ -125,7 +182,7 @@ by_hand! {
     draw(u) {
         let e = -(-u[0]).ln_1p();
         let t = e.powf(1.0 / k);
-        (l * t, k / l * (e / t) * (1.0 - u[0]))
+        (l * t, k / l * quotient(e, t, || t.powf(k - 1.0)) * (1.0 - u[0]))
     }
 
     /// Row 33: the cosine of a uniform angle.

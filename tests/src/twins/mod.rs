@@ -106,6 +106,12 @@ macro_rules! by_hand {
 }
 pub(crate) use by_hand;
 
+/// A quotient of powers of uniforms u / x, which is `at_zero` where both are zero: there it has only a limit.
+#[inline(always)]
+pub(crate) fn quotient(u: f64, x: f64, at_zero: impl FnOnce() -> f64) -> f64 {
+    if x > 0.0 { u / x } else { at_zero() }
+}
+
 /// Whether a point has finite coordinates: of any other number, the difference from itself is no zero.
 #[inline(always)]
 #[allow(clippy::eq_op)]
