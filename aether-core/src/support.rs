@@ -14,7 +14,7 @@ pub use intervals::{
     to_unit, undetermined, unit, within,
 };
 pub use limits::{
-    closed, finite, limit, limit_at, own_limit, plain, positive, rare_density,
+    closed, copied, finite, limit, limit_at, own_limit, plain, positive, rare_density,
     rare_density_if_finite, rare_sample, rare_sample_of_pieces, where_finite,
 };
 pub use manifold::{leads_back, member, near, near_or_far, near_or_far_multiple, on_or_off};

@@ -17,8 +17,21 @@ pub fn finite<R: Real, const M: usize>(x: &[R; M]) -> R::Mask {
     if told.all() {
         return told;
     }
-    // A copy, for the place of the array itself would have to be in memory on every way.
-    each_finite::<R, M>(core::array::from_fn(|i| x[i]))
+    each_finite(copied(x))
+}
+
+/// The same numbers in a place of their own, to be handed on to what is seldom called: that of the array itself would have to
+/// be in memory on every way.
+#[inline(always)]
+pub fn copied<R: Real, const M: usize>(x: &[R; M]) -> [R; M] {
+    let mut copy = [R::ZERO; M];
+    // By numbers, for iterators and `core::array::from_fn` are not inlined where they are seldom reached, and take that place.
+    let mut i = 0;
+    while i < M {
+        copy[i] = x[i];
+        i += 1;
+    }
+    copy
 }
 
 /// What `value` finds where it is told which lanes have finite numbers.

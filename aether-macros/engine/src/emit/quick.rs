@@ -88,8 +88,7 @@ fn elsewhere(e: &Emitter) -> TokenStream {
     quote! {
         if !belongs().all() {
             break 'quick if belongs().any() {
-                // What is handed on is a copy, for the place of what is not would have to be in memory on every way.
-                let x: [R; #m] = ::core::array::from_fn(|i| x[i]);
+                let x: [R; #m] = ::aether_core::support::copied(&x);
                 pdf_anywhere::<R>(#numbers belongs(), None)
             } else {
                 R::ZERO
