@@ -138,6 +138,8 @@ impl Point<'_> {
                 let yes = taken(test & (POSITIVE | ABOVE) != 0, self.kinds(*yes));
                 yes | taken(test & !(POSITIVE | ABOVE) != 0, self.kinds(*no))
             }
+            // These have values where what they are of, or one of it, is no number.
+            Node::Call(Fun::Sign | Fun::Pow1p | Fun::TurnTo, _) => ALL,
             node => {
                 let undefined = children(node).iter().any(|&arg| self.kinds(arg) == NONE);
                 if undefined { NONE } else { ALL }
@@ -238,6 +240,15 @@ mod tests {
         assert!(!asks("a: f64", "Vec2", slopes));
         let lobe = "let z = u[0].sqrt(); let r = (1.0 - z * z).sqrt(); Direction::new(r * phi.cos(), r * phi.sin(), z)";
         assert!(asks("a: f64", "Direction", lobe));
+    }
+
+    #[test]
+    fn a_sign_is_a_number_whatever_it_is_of() {
+        let mut g = Graph::new();
+        let x = g.leaf(Leaf::Out(0), "x", crate::interval::Interval::new(-9.0, 9.0));
+        let calls = [Fun::Sin, Fun::Sign].map(|f| g.call(f, &[x]));
+        let mut point = Point { g: &g, kinds: vec![NONE], known: Map::default() };
+        assert_eq!(calls.map(|id| point.kinds(id)), [NONE, ALL]);
     }
 
     #[test]
