@@ -83,12 +83,18 @@ pub(super) fn conditions(place: Place) -> Vec<(Id, Condition)> {
             all.extend(positive.iter().map(|&id| (id, Condition::Positive)));
         }
     }
-    let kept = kept_between(place, 0.0).into_iter().filter(|(_, range)| range.width().is_finite());
+    let bounded = between(place).into_iter().filter(|(_, range)| range.width().is_finite());
+    all.extend(bounded.map(|(id, _)| (id, Condition::Finite)));
+    all
+}
+
+/// The coordinates that the density is a formula of and that tests keep between two numbers, with these.
+pub(super) fn between(place: Place) -> Vec<(Id, Interval)> {
     let g = &place.problem.graph;
     let within = g.within(&[place.preimage.density]);
     let coordinate = |i: usize| within.iter().find(|id| g.is_leaf(**id, Leaf::Out(i as u8)));
-    all.extend(kept.filter_map(|(i, _)| Some((*coordinate(i)?, Condition::Finite))));
-    all
+    let kept = kept_between(place, 0.0).into_iter();
+    kept.filter_map(|(i, range)| Some((*coordinate(i)?, range))).collect()
 }
 
 fn sign_test(code: &mut Code, signs: &Signs) -> UnitTest {

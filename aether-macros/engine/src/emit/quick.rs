@@ -12,7 +12,7 @@ use super::item::Emitter;
 use super::own::excluding;
 use super::peeled::{UnitTest, passed_on};
 use super::pieces::{Place, is_unguarded};
-use super::plainly::{Condition, conditions, kept_between, unit_tests};
+use super::plainly::{Condition, between, conditions, kept_between, unit_tests};
 use super::sampler::{about, beside, general_density};
 use super::seldom::{numbers, taken_numbers};
 use super::sure::Sure;
@@ -104,6 +104,12 @@ fn needs_no_look(e: &Emitter, place: Place) -> bool {
     tells_finite(e, place) || fading(place, m) != Fading::Stays
 }
 
+/// Whether it is the formula of the density that tells none at a point that is not finite.
+fn fades(e: &Emitter, place: Place) -> bool {
+    let (_, m, _) = e.sizes();
+    !tells_finite(e, place) && fading(place, m) == Fading::Fades
+}
+
 /// Whether a point with a coordinate that is not finite never plainly has a preimage.
 fn tells_finite(e: &Emitter, place: Place) -> bool {
     let (_, m, _) = e.sizes();
@@ -133,14 +139,8 @@ fn is_sure(place: Place) -> bool {
         Condition::NotNegative => Some((id, false)),
         Condition::HardlyNegative | Condition::Finite => None,
     });
-    let g = &place.problem.graph;
-    let within = g.within(&[place.preimage.density]);
-    let between = kept_between(place, 0.0).into_iter().filter_map(|(i, range)| {
-        let coordinate = within.iter().find(|id| g.is_leaf(**id, Leaf::Out(i as u8)))?;
-        Some((*coordinate, range))
-    });
-    let sure = Sure::new(g, finite).told(signs).between(between);
-    sure.is_positive(place.preimage.density)
+    let sure = Sure::new(&place.problem.graph, finite).told(signs);
+    sure.between(between(place).into_iter()).is_positive(place.preimage.density)
 }
 
 /// The function for points that are not plainly inside or outside; if there is no quick way, that for all.
@@ -177,13 +177,13 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let forward = format_ident!("forward_{j}");
     let value = positive_density(e, place);
     let (belongs, numbers) = (member(belongs_first(e, places)), numbers(e));
+    let anywhere = quote!(break 'quick pdf_anywhere::<R>(#numbers #belongs, None););
     let on_manifold = |beside: Option<TokenStream>| {
         let lies = format_ident!("lies_{k}");
         let image = match place.preimage.back {
             Some(_) => quote!(#back::<R>(&p, &x)),
             None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
         };
-        let elsewhere = quote!(#beside break 'quick pdf_anywhere::<R>(#numbers #belongs, None););
         // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
         let otherwise = match place.preimage.back {
             Some(_) => quote! {
@@ -192,9 +192,9 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
                 if off.all() {
                     break 'inside;
                 }
-                if !on.all() { break 'quick pdf_anywhere::<R>(#numbers #belongs, None); }
+                if !on.all() { #anywhere }
             },
-            None => elsewhere,
+            None => quote!(#beside #anywhere),
         };
         if place.preimage.back.as_ref().is_some_and(|image| image.scaled.is_some()) {
             let scaled = format_ident!("scaled_{k}");
@@ -217,9 +217,7 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     // On a border it may seem to lie on both sides.
     let beside = places[..k].iter().filter(|other| beside(e, other, &place));
     let beside: Vec<_> = beside.map(|other| format_ident!("found_{}", other.number)).collect();
-    let twice = (!beside.is_empty()).then(
-        || quote!(if #(#beside)||* { break 'quick pdf_anywhere::<R>(#numbers #belongs, None); }),
-    );
+    let twice = (!beside.is_empty()).then(|| quote!(if #(#beside)||* { #anywhere }));
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
     let asked = !belongs_first(e, places) && !needs_no_look(e, place);
     // What is its own image, to a few roundings, is finite.
@@ -256,10 +254,8 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
 
 /// The density of a point that plainly has a preimage; zero where the formula is no positive number.
 fn positive_density(e: &Emitter, place: Place) -> TokenStream {
-    let (_, m, _) = e.sizes();
     let density = format_ident!("density_{}", place.number);
-    let fades = !tells_finite(e, place) && fading(place, m) == Fading::Fades;
-    if is_sure(place) && !fades {
+    if is_sure(place) && !fades(e, place) {
         return quote!(#density::<R>(&p, &x));
     }
     if !place.problem.graph.has(place.preimage.density, OUTS) {
@@ -283,8 +279,7 @@ fn rare_density(e: &Emitter, place: Place) -> TokenStream {
     let [rare, density] =
         ["rare_density", "density"].map(|name| format_ident!("{name}_{}", place.number));
     let (numbers, arrays) = taken_numbers(e);
-    let fades = !tells_finite(e, place) && fading(place, m) == Fading::Fades;
-    let at = if fades { quote!(rare_density_if_finite) } else { quote!(rare_density) };
+    let at = if fades(e, place) { quote!(rare_density_if_finite) } else { quote!(rare_density) };
     quote! {
         #[cold]
         #[inline(never)]
