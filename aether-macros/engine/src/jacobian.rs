@@ -5,9 +5,9 @@ pub mod sphere;
 
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children};
+use crate::matrix::{cross, determinant, dot};
 use crate::poly::{Expander, gathered, paired};
 use crate::rational::Q;
-use crate::solve::linear::{cross, determinant, dot};
 
 /// What the unknowns are: free coordinates, or the coordinates of a direction, whose tangent space
 /// is a plane.

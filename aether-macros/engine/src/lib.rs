@@ -29,6 +29,7 @@ mod hash;
 pub mod interpret;
 pub mod interval;
 pub mod jacobian;
+pub mod matrix;
 pub mod measure;
 pub mod monotone;
 mod multiples;

@@ -4,8 +4,8 @@ use super::{Problem, Target};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
 use crate::jacobian::simplify;
+use crate::matrix::determinant;
 use crate::solve::Solution;
-use crate::solve::linear::determinant;
 
 /// The density as the determinant of the derivatives of the inverse; on a sphere, the volume that their
 /// gradients span with the normal.

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::{Part, Problem, Target};
 use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::jacobian::{self, Source};
+use crate::matrix::{dot, is_frame};
 use crate::rational::Q;
-use crate::solve::linear::{dot, is_frame};
 
 /// How many equal forms of a product are kept.
 const FORMS: usize = 3;

@@ -18,8 +18,8 @@ use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::{self, Source, distinct, factor_out, moved, simplify, simplify_with, sphere};
+use crate::matrix::{cross, dot};
 use crate::rational::Q;
-use crate::solve::linear::{cross, dot};
 use crate::solve::{FIRST_OWN, System};
 use crate::sorted;
 

@@ -4,8 +4,8 @@
 //! one: it is (1 - r / (√s (√s + a)))ⁿ. And (v · w)ⁿ is (1 - |v - w|² / 2)ⁿ.
 
 use crate::expr::{Fun, Graph, Id, Node};
+use crate::matrix::dot;
 use crate::rational::Q;
-use crate::solve::linear::dot;
 
 /// An expression with such powers by what is left of the length, or by the difference of the vectors; `None` where it has
 /// none.

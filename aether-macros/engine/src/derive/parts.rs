@@ -8,9 +8,9 @@ use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
 use crate::functions::leads_negative;
 use crate::jacobian::{cost, simplify};
+use crate::matrix::{determinant, dot};
 use crate::poly::{Expander, parts_of_one};
 use crate::rational::Q;
-use crate::solve::linear::{determinant, dot};
 
 use super::{Problem, Target};
 

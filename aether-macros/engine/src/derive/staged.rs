@@ -6,8 +6,8 @@ use super::determinant::any_volume;
 use super::opened::opened;
 use crate::expr::{Fun, Graph, Id, Leaf};
 use crate::jacobian::{self, Source, simplify};
+use crate::matrix::{cross, dot};
 use crate::parse::Stage;
-use crate::solve::linear::{cross, dot};
 use crate::solve::{Condition, Numerical, Solution, System, solve};
 use crate::sorted;
 

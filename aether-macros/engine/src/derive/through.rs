@@ -6,6 +6,7 @@ use crate::expr::{Deps, Graph, Id, Leaf, Node, leaf_bit};
 use crate::hash::Map;
 use crate::interval::Interval;
 use crate::jacobian::{self, Source, moved, sphere};
+use crate::matrix::dot;
 use crate::rational::Q;
 use crate::sorted;
 
@@ -55,7 +56,7 @@ fn left_of_point(g: &mut Graph, b: [Id; 3]) -> Id {
             g.sub(x, b[usize::from(i)])
         })
         .collect();
-    let squared = crate::solve::linear::dot(g, &left, &left);
+    let squared = dot(g, &left, &left);
     g.sqrt(squared)
 }
 

@@ -9,7 +9,7 @@ use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, TurnedVector, UNKNOWNS};
 use crate::interval::Interval;
-use crate::solve::linear::dot;
+use crate::matrix::dot;
 use crate::sorted;
 
 /// The axes of a frame, and a direction as it is written and by its coordinates along them.

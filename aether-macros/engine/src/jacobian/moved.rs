@@ -101,8 +101,8 @@ fn over(g: &mut Graph, product: Id, factor: Id) -> Option<Id> {
 fn dot(g: &mut Graph, v: &[Id], w: &[Id], units: &[[Id; 3]]) -> Id {
     let one = g.int(1);
     let lengths: BTreeMap<Id, Id> =
-        units.iter().map(|u| (crate::solve::linear::dot(g, u, u), one)).collect();
-    let sum = crate::solve::linear::dot(g, v, w);
+        units.iter().map(|u| (crate::matrix::dot(g, u, u), one)).collect();
+    let sum = crate::matrix::dot(g, v, w);
     let sum = factor_out(g, sum);
     let (q, body) = g.split(sum);
     let (mut outside, mut product) = (q, g.int(1));

@@ -7,9 +7,9 @@
 use super::{distinct, simplify};
 use crate::derivative::derivative;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, UNKNOWNS, children, leaf_bit};
+use crate::matrix::determinant;
 use crate::poly::Expander;
 use crate::rational::Q;
-use crate::solve::linear::determinant;
 use crate::solve::polar::with_factor;
 
 /// Equal expressions for the area that a unit vector covers, if two of its coordinates tell an azimuth.

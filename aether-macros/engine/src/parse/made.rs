@@ -17,10 +17,10 @@ use crate::eval::evaluate;
 use crate::expr::{Deps, Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
 use crate::interval::Interval;
 use crate::jacobian::simplify;
+use crate::matrix::dot;
 use crate::number::{Dd, Number};
 use crate::points::{Kind, Point};
 use crate::rational::Q;
-use crate::solve::linear::dot;
 use crate::walk::{self, Bound, Look};
 
 /// What an item computes once: a number, or the coordinates of a vector.

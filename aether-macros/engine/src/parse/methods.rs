@@ -9,8 +9,8 @@ use super::operators::sum;
 use super::special::SPECIAL;
 use super::vectors::{matrix_method, vector_method};
 use crate::expr::{Fun, Graph, Id};
+use crate::matrix::dot;
 use crate::rational::Q;
-use crate::solve::linear::dot;
 
 /// receiver.method(args).
 pub fn method(body: &mut Body, m: &ExprMethodCall) -> Option<Value> {

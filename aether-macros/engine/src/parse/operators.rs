@@ -5,8 +5,8 @@ use syn::{BinOp, Expr, ExprBinary};
 use super::Value;
 use super::body::Body;
 use crate::expr::{Graph, Id, shed};
+use crate::matrix::dot;
 use crate::rational::Q;
-use crate::solve::linear::dot;
 
 /// value · k.
 pub fn scale(body: &mut Body, at: &Expr, value: Value, k: Id) -> Option<Value> {

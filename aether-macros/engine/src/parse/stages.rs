@@ -13,8 +13,8 @@ use super::{Options, Parsed, Reader, Reading, Segment};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Graph, Id, Leaf, Node, children, leaf_bit};
 use crate::jacobian::{factor_out, simplify};
+use crate::matrix::dot;
 use crate::rational::Q;
-use crate::solve::linear::dot;
 use crate::walk::{self, Look};
 
 /// The first unknown that stands for a named number.

@@ -6,8 +6,8 @@ use super::body::Body;
 use super::operators::sum;
 use super::{Space, Value};
 use crate::expr::{Id, TurnedVector};
+use crate::matrix::{cross, dot};
 use crate::rational::Q;
-use crate::solve::linear::{cross, dot};
 
 /// A method of a vector.
 pub(super) fn vector_method(

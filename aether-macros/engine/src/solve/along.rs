@@ -3,10 +3,10 @@
 //! Each of x_i = o_i + d_i t says what t is, but one that does not vary says nothing, and which that is depends on
 //! parameters. t = Σ d_i (x_i - o_i) / Σ d_i² is as good as the best of them.
 
-use super::linear::dot;
 use super::{Equation, State, affine_parts};
 use crate::display::show;
 use crate::expr::{Graph, Id, Node, OUTS, UNKNOWNS};
+use crate::matrix::dot;
 use crate::rational::Q;
 
 /// An equation with the known parts of its right side moved over.

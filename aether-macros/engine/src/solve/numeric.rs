@@ -11,6 +11,7 @@ use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, Root, UNKNOWNS, children};
 use crate::hash::Set;
 use crate::interval::Interval;
+use crate::matrix::{dot, solve_matrix};
 use crate::monotone::{Unproven, direction};
 use crate::rational::Q;
 use crate::sorted;
@@ -218,8 +219,8 @@ pub(super) fn coupled(g: &mut Graph, state: &State, frames: &[[[Id; 3]; 3]]) -> 
                     g.neg(c)
                 })
                 .collect();
-            let Some((p, _)) = linear::solve_matrix(g, &matrix, &known, frames) else { continue };
-            let Some((q, _)) = linear::solve_matrix(g, &matrix, &minus, frames) else { continue };
+            let Some((p, _)) = solve_matrix(g, &matrix, &known, frames) else { continue };
+            let Some((q, _)) = solve_matrix(g, &matrix, &minus, frames) else { continue };
             let along = Separated { f, l, weights, z, p, q };
             return Some(vec![along.name(g, state, &members)]);
         }
@@ -277,8 +278,7 @@ impl Separated {
             k += 1;
             !members.contains(&(k - 1))
         });
-        let [of_z, of_p, of_q] =
-            [&self.z, &self.p, &self.q].map(|v| linear::dot(g, &self.weights, v));
+        let [of_z, of_p, of_q] = [&self.z, &self.p, &self.q].map(|v| dot(g, &self.weights, v));
         let constant = g.sub(self.l, of_z);
         let known = g.add(of_p, constant);
         let along = crate::jacobian::simplify(g, of_q, None);

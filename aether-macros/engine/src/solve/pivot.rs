@@ -4,11 +4,11 @@
 //! One of them would give λ as f / x, which says nothing where x is zero. Without λ they say f y = h x, and λ is
 //! (x f + y h) / (x² + y²).
 
-use super::linear::{determinant, dot};
 use super::rational::clear;
 use super::{Equation, FIRST_OWN, State};
 use crate::display::show;
 use crate::expr::{Deps, Graph, Id, Leaf, OUTS, UNKNOWNS, leaf_bit};
+use crate::matrix::{determinant, dot};
 
 /// An equation of which a scale is a factor: scale · factor + rest = 0.
 struct Scaled {

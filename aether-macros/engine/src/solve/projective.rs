@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use super::linear::solve_matrix;
 use super::{Equation, State};
 use crate::derivative::derivative;
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS, leaf_bit};
+use crate::matrix::solve_matrix;
 use crate::rational::Q;
 
 /// Solves as many quotients of linear sums as there are unknowns in them.

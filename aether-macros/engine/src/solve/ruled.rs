@@ -6,11 +6,11 @@
 //! patch does; then u = -(c · d) / (c · c). Single coordinates would not do: a patch may be flat, and
 //! parallel to an axis.
 
-use super::linear::{cross, dot};
 use super::scale::named;
 use super::{Equation, State};
 use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, UNKNOWNS, leaf_bit};
+use crate::matrix::{cross, dot};
 use crate::poly::{Expander, Poly};
 use crate::rational::Q;
 

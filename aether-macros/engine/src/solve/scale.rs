@@ -6,6 +6,7 @@ use crate::display::show;
 use crate::expr::{Graph, Id, Leaf, Node, UNKNOWNS};
 use crate::interval::Interval;
 use crate::jacobian::cost;
+use crate::matrix::{dot, solve_matrix};
 use crate::rational::Q;
 
 /// Outputs from this number on are names for long expressions.
@@ -43,7 +44,7 @@ pub(super) fn up_to_scale(
             let k = entry(g, i, lambda);
             known.push(g.neg(k));
         }
-        let Some((values, _)) = linear::solve_matrix(g, &matrix, &known, frames) else { continue };
+        let Some((values, _)) = solve_matrix(g, &matrix, &known, frames) else { continue };
         if let Some(next) = replace(g, state, &members, lambda, &atoms, &values) {
             return Some(next);
         }
@@ -80,7 +81,7 @@ fn replace(
     };
     if let Some(length) = length {
         s.equations.remove(length);
-        let squared = linear::dot(g, values, values);
+        let squared = dot(g, values, values);
         let minus_half = g.number(Q::HALF.neg());
         let scale = g.pow(squared, minus_half);
         let negative = g.neg(scale);
