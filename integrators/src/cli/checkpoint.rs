@@ -8,7 +8,7 @@ use flate2::CrcWriter;
 
 use super::Failure;
 use super::arguments::RenderArguments;
-use super::kernel::Plan;
+use super::plan::Plan;
 use super::settings::{of_samples, settings};
 use crate::image::check_writable;
 use crate::render::checkpoint::Checkpoint;

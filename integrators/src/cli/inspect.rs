@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use super::arguments::InspectArguments;
-use super::kernel::warn_of;
+use super::warnings::warn_of;
 use super::{Failure, print};
 use crate::scene::{Scene, inspect};
 

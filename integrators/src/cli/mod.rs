@@ -1,10 +1,11 @@
 //! The `aether` program: `render`, `compare`, `inspect`, `convergence` and `report`.
 //!
 //! - `arguments`: the command line and its limits.
-//! - `kernel`: from a scene file to something that can be rendered.
+//! - `plan`: a scene file with what the command line asks of it; `kernel`: from there to something that can be rendered.
 //! - `render`, `compare`, `inspect`, `convergence`, `report`: one module for each command.
 //! - `settings`: the options that an image depends on; `checkpoint`: what a render that goes on has to have in common with the
 //!   one before.
+//! - `output`: the files of a render; `summary`, `warnings`: what is said of it.
 //! - `terminal`: the progress bar and Ctrl-C; `live`: the picture while it grows.
 //!
 //! Exit codes: 0 on success, 2 on wrong usage or input (with a message on stderr), 130 when a
@@ -17,10 +18,17 @@ mod convergence;
 mod inspect;
 mod kernel;
 mod live;
+mod output;
+mod plan;
 mod render;
 mod report;
 mod settings;
+mod summary;
 mod terminal;
+mod warnings;
+
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 use std::io::{self, Write};

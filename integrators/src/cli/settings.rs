@@ -2,7 +2,7 @@
 //! goes on has to have those that samples depend on.
 
 use super::arguments::RenderArguments;
-use super::kernel::Plan;
+use super::plan::Plan;
 use crate::convergence::reference::crop_text;
 use crate::poisson::Reconstruction;
 

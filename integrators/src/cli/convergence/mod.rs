@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::arguments::{ConvergenceArguments, RenderArguments, render_arguments};
-use super::kernel::{Plan, algorithm_for, load};
+use super::kernel::algorithm_for;
+use super::plan::{Plan, load};
 use super::terminal::Terminal;
 use super::{Failure, INTERRUPTED, print, warn};
 use crate::convergence::record::{Curve, plain};

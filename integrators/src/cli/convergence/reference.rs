@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::super::arguments::{RenderArguments, render_arguments};
-use super::super::kernel::{Plan, algorithm_for};
+use super::super::kernel::algorithm_for;
+use super::super::plan::Plan;
 use super::super::terminal::Terminal;
 use super::{Failure, Run, warn};
 use crate::algorithm::Algorithm;

@@ -1,7 +1,8 @@
 //! The renders that are measured: how many samples each has, its seeds, and what these say together.
 
 use super::super::arguments::RenderArguments;
-use super::super::kernel::{Plan, kernel_for};
+use super::super::kernel::kernel_for;
+use super::super::plan::Plan;
 use super::super::terminal::Terminal;
 use super::{Failure, Images, Run, warn};
 use crate::convergence::bias::{Spread, spread};
