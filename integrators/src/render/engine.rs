@@ -1,28 +1,26 @@
 //! Passes over tiles by all cores.
 
-use std::collections::BTreeMap;
 use std::io::{self, Read};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::film::{Film, PixelEstimate, relative_error};
-use super::gathered::Gathered;
 use super::passes::{State, next_pass};
 use super::progress::{Observer, Progress};
 use super::splats::SplatSums;
-use super::windows::{Batches, WINDOW, decides_at, window_errors};
-use super::{AnyKernel, Budget, Chain, ErrorBudget, Layers, RenderSettings, Splats, Worker};
-use crate::image::RgbImage;
+use super::windows::{Batches, decides_at, window_errors};
+use super::{AnyKernel, Budget, ErrorBudget, Layers, RenderSettings};
 use crate::scene::Filter;
 use crate::work::{Work, threads};
 
+mod images;
 mod state;
 #[cfg(test)]
 mod tests;
+mod tile;
 
-/// The side of a tile in pixels: tiles are the windows whose error is judged.
-const TILE: u32 = WINDOW;
+use tile::{Tile, tiles};
 
 /// The outcome of [`render`].
 #[derive(Clone, Debug, PartialEq)]
@@ -97,9 +95,6 @@ struct Job<'a> {
     layered: usize,
     size: (u32, u32),
 }
-
-/// How many contributions to other pixels a thread collects before it hands them over.
-const COLLECTED: usize = 1 << 14;
 
 impl<'a> Job<'a> {
     fn new(
@@ -241,84 +236,6 @@ impl<'a> Job<'a> {
         !waits.into_inner()
     }
 
-    /// [`Job::run_pass`] for a tile: whether any pixel got a sample.
-    fn run_tile(&self, tile: &mut Tile<'_>, samples: u32, worker: &mut Worker<'_>) -> bool {
-        if tile.good_enough {
-            return false;
-        }
-        let (target, mut moved) = (self.done + samples, false);
-        let (mut invalid, mut splats) = (0, Splats::new(self.layered));
-        splats.is_shared = self.filter.is_some();
-        let sums = self.splats.as_ref().map(lock);
-        let (scale, most_shared) = sums.map_or((1.0, f64::MAX), |sums| (sums.scale(), sums.most()));
-        let mut gathered = self.filter.map(|filter| {
-            let rows = tile.pixels.len() as u32 / tile.width;
-            Gathered::new(filter, self.size, tile.origin, (tile.width, rows)).scaled_by(scale)
-        });
-        'pixels: for (index, pixel) in tile.pixels.iter_mut().enumerate() {
-            if self.observer.cancelled() {
-                break;
-            }
-            let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
-            let position = (tile.origin.0 + dx, tile.origin.1 + dy);
-            let begin = pixel.count();
-            for number in begin..target {
-                splats.begin();
-                let value = worker(position, number, &mut splats);
-                if splats.is_given_up() {
-                    break 'pixels;
-                }
-                moved = true;
-                // What others get a share of may not be beyond all measure.
-                let most = match splats.shares() {
-                    Some(_) => most_shared.min(f32::MAX.into()),
-                    None => f32::MAX.into(),
-                };
-                let valid = value.iter().all(|v| f64::from(v.abs()) <= most);
-                let mut value = if valid { value } else { [0.0; 3] };
-                invalid += u64::from(!valid);
-                match (&mut gathered, splats.shares()) {
-                    (Some(gathered), Some(shares)) => {
-                        gathered.add(shares, value);
-                        let counts = shares.own().map_or(1.0, |(_, counts)| counts);
-                        value = value.map(|v| v * counts);
-                        if gathered.is_full() {
-                            self.hand_over_gathered(gathered);
-                        }
-                    }
-                    (Some(_), None) => splats.add(position, value),
-                    _ => {}
-                }
-                match &mut tile.chain {
-                    None => pixel.add(value),
-                    Some(chain) => {
-                        chain.step(&mut splats);
-                        pixel.add_chained(value);
-                    }
-                }
-            }
-            if splats.len() > COLLECTED {
-                self.hand_over(&mut splats);
-            }
-        }
-        self.hand_over(&mut splats);
-        gathered.iter_mut().for_each(|gathered| self.hand_over_gathered(gathered));
-        self.invalid.fetch_add(invalid, Ordering::Relaxed);
-        moved
-    }
-
-    fn hand_over(&self, splats: &mut Splats) {
-        if let (Some(sums), false) = (&self.splats, splats.is_empty()) {
-            lock(sums).take(splats);
-        }
-    }
-
-    fn hand_over_gathered(&self, gathered: &mut Gathered) {
-        if let Some(sums) = &self.splats {
-            gathered.hand_over(&mut lock(sums));
-        }
-    }
-
     /// The state when `finished` tiles of a pass of `samples` are done.
     fn progress(&self, samples: u32, finished: usize, work: Work) -> Progress {
         let seconds = self.seconds();
@@ -381,84 +298,6 @@ impl<'a> Job<'a> {
             self.good_enough = self.tiles.iter().all(|tile| lock(tile).good_enough);
         }
     }
-
-    /// The mean number of samples of a pixel. Light paths do not depend on the pixel that they were sampled
-    /// with: in a pass that was cut short, what counts is how many there were.
-    fn samples(&self) -> f64 {
-        let of = |tile: &Mutex<Tile<'_>>| {
-            lock(tile).pixels.iter().map(|p| u64::from(p.count())).sum::<u64>()
-        };
-        let pixels = f64::from(self.size.0) * f64::from(self.size.1);
-        self.tiles.iter().map(of).sum::<u64>() as f64 / pixels
-    }
-
-    /// The images beside the image.
-    fn layers(&self) -> Layers {
-        let Some(sums) = &self.splats else { return BTreeMap::new() };
-        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
-        let image = |pixels: &[[[f64; 3]; 2]], part: usize| {
-            RgbImage::from_fn(width, height, |x, y| pixels[y * width + x][part].map(single))
-        };
-        let layers = lock(sums).layers(self.samples());
-        let images = |pixels: Vec<_>| [image(&pixels, 0), image(&pixels, 1)];
-        layers.into_iter().map(|(layer, pixels)| (layer, images(pixels))).collect()
-    }
-
-    /// The image so far.
-    fn film(&self) -> Film {
-        let mut film = Film::new(self.size);
-        for tile in &self.tiles {
-            let tile = lock(tile);
-            for (index, pixel) in tile.pixels.iter().enumerate() {
-                let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
-                *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
-            }
-        }
-        let Some(sums) = &self.splats else { return film };
-        let (samples, sums) = (self.samples(), lock(sums));
-        let mut own = Vec::new();
-        if let Some(filter) = self.filter {
-            (film, own) = film.shared(filter);
-            film.limit_variance(|pixel| sums.shared_at_most(pixel, own[pixel]));
-        }
-        film.set_splats(|pixel| {
-            let [mut mean, variance] = sums.estimate(pixel, samples);
-            let shared = own.get(pixel).map_or([0.0; 3], |samples| sums.shared(pixel, *samples));
-            mean.iter_mut().zip(shared).for_each(|(mean, shared)| *mean += shared);
-            [mean, variance]
-        });
-        film
-    }
-}
-
-/// A square part of the image (smaller at the right and lower border).
-struct Tile<'a> {
-    origin: (u32, u32),
-    width: u32,
-    pixels: Vec<PixelEstimate>,
-    chain: Option<Chain<'a>>,
-    /// Whether it needs no more samples.
-    good_enough: bool,
-}
-
-/// Cuts an image into tiles, row by row from the top left.
-fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<'_>>> {
-    let mut tiles = Vec::new();
-    for y in (0..height).step_by(TILE as usize) {
-        for x in (0..width).step_by(TILE as usize) {
-            let (columns, rows) = (TILE.min(width - x), TILE.min(height - y));
-            let pixels = vec![PixelEstimate::default(); (columns * rows) as usize];
-            let chain = kernel.chain(tiles.len());
-            let tile = Tile { origin: (x, y), width: columns, pixels, chain, good_enough: false };
-            tiles.push(Mutex::new(tile));
-        }
-    }
-    tiles
-}
-
-/// A number in single precision, where what is beyond its range is its end.
-fn single(v: f64) -> f32 {
-    v.min(f64::from(f32::MAX)) as f32
 }
 
 /// Locks what threads share. A thread that panicked ends the render anyway, so its poison does not matter.

@@ -3,7 +3,8 @@
 use super::*;
 use crate::film_filter::{FilmProfile, PixelPoints};
 use crate::render::progress::StateWriter;
-use crate::render::{Cancelled, Layer, MarkovChain, PixelKernel};
+use crate::render::windows::WINDOW;
+use crate::render::{Cancelled, Chain, Layer, MarkovChain, PixelKernel, Splats, Worker};
 use crate::scene::SamplerKind;
 use crate::stored::Stored;
 use crate::uniforms::Uniforms;
