@@ -12,6 +12,9 @@ use aether_core::{DomainError, battery};
 fn linear(u: [Uniform; 1], a: f64, b: f64) -> f64 {
     const ONE_MINUS_EPSILON: f64 = 1.0 - f64::EPSILON / 2.0;
     let lerp = |x: f64, a: f64, b: f64| (1.0 - x) * a + x * b;
+    if u[0] == 0.0 && a == 0.0 {
+        return 0.0;
+    }
     let x = u[0] * (a + b) / (a + lerp(u[0], a * a, b * b).sqrt());
     x.min(ONE_MINUS_EPSILON)
 }
@@ -138,6 +141,9 @@ fn concentric(u: [Uniform; 2]) -> Vec2 {
     const PI_OVER_4: f64 = PI / 4.0;
     const PI_OVER_2: f64 = PI / 2.0;
     let u_offset = 2.0 * Vec2::new(u[0], u[1]) - Vec2::splat(1.0);
+    if u_offset.x == 0.0 && u_offset.y == 0.0 {
+        return Vec2::ZERO;
+    }
     let (theta, r);
     if u_offset.x.abs() > u_offset.y.abs() {
         r = u_offset.x;
@@ -147,6 +153,22 @@ fn concentric(u: [Uniform; 2]) -> Vec2 {
         theta = PI_OVER_2 - PI_OVER_4 * (u_offset.x / u_offset.y);
     }
     r * Vec2::new(theta.cos(), theta.sin())
+}
+
+/// `SampleCosineHemisphere`, from a disk by Shirley and Chiu.
+#[sampler]
+fn malley(u: [Uniform; 2]) -> Direction {
+    let offset = Vec2::new(2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    if offset == Vec2::ZERO {
+        return Direction::new(0.0, 0.0, 1.0);
+    }
+    let (r, theta) = if offset.x.abs() > offset.y.abs() {
+        (offset.x, PI / 4.0 * (offset.y / offset.x))
+    } else {
+        (offset.y, PI / 2.0 - PI / 4.0 * (offset.x / offset.y))
+    };
+    let d = Vec2::new(r * theta.cos(), r * theta.sin());
+    Direction::new(d.x, d.y, (1.0 - d.x * d.x - d.y * d.y).max(0.0).sqrt())
 }
 
 /// `SampleUniformTriangle`, after Heitz.
@@ -341,7 +363,9 @@ fn of_the_plane() -> Result<(), DomainError> {
 #[test]
 fn of_directions_and_surfaces() -> Result<(), DomainError> {
     passes!(cosine_hemisphere(), cone(0.3)?, henyey_greenstein(0.6)?, sphere(), beckmann(0.4)?);
-    passes!(two_lobes(0.3)?);
+    passes!(two_lobes(0.3)?, malley());
+    assert_eq!(malley().sample([0.5f64, 0.5]).value(), Direction::new(0.0, 0.0, 1.0));
+    assert_eq!(concentric().sample([0.5f64, 0.5]).value(), Vec2::ZERO);
     let corner = Vec3::new(0.5, -1.0, 2.0);
     passes!(triangle(corner, 2.0 * Vec3::X, Vec3::Y), turk(corner, 2.0 * Vec3::X, Vec3::Y));
     Ok(())

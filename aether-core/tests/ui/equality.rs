@@ -1,9 +1,9 @@
-// Comparing real numbers for equality.
+// Comparing parameters that are real numbers for equality.
 use aether_core::prelude::*;
 
 #[sampler]
-fn halves(u: [Uniform; 1]) -> f64 {
-    if u[0] == 0.5 { 0.0 } else { u[0] }
+fn between(u: [Uniform; 1], a: f64, b: f64) -> f64 {
+    if a == b { u[0] } else { a + (b - a) * u[0] }
 }
 
 fn main() {}

@@ -383,3 +383,34 @@ fn names_that_change_are_steps_of_an_inverse() {
         }",
     ));
 }
+
+#[test]
+fn what_is_sampled_equals_no_other_number() {
+    let pairs = [
+        pair(
+            "",
+            "(u: [Uniform; 2]) -> Vec2 {
+                let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+                if a == 0.0 && b == 0.0 { return Vec2::new(0.0, 0.0); }
+                let (r, t) = if a.abs() > b.abs() { (a, PI / 4.0 * (b / a)) } else { (b, PI / 2.0 - PI / 4.0 * (a / b)) };
+                Vec2::new(r * t.cos(), r * t.sin())
+            }",
+            "(u: [Uniform; 2]) -> Vec2 {
+                let (a, b) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+                let (r, t) = if a.abs() > b.abs() { (a, PI / 4.0 * (b / a)) } else { (b, PI / 2.0 - PI / 4.0 * (a / b)) };
+                Vec2::new(r * t.cos(), r * t.sin())
+            }",
+        ),
+        pair(
+            "a in 0.5..=4.0",
+            "(u: [Uniform; 2], a: f64) -> Vec2 { let p = Vec2::new(a * u[0], u[1]); if p != Vec2::ZERO { p } else { Vec2::X } }",
+            "(u: [Uniform; 2], a: f64) -> Vec2 { Vec2::new(a * u[0], u[1]) }",
+        ),
+        pair(
+            "",
+            "(u: [Uniform; 1]) -> f64 { const N: f64 = 2.0; if N == 2.0 && 1.5 != N { 3.0 * u[0] } else { u[0] } }",
+            "(u: [Uniform; 1]) -> f64 { 3.0 * u[0] }",
+        ),
+    ];
+    pairs.iter().for_each(compare);
+}

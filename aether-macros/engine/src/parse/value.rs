@@ -89,4 +89,12 @@ impl Value {
             _ => None,
         }
     }
+
+    /// The number, or the coordinates of what has such.
+    pub fn numbers(&self) -> Option<&[Id]> {
+        match self {
+            Value::Scalar(id) | Value::Integer(id) => Some(std::slice::from_ref(id)),
+            other => other.vector(),
+        }
+    }
 }

@@ -6,7 +6,7 @@ use syn::{BinOp, Expr, ExprBinary, ExprMethodCall, Type};
 
 use super::Value;
 use super::body::Body;
-use crate::expr::{Graph, Id};
+use crate::expr::{Graph, Id, UNKNOWNS};
 use crate::interval::Interval;
 use crate::rational::Q;
 
@@ -94,7 +94,7 @@ impl Body<'_> {
         Some(Value::Integer(id))
     }
 
-    /// Whether two integers, or two truth values, are equal; `None` if there is no telling for such values.
+    /// Whether two values are equal; `None` if there is no telling for such values.
     pub(super) fn equal(&mut self, left: &Value, right: &Value) -> Option<bool> {
         match (left, right) {
             (Value::Bool(a), Value::Bool(b)) => Some(a == b),
@@ -102,8 +102,25 @@ impl Body<'_> {
                 let both = self.whole_exceeds(*a, *b, false) && self.whole_exceeds(*b, *a, false);
                 Some(both)
             }
-            _ => None,
+            _ => self.equal_coordinates(left.numbers()?, right.numbers()?),
         }
+    }
+
+    /// Whether real numbers are equal to others, each to its own. What is sampled is equal to another number with probability
+    /// zero: at such uniforms, which are no branch, a sample is what it is next to them.
+    fn equal_coordinates(&mut self, left: &[Id], right: &[Id]) -> Option<bool> {
+        if left.len() != right.len() {
+            return None;
+        }
+        let differences: Vec<Id> =
+            left.iter().zip(right).map(|(&a, &b)| self.graph.sub(a, b)).collect();
+        let known = |id: &Id| self.graph.as_number(*id);
+        let is_other =
+            |id: &Id| self.graph.has(*id, UNKNOWNS) || known(id).is_some_and(|q| !q.is_zero());
+        if differences.iter().any(is_other) {
+            return Some(false);
+        }
+        differences.iter().all(|id| known(id).is_some_and(Q::is_zero)).then_some(true)
     }
 
     /// Whether one integer is larger than another, or as large if not strict. It is asked half way between two integers, so
