@@ -71,8 +71,10 @@ impl<'a> Probe<'a> {
     /// Whether the image of `v` is `x` but for rounding.
     fn lands_on(&self, v: &[f64], x: &[f64], slack: f64) -> bool {
         let Some((_, y)) = self.forward(v) else { return false };
-        let reach = self
-            .neighbours(v, |_| 4.0 * self.epsilon)
+        let mut beside = self.neighbours(v, |_| 4.0 * self.epsilon);
+        // Along the sides of a corner nothing may change that does across it.
+        beside.push(self.inwards(v, |_| 4.0 * self.epsilon));
+        let reach = beside
             .iter()
             .filter_map(|w| self.forward(w))
             .map(|(_, z)| distance(&y, &z))
