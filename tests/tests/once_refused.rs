@@ -958,3 +958,36 @@ fn bounds_that_are_never_passed_and_angles_that_stay_within_a_turn() {
         }
     }
 }
+
+/// A density on a parallelogram in space that is linear along one side. The place along that side, which the other two tell, enters a quadratic
+/// equation: spelled out in coordinates that has hundreds of terms, and no digits are left.
+#[sampler(w0 in 0.01..=1.0, w1 in 0.01..=1.0)]
+fn linear_along_a_side(
+    u: [Uniform; 2],
+    w0: f64,
+    w1: f64,
+    corner: Vec3,
+    a: Vec3,
+    b: Vec3,
+    id: SurfaceId,
+) -> SurfacePoint {
+    let x = u[0] * (w0 + w1) / (w0 + (w0 * w0 * (1.0 - u[0]) + w1 * w1 * u[0]).sqrt());
+    SurfacePoint::new(corner + x * a + u[1] * b, id)
+}
+
+#[test]
+fn a_quadratic_equation_for_a_place_in_space() {
+    let (a, b) = (Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.1, 0.0, 1.5));
+    let area = a.cross(b).length();
+    for (w0, w1) in [(0.2, 0.9), (1.0, 0.01), (0.5, 0.5)] {
+        let corner = Vec3::new(0.0, 1.0, 2.0);
+        let side = linear_along_a_side(w0, w1, corner, a, b, SurfaceId(3)).unwrap();
+        for [x, y] in [[0.25, 0.5], [0.9, 0.1], [1e-3, 0.999]] {
+            let point = SurfacePoint::new(corner + x * a + y * b, SurfaceId(3));
+            let expected = 2.0 * (w0 * (1.0 - x) + w1 * x) / ((w0 + w1) * area);
+            assert!((side.pdf(&point).value() / expected - 1.0).abs() < 1e-12);
+        }
+        let outside = SurfacePoint::new(corner + 1.001 * a + 0.5 * b, SurfaceId(3));
+        assert_eq!(side.pdf(&outside).value(), 0.0);
+    }
+}

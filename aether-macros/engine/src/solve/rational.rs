@@ -5,6 +5,7 @@ mod radicals;
 
 use std::collections::BTreeMap;
 
+use super::scale::named;
 use super::{Condition, Equation, State};
 use crate::derivative::derivative;
 use crate::display::show;
@@ -31,7 +32,7 @@ pub(super) fn single_unknown(g: &mut Graph, state: &State) -> Option<Vec<State>>
         if deps.count_ones() != 1 || eq.modulo_turn {
             continue;
         }
-        let Some(roots) = whole_or_part(g, eq.known, eq.rhs) else { continue };
+        let Some((state, roots)) = answers(g, state, &eq) else { continue };
         let next = roots.into_iter().map(|Root { atom, value, also }| {
             let mut s = state.clone();
             s.equations[i] = Equation { known: value, rhs: atom, modulo_turn: false };
@@ -64,6 +65,29 @@ struct Root {
     atom: Id,
     value: Id,
     also: Option<(Id, Id)>,
+}
+
+/// How many times as much answers have to take for what is known to go by a name, which hides it from all that follows.
+const MUCH_LONGER: usize = 4;
+
+/// All ways to satisfy an equation. Where they are much shorter so, what is known goes by a name in them: a place along a side
+/// in space, multiplied out, is the squares and products of all coordinates.
+fn answers(g: &mut Graph, state: &State, eq: &Equation) -> Option<(State, Vec<Root>)> {
+    let plain = whole_or_part(g, eq.known, eq.rhs);
+    let mut with_name = state.clone();
+    let name = named(g, &mut with_name, eq.known);
+    if name == eq.known {
+        return Some((with_name, plain?));
+    }
+    let by_name = whole_or_part(g, name, eq.rhs);
+    let is_shorter = |by_name: &[Root]| {
+        let by_name = work(g, by_name) + cost(g, eq.known);
+        plain.as_ref().is_none_or(|plain| MUCH_LONGER * by_name < work(g, plain))
+    };
+    match by_name.filter(|by_name| is_shorter(by_name)) {
+        Some(by_name) => Some((with_name, by_name)),
+        None => Some((state.clone(), plain?)),
+    }
 }
 
 /// All ways to satisfy known = rhs. Known sums stay together unless multiplying them out shows a
@@ -165,8 +189,12 @@ fn through_a_part(g: &mut Graph, known: Id, rhs: Id) -> Option<Vec<Root>> {
 
 /// Whether the first answers take less computing than the second.
 fn shorter(g: &Graph, first: &[Root], second: &[Root]) -> bool {
-    let work = |roots: &[Root]| roots.iter().map(|r| cost(g, r.value)).sum::<usize>();
-    work(first) < work(second)
+    work(g, first) < work(g, second)
+}
+
+/// How much computing answers take.
+fn work(g: &Graph, roots: &[Root]) -> usize {
+    roots.iter().map(|r| cost(g, r.value)).sum()
 }
 
 /// Isolates one unknown of an equation with several and substitutes it into the others: if there is one that is divided by a
