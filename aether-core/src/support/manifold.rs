@@ -3,11 +3,23 @@
 use super::{SLACK, Tracking, lane, limits, unit};
 use crate::real::{Mask, Real, Single};
 
+/// The larger one of a number and another, which may be none: a single comparison.
+#[inline(always)]
+fn larger<R: Real>(number: R, other: R) -> R {
+    R::select(other.gt(number), other, number)
+}
+
+/// The size of the largest coordinate; those that are no numbers have none.
+#[inline(always)]
+fn largest<R: Real, const M: usize>(x: &[R; M]) -> R {
+    x.iter().fold(R::ZERO, |m, x| larger(m, x.abs()))
+}
+
 /// Whether two points are equal to within a few roundings: the common case of membership, decided
 /// without error bounds. Nothing is near to what is not finite.
 #[inline(always)]
 pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
-    let size = b.iter().fold(R::ZERO, |m, b| m.max(b.abs()));
+    let size = largest(b);
     // Next to what is infinite all that is finite would be near.
     let tolerance = (R::of(SLACK) * R::EPSILON * size).min(R::EPSILON / R::MIN_POSITIVE);
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
@@ -27,15 +39,13 @@ pub fn near_or_far_multiple<R: Real, const M: usize, const C: usize>(
     sums: [R; 3],
 ) -> [R::Mask; 2] {
     let [excess, below, sizes] = sums;
-    let largest = |m: R, x: &R| m.max(x.abs());
-    let size = x.iter().fold(R::ZERO, largest);
-    let offset = offsets.iter().fold(R::ZERO, largest);
+    let (size, offset) = (largest(x), largest(&offsets));
     let off = offset * excess.abs();
     // What underflows would be no small part of sums that are as small as this.
     let least = R::MIN_POSITIVE / (R::EPSILON * R::EPSILON);
     let unit = R::of(SLACK) * R::EPSILON;
     let near = off.le(unit * size * (below + below + excess.min(R::ZERO)));
-    let far = off.gt(R::of(FAR * SLACK) * unit * size.max(offset) * sizes);
+    let far = off.gt(R::of(FAR * SLACK) * unit * larger(size, offset) * sizes);
     [near.and(below.gt(least)), far.and(sizes.gt(least))]
 }
 
@@ -206,6 +216,13 @@ mod tests {
         let unknown = zero / zero;
         assert!(leads_back::<f64, 2, 2>([rounded, unknown], &x, &far));
         assert!(!leads_back::<f64, 2, 2>([rounded, unknown], &[0.5 * x[0], 0.0], &far));
+    }
+
+    #[test]
+    fn what_is_no_number_has_no_size() {
+        assert_eq!(largest(&[f64::NAN, -2.0, 1.0]), 2.0);
+        assert_eq!(largest(&[1.0, -f64::INFINITY, f64::NAN]), f64::INFINITY);
+        assert_eq!(larger(3.0, f64::NAN), 3.0);
     }
 
     #[test]
