@@ -185,7 +185,7 @@ pub fn emit(
         measures(signature)
     );
     let docs = quote!(#[doc = #about]);
-    let interface = interface(item, signature, options, &Constants::default(), &docs);
+    let interface = interface(item, signature, options, (&Constants::default(), &[]), &docs);
     let hidden = hidden_body(item);
     let point = point_type(&signature.space);
     let fields = signature.params.iter().map(|p| {
@@ -268,7 +268,7 @@ pub fn fallback_with(
         |d: &&Domain| signature.params.iter().any(|p| p.name == d.name && p.kind.is_number());
     let domains = options.domains.iter().filter(is_number).cloned().collect();
     let options = Options { domains, ..Options::default() };
-    let interface = interface(item, &signature, &options, &Constants::default(), &quote!());
+    let interface = interface(item, &signature, &options, (&Constants::default(), &[]), &quote!());
     let ty = type_name(&signature.name);
     let generic = signature.params.iter().any(|p| p.kind.is_real());
     let args = if generic { quote!(<R>) } else { quote!() };

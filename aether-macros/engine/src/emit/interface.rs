@@ -12,12 +12,12 @@ use crate::parse::{
 use crate::points::Kind;
 use crate::walk::{self, Bound, Look};
 
-/// The struct and its constructor.
+/// The struct and its constructor, which computes the constants and moves some parameters beside zero.
 pub fn interface(
     item: &ItemFn,
     signature: &Signature,
     options: &Options,
-    constants: &Constants,
+    (constants, moved): (&Constants, &[&Ident]),
     docs: &TokenStream,
 ) -> TokenStream {
     let vis = &item.vis;
@@ -102,6 +102,7 @@ pub fn interface(
             #(#checks)*
             #compute
             #(#asked)*
+            #(let #moved = ::aether_core::support::beside_zero(#moved);)*
             #result
         }
 

@@ -1,6 +1,6 @@
 //! The parts that samplers and maps share: the struct, its constructor, the hidden body.
 
-use proc_macro2::{Ident, Literal, Span, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::ItemFn;
 
@@ -10,8 +10,7 @@ use super::ways::Ways;
 use super::whole::Support;
 use crate::derive::{Accuracy, Atom, Derived};
 use crate::diagnostics::warning;
-use crate::parse::{Options, ParamKind, Parsed, Signature, Source, Space, type_name};
-use crate::sorted;
+use crate::parse::{Options, Parsed, Signature, Source, Space, type_name};
 
 /// Writes the code of one item.
 pub struct Emitter<'a> {
@@ -146,8 +145,10 @@ impl Emitter<'_> {
     /// Everything.
     pub fn emit(&self, sampler: bool) -> TokenStream {
         let docs = self.texts.attributes(self.signature(), self.derived, sampler);
+        let (constants, moved) = (&self.parsed.constants, self.moved());
+        let moved: Vec<&Ident> = moved.into_iter().map(|(_, name)| name).collect();
         let interface =
-            interface(self.item, self.signature(), self.options, &self.parsed.constants, &docs);
+            interface(self.item, self.signature(), self.options, (constants, &moved), &docs);
         let implementation = if sampler {
             let density = super::sampler::implementation(self);
             if self.signature().mixed {
@@ -251,75 +252,6 @@ impl Emitter<'_> {
                 };
             }
         }
-    }
-
-    /// The parameters at whose zero a formula has only a limit.
-    fn limits(&self) -> Vec<u8> {
-        let mut limits: Vec<u8> = self.derived.iter().flat_map(|d| d.limits.clone()).collect();
-        limits.extend(self.atoms.iter().flat_map(|atom| &atom.limits));
-        sorted::sort(&mut limits);
-        limits.dedup();
-        limits
-    }
-
-    /// The parameters and coordinates once more, as they stand in memory, if they are what is there.
-    pub(super) fn read_again(&self) -> TokenStream {
-        let parameters = self.limits().is_empty().then(|| self.parameters());
-        let coordinates = self.coordinates();
-        quote!(#parameters let x = #coordinates;)
-    }
-
-    /// `let p = [...]`: the scalar parameters in order.
-    pub(super) fn parameters(&self) -> TokenStream {
-        let mut list = Vec::new();
-        for param in &self.signature().params {
-            let name = &param.name;
-            match param.kind {
-                ParamKind::Scalar => list.push(quote!(self.#name)),
-                ParamKind::Integer(_) | ParamKind::Flag => list.push(quote!(R::of(self.#name))),
-                ParamKind::Array(n) => list.extend((0..n).map(|i| {
-                    let i = proc_macro2::Literal::usize_unsuffixed(i);
-                    quote!(self.#name[#i])
-                })),
-                ParamKind::Vec2 => list.extend([quote!(self.#name.x), quote!(self.#name.y)]),
-                ParamKind::Vec3 | ParamKind::Direction => {
-                    list.extend([quote!(self.#name.x), quote!(self.#name.y), quote!(self.#name.z)]);
-                }
-                ParamKind::Mat3 | ParamKind::Frame => {
-                    for c in ["x", "y", "z"].map(|c| Ident::new(c, Span::call_site())) {
-                        list.extend([
-                            quote!(self.#name.#c.x),
-                            quote!(self.#name.#c.y),
-                            quote!(self.#name.#c.z),
-                        ]);
-                    }
-                }
-                ParamKind::Identity => {}
-            }
-        }
-        for constant in &self.parsed.constants.all {
-            list.extend(constant.fields.iter().map(|field| quote!(self.#field)));
-            if constant.fields.is_empty() {
-                list.extend(vec![quote!(R::ZERO); constant.kind.scalars()]);
-            }
-        }
-        let p = self.scalars();
-        let plain = list.clone();
-        for i in self.limits() {
-            let parameter = &plain[i as usize];
-            let beside = quote!(::aether_core::support::beside_zero(#parameter));
-            // Where all that vanish with it are zero, zero has a way of its own.
-            let ways = self.parsed.vanishing_with(i).map(|others| {
-                let others = others.into_iter().map(|j| &plain[usize::from(j)]);
-                quote!(.and(<R::Mask as Mask>::FALSE #(.or(#others.abs().gt(R::ZERO)))*))
-            });
-            let ways: TokenStream = ways.collect();
-            list[i as usize] = match ways.is_empty() {
-                true => beside,
-                false => quote!(R::select(<R::Mask as Mask>::TRUE #ways, #beside, #parameter)),
-            };
-        }
-        quote!(let p: [R; #p] = [#(#list),*];)
     }
 }
 

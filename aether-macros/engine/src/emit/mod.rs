@@ -16,6 +16,7 @@ mod meeting;
 mod numeric;
 mod own;
 mod paired;
+mod parameters;
 mod passed;
 mod peeled;
 mod pieces;
