@@ -29,18 +29,18 @@ struct Peeled {
     bounds: [Option<f64>; 4],
 }
 
-/// What is left when all monotone functions have been undone.
-fn peel(g: &Graph, id: Id) -> Peeled {
+/// What is left when all monotone functions have been undone, where what is `asked` is not negative but for rounding.
+fn peel(g: &Graph, id: Id, asked: &[Id]) -> Peeled {
     let bounds = [-FAR, 0.0, 1.0, 1.0 + FAR].map(Some);
     let mut peeled = Peeled { inner: id, falling: false, bounds };
-    while let Some(next) = step(g, &peeled) {
+    while let Some(next) = step(g, &peeled, asked) {
         peeled = next;
     }
     peeled
 }
 
 /// Undoes the outermost function.
-fn step(g: &Graph, peeled: &Peeled) -> Option<Peeled> {
+fn step(g: &Graph, peeled: &Peeled, asked: &[Id]) -> Option<Peeled> {
     let through = |inner: Id, falls: bool, undo: &dyn Fn(f64) -> f64| Peeled {
         inner,
         falling: peeled.falling != falls,
@@ -66,7 +66,7 @@ fn step(g: &Graph, peeled: &Peeled) -> Option<Peeled> {
                 return None;
             }
             let bounds = peeled.bounds.map(|bound| bound.map(|b| b / scale));
-            power(g, (base, exponent), peeled.falling, bounds)
+            power(g, (base, exponent), asked, (peeled.falling, bounds))
         }
         Node::Call(f, args) if args.len() == 1 => {
             let a = args[0];
@@ -101,8 +101,8 @@ fn step(g: &Graph, peeled: &Peeled) -> Option<Peeled> {
 fn power(
     g: &Graph,
     (base, exponent): (Id, Id),
-    falling: bool,
-    bounds: [Option<f64>; 4],
+    asked: &[Id],
+    (falling, bounds): (bool, [Option<f64>; 4]),
 ) -> Option<Peeled> {
     let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
     let through = |falls: bool, undo: &dyn Fn(f64) -> f64| Peeled {
@@ -110,7 +110,9 @@ fn power(
         falling: falling != falls,
         bounds: bounds.map(|bound| bound.map(undo)),
     };
-    let positive = g.range(base).nonnegative();
+    // An even power is not told by what rounding leaves of the sign.
+    let is_even = g.as_number(exponent).is_some_and(Q::is_even);
+    let positive = g.range(base).nonnegative() || is_even && asked.contains(&base);
     let Some(q) = g.as_number(exponent) else {
         // Zero and one stay where they are.
         let plain = !falling && bounds == [-FAR, 0.0, 1.0, 1.0 + FAR].map(Some);
@@ -150,12 +152,13 @@ fn unknown_power(g: &Graph, id: Id) -> Option<(Id, Id)> {
     (g.as_number(exponent).is_none() && g.range(exponent).lo <= 0.0).then_some((base, exponent))
 }
 
-/// The tests of an unknown, as far as its range leaves them open, which is computed for something else too or is not.
-pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool) -> UnitTest {
+/// The tests of an unknown, as far as its range leaves them open, which is computed for something else too or is not. What is
+/// `asked` is not negative but for rounding.
+pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool, asked: &[Id]) -> UnitTest {
     let g = code.graph();
     let range = g.range(id);
     let sides = [range.lo < 0.0, !range.at_most_one()];
-    let mut peeled = peel(g, id);
+    let mut peeled = peel(g, id, asked);
     if peeled.bounds[1].is_none() || peeled.bounds[2].is_none() {
         peeled = peel_nothing(id);
     }
@@ -172,7 +175,7 @@ pub(super) fn unit_test(code: &mut Code, id: Id, is_computed: bool) -> UnitTest 
     if inner == id
         && sides[1]
         && !is_computed
-        && let Some(inside) = within_unit(code, id, sides[0])
+        && let Some(inside) = within_unit(code, id, sides[0], asked)
     {
         return UnitTest { inside, near: None, bounded: Some(id) };
     }
@@ -318,13 +321,16 @@ mod tests {
         let e = g.call(Fun::ExpM1, &[x]);
         let minus = g.int(-1);
         let u = g.mul(minus, e);
-        let peeled = peel(&g, u);
+        let peeled = peel(&g, u, &[]);
         assert_eq!((peeled.inner, peeled.falling), (x, true));
         assert_eq!(peeled.bounds[1..3], [Some(0.0), Some(f64::NEG_INFINITY)]);
         // x² of both signs is not monotone, x³ is.
         let (square, cube) = (g.powi(x, 2), g.powi(x, 3));
-        assert_eq!(peel(&g, square).inner, square);
-        let peeled = peel(&g, cube);
+        assert_eq!(peel(&g, square, &[]).inner, square);
+        let peeled = peel(&g, cube, &[]);
         assert_eq!((peeled.inner, peeled.bounds[3]), (x, Some(libm::cbrt(1.125))));
+        // Of what is known not to be negative, it is x that is at most one.
+        let peeled = peel(&g, square, &[x]);
+        assert_eq!((peeled.inner, peeled.bounds[2]), (x, Some(1.0)));
     }
 }

@@ -34,7 +34,11 @@ fn test(place: Place, i: usize, code: &mut Code) -> UnitTest {
     match (&place.preimage.borders[i], &place.preimage.signs[i]) {
         (Some(border), _) => border_test(code, border, place.preimage.tested[i]),
         (None, Some(signs)) => sign_test(code, signs),
-        (None, None) => unit_test(code, place.preimage.tested[i], is_computed(place, i)),
+        (None, None) => {
+            let asked = deciding(place, &place.preimage.asked);
+            let asked: Vec<Id> = asked.into_iter().map(|(id, _)| id).collect();
+            unit_test(code, place.preimage.tested[i], is_computed(place, i), &asked)
+        }
     }
 }
 

@@ -10,8 +10,13 @@ use crate::expr::{Fun, Graph, Id, Node};
 use crate::rational::Q;
 
 /// The test of a quotient below one, and not below zero where that has to be tested too (`lower`); `None` where it is no
-/// plain quotient, or its sign would not be told.
-pub(super) fn within_unit(code: &mut Code, id: Id, lower: bool) -> Option<TokenStream> {
+/// plain quotient, or its sign would not be told. What is `asked` is not negative but for rounding.
+pub(super) fn within_unit(
+    code: &mut Code,
+    id: Id,
+    lower: bool,
+    asked: &[Id],
+) -> Option<TokenStream> {
     let g = code.graph();
     let Node::Product(factors) = g.node(id) else { return None };
     let powers: Vec<(Id, Q)> = factors
@@ -21,7 +26,8 @@ pub(super) fn within_unit(code: &mut Code, id: Id, lower: bool) -> Option<TokenS
     let (below, above): (Vec<_>, Vec<_>) = powers.into_iter().partition(|(_, q)| q.is_negative());
     // Rounding may make both sides negative: where the lower end is not tested, the divisor itself must tell.
     let is_positive = |&(base, q): &(Id, Q)| {
-        q.is_even() || if lower { g.range(base).nonnegative() } else { never_negative(g, base) }
+        let told = || g.range(base).nonnegative() || asked.contains(&base);
+        q.is_even() || if lower { told() } else { never_negative(g, base) }
     };
     if above.is_empty() || below.is_empty() || !below.iter().all(is_positive) {
         return None;
@@ -77,6 +83,20 @@ mod tests {
         let sheared = "Vec3::new(r * u[0] + u[1], u[1], u[2])";
         assert!(!text("", sheared).contains(". lt (p [0])"));
         assert!(text("r in 0.5..=2.0", sheared).contains(". lt (p [0])"));
+    }
+
+    #[test]
+    fn divisors_that_are_asked_for_have_a_sign() {
+        let mut g = Graph::new();
+        let [x, y] = [0, 1].map(|i| {
+            let all = crate::interval::Interval::ALL;
+            g.leaf(crate::expr::Leaf::Out(i), &format!("x{i}"), all)
+        });
+        let share = g.div(x, y);
+        let mut code = Code::new(&g, &|leaf| format!("{leaf:?}").parse().unwrap());
+        assert!(within_unit(&mut code, share, true, &[]).is_none());
+        let test = within_unit(&mut code, share, true, &[y]).unwrap().to_string();
+        assert!(test.contains(". lt (Out (1))") || test.contains(". lt (Out(1))"), "{test}");
     }
 
     #[test]
