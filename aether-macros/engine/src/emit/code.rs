@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::paired::pairs;
+use super::paired::{calls_in_order, has_angle, pairs};
 use super::powers::three_halves;
 use crate::eval::evaluate;
 use crate::expr::{Fun, Graph, Id, Leaf, Node, children};
@@ -94,12 +94,29 @@ impl<'a> Code<'a> {
     }
 
     /// Names for the values of expressions. A sine and a cosine of one angle among them are written together, since
-    /// functions for both at once are faster, and found where no branch is in between; and first, since other numbers
-    /// would have to be kept while they are called.
+    /// functions for both at once are faster, and found where no branch is in between; exponentials first, since others are
+    /// told by them. Sines and cosines come after all that is called, for they are computed in place, and of many numbers,
+    /// which would have to be kept over calls; and before what would have to be kept meanwhile.
     pub(super) fn values(&mut self, ids: &[Id]) -> Vec<TokenStream> {
         let pairs = pairs(self.graph, ids);
         self.partners.extend(pairs.iter().flat_map(|&[a, b]| [(a, b), (b, a)]));
-        for [first, _] in pairs {
+        let is_angle =
+            |[first, _]: &[Id; 2]| !matches!(self.graph.node(*first), Node::Call(Fun::Exp, _));
+        let (angles, exponentials): (Vec<_>, Vec<_>) = pairs.into_iter().partition(is_angle);
+        for [first, _] in exponentials {
+            self.value(first);
+        }
+        if !angles.is_empty() {
+            let graph = self.graph;
+            for called in calls_in_order(graph, ids) {
+                if has_angle(graph, called) {
+                    self.write_powers_first(called, |id| !has_angle(graph, id));
+                } else {
+                    self.value(called);
+                }
+            }
+        }
+        for [first, _] in angles {
             self.value(first);
         }
         ids.iter().map(|&id| self.value(id)).collect()

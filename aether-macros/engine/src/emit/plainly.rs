@@ -6,13 +6,13 @@ use quote::{format_ident, quote};
 use super::border::border_test;
 use super::code::{Code, multiple_of};
 use super::item::Emitter;
+use super::paired::calls;
 use super::passed::exceeds;
 use super::peeled::{UnitTest, sign_of, unit_test};
 use super::pieces::{Place, input};
 use super::tame::Tame;
 use crate::derive::{Preimage, Signs, Target};
-use crate::expr::{Fun, Graph, Id, Leaf, Node, OUTS, children};
-use crate::hash::Set;
+use crate::expr::{Graph, Id, Leaf, Node, OUTS};
 use crate::interval::Interval;
 use crate::rational::Q;
 use crate::sorted;
@@ -238,27 +238,6 @@ pub(super) fn kept_between(place: Place, share: f64) -> Vec<(usize, Interval)> {
     wider.enumerate().collect()
 }
 
-/// Whether functions other than roots are called for the value of an expression.
-fn calls(g: &Graph, id: Id) -> bool {
-    let (mut open, mut seen) = (vec![id], Set::default());
-    while let Some(id) = open.pop() {
-        if !seen.insert(id) {
-            continue;
-        }
-        let power = |e: &Id| g.as_number(*e).is_none_or(|q| q.den() > 2);
-        let called = match g.node(id) {
-            Node::Call(f, _) => !matches!(f, Fun::Abs | Fun::Sign),
-            Node::Product(factors) => factors.iter().any(|(_, exponent)| power(exponent)),
-            node => matches!(node, Node::Root(_)),
-        };
-        if called {
-            return true;
-        }
-        open.extend(children(g.node(id)));
-    }
-    false
-}
-
 fn possible_tests(place: Place) -> TokenStream {
     let at = |l: Leaf| input(l, "x");
     let mut code = Code::new(&place.problem.graph, &at);
@@ -309,6 +288,7 @@ fn is_determined(g: &Graph, id: Id) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Fun;
 
     #[test]
     fn a_divisor_that_the_point_has_leaves_an_unknown_undetermined() {

@@ -4,20 +4,15 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::quote;
 
 use super::Code;
+use crate::emit::paired::are_opposite;
 use crate::expr::{Fun, Id, Node};
-use crate::rational::Q;
 
 impl Code<'_> {
     /// The exponential of the opposite of an expression, and that less one, if both have been written.
     fn opposite(&self, x: Id) -> Option<[TokenStream; 2]> {
-        let multiple = |id: Id| match self.graph.node(id) {
-            Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => terms[0],
-            _ => (Q::ONE, id),
-        };
-        let (q, term) = multiple(x);
         let written = |f: Fun| {
             self.names.iter().find_map(|(id, name)| match self.graph.node(*id) {
-                Node::Call(g, args) if *g == f && multiple(args[0]) == (q.neg(), term) => {
+                Node::Call(g, args) if *g == f && are_opposite(self.graph, args[0], x) => {
                     Some(quote!(#name))
                 }
                 _ => None,

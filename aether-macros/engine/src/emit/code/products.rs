@@ -185,35 +185,58 @@ impl<'a> Code<'a> {
             if number.is_some() || self.power(b, e).is_some() {
                 continue;
             }
-            let (base, exponent) = (self.reference(b), self.reference(e));
-            let power = quote!(#base.powf(#exponent));
-            let known = self.powers.iter().find_map(|(base, f, name)| {
-                let related = (*base == b).then(|| related(self.graph, e, *f)).flatten()?;
-                let range = self.graph.range(b).powers(self.graph.range(*f));
-                Some((related, name.clone(), range.at_most_one()))
-            });
-            let value = known.map(|(Related { times, whole }, name, small)| {
-                // What underflows as a square is told by it.
-                let name = match times.abs() {
-                    1 => name,
-                    _ => self.named(&quote!(#name * #name)),
-                };
-                let value = match (times > 0, whole) {
-                    (true, 1) => quote!(#name * #base),
-                    (true, 0) => name.clone(),
-                    (true, _) => quote!(#name / #base),
-                    (false, 1) => quote!(#base / #name),
-                    (false, _) => quote!(R::ONE / #name),
-                };
-                // A power that is at most one has not overflowed.
-                match small && times.abs() == 1 {
-                    true => quote!(::aether_core::support::by_small_power(#name, #value, #base, #exponent)),
-                    false => quote!(::aether_core::support::by_power(#name, #value, #base, #exponent)),
-                }
-            });
-            let name = self.named(&value.unwrap_or(power));
-            self.powers.push((b, e, name));
+            self.write_power(b, e);
         }
+    }
+
+    /// Writes the general powers among the factors of a product before the others, those of some bases and exponents.
+    pub(super) fn write_powers_first(&mut self, id: Id, of: impl Fn(Id) -> bool) {
+        let Node::Product(factors) = self.graph.node(id) else { return };
+        let together = self.graph.powers_together(factors);
+        for &(b, e) in factors {
+            let is_written = together.as_ref().is_some_and(|t| t.contains(&(b, e)));
+            if !is_written && self.graph.as_number(e).is_none() && of(b) && of(e) {
+                self.value(b);
+                self.value(e);
+                if self.power(b, e).is_none() {
+                    self.write_power(b, e);
+                }
+            }
+        }
+    }
+
+    /// Writes a general power, whose base and exponent are written.
+    fn write_power(&mut self, b: Id, e: Id) {
+        let (base, exponent) = (self.reference(b), self.reference(e));
+        let power = quote!(#base.powf(#exponent));
+        let known = self.powers.iter().find_map(|(base, f, name)| {
+            let related = (*base == b).then(|| related(self.graph, e, *f)).flatten()?;
+            let range = self.graph.range(b).powers(self.graph.range(*f));
+            Some((related, name.clone(), range.at_most_one()))
+        });
+        let value = known.map(|(Related { times, whole }, name, small)| {
+            // What underflows as a square is told by it.
+            let name = match times.abs() {
+                1 => name,
+                _ => self.named(&quote!(#name * #name)),
+            };
+            let value = match (times > 0, whole) {
+                (true, 1) => quote!(#name * #base),
+                (true, 0) => name.clone(),
+                (true, _) => quote!(#name / #base),
+                (false, 1) => quote!(#base / #name),
+                (false, _) => quote!(R::ONE / #name),
+            };
+            // A power that is at most one has not overflowed.
+            match small && times.abs() == 1 {
+                true => {
+                    quote!(::aether_core::support::by_small_power(#name, #value, #base, #exponent))
+                }
+                false => quote!(::aether_core::support::by_power(#name, #value, #base, #exponent)),
+            }
+        });
+        let name = self.named(&value.unwrap_or(power));
+        self.powers.push((b, e, name));
     }
 
     pub(super) fn three_halves(&self, power: &ThreeHalves) -> TokenStream {
