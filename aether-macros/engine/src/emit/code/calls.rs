@@ -5,7 +5,7 @@ use quote::quote;
 
 use super::Code;
 use crate::emit::paired::are_opposite;
-use crate::expr::{Fun, Id, Node};
+use crate::expr::{Fun, Graph, Id, Leaf, Node};
 
 impl Code<'_> {
     /// The exponential of the opposite of an expression, and that less one, if both have been written.
@@ -38,9 +38,13 @@ impl Code<'_> {
             }
             Fun::Pow1p => {
                 let e = self.reference(args[1]);
+                let power = quote!((#e * #a.ln_1p()).exp());
+                if is_finite(self.graph, args[1]) {
+                    return power;
+                }
                 // 1 to any power is 1, as for `powf`.
                 let one = quote!(#a.ge(R::ZERO).and(#a.le(R::ZERO)));
-                quote!(R::select(#one, R::ONE, (#e * #a.ln_1p()).exp()))
+                quote!(R::select(#one, R::ONE, #power))
             }
             Fun::LnBeta => {
                 let b = self.reference(args[1]);
@@ -72,6 +76,13 @@ impl Code<'_> {
             },
         }
     }
+}
+
+/// Whether an exponent is finite: what has two finite ends, or a parameter from a declared end on, which is a number.
+fn is_finite(g: &Graph, id: Id) -> bool {
+    let range = g.range(id);
+    let is_parameter = matches!(g.node(id), Node::Leaf(Leaf::Param(_)));
+    range.lo.is_finite() && (is_parameter || range.hi.is_finite())
 }
 
 /// The name of a function of `aether_core::special`.
@@ -110,5 +121,33 @@ fn method(f: Fun) -> &'static str {
         Fun::Cbrt => "cbrt",
         // All others are written by `expression`.
         _ => "abs",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::interval::Interval;
+
+    #[test]
+    fn one_to_any_power_needs_no_choice_where_that_is_finite() {
+        let mut g = Graph::new();
+        let ends = [(0.0, f64::INFINITY), (f64::NEG_INFINITY, 0.0)];
+        let [declared, below] = [0, 1].map(|i| {
+            let (lo, hi) = ends[usize::from(i)];
+            g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::new(lo, hi))
+        });
+        let x = g.leaf(Leaf::Out(0), "x", Interval::ALL);
+        let inverse = g.div(x, declared);
+        let chosen = |exponent: Id| {
+            let mut g = g.clone();
+            let power = g.call(Fun::Pow1p, &[x, exponent]);
+            let mut code = Code::new(&g, &|leaf| {
+                format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap()
+            });
+            code.value(power);
+            code.statements().to_string().contains("select")
+        };
+        assert_eq!([declared, below, inverse].map(chosen), [false, true, true]);
     }
 }
