@@ -3,19 +3,17 @@
 mod exclusion;
 mod one_piece;
 mod several;
+mod told;
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::item::{Emitter, point_type};
 use super::jumps::jumps;
-use crate::derive::Derived;
-use crate::expr::UNKNOWNS;
 pub(super) use exclusion::{excluding, exclusive, folded};
-use one_piece::{
-    density_beside, has_parameters, is_tame, one_a_piece, overlapping_with_density, single,
-};
+use one_piece::{density_beside, is_tame, one_a_piece, overlapping_with_density, single};
 use several::among_several;
+use told::{Told, is_told_everywhere};
 
 /// The density at the uniforms, and the densities by way of the other preimages.
 pub(super) fn own_density(e: &Emitter) -> TokenStream {
@@ -144,41 +142,6 @@ pub(super) fn forward_with_density(e: &Emitter) -> Option<TokenStream> {
     })
 }
 
-/// What there is to know of the density `d` at uniforms, where a map has one preimage.
-#[derive(Clone, Copy)]
-enum Told {
-    /// It has a value at all uniforms and depends on nothing else.
-    Always,
-    /// It depends on parameters alone, as the density at any point does: that would not tell more.
-    ByParameters,
-    /// The uniforms may not tell it. At zero the map may only have a limit (a pole, an axis), and so may the Jacobian; the
-    /// density at the point knows it. Parameters may overflow.
-    AtUniforms,
-}
-
-impl Told {
-    fn of(e: &Emitter) -> Self {
-        let graph = &e.parsed.pieces[0].problem.graph;
-        let Derived { own_density, preimages, .. } = &e.derived[0];
-        if is_tame(e, 0) && !has_parameters(e, 0) {
-            Told::Always
-        } else if !graph.has(*own_density, UNKNOWNS) && preimages[0].density == *own_density {
-            Told::ByParameters
-        } else {
-            Told::AtUniforms
-        }
-    }
-
-    /// The density from `d`.
-    fn value(self) -> TokenStream {
-        match self {
-            // What parameters make no number is none at the point.
-            Told::ByParameters => quote!(d.max(R::ZERO)),
-            _ => quote!(d),
-        }
-    }
-}
-
 /// Whether each point has one preimage, for the images of pieces are apart, or meet.
 fn is_alone(e: &Emitter) -> bool {
     let one_each = e.derived.iter().all(|derived| derived.preimages.len() == 1);
@@ -207,12 +170,29 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
     let tame = (0..e.parsed.pieces.len()).all(|j| e.forward_is_tame(j));
     let coordinates =
         if tame { quote!(plain::<R, 0>(&[], d)) } else { quote!(plain::<R, #m>(&c, d)) };
+    let told = is_told_everywhere(e);
     let required = e.parsed.pieces.iter().any(|piece| !piece.problem.requirements.is_empty());
     // Where there is no sample, there is nothing to look after.
     let (exists, missing) = if e.parsed.total && !required {
         (quote!(<R::Mask as Mask>::TRUE), None)
     } else {
         (quote!(exists), Some(quote!(.or(exists.not()))))
+    };
+    let sample =
+        quote!((#made, exists, ::aether_core::Density::new(R::select(exists, d, R::ZERO))));
+    let sample = if told {
+        sample
+    } else {
+        quote! {
+            let plain: R::Mask = ::aether_core::support::#coordinates.and(inside);
+            if plain #missing .all() {
+                #sample
+            } else {
+                let inner = ::aether_core::support::positive::<R>(d).and(inside);
+                let (point, exists, d) = ::aether_core::support::rare_sample_of_pieces::<R, _>(*self, u, d, inner);
+                (point, exists, ::aether_core::Density::new(d))
+            }
+        }
     };
     quote! {
         #[inline(always)]
@@ -224,14 +204,7 @@ fn pieces_with_density(e: &Emitter) -> TokenStream {
             let mut inside = <R::Mask as Mask>::FALSE;
             #pieces
             let exists = #exists;
-            let plain: R::Mask = ::aether_core::support::#coordinates.and(inside);
-            if plain #missing .all() {
-                (#made, exists, ::aether_core::Density::new(R::select(exists, d, R::ZERO)))
-            } else {
-                let inner = ::aether_core::support::positive::<R>(d).and(inside);
-                let (point, exists, d) = ::aether_core::support::rare_sample_of_pieces::<R, _>(*self, u, d, inner);
-                (point, exists, ::aether_core::Density::new(d))
-            }
+            #sample
         }
     }
 }

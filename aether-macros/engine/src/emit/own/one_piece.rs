@@ -4,7 +4,8 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::exclusion::{exclusive, folded};
-use super::{Told, has_density, is_alone};
+use super::told::Told;
+use super::{has_density, is_alone};
 use crate::emit::item::{Emitter, point_type};
 use crate::emit::pieces::Place;
 use crate::emit::sampler::{Asked, closed_in, encircled, existence_where, value_at};
