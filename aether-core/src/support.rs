@@ -24,7 +24,7 @@ pub use recovery::{
 };
 pub use stable::{
     add_logs, beside_zero, by_power, by_small_power, exp_and_m1, large_root, log_density,
-    not_negative, root,
+    not_negative, root, root_or_infinite,
 };
 pub use tracked::{admits, errors_of, off_zero, track, track_some, track_unit, widened};
 

@@ -90,7 +90,8 @@ pub fn plain<R: Real, const M: usize>(x: &[R; M], d: R) -> R::Mask {
     (sum - sum).lt(d)
 }
 
-/// The sample of uniforms `u` that is not plain, and its density, which is `d` in `inner`.
+/// The sample of uniforms `u` that is not plain, and its density, which is `d` in `inner`; elsewhere roots in it may have
+/// overflowed that are found on another scale by the density of the uniforms alone.
 #[cold]
 #[inline(never)]
 pub fn rare_sample<R: Real, S: Sampler<R>>(
@@ -100,7 +101,7 @@ pub fn rare_sample<R: Real, S: Sampler<R>>(
     inner: R::Mask,
 ) -> (S::Point, R::Mask, R) {
     let (point, exists) = sampler.forward(u);
-    let density = if inner.all() { d } else { by_point(sampler, &point, d, inner) };
+    let density = if inner.all() { d } else { sampler.pdf_of_uniforms(u).value() };
     (point, exists, density)
 }
 
@@ -116,7 +117,7 @@ pub fn rare_sample_of_pieces<R: Real, S: Sampler<R>>(
     let (point, exists) = sampler.forward(u);
     // At an end of a piece the map may only have a limit; the density at the point knows it.
     let untold = exists.and(inner.not()).any();
-    let density = if untold { R::select(inner, d, sampler.pdf(&point).value()) } else { d };
+    let density = if untold { R::select(inner, d, sampler.pdf_of_uniforms(u).value()) } else { d };
     (point, exists, R::select(exists, density, R::ZERO))
 }
 
@@ -125,12 +126,8 @@ pub fn rare_sample_of_pieces<R: Real, S: Sampler<R>>(
 #[cold]
 #[inline(never)]
 pub fn own_limit<R: Real, S: Sampler<R>>(sampler: S, u: S::Uniforms, d: R, inner: R::Mask) -> R {
-    by_point(sampler, &sampler.forward(u).0, d, inner)
-}
-
-/// The density `d` outside of `inner` by the point; but if the point does not tell, an infinite one stays.
-fn by_point<R: Real, S: Sampler<R>>(sampler: S, point: &S::Point, d: R, inner: R::Mask) -> R {
-    let at_point = sampler.pdf(point).value();
+    let at_point = sampler.pdf(&sampler.forward(u).0).value();
+    // If the point does not tell, an infinite density stays.
     let untold = d.ge(R::INFINITY).and(at_point.gt(R::ZERO).not());
     R::select(inner.or(untold), d, at_point)
 }

@@ -34,6 +34,12 @@ pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     if usual.all() { sum.sqrt() } else { scaled_root(sum, scaled) }
 }
 
+/// The same where it is looked afterwards whether what the root is a factor of is a number: of what overflows it is none.
+#[inline(always)]
+pub fn root_or_infinite<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
+    if sum.ge(R::MIN_POSITIVE / R::EPSILON).all() { sum.sqrt() } else { scaled_root(sum, scaled) }
+}
+
 /// The same of a sum with a positive number among its terms, which only overflows.
 #[inline(always)]
 pub fn large_root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
@@ -148,6 +154,24 @@ mod tests {
         assert_eq!(exp_and_m1(f64::NEG_INFINITY), (0.0, -1.0));
         assert_eq!(exp_and_m1(-0.0_f64), (1.0, -0.0));
         assert!(exp_and_m1(f64::NAN).0.is_nan() && exp_and_m1(f64::NAN).1.is_nan());
+    }
+
+    #[test]
+    fn roots_are_found_on_another_scale_unless_they_may_be_infinite() {
+        let length = |root: fn(f32, &dyn Fn(f32) -> f32) -> f32, x: f32| {
+            let scaled = move |up: f32| (x * up) * (x * up) + (x * up) * (x * up);
+            root(x * x + x * x, &scaled)
+        };
+        let both = |x: f32| {
+            [
+                length(|sum, scaled| root(sum, scaled), x),
+                length(|sum, scaled| root_or_infinite(sum, scaled), x),
+            ]
+        };
+        let [small, large] = [1e-30, 1e30].map(|x| (both(x), x * core::f32::consts::SQRT_2));
+        assert!(small.0.iter().all(|found| (found / small.1 - 1.0).abs() < 1e-6));
+        assert!((large.0[0] / large.1 - 1.0).abs() < 1e-6 && large.0[1] == f32::INFINITY);
+        assert!(both(f32::NAN).iter().all(|found| found.is_nan()));
     }
 
     #[test]

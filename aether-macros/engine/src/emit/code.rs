@@ -37,6 +37,8 @@ pub struct Code<'a> {
     lenient: bool,
     /// Products that others are written by which have all their factors.
     shared: &'a [Id],
+    /// What there are roots of in something that is no number if they are infinite, and looked at.
+    looked_at: Vec<Id>,
 }
 
 impl<'a> Code<'a> {
@@ -53,6 +55,7 @@ impl<'a> Code<'a> {
             partners: HashMap::new(),
             lenient: false,
             shared: &[],
+            looked_at: Vec::new(),
         }
     }
 
@@ -255,9 +258,9 @@ impl<'a> Code<'a> {
         let names = self.names.clone();
         let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
         let (powers, rescued) = (self.powers.clone(), self.rescued.clone());
-        let (lets, partners) = (TokenStream::new(), HashMap::new());
-        let shared = self.shared;
-        Code { graph, input, lets, names, named, powers, rescued, partners, lenient, shared }
+        let (shared, looked_at) = (self.shared, self.looked_at.clone());
+        let texts = Code::new(graph, input);
+        Code { names, named, powers, rescued, lenient, shared, looked_at, ..texts }
     }
 
     /// One side of a choice, as a block that knows the names so far.

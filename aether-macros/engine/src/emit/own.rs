@@ -13,6 +13,7 @@ use super::jumps::jumps;
 pub(super) use exclusion::{excluding, exclusive, folded};
 use one_piece::{density_beside, is_tame, one_a_piece, overlapping_with_density, single};
 use several::among_several;
+pub(super) use told::is_looked_at;
 use told::{Told, is_told_everywhere};
 
 /// The density at the uniforms, and the densities by way of the other preimages.

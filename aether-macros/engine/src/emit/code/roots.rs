@@ -13,9 +13,18 @@ use crate::rational::Q;
 /// What is larger has its part in a product's being too large.
 const LARGE: f64 = 1e6;
 
+/// Sums of squares between this and its inverse keep their digits in any precision.
+const LEAST: f64 = 1e-30;
+
 impl Code<'_> {
     /// Writes the root of a sum of squares, which has to be looked after, once for all that it divides.
     pub(super) fn write_rescued(&mut self, b: Id) {
+        if stays_in_range(self.graph, b) {
+            let base = self.reference(b);
+            let name = self.named(&quote!(#base.sqrt()));
+            self.rescued.insert(b, name);
+            return;
+        }
         if self.scaled_squares(b).is_none() {
             if let Some(scaled) = self.large_squares(b) {
                 let base = self.reference(b);
@@ -33,10 +42,25 @@ impl Code<'_> {
         }
         let base = self.reference(b);
         if let Some(scaled) = self.scaled_squares(b) {
-            let root = quote!(::aether_core::support::root(#base, move |up: R| #scaled));
+            let way =
+                if self.looked_at.contains(&b) { quote!(root_or_infinite) } else { quote!(root) };
+            let root = quote!(::aether_core::support::#way(#base, move |up: R| #scaled));
             let name = self.named(&root);
             self.rescued.insert(b, name);
         }
+    }
+
+    /// Notes that an expression is looked at: where a root that is a factor of it is infinite, it is infinite or no number.
+    pub(crate) fn look_at(&mut self, id: Id) {
+        let product = match self.graph.node(id) {
+            Node::Sum(c, terms) if c.is_zero() && terms.len() == 1 => terms[0].1,
+            _ => id,
+        };
+        let Node::Product(factors) = self.graph.node(product) else { return };
+        let above = factors.iter().filter(|(_, e)| {
+            self.graph.as_number(*e).is_some_and(|q| q.den() == 2 && !q.is_negative())
+        });
+        self.looked_at = above.map(|(b, _)| *b).collect();
     }
 
     /// √base; a sum of squares small enough to underflow is computed again on another scale.
@@ -133,6 +157,31 @@ impl Code<'_> {
     }
 }
 
+/// Whether a sum of squares neither underflows nor overflows, as it has the squares of all coordinates of a unit vector, each
+/// times some factor: it is at least the smallest of these.
+fn stays_in_range(g: &Graph, b: Id) -> bool {
+    let Node::Sum(c, terms) = g.node(b) else { return false };
+    let of_coordinate = |x: Id| {
+        let least = terms.iter().filter_map(|(q, term)| {
+            let Node::Product(factors) = g.node(*term) else { return None };
+            let is_square = |(base, e): &(Id, Id)| *base == x && g.as_number(*e) == Some(Q::int(2));
+            let square = factors.iter().position(is_square)?;
+            let others = factors.iter().enumerate().filter(|(i, _)| *i != square);
+            others.map(|(_, f)| f).try_fold(q.to_f64(), |least, &(base, e)| {
+                Some(least * g.range(base).pow(g.as_number(e)?.to_f64()).lo)
+            })
+        });
+        least.fold(0.0, f64::max)
+    };
+    let adds = |(q, term): &(Q, Id)| !q.is_negative() && g.range(*term).nonnegative();
+    let unit =
+        g.units().iter().map(|unit| unit.iter().map(|x| of_coordinate(*x)).fold(1.0, f64::min));
+    !c.is_negative()
+        && terms.iter().all(adds)
+        && unit.fold(0.0, f64::max) > LEAST
+        && g.range(b).hi < 1.0 / LEAST
+}
+
 /// The inputs among the bases of a sum of products.
 fn bases(g: &Graph, id: Id) -> Vec<Id> {
     let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
@@ -142,4 +191,62 @@ fn bases(g: &Graph, id: Id) -> Vec<Id> {
     });
     let bases = factors.map(|(base, _)| *base);
     bases.filter(|base| matches!(g.node(*base), Node::Leaf(_))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn stretched_unit_vectors_have_a_length() {
+        let mut g = Graph::new();
+        let unit =
+            [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), &format!("w{i}"), Interval::new(-1.0, 1.0)));
+        let [a, tiny] = [(3, 1e-4), (4, 0.0)]
+            .map(|(i, lo)| g.leaf(Leaf::Param(i), "a", Interval::new(lo, 1.0)));
+        let length = |g: &mut Graph, by: [Option<Id>; 3]| {
+            let squares: Vec<(Q, Id)> = unit
+                .into_iter()
+                .zip(by)
+                .map(|(x, by)| {
+                    let x = by.map_or(x, |by| g.mul(x, by));
+                    (Q::ONE, g.powi(x, 2))
+                })
+                .collect();
+            g.sum(Q::ZERO, &squares)
+        };
+        let stretched = length(&mut g, [Some(a), Some(a), None]);
+        assert!(!stays_in_range(&g, stretched));
+        g.declare_unit(unit);
+        let [vanishing, part] = [[Some(a), Some(tiny), None], [Some(a), Some(a), Some(tiny)]]
+            .map(|by| length(&mut g, by));
+        assert!(stays_in_range(&g, stretched));
+        assert!(!stays_in_range(&g, vanishing) && !stays_in_range(&g, part));
+    }
+
+    #[test]
+    fn roots_above_the_line_of_what_is_looked_at_may_be_infinite() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));
+        let squares = |g: &mut Graph, x: Id, y: Id| {
+            let squares = [x, y].map(|x| (Q::ONE, g.powi(x, 2)));
+            let sum = g.sum(Q::ZERO, &squares);
+            g.sqrt(sum)
+        };
+        let (above, below) = (squares(&mut g, a, b), squares(&mut g, b, c));
+        let quotient = g.div(above, below);
+        let input = |leaf: Leaf| format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap();
+        let text = |looked_at: bool| {
+            let mut code = Code::new(&g, &input);
+            if looked_at {
+                code.look_at(quotient);
+            }
+            code.value(quotient);
+            let text = code.statements().to_string();
+            [":: root_or_infinite", ":: root ("].map(|name| text.matches(name).count())
+        };
+        assert_eq!((text(false), text(true)), ([0, 2], [1, 1]));
+    }
 }

@@ -3,6 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
+use super::is_alone;
 use super::one_piece::{has_parameters, is_tame};
 use crate::derive::Derived;
 use crate::emit::item::Emitter;
@@ -12,6 +13,14 @@ use crate::rational::Q;
 /// Parameters that such densities are in proportion to are larger, or smaller than the inverse: in single precision, too, both
 /// are numbers.
 const SMALLEST: f64 = 1e-30;
+
+/// Whether a sample and its density are drawn once more unless the density is a positive number.
+pub(in crate::emit) fn is_looked_at(e: &Emitter) -> bool {
+    match e.is_single() {
+        true => matches!(Told::of(e), Told::AtUniforms),
+        false => is_alone(e) && !is_told_everywhere(e),
+    }
+}
 
 /// What there is to know of the density `d` at uniforms, where a map has one preimage.
 #[derive(Clone, Copy)]

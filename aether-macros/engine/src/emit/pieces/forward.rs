@@ -7,6 +7,7 @@ use super::input;
 use crate::derive::{Derived, Problem};
 use crate::emit::code::Code;
 use crate::emit::item::Emitter;
+use crate::emit::own::is_looked_at;
 use crate::emit::passed::passed;
 use crate::expr::{Id, Leaf};
 use crate::parse::Piece;
@@ -37,6 +38,9 @@ impl<'a> Emitter<'a> {
         let at_once = self.is_drawn_at_once() || self.draws_pieces();
         let joint = (is_sampler && at_once).then(|| {
             let mut code = Code::lenient(g, &at);
+            if is_looked_at(self) {
+                code.look_at(size);
+            }
             let mut values = code.values(&[&derived.forward[..], &[size]].concat());
             let density = values.pop();
             let lets = code.statements();
