@@ -11,6 +11,7 @@ mod tails;
 use std::collections::HashMap;
 
 use crate::expr::{Fun, Graph, Id, Leaf, Node};
+use crate::hash::Set;
 use crate::rational::Q;
 use crate::stabilise::by_size;
 
@@ -19,23 +20,26 @@ pub(crate) const SAFE: f64 = 80.0;
 
 /// The expression with its quotients of exponentials guarded; itself if there is none.
 pub fn guard(g: &mut Graph, id: Id) -> Id {
-    rebuild(g, id, &mut HashMap::new())
+    let parts = g.within(&[id]).into_iter().collect();
+    rebuild(g, id, &mut HashMap::new(), &parts)
 }
 
-fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
+/// The same of one of the `parts` of an expression.
+fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>, parts: &Set<Id>) -> Id {
     if let Some(&known) = memo.get(&id) {
         return known;
     }
     let guarded = match g.node(id).clone() {
         Node::Sum(c, terms) => {
-            let terms: Vec<_> = terms.iter().map(|&(q, t)| (q, rebuild(g, t, memo))).collect();
+            let terms: Vec<_> =
+                terms.iter().map(|&(q, t)| (q, rebuild(g, t, memo, parts))).collect();
             squares_of_parameters(g, c, &terms).unwrap_or_else(|| g.sum(c, &terms))
         }
         Node::Product(factors) => {
             let whole = together(g, factors.clone());
             let plain = quotient(g, id, &whole).unwrap_or_else(|| {
                 let factors: Vec<_> =
-                    factors.iter().map(|&(b, e)| (rebuild(g, b, memo), e)).collect();
+                    factors.iter().map(|&(b, e)| (rebuild(g, b, memo, parts), e)).collect();
                 g.product(&factors)
             });
             match tails::quotient(g, &factors) {
@@ -48,13 +52,18 @@ fn rebuild(g: &mut Graph, id: Id, memo: &mut HashMap<Id, Id>) -> Id {
             }
         }
         Node::If(test, yes, no) => {
-            let [yes, no] = [yes, no].map(|side| rebuild(g, side, memo));
-            g.if_positive(test, yes, no)
+            let [first, no] = [yes, no].map(|side| rebuild(g, side, memo, parts));
+            let before = g.if_positive(test, yes, no);
+            match *g.node(first) {
+                // What was guarded by this test asks first whether it takes the other side anyway.
+                Node::If(_, other, rest) if other == no && rest == before => first,
+                _ => g.if_positive(test, first, no),
+            }
         }
-        Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0]).unwrap_or(id),
+        Node::Call(Fun::Ln1p, args) => logarithm(g, id, args[0], parts).unwrap_or(id),
         Node::Call(Fun::ErfcInv, args) => tails::quantile(g, id, args[0]).unwrap_or(id),
         Node::Call(f, args) => {
-            let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo)).collect();
+            let args: Vec<_> = args.iter().map(|&a| rebuild(g, a, memo, parts)).collect();
             g.call(f, &args)
         }
         _ => id,
@@ -158,8 +167,8 @@ fn quotient(g: &mut Graph, id: Id, factors: &[(Id, Id)]) -> Option<Id> {
     Some(g.if_positive(b, other, id))
 }
 
-/// ln(1 + r (e^t - 1)).
-fn logarithm(g: &mut Graph, id: Id, argument: Id) -> Option<Id> {
+/// ln(1 + r (e^t - 1)), one of the `parts` of an expression.
+fn logarithm(g: &mut Graph, id: Id, argument: Id, parts: &Set<Id>) -> Option<Id> {
     let (_, product) = g.split(argument);
     let one = g.int(1);
     let (power, t) = g.factors(product).into_iter().find_map(|(b, e)| {
@@ -177,7 +186,13 @@ fn logarithm(g: &mut Graph, id: Id, argument: Id) -> Option<Id> {
     // For small r the other form cancels: it is for where the power is infinite, and 1/∞ = 0.
     let size = g.call(Fun::Abs, &[power]);
     let finite = g.powi(size, -1);
-    Some(g.if_positive(finite, id, other))
+    let guarded = g.if_positive(finite, id, other);
+    if !parts.contains(&log) || !g.range(t).nonnegative() {
+        return Some(guarded);
+    }
+    // If its logarithm is there anyway, that form takes no second one where half of t or more is left.
+    let left = g.sum(Q::ZERO, &[(Q::ONE, t), (Q::int(2), log)]);
+    Some(g.if_positive(left, other, guarded))
 }
 
 #[cfg(test)]
@@ -212,6 +227,42 @@ mod tests {
         for s in [-900.0, -3.0, 1e-9, 5.0] {
             let (a, b) = (at(&g, guarded, s, 0.3), at(&g, ratio, s, 0.3));
             assert!((a / b - 1.0).abs() < 1e-14, "{s}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn a_logarithm_that_is_there_tells_the_other_one() {
+        let mut g = Graph::new();
+        let k = g.leaf(Leaf::Param(0), "k", Interval::new(1e-12, f64::INFINITY));
+        let u = g.leaf(Leaf::Unknown(0), "u", Interval::new(0.0, 1.0));
+        let (one, minus) = (g.int(1), g.neg(k));
+        let [growth, decay] = [k, minus].map(|x| g.call(Fun::ExpM1, &[x]));
+        let rest = g.sub(one, u);
+        let [far, near] = [(u, growth), (rest, decay)].map(|(r, power)| {
+            let inner = g.mul(r, power);
+            g.call(Fun::Ln1p, &[inner])
+        });
+        let inner = g.mul(rest, decay);
+        let near = by_size(&mut g, near, inner).unwrap_or(near);
+        let product = g.mul(far, near);
+        let at = |g: &Graph, id: Id, k: f64, u: f64| {
+            evaluate::<f64>(g, id, &|l| if l == Leaf::Param(0) { k } else { u })
+        };
+        let guarded = guard(&mut g, product);
+        // Again it is the same.
+        assert_eq!(guard(&mut g, guarded), guarded);
+        let logarithms = |g: &Graph, id: Id| {
+            let nodes = g.within(&[id]);
+            nodes.iter().filter(|id| matches!(g.node(**id), Node::If(..))).count()
+        };
+        let alone = guard(&mut g, far);
+        assert!(logarithms(&g, guarded) > logarithms(&g, alone));
+        for k in [1e-9, 0.5, 6.0, 40.0, 1500.0] {
+            for u in [1e-30, 1e-3, 0.2, 0.7, 1.0 - 1e-9] {
+                let exact = at(&g, alone, k, u) * at(&g, near, k, u);
+                let found = at(&g, guarded, k, u);
+                assert!((found / exact - 1.0).abs() < 1e-14, "{k} {u}: {found} {exact}");
+            }
         }
     }
 

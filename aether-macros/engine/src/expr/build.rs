@@ -103,9 +103,17 @@ impl Graph {
             .unwrap_or_else(|| self.intern(Node::Call(f, args.to_vec())))
     }
 
-    /// `yes` where `test` is greater than zero, else `no`.
+    /// `yes` where `test` is greater than zero, else `no`. Within either, the same test has been answered.
     pub fn if_positive(&mut self, test: Id, yes: Id, no: Id) -> Id {
         let range = self.range(test);
+        let yes = match *self.node(yes) {
+            Node::If(same, answer, _) if same == test => answer,
+            _ => yes,
+        };
+        let no = match *self.node(no) {
+            Node::If(same, _, answer) if same == test => answer,
+            _ => no,
+        };
         if yes == no || range.hi <= 0.0 {
             no
         } else if range.lo > 0.0 {
@@ -113,5 +121,25 @@ impl Graph {
         } else {
             self.intern(Node::If(test, yes, no))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expr::Leaf;
+    use crate::interval::Interval;
+
+    #[test]
+    fn a_question_is_asked_once() {
+        let mut g = Graph::new();
+        let [x, y, a, b, c] =
+            [0, 1, 2, 3, 4].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));
+        let inner = g.if_positive(x, a, b);
+        let [yes, no, other] = [(x, inner, c), (x, c, inner), (y, inner, c)]
+            .map(|(t, yes, no)| g.if_positive(t, yes, no));
+        assert_eq!(yes, g.if_positive(x, a, c));
+        assert_eq!(no, g.if_positive(x, c, b));
+        assert_eq!(*g.node(other), Node::If(y, inner, c));
     }
 }
