@@ -6,7 +6,7 @@ use crate::combine::{Separable, combine_with};
 use crate::estimator::joints::Pieces;
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Techniques};
 use crate::real::Scalar;
-use crate::sequence::{PathView, Place, RandomSequence};
+use crate::sequence::{PathView, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};
 use crate::uniform::UniformSource;
 
@@ -53,37 +53,22 @@ impl<S, R: Scalar, H: Separable<R>, D: Fn(usize, usize) -> bool> Connections<'_,
         most.min(known).min(*self.lengths.end())
     }
 
-    /// Draws the last vertex of the path with so many vertices whose others are of the first walk.
-    pub(super) fn draw<V, U>(
-        &self,
-        length: usize,
-        walk: &RandomSequence<'_, V, S>,
-        uniforms: &mut U,
-    ) -> Option<Drawn<V>>
-    where
-        V: Vertex,
-        S: Strategy<V>,
-        U: UniformSource<V::Real> + ?Sized,
-    {
-        let (strategy, first) = (self.ending?, length.checked_sub(1)?);
-        let is_used = self.end(length)
-            && first <= walk.len()
-            && self.techniques.samples(length, first) > 0
-            && (self.is_drawn)(length, first);
-        if !is_used {
-            return None;
-        }
-        uniforms.start(walk.block_after(first));
-        let (tape, place) = (walk.arena.tape.unfolded(), walk.handle.place.range(0, first));
-        strategy.sample(PathView::of_unfolded(&tape, place, strategy.reads()), uniforms)
+    /// Whether the last vertex of the path with so many vertices is to be drawn whose others are of the first walk, which has so
+    /// many.
+    #[inline]
+    fn draws_last(&self, length: usize, walk: usize) -> bool {
+        self.lengths.contains(&length)
+            && self.end(length)
+            && length <= walk + 1
+            && self.techniques.samples(length, length - 1) > 0
+            && (self.is_drawn)(length, length - 1)
     }
 }
 
 impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     /// Estimates all paths that consist of the first vertices of one walk and, in opposite order, the first ones of
     /// another. The ways to make a path are combined by the heuristic of the techniques, and `visit` is given the paths that
-    /// contribute; it must not use the arena of the walks, which keeps the vertices that are drawn here. `is_drawn` may be
-    /// called several times for a path.
+    /// contribute; it must not use the arena of the walks. `is_drawn` may be called several times for a path.
     ///
     /// A walk that has ended by chance, as by Russian roulette, might have gone on: it is to be lengthened by
     /// [`append_up_to`](RandomSequence::append_up_to) to as many vertices as paths may have, without being sampled, so that what it might
@@ -117,23 +102,36 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         );
         let arena = first.arena;
         self.remember(arena.contents());
-        draw_lasts(first, connections, uniforms);
+        let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
+        draw_lasts(first, connections, uniforms, &mut lasts);
+        self.connect([first, second], connections, &lasts, &mut visit);
+        arena.joints.borrow_mut().lasts = lasts;
+    }
+
+    /// The same with the last vertices that were drawn for themselves, by the length of the path.
+    fn connect<S, H, D>(
+        &self,
+        walks: [&RandomSequence<'_, I::Vertex, S>; 2],
+        connections: &Connections<'_, S, RealOf<I>, H, D>,
+        lasts: &[Option<Drawn<I::Vertex>>],
+        visit: &mut impl FnMut(Connected<I::Value>),
+    ) where
+        S: Strategy<I::Vertex>,
+        H: Separable<RealOf<I>> + Clone,
+        D: Fn(usize, usize) -> bool,
+    {
         if Pieces::<I, S, H, D>::are_plain(self, walks, connections) {
-            let tape = arena.tape.unfolded();
-            let mut pieces = Pieces::new(self, walks, connections, &tape);
+            let tape = walks[0].arena.tape.unfolded();
+            let mut pieces = Pieces::new(self, walks, connections, &tape, lasts);
             if pieces.prepare() {
-                return pieces.visit(&mut visit);
+                return pieces.visit(visit);
             }
         }
-        let longest = connections.longest(first.size() + second.size() + 1);
-        let lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
+        let longest = connections.longest(walks[0].size() + walks[1].size() + 1);
         for length in (*connections.lengths.start()).max(1)..=longest {
             let last = lasts.get(length).copied().flatten();
-            let drawn =
-                last.and_then(|at| arena.tape.unfolded().drawn(Place::new(at as usize, 1), 0));
-            self.connected_paths((length, drawn), [first, second], connections, &mut visit);
+            self.connected_paths((length, last), walks, connections, visit);
         }
-        arena.joints.borrow_mut().lasts = lasts;
     }
 
     /// The same of one length by paths that are made, with what was drawn as the last vertex of one of them.
@@ -171,11 +169,12 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
     }
 }
 
-/// Draws last vertices for themselves, and keeps them on the tape.
+/// Draws last vertices for themselves, by the length of the path.
 fn draw_lasts<V, S, H, D, U>(
     walk: &RandomSequence<'_, V, S>,
     connections: &Connections<'_, S, V::Real, H, D>,
     uniforms: &mut U,
+    lasts: &mut Vec<Option<Drawn<V>>>,
 ) where
     V: Vertex,
     S: Strategy<V>,
@@ -183,16 +182,23 @@ fn draw_lasts<V, S, H, D, U>(
     D: Fn(usize, usize) -> bool,
     U: UniformSource<V::Real> + ?Sized,
 {
-    let arena = walk.arena;
-    let mut lasts = core::mem::take(&mut arena.joints.borrow_mut().lasts);
     lasts.clear();
-    if connections.ending.is_some() {
-        let longest = connections.longest(walk.len() + 1);
-        lasts.extend((0..longest + 1).map(|length| {
-            let is_asked = connections.lengths.contains(&length);
-            let drawn = if is_asked { connections.draw(length, walk, uniforms) } else { None };
-            drawn.map(|drawn| arena.tape.keep(&drawn).at(0) as u32)
-        }));
+    let Some(strategy) = connections.ending else { return };
+    let (tape, reads) = (walk.arena.tape.unfolded(), strategy.reads());
+    let longest = connections.longest(walk.len() + 1);
+    for length in 0..longest + 1 {
+        let drawn = match connections.draws_last(length, walk.len()) {
+            true => {
+                let first = walk.handle.place.range(0, length - 1);
+                uniforms.start(walk.block_after(length - 1));
+                strategy.sample(PathView::of_unfolded(&tape, first, reads), uniforms)
+            }
+            false => None,
+        };
+        // A vertex that is taken out to be looked at would be copied.
+        if let Some(Drawn { dirac: Some(dirac), .. }) = &drawn {
+            walk.arena.tape.note(Some(*dirac));
+        }
+        lasts.push(drawn);
     }
-    arena.joints.borrow_mut().lasts = lasts;
 }

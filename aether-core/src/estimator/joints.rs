@@ -21,9 +21,9 @@ use crate::real::Real;
 use crate::sequence::{
     Arena, LAST, PathView, Place, RandomSequence, Unfolded, WINDOW, Window, length_class,
 };
-use crate::strategy::{Dirac, Strategy, Vertex};
+use crate::strategy::{Dirac, Drawn, Strategy, Vertex};
 pub(crate) use known::Joints;
-use known::{Question, Side, Stop, Tail};
+use known::{Question, Stop, Tail};
 
 /// The most vertices that a strategy may read, and one less than those of a factor of the integrand.
 const READS: usize = LAST - 1;
@@ -94,8 +94,6 @@ struct Joint {
     length: usize,
     /// How many of them are those of the first walk.
     first: usize,
-    /// Where the last one is if it was drawn for itself.
-    last: Option<u32>,
 }
 
 impl Joint {
@@ -110,12 +108,14 @@ impl Joint {
 const BEHIND: usize = WINDOW / 2;
 
 /// A path with its vertices about the joint: all that its weight depends on and its pieces' weights do not.
-struct Joined<'r, V> {
+struct Joined<'r, V: Vertex> {
     joint: Joint,
+    /// The last vertex if it was drawn for itself.
+    last: Option<&'r Drawn<V>>,
     window: Window<'r, V>,
 }
 
-impl<V> Joined<'_, V> {
+impl<V: Vertex> Joined<'_, V> {
     /// The place in the window of vertex `i` of the path.
     #[inline(always)]
     fn place(&self, i: usize) -> usize {
@@ -138,7 +138,9 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, H, D> {
     /// The techniques of paths of the length in question, and whether the last vertex is drawn for itself by one of them.
     row: &'r [Technique<RealOf<I>>],
     ends: bool,
-    joints: RefMut<'r, Joints<RealOf<I>>>,
+    joints: RefMut<'r, Joints<I::Vertex>>,
+    /// The last vertices that were drawn for themselves, by the length of the path.
+    lasts: &'r [Option<Drawn<I::Vertex>>],
     /// What all paths share that begin with so many vertices of the first walk, or end with so many of the second one.
     carried: [Carried<I::Value>; 2],
 }
@@ -172,6 +174,7 @@ where
         walks: [&RandomSequence<'r, I::Vertex, S>; 2],
         connections: &'r Connections<'r, S, RealOf<I>, H, D>,
         tape: &'r Unfolded<'r, I::Vertex>,
+        lasts: &'r [Option<Drawn<I::Vertex>>],
     ) -> Self {
         let arena = walks[0].arena;
         let ending = connections.ending.map(|strategy| arena.intern(strategy.clone()));
@@ -190,6 +193,7 @@ where
             row: &[],
             ends: false,
             joints,
+            lasts,
             carried,
         }
     }
@@ -222,26 +226,29 @@ where
         side.begin(walk);
         // Of a walk that is one run, drawing a vertex has mostly told its density.
         let steps = tape.steps_of_run(place);
+        let mut tail = Tail::EMPTY;
         for (k, step) in steps[..len].iter().enumerate() {
             let fixed = step.dirac == Some(Dirac::Position);
             let told = tape.value_of(step.vertex);
             let own = told.unwrap_or_else(|| arena.factor(place, k, place.range(0, k + 1)));
             let own = PathDensity::new(own);
-            side.add(Stop { id: step.vertex, visible: step.visible, fixed, own }, end);
+            tail = side.add(tail, Stop { id: step.vertex, visible: step.visible, fixed, own }, end);
         }
-        let mut alike: Option<(Question, u32)> = None;
-        side.steps.extend(steps.iter().enumerate().map(|(k, step)| {
-            let id = step.way.strategy();
+        // Mostly a step makes its vertex as the one before it does.
+        let mut k = 0;
+        while k < steps.len() {
+            let id = steps[k].way.strategy();
             let strategy = &strategies[id as usize];
-            let question = (id << 1 | end as u32, length_class(strategy, strategy.reads(), k));
-            *alike.insert(match alike {
-                Some(alike) if alike.0 == question => alike,
-                _ => (question, k as u32),
-            })
-        }));
-        side.ratios.clear();
-        side.ratios.resize(len, [None; 2]);
-        side.ending = None;
+            let reads = strategy.reads();
+            let (class, first) = (length_class(strategy, reads, k), k);
+            let alike = steps[k..].iter().zip(k..).take_while(|(step, k)| {
+                step.way.strategy() == id
+                    && (!reads.length || length_class(strategy, reads, *k) == class)
+            });
+            k += alike.count().max(1);
+            let question = (id << 1 | end as u32, class);
+            side.steps.extend(core::iter::repeat_n((question, first as u32), k - first));
+        }
     }
 
     /// Computes what pieces of the walks carry, unless these are the ones that were asked for last; returns whether that
@@ -254,12 +261,11 @@ where
         if ahead.begin(arena.contents(), first) {
             let mut value = I::Value::one();
             ahead.values.push(value);
-            let Side { stops, tails, .. } = &self.joints.sides[0];
-            for (k, stop) in stops.iter().enumerate() {
+            for (len, piece) in self.joints.sides[0].pieces.iter().enumerate().skip(1) {
                 if !value.is_zero() {
-                    let window = window(tape, [&tails[k + 1], &Tail::EMPTY]);
-                    let view = PathView::of_window(&window, BEHIND - 1, false, k + 1, shown);
-                    value = per(value.multiply(integrand.extend(view)), stop.own.value());
+                    let window = window(tape, [&piece.tail, &Tail::EMPTY]);
+                    let view = PathView::of_window(&window, BEHIND - 1, false, len, shown);
+                    value = per(value.multiply(integrand.extend(view)), piece.own.value());
                 }
                 ahead.values.push(value);
             }
@@ -271,23 +277,23 @@ where
         behind.values.push(value);
         // All that the factor reads which closes a path, if there is so much of the second walk.
         let mut closing = I::Value::one();
-        let Side { stops, tails, .. } = &self.joints.sides[1];
-        for (k, stop) in stops.iter().enumerate() {
+        let pieces = &self.joints.sides[1].pieces;
+        for (len, piece) in pieces.iter().enumerate().skip(1) {
             // The edge that the new vertex completes: all that its factor reads is there.
-            if k + 1 >= reads {
-                let window = window(tape, [&Tail::EMPTY, &tails[k + 1]]);
+            if len >= reads {
+                let window = window(tape, [&Tail::EMPTY, &piece.tail]);
                 let place = BEHIND + reads - 1;
                 let view = PathView::of_window(&window, place, false, reads, shown);
                 value = value.multiply(integrand.extend(view));
-                if k + 1 == reads {
+                if len == reads {
                     closing = integrand.end(view);
                 }
             }
-            value = per(value, stop.own.value());
+            value = per(value, piece.own.value());
             behind.values.push(value.multiply(closing));
         }
         // What has left the range of numbers does not come back.
-        behind.in_range = stops.is_empty() || is_usable(value);
+        behind.in_range = pieces.len() == 1 || is_usable(value);
         behind.in_range
     }
 
@@ -311,12 +317,12 @@ where
                 continue;
             }
             let ends = self.ends && first + 1 == length;
-            let last = if ends { self.last_of(length) } else { None };
+            let last = if ends { self.lasts.get(length).and_then(Option::as_ref) } else { None };
             let exists = if ends { last.is_some() } else { first + second.len >= length };
             if !exists || !(self.connections.is_drawn)(length, first) {
                 continue;
             }
-            let joined = self.joined(Joint { length, first, last });
+            let joined = self.joined(Joint { length, first }, last);
             let value = self.value(&joined);
             if value.is_zero() {
                 continue;
@@ -331,34 +337,28 @@ where
         }
     }
 
-    /// Where the last vertex is that was drawn for a path with so many vertices.
-    #[inline]
-    fn last_of(&self, length: usize) -> Option<u32> {
-        self.joints.lasts.get(length).copied().flatten()
-    }
-
-    /// A path with its vertices about the joint.
-    #[inline]
-    fn joined(&self, joint: Joint) -> Joined<'r, I::Vertex> {
+    /// A path with its vertices about the joint, the last of which may have been drawn for itself.
+    #[inline(always)]
+    fn joined(&self, joint: Joint, last: Option<&'r Drawn<I::Vertex>>) -> Joined<'r, I::Vertex> {
         let (tape, [first, second]) = (self.tape, &self.joints.sides);
-        let ahead = &first.tails[joint.first];
-        let behind = match joint.last {
+        let ahead = &first.pieces[joint.first].tail;
+        let behind = match last {
             Some(_) => &Tail::EMPTY,
-            None => &second.tails[joint.length - joint.first],
+            None => &second.pieces[joint.length - joint.first].tail,
         };
-        let mut window = window(tape, [ahead, behind]);
-        if let Some(last) = joint.last {
-            let (vertex, visible, dirac) = tape.kept(last as usize);
-            window.vertices[BEHIND] = vertex;
-            window.sees_next |= u16::from(visible) << (BEHIND - 1);
-            window.fixed |= u16::from(dirac == Some(Dirac::Position)) << BEHIND;
+        let mut joined = Joined { joint, last, window: window(tape, [ahead, behind]) };
+        if let Some(last) = last {
+            let window = &mut joined.window;
+            window.vertices[BEHIND] = Some(&last.vertex);
+            window.sees_next |= u16::from(last.visible) << (BEHIND - 1);
+            window.fixed |= u16::from(last.dirac == Some(Dirac::Position)) << BEHIND;
         }
-        Joined { joint, window }
+        joined
     }
 
     /// f / p of a path, not weighted.
     fn value(&self, joined: &Joined<'_, I::Vertex>) -> I::Value {
-        let Joint { length, first, last } = joined.joint;
+        let (Joint { length, first }, last) = (joined.joint, joined.last);
         let behind = length - first;
         let mut value = self.carried[0].values[first];
         if last.is_none() {

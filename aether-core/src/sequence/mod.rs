@@ -52,7 +52,7 @@ pub struct Arena<V: Vertex, S> {
     pub(crate) ratios: RefCell<Vec<V::Real>>,
     last: RefCell<LastFactors<V::Real>>,
     /// What is known of how paths are joined.
-    pub(crate) joints: RefCell<Joints<V::Real>>,
+    pub(crate) joints: RefCell<Joints<V>>,
     /// Memory of evaluating a mutation.
     pub(crate) replay: RefCell<Replay<V::Real>>,
     sequences: Cell<u8>,

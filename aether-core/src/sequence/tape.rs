@@ -211,7 +211,7 @@ impl<V: Vertex> Tape<V> {
 
     /// Notes that there is a step with a Dirac factor.
     #[inline]
-    fn note(&self, dirac: Option<Dirac>) {
+    pub fn note(&self, dirac: Option<Dirac>) {
         if dirac == Some(Dirac::Direction) {
             self.directed.set(true);
         }
@@ -256,14 +256,6 @@ impl<V: Vertex> Tape<V> {
         entries.push(Entry { way, vertex, block, run: run + 1, visible, dirac });
         let (vertex, value) = (drawn.vertex, drawn.value);
         vertices.push(Kept { vertex, value, question, at, before: run, reversed: false });
-    }
-
-    /// Keeps a vertex that was drawn for itself, as a path of its own.
-    #[inline]
-    pub fn keep(&self, drawn: &Drawn<V>) -> Place {
-        let place = Place::new(self.len(), 1);
-        self.extend_run((0, 0), 0, drawn, Question::NOTHING);
-        place
     }
 
     /// Takes the steps of a joint run, of which `i` is the first, of a place that is read forwards.

@@ -4,6 +4,7 @@ use super::{BEHIND, End, Walk};
 use crate::path_density::PathDensity;
 use crate::real::Scalar;
 use crate::sequence::{LAST, NONE};
+use crate::strategy::{Drawn, Vertex};
 
 /// A strategy and the side that it comes from, and the class of lengths of what lies before.
 pub(super) type Question = (u32, u32);
@@ -22,6 +23,18 @@ pub(super) struct Stop<R> {
     pub fixed: bool,
     /// Its density under the strategy that drew it.
     pub own: PathDensity<R>,
+}
+
+/// A piece of a walk, of the vertices up to one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece<R> {
+    /// What is next to a joint behind it.
+    pub tail: Tail,
+    /// The density of its last vertex under the strategy that drew it.
+    pub own: PathDensity<R>,
+    /// The densities with which the other walk would have made that vertex, over its own, and how it would, for the two ways
+    /// that were asked for last: as far as they depend on vertices of this walk alone.
+    pub ratios: [Answer<R>; 2],
 }
 
 /// What a window shows of a piece of a walk: its last vertices, next to the joint.
@@ -69,15 +82,10 @@ const PLACES: u16 = (1 << LAST) - 1;
 pub(super) struct Side<R> {
     /// Which walk it is.
     pub walk: Option<Walk>,
-    /// Its vertices.
-    pub stops: Vec<Stop<R>>,
-    /// What is next to a joint, by the number of vertices of the piece.
-    pub tails: Vec<Tail>,
+    /// Its pieces, by the number of their vertices: the first one has none.
+    pub pieces: Vec<Piece<R>>,
     /// How each of its steps makes a vertex, or would, and the first one of those up to it that do so alike.
     pub steps: Vec<(Question, u32)>,
-    /// The densities with which the other walk would have made each vertex, over that of its own walk, and how it would,
-    /// for the two ways that were asked for last: as far as they depend on vertices of this walk alone.
-    pub ratios: Vec<[Answer<R>; 2]>,
     /// Of the second walk: how its first vertex would be drawn for itself after the next ones, and with which density.
     pub ending: Answer<R>,
     /// Sums over the techniques that join a path before a vertex, by its number; the first one is zero.
@@ -87,21 +95,31 @@ pub(super) struct Side<R> {
 }
 
 impl<R: Scalar> Side<R> {
-    /// Becomes that of a walk without any vertex yet.
-    pub fn begin(&mut self, walk: Walk) {
-        self.walk = Some(walk);
-        self.stops.clear();
-        self.steps.clear();
-        self.tails.clear();
-        self.tails.push(Tail::EMPTY);
+    fn new() -> Self {
+        Side {
+            walk: None,
+            pieces: Vec::new(),
+            steps: Vec::new(),
+            ending: None,
+            sums: Vec::new(),
+            summed: 0,
+        }
     }
 
-    /// Adds a vertex, and what is next to a joint behind it.
+    /// Becomes that of a walk without any vertex yet.
+    pub fn begin(&mut self, walk: Walk) {
+        (self.walk, self.ending) = (Some(walk), None);
+        self.steps.clear();
+        self.pieces.clear();
+        self.pieces.push(Piece { tail: Tail::EMPTY, own: PathDensity::ONE, ratios: [None; 2] });
+    }
+
+    /// Adds the piece with one more vertex than `before` to those that are there; returns what is next to a joint behind it.
     #[inline(always)]
-    pub fn add(&mut self, stop: Stop<R>, end: End) {
-        let before = self.tails.last().copied().unwrap_or(Tail::EMPTY);
-        self.tails.push(before.then(&stop, end));
-        self.stops.push(stop);
+    pub fn add(&mut self, before: Tail, stop: Stop<R>, end: End) -> Tail {
+        let tail = before.then(&stop, end);
+        self.pieces.push(Piece { tail, own: stop.own, ratios: [None; 2] });
+        tail
     }
 
     /// Leaves no sum but the first one.
@@ -119,26 +137,16 @@ impl<R: Scalar> Side<R> {
 
 /// What an arena remembers of how the vertices of walks could have been made.
 #[derive(Clone, Debug)]
-pub(crate) struct Joints<R> {
+pub(crate) struct Joints<V: Vertex> {
     /// The two walks that were asked for last.
-    pub(super) sides: [Side<R>; 2],
-    /// Where the last vertices are that were drawn for themselves, by the length of the path.
-    pub(crate) lasts: Vec<Option<u32>>,
+    pub(super) sides: [Side<V::Real>; 2],
+    /// The last vertices that were drawn for themselves, by the length of the path.
+    pub(crate) lasts: Vec<Option<Drawn<V>>>,
 }
 
-impl<R: Scalar> Joints<R> {
+impl<V: Vertex> Joints<V> {
     pub fn new() -> Self {
-        let side = || Side {
-            walk: None,
-            stops: Vec::new(),
-            tails: Vec::new(),
-            steps: Vec::new(),
-            ratios: Vec::new(),
-            ending: None,
-            sums: Vec::new(),
-            summed: 0,
-        };
-        Joints { sides: [side(), side()], lasts: Vec::new() }
+        Joints { sides: [Side::new(), Side::new()], lasts: Vec::new() }
     }
 
     pub fn clear(&mut self) {
@@ -160,13 +168,13 @@ mod tests {
             own: PathDensity::<f32>::ONE,
         };
         for end in [End::First, End::Second] {
-            let [mut side, _] = Joints::new().sides;
+            let mut side = Side::new();
             side.begin(Walk { place: Place::new(0, 7), len: 7 });
-            (0..7).for_each(|k| side.add(stop(k), end));
-            assert_eq!(side.tails.len(), 8);
-            for (len, tail) in side.tails.iter().enumerate() {
+            let _ = (0..7).fold(Tail::EMPTY, |tail, k| side.add(tail, stop(k), end));
+            assert_eq!(side.pieces.len(), 8);
+            for (len, piece) in side.pieces.iter().enumerate() {
                 let mut expected = Tail::EMPTY;
-                for (j, stop) in side.stops[..len].iter().rev().take(LAST).enumerate() {
+                for (j, stop) in (0..len as u32).rev().map(stop).take(LAST).enumerate() {
                     let (place, edge) = match end {
                         End::First => (BEHIND - 1 - j, BEHIND - 2 - j),
                         End::Second => (BEHIND + j, BEHIND + j),
@@ -175,7 +183,7 @@ mod tests {
                     expected.sees_next |= u16::from(stop.visible) << edge;
                     expected.fixed |= u16::from(stop.fixed) << place;
                 }
-                assert_eq!(*tail, expected, "{len}");
+                assert_eq!(piece.tail, expected, "{len}");
             }
         }
     }

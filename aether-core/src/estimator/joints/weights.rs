@@ -6,7 +6,7 @@ use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
 use crate::real::Real;
-use crate::sequence::{PathView, Place};
+use crate::sequence::PathView;
 use crate::strategy::{Dirac, Strategy, Vertex};
 use crate::work::count_densities;
 
@@ -19,19 +19,19 @@ where
 {
     /// The terms of all other techniques, relative to that of a sample of the technique that made a path.
     pub(super) fn others(&self, joined: &Joined<'_, I::Vertex>) -> DensityOf<I> {
-        let Joint { length: n, first, last } = joined.joint;
-        if last.is_some() {
+        let Joint { length: n, first } = joined.joint;
+        if joined.last.is_some() {
             let own = self.density_of_last(joined);
             let mut sum = self.row[n].mass;
             if !sum.is_zero() {
-                let density = self.near_by_step(joined, End::First, n - 1);
+                let density = self.last_by_step::<false>(joined);
                 sum = sum * self.heuristic.term(PathDensity::quotient(density, own));
             }
             let further = self.ahead(joined);
             if further.is_zero() {
                 return sum;
             }
-            let density = self.near_by_step(joined, End::Second, n - 1);
+            let density = self.last_by_step::<true>(joined);
             return sum + further * self.heuristic.term(PathDensity::quotient(density, own));
         }
         let ahead = self.ahead(joined);
@@ -42,7 +42,7 @@ where
         if !self.ends || mass.is_zero() {
             return ahead;
         }
-        let density = self.near(joined, End::First, n - 1, self.ending);
+        let density = self.near::<false>(joined, joined.place(n - 1), self.ending);
         let own = self.own(End::First, n - 1);
         ahead + mass * self.heuristic.term(PathDensity::quotient(density, own))
     }
@@ -90,7 +90,9 @@ where
         if self.is_ending(n, end, k) {
             let density = match len > self.ending_reads {
                 true => self.far_ending(),
-                false => PathDensity::new(self.near(joined, End::First, n - 1, self.ending)),
+                false => {
+                    PathDensity::new(self.near::<false>(joined, joined.place(n - 1), self.ending))
+                }
             };
             mass = mass * self.heuristic.term(density / self.own(End::Second, 0));
         }
@@ -175,7 +177,8 @@ where
         if known.is_some_and(|(asked, _)| asked == question) {
             return true;
         }
-        let density = PathDensity::new(self.density(n, End::Second, 0, question));
+        let next = READS.min(self.walks[End::Second as usize].len.min(n) - 1);
+        let density = PathDensity::new(self.density(n, End::Second, (0, next), question));
         self.joints.sides[End::Second as usize].ending = Some((question, density));
         false
     }
@@ -199,20 +202,27 @@ where
     #[inline(always)]
     fn ratio(&mut self, n: usize, end: End, k: usize) -> DensityOf<I> {
         let Some(question) = self.question(n, end.other(), k) else { return PathDensity::ZERO };
-        match &self.joints.sides[end as usize].ratios[k] {
+        match &self.joints.sides[end as usize].pieces[k + 1].ratios {
             [Some((asked, ratio)), _] if *asked == question => *ratio,
             [_, Some((asked, ratio))] if *asked == question => *ratio,
-            _ => self.new_ratio(n, end, k, question),
+            _ if end == End::First => self.new_ratio::<false>(n, k, question),
+            _ => self.new_ratio::<true>(n, k, question),
         }
     }
 
-    /// The same, not known.
+    /// The same, not known: a function for either walk, in which all that follows from that is known.
     #[inline(never)]
-    fn new_ratio(&mut self, n: usize, end: End, k: usize, question: Question) -> DensityOf<I> {
-        let density = self.density(n, end, k, question);
-        let ratio = PathDensity::quotient(density, self.own(end, k));
-        let known = &mut self.joints.sides[end as usize].ratios[k];
-        *known = [Some((question, ratio)), known[0]];
+    fn new_ratio<const IS_SECOND: bool>(
+        &mut self,
+        n: usize,
+        k: usize,
+        question: Question,
+    ) -> DensityOf<I> {
+        let end = if IS_SECOND { End::Second } else { End::First };
+        let density = self.density(n, end, (k, READS), question);
+        let piece = &mut self.joints.sides[end as usize].pieces[k + 1];
+        let ratio = PathDensity::quotient(density, piece.own);
+        piece.ratios = [Some((question, ratio)), piece.ratios[0]];
         ratio
     }
 
@@ -242,35 +252,50 @@ where
     }
 
     /// The density of vertex `k` of a walk in a path of n vertices, far from the joint, under a strategy of the other walk: it
-    /// depends on nothing but the next vertices of this walk, behind which the path may be joined as well.
-    fn density(&self, n: usize, end: End, k: usize, question: Question) -> RealOf<I> {
-        let tails = &self.joints.sides[end as usize].tails;
-        let count = (k + 1 + READS).min(tails.len() - 1).min(n);
-        let (tail, distance) = (&tails[count], count - 1 - k);
-        let (first, pieces, place) = match end {
-            End::First => (count, [tail, &Tail::EMPTY], BEHIND - 1 - distance),
-            End::Second => (n - count, [&Tail::EMPTY, tail], BEHIND + distance),
+    /// depends on nothing but the next vertices of this walk, so many, behind which the path may be joined as well.
+    #[inline(always)]
+    fn density(
+        &self,
+        n: usize,
+        end: End,
+        (k, next): (usize, usize),
+        question: Question,
+    ) -> RealOf<I> {
+        let count = k + 1 + next;
+        let tail = &self.joints.sides[end as usize].pieces[count].tail;
+        let (first, tails, place) = match end {
+            End::First => (count, [tail, &Tail::EMPTY], BEHIND - 1 - next),
+            End::Second => (n - count, [&Tail::EMPTY, tail], BEHIND + next),
         };
-        let joint = Joint { length: n, first, last: None };
-        let joined = Joined { joint, window: window(self.tape, pieces) };
+        let joint = Joint { length: n, first };
+        let joined = Joined { joint, last: None, window: window(self.tape, tails) };
         self.at_place(&joined, end.other(), place, question.0 >> 1)
     }
 
-    /// The density of vertex `i` of a path, next to the joint, under the step of a walk that would make it.
-    #[inline]
-    fn near_by_step(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize) -> RealOf<I> {
-        let k = joined.joint.index(end.other(), i);
-        let question = self.question(joined.joint.length, end, k);
-        question.map_or(RealOf::<I>::ZERO, |question| self.near(joined, end, i, question.0 >> 1))
+    /// The density of a last vertex that was drawn for itself under the step of a walk that would make it.
+    #[inline(always)]
+    fn last_by_step<const IS_SECOND: bool>(&self, joined: &Joined<'_, I::Vertex>) -> RealOf<I> {
+        let (n, end) = (joined.joint.length, if IS_SECOND { End::Second } else { End::First });
+        let k = joined.joint.index(end.other(), n - 1);
+        let question = self.question(n, end, k);
+        question.map_or(RealOf::<I>::ZERO, |question| {
+            self.near::<IS_SECOND>(joined, BEHIND, question.0 >> 1)
+        })
     }
 
-    /// The density of vertex `i` of a path, next to the joint, under a strategy that comes from one end.
+    /// The density of the vertex at a place of the window under a strategy that comes from one end: a function for either.
     #[inline(never)]
-    fn near(&self, joined: &Joined<'_, I::Vertex>, end: End, i: usize, strategy: u32) -> RealOf<I> {
-        self.at_place(joined, end, joined.place(i), strategy)
+    fn near<const IS_SECOND: bool>(
+        &self,
+        joined: &Joined<'_, I::Vertex>,
+        place: usize,
+        strategy: u32,
+    ) -> RealOf<I> {
+        let end = if IS_SECOND { End::Second } else { End::First };
+        self.at_place(joined, end, place, strategy)
     }
 
-    /// The same of the vertex at a place of the window, in line.
+    /// The same in line.
     #[inline(always)]
     fn at_place(
         &self,
@@ -291,16 +316,14 @@ where
 
     /// The density with which the last vertex of a path was drawn for itself.
     pub(super) fn density_of_last(&self, joined: &Joined<'_, I::Vertex>) -> DensityOf<I> {
-        let last = joined.joint.last;
-        let known = last.and_then(|at| self.tape.own(Place::new(at as usize, 1), 0));
-        let i = joined.joint.length - 1;
-        PathDensity::new(known.unwrap_or_else(|| self.near(joined, End::First, i, self.ending)))
+        let known = joined.last.and_then(|last| last.value);
+        PathDensity::new(known.unwrap_or_else(|| self.near::<false>(joined, BEHIND, self.ending)))
     }
 
     /// The density of vertex `k` of a walk under its own strategy.
     #[inline(always)]
     fn own(&self, end: End, k: usize) -> DensityOf<I> {
-        self.joints.sides[end as usize].stops[k].own
+        self.joints.sides[end as usize].pieces[k + 1].own
     }
 }
 
