@@ -138,6 +138,8 @@ pub(super) struct Pieces<'r, I: PathIntegrand, S, H, D> {
     /// The techniques of paths of the length in question, and whether the last vertex is drawn for itself by one of them.
     row: &'r [Technique<RealOf<I>>],
     ends: bool,
+    /// The length of the paths whose sums are made; none at first.
+    summed_up: usize,
     joints: RefMut<'r, Joints<I::Vertex>>,
     /// The last vertices that were drawn for themselves, by the length of the path.
     lasts: &'r [Option<Drawn<I::Vertex>>],
@@ -192,6 +194,7 @@ where
             ending_reads: connections.ending.map_or(0, |strategy| strategy.reads().vertices),
             row: &[],
             ends: false,
+            summed_up: 0,
             joints,
             lasts,
             carried,
@@ -310,7 +313,7 @@ where
 
     /// Visits the paths with so many vertices that contribute.
     fn visit_length(&mut self, length: usize, visit: &mut impl FnMut(Connected<I::Value>)) {
-        let ([first, second], mut is_summed_up) = (self.walks, false);
+        let [first, second] = self.walks;
         for first in length.saturating_sub(second.len.max(1))..first.len.min(length) + 1 {
             let Technique { samples, mass } = self.row[first];
             if samples == 0 {
@@ -327,9 +330,11 @@ where
             if value.is_zero() {
                 continue;
             }
-            if !is_summed_up {
+            // Not a local variable: the compiler would make a loop of the paths that carry nothing, within that of all, and load
+            // what this one needs anew whenever it is entered.
+            if self.summed_up != length {
                 self.sum_up(length);
-                is_summed_up = true;
+                self.summed_up = length;
             }
             let weight = self.others(&joined).share_beside(mass);
             let alone = value.over(RealOf::<I>::of(samples as f64));
