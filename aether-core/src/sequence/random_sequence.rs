@@ -117,6 +117,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     }
 
     /// Vertex `i`, if the path has it.
+    #[inline]
     pub fn vertex(&self, i: usize) -> Option<V> {
         (i < self.len()).then(|| self.arena.tape.vertex(self.handle.place.at(i))).flatten()
     }

@@ -92,7 +92,7 @@ impl<V: Vertex> Tape<V> {
     /// The vertex of a step, if it has one.
     #[inline]
     pub fn vertex(&self, at: usize) -> Option<V> {
-        let id = self.entry(at).vertex;
+        let id = self.entries.borrow()[at].vertex;
         self.vertices.borrow().get(id as usize).map(|kept| kept.vertex)
     }
 
