@@ -155,22 +155,38 @@ impl Splats {
 
     /// [`Splats::add`] to the layers of a technique, if it is to have layers: what it contributes by its weight, and
     /// what it would alone.
+    #[inline]
     pub fn add_by(&mut self, technique: Technique, pixel: (u32, u32), values: [[f32; 3]; 2]) {
         if technique.vertices <= self.layered {
-            for (weighted, value) in [true, false].into_iter().zip(values) {
-                self.add_to(Layer::Technique { weighted, technique }, pixel, value);
-            }
+            self.add_to_layers(technique, pixel, values);
+        }
+    }
+
+    /// The same of a technique that is to have layers, as mostly none is.
+    #[cold]
+    fn add_to_layers(&mut self, technique: Technique, pixel: (u32, u32), values: [[f32; 3]; 2]) {
+        for (weighted, value) in [true, false].into_iter().zip(values) {
+            self.add_to(Layer::Technique { weighted, technique }, pixel, value);
         }
     }
 
     /// [`Splats::add_by`] for a sample of a pixel: to all pixels that have a share of it, if it is shared.
+    #[inline]
     pub fn share_by(&mut self, technique: Technique, own: (u32, u32), values: [[f32; 3]; 2]) {
-        if !self.lies || technique.vertices > self.layered {
-            return self.add_by(technique, own, values);
+        if technique.vertices <= self.layered {
+            self.share_to_layers(technique, own, values);
+        }
+    }
+
+    /// The same of a technique that is to have layers, as mostly none is.
+    #[cold]
+    fn share_to_layers(&mut self, technique: Technique, own: (u32, u32), values: [[f32; 3]; 2]) {
+        if !self.lies {
+            return self.add_to_layers(technique, own, values);
         }
         let shares = std::mem::take(&mut self.shares);
         for (pixel, share) in shares.each() {
-            self.add_by(technique, pixel, values.map(|value| value.map(|v| v * share)));
+            self.add_to_layers(technique, pixel, values.map(|value| value.map(|v| v * share)));
         }
         self.shares = shares;
     }
