@@ -326,10 +326,7 @@ where
                 continue;
             }
             let joined = self.joined(Joint { length, first }, last);
-            let value = self.value(&joined);
-            if value.is_zero() {
-                continue;
-            }
+            let Some(value) = self.value(&joined) else { continue };
             // Not a local variable: the compiler would make a loop of the paths that carry nothing, within that of all, and load
             // what this one needs anew whenever it is entered.
             if self.summed_up != length {
@@ -361,8 +358,8 @@ where
         joined
     }
 
-    /// f / p of a path, not weighted.
-    fn value(&self, joined: &Joined<'_, I::Vertex>) -> I::Value {
+    /// f / p of a path, not weighted, if it is not zero.
+    fn value(&self, joined: &Joined<'_, I::Vertex>) -> Option<I::Value> {
         let (Joint { length, first }, last) = (joined.joint, joined.last);
         let behind = length - first;
         let mut value = self.carried[0].values[first];
@@ -370,7 +367,7 @@ where
             value = value.multiply(self.carried[1].values[behind]);
         }
         if value.is_zero() {
-            return value;
+            return None;
         }
         // What goes on behind the edge may vanish without a shadow ray.
         let (reads, shown) = (self.estimator.reads(), self.estimator.shown());
@@ -384,7 +381,7 @@ where
                 let factor = self.estimator.integrand.extend(view(BEHIND + distance));
                 value = value.multiply(factor);
                 if value.is_zero() {
-                    return value;
+                    return None;
                 }
             }
         }
@@ -393,9 +390,10 @@ where
             value = per(value, density);
         }
         if last.is_none() && behind >= reads {
-            return value;
+            return Some(value);
         }
-        value.multiply(self.estimator.integrand.end(view(joined.place(length - 1))))
+        value = value.multiply(self.estimator.integrand.end(view(joined.place(length - 1))));
+        (!value.is_zero()).then_some(value)
     }
 }
 
