@@ -24,7 +24,7 @@ impl Body<'_> {
                 if let Some(equal) = self.equal(&left, &right) {
                     return Some(Some(Value::Bool(equal == matches!(b.op, BinOp::Eq(_)))));
                 }
-                return Some(self.error(b, "whether these are equal is the same for all samples, and real numbers are so with probability zero: compare with `<`, `<=`, `>` or `>=`"));
+                return Some(self.error(b, "whether these are equal is not told: numbers that parameters alone make are compared with `<`, `<=`, `>` or `>=`"));
             }
             _ => return None,
         };
