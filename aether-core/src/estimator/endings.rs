@@ -3,8 +3,9 @@
 use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
+use crate::estimator::range::is_regular;
 use crate::estimator::steps::{Fork, MOST_WAYS, RING, Steps, Walk, bits};
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::real::Real;
 use crate::sequence::{Arena, LAST, RandomSequence};
 use crate::strategy::{Drawn, Strategy, Vertex};

@@ -14,8 +14,9 @@ use core::cell::{Ref, RefMut};
 
 use crate::combine::Separable;
 use crate::estimator::connections::{Connected, Connections};
+use crate::estimator::range::{is_usable, per};
 use crate::estimator::techniques::Technique;
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_usable, per};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::path_density::PathDensity;
 use crate::real::Real;
 use crate::sequence::{

@@ -1,8 +1,9 @@
 //! Last vertices of paths along a walk, with the ways to find them.
 
 use crate::combine::Heuristic;
+use crate::estimator::range::is_regular;
 use crate::estimator::steps::{Fork, MOST_WAYS};
-use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value, is_regular};
+use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::real::Real;
 use crate::strategy::{Drawn, Strategy, Vertex};
 
