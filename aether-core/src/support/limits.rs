@@ -101,8 +101,11 @@ pub fn rare_sample<R: Real, S: Sampler<R>>(
     inner: R::Mask,
 ) -> (S::Point, R::Mask, R) {
     let (point, exists) = sampler.forward(u);
-    let density = if inner.all() { d } else { sampler.pdf_of_uniforms(u).value() };
-    (point, exists, density)
+    if inner.all() {
+        return (point, exists, d);
+    }
+    // A lane that is plain keeps what it has alone.
+    (point, exists, R::select(inner, d, sampler.pdf_of_uniforms(u).value()))
 }
 
 /// The same of a map of several pieces, of which one has the density `d`.
