@@ -193,9 +193,9 @@ fn attributes(
 mod tests {
     use super::*;
     use crate::cli::summary::summary;
+    use crate::cli::tests::parsed;
     use crate::render::{Budget, PixelKernel, RenderSettings, render};
     use crate::scene::SamplerKind;
-    use clap::Parser;
 
     /// Two values in turn: mean 2, variance of the mean of four samples 1/3.
     struct Alternating;
@@ -210,17 +210,9 @@ mod tests {
         }
     }
 
-    fn arguments(line: &[&str]) -> RenderArguments {
-        let line = ["aether", "render"].iter().chain(line);
-        match super::super::Arguments::parse_from(line).command {
-            super::super::Command::Render(arguments) => *arguments,
-            other => panic!("{other:?}"),
-        }
-    }
-
     #[test]
     fn output_names() {
-        let name = |line: &[&str]| output_path(&arguments(line)).map_err(|e| e.to_string());
+        let name = |line: &[&str]| output_path(&parsed(line)).map_err(|e| e.to_string());
         assert_eq!(name(&["scenes/a.b.xml"]), Ok("a.b.exr".into()));
         assert_eq!(name(&["a.xml", "-o", "x/y.EXR"]), Ok("x/y.EXR".into()));
         assert!(name(&["a.xml", "-o", "y.png"]).unwrap_err().contains("must end in .exr"));
@@ -251,7 +243,7 @@ mod tests {
         let settings = RenderSettings::new(plan.size, Budget::Samples(4));
         let rendered = render(&Alternating, &settings, &());
         let output = std::env::temp_dir().join(format!("aether-render-{}.exr", std::process::id()));
-        let arguments = arguments(&["box.xml", "-D", "a=1", "-D", "b=2"]);
+        let arguments = parsed(&["box.xml", "-D", "a=1", "-D", "b=2"]);
         let more = || Ok(More::from([("albedo".to_owned(), RgbImage::filled(7, 5, [0.5; 3]))]));
         let pictures = write_files(&output, &plan, &arguments, &rendered, &more).unwrap();
         assert_eq!(pictures, [output.with_extension("png")]);

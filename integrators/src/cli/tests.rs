@@ -21,12 +21,17 @@ const SCENE: &str = r#"<scene version="3.0.0">
     <shape type="sphere"><bsdf type="diffuse"/></shape>
 </scene>"#;
 
-fn arguments(line: &[&str]) -> RenderArguments {
-    let line = ["aether", "render", "scene.xml"].iter().chain(line);
+/// What a command line of `aether render` asks for.
+pub(super) fn parsed(line: &[&str]) -> RenderArguments {
+    let line = ["aether", "render"].iter().chain(line);
     match Arguments::parse_from(line).command {
         Command::Render(arguments) => *arguments,
         other => panic!("{other:?}"),
     }
+}
+
+fn arguments(line: &[&str]) -> RenderArguments {
+    parsed(&[&["scene.xml"], line].concat())
 }
 
 fn scene() -> Scene {
@@ -143,11 +148,7 @@ fn images_whose_light_paths_memory_has_no_room_for_are_refused() {
 fn a_size_takes_the_place_of_the_films() {
     let file = std::env::temp_dir().join(format!("aether-size-{}.xml", std::process::id()));
     std::fs::write(&file, SCENE).unwrap();
-    let line = ["aether", "render", file.to_str().unwrap(), "--size", "50x100"];
-    let arguments = match Arguments::parse_from(line).command {
-        Command::Render(arguments) => *arguments,
-        other => panic!("{other:?}"),
-    };
+    let arguments = parsed(&[file.to_str().unwrap(), "--size", "50x100"]);
     let scene = load(&arguments);
     std::fs::remove_file(&file).unwrap();
     let scene = scene.unwrap();

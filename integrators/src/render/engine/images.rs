@@ -37,9 +37,8 @@ impl Job<'_> {
         let mut film = Film::new(self.size);
         for tile in &self.tiles {
             let tile = lock(tile);
-            for (index, pixel) in tile.pixels.iter().enumerate() {
-                let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
-                *film.pixel_mut(tile.origin.0 + dx, tile.origin.1 + dy) = *pixel;
+            for ((x, y), pixel) in tile.positions().zip(&tile.pixels) {
+                *film.pixel_mut(x, y) = *pixel;
             }
         }
         let Some(sums) = &self.splats else { return film };

@@ -25,6 +25,14 @@ pub(super) struct Tile<'a> {
     pub good_enough: bool,
 }
 
+impl Tile<'_> {
+    /// Where its pixels are in the image, in their order.
+    pub fn positions(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let ((x, y), width) = (self.origin, self.width);
+        (0..self.pixels.len() as u32).map(move |k| (x + k % width, y + k / width))
+    }
+}
+
 /// Cuts an image into tiles, row by row from the top left.
 pub(super) fn tiles((width, height): (u32, u32), kernel: &dyn AnyKernel) -> Vec<Mutex<Tile<'_>>> {
     let mut tiles = Vec::new();
@@ -52,40 +60,38 @@ impl Job<'_> {
             return false;
         }
         let (target, mut moved) = (self.done + samples, false);
-        let mut received = Received::new(self, tile);
-        'pixels: for (index, pixel) in tile.pixels.iter_mut().enumerate() {
+        let mut added = Added::new(self, tile);
+        'pixels: for (position, pixel) in tile.positions().zip(&mut tile.pixels) {
             if self.observer.cancelled() {
                 break;
             }
-            let (dx, dy) = (index as u32 % tile.width, index as u32 / tile.width);
-            let position = (tile.origin.0 + dx, tile.origin.1 + dy);
             for number in pixel.count()..target {
-                received.splats.begin();
-                let value = worker(position, number, &mut received.splats);
-                if received.splats.is_given_up() {
+                added.splats.begin();
+                let value = worker(position, number, &mut added.splats);
+                if added.splats.is_given_up() {
                     break 'pixels;
                 }
                 moved = true;
-                let value = received.own(position, value);
+                let value = added.own(position, value);
                 match &mut tile.chain {
                     None => pixel.add(value),
                     Some(chain) => {
-                        chain.step(&mut received.splats);
+                        chain.step(&mut added.splats);
                         pixel.add_chained(value);
                     }
                 }
             }
-            if received.splats.len() > COLLECTED {
-                received.hand_over_splats();
+            if added.splats.len() > COLLECTED {
+                added.hand_over_splats();
             }
         }
-        received.hand_over();
+        added.hand_over();
         moved
     }
 }
 
 /// What the samples of a tile add to other pixels than their own, until it is handed over.
-struct Received<'j, 'a> {
+struct Added<'j, 'a> {
     job: &'j Job<'a>,
     splats: Splats,
     /// What pixels have of samples that are shared, if they are.
@@ -96,7 +102,7 @@ struct Received<'j, 'a> {
     invalid: u64,
 }
 
-impl<'j, 'a> Received<'j, 'a> {
+impl<'j, 'a> Added<'j, 'a> {
     fn new(job: &'j Job<'a>, tile: &Tile<'_>) -> Self {
         let mut splats = Splats::new(job.layered);
         splats.is_shared = job.filter.is_some();
@@ -106,7 +112,7 @@ impl<'j, 'a> Received<'j, 'a> {
             let rows = tile.pixels.len() as u32 / tile.width;
             Gathered::new(filter, job.size, tile.origin, (tile.width, rows)).scaled_by(scale)
         });
-        Received { job, splats, gathered, most_shared: most.min(f32::MAX.into()), invalid: 0 }
+        Added { job, splats, gathered, most_shared: most.min(f32::MAX.into()), invalid: 0 }
     }
 
     /// What a sample of a pixel gives that pixel, by itself; others have their shares of it from now on.
