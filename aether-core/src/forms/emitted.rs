@@ -190,7 +190,7 @@ pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
 #[inline(always)]
 pub fn delegated_pdf<V: Vertex, S: Strategy<V>>(
     strategy: &S,
-    path: PathView<'_, V>,
+    path: &PathView<'_, V>,
     target: &V,
     probability: V::Real,
 ) -> V::Real {

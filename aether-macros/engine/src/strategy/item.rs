@@ -75,7 +75,9 @@ fn strategy(
     let ways = analysed.filter(|analysed| analysed.has_ways());
     let ways = ways.map(|analysed| {
         let Signature { yields, .. } = signature;
-        let (prelude, real) = (prelude(signature), real(vertex));
+        let real = real(vertex);
+        // Where it lies: a view of its own would be copied.
+        let prelude = prelude(signature, &quote_spanned!(site=> *view));
         let density = density::density(analysed, yields, signature.count > 1, &real);
         quote_spanned! {site=>
             #[allow(unused, unreachable_code, irrefutable_let_patterns, clippy::all, clippy::pedantic)]
@@ -83,7 +85,7 @@ fn strategy(
                 /// The density; if `OTHERS`, without the way that was `taken` to the vertex `way`.
                 fn __density<const OTHERS: bool>(
                     &self,
-                    view: ::aether_core::sequence::PathView<'_, #vertex>,
+                    view: &::aether_core::sequence::PathView<'_, #vertex>,
                     target: &#yields,
                     taken: &[usize],
                     way: usize,
@@ -128,9 +130,9 @@ fn strategy(
 fn density(signature: &Signature, analysed: &Analysed, real: &TokenStream) -> TokenStream {
     let site = Span::mixed_site();
     if analysed.has_ways() {
-        return quote_spanned!(site=> self.__density::<false>(view, target, &[], 0));
+        return quote_spanned!(site=> self.__density::<false>(&view, target, &[], 0));
     }
-    let prelude = prelude(signature);
+    let prelude = prelude(signature, &quote_spanned!(site=> view));
     let density = density::density(analysed, &signature.yields, signature.count > 1, real);
     quote_spanned!(site=> { #prelude #density })
 }
@@ -138,7 +140,8 @@ fn density(signature: &Signature, analysed: &Analysed, real: &TokenStream) -> To
 /// `sample` and `pdf` of a strategy of one vertex.
 fn methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
     let (site, vertex) = (Span::mixed_site(), &signature.vertex);
-    let (real, prelude) = (real(vertex), prelude(signature));
+    let (real, view) = (real(vertex), quote_spanned!(site=> view));
+    let prelude = prelude(signature, &view);
     let (sample, pdf) = match analysed {
         Some(analysed @ Analysed { apart, .. }) => {
             let sample = sample::sample(analysed, &real);
@@ -180,7 +183,8 @@ fn methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
 /// The methods of a strategy of several vertices: it never yields a single one.
 fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStream {
     let Signature { vertex, yields, count, .. } = signature;
-    let (site, real, prelude) = (Span::mixed_site(), real(vertex), prelude(signature));
+    let (site, real) = (Span::mixed_site(), real(vertex));
+    let prelude = prelude(signature, &quote_spanned!(site=> view));
     let (sample, pdf) = match analysed {
         Some(analysed) => {
             let sample = sample::sample(analysed, &real);
@@ -237,13 +241,13 @@ fn joint_methods(signature: &Signature, analysed: Option<&Analysed>) -> TokenStr
     }
 }
 
-/// Binds the path and the parameters to their names.
-fn prelude(signature: &Signature) -> TokenStream {
+/// Binds the path, a view of which is given, and the parameters to their names.
+fn prelude(signature: &Signature, view: &TokenStream) -> TokenStream {
     let site = Span::mixed_site();
     let path = &signature.path;
     let reference = signature.path_by_reference.then(|| quote!(&));
     let parameters = parameters(signature);
-    quote_spanned!(site=> let #path = #reference view; #parameters)
+    quote_spanned!(site=> let #path = #reference #view; #parameters)
 }
 
 /// Binds the parameters to their names.

@@ -139,7 +139,7 @@ impl Emitter<'_> {
             #(#identified)*
             let own = #emitted::with_others(own, several, || {
                 let view = ::aether_core::sequence::PathView::asking(view, #dirac);
-                self.__density::<true>(view, &vertex, &taken, #number)
+                self.__density::<true>(&view, &vertex, &taken, #number)
             });
         }
     }

@@ -30,7 +30,7 @@ impl Emitter<'_> {
             End::Delegate { strategy, number } => {
                 let term = quote_spanned! {site=>
                     sum += ::aether_core::forms::emitted::delegated_pdf(
-                        &#strategy, view, target, probability,
+                        &#strategy, &view, target, probability,
                     );
                 };
                 if self.ways {
