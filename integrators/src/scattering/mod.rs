@@ -95,8 +95,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
             ground: K::Blend::field(|| side.varied.then_some(ground)),
         };
         // In place, because there is much in it.
-        let shares = Mixtures::<K>::field(|| scattering.shares_here());
-        scattering.shares = shares;
+        if side.is_mixture() {
+            scattering.shares = Mixtures::<K>::field(|| scattering.shares_here());
+        }
         Some(scattering)
     }
 
@@ -211,11 +212,9 @@ impl<'w, K: SceneKind> Scattering<'w, K> {
         Share { light, chance: if dark { 0.0 } else { light * self.shares().scale } }
     }
 
-    /// The shares of the first part and of the holes, computed once.
+    /// The shares of the first part and of the holes of a mixture, computed once.
+    #[inline(never)]
     fn shares_here(&self) -> Shares {
-        if !self.side.is_mixture() {
-            return Shares::default();
-        }
         let light = self.light_of(&self.side.base);
         let dark = self.side.base.model.is_black() || !self.pose.is_seen();
         let (mut lit, mut seen) = (light, if dark { 0.0 } else { light });
