@@ -5,7 +5,7 @@ use super::{BEHIND, DensityOf, End, Joined, Joint, Pieces, READS, window};
 use crate::combine::Separable;
 use crate::estimator::{PathIntegrand, RealOf};
 use crate::path_density::PathDensity;
-use crate::real::Real;
+use crate::real::{Real, Scalar};
 use crate::sequence::PathView;
 use crate::strategy::{Dirac, Strategy, Vertex};
 use crate::work::count_densities;
@@ -114,9 +114,7 @@ where
     ) -> DensityOf<I> {
         let term = |ratio| self.heuristic.plain_term(ratio);
         let plain = PathDensity::plain_sum_times([mass, before], (other, own), term);
-        // Where something has left the range of plain numbers, also a density that is zero.
-        let robust = || (mass + before) * self.heuristic.term(PathDensity::quotient(other, own));
-        plain.unwrap_or_else(robust)
+        plain.unwrap_or_else(|| robust_sum_times(self.heuristic, [mass, before], (other, own)))
     }
 
     /// The density of the first vertex of the second walk as one that is drawn for itself, where that follows from the
@@ -325,6 +323,18 @@ where
     fn own(&self, end: End, k: usize) -> DensityOf<I> {
         self.joints.sides[end as usize].pieces[k + 1].own
     }
+}
+
+/// The sum of terms times that of a ratio of densities where something has left the range of plain numbers, also a density that is
+/// zero.
+#[cold]
+#[inline(never)]
+fn robust_sum_times<R: Scalar>(
+    heuristic: &impl Separable<R>,
+    [mass, before]: [PathDensity<R>; 2],
+    (other, own): (R, PathDensity<R>),
+) -> PathDensity<R> {
+    (mass + before) * heuristic.term(PathDensity::quotient(other, own))
 }
 
 /// The density of a vertex under a strategy after what it reads of a path, or its probability if it can be nowhere else.
