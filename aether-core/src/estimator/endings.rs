@@ -216,14 +216,19 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let asked = *endings.lengths.start() <= length;
             let used = if asked { endings.used::<I::Vertex>(length) } else { 0 };
             for way in bits(used) {
-                let (steps, other) = (endings.ways[way], &mut None);
+                let steps = endings.ways[way];
+                let other = match steps.first() {
+                    None => None,
+                    Some(step) => {
+                        uniforms.start(walk.block_after(length - 1));
+                        fork.draw(step, uniforms)
+                    }
+                };
                 let (last, met) = match steps.first() {
                     None => (&drawn, met),
                     Some(step) => {
-                        uniforms.start(walk.block_after(length - 1));
-                        *other = fork.draw(step, uniforms);
                         let met = other.as_ref();
-                        (&*other, met.and_then(|last| self.met(&fork, step, last, carried)))
+                        (&other, met.and_then(|last| self.met(&fork, step, last, carried)))
                     }
                 };
                 let (Some(last), Some(met)) = (last, met) else { continue };
