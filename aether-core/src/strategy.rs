@@ -302,6 +302,23 @@ pub trait Strategy<V: Vertex>: Clone {
         Reads::default()
     }
 
+    /// [`Strategy::sample`] after a path of which no more is shown than the strategy reads. A set of strategies passes this on to the
+    /// one in question, of which the compiler knows how much that is.
+    #[inline(always)]
+    fn sample_limited<U: UniformSource<V::Real> + ?Sized>(
+        &self,
+        path: PathView<'_, V>,
+        uniforms: &mut U,
+    ) -> Option<Drawn<V>> {
+        self.sample(path.limited(self.reads()), uniforms)
+    }
+
+    /// [`Strategy::pdf`] after a path of which no more is shown than the strategy reads, likewise.
+    #[inline(always)]
+    fn pdf_limited(&self, path: PathView<'_, V>, target: &V) -> Conditional<V::Real> {
+        self.pdf(path.limited(self.reads()), target)
+    }
+
     /// Which lengths of the path before the vertex make no difference: they are of one class, and densities are
     /// shared between them. Asked for only if [`Strategy::reads`] declares the length.
     fn length_class(&self, len: usize) -> u32 {

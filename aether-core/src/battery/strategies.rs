@@ -152,13 +152,12 @@ impl<'p, V: Vertex, S: Strategy<V>, Q: Strategy<V>> StrategyBattery<'p, V, S, Q>
     /// A vertex by a strategy, from the uniforms with this number.
     fn draw<T: Strategy<V>>(&self, strategy: &T, (stream, number): (u64, u64)) -> Option<Drawn<V>> {
         let mut uniforms = Pcg32::new(self.settings.seed, stream, number);
-        strategy.sample(self.path.limited(strategy.reads()), &mut uniforms)
+        strategy.sample_limited(self.path, &mut uniforms)
     }
 
     /// The density of a vertex by a strategy, or its probability.
     fn density<T: Strategy<V>>(&self, strategy: &T, vertex: &V, dirac: Option<Dirac>) -> f64 {
-        let path = self.path.asking(dirac).limited(strategy.reads());
-        strategy.pdf(path, vertex).of_kind(dirac).to_f64()
+        strategy.pdf_limited(self.path.asking(dirac), vertex).of_kind(dirac).to_f64()
     }
 
     /// Checks what samples tell of their density.

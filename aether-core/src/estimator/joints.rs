@@ -259,8 +259,7 @@ where
     /// stays in the range of numbers.
     fn carry(&mut self) -> bool {
         let (estimator, arena, tape) = (self.estimator, self.arena, self.tape);
-        let ([first, second], integrand) = (self.walks, &estimator.integrand);
-        let (reads, shown) = (estimator.reads(), estimator.shown());
+        let ([first, second], reads) = (self.walks, estimator.reads());
         let [ahead, behind] = &mut self.carried;
         if ahead.begin(arena.contents(), first) {
             let mut value = I::Value::one();
@@ -268,8 +267,8 @@ where
             for (len, piece) in self.joints.sides[0].pieces.iter().enumerate().skip(1) {
                 if !value.is_zero() {
                     let window = window(tape, [&piece.tail, &Tail::EMPTY]);
-                    let view = PathView::of_window(&window, BEHIND - 1, false, len, shown);
-                    value = per(value.multiply(integrand.extend(view)), piece.own.value());
+                    let view = PathView::of_window(&window, BEHIND - 1, false, len);
+                    value = per(value.multiply(estimator.extended(view)), piece.own.value());
                 }
                 ahead.values.push(value);
             }
@@ -287,10 +286,10 @@ where
             if len >= reads {
                 let window = window(tape, [&Tail::EMPTY, &piece.tail]);
                 let place = BEHIND + reads - 1;
-                let view = PathView::of_window(&window, place, false, reads, shown);
-                value = value.multiply(integrand.extend(view));
+                let view = PathView::of_window(&window, place, false, reads);
+                value = value.multiply(estimator.extended(view));
                 if len == reads {
-                    closing = integrand.end(view);
+                    closing = estimator.closing(view);
                 }
             }
             value = per(value, piece.own.value());
@@ -371,15 +370,15 @@ where
             return None;
         }
         // What goes on behind the edge may vanish without a shadow ray.
-        let (reads, shown) = (self.estimator.reads(), self.estimator.shown());
+        let reads = self.estimator.reads();
         let own = if last.is_some() { behind } else { behind.min(reads - 1) };
         let view = |place: usize| {
             let len = first + place + 1 - BEHIND;
-            PathView::of_window(&joined.window, place, false, len, shown)
+            PathView::of_window(&joined.window, place, false, len)
         };
         for distance in [1, 0] {
             if distance < own {
-                let factor = self.estimator.integrand.extend(view(BEHIND + distance));
+                let factor = self.estimator.extended(view(BEHIND + distance));
                 value = value.multiply(factor);
                 if value.is_zero() {
                     return None;
@@ -393,7 +392,7 @@ where
         if last.is_none() && behind >= reads {
             return Some(value);
         }
-        value = value.multiply(self.estimator.integrand.end(view(joined.place(length - 1))));
+        value = value.multiply(self.estimator.closing(view(joined.place(length - 1))));
         (!value.is_zero()).then_some(value)
     }
 }

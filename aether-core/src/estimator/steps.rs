@@ -176,7 +176,7 @@ impl<'r, V: Vertex> Fork<'r, V> {
         S: Strategy<V>,
         U: UniformSource<V::Real> + ?Sized,
     {
-        let drawn = strategy.sample(self.before().limited(strategy.reads()), uniforms);
+        let drawn = strategy.sample_limited(self.before(), uniforms);
         // A vertex that is taken out to be looked at would be copied.
         if let Some(Drawn { value: Some(_), .. }) = &drawn {
             count_densities(1);
@@ -187,8 +187,8 @@ impl<'r, V: Vertex> Fork<'r, V> {
     /// The density of a vertex under a strategy, or its probability if it was drawn with a Dirac factor.
     #[inline(always)]
     pub fn density<S: Strategy<V>>(&self, strategy: &S, drawn: &Drawn<V>) -> V::Real {
-        let before = self.before().asking(drawn.dirac).limited(strategy.reads());
         count_densities(1);
-        strategy.pdf(before, &drawn.vertex).of_kind(drawn.dirac)
+        let before = self.before().asking(drawn.dirac);
+        strategy.pdf_limited(before, &drawn.vertex).of_kind(drawn.dirac)
     }
 }

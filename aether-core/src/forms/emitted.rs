@@ -183,7 +183,7 @@ pub fn delegated<V: Vertex, S: Strategy<V>, U: UniformSource<V::Real> + ?Sized>(
              cannot be delegated to"
         );
     }
-    strategy.sample(path.limited(strategy.reads()), uniforms)
+    strategy.sample_limited(path, uniforms)
 }
 
 /// The probability of delegating times the density (or probability) under the other strategy.
@@ -194,7 +194,7 @@ pub fn delegated_pdf<V: Vertex, S: Strategy<V>>(
     target: &V,
     probability: V::Real,
 ) -> V::Real {
-    let value = strategy.pdf(path.limited(strategy.reads()), target);
+    let value = strategy.pdf_limited(*path, target);
     product(value.of_kind(path.dirac()), probability)
 }
 

@@ -114,6 +114,37 @@ macro_rules! strategies {
                 }
             }
 
+            #[inline(always)]
+            fn sample_limited<U>(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                uniforms: &mut U,
+            ) -> Option<$crate::strategy::Drawn<$vertex>>
+            where
+                U: $crate::uniform::UniformSource<
+                        <$vertex as $crate::strategy::Vertex>::Real,
+                    > + ?Sized,
+            {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::sample_limited(s, path, uniforms)
+                    })+
+                }
+            }
+
+            #[inline(always)]
+            fn pdf_limited(
+                &self,
+                path: $crate::sequence::PathView<'_, $vertex>,
+                target: &$vertex,
+            ) -> $crate::strategy::Conditional<<$vertex as $crate::strategy::Vertex>::Real> {
+                match self {
+                    $($name::$variant(s) => {
+                        $crate::strategy::Strategy::<$vertex>::pdf_limited(s, path, target)
+                    })+
+                }
+            }
+
             #[inline]
             fn reads(&self) -> $crate::strategy::Reads {
                 match self {

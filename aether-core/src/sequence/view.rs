@@ -27,8 +27,14 @@ pub(crate) fn each_last<T>(of: impl Fn(usize) -> T) -> [T; LAST] {
     [of(0), of(1), of(2)]
 }
 
-/// The last vertices of a path, the last one first, as far as they are at hand: mostly all that is read.
+/// The last vertices of a path, the last one first, as far as they are at hand and shown: mostly all that is read.
 type Recent<'p, V> = [Option<&'p V>; LAST];
+
+/// Those of the last vertices that are shown of a path.
+#[inline(always)]
+fn shown<V: Vertex>(recent: Recent<'_, V>, reads: Reads) -> Recent<'_, V> {
+    each_last(|k| if k < reads.vertices { recent[k] } else { None })
+}
 
 /// The last vertices of a path as they were drawn, the last one first: all that is read.
 pub(crate) type LastDrawn<'p, V> = [Option<&'p Drawn<V>>; LAST];
@@ -97,15 +103,14 @@ impl<'p, V: Vertex> PathView<'p, V> {
         Self::new(Source::Drawn(last), recent, len)
     }
 
-    /// Of what is read of `len` vertices of which the last one is at a place of a window, two places from its ends at least,
-    /// and those before it are before that place, or behind it; no more are read than a view has at hand.
+    /// Of `len` vertices of which the last one is at a place of a window, two places from its ends at least, and those before it
+    /// are before that place, or behind it; no more are read than a view has at hand.
     #[inline(always)]
     pub(crate) fn of_window(
         window: &'p Window<'p, V>,
         place: usize,
         backward: bool,
         len: usize,
-        reads: Reads,
     ) -> Self {
         let [before, here, behind] = [place - 2, place, place + 2].map(|i| window.vertices[i]);
         let (next, last) = match backward {
@@ -113,11 +118,7 @@ impl<'p, V: Vertex> PathView<'p, V> {
             false => (window.vertices[place - 1], before),
         };
         let source = Source::Window(window, place as u8, backward);
-        let view = Self::new(source, [here, next, last], len);
-        match reads.length {
-            true => PathView { hidden: len.saturating_sub(reads.vertices), ..view },
-            false => PathView { len: len.min(reads.vertices), ..view },
-        }
+        Self::new(source, [here, next, last], len)
     }
 
     /// The same path, asking for another kind of density; see [`PathView::dirac`].
@@ -130,12 +131,13 @@ impl<'p, V: Vertex> PathView<'p, V> {
     /// length is not declared, cut off.
     #[inline(always)]
     pub fn limited(self, reads: Reads) -> Self {
-        let excess = self.len.saturating_sub(reads.vertices);
+        let (recent, len) = (shown(self.recent, reads), self.len.min(reads.vertices));
+        let excess = self.len - len;
         if reads.length {
-            return PathView { hidden: self.hidden.max(excess), ..self };
+            return PathView { recent, hidden: self.hidden.max(excess), ..self };
         }
-        let (offset, len) = (self.offset + excess, self.len - excess);
-        PathView { offset, len, hidden: self.hidden.saturating_sub(excess), ..self }
+        let (offset, hidden) = (self.offset + excess, self.hidden.saturating_sub(excess));
+        PathView { recent, offset, len, hidden, ..self }
     }
 
     /// How many vertices there are. Meaningful to a strategy only if it declares to read the length.
@@ -184,9 +186,8 @@ impl<'p, V: Vertex> PathView<'p, V> {
         'p: 'c,
     {
         match self.recent.get(k) {
-            _ if k >= self.len - self.hidden => None,
             Some(Some(vertex)) => Some(*vertex),
-            _ if self.is_at_hand() => None,
+            _ if self.is_at_hand() || k >= self.len - self.hidden => None,
             _ => {
                 *copy = self.vertex_elsewhere(k);
                 copy.as_ref()
@@ -278,5 +279,95 @@ impl<'p, V: Vertex> PathView<'p, V> {
                 dirac == Dirac::Position && place < WINDOW && window.fixed >> place & 1 == 1
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::strategies;
+    use crate::strategy::{Conditional, Strategy};
+    use crate::uniform::UniformSource;
+
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct At(f64);
+
+    impl Vertex for At {
+        type Real = f64;
+        type Point = f64;
+        fn point(&self) -> f64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn no_more_is_shown_than_is_read_wherever_it_lies() {
+        let vertices = [At(0.0), At(1.0), At(2.0), At(3.0)];
+        let drawn = vertices.map(Drawn::new);
+        let row = |at: fn(usize) -> usize| {
+            let mut window = Window { vertices: [None; WINDOW], sees_next: 0, fixed: 0 };
+            for k in 0..LAST {
+                window.vertices[at(k)] = Some(&vertices[3 - k]);
+            }
+            window
+        };
+        let [ahead, behind] = [row(|k| 4 - k), row(|k| 5 + k)];
+        let views = [
+            PathView::from_slice(&vertices),
+            PathView::of_drawn(each_last(|k| Some(&drawn[3 - k])), 4),
+            PathView::of_window(&ahead, 4, false, 4),
+            PathView::of_window(&behind, 5, true, 4),
+        ];
+        for (view, read) in views.iter().flat_map(|view| (0..=LAST).map(move |read| (view, read))) {
+            for length in [false, true] {
+                let shown = view.limited(Reads { vertices: read, length });
+                assert_eq!(shown.len(), if length { 4 } else { read });
+                for k in 0..5 {
+                    assert_eq!(shown.back(k), (k < read).then(|| vertices[3 - k]), "{view:?}");
+                }
+                // What is hidden does not appear again.
+                let more = shown.limited(Reads { vertices: LAST, length });
+                assert_eq!(more.back(read), None, "{view:?}");
+            }
+        }
+    }
+
+    /// Finds how many vertices it is shown, though it says that it reads one.
+    #[derive(Clone, Copy)]
+    struct Curious;
+
+    fn shown(path: &PathView<'_, At>) -> f64 {
+        (0..LAST).filter(|k| path.back(*k).is_some()).count() as f64
+    }
+
+    impl Strategy<At> for Curious {
+        fn sample<U>(&self, path: PathView<'_, At>, _: &mut U) -> Option<Drawn<At>>
+        where
+            U: UniformSource<f64> + ?Sized,
+        {
+            Some(Drawn::new(At(shown(&path))))
+        }
+        fn pdf(&self, path: PathView<'_, At>, _: &At) -> Conditional<f64> {
+            Conditional::density(shown(&path))
+        }
+        fn reads(&self) -> Reads {
+            Reads { vertices: 1, length: true }
+        }
+    }
+
+    strategies! {
+        #[derive(Clone, Copy)]
+        enum Set for At { Curious(Curious) }
+    }
+
+    #[test]
+    fn sets_show_strategies_what_they_read() {
+        let vertices = [At(0.0), At(1.0), At(2.0)];
+        let (path, set) = (PathView::from_slice(&vertices), Set::from(Curious));
+        let drawn = set.sample_limited(path, &mut || 0.5).map(|drawn| drawn.vertex);
+        assert_eq!(drawn, Some(At(1.0)));
+        assert_eq!(set.pdf_limited(path, &At(0.0)).of_kind(None), 1.0);
+        assert_eq!(Curious.pdf_limited(path, &At(0.0)).of_kind(None), 1.0);
+        assert_eq!(set.pdf(path, &At(0.0)).of_kind(None), 3.0);
     }
 }

@@ -308,7 +308,7 @@ where
         let last = if backward { place + 1 } else { place - 1 };
         let len = joined.joint.index(end, joined.joint.first + place - BEHIND);
         let strategy = &self.strategies[strategy as usize];
-        let view = PathView::of_window(&joined.window, last, backward, len, strategy.reads());
+        let view = PathView::of_window(&joined.window, last, backward, len);
         evaluated(strategy, view, target, is_fixed)
     }
 
@@ -337,7 +337,7 @@ fn robust_sum_times<R: Scalar>(
     (mass + before) * heuristic.term(PathDensity::quotient(other, own))
 }
 
-/// The density of a vertex under a strategy after what it reads of a path, or its probability if it can be nowhere else.
+/// The density of a vertex under a strategy after a path, or its probability if it can be nowhere else.
 #[inline(always)]
 fn evaluated<V: Vertex, S: Strategy<V>>(
     strategy: &S,
@@ -347,5 +347,5 @@ fn evaluated<V: Vertex, S: Strategy<V>>(
 ) -> V::Real {
     let dirac = is_fixed.then_some(Dirac::Position);
     count_densities(1);
-    strategy.pdf(path.asking(dirac), target).of_kind(dirac)
+    strategy.pdf_limited(path.asking(dirac), target).of_kind(dirac)
 }
