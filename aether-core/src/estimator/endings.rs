@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 use crate::combine::{Heuristic, combine_with};
 use crate::estimator::range::is_regular;
-use crate::estimator::steps::{Fork, MOST_WAYS, RING, Steps, Walk, bits};
+use crate::estimator::steps::{Fork, MOST_WAYS, RING, Steps, Walk};
 use crate::estimator::{Estimator, Factors, PathIntegrand, RealOf, Value};
 use crate::real::Real;
 use crate::sequence::{Arena, LAST, RandomSequence};
@@ -214,17 +214,17 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
             let drawn = walk.draw(length - 1, own, &fork, uniforms);
             let met = drawn.as_ref().and_then(|drawn| self.met(&fork, own, drawn, carried));
             let asked = *endings.lengths.start() <= length;
-            let used = if asked { endings.used::<I::Vertex>(length) } else { 0 };
-            for way in bits(used) {
-                let steps = endings.ways[way];
-                let other = match steps.first() {
-                    None => None,
-                    Some(step) => {
+            let ways = if asked { endings.ways } else { &[] };
+            for (way, steps) in ways.iter().copied().enumerate() {
+                let (step, is_used) = (steps.first(), || endings.has::<I::Vertex>(length, steps));
+                let other = match step {
+                    Some(step) if is_used() => {
                         uniforms.start(walk.block_after(length - 1));
                         fork.draw(step, uniforms)
                     }
+                    _ => None,
                 };
-                let (last, met) = match steps.first() {
+                let (last, met) = match step {
                     None => (&drawn, met),
                     Some(step) => {
                         let met = other.as_ref();
@@ -233,16 +233,19 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
                 };
                 let (Some(last), Some(met)) = (last, met) else { continue };
                 let alone = met.carried.multiply(self.closing(fork.then(last)));
-                if alone.is_zero() {
+                // Mostly the walk has found no end, used or not.
+                if alone.is_zero() || (step.is_none() && !is_used()) {
                     continue;
                 }
                 let (mut ratios, mut count, mut index) = ([RealOf::<I>::ONE; MOST_WAYS], 0, 0);
-                for other in bits(used) {
+                for (other, steps) in ways.iter().enumerate() {
                     if other == way {
                         index = count;
-                    } else {
-                        let strategy = endings.ways[other].first().unwrap_or(own);
+                    } else if endings.has::<I::Vertex>(length, steps) {
+                        let strategy = steps.first().unwrap_or(own);
                         ratios[count] = fork.density(strategy, last) / met.density;
+                    } else {
+                        continue;
                     }
                     count += 1;
                 }
