@@ -15,7 +15,7 @@ use glam::Vec3 as Vector;
 
 use crate::emission::{SampleEmission, SampleEmitter};
 use crate::half_vectors::{HalfVector, SampleHalfVector, sample_half_vector};
-use crate::kind::{Everything, SceneKind};
+use crate::kind::{Everything, Presence, SceneKind, Specular};
 use crate::samplers::{cone_near, rotate};
 use crate::strategies::{
     Aim, SampleBsdf, SampleCamera, SampleCameraDirection, SampleLight, sample_bsdf,
@@ -261,12 +261,13 @@ const MOVED: f32 = 0.1;
 /// Whether a vertex of a path scatters in a single direction, or in few: none of its ends.
 #[inline]
 fn is_smooth<K: SceneKind>(world: &World<'_, K>, path: &Path<'_, '_, K>, i: usize) -> bool {
-    let inside = i > 0 && i + 1 < path.len();
+    let inside = || i > 0 && i + 1 < path.len();
+    let single = || Specular::<K>::VALUE.is_some() && is_atom(path, i);
     let few = || {
         world.least_roughness() < ROUGH
             && path.vertex(i).is_some_and(|vertex| world.roughness(&vertex) < ROUGH)
     };
-    inside && (is_atom(path, i) || few())
+    inside() && (single() || few())
 }
 
 /// Goes on from the last vertex of a draft as long as the vertices of the path at these places are smooth.

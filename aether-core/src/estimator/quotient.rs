@@ -173,10 +173,10 @@ impl<I: PathIntegrand> Estimator<I, Factors<I::Value>> {
         if !path.is_complete() || path.is_empty() {
             return (I::Value::zero(), scale);
         }
-        self.remember(path.arena.contents());
         let tape = path.arena.tape.unfolded();
         for k in 0..path.len() {
-            value = value.multiply(self.factor(&tape, path.handle.place, k));
+            // Chains ask once about a path: to remember factors would cost more than it saves.
+            value = value.multiply(self.new_factor(&tape, path.handle.place, k));
             if value.is_zero() {
                 return (value, scale);
             }

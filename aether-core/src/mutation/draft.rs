@@ -7,7 +7,7 @@ use crate::sequence::{NONE, Place, RandomSequence};
 use crate::strategy::{Strategy, Vertex};
 use crate::uniform::UniformSource;
 
-use super::origin::Origin;
+use super::origin::{Inherited, Origin};
 
 /// Block of sampling dimensions of the choices of a mutation.
 pub(super) const DECISIONS: u32 = 0;
@@ -99,12 +99,6 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
         if !core::ptr::eq(arena, origin.arena()) || !origin.can_draw(draft) {
             return None;
         }
-        {
-            let in_common = &mut arena.replay.borrow_mut().in_common;
-            if origin.wanted(draft, in_common).repeats(in_common) {
-                return None;
-            }
-        }
         let n = draft.len as usize;
         // What the mutation has put together is nowhere else.
         let place = if !draft.reversed && draft.at(0) >= origin.steps {
@@ -114,9 +108,17 @@ impl<'a, V: Vertex, S: Strategy<V>> Draft<'a, V, S> {
             arena.tape.copy(draft, n);
             place
         };
-        for k in (0..n).filter(|k| arena.tape.step(place, *k).vertex != NONE) {
-            let (visible, dirac) = origin.inherited(place, k)?;
-            arena.tape.set_origin(place.at(k), visible, dirac);
+        {
+            let is_kept = &mut arena.replay.borrow_mut().in_common;
+            is_kept.clear();
+            is_kept.resize(origin.len(), false);
+            for k in (0..n).filter(|k| arena.tape.step(place, *k).vertex != NONE) {
+                let Inherited { was, visible, dirac } = origin.inherited(place, k)?;
+                if core::mem::replace(&mut is_kept[was], true) {
+                    return None;
+                }
+                arena.tape.set_origin(place.at(k), visible, dirac);
+            }
         }
         let is_new = |k: usize, backward: bool| {
             let step = arena.tape.step(place, k);

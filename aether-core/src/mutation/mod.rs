@@ -251,7 +251,8 @@ where
 pub(crate) struct Replay<R> {
     /// Which outcomes of the choices have their turn.
     decided: Vec<Decided<R>>,
-    /// Which vertices of the path in question the current path has, too.
+    /// Which vertices of the path in question the current path has, too; or, while a proposal is drawn, which of the current path
+    /// it keeps.
     in_common: Vec<bool>,
 }
 

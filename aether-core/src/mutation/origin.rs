@@ -14,6 +14,16 @@ pub(super) struct Origin<'a, V: Vertex, S> {
     pub steps: usize,
 }
 
+/// What is known of a kept vertex.
+pub(super) struct Inherited {
+    /// Where in the origin it is.
+    pub was: usize,
+    /// Whether it is seen from the vertex that it was made from.
+    pub visible: bool,
+    /// Its Dirac factor.
+    pub dirac: Option<Dirac>,
+}
+
 /// The id of vertex `i` of a place; `None` beyond its ends.
 fn id<V: Vertex>(tape: &Unfolded<'_, V>, place: Place, i: usize) -> Option<u32> {
     (i < place.len as usize).then(|| tape.id(place, i))
@@ -42,6 +52,11 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
 
     pub fn arena(&self) -> &'a Arena<V, S> {
         self.arena
+    }
+
+    /// How many vertices it has.
+    pub fn len(&self) -> usize {
+        self.path.len as usize
     }
 
     /// What a mutation may know of a path whose density is evaluated. Tells of each of its vertices whether the origin has
@@ -89,9 +104,8 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
             && tape.carries(self.path, p, Dirac::Direction)
     }
 
-    /// What kept vertex `k` of a place knows about the vertex that it was made from: whether it is
-    /// seen from there, and its Dirac factor. `None` if it is no vertex of the origin.
-    pub fn inherited(&self, place: Place, k: usize) -> Option<(bool, Option<Dirac>)> {
+    /// What kept vertex `k` of a place knows about the vertex that it was made from. `None` if it is no vertex of the origin.
+    pub fn inherited(&self, place: Place, k: usize) -> Option<Inherited> {
         let tape = &self.arena.tape.unfolded();
         let parent = |i: usize, backward| if backward { i + 1 } else { i.wrapping_sub(1) };
         let vertex = tape.id(place, k);
@@ -106,7 +120,7 @@ impl<'a, V: Vertex, S: Strategy<V>> Origin<'a, V, S> {
             Dirac::Position => true,
             Dirac::Direction => parent_kept && self.inherits_direction(tape, place, made_from),
         });
-        Some((visible && parent_kept, dirac))
+        Some(Inherited { was, visible: visible && parent_kept, dirac })
     }
 
     /// Whether the new vertices of a draft can be drawn in the order in which they are: no strategy

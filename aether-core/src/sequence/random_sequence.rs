@@ -166,7 +166,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         if !self.handle.absent && self.size() < size {
             let known = self.intern(strategy);
             if known.1 == 1 {
-                self.own(self.size());
+                self.own();
                 let blocks = (self.size()..size).map(|i| self.block_at(i));
                 self.arena.tape.push_each(known.0, blocks);
                 self.handle.place.len = size as u32;
@@ -206,7 +206,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
     where
         U: UniformSource<V::Real> + ?Sized,
     {
-        self.own(self.size());
+        self.own();
         let (tape, strategies) = (&self.arena.tape, self.arena.strategies.borrow());
         let strategy = &strategies[id as usize];
         let (reads, mut len) = (strategy.reads(), self.len());
@@ -270,7 +270,7 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
 
     /// Adds the steps of a strategy that is known.
     fn push(&mut self, block: u32, (strategy, vertices): (u32, usize)) {
-        self.own(self.size());
+        self.own();
         for k in 0..vertices {
             self.arena.tape.push(strategy, block, Part::new(k, vertices));
         }
@@ -290,15 +290,19 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         }
     }
 
-    /// Makes sure that the first `size` steps are at the end of the tape, where this path alone can
-    /// go on.
-    fn own(&mut self, size: usize) {
-        let (tape, place) = (&self.arena.tape, self.handle.place);
-        if place.reversed || place.len == 0 || place.at(size) != tape.len() {
-            let start = tape.len();
-            tape.copy(place, self.len());
-            self.handle.place = Place::new(start, size);
+    /// Makes sure that its steps are at the end of the tape, where this path alone can go on.
+    fn own(&mut self) {
+        if !self.is_last() {
+            let start = self.arena.tape.len();
+            self.arena.tape.copy(self.handle.place, self.len());
+            self.handle.place = Place::new(start, self.size());
         }
+    }
+
+    /// Whether its steps are the last of the tape, in their order.
+    fn is_last(&self) -> bool {
+        let place = self.handle.place;
+        !place.reversed && place.len > 0 && place.at(self.size()) == self.arena.tape.len()
     }
 
     /// Samples what has been appended, one strategy after the other. If one yields no vertex the
@@ -387,8 +391,11 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
             return self.absent();
         }
         let tape = &self.arena.tape;
-        let start = tape.len();
-        tape.copy(h.place, h.len as usize);
+        // Where the tape ends with this path, the other one can follow it there.
+        let start = if h.complete() && self.is_last() { h.place.at(0) } else { tape.len() };
+        if start == tape.len() {
+            tape.copy(h.place, h.len as usize);
+        }
         tape.copy(o.place, o.len as usize);
         let place = Place::new(start, (h.place.len + o.place.len) as usize);
         let (len, ended) = if h.complete() { (h.len + o.len, o.ended) } else { (h.len, true) };
