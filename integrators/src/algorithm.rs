@@ -5,7 +5,7 @@ use crate::chains::{ChainIntegrator, ChainKernel};
 use crate::gradient_domain::GradientDomain;
 use crate::instant_radiosity::{InstantRadiosity, RadiosityKernel};
 use crate::integrator::{Integrator, Kernel};
-use crate::kind::{self, DiffuseRooms, Everything, NotCovered, SceneKind};
+use crate::kind::{self, NotCovered, SceneKind};
 use crate::light_tracer::LightTracer;
 use crate::metropolis::Metropolis;
 use crate::path::PathSettings;
@@ -61,9 +61,7 @@ impl Algorithm {
 
     /// The algorithm for a scene by the name of a precompiled kind; `None` if there is no such kind. Uniforms are of the
     /// kind and seed of `sampler`; Markov chains and photons take the seed alone. The same seed gives the same
-    /// image, whatever the kind. Path tracing, also with gradients, and bidirectional path tracing are
-    /// compiled for all kinds, Markov chains for [`DiffuseRooms`] and [`Everything`], the others for the latter alone, which
-    /// is used for all names that an algorithm is not compiled for.
+    /// image, whatever the kind.
     ///
     /// # Errors
     /// If the scene needs what the kind leaves out.
@@ -77,71 +75,84 @@ impl Algorithm {
         if cfg!(test) {
             return None;
         }
-        let seed = sampler.seed;
         match self {
-            Algorithm::Path(it) => kind::named(kind, Make { integrator: it, scene, sampler }),
-            Algorithm::Bidirectional(it) => {
-                kind::named(kind, Make { integrator: it, scene, sampler })
-            }
-            Algorithm::GradientDomain(it) => {
-                kind::named(kind, Make { integrator: it, scene, sampler })
-            }
-            _ if !kind::KINDS.contains(&kind) => None,
-            Algorithm::LightTracer(it) => Some(general(scene, it, sampler)),
-            Algorithm::Tridirectional(it) => Some(general(scene, it, sampler)),
-            Algorithm::InstantRadiosity(it) => {
-                let kernel = RadiosityKernel::<Everything>::new(scene, it, sampler);
-                Some(kernel.map(|kernel| Box::new(kernel) as _))
-            }
-            Algorithm::PhotonMapping(it) => {
-                let kernel = PhotonKernel::<Everything>::new(scene, it, seed);
-                Some(kernel.map(|kernel| Box::new(kernel) as _))
-            }
-            Algorithm::VertexMerging(it) => {
-                let kernel = MergingKernel::<Everything>::new(scene, it, seed);
-                Some(kernel.map(|kernel| Box::new(kernel) as _))
-            }
-            Algorithm::Metropolis(it) => Some(chained(kind, scene, it, seed)),
-            Algorithm::PrimarySample(it) => Some(chained(kind, scene, it, seed)),
+            Algorithm::Path(it) => made(Sampled(it), kind, scene, sampler),
+            Algorithm::LightTracer(it) => made(Sampled(it), kind, scene, sampler),
+            Algorithm::Bidirectional(it) => made(Sampled(it), kind, scene, sampler),
+            Algorithm::Tridirectional(it) => made(Sampled(it), kind, scene, sampler),
+            Algorithm::GradientDomain(it) => made(Sampled(it), kind, scene, sampler),
+            Algorithm::InstantRadiosity(it) => made(it, kind, scene, sampler),
+            Algorithm::PhotonMapping(it) => made(it, kind, scene, sampler),
+            Algorithm::VertexMerging(it) => made(it, kind, scene, sampler),
+            Algorithm::Metropolis(it) => made(Chained(it), kind, scene, sampler),
+            Algorithm::PrimarySample(it) => made(Chained(it), kind, scene, sampler),
         }
     }
 }
 
-fn general<'s, I: Integrator + 's>(
-    scene: &'s Scene,
-    integrator: I,
-    sampler: Sampler,
-) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
-    kind::WithKind::with::<Everything>(Make { integrator, scene, sampler })
+/// What has a kernel for each kind of scenes.
+trait Compiled<'s> {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s>;
 }
 
-/// Markov chains, whose steps in matte rooms take a seventh less time in path space and a third less on primary samples than
-/// those for [`Everything`].
-fn chained<'s, I: ChainIntegrator + 's>(
+type Made<'s> = Result<Box<dyn AnyKernel + 's>, NotCovered>;
+
+/// An algorithm whose samples are independent.
+struct Sampled<I>(I);
+
+impl<'s, I: Integrator + 's> Compiled<'s> for Sampled<I> {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s> {
+        let kernel = Kernel::<K, _>::new(scene, self.0, sampler.seed)?;
+        Ok(Box::new(kernel.sampled_by(sampler.kind)))
+    }
+}
+
+/// An algorithm whose samples are those of Markov chains.
+struct Chained<I>(I);
+
+impl<'s, I: ChainIntegrator + 's> Compiled<'s> for Chained<I> {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s> {
+        Ok(Box::new(ChainKernel::<K, _>::new(scene, self.0, sampler.seed)?))
+    }
+}
+
+impl<'s> Compiled<'s> for InstantRadiosity {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s> {
+        Ok(Box::new(RadiosityKernel::<K>::new(scene, self, sampler)?))
+    }
+}
+
+impl<'s> Compiled<'s> for PhotonMapping {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s> {
+        Ok(Box::new(PhotonKernel::<K>::new(scene, self, sampler.seed)?))
+    }
+}
+
+impl<'s> Compiled<'s> for VertexMerging {
+    fn kernel<K: SceneKind>(self, scene: &'s Scene, sampler: Sampler) -> Made<'s> {
+        Ok(Box::new(MergingKernel::<K>::new(scene, self, sampler.seed)?))
+    }
+}
+
+/// The kernel for the kind with some name, if there is one.
+fn made<'s, C: Compiled<'s> + 's>(
+    of: C,
     kind: &str,
     scene: &'s Scene,
-    integrator: I,
-    seed: u64,
-) -> Result<Box<dyn AnyKernel + 's>, NotCovered> {
-    Ok(match kind {
-        DiffuseRooms::NAME => {
-            Box::new(ChainKernel::<DiffuseRooms, _>::new(scene, integrator, seed)?)
-        }
-        _ => Box::new(ChainKernel::<Everything, _>::new(scene, integrator, seed)?),
-    })
+    sampler: Sampler,
+) -> Option<Made<'s>> {
+    kind::named(kind, Make { of, scene, sampler })
 }
 
-struct Make<'s, I> {
-    integrator: I,
+struct Make<'s, C> {
+    of: C,
     scene: &'s Scene,
     sampler: Sampler,
 }
 
-impl<'s, I: Integrator + 's> kind::WithKind for Make<'s, I> {
+impl<'s, C: Compiled<'s> + 's> kind::WithKind for Make<'s, C> {
     type Output = Box<dyn AnyKernel + 's>;
     fn with<K: SceneKind>(self) -> Result<Self::Output, NotCovered> {
-        let Make { integrator, scene, sampler } = self;
-        let kernel = Kernel::<K, _>::new(scene, integrator, sampler.seed)?;
-        Ok(Box::new(kernel.sampled_by(sampler.kind)))
+        self.of.kernel::<K>(self.scene, self.sampler)
     }
 }
