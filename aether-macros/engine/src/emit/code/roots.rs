@@ -6,7 +6,7 @@ use quote::quote;
 use super::Code;
 use super::literal::{joined, rational};
 use super::parts::Parts;
-use crate::expr::{Deps, Fun, Graph, Id, Node, OUTS, UNKNOWNS};
+use crate::expr::{Deps, Fun, Graph, Id, Node, OUTS, UNKNOWNS, children};
 use crate::overflow::SAFE;
 use crate::rational::Q;
 
@@ -44,10 +44,35 @@ impl Code<'_> {
         if let Some(scaled) = self.scaled_squares(b) {
             let way =
                 if self.looked_at.contains(&b) { quote!(root_or_infinite) } else { quote!(root) };
+            let again = self.minors_again(b);
+            let scaled = if again.is_empty() { scaled } else { quote!({ #again #scaled }) };
             let root = quote!(::aether_core::support::#way(#base, move |up: R| #scaled));
             let name = self.named(&root);
             self.rescued.insert(b, name);
         }
+    }
+
+    /// Statements that make the minors among the squares of a sum once more, by the same operations under the same names, if
+    /// the edges that they are made of are in use elsewhere. What is seldom asked for is handed the edges then: minors that are
+    /// handed on have to be numbers one by one, which keeps the compiler of Rust from having them two at a time.
+    fn minors_again(&self, b: Id) -> TokenStream {
+        let areas = |minor: Id| match self.graph.node(minor) {
+            Node::Sum(_, terms) => terms.iter().map(|(_, area)| *area).collect(),
+            _ => Vec::new(),
+        };
+        let minors = squared(self.graph, b).into_iter().filter(|&id| is_minor(self.graph, id));
+        let minors: Vec<(Id, Vec<Id>)> = minors.map(|minor| (minor, areas(minor))).collect();
+        let all: Vec<Id> = minors.iter().flat_map(|(_, areas)| areas.clone()).collect();
+        let edges: Vec<Id> = all.iter().flat_map(|&area| children(self.graph.node(area))).collect();
+        let others = self.names.keys().filter(|id| !all.contains(id));
+        let mut used = others.flat_map(|&id| children(self.graph.node(id)));
+        let is_edge = |id: &Id| edges.contains(id) && self.graph.deps(*id) != 0;
+        if !used.any(|id| is_edge(&id)) {
+            return TokenStream::new();
+        }
+        let again = minors.into_iter().flat_map(|(minor, areas)| areas.into_iter().chain([minor]));
+        let named = again.filter_map(|id| Some((self.names.get(&id)?, self.expression(id))));
+        named.map(|(name, value)| quote!(let #name = #value;)).collect()
     }
 
     /// Notes that an expression is looked at: where a root that is a factor of it is infinite, it is infinite or no number.
@@ -182,6 +207,31 @@ fn stays_in_range(g: &Graph, b: Id) -> bool {
         && g.range(b).hi < 1.0 / LEAST
 }
 
+/// What is squared in a sum of squares.
+fn squared(g: &Graph, id: Id) -> Vec<Id> {
+    let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
+    let factors = terms.iter().flat_map(|(_, term)| match g.node(*term) {
+        Node::Product(factors) => factors.as_slice(),
+        _ => &[],
+    });
+    let is_square = |(_, e): &&(Id, Id)| g.as_number(*e) == Some(Q::int(2));
+    factors.filter(is_square).map(|(base, _)| *base).collect()
+}
+
+/// Whether an expression is a difference of two products of two differences of parameters each, as coordinates of a vector
+/// product are.
+fn is_minor(g: &Graph, id: Id) -> bool {
+    let is_edge = |&(base, e): &(Id, Id)| {
+        let has_two = matches!(g.node(base), Node::Sum(c, terms) if c.is_zero() && terms.len() == 2);
+        has_two && g.as_number(e) == Some(Q::ONE) && !g.has(base, UNKNOWNS | OUTS)
+    };
+    let is_area = |(_, term): &(Q, Id)| match g.node(*term) {
+        Node::Product(factors) => factors.len() == 2 && factors.iter().all(is_edge),
+        _ => false,
+    };
+    matches!(g.node(id), Node::Sum(c, terms) if c.is_zero() && terms.len() == 2 && terms.iter().all(is_area))
+}
+
 /// The inputs among the bases of a sum of products.
 fn bases(g: &Graph, id: Id) -> Vec<Id> {
     let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
@@ -224,6 +274,42 @@ mod tests {
             .map(|by| length(&mut g, by));
         assert!(stays_in_range(&g, stretched));
         assert!(!stays_in_range(&g, vanishing) && !stays_in_range(&g, part));
+    }
+
+    #[test]
+    fn what_is_seldom_asked_for_makes_minors_of_edges_once_more() {
+        let mut g = Graph::new();
+        let p: Vec<Id> = (0..6)
+            .map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL))
+            .collect();
+        let edges: Vec<Id> = (1..5).map(|i| g.sub(p[i], p[0])).collect();
+        let minor = |g: &mut Graph, [a, b, c, d]: [Id; 4]| {
+            let [first, second] = [g.mul(a, b), g.mul(c, d)];
+            g.sub(first, second)
+        };
+        let of_edges = minor(&mut g, [edges[0], edges[1], edges[2], edges[3]]);
+        let of_inputs = minor(&mut g, [p[1], p[2], p[3], p[4]]);
+        assert!(is_minor(&g, of_edges) && !is_minor(&g, of_inputs) && !is_minor(&g, edges[0]));
+        let squares = [of_edges, p[5]].map(|x| (Q::ONE, g.powi(x, 2)));
+        let sum = g.sum(Q::ZERO, &squares);
+        let root = g.sqrt(sum);
+        let inverse = g.powi(root, -1);
+        let point = g.mul(p[5], edges[0]);
+        let input = |leaf: Leaf| format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap();
+        let closure = |ids: &[Id]| {
+            let mut code = Code::new(&g, &input);
+            code.values(ids);
+            let name = code.reference(of_edges).to_string();
+            let text = code.statements().to_string();
+            let (_, closure) = text.split_once("move | up : R |").unwrap();
+            (name, closure.split_once(") ;").unwrap().0.to_string())
+        };
+        // What is made again is the minor, of its two products.
+        let (name, again) = closure(&[point, inverse]);
+        assert!(again.contains(&format!("let {name} =")), "{again}");
+        assert_eq!(again.matches("let ").count(), 3, "{again}");
+        // Where nothing else needs an edge the minor is handed on.
+        assert_eq!(closure(&[inverse]).1.matches("let ").count(), 0);
     }
 
     #[test]
