@@ -29,6 +29,8 @@ pub struct Code<'a> {
     named: usize,
     /// General powers that have been written: base, exponent, name.
     powers: Vec<(Id, Id, TokenStream)>,
+    /// Factors that products begin with which have been written.
+    begun: Vec<[Id; 2]>,
     /// Names of roots that are computed again where their squares underflow.
     rescued: HashMap<Id, TokenStream>,
     /// Of the sine and of the cosine of an angle, the other one, if that is asked for too.
@@ -51,6 +53,7 @@ impl<'a> Code<'a> {
             names: HashMap::new(),
             named: 0,
             powers: Vec::new(),
+            begun: Vec::new(),
             rescued: HashMap::new(),
             partners: HashMap::new(),
             lenient: false,
@@ -178,6 +181,7 @@ impl<'a> Code<'a> {
         let name = format_ident!("t{}", self.names.len(), span = Span::call_site());
         self.lets.extend(quote!(let #name = #value;));
         self.names.insert(id, name);
+        self.note_beginnings(id);
     }
 
     /// Gives two functions of one argument names for their values: of fractions of a turn and of exponents, one function has
@@ -258,9 +262,10 @@ impl<'a> Code<'a> {
         let names = self.names.clone();
         let (graph, input, named, lenient) = (self.graph, self.input, self.named, self.lenient);
         let (powers, rescued) = (self.powers.clone(), self.rescued.clone());
+        let begun = self.begun.clone();
         let (shared, looked_at) = (self.shared, self.looked_at.clone());
         let texts = Code::new(graph, input);
-        Code { names, named, powers, rescued, lenient, shared, looked_at, ..texts }
+        Code { names, named, powers, begun, rescued, lenient, shared, looked_at, ..texts }
     }
 
     /// One side of a choice, as a block that knows the names so far.
@@ -312,6 +317,29 @@ mod tests {
             text.contains("letq=Param_0_*(Param_2_*Param_2_*Param_2_)/Param_1_;(q*q)"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn a_square_is_multiplied_by_way_of_a_product_that_has_begun() {
+        let mut g = Graph::new();
+        let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));
+        let square = g.powi(a, 2);
+        let volume = g.mul(square, b);
+        let inverse = g.powi(volume, -1);
+        let [edge, other] = [b, c].map(|with| g.mul(a, with));
+        let leaf = |leaf: Leaf| format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap();
+        let text = |ids: &[Id]| {
+            let mut code = Code::new(&g, &leaf);
+            code.values(ids);
+            code.statements().to_string().replace(' ', "")
+        };
+        let [by_square, by_edge] =
+            ["(Param_0_*Param_0_)*Param_1_", "(Param_0_*(Param_0_*Param_1_))"];
+        for id in [volume, inverse] {
+            let [begun, apart] = [text(&[edge, id]), text(&[other, id])];
+            assert!(begun.contains(by_edge) && !begun.contains(by_square), "{begun}");
+            assert!(apart.contains(by_square) && !apart.contains(by_edge), "{apart}");
+        }
     }
 
     #[test]

@@ -24,6 +24,8 @@ struct Order {
     has_one_root: bool,
     /// The root that all factors have which are no numbers.
     side: Option<Q>,
+    /// A square and what it is multiplied with by way of a product that is there.
+    begun: Option<[(Id, Id); 2]>,
 }
 
 impl<'a> Code<'a> {
@@ -52,7 +54,15 @@ impl<'a> Code<'a> {
             parts.push_whole(self.power_of_quotient(factors, times, power), power.is_negative());
         }
         for factor in factors {
-            self.push_factor(&mut parts, factor, &order);
+            match order.begun {
+                Some([square, with]) if *factor == square => {
+                    let [b, c] = [square, with].map(|(base, _)| self.reference(base));
+                    let below = self.graph.as_number(with.1).is_some_and(Q::is_negative);
+                    parts.push_whole(quote!((#b * (#b * #c))), below);
+                }
+                Some([_, with]) if *factor == with => {}
+                _ => self.push_factor(&mut parts, factor, &order),
+            }
         }
         if let Some(together) = together {
             let mut inside = Parts::default();
@@ -68,13 +78,46 @@ impl<'a> Code<'a> {
     fn order(&self, factors: &[(Id, Id)]) -> Order {
         // One that is known need not be taken together with others.
         let is_root = |(b, e): &&(Id, Id)| self.is_half(*e) && !self.rescued.contains_key(b);
+        let (shared, sum) = (self.graph.shared_powers(factors), self.sum_over_sum(factors));
         Order {
-            shared: self.graph.shared_powers(factors),
-            sum: self.sum_over_sum(factors),
+            // What is taken together or first stays so.
+            begun: if shared.is_empty() && sum.is_none() { self.square_begun(factors) } else { None },
+            shared,
+            sum,
             length: self.length_below(factors),
             has_one_root: factors.iter().filter(is_root).count() == 1,
             side: self.side_of_roots(factors),
         }
+    }
+
+    /// Notes which two factors a product begins with, above the line and below it, whose product the compiler of Rust has for all
+    /// that begins alike.
+    pub(super) fn note_beginnings(&mut self, id: Id) {
+        let Node::Product(factors) = self.graph.node(id) else { return };
+        for exponent in [Q::ONE, Q::int(-1)] {
+            let is_plain = |(b, e): &&(Id, Id)| {
+                self.graph.as_number(*e) == Some(exponent) && self.graph.deps(*b) != 0
+            };
+            let mut plain = factors.iter().filter(is_plain).map(|(b, _)| *b);
+            if let (Some(first), Some(second)) = (plain.next(), plain.next()) {
+                self.begun.push([first, second]);
+            }
+        }
+    }
+
+    /// A square b² and a factor c of the same side where a product has begun with b c, so that b (b c) takes one multiplication
+    /// less than b² c. As b c lies between c and b² c, it leaves the range of numbers only where one of these does, unlike b².
+    fn square_begun(&self, factors: &[(Id, Id)]) -> Option<[(Id, Id); 2]> {
+        let exponent = |e: Id| self.graph.as_number(e);
+        let squares = factors.iter().filter(|(_, e)| exponent(*e).is_some_and(|q| q.abs() == Q::int(2)));
+        squares.copied().find_map(|square| {
+            let is_other = |(c, e): &&(Id, Id)| {
+                let alike = |q: Q| q.abs() == Q::ONE && exponent(square.1) == q.add(q);
+                let begins = self.begun.contains(&[square.0, *c]) || self.begun.contains(&[*c, square.0]);
+                exponent(*e).is_some_and(alike) && begins
+            };
+            factors.iter().find(is_other).map(|other| [square, *other])
+        })
     }
 
     /// Whether an exponent is a half, and whole numbers.
