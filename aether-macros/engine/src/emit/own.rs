@@ -1,5 +1,6 @@
 //! The density of a sample from its uniforms.
 
+mod at_once;
 mod exclusion;
 mod one_piece;
 mod several;
@@ -11,7 +12,9 @@ use quote::{format_ident, quote};
 use super::item::{Emitter, point_type};
 use super::jumps::jumps;
 pub(super) use exclusion::{excluding, exclusive, folded};
-use one_piece::{density_beside, is_tame, one_a_piece, overlapping_with_density, single};
+use one_piece::{
+    density_beside, drawn_seldom, is_tame, one_a_piece, overlapping_with_density, single,
+};
 use several::among_several;
 pub(super) use told::is_looked_at;
 use told::{Told, is_told_everywhere};
@@ -49,6 +52,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
     let (n, _, _) = e.sizes();
     let (parameters, density) = (e.parameters(), at_the_point(e));
     let beside = e.draws_pieces().then(|| density_beside(e));
+    let seldom = e.draws_pieces().then(|| drawn_seldom(e));
     let told = e.is_whole().then(|| quote!(d: R,));
     let (outside, inside) = e.bounds();
     Some(quote! {
@@ -59,6 +63,7 @@ pub(super) fn density_of(e: &Emitter) -> Option<TokenStream> {
                 #density
             }
             #beside
+            #seldom
         }
     })
 }

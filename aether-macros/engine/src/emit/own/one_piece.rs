@@ -3,6 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
+use super::at_once::plain_sample;
 use super::exclusion::{exclusive, folded};
 use super::told::Told;
 use super::{has_density, is_alone};
@@ -64,9 +65,46 @@ pub(super) fn one_a_piece(e: &Emitter) -> TokenStream {
 
 /// The point and its density from the piece that the uniforms take, where others may have it too.
 pub(super) fn overlapping_with_density(e: &Emitter) -> TokenStream {
-    let (n, m, _) = e.sizes();
-    let (parameters, made) = (e.parameters(), e.point(&quote!(c)));
-    let (declared, masks) = (declared(e), masks(e));
+    let (n, _, _) = e.sizes();
+    let parameters = e.parameters();
+    let drawn = match plain_sample(e) {
+        None => drawn_by_piece(e),
+        Some(plain) => quote! {
+            #plain
+            self.drawn_by_piece(u)
+        },
+    };
+    quote! {
+        #[inline(always)]
+        fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+            #parameters
+            #drawn
+        }
+    }
+}
+
+/// A method for the samples that are not plain, if there is a quick way for those that are.
+pub(super) fn drawn_seldom(e: &Emitter) -> Option<TokenStream> {
+    if is_alone(e) {
+        return None;
+    }
+    plain_sample(e)?;
+    let (n, _, _) = e.sizes();
+    let (parameters, drawn) = (e.parameters(), drawn_by_piece(e));
+    let (point, (_, inside)) = (point_type(&e.signature().space), e.bounds());
+    Some(quote! {
+        #[inline(never)]
+        fn drawn_by_piece #inside(self, u: [R; #n]) -> (#point, R::Mask, ::aether_core::PdfOf<Self, R>) {
+            #parameters
+            #drawn
+        }
+    })
+}
+
+/// The point and its density where lanes may take several pieces, and anything may be in doubt.
+fn drawn_by_piece(e: &Emitter) -> TokenStream {
+    let (_, m, _) = e.sizes();
+    let (made, declared, masks) = (e.point(&quote!(c)), declared(e), masks(e));
     let pieces = e.by_piece(|j| {
         let [enter, both, exists] =
             ["enter", "both", "exists"].map(|name| format_ident!("{name}_{j}"));
@@ -81,17 +119,13 @@ pub(super) fn overlapping_with_density(e: &Emitter) -> TokenStream {
         }
     });
     quote! {
-        #[inline(always)]
-        fn forward_with_pdf(&self, u: [R; #n]) -> (Self::Point, R::Mask, ::aether_core::PdfOf<Self, R>) {
-            #parameters
-            let mut c = [R::ZERO; #m];
-            let mut exists = <R::Mask as Mask>::FALSE;
-            #declared
-            #pieces
-            let point = #made;
-            let density = self.density_beside(u, point, exists, (sum, inner, at_border), [#(#masks),*]);
-            (point, exists, density)
-        }
+        let mut c = [R::ZERO; #m];
+        let mut exists = <R::Mask as Mask>::FALSE;
+        #declared
+        #pieces
+        let point = #made;
+        let density = self.density_beside(u, point, exists, (sum, inner, at_border), [#(#masks),*]);
+        (point, exists, density)
     }
 }
 
