@@ -81,7 +81,11 @@ impl<'a> Code<'a> {
         let (shared, sum) = (self.graph.shared_powers(factors), self.sum_over_sum(factors));
         Order {
             // What is taken together or first stays so.
-            begun: if shared.is_empty() && sum.is_none() { self.square_begun(factors) } else { None },
+            begun: if shared.is_empty() && sum.is_none() {
+                self.square_begun(factors)
+            } else {
+                None
+            },
             shared,
             sum,
             length: self.length_below(factors),
@@ -109,11 +113,13 @@ impl<'a> Code<'a> {
     /// less than b² c. As b c lies between c and b² c, it leaves the range of numbers only where one of these does, unlike b².
     fn square_begun(&self, factors: &[(Id, Id)]) -> Option<[(Id, Id); 2]> {
         let exponent = |e: Id| self.graph.as_number(e);
-        let squares = factors.iter().filter(|(_, e)| exponent(*e).is_some_and(|q| q.abs() == Q::int(2)));
+        let squares =
+            factors.iter().filter(|(_, e)| exponent(*e).is_some_and(|q| q.abs() == Q::int(2)));
         squares.copied().find_map(|square| {
             let is_other = |(c, e): &&(Id, Id)| {
                 let alike = |q: Q| q.abs() == Q::ONE && exponent(square.1) == q.add(q);
-                let begins = self.begun.contains(&[square.0, *c]) || self.begun.contains(&[*c, square.0]);
+                let begins =
+                    self.begun.contains(&[square.0, *c]) || self.begun.contains(&[*c, square.0]);
                 exponent(*e).is_some_and(alike) && begins
             };
             factors.iter().find(is_other).map(|other| [square, *other])

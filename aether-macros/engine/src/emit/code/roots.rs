@@ -222,7 +222,8 @@ fn squared(g: &Graph, id: Id) -> Vec<Id> {
 /// product are.
 fn is_minor(g: &Graph, id: Id) -> bool {
     let is_edge = |&(base, e): &(Id, Id)| {
-        let has_two = matches!(g.node(base), Node::Sum(c, terms) if c.is_zero() && terms.len() == 2);
+        let has_two =
+            matches!(g.node(base), Node::Sum(c, terms) if c.is_zero() && terms.len() == 2);
         has_two && g.as_number(e) == Some(Q::ONE) && !g.has(base, UNKNOWNS | OUTS)
     };
     let is_area = |(_, term): &(Q, Id)| match g.node(*term) {
@@ -279,9 +280,8 @@ mod tests {
     #[test]
     fn what_is_seldom_asked_for_makes_minors_of_edges_once_more() {
         let mut g = Graph::new();
-        let p: Vec<Id> = (0..6)
-            .map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL))
-            .collect();
+        let p: Vec<Id> =
+            (0..6).map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL)).collect();
         let edges: Vec<Id> = (1..5).map(|i| g.sub(p[i], p[0])).collect();
         let minor = |g: &mut Graph, [a, b, c, d]: [Id; 4]| {
             let [first, second] = [g.mul(a, b), g.mul(c, d)];

@@ -53,20 +53,24 @@ pub(super) fn plain_sample(e: &Emitter) -> Option<TokenStream> {
 /// doubt whether there is one, or whether it is that of the sample itself, which lies next to an end that is no fold.
 fn others(e: &Emitter, j: usize, places: &[Place]) -> TokenStream {
     let own: Vec<&Place> = places.iter().filter(|place| place.piece == j).collect();
-    let overlapping = places.iter().filter(|place| {
-        place.piece != j && own.iter().any(|own| !exclusive(e, own, place))
-    });
+    let overlapping = places
+        .iter()
+        .filter(|place| place.piece != j && own.iter().any(|own| !exclusive(e, own, place)));
     let terms = overlapping.map(|place| {
         let [plainly, possibly, density] =
             ["plainly", "possibly", "density"].map(|name| format_ident!("{name}_{}", place.number));
         let wide = place.wide();
         let is_fold = own.iter().any(|own| folded(own, place));
         let segments = e.parsed.pieces[j].problem.segments.iter().enumerate();
-        let ends = segments.filter(|(_, s)| s.is_some() && !is_fold).map(|(i, _)| {
-            quote!(if ::aether_core::support::at_end(t[#i]).any() { break 'plain; })
-        });
+        let ends = segments
+            .filter(|(_, s)| s.is_some() && !is_fold)
+            .map(|(i, _)| quote!(if ::aether_core::support::at_end(t[#i]).any() { break 'plain; }));
         let tame = Tame::new(&place.problem.graph, false, false).all(&[place.preimage.density]);
-        let known = (!tame).then(|| quote!(if !d.ge(d).all() { break 'plain; }));
+        let known = (!tame).then(|| {
+            quote!(if !d.ge(d).all() {
+                break 'plain;
+            })
+        });
         quote! {
             let strict = #plainly::<R>(&p, &x) #wide;
             if strict.all() {
