@@ -43,6 +43,7 @@ mod strays;
 mod sums;
 mod texts;
 mod through;
+mod together;
 mod tried_points;
 mod turned;
 mod units;
@@ -82,6 +83,7 @@ use pick::accurate;
 use ranges::{always_inside, keep_ranges, shorten_tests};
 use sample::{at_the_sample, shorter};
 use sums::Sums;
+use together::multiplied_once;
 use units::units;
 use valued::share_values;
 use volume::pick_volume;
@@ -159,6 +161,8 @@ fn derive_as_written(problem: &mut Problem, most: Numerical) -> Result<Derived, 
         }
         shorten_tests(problem, preimage);
         if problem.argument.is_none() {
+            preimage.density =
+                multiplied_once(&mut problem.graph, preimage.density, &mut trial.at_points);
             share_values(&mut problem.graph, preimage, &mut trial.at_points);
         }
     }
