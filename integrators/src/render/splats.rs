@@ -238,6 +238,14 @@ const ONE: f64 = 18_446_744_073_709_551_616.0;
 /// What a contribution may be at most, once it is scaled.
 const MOST: f64 = 1e15;
 
+/// A number in the units of the sums, rounded toward zero.
+#[inline]
+fn in_units(value: f64) -> i128 {
+    let units = value * ONE;
+    // Mostly half as many bits have room for it, which the machine converts at once.
+    if units.abs() < 0.5 * ONE { i128::from(units as i64) } else { units as i128 }
+}
+
 impl SplatSums {
     /// For an image of this size (columns, rows).
     pub fn new(size: (u32, u32)) -> Self {
@@ -284,8 +292,8 @@ impl SplatSums {
                 Some(layer) => &mut self.layers.entry(layer).or_insert_with(blank)[pixel],
             };
             for (c, value) in value.into_iter().enumerate() {
-                sum[c] = sum[c].saturating_add((value * ONE) as i128);
-                let square = ((value * value * ONE) as i128).saturating_add((value != 0.0).into());
+                sum[c] = sum[c].saturating_add(in_units(value));
+                let square = in_units(value * value).saturating_add((value != 0.0).into());
                 squares[c] = squares[c].saturating_add(square);
             }
         }
@@ -438,6 +446,15 @@ mod tests {
         assert_eq!((forwards[0][1], forwards[0][2]), (-forwards[0][0], 0.0));
         let squares: f64 = values.iter().map(|v| f64::from(*v).powi(2)).sum();
         approx::assert_relative_eq!(forwards[1][0], squares / 4.0, max_relative = 1e-15);
+    }
+
+    #[test]
+    fn numbers_are_rounded_toward_zero_whatever_their_size() {
+        for value in [0.0, 1e-30, 3e-19, 0.1, 0.499_999_999, 0.5, 0.75, 1.0, 123.456, MOST] {
+            for value in [value, -value] {
+                assert_eq!(in_units(value), (value * ONE) as i128, "{value}");
+            }
+        }
     }
 
     #[test]
