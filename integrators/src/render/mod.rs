@@ -21,6 +21,7 @@ pub mod layers;
 pub mod progress;
 pub mod shares;
 pub mod splats;
+pub mod technique;
 
 mod engine;
 mod gathered;
@@ -31,7 +32,8 @@ pub use engine::{Rendered, render, resume};
 pub use film::Film;
 pub use layers::Layers;
 pub use progress::{Observer, Progress};
-pub use splats::{Layer, SplatSums, Splats, Technique};
+pub use splats::{SplatSums, Splats};
+pub use technique::{Layer, Technique};
 pub use windows::WINDOW;
 
 use std::io::{self, Read, Write};
