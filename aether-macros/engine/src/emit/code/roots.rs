@@ -207,15 +207,22 @@ fn stays_in_range(g: &Graph, b: Id) -> bool {
         && g.range(b).hi < 1.0 / LEAST
 }
 
-/// What is squared in a sum of squares.
-fn squared(g: &Graph, id: Id) -> Vec<Id> {
-    let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
-    let factors = terms.iter().flat_map(|(_, term)| match g.node(*term) {
+/// The factors of the terms of a sum.
+fn factors(g: &Graph, id: Id) -> impl Iterator<Item = &(Id, Id)> {
+    let terms = match g.node(id) {
+        Node::Sum(_, terms) => terms.as_slice(),
+        _ => &[],
+    };
+    terms.iter().flat_map(|(_, term)| match g.node(*term) {
         Node::Product(factors) => factors.as_slice(),
         _ => &[],
-    });
+    })
+}
+
+/// What is squared in a sum of squares.
+fn squared(g: &Graph, id: Id) -> Vec<Id> {
     let is_square = |(_, e): &&(Id, Id)| g.as_number(*e) == Some(Q::int(2));
-    factors.filter(is_square).map(|(base, _)| *base).collect()
+    factors(g, id).filter(is_square).map(|(base, _)| *base).collect()
 }
 
 /// Whether an expression is a difference of two products of two differences of parameters each, as coordinates of a vector
@@ -235,12 +242,7 @@ fn is_minor(g: &Graph, id: Id) -> bool {
 
 /// The inputs among the bases of a sum of products.
 fn bases(g: &Graph, id: Id) -> Vec<Id> {
-    let Node::Sum(_, terms) = g.node(id) else { return Vec::new() };
-    let factors = terms.iter().flat_map(|(_, term)| match g.node(*term) {
-        Node::Product(factors) => factors.as_slice(),
-        _ => &[],
-    });
-    let bases = factors.map(|(base, _)| *base);
+    let bases = factors(g, id).map(|(base, _)| *base);
     bases.filter(|base| matches!(g.node(*base), Node::Leaf(_))).collect()
 }
 

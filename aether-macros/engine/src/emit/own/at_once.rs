@@ -10,17 +10,18 @@ use crate::emit::item::Emitter;
 use crate::emit::pieces::{Place, is_unguarded};
 use crate::emit::tame::Tame;
 
+/// Whether plain samples have a way of their own: not where there are more than two pieces, of which others may coincide, or
+/// guards, which are asked with error bounds.
+pub(super) fn draws_plainly(e: &Emitter) -> bool {
+    let is_plain = |place: &Place| is_unguarded(*place) && !place.derived.check_forward;
+    e.parsed.pieces.len() == 2 && !e.has_surfaces() && e.places().iter().all(is_plain)
+}
+
 /// What returns a sample and its density where all uniforms take one piece and nothing there is in doubt; other samples go on.
 /// It is what the general way finds, by the same operations, without the flags and the numbers that it keeps for what is
-/// seldom. `None` where that could not be: of more than two pieces others may coincide, and guards are asked with error
-/// bounds.
-pub(super) fn plain_sample(e: &Emitter) -> Option<TokenStream> {
+/// seldom.
+pub(super) fn plain_sample(e: &Emitter) -> TokenStream {
     let places = e.places();
-    let is_plain = |place: &Place| is_unguarded(*place) && !place.derived.check_forward;
-    let fits = e.parsed.pieces.len() == 2 && !e.has_surfaces() && places.iter().all(is_plain);
-    if !fits {
-        return None;
-    }
     let (_, m, _) = e.sizes();
     let (made, coordinates) = (e.point(&quote!(y)), e.coordinates());
     let pieces = e.by_piece(|j| {
@@ -46,7 +47,7 @@ pub(super) fn plain_sample(e: &Emitter) -> Option<TokenStream> {
             }
         }
     });
-    Some(quote!('plain: { #pieces }))
+    quote!('plain: { #pieces })
 }
 
 /// Adds to `sum` the density by way of the other piece at the point of a sample of piece `j`; leaves the block where it is in

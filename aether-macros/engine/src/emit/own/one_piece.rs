@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
-use super::at_once::plain_sample;
+use super::at_once::{draws_plainly, plain_sample};
 use super::exclusion::{exclusive, folded};
 use super::told::Told;
 use super::{has_density, is_alone};
@@ -67,12 +67,14 @@ pub(super) fn one_a_piece(e: &Emitter) -> TokenStream {
 pub(super) fn overlapping_with_density(e: &Emitter) -> TokenStream {
     let (n, _, _) = e.sizes();
     let parameters = e.parameters();
-    let drawn = match plain_sample(e) {
-        None => drawn_by_piece(e),
-        Some(plain) => quote! {
+    let drawn = if draws_plainly(e) {
+        let plain = plain_sample(e);
+        quote! {
             #plain
             self.drawn_by_piece(u)
-        },
+        }
+    } else {
+        drawn_by_piece(e)
     };
     quote! {
         #[inline(always)]
@@ -85,10 +87,9 @@ pub(super) fn overlapping_with_density(e: &Emitter) -> TokenStream {
 
 /// A method for the samples that are not plain, if there is a quick way for those that are.
 pub(super) fn drawn_seldom(e: &Emitter) -> Option<TokenStream> {
-    if is_alone(e) {
+    if is_alone(e) || !draws_plainly(e) {
         return None;
     }
-    plain_sample(e)?;
     let (n, _, _) = e.sizes();
     let (parameters, drawn) = (e.parameters(), drawn_by_piece(e));
     let (point, (_, inside)) = (point_type(&e.signature().space), e.bounds());
