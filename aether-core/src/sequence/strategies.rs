@@ -37,6 +37,11 @@
 /// `enum Strategies<'a, K: SceneKind> for Hit<K>`.
 #[macro_export]
 macro_rules! strategies {
+    (@chosen $self:ident $name:ident [$($variant:ident)+] $strategy:ident => $result:expr) => {
+        match $self {
+            $($name::$variant($strategy) => $result,)+
+        }
+    };
     (@conversions $generics:tt $arguments:tt $name:ident $($variant:ident($strategy:ty))+) => {
         $($crate::strategies! { @conversion $generics $arguments $name $variant($strategy) })+
     };
@@ -94,10 +99,9 @@ macro_rules! strategies {
                         <$vertex as $crate::strategy::Vertex>::Real,
                     > + ?Sized,
             {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::sample(s, path, uniforms)
-                    })+
                 }
             }
 
@@ -107,10 +111,9 @@ macro_rules! strategies {
                 path: $crate::sequence::PathView<'_, $vertex>,
                 target: &$vertex,
             ) -> $crate::strategy::Conditional<<$vertex as $crate::strategy::Vertex>::Real> {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::pdf(s, path, target)
-                    })+
                 }
             }
 
@@ -125,10 +128,9 @@ macro_rules! strategies {
                         <$vertex as $crate::strategy::Vertex>::Real,
                     > + ?Sized,
             {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::sample_limited(s, path, uniforms)
-                    })+
                 }
             }
 
@@ -138,33 +140,33 @@ macro_rules! strategies {
                 path: $crate::sequence::PathView<'_, $vertex>,
                 target: &$vertex,
             ) -> $crate::strategy::Conditional<<$vertex as $crate::strategy::Vertex>::Real> {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::pdf_limited(s, path, target)
-                    })+
                 }
             }
 
             #[inline]
             fn reads(&self) -> $crate::strategy::Reads {
-                match self {
-                    $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::reads(s),)+
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
+                        $crate::strategy::Strategy::<$vertex>::reads(s)
                 }
             }
 
             #[inline]
             fn length_class(&self, len: usize) -> u32 {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::length_class(s, len)
-                    })+
                 }
             }
 
             #[inline]
             fn vertices(&self) -> usize {
-                match self {
-                    $($name::$variant(s) => $crate::strategy::Strategy::<$vertex>::vertices(s),)+
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
+                        $crate::strategy::Strategy::<$vertex>::vertices(s)
                 }
             }
 
@@ -179,10 +181,9 @@ macro_rules! strategies {
                         <$vertex as $crate::strategy::Vertex>::Real,
                     > + ?Sized,
             {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::sample_joint(s, path, uniforms)
-                    })+
                 }
             }
 
@@ -192,10 +193,9 @@ macro_rules! strategies {
                 path: $crate::sequence::PathView<'_, $vertex>,
                 targets: &[$vertex],
             ) -> <$vertex as $crate::strategy::Vertex>::Real {
-                match self {
-                    $($name::$variant(s) => {
+                $crate::strategies! {
+                    @chosen self $name [$($variant)+] s =>
                         $crate::strategy::Strategy::<$vertex>::pdf_joint(s, path, targets)
-                    })+
                 }
             }
 

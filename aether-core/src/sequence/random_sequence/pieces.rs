@@ -67,8 +67,9 @@ impl<'a, V: Vertex, S: Strategy<V>> RandomSequence<'a, V, S> {
         }
         let tape = &self.arena.tape;
         // Where the tape ends with this path, the other one can follow it there.
-        let start = if h.complete() && self.is_last() { h.place.at(0) } else { tape.len() };
-        if start == tape.len() {
+        let follows = h.complete() && self.is_last();
+        let start = if follows { h.place.at(0) } else { tape.len() };
+        if !follows {
             tape.copy(h.place, h.len as usize);
         }
         tape.copy(o.place, o.len as usize);
