@@ -124,6 +124,9 @@ fn cramer(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
     if k > 3 {
         return None;
     }
+    if k == 3 {
+        return by_triple_products(g, matrix, known);
+    }
     let bottom = determinant(g, matrix);
     if g.as_number(bottom).is_some_and(Q::is_zero) {
         return None;
@@ -145,6 +148,21 @@ fn cramer(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
             })
             .collect(),
     )
+}
+
+/// Cramer's rule for three unknowns: all four determinants are triple products of one of two vector products of columns. Of
+/// columns that are vectors, machines with instructions for two numbers have the edges in pairs; minors of two rows, as many of
+/// them, would have to be put together.
+fn by_triple_products(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
+    let [a, b, c] = [0, 1, 2].map(|j| matrix.iter().map(|row| row[j]).collect::<Vec<Id>>());
+    let (bc, xa) = (cross(g, &b, &c), cross(g, known, &a));
+    let bottom = dot(g, &a, &bc);
+    if g.as_number(bottom).is_some_and(Q::is_zero) {
+        return None;
+    }
+    let along_b = dot(g, &xa, &c);
+    let tops = [dot(g, known, &bc), g.neg(along_b), dot(g, &xa, &b)];
+    Some(tops.map(|top| g.div(top, bottom)).to_vec())
 }
 
 /// The determinant, by expansion along the first row.
@@ -181,4 +199,39 @@ pub fn cross(g: &mut Graph, a: &[Id], b: &[Id]) -> Vec<Id> {
             g.sub(p, q)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eval::Evaluator;
+    use crate::expr::{Leaf, Node};
+    use crate::interval::Interval;
+
+    #[test]
+    fn three_unknowns_are_triple_products_of_two_vector_products() {
+        let mut g = Graph::new();
+        let leaf = |g: &mut Graph, i: u8| g.leaf(Leaf::Param(i), "p", Interval::ALL);
+        let matrix = [0, 1, 2].map(|row| (0..3).map(|j| leaf(&mut g, 3 * row + j)).collect());
+        let known = [9, 10, 11].map(|i| leaf(&mut g, i));
+        let solved = cramer(&mut g, &matrix, &known).unwrap();
+        // Those of 2, -3, 5.
+        let rows = [[1.0, 2.0, 7.0], [-1.0, 4.0, 0.5], [3.0, 0.25, 2.0]];
+        let right = rows.map(|row| 2.0 * row[0] - 3.0 * row[1] + 5.0 * row[2]);
+        let at = |leaf| match leaf {
+            Leaf::Param(i) if i < 9 => rows[usize::from(i) / 3][usize::from(i) % 3],
+            Leaf::Param(i) => right[usize::from(i) - 9],
+            _ => f64::NAN,
+        };
+        let mut e = Evaluator::<f64>::new(&g, &at);
+        let found = [0, 1, 2].map(|j| e.value(solved[j]));
+        assert!(
+            found.iter().zip([2.0, -3.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-14),
+            "{found:?}"
+        );
+        // Six differences of products are all that is computed besides sums of products with them.
+        let within = g.within(&solved);
+        let is_difference = |id: &&Id| matches!(g.node(**id), Node::Sum(_, t) if t.len() == 2);
+        assert_eq!(within.iter().filter(is_difference).count(), 6);
+    }
 }

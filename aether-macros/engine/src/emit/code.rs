@@ -320,6 +320,18 @@ mod tests {
     }
 
     #[test]
+    fn a_sum_of_negative_terms_turns_its_sign_once() {
+        let mut g = Graph::new();
+        let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));
+        let both = g.sum(Q::ZERO, &[(Q::int(-1), a), (Q::int(-1), b)]);
+        let leaf = |leaf: Leaf| format!("{leaf:?}").replace(['(', ')'], "_").parse().unwrap();
+        let mut code = Code::new(&g, &leaf);
+        let value = code.value(both);
+        let text = format!("{} {value}", code.statements()).replace(' ', "");
+        assert!(text.contains("-(Param_0_+Param_1_)"), "{text}");
+    }
+
+    #[test]
     fn a_square_is_multiplied_by_way_of_a_product_that_has_begun() {
         let mut g = Graph::new();
         let [a, b, c] = [0, 1, 2].map(|i| g.leaf(Leaf::Param(i), &format!("p{i}"), Interval::ALL));

@@ -14,13 +14,13 @@ impl Code<'_> {
         // One factor of many terms is a factor of their sum.
         let size = terms.first().map_or(Q::ONE, |(q, _)| q.abs());
         let alike = c.is_zero() && terms.len() > 1 && terms.iter().all(|(q, _)| q.abs() == size);
-        if alike && size != Q::ONE {
-            // A sum of negative terms is a negative sum.
-            let negative = terms.iter().all(|(q, _)| q.is_negative());
+        // A sum of negative terms is a negative sum.
+        let negative = alike && terms.iter().all(|(q, _)| q.is_negative());
+        if alike && (size != Q::ONE || negative) {
             let sign = |q: Q| if q.is_negative() == negative { Q::ONE } else { Q::int(-1) };
             let signs: Vec<(Q, Id)> = terms.iter().map(|&(q, t)| (sign(q), t)).collect();
             let sum = self.sum(c, &signs);
-            let sum = times(size, &quote!((#sum)));
+            let sum = if size == Q::ONE { sum } else { times(size, &quote!((#sum))) };
             return if negative { quote!(-(#sum)) } else { sum };
         }
         // In the order in which forms were measured: (1 - u) + u p is not (1 + u p) - u.
