@@ -17,7 +17,9 @@ pub use limits::{
     closed, copied, finite, limit, limit_at, own_limit, plain, positive, rare_density,
     rare_density_if_finite, rare_sample, rare_sample_of_pieces, where_finite,
 };
-pub use manifold::{leads_back, member, near, near_or_far, near_or_far_multiple, on_or_off};
+pub use manifold::{
+    leads_back, member, near, near_one, near_or_far, near_or_far_multiple, on_or_off,
+};
 pub use recovery::{
     Recovered, Rounded, Tracking, beside, bounds_of, coincide, coincide_around, distance, lanes_of,
     merged, recover, recovered, recovered_around, recovered_as, same, same_around,

@@ -25,6 +25,12 @@ pub fn near<R: Real, const M: usize>(a: &[R; M], b: &[R; M]) -> R::Mask {
     a.iter().zip(b).fold(R::Mask::TRUE, |m, (a, b)| m.and((*a - *b).abs().le(tolerance)))
 }
 
+/// The same of a point and its multiple by a factor.
+#[inline(always)]
+pub fn near_one<R: Real>(factor: R) -> R::Mask {
+    (factor - R::ONE).abs().le(R::of(SLACK) * R::EPSILON)
+}
+
 /// Whether the image of a point is the point to within a few roundings, and whether it is plainly another one, where the
 /// image is a multiple: it has the point's offsets from somewhere times √(above / below), and else its coordinates. `sums`
 /// are above - below, below, and the sizes of all terms of both, which are even powers of differences of two numbers.

@@ -28,10 +28,13 @@ pub fn exp_and_m1<R: Real>(x: R) -> (R, R) {
 
 /// The square root of a sum of squares. Where the squares underflow or overflow, `scaled` computes the sum
 /// again with the numbers that are squared multiplied by what it is given.
+///
+/// The root is taken first: several functions that ask for it, one after another, then share it.
 #[inline(always)]
 pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
-    let usual = sum.ge(R::MIN_POSITIVE / R::EPSILON).and(sum.lt(R::INFINITY));
-    if usual.all() { sum.sqrt() } else { scaled_root(sum, scaled) }
+    let root = sum.sqrt();
+    let usual = sum.ge(R::MIN_POSITIVE / R::EPSILON).all() && sum.lt(R::INFINITY).all();
+    if usual { root } else { scaled_root(sum, scaled) }
 }
 
 /// The same where it is looked afterwards whether what the root is a factor of is a number: of what overflows it is none.

@@ -45,12 +45,14 @@ pub struct Image {
     pub conditions: Vec<Id>,
     /// How it is a multiple of the point, if it is one in a simple way.
     pub scaled: Option<Scaled>,
+    /// The factor by which each coordinate is that of the point, if it is one for all.
+    pub factor: Option<Id>,
 }
 
 impl Image {
     /// All that is computed to have it.
     pub(super) fn expressions(&mut self) -> impl Iterator<Item = &mut Id> {
-        self.coordinates.iter_mut().chain(&mut self.shared)
+        self.coordinates.iter_mut().chain(&mut self.shared).chain(&mut self.factor)
     }
 }
 
@@ -77,6 +79,21 @@ fn shared(g: &mut Graph, ids: &[Id]) -> Vec<Id> {
     sorted::sort_by_key(&mut found, |common| std::cmp::Reverse(common.len()));
     found.dedup();
     found.iter().map(|common| g.product(common)).collect()
+}
+
+/// The factor by which all coordinates of an image are those of the point.
+fn factor(g: &mut Graph, image: &[Id]) -> Option<Id> {
+    let mut common = None;
+    for (i, &coordinate) in image.iter().enumerate() {
+        let x = g.get_leaf(Leaf::Out(i as u8));
+        let mut others = g.factors(coordinate);
+        others.retain(|&(base, _)| base != x);
+        let factor = g.product(&others);
+        if g.mul(x, factor) != coordinate || *common.get_or_insert(factor) != factor {
+            return None;
+        }
+    }
+    common
 }
 
 /// The image of the unknowns that a point has; `None` where that costs as much as to compute the unknowns and to map
@@ -121,7 +138,7 @@ pub(super) fn back(
             coordinates.push(pick(g, &forms, &truth, measure).0);
         }
         let shared = shared(g, &coordinates);
-        images.push(Image { coordinates, conditions, shared, scaled: None });
+        images.push(Image { coordinates, conditions, shared, scaled: None, factor: None });
     }
     let cost = |g: &Graph, image: &Image| {
         cost_together(g, &[&image.coordinates[..], &image.conditions].concat())
@@ -131,6 +148,7 @@ pub(super) fn back(
     images.retain(|image| image.coordinates != point);
     let mut image = images.into_iter().min_by_key(|image| cost(g, image))?;
     image.scaled = scaled(g, &image.coordinates);
+    image.factor = factor(g, &image.coordinates);
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
     let shorter = cost(g, &image) < cost_together(g, &otherwise);
     shorter.then_some(image)
@@ -215,6 +233,24 @@ mod tests {
         let (found, _) = image(&sphere, &[2.0], [0.3, 0.4, 1.0]);
         let s = 3.0f64.sqrt();
         assert!(close(found, [0.6 * s, 0.8 * s, 1.0]), "{found:?}");
+    }
+
+    #[test]
+    fn an_image_is_a_multiple_of_the_point_where_one_factor_is_that_of_all_coordinates() {
+        let mut g = Graph::new();
+        let [x, y, r] = [Leaf::Out(0), Leaf::Out(1), Leaf::Param(0)]
+            .map(|leaf| g.leaf(leaf, "x", Interval::new(0.0, 9.0)));
+        let by = g.div(r, y);
+        let [of_x, of_y, of_r] = [x, y, r].map(|coordinate| g.mul(coordinate, by));
+        // As long as the point's own coordinate is seen in it.
+        assert_eq!(of_y, r);
+        assert_eq!(factor(&mut g, &[of_x, of_y]), None);
+        assert_eq!(factor(&mut g, &[of_x, of_r]), None);
+        let by = g.add(by, r);
+        let [of_x, of_y] = [x, y].map(|coordinate| g.mul(coordinate, by));
+        assert_eq!(factor(&mut g, &[of_x, of_y]), Some(by));
+        assert_eq!(factor(&mut g, &[of_y, of_x]), None);
+        assert_eq!(factor(&mut g, &[of_x, y]), None);
     }
 
     #[test]

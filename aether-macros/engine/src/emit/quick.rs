@@ -178,11 +178,20 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let value = positive_density(e, place);
     let (belongs, numbers) = (member(belongs_first(e, places)), numbers(e));
     let anywhere = quote!(break 'quick pdf_anywhere::<R>(#numbers #belongs, None););
+    let is_multiple = place.preimage.back.as_ref().is_some_and(|image| image.factor.is_some());
     let on_manifold = |beside: Option<TokenStream>| {
         let lies = format_ident!("lies_{k}");
-        let image = match place.preimage.back {
-            Some(_) => quote!(#back::<R>(&p, &x)),
-            None => quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x))),
+        let near = match place.preimage.back {
+            // Multiples of the point are near it where the factor is near one.
+            Some(_) if is_multiple => {
+                let factor = format_ident!("factor_{k}");
+                quote!(::aether_core::support::near_one::<R>(#factor::<R>(&p, &x)))
+            }
+            Some(_) => quote!(::aether_core::support::near::<R, #m>(&#back::<R>(&p, &x), &x)),
+            None => {
+                let image = quote!(#forward::<R>(&p, &#inverse::<R>(&p, &x)));
+                quote!(::aether_core::support::near::<R, #m>(&#image, &x))
+            }
         };
         // What lies far off has no preimage here; next to the manifold it takes other error bounds to tell.
         let otherwise = match place.preimage.back {
@@ -208,10 +217,7 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
                 }
             };
         }
-        quote! {
-            let back = #image;
-            if !::aether_core::support::near::<R, #m>(&back, &x).all() { #otherwise }
-        }
+        quote!(if !#near.all() { #otherwise })
     };
     let wide = place.wide();
     // On a border it may seem to lie on both sides.
@@ -220,8 +226,8 @@ fn plain_preimage(e: &Emitter, place: Place, places: &[Place]) -> TokenStream {
     let twice = (!beside.is_empty()).then(|| quote!(if #(#beside)||* { #anywhere }));
     // What is infinite fails the tests of unknowns, if each coordinate takes part in one.
     let asked = !belongs_first(e, places) && !needs_no_look(e, place);
-    // What is its own image, to a few roundings, is finite.
-    let (elsewhere, beside_manifold) = match place.derived.check_forward {
+    // What is its own image, to a few roundings, is finite; but of what is infinite the factor may be any.
+    let (elsewhere, beside_manifold) = match place.derived.check_forward && !is_multiple {
         true => (None, asked.then(|| elsewhere(e))),
         false => (asked.then(|| elsewhere(e)), None),
     };

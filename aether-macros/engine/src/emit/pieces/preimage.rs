@@ -52,6 +52,17 @@ impl<'a> Emitter<'a> {
                 fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> [R; #m] { #lets [#(#values),*] }
             }
         });
+        let factor = preimage.back.as_ref().and_then(|image| image.factor).map(|factor| {
+            let name = format_ident!("factor_{}", place.number);
+            let mut code = Code::new(g, &at);
+            let value = code.value(factor);
+            let lets = code.statements();
+            quote! {
+                /// What each coordinate of the image of the unknowns is, over the coordinate.
+                #[inline(always)]
+                fn #name<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #lets #value }
+            }
+        });
         let scaled = preimage.back.as_ref().and_then(|image| image.scaled.as_ref());
         let scaled = scaled.map(|scaled| self.scaled(place, scaled));
         let mut code = Code::new(g, &at);
@@ -87,6 +98,7 @@ impl<'a> Emitter<'a> {
             #plainly
             #accurate
             #back
+            #factor
             #scaled
             #[inline(always)]
             fn #density<R: Real>(p: &[R; #p], x: &[R; #m]) -> R { #density_lets #value }
