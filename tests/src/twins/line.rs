@@ -19,11 +19,14 @@ pub(super) fn larger(x: f64, y: f64) -> f64 {
     if x > y { x } else { y }
 }
 
-/// Two numbers over the larger one.
+/// A linear density between two ends, at a uniform: the place, and the density there. Of ends of any size, next to which their
+/// squares need not be numbers, the larger one is taken as one; either may be zero, and between two of zero there is no density.
 #[inline(always)]
-fn over_larger(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn linear(u: f64, a: f64, b: f64) -> (f64, f64) {
     let m = larger(a, b);
-    (a / m, b / m)
+    let (p, q) = (a / m, b / m);
+    let s = ((1.0 - u) * p * p + u * q * q).sqrt();
+    (u * (p + q) / larger(p + s, f64::MIN_POSITIVE), larger(2.0 * s / (p + q), 0.0))
 }
 
 by_hand! {
@@ -91,27 +94,16 @@ by_hand! {
         }
     }
 
-    /// Row 5: a line. Of ends of any size, next to which their squares need not be numbers, the larger one is taken as one;
-    /// either may be zero.
+    /// Row 5: a line.
     Linear(a: f64, b: f64): [1] => f64;
-    sample(u) {
-        let (p, q) = over_larger(a, b);
-        let s = ((1.0 - u[0]) * p * p + u[0] * q * q).sqrt();
-        u[0] * (p + q) / larger(p + s, f64::MIN_POSITIVE)
-    }
+    sample(u) { linear(u[0], a, b).0 }
     pdf(x) {
         if !(0.0..=1.0).contains(x) {
             return 0.0;
         }
-        // There is no density between two ends of zero.
         larger(2.0 * ((1.0 - x) * a + x * b) / (a + b), 0.0)
     }
-    draw(u) {
-        let (p, q) = over_larger(a, b);
-        let s = ((1.0 - u[0]) * p * p + u[0] * q * q).sqrt();
-        let x = u[0] * (p + q) / larger(p + s, f64::MIN_POSITIVE);
-        (x, larger(2.0 * s / (p + q), 0.0))
-    }
+    draw(u) { linear(u[0], a, b) }
 
     /// Row 6: a tent.
     Tent(r: f64): [1] => f64;

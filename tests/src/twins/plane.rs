@@ -4,6 +4,7 @@ use core::f64::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
 
 use aether_core::prelude::Vec2;
 
+use super::line::{larger, linear};
 use super::{by_hand, finite};
 
 /// The point of the unit disk at a place of the square, by concentric squares.
@@ -17,13 +18,6 @@ pub(super) fn concentric(u: [f64; 2]) -> (f64, f64) {
     } else {
         (0.0, 0.0)
     }
-}
-
-/// A linear density between two values, at a uniform: the place, and the density over the mean.
-#[inline(always)]
-fn linear(u: f64, a: f64, b: f64) -> (f64, f64) {
-    let s = ((1.0 - u) * a * a + u * b * b).sqrt();
-    (u * (a + b) / (a + s), 2.0 * s / (a + b))
 }
 
 by_hand! {
@@ -136,7 +130,7 @@ by_hand! {
         }
         let low = (1.0 - p.x) * w00 + p.x * w10;
         let high = (1.0 - p.x) * w01 + p.x * w11;
-        4.0 * ((1.0 - p.y) * low + p.y * high) / (w00 + w10 + w01 + w11)
+        larger(4.0 * ((1.0 - p.y) * low + p.y * high) / (w00 + w10 + w01 + w11), 0.0)
     }
     draw(u) {
         let (y, by) = linear(u[1], w00 + w10, w01 + w11);
