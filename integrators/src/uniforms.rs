@@ -21,7 +21,7 @@ enum Source {
     Independent(Pcg32),
     /// Stratified over the samples of a pixel.
     Stratified(Sobol),
-    /// Far apart from each other over the samples of a pixel.
+    /// The same, and far apart from each other.
     Lattice(Lattice),
 }
 
