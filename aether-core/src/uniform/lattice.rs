@@ -199,7 +199,7 @@ mod tests {
         for bits in 4..=32 {
             for stretched in [0.25, 1.0, 2.0, 4.0, 8.0, 12.0] {
                 let nearest = nearest(bits, stretched);
-                assert!(nearest > 0.6, "2^{bits} points, stretched by {stretched}: {nearest}");
+                assert!(nearest > 0.5, "2^{bits} points, stretched by {stretched}: {nearest}");
             }
         }
     }
