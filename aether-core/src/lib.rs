@@ -114,7 +114,7 @@ pub use root::solve;
 pub use sampler::{Derivation, DomainError, PdfOf, Sample, Sampler, Uniform, Uniforms};
 pub use sequence::{Arena, PathView, RandomSequence, Snapshot};
 pub use strategy::{Atoms, Conditional, Dirac, Drawn, DrawnRun, Reads, Recall, Strategy, Vertex};
-pub use uniform::{Lattice, Pcg32, Sobol, UniformSource, draw_uniforms};
+pub use uniform::{Pcg32, Sobol, UniformSource, draw_uniforms};
 pub use vec::{Frame, Mat3, Vec2, Vec3};
 
 /// Everything that a module with samplers in it needs: `use aether_core::prelude::*;`.

@@ -233,7 +233,7 @@ impl<K: SceneKind, I: ChainIntegrator> AnyKernel for ChainKernel<'_, K, I> {
         match &self.direct {
             // With another seed than chains, which number their streams otherwise.
             Some(direct) => {
-                beside(worker(&self.world, direct, !self.seed, SamplerKind::Stratified))
+                beside(worker(&self.world, direct, !self.seed, SamplerKind::LowDiscrepancy))
             }
             None => Box::new(|_, _, _| [0.0; 3]),
         }

@@ -402,7 +402,7 @@ impl<'a, K: SceneKind> MarkovChain for PathChain<'a, K> {
 /// What a candidate is sampled by. Candidates are one set of points, which tells their mean more exactly than
 /// independent ones would.
 fn uniforms_of(seed: u64, candidate: usize) -> Uniforms {
-    Uniforms::new(SamplerKind::Stratified, seed, u64::MAX, candidate as u32)
+    Uniforms::new(SamplerKind::LowDiscrepancy, seed, u64::MAX, candidate as u32)
 }
 
 /// One of several paths, in proportion to their brightness; the empty one if there is none.

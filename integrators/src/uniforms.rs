@@ -1,7 +1,7 @@
 //! The uniforms that integrators draw from.
 
 use aether_core::sequence::first_block;
-use aether_core::{Lattice, Pcg32, Sobol, UniformSource};
+use aether_core::{Pcg32, Sobol, UniformSource};
 
 use crate::scene::{Film, SamplerKind};
 use crate::strategies::Pixel;
@@ -21,8 +21,6 @@ enum Source {
     Independent(Pcg32),
     /// Stratified over the samples of a pixel.
     Stratified(Sobol),
-    /// The same, and far apart from each other.
-    Lattice(Lattice),
 }
 
 /// The number of the stream that all pixels have in common.
@@ -36,7 +34,6 @@ impl Source {
     fn new(kind: SamplerKind, seed: u64, stream: u64, sample: u32) -> Self {
         match kind {
             SamplerKind::Independent => Self::Independent(Pcg32::new(seed, stream, sample.into())),
-            SamplerKind::LowDiscrepancy => Self::Lattice(Lattice::new(seed, stream, sample)),
             _ => Self::Stratified(Sobol::new(seed, stream, sample)),
         }
     }
@@ -67,7 +64,7 @@ impl Uniforms {
     #[inline]
     pub fn of_pixel(kind: SamplerKind, seed: u64, pixel: Pixel, film: &Film, sample: u32) -> Self {
         let stream = u64::from(pixel.1) * u64::from(film.width) + u64::from(pixel.0);
-        let places = || Source::new(SamplerKind::Stratified, seed, IMAGE, sample);
+        let places = || Source::new(SamplerKind::LowDiscrepancy, seed, IMAGE, sample);
         let other = film.filter.is_shared().then(places);
         Uniforms { other, ..Self::new(kind, seed, stream, sample) }
     }
@@ -79,7 +76,6 @@ impl UniformSource<f32> for Uniforms {
         match &mut self.source {
             Source::Independent(source) => source.next(),
             Source::Stratified(source) => source.next(),
-            Source::Lattice(source) => source.next(),
         }
     }
 
@@ -88,7 +84,6 @@ impl UniformSource<f32> for Uniforms {
         match &mut self.source {
             Source::Independent(source) => source.choice(),
             Source::Stratified(source) => source.choice(),
-            Source::Lattice(source) => source.choice(),
         }
     }
 
@@ -103,7 +98,6 @@ impl UniformSource<f32> for Uniforms {
         match &mut self.source {
             Source::Independent(source) => UniformSource::<f32>::start(source, block),
             Source::Stratified(source) => UniformSource::<f32>::start(source, block),
-            Source::Lattice(source) => UniformSource::<f32>::start(source, block),
         }
     }
 
@@ -113,7 +107,6 @@ impl UniformSource<f32> for Uniforms {
             match source {
                 Source::Independent(source) => UniformSource::<f32>::piece(source, number),
                 Source::Stratified(source) => UniformSource::<f32>::piece(source, number),
-                Source::Lattice(source) => UniformSource::<f32>::piece(source, number),
             }
         }
     }
@@ -126,8 +119,7 @@ mod tests {
 
     #[test]
     fn at_one_place_only_film_points_are_drawn_by_the_same_numbers() {
-        for kind in [SamplerKind::Independent, SamplerKind::LowDiscrepancy, SamplerKind::Stratified]
-        {
+        for kind in [SamplerKind::Independent, SamplerKind::LowDiscrepancy] {
             let numbers = |mut uniforms: Uniforms| {
                 [0, FILM, 7, FILM].map(|block| {
                     uniforms.start(block);

@@ -3,11 +3,9 @@
 //! A source is keyed by (seed, stream, sample), so what a sample draws depends on nothing but its
 //! own numbers: not on the thread that draws it, nor on what was drawn before.
 
-mod lattice;
 mod pcg;
 mod sobol;
 
-pub use lattice::Lattice;
 pub use pcg::Pcg32;
 pub use sobol::Sobol;
 

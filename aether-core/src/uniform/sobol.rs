@@ -91,7 +91,7 @@ fn reversed_sobol(reversed_index: u32) -> [u32; JOINT] {
 /// Owen's nested uniform scrambling of a binary fraction whose bits are in opposite order: a hash in which each bit depends only
 /// on the bits below it (Laine and Karras 2011, with the constants that Vegdahl found).
 #[inline]
-pub(super) fn owen(mut x: u32, seed: u32) -> u32 {
+fn owen(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);

@@ -86,9 +86,9 @@ pub(super) struct RenderArguments {
     /// Seed of the random numbers: the same seed gives the same image [default: the scene's, or 0]
     #[arg(long, value_name = "N", value_parser = seed, allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// Where random numbers come from, instead of what the scene asks for: `independent`, or with mostly less noise
-    /// `ldsampler`, points of shifted lattices, and Owen-scrambled Sobol points by any other name that Mitsuba has for a
-    /// sampler. mlt, pssmlt, ppm and vcm have uniforms of their own
+    /// Where random numbers come from, instead of what the scene asks for: `independent`, or Owen-scrambled Sobol points
+    /// by any other name that Mitsuba has for a sampler (`ldsampler`): mostly less noise. mlt, pssmlt, ppm and vcm
+    /// have uniforms of their own
     #[arg(long, value_name = "NAME", value_parser = sampler)]
     pub sampler: Option<SamplerKind>,
     /// Number of threads, which does not change the image [default: one for each core]
