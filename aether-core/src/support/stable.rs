@@ -33,8 +33,8 @@ pub fn exp_and_m1<R: Real>(x: R) -> (R, R) {
 #[inline(always)]
 pub fn root<R: Real>(sum: R, scaled: impl Fn(R) -> R) -> R {
     let root = sum.sqrt();
-    let usual = sum.ge(R::MIN_POSITIVE / R::EPSILON).all() && sum.lt(R::INFINITY).all();
-    if usual { root } else { scaled_root(sum, scaled) }
+    let usual = sum.ge(R::MIN_POSITIVE / R::EPSILON).and(sum.lt(R::INFINITY));
+    if usual.all() { root } else { scaled_root(sum, scaled) }
 }
 
 /// The same where it is looked afterwards whether what the root is a factor of is a number: of what overflows it is none.

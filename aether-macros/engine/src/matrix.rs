@@ -120,49 +120,35 @@ fn independent_rows(g: &Graph, matrix: &[Vec<Id>]) -> Option<Vec<usize>> {
 
 /// Cramer's rule for up to three unknowns.
 fn cramer(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
-    let k = known.len();
-    if k > 3 {
-        return None;
-    }
-    if k == 3 {
-        return by_triple_products(g, matrix, known);
-    }
-    let bottom = determinant(g, matrix);
+    let (bottom, tops) = match known.len() {
+        1 | 2 => (determinant(g, matrix), replaced(g, matrix, known)),
+        3 => triple_products(g, matrix, known),
+        _ => return None,
+    };
     if g.as_number(bottom).is_some_and(Q::is_zero) {
         return None;
     }
-    Some(
-        (0..k)
-            .map(|j| {
-                let replaced: Vec<Vec<Id>> = matrix
-                    .iter()
-                    .zip(known)
-                    .map(|(row, &x)| {
-                        let mut row = row.clone();
-                        row[j] = x;
-                        row
-                    })
-                    .collect();
-                let top = determinant(g, &replaced);
-                g.div(top, bottom)
-            })
-            .collect(),
-    )
+    Some(tops.into_iter().map(|top| g.div(top, bottom)).collect())
 }
 
-/// Cramer's rule for three unknowns: all four determinants are triple products of one of two vector products of columns. Of
-/// columns that are vectors, machines with instructions for two numbers have the edges in pairs; minors of two rows, as many of
-/// them, would have to be put together.
-fn by_triple_products(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Option<Vec<Id>> {
+/// The determinants with each column replaced by what is known.
+fn replaced(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> Vec<Id> {
+    let with_known = |j: usize| -> Vec<Vec<Id>> {
+        let mut replaced = matrix.to_vec();
+        replaced.iter_mut().zip(known).for_each(|(row, &x)| row[j] = x);
+        replaced
+    };
+    (0..known.len()).map(|j| determinant(g, &with_known(j))).collect()
+}
+
+/// The determinant of three columns, and those with each of them replaced by what is known: all four are triple products of one
+/// of two vector products of columns. Of columns that are vectors, machines with instructions for two numbers have the edges in
+/// pairs; minors of two rows, as many of them, would have to be put together.
+fn triple_products(g: &mut Graph, matrix: &[Vec<Id>], known: &[Id]) -> (Id, Vec<Id>) {
     let [a, b, c] = [0, 1, 2].map(|j| matrix.iter().map(|row| row[j]).collect::<Vec<Id>>());
     let (bc, xa) = (cross(g, &b, &c), cross(g, known, &a));
-    let bottom = dot(g, &a, &bc);
-    if g.as_number(bottom).is_some_and(Q::is_zero) {
-        return None;
-    }
-    let along_b = dot(g, &xa, &c);
-    let tops = [dot(g, known, &bc), g.neg(along_b), dot(g, &xa, &b)];
-    Some(tops.map(|top| g.div(top, bottom)).to_vec())
+    let (bottom, along_b) = (dot(g, &a, &bc), dot(g, &xa, &c));
+    (bottom, vec![dot(g, known, &bc), g.neg(along_b), dot(g, &xa, &b)])
 }
 
 /// The determinant, by expansion along the first row.

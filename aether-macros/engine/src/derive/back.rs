@@ -45,7 +45,7 @@ pub struct Image {
     pub conditions: Vec<Id>,
     /// How it is a multiple of the point, if it is one in a simple way.
     pub scaled: Option<Scaled>,
-    /// The factor by which each coordinate is that of the point, if it is one for all.
+    /// Otherwise, the factor by which each coordinate is that of the point, if it is one for all.
     pub factor: Option<Id>,
 }
 
@@ -148,7 +148,9 @@ pub(super) fn back(
     images.retain(|image| image.coordinates != point);
     let mut image = images.into_iter().min_by_key(|image| cost(g, image))?;
     image.scaled = scaled(g, &image.coordinates);
-    image.factor = factor(g, &image.coordinates);
+    if image.scaled.is_none() {
+        image.factor = factor(g, &image.coordinates);
+    }
     let otherwise: Vec<Id> = forward.iter().chain(unknowns).copied().collect();
     let shorter = cost(g, &image) < cost_together(g, &otherwise);
     shorter.then_some(image)
